@@ -46,6 +46,10 @@ def pyrorl(steps):
     """PyroRL on its own 50 x 50 field, where nobody drives."""
     import gymnasium
     import pyrorl  # noqa: F401
+    import torch
+
+    # Its threads idle, and their time would count against it.
+    torch.set_num_threads(1)
 
     env = gymnasium.make(
         "pyrorl/PyroRL-v0",

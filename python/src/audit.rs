@@ -10,7 +10,7 @@ use wildfire::batch::{
     AuditOptions, AuditSource, FinishedBatch, ListedViolation, RECORDINGS_FOLDER, audit_all, recordings_in,
 };
 
-use crate::batch::{Batch, OneOrMore};
+use crate::batch::{Batch, OneOrMore, threads};
 use crate::errors::error;
 use crate::planner::{Factories, Interruption};
 use crate::run::Run;
@@ -76,7 +76,7 @@ pub enum Audited<'py> {
 /// planners, policies : mapping
 ///     Planners and policies of one's own that such runs had, by the same names.
 /// jobs : int
-///     Threads.
+///     Threads; -1 for one per core.
 ///
 /// Returns
 /// -------
@@ -94,8 +94,9 @@ pub fn audit(
     what: OneOrMore<Audited<'_>>,
     planners: Option<&Bound<'_, PyMapping>>,
     policies: Option<&Bound<'_, PyMapping>>,
-    jobs: usize,
+    jobs: isize,
 ) -> PyResult<Vec<Offence>> {
+    let jobs = threads(jobs)?;
     let factories = Factories::new(planners, policies)?;
     let mut offences = Vec::new();
     for audited in what.into_vec() {
@@ -140,7 +141,7 @@ fn audit_source(py: Python<'_>, source: &AuditSource, factories: &Factories, job
         batch.expect_entrants(&entrants).map_err(error)?;
     }
     let options = AuditOptions { jobs, step: SampleStep::default(), entrants: &entrants, listed: usize::MAX };
-    let report = py.detach(|| audit_all(std::slice::from_ref(source), &options, || {}));
+    let report = interruption.work_aside(py, || audit_all(std::slice::from_ref(source), &options, || {}))?;
     if let Some(exception) = interruption.take() {
         return Err(exception);
     }

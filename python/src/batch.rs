@@ -2,33 +2,31 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::atomic::Ordering;
 use std::thread;
-use std::time::Duration;
 
-use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyInt, PyMapping, PyString};
 use tempfile::TempDir;
 use wildfire::batch::{
-    self as library, BatchError, BatchPlan, BatchReport, BatchRequest, FinishedBatch, OutputFolder, Record,
-    RequestError, Seeds, Setting, Slice, Sweep, read_rows, swept_columns,
+    self as library, BatchError, BatchPlan, BatchReport, BatchRequest, FinishedBatch, OutputFolder, PlanError, Record,
+    RequestError, Seeds, Setting, Slice, Sweep, read_report, read_rows, swept_columns, with_threads,
 };
 use wildfire::scenario::{Fault, ScenarioText};
 use wildfire::sim::{RunError, RunOptions};
 
 use crate::errors::{error, scenario_error};
+use crate::interruption::{Interruption, say};
 use crate::literal::literal;
-use crate::planner::{Factories, Interruption};
+use crate::planner::Factories;
+use crate::program::programs;
 use crate::run::simulate;
-use crate::scenario::{Scenario, ScenarioLike, table_of};
+use crate::scenario::{Pickled, Scenario, ScenarioLike, restorer, table_of};
 use crate::tables::Table;
 
 /// The most threads of a batch.
 const MAX_JOBS: usize = 1024;
-
-/// The time between two looks for Ctrl-C.
-const POLL: Duration = Duration::from_millis(50);
 
 /// A batch that is over. Its tables are read when they are asked for.
 ///
@@ -40,6 +38,8 @@ pub struct Batch {
     /// The folder, if nobody asked for one: it goes with the batch.
     scratch: Option<TempDir>,
     report: BatchReport,
+    /// True if all of its runs were there when it was asked for.
+    was_read: bool,
 }
 
 #[pymethods]
@@ -86,13 +86,27 @@ impl Batch {
         self.report.not_done()
     }
 
+    /// Shows the tables in a notebook.
+    fn _repr_html_(&self) -> String {
+        let text = self.tables().replace('&', "&amp;").replace('<', "&lt;");
+        format!("<pre>{text}</pre>")
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py, (PathBuf,)>> {
+        match self.folder() {
+            Some(folder) => Ok((restorer(py, "read_batch")?, (folder,))),
+            None => Err(error("a batch is pickled as its folder; expected one that was made with `out=FOLDER`")),
+        }
+    }
+
     fn __len__(&self) -> usize {
         usize::try_from(self.plan.count()).unwrap_or(usize::MAX)
     }
 
     fn __repr__(&self) -> String {
         let (variants, runs) = (self.plan.variants.len(), self.plan.count());
-        format!("<Batch of {runs} runs, {variants} variants, seeds {}>", self.plan.seeds)
+        let read = if self.was_read { format!(", read from {}", self.folder.path().display()) } else { String::new() };
+        format!("<Batch of {runs} runs, {variants} variants, seeds {}{read}>", self.plan.seeds)
     }
 }
 
@@ -105,8 +119,8 @@ impl Batch {
     fn table<'py>(&self, py: Python<'py>, table: Table) -> PyResult<Bound<'py, PyAny>> {
         let largest_seed = self.plan.seeds.iter().max().unwrap_or_default();
         let mut started = table.begin(&swept_columns(&self.plan), largest_seed);
-        let read = py.detach(|| read_rows(&self.plan, &self.folder, |row| started.add(row)));
-        read.map_err(error)?;
+        let read = || read_rows(&self.plan, &self.folder, |row| started.add(row));
+        py.detach(|| with_threads(1, read)).and_then(|read| read).map_err(error)?;
         started.finish(py)
     }
 }
@@ -139,7 +153,7 @@ struct Request<'a, 'py> {
 #[pyfunction]
 #[pyo3(signature = (
     scenarios = None, seeds = None, *, planner = None, planners = None, policies = None, sweep = None, jobs = 1, out = None,
-    record = None
+    record = None, version = None, trust = false
 ))]
 /// Runs scenarios with many seeds.
 ///
@@ -158,12 +172,17 @@ struct Request<'a, 'py> {
 /// sweep : mapping
 ///     Values that keys of the scenario take, such as ``{"field.coverage": [0.05, 0.1]}``.
 /// jobs : int
-///     Threads. Planners of Python take turns where the interpreter has a lock.
+///     Threads; -1 for one per core. Planners of Python take turns where the interpreter has a lock.
 /// out : path
 ///     The folder for all files; one that goes with the batch if it is left out. A batch that was stopped there goes on
-///     when the same is asked for again.
+///     when the same is asked for again, with planners and policies of the same code.
 /// record : str
 ///     Which runs leave a recording in that folder: ``"all"``, ``"failed"`` or ``"none"``.
+/// version : str
+///     The version of your planners and policies. It takes the place of a hash of their code, which knows functions,
+///     classes, numbers and texts, and neither lists nor objects.
+/// trust : bool
+///     Whether programs that scenarios name may be started.
 ///
 /// Raises
 /// ------
@@ -182,13 +201,13 @@ pub fn batch(
     planners: Option<&Bound<'_, PyMapping>>,
     policies: Option<&Bound<'_, PyMapping>>,
     sweep: Option<&Bound<'_, PyMapping>>,
-    jobs: usize,
+    jobs: isize,
     out: Option<PathBuf>,
     record: Option<&str>,
+    version: Option<&str>,
+    trust: bool,
 ) -> PyResult<Batch> {
-    if !(1..=MAX_JOBS).contains(&jobs) {
-        return Err(PyValueError::new_err(format!("jobs is {jobs}; expected 1 to {MAX_JOBS} threads")));
-    }
+    let jobs = threads(jobs)?;
     let scenarios = scenarios.map_or_else(|| vec![ScenarioLike::or_contest(None)], OneOrMore::into_vec);
     let request = Request {
         scenarios: scenarios.iter().map(|named| named.load(py, Vec::new())).collect::<PyResult<_>>()?,
@@ -200,8 +219,9 @@ pub fn batch(
             .parse()
             .map_err(|words: String| PyValueError::new_err(format!("record: {words}")))?,
     };
-    let factories = Factories::new(planners, policies)?;
-    let plan = request.plan(&factories)?;
+    let factories = Arc::new(Factories::new(planners, policies)?.with_programs(programs(py, trust)));
+    let mut plan = request.plan(&factories)?;
+    factories.sign(py, &mut plan, version)?;
     let (path, scratch) = match out {
         Some(path) => (path, None),
         None => {
@@ -209,9 +229,45 @@ pub fn batch(
             (scratch.path().to_owned(), Some(scratch))
         }
     };
-    let (report, plan) = run_to_its_end(py, plan, &path, factories, jobs)?;
+    let (report, plan, found) = run_to_its_end(py, plan, &path, &factories, jobs)?;
+    let was_read = found == plan.count();
+    if was_read {
+        say(py, &format!("read from {}, nothing was run", path.display()));
+    }
     let folder = OutputFolder::existing(&path).map_err(error)?;
-    Ok(Batch { plan, folder, scratch, report })
+    Ok(Batch { plan, folder, scratch, report, was_read })
+}
+
+/// Reads a batch that is over from its folder.
+///
+/// Parameters
+/// ----------
+/// folder : path
+///     That of `batch` or ``wildfire batch``.
+///
+/// Raises
+/// ------
+/// WildfireError
+///     There is none, or runs of it are missing.
+#[pyfunction]
+#[pyo3(signature = (folder, /))]
+pub fn read_batch(py: Python<'_>, folder: PathBuf) -> PyResult<Batch> {
+    let plan = BatchPlan::read(&folder).map_err(error)?;
+    let folder = OutputFolder::existing(&folder).map_err(error)?;
+    let read = py.detach(|| with_threads(1, || read_report(&plan, &folder)));
+    let report = read.and_then(|read| read).map_err(error)?;
+    Ok(Batch { plan, folder, scratch: None, report, was_read: true })
+}
+
+/// Returns the number of threads that is asked for.
+pub fn threads(jobs: isize) -> PyResult<usize> {
+    match usize::try_from(jobs) {
+        Ok(jobs) if (1..=MAX_JOBS).contains(&jobs) => Ok(jobs),
+        _ if jobs == -1 => Ok(thread::available_parallelism().map_or(1, |cores| cores.get().min(MAX_JOBS))),
+        _ => {
+            Err(PyValueError::new_err(format!("jobs is {jobs}; expected 1 to {MAX_JOBS} threads, or -1 for all cores")))
+        }
+    }
 }
 
 impl Request<'_, '_> {
@@ -307,42 +363,25 @@ fn seeds_from(seeds: &Bound<'_, PyAny>) -> PyResult<Seeds> {
     Seeds::from_parts(parts.iter().map(String::as_str)).map_err(error)
 }
 
-/// Runs what a folder does not hold yet, and writes the tables.
+/// Runs what a folder does not hold yet, and writes the tables. Returns how many runs it held, too.
 fn run_to_its_end(
     py: Python<'_>,
     plan: BatchPlan,
     path: &Path,
-    factories: Factories,
+    factories: &Arc<Factories>,
     jobs: usize,
-) -> PyResult<(BatchReport, BatchPlan)> {
+) -> PyResult<(BatchReport, BatchPlan, u64)> {
     let interruption: Arc<Interruption> = Arc::default();
-    let ended = py.detach(|| {
-        thread::scope(|scope| {
-            let (sender, ended) = mpsc::channel();
-            let interruption = &interruption;
-            let work = move || {
-                let result = work_off(plan, path, factories, jobs, interruption);
-                // Whoever waits has not gone away.
-                let _ = sender.send(result);
-            };
-            thread::Builder::new().spawn_scoped(scope, work).map_err(error)?;
-            loop {
-                match ended.recv_timeout(POLL) {
-                    Ok(result) => return Ok(result),
-                    Err(RecvTimeoutError::Disconnected) => {
-                        return Err(PyRuntimeError::new_err("the batch ended without a result"));
-                    }
-                    Err(RecvTimeoutError::Timeout) => {
-                        Python::attach(|py| -> PyResult<()> { py.check_signals() })
-                            .unwrap_or_else(|exception| interruption.set(exception));
-                    }
-                }
-            }
-        })
-    })?;
+    let work = || with_threads(jobs, || work_off(plan, path, factories, jobs, &interruption)).and_then(|done| done);
+    let ended = interruption.work_aside(py, work)?;
     match (ended, interruption.take()) {
         (Ok(done), _) => Ok(done),
         (Err(BatchError::Stopped), Some(exception)) => Err(exception),
+        (Err(refusal @ BatchError::Plan(PlanError::Differs { .. })), _) if !factories.is_empty() => {
+            let advice =
+                "where code has changed, take another folder, or say `version=` in all calls if it plans alike";
+            Err(error(format_args!("{refusal} ({advice})")))
+        }
         (Err(refusal), _) => Err(error(refusal)),
     }
 }
@@ -350,26 +389,35 @@ fn run_to_its_end(
 fn work_off(
     plan: BatchPlan,
     path: &Path,
-    factories: Factories,
+    factories: &Arc<Factories>,
     jobs: usize,
     interruption: &Arc<Interruption>,
-) -> Result<(BatchReport, BatchPlan), BatchError> {
+) -> Result<(BatchReport, BatchPlan, u64), BatchError> {
     let memory = plan.memory;
     let mut batch = begin_or_go_on(plan, path)?;
+    let found = batch.progress().held().0;
     let run = {
-        let interruption = Arc::clone(interruption);
+        let (factories, interruption) = (Arc::clone(factories), Arc::clone(interruption));
         move |scenario: &wildfire::scenario::Scenario, seed| {
-            // The thread is known to Python for the whole run, so that a query need not introduce it.
-            let run = Python::try_attach(|py| {
-                let options = RunOptions { memory, ..factories.entrants(py, &interruption).into() };
-                py.detach(|| simulate(scenario, seed, &options, || interruption.is_set()))
+            let run = interruption.run(|| {
+                // The thread is known to Python for the whole run, so that a query need not introduce it.
+                Python::try_attach(|py| {
+                    let entrants = factories.entrants_of(py, Some(scenario), &interruption);
+                    let options = RunOptions { memory, ..entrants.into() };
+                    py.detach(|| simulate(scenario, seed, &options, || interruption.is_set()))
+                })
             });
-            run.unwrap_or(Err(RunError::Stopped))
+            run.flatten().unwrap_or(Err(RunError::Stopped))
         }
     };
-    batch.run_with(Box::new(run), jobs, interruption.stop(), |_| {})?;
+    let ran = batch.run_with(Box::new(run), jobs, interruption.stop(), |_| {});
+    if ran.is_err() {
+        interruption.stop().store(true, Ordering::Relaxed);
+    }
+    interruption.wait_for_runs();
+    ran?;
     let report = batch.finish(interruption.stop())?;
-    Ok((report, batch.plan().clone()))
+    Ok((report, batch.plan().clone(), found))
 }
 
 /// Begins a batch, or goes on with the same one where it was stopped.

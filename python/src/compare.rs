@@ -67,14 +67,19 @@ pub fn compare<'py>(
     let metrics = metric.map_or_else(Vec::new, OneOrMore::into_vec);
     let comparison = py.detach(|| library_compare(&paths, &selection, &metrics)).map_err(error)?;
     let mut table = TableBuilder::new(columns());
+    let description = |letter| {
+        let side = comparison.sides.iter().find(|side| side.letter == letter);
+        side.map(|side| side.description.clone())
+    };
+    let description_a = description('A');
     for against in &comparison.against_a {
-        let side = comparison.sides.iter().find(|side| side.letter == against.letter);
-        let words = side.map(|side| side.description.clone());
+        let words = description(against.letter);
         for judged in &against.judged {
             let contrast = &judged.contrast;
             table.push([
                 against.letter.to_string().into(),
                 words.clone().into(),
+                description_a.clone().into(),
                 contrast.metric.name.clone().into(),
                 (contrast.pairs as u64).into(),
                 contrast.means[0].into(),
@@ -106,6 +111,7 @@ fn columns() -> Vec<FileColumn> {
     [
         ("side", Kind::Text, "the side that is compared with A"),
         ("description", Kind::Text, "which runs these are"),
+        ("description_a", Kind::Text, "which runs side A is"),
         ("metric", Kind::Text, "what is compared"),
         ("pairs", Kind::Count, "pairs of runs that have it on both sides"),
         ("mean_a", Kind::Real, "mean of side A over the pairs"),

@@ -323,6 +323,10 @@ impl Contests {
             let most = self.rules.layout.actions() - 1;
             return Err(PyValueError::new_err(format!("the action {wrong} is none; expected 0 to {most}")));
         }
+        let is_reset = |lane: usize| resets.iter().any(|&(reset, _)| reset == lane);
+        if (0..self.lanes.len()).any(|lane| self.lanes[lane].episode.is_none() && !is_reset(lane)) {
+            return Err(PyIndexError::new_err("there is no contest to play: call reset first"));
+        }
         let tasks = self.tasks(&resets, |lane| Task::Step(&actions[lane * seats..(lane + 1) * seats]))?;
         self.carry_out(py, tasks)
     }

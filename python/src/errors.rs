@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 use wildfire::scenario;
 
 import_exception!(wildfire_contest.errors, NoPath);
+import_exception!(wildfire_contest.errors, QueryTimedOut);
 import_exception!(wildfire_contest.errors, ScenarioError);
 import_exception!(wildfire_contest.errors, WildfireError);
 

@@ -13,6 +13,7 @@ mod compare;
 mod drive;
 mod envs;
 mod errors;
+mod interruption;
 mod literal;
 mod observation;
 mod path;
@@ -32,7 +33,7 @@ mod _core {
     #[pymodule_export]
     use crate::audit::{Offence, audit};
     #[pymodule_export]
-    use crate::batch::{Batch, batch};
+    use crate::batch::{Batch, batch, read_batch};
     #[pymodule_export]
     use crate::checker::Checker;
     #[pymodule_export]
@@ -50,9 +51,9 @@ mod _core {
     #[pymodule_export]
     use crate::query::{Query, Site, Vehicle};
     #[pymodule_export]
-    use crate::run::{Run, run};
+    use crate::run::{Run, restored_run, run};
     #[pymodule_export]
-    use crate::scenario::{Scenario, scenario};
+    use crate::scenario::{Scenario, restored_scenario, scenario};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

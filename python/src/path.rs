@@ -3,6 +3,7 @@
 use numpy::{AllowTypeChange, PyArrayLike2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyType;
 use wildfire::geometry::Pose;
 use wildfire::vehicle::{self, Dubins, ReedsShepp, Segment};
 
@@ -125,6 +126,12 @@ impl Path {
         self.0.segments.len()
     }
 
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> (Bound<'py, PyType>, (Triple, Vec<(f64, f64)>)) {
+        let path = &slf.get().0;
+        let segments = path.segments.iter().map(|segment| (segment.curvature, segment.length_m)).collect();
+        (slf.get_type(), (triple(path.start), segments))
+    }
+
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
         other.cast::<Self>().is_ok_and(|other| self.0 == other.get().0)
     }
@@ -139,7 +146,9 @@ fn sample(pose: Pose, is_reverse: bool) -> [f64; 4] {
     [pose.x, pose.y, pose.heading, if is_reverse { -1.0 } else { 1.0 }]
 }
 
-pub fn triple(pose: Pose) -> (f64, f64, f64) {
+type Triple = (f64, f64, f64);
+
+pub fn triple(pose: Pose) -> Triple {
     (pose.x, pose.y, pose.heading)
 }
 

@@ -1,27 +1,31 @@
 //! Planners of Python in a run: a factory of Python is a maker, what it makes a planner.
 //!
 //! Whatever Python does is an answer. An exception is a failed query, and so is an object that is no path; an exception
-//! that is meant to end the program, such as `KeyboardInterrupt`, ends the run or the batch. A truck is only ever driven
-//! by paths that the gate has let pass.
+//! that is meant to end the program, such as `KeyboardInterrupt`, ends the run or the batch. A query that takes more CPU
+//! time than it may is failed as *timed out*. A truck is only ever driven by paths that the gate has let pass.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
 
 use numpy::{AllowTypeChange, PyArrayLike2};
-use pyo3::exceptions::PyException;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
 use rand::Rng;
+use wildfire::batch::{BatchPlan, Variant};
 use wildfire::collision::CollisionChecker;
 use wildfire::geometry::Pose;
 use wildfire::planning::judge::MOST_SEGMENTS;
 use wildfire::planning::{self, Goal, MakeError, NameError, Plan, PlanFailure, Planners, TruckPlanner};
-use wildfire::sim::Entrants;
+use wildfire::scenario::{Programs, Scenario};
+use wildfire::sim::{Entrants, StartPrograms};
 use wildfire::vehicle::{Path, Segment};
 
 use crate::arrays::{described, is_sane_pose, pose};
 use crate::checker::Checker;
 use crate::errors::{NoPath, error};
+pub use crate::interruption::Interruption;
+use crate::interruption::is_an_end;
 use crate::path;
 use crate::policy::GivenPolicies;
 use crate::query::{Query, Site};
@@ -29,39 +33,12 @@ use crate::query::{Query, Site};
 /// Bits of a seed: all whole numbers below 2^53 are also floats.
 pub const SEED_BITS: u32 = 53;
 
-/// The wish to end, raised inside of a callback: nothing of Python is asked any more.
-#[derive(Default)]
-pub struct Interruption {
-    stop: Arc<AtomicBool>,
-    exception: Mutex<Option<PyErr>>,
-}
-
-impl Interruption {
-    /// Returns the flag that says that everybody should stop.
-    pub fn stop(&self) -> &Arc<AtomicBool> {
-        &self.stop
-    }
-
-    pub fn is_set(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
-    }
-
-    /// Asks everybody to stop because of this exception. The first one is kept.
-    pub fn set(&self, exception: PyErr) {
-        self.exception.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(exception);
-        self.stop.store(true, Ordering::Relaxed);
-    }
-
-    /// Takes the exception that asked for a stop, if one did.
-    pub fn take(&self) -> Option<PyErr> {
-        self.exception.lock().unwrap_or_else(PoisonError::into_inner).take()
-    }
-}
-
 /// What was handed in, by name: factories of planners, and policies.
 pub struct Factories {
     planners: Vec<(String, Py<PyAny>)>,
     policies: GivenPolicies,
+    /// Who starts the programs of scenarios.
+    programs: Option<Arc<dyn StartPrograms>>,
 }
 
 impl Factories {
@@ -77,17 +54,22 @@ impl Factories {
                 let kind = factory.get_type().name()?;
                 let sentence =
                     format!("the planner `{name}` is a {kind}; expected what makes one from a Site, such as a class");
-                return Err(pyo3::exceptions::PyTypeError::new_err(sentence));
+                return Err(PyTypeError::new_err(sentence));
             }
             factories.push((name, factory.unbind()));
         }
-        let factories = Self { planners: factories, policies: GivenPolicies::new(policies)? };
+        let factories = Self { planners: factories, policies: GivenPolicies::new(policies)?, programs: None };
         // Names are checked now, before anything runs.
         Python::attach(|py| {
-            factories.planners(py, &Arc::default()).map_err(error)?;
-            factories.policies.policies(py, &Arc::default()).map_err(error)
+            factories.planners(py, None, &Arc::default()).map_err(error)?;
+            factories.policies.policies(py, None, &Arc::default()).map_err(error)
         })?;
         Ok(factories)
+    }
+
+    /// Returns the same with somebody who starts the programs of scenarios.
+    pub fn with_programs(self, programs: Option<Arc<dyn StartPrograms>>) -> Self {
+        Self { programs, ..self }
     }
 
     /// Says whether a planner or a policy, as `kind` says, of this name was handed in.
@@ -98,18 +80,59 @@ impl Factories {
         }
     }
 
-    /// Returns what was handed in, for one run.
+    /// Returns what was handed in, for one run, with the usual limits.
     pub fn entrants(&self, py: Python<'_>, interruption: &Arc<Interruption>) -> Entrants {
-        let planners = self.planners(py, interruption).expect("the names were checked before");
-        let policies = self.policies.policies(py, interruption).expect("the names were checked before");
-        Entrants { planners, policies, ..Entrants::default() }
+        self.entrants_of(py, None, interruption)
     }
 
-    fn planners(&self, py: Python<'_>, interruption: &Arc<Interruption>) -> Result<Planners, NameError> {
+    /// The same with the limits of a scenario's tables.
+    pub fn entrants_of(
+        &self,
+        py: Python<'_>,
+        scenario: Option<&Scenario>,
+        interruption: &Arc<Interruption>,
+    ) -> Entrants {
+        let planners = self.planners(py, scenario, interruption).expect("the names were checked before");
+        let policies = self.policies.policies(py, scenario, interruption).expect("the names were checked before");
+        Entrants { planners, policies, programs: self.programs.clone() }
+    }
+
+    /// Says whether nothing was handed in.
+    pub fn is_empty(&self) -> bool {
+        self.planners.is_empty() && self.policies.0.is_empty()
+    }
+
+    /// Notes in a plan which code was handed in: its version, or else a hash.
+    pub fn sign(&self, py: Python<'_>, plan: &mut BatchPlan, version: Option<&str>) -> PyResult<()> {
+        let hash = py.import("wildfire_contest.fingerprint")?.getattr("fingerprint")?;
+        let planners = self.planners.iter().map(|(name, factory)| (true, name, factory));
+        let policies = self.policies.0.iter().map(|given| (false, &given.name, &given.policy));
+        for (is_planner, name, code) in planners.chain(policies) {
+            let (kind, signature) = match version {
+                Some(version) => ("version", version.to_owned()),
+                None => ("code", hash.call1((code,))?.extract()?),
+            };
+            for Variant { scenario, .. } in &mut plan.variants {
+                let tables = if is_planner { &mut scenario.planner } else { &mut scenario.policy };
+                for (_, table) in tables.iter_mut().filter(|(known, _)| known.name() == name) {
+                    table.sha256.insert(kind.to_owned(), signature.clone());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn planners(
+        &self,
+        py: Python<'_>,
+        scenario: Option<&Scenario>,
+        interruption: &Arc<Interruption>,
+    ) -> Result<Planners, NameError> {
         let has_printed = Arc::new(AtomicBool::new(false));
         self.planners.iter().try_fold(Planners::default(), |planners, (name, factory)| {
             let maker = Maker {
                 name: name.clone(),
+                limit_s: cpu_limit_s(scenario.map(|scenario| &scenario.planner), name),
                 factory: factory.clone_ref(py),
                 interruption: Arc::clone(interruption),
                 has_printed: Arc::clone(&has_printed),
@@ -119,9 +142,18 @@ impl Factories {
     }
 }
 
+/// Returns the CPU seconds that a query may take by the table of a name: where programs are held by a wall clock, the CPU
+/// clock is that of the thread.
+pub fn cpu_limit_s(tables: Option<&Programs>, name: &str) -> f64 {
+    let own = tables.and_then(|tables| tables.iter().find(|(known, _)| known.name() == name));
+    let table = own.map(|(_, table)| table.clone()).unwrap_or_default();
+    table.query_cpu_s.unwrap_or(table.query_limit_s)
+}
+
 /// Makes planners of one name in one run.
 struct Maker {
     name: String,
+    limit_s: f64,
     factory: Py<PyAny>,
     interruption: Arc<Interruption>,
     /// True if an exception of this run was printed whole.
@@ -131,7 +163,9 @@ struct Maker {
 impl Maker {
     fn make(&self, site: &planning::Site<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> {
         let made = Python::try_attach(|py| {
-            self.call(py, site).map_err(|exception| {
+            let about = || format!("the factory of the planner `{}`", self.name);
+            let made = self.interruption.watched(py, about, None, || self.call(py, site));
+            made.map_err(MakeError::new)?.map_err(|exception| {
                 let words = words(py, &exception);
                 self.settle(py, exception);
                 MakeError::new(words)
@@ -155,6 +189,8 @@ impl Maker {
             error(format_args!("it made a {kind}, which has no method `plan`"))
         })?;
         Ok(Box::new(PythonPlanner {
+            name: self.name.clone(),
+            limit_s: self.limit_s,
             plan: plan.unbind(),
             checker,
             interruption: Arc::clone(&self.interruption),
@@ -169,6 +205,8 @@ impl Maker {
 
 /// A planner that Python made.
 struct PythonPlanner {
+    name: String,
+    limit_s: f64,
     /// Its bound method.
     plan: Py<PyAny>,
     checker: Py<Checker>,
@@ -189,50 +227,62 @@ impl TruckPlanner for PythonPlanner {
 impl PythonPlanner {
     fn ask(&self, py: Python<'_>, start: Pose, goal: Goal) -> Plan {
         let query = Query { start, goal, checker: self.checker.clone_ref(py) };
-        let answer = self.plan.bind(py).call1((query,));
-        match answer.map_err(Refusal::Exception).and_then(|answer| self.path(start, &answer)) {
-            Ok(path) => Plan::from(path),
-            Err(Refusal::Words(words)) => Plan::failed(PlanFailure::BadAnswer, words),
-            Err(Refusal::Exception(exception)) => self.failure(py, exception),
+        let about = || {
+            let goal = match goal {
+                Goal::Disc(disc) => disc.centre,
+                Goal::Pose(pose) => pose.position(),
+            };
+            format!("the planner `{}`, asked for a path to ({:.1}, {:.1}),", self.name, goal.x, goal.y)
+        };
+        let answered = self.interruption.watched(py, about, Some(self.limit_s), || {
+            let answer = self.plan.bind(py).call1((query,))?;
+            self.read(start, &answer)
+        });
+        match answered {
+            Ok(Ok(plan)) => plan,
+            Ok(Err(exception)) => self.failure(py, exception),
+            Err(words) => Plan::failed(PlanFailure::TimedOut, words),
         }
     }
 
-    /// Reads an answer.
-    fn path(&self, start: Pose, answer: &Bound<'_, PyAny>) -> Result<Result<Path, PlanFailure>, Refusal> {
+    /// Reads an answer. What is no path is a bad answer; an error is an exception that is meant to end the program.
+    fn read(&self, start: Pose, answer: &Bound<'_, PyAny>) -> PyResult<Plan> {
         if answer.is_none() {
-            return Ok(Err(PlanFailure::Disconnected));
+            return Ok(Plan::from(Err(PlanFailure::Disconnected)));
         }
         if let Ok(path) = answer.cast::<path::Path>() {
-            return Ok(Ok(path.get().0.clone()));
+            return Ok(Plan::from(Ok(path.get().0.clone())));
         }
-        let refuse = |found: String| Refusal::Words(format!("{found}; expected {EXPECTED}"));
+        let bad = |words: String| Ok(Plan::failed(PlanFailure::BadAnswer, words));
+        let refuse = || bad(format!("{}; expected {EXPECTED}", described(answer)));
         let rows = match answer.extract::<PyArrayLike2<'_, f64, AllowTypeChange>>() {
             Ok(rows) => rows,
-            Err(exception) if is_an_end(answer.py(), &exception) => return Err(Refusal::Exception(exception)),
+            Err(exception) if is_an_end(answer.py(), &exception) => return Err(exception),
             // Nothing to drive has no columns.
-            Err(_) if answer.len().is_ok_and(|length| length == 0) => return Ok(Ok(Path::standing(start))),
-            Err(_) => return Err(refuse(described(answer))),
+            Err(_) if answer.len().is_ok_and(|length| length == 0) => return Ok(Plan::from(Ok(Path::standing(start)))),
+            Err(_) => return refuse(),
         };
         let rows = rows.as_array();
         if rows.nrows() > MOST_SEGMENTS {
-            return Err(Refusal::Words(format!("it has {} rows, the most is {MOST_SEGMENTS}", rows.nrows())));
+            return bad(format!("it has {} rows, the most is {MOST_SEGMENTS}", rows.nrows()));
         }
         match rows.ncols() {
-            _ if rows.nrows() == 0 => Ok(Ok(Path::standing(start))),
+            _ if rows.nrows() == 0 => Ok(Plan::from(Ok(Path::standing(start)))),
             2 => {
                 let segments = rows.rows().into_iter();
                 let segments = segments.map(|row| Segment { curvature: row[0], length_m: row[1] }).collect();
-                Ok(Ok(Path { start, segments }))
+                Ok(Plan::from(Ok(Path { start, segments })))
             }
             3 => {
                 let poses: Vec<_> = rows.rows().into_iter().map(|row| pose(row[0], row[1], row[2])).collect();
                 if let Some(index) = poses.iter().position(|pose| !is_sane_pose(pose)) {
-                    let sentence = format!("pose {} of {} is not made of finite, sane numbers", index + 1, poses.len());
-                    return Err(Refusal::Words(sentence));
+                    let count = poses.len();
+                    return bad(format!("pose {} of {count} is not made of finite, sane numbers", index + 1));
                 }
-                Ok(Ok(path::through(start, &poses, self.checker.get().0.body().turning_radius_m)))
+                let radius_m = self.checker.get().0.body().turning_radius_m;
+                Ok(Plan::from(Ok(path::through(start, &poses, radius_m))))
             }
-            _ => Err(refuse(described(answer))),
+            _ => refuse(),
         }
     }
 
@@ -260,17 +310,6 @@ impl PythonPlanner {
 
 const EXPECTED: &str =
     "a Path, segments of the shape (n, 2), poses of the shape (n, 3), or None where there is no path";
-
-/// Why an answer is no path.
-enum Refusal {
-    Words(String),
-    Exception(PyErr),
-}
-
-/// Says whether an exception is meant to end more than what raised it.
-fn is_an_end(py: Python<'_>, exception: &PyErr) -> bool {
-    !exception.is_instance_of::<PyException>(py)
-}
 
 /// Passes on an exception that is meant to end the program; of others the first of a run is printed whole.
 pub fn settle(py: Python<'_>, exception: PyErr, interruption: &Interruption, has_printed: &AtomicBool) {

@@ -12,24 +12,36 @@ use pyo3::types::{PyDict, PyMapping};
 use rand::Rng;
 use wildfire::geometry::Cell;
 use wildfire::planning::{MakeError, PlanFailure};
+use wildfire::scenario::Scenario;
 use wildfire::sim::policies::{AskReport, Choice, Observation, Policies, Policy, PolicyNameError, PolicySite};
 use wildfire::time::SimTime;
 use wildfire::timeline::AgentId;
 
+use crate::errors::error;
+use crate::interruption::Interruption;
 use crate::observation::{AGENT_NUMBERS, CANDIDATE_NUMBERS, Layout, OwnArrays, SharedArrays, Sight};
-use crate::planner::{Interruption, SEED_BITS, settle, words};
+use crate::planner::{SEED_BITS, cpu_limit_s, settle, words};
 
 /// What Python says of a policy.
-struct Given {
-    name: String,
+pub struct Given {
+    pub name: String,
+    /// All of it, of which the rest are parts.
+    pub policy: Py<PyAny>,
     act: Py<PyAny>,
     nearest: Option<usize>,
     wait_s: f64,
     per_run: bool,
 }
 
+impl Given {
+    fn clone_ref(&self, py: Python<'_>) -> Self {
+        let (policy, act) = (self.policy.clone_ref(py), self.act.clone_ref(py));
+        Self { name: self.name.clone(), policy, act, ..*self }
+    }
+}
+
 /// The policies that were handed in.
-pub struct GivenPolicies(Vec<Given>);
+pub struct GivenPolicies(pub Vec<Given>);
 
 impl GivenPolicies {
     /// Takes Python's mapping of names to policies.
@@ -48,6 +60,7 @@ impl GivenPolicies {
                 nearest: policy.getattr("nearest")?.extract()?,
                 wait_s: policy.getattr("wait_s")?.extract()?,
                 per_run: policy.getattr("per_run")?.extract()?,
+                policy: policy.unbind(),
             });
         }
         Ok(Self(policies))
@@ -61,11 +74,17 @@ impl GivenPolicies {
     ///
     /// # Errors
     /// If a policy cannot have its name.
-    pub fn policies(&self, py: Python<'_>, interruption: &Arc<Interruption>) -> Result<Policies, PolicyNameError> {
+    pub fn policies(
+        &self,
+        py: Python<'_>,
+        scenario: Option<&Scenario>,
+        interruption: &Arc<Interruption>,
+    ) -> Result<Policies, PolicyNameError> {
         let has_printed = Arc::new(AtomicBool::new(false));
         self.0.iter().try_fold(Policies::default(), |policies, given| {
             let maker = Maker {
-                given: Given { name: given.name.clone(), act: given.act.clone_ref(py), ..*given },
+                given: given.clone_ref(py),
+                limit_s: cpu_limit_s(scenario.map(|scenario| &scenario.policy), &given.name),
                 interruption: Arc::clone(interruption),
                 has_printed: Arc::clone(&has_printed),
             };
@@ -77,6 +96,7 @@ impl GivenPolicies {
 /// Makes policies of one name.
 struct Maker {
     given: Given,
+    limit_s: f64,
     interruption: Arc<Interruption>,
     /// True if an exception of this run was printed whole.
     has_printed: Arc<AtomicBool>,
@@ -100,6 +120,8 @@ impl Maker {
             duration: site.duration,
         };
         Ok(Box::new(PythonPolicy {
+            name: self.given.name.clone(),
+            limit_s: self.limit_s,
             act,
             layout,
             interruption: Arc::clone(&self.interruption),
@@ -128,6 +150,8 @@ impl Maker {
 
 /// A policy that Python has.
 struct PythonPolicy {
+    name: String,
+    limit_s: f64,
     act: Py<PyAny>,
     layout: Layout,
     interruption: Arc<Interruption>,
@@ -153,12 +177,18 @@ impl PythonPolicy {
     fn ask(&mut self, py: Python<'_>, seen: &Observation<'_>, agent: AgentId) -> Choice {
         let options = seen.options(agent);
         let waiting = self.layout.waiting(seen.now);
-        let answered = self
-            .shown(py, seen, agent, &options)
-            .and_then(|(observation, candidates)| Ok((self.act.bind(py).call1((observation,))?, candidates)));
+        let about = || format!("the policy `{}`, asked for {agent},", self.name);
+        let answered = self.interruption.watched(py, about, Some(self.limit_s), || {
+            let (observation, candidates) = self.shown(py, seen, agent, &options)?;
+            Ok((self.act.bind(py).call1((observation,))?, candidates))
+        });
         let (answer, candidates) = match answered {
-            Ok(answered) => answered,
-            Err(exception) => {
+            Ok(Ok(answered)) => answered,
+            Err(words) => {
+                self.report.failure = Some((PlanFailure::TimedOut, words));
+                return waiting;
+            }
+            Ok(Err(exception)) => {
                 self.report.failure = Some((PlanFailure::Crashed, words(py, &exception)));
                 settle(py, exception, &self.interruption, &self.has_printed);
                 return waiting;

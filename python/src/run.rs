@@ -13,6 +13,7 @@ use wildfire::batch::{
     FileColumn, Kind, PLANNER_KEY, RUN_COLUMNS, RunDetail, RunLabel, RunObject, RunResult, RunRow, Unit, Value,
     is_measured,
 };
+use wildfire::picture::Picture;
 use wildfire::picture::film::{FrameLayout, FrameRenderer, FrameRequest, RunView, ViewOptions};
 use wildfire::scenario as library;
 use wildfire::sim::{self as library_sim, RunError, RunOptions, Simulation};
@@ -23,8 +24,10 @@ use wildfire::timeline::{Outcome, Replay, RunIndex, Timeline, file};
 
 use crate::columns::TableBuilder;
 use crate::errors::error;
+use crate::interruption::Interruption;
 use crate::planner::Factories;
-use crate::scenario::ScenarioLike;
+use crate::program::programs;
+use crate::scenario::{Pickled, ScenarioLike, restorer};
 use crate::tables::Table;
 
 /// The most rows of a trace.
@@ -138,8 +141,8 @@ impl Run {
     /// ----------
     /// at_s : float
     ///     Simulated seconds; the end of the run if it is left out.
-    /// size : tuple of int
-    ///     Width and height in pixels.
+    /// size : int or tuple of int
+    ///     Width and height in pixels, or one number for both.
     ///
     /// Returns
     /// -------
@@ -150,9 +153,12 @@ impl Run {
     /// ------
     /// ValueError
     ///     The run has no such time, or a picture no such size.
-    #[pyo3(signature = (at_s = None, size = (1000, 1000)))]
-    fn picture<'py>(&self, py: Python<'py>, at_s: Option<f64>, size: (u32, u32)) -> PyResult<Bound<'py, PyAny>> {
-        let (width, height) = size;
+    #[pyo3(signature = (at_s = None, size = Size::Side(1000)))]
+    fn picture<'py>(&self, py: Python<'py>, at_s: Option<f64>, size: Size) -> PyResult<Bound<'py, PyAny>> {
+        let size @ (width, height) = match size {
+            Size::Side(side) => (side, side),
+            Size::Sides(width, height) => (width, height),
+        };
         let most = FrameLayout::MOST_SIDE;
         let (least_width, least_height) = (FrameLayout::LEAST_WIDTH, FrameLayout::LEAST_HEIGHT);
         if !(least_width..=most).contains(&width) || !(least_height..=most).contains(&height) {
@@ -166,12 +172,7 @@ impl Run {
         if !(0.0..=end_s).contains(&at_s) {
             return Err(PyValueError::new_err(format!("at_s is {at_s}; expected 0 to {end_s}, the end of the run")));
         }
-        let pixels = py.detach(|| {
-            let view = self.view.get_or_init(|| RunView::new(self.timeline.clone(), None));
-            let options = ViewOptions::default();
-            let request = FrameRequest { runs: &[view], time: SimTime::from_seconds(at_s), options: &options };
-            FrameRenderer::new(size, 1).paint(&request).to_vec()
-        });
+        let pixels = py.detach(|| self.pixels(SimTime::from_seconds(at_s), size));
         pixels.into_pyarray(py).call_method1("reshape", ((height, width, 4),))
     }
 
@@ -192,10 +193,28 @@ impl Run {
             .map_err(|refusal| error(format_args!("cannot write {}: {refusal}", path.display())))
     }
 
+    /// Shows the end of the run in a notebook.
+    fn _repr_png_(&self, py: Python<'_>) -> Vec<u8> {
+        py.detach(|| Picture::from_rgba(500, 500, self.pixels(self.timeline.end_time(), (500, 500))).to_png())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py, (Vec<u8>, String, Vec<String>)>> {
+        let bytes = file::encode(&self.timeline).map_err(error)?;
+        let row = serde_json::to_string(&self.row).map_err(error)?;
+        Ok((restorer(py, "_restored_run")?, (bytes, row, self.messages.clone())))
+    }
+
     fn __repr__(&self) -> String {
         let ended_s = self.timeline.end_time().as_seconds();
         format!("<Run of {}, seed {}: ended after {ended_s} s>", self.row.label.scenario, self.row.label.seed)
     }
+}
+
+/// The size of a picture in pixels.
+#[derive(FromPyObject)]
+enum Size {
+    Side(u32),
+    Sides(u32, u32),
 }
 
 impl Run {
@@ -213,6 +232,13 @@ impl Run {
         Self { timeline: run.timeline, row, view: OnceLock::new(), messages: run.messages.first }
     }
 
+    /// Draws the run at a time: four colours of each pixel.
+    fn pixels(&self, time: SimTime, size: (u32, u32)) -> Vec<u8> {
+        let view = self.view.get_or_init(|| RunView::new(self.timeline.clone(), None));
+        let request = FrameRequest { runs: &[view], time, options: &ViewOptions::default() };
+        FrameRenderer::new(size, 1).paint(&request).to_vec()
+    }
+
     /// Returns the values of the columns of a run that are wanted.
     fn values<'py>(&self, py: Python<'py>, is_wanted: impl Fn(&str) -> bool) -> PyResult<Bound<'py, PyDict>> {
         let values = PyDict::new(py);
@@ -227,6 +253,14 @@ impl Run {
         }
         Ok(values)
     }
+}
+
+/// Makes a run that was pickled.
+#[pyfunction]
+#[pyo3(name = "_restored_run")]
+pub fn restored_run(bytes: &[u8], row: &str, messages: Vec<String>) -> PyResult<Run> {
+    let timeline = file::decode(bytes).map_err(error)?;
+    Ok(Run { timeline, row: serde_json::from_str(row).map_err(error)?, view: OnceLock::new(), messages })
 }
 
 fn column(name: &'static str, kind: Kind, unit: Unit, words: &'static str) -> FileColumn {
@@ -311,6 +345,8 @@ fn trace(timeline: &Timeline, step_s: f64) -> TableBuilder {
 ///     Policies of one's own by name, see `wildfire_contest.policies`.
 /// record : path
 ///     The file of a recording to be written.
+/// trust : bool
+///     Whether programs that the scenario names may be started.
 ///
 /// Raises
 /// ------
@@ -319,7 +355,10 @@ fn trace(timeline: &Timeline, step_s: f64) -> TableBuilder {
 /// WildfireError
 ///     The run cannot take place: no room, too much memory, a planner that cannot be built.
 #[pyfunction]
-#[pyo3(signature = (scenario = None, seed = 1, *, planner = None, planners = None, policies = None, record = None))]
+#[pyo3(signature = (
+    scenario = None, seed = 1, *, planner = None, planners = None, policies = None, record = None, trust = false
+))]
+#[expect(clippy::too_many_arguments, reason = "each is a keyword of Python")]
 pub fn run(
     py: Python<'_>,
     scenario: Option<ScenarioLike<'_>>,
@@ -328,18 +367,20 @@ pub fn run(
     planners: Option<&Bound<'_, PyMapping>>,
     policies: Option<&Bound<'_, PyMapping>>,
     record: Option<PathBuf>,
+    trust: bool,
 ) -> PyResult<Run> {
     let changes = planner.map(|name| format!("{PLANNER_KEY}={name}"));
     let scenario = ScenarioLike::or_contest(scenario).load(py, changes.into_iter().collect())?;
-    let factories = Factories::new(planners, policies)?;
+    let factories = Factories::new(planners, policies)?.with_programs(programs(py, trust));
     scenario.get().expect_known(&factories)?;
     let library = scenario.get().library();
-    let interruption = Arc::default();
-    let options = RunOptions::from(factories.entrants(py, &interruption));
+    let interruption: Arc<Interruption> = Arc::default();
+    let options = RunOptions::from(factories.entrants_of(py, Some(library), &interruption));
     // Between two slices Python may be interrupted.
     let check =
         || Python::attach(|py| -> PyResult<()> { py.check_signals() }).map_err(|exception| interruption.set(exception));
-    let run = py.detach(|| simulate(library, seed, &options, || check().is_err() || interruption.is_set()));
+    let simulate = || simulate(library, seed, &options, || check().is_err() || interruption.is_set());
+    let run = if factories.is_empty() { py.detach(simulate) } else { interruption.work(py, simulate) };
     if let Some(exception) = interruption.take() {
         return Err(exception);
     }

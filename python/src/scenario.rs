@@ -143,6 +143,11 @@ impl Scenario {
         Ok(Checker::new(CollisionChecker::new(field, unimog.vehicle)))
     }
 
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py, (String, String, Vec<String>)>> {
+        let Self { text, changes, .. } = self;
+        Ok((restorer(py, "_restored_scenario")?, (text.source.clone(), text.text.clone(), changes.clone())))
+    }
+
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
         other.cast::<Self>().is_ok_and(|other| self.library() == other.get().library())
     }
@@ -151,6 +156,22 @@ impl Scenario {
         let changes: String = self.changes.iter().map(|change| format!(", {change}")).collect();
         format!("<Scenario {}{changes}>", self.library().name)
     }
+}
+
+/// What pickle takes: a function, and what it is called with to make the same.
+pub type Pickled<'py, T> = (Bound<'py, PyAny>, T);
+
+/// Returns a function that makes again what was pickled.
+pub fn restorer<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    py.import("wildfire_contest._core")?.getattr(name)
+}
+
+/// Makes a scenario that was pickled. Where relative paths start is what they said before.
+#[pyfunction]
+#[pyo3(name = "_restored_scenario")]
+pub fn restored_scenario(source: &str, text: String, changes: Vec<String>) -> PyResult<Scenario> {
+    let text = ScenarioText::from_bytes(source, Ok(text.into_bytes()));
+    Scenario::load(text.map_err(|refusal| scenario_error(&refusal))?, changes)
 }
 
 /// Whatever names a scenario: itself, the name of a built-in one, or a path.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import pathlib
+import pickle
 import signal
 import subprocess
 import sys
@@ -16,6 +17,7 @@ import pytest
 from conftest import outcomes
 
 import wildfire_contest as wf
+from wildfire_contest.fingerprint import fingerprint
 
 
 def table(path: pathlib.Path) -> list[dict[str, str]]:
@@ -90,7 +92,8 @@ def test_the_same_call_goes_on_where_a_batch_was_stopped(tmp_path: pathlib.Path,
             if len(asked) == 4:
                 raise KeyboardInterrupt
 
-    arguments: dict[str, Any] = {"seeds": "1..6", "planner": "mine", "out": out}
+    # It is the same planner, without what stops it.
+    arguments: dict[str, Any] = {"seeds": "1..6", "planner": "mine", "out": out, "version": "1"}
     with pytest.raises(KeyboardInterrupt):
         wf.batch("smoke", planners={"mine": Stopping}, **arguments)
     assert not (out / "runs.csv").exists() and (out / "plan.json").exists()
@@ -99,11 +102,49 @@ def test_the_same_call_goes_on_where_a_batch_was_stopped(tmp_path: pathlib.Path,
     assert outcomes(resumed.runs) == outcomes(whole.runs)
     assert resumed.folder == out and wf.batch("smoke", planners={"mine": first_curve}, **arguments).runs == resumed.runs
     with pytest.raises(wf.WildfireError, match="is another plan"):
-        wf.batch("smoke", seeds="1..7", planner="mine", planners={"mine": first_curve}, out=out)
+        wf.batch("smoke", planners={"mine": first_curve}, **(arguments | {"seeds": "1..7"}))
+
+
+def test_a_folder_is_not_taken_for_that_of_another_planner(tmp_path: pathlib.Path, capfd: pytest.CaptureFixture[str]) -> None:
+    def batch(code: str, **options: Any) -> wf.Batch:
+        names: dict[str, Any] = {}
+        exec(code, names)
+        options = {"planners": {"mine": names["Mine"]}, "out": tmp_path / "batch"} | options
+        return wf.batch("smoke", "1..2", planner="mine", **options)
+
+    code = "def helper():\n    return None\nclass Mine:\n    def __init__(self, site): pass\n    def plan(self, query): return helper()\n"
+    first = batch(code)
+    assert capfd.readouterr().err == "" and "read from" not in repr(first)
+    again = batch(code)
+    assert again.runs == first.runs and "read from" in repr(again)
+    assert capfd.readouterr().err == f"wildfire: read from {tmp_path / 'batch'}, nothing was run\n"
+    for other in (code.replace("return None", "return []"), code.replace("__init__(self, site): pass", "__init__(self, site): self.n = 1")):
+        with pytest.raises(wf.WildfireError, match=r"planner\.mine\.sha256\.code is .* there"):
+            batch(other)
+    assert batch(code.replace("None", "[]"), version="1", out=tmp_path / "other").not_done == 0
+    assert batch(code, version="1", out=tmp_path / "other").not_done == 0
+    with pytest.raises(wf.WildfireError, match='version is "1" there, "2" is asked for'):
+        batch(code, version="2", out=tmp_path / "other")
+    assert fingerprint(wf.policies.Policy(lambda seen: 0)) != fingerprint(wf.policies.Policy(lambda seen: 1))
+    makers = [lambda n=n: n for n in (1, 1, 2)]
+    assert fingerprint(makers[0]) == fingerprint(makers[1]) != fingerprint(makers[2])
+
+
+def test_batches_are_read_and_pickled_by_their_folders(tmp_path: pathlib.Path) -> None:
+    batch = wf.batch("smoke", "1..2", out=tmp_path / "batch")
+    for read in (pickle.loads(pickle.dumps(batch)), wf.read_batch(tmp_path / "batch")):
+        assert (read.runs, read.tables, read.folder, len(read)) == (batch.runs, batch.tables, batch.folder, 2)
+    assert "TABLE" in batch._repr_html_() and "<th>seed</th>" in batch.runs._repr_html_()
+    with pytest.raises(wf.WildfireError, match="out=FOLDER"):
+        pickle.dumps(wf.batch("smoke", 1))
+    with pytest.raises(KeyError, match="did you mean 'extinguished'"):
+        batch.runs["extinguised"]
 
 
 @pytest.mark.parametrize("end", [KeyboardInterrupt, SystemExit])
 def test_planners_end_a_batch_of_several_threads(end: type[BaseException], tmp_path: pathlib.Path) -> None:
+    options: dict[str, Any] = {"planner": "mine", "out": tmp_path / "batch", "version": "1"}
+
     class Ending:
         def __init__(self, site: wf.Site) -> None:
             pass
@@ -112,9 +153,9 @@ def test_planners_end_a_batch_of_several_threads(end: type[BaseException], tmp_p
             raise end
 
     with pytest.raises(end):
-        wf.batch("smoke", "1..50", planner="mine", planners={"mine": Ending}, jobs=3, out=tmp_path / "batch")
+        wf.batch("smoke", "1..50", planners={"mine": Ending}, jobs=3, **options)
     # Nothing that was cut short is in the journal.
-    again = wf.batch("smoke", "1..50", planner="mine", planners={"mine": lambda site: Silent()}, out=tmp_path / "batch")
+    again = wf.batch("smoke", "1..50", planners={"mine": lambda site: Silent()}, **options)
     assert set(again.runs["status"]) == {"done"} and not any(again.runs["truck_failed_crashed"])
 
 
@@ -162,6 +203,7 @@ def test_comparisons_are_in_pairs_by_seed(tmp_path: pathlib.Path) -> None:
     one = wf.batch("smoke", "1..12", planner="prm-rs", out=tmp_path / "one")
     other = wf.batch("smoke", "1..12", planner="prm-rs", sweep={"unimog.speed_mps": [2.0]})
     compared = wf.compare(one, other, metric=["saved", "truck_distance_m"])
+    assert "prm-rs" in compared["description_a"][0] and compared["description_a"][0] != compared["description"][0]
     assert list(compared["metric"]) == ["saved", "truck_distance_m"] and list(compared["pairs"]) == [12, 12]
     saved = [batch.runs["intact"] + batch.runs["extinguished"] for batch in (one, other)]
     assert compared["difference"][0] == pytest.approx((saved[1] - saved[0]).mean())
@@ -207,7 +249,8 @@ def test_the_command_line_refuses_batches_with_planners_of_python(tmp_path: path
 
 
 def test_wrong_words_are_refused(tmp_path: pathlib.Path) -> None:
-    for jobs in (0, 10_000):
+    assert wf.batch("smoke", 1, jobs=-1).not_done == 0
+    for jobs in (0, -2, 10_000):
         with pytest.raises(ValueError, match="jobs is"):
             wf.batch("smoke", 1, jobs=jobs)
     with pytest.raises(ValueError, match="record"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -179,6 +180,11 @@ def test_paths_have_the_figures_that_one_can_reckon() -> None:
     for step in (0.0, -1.0, float("nan"), 1e-300):
         with pytest.raises(ValueError, match="step is"):
             path.poses(step)
+
+
+def test_paths_are_pickled() -> None:
+    for path in (wf.Path((1, 2, 3), []), wf.Path.through((20, 32, 0), (60, 40, 1), 13.0)):
+        assert pickle.loads(pickle.dumps(path)) == path
 
 
 def test_lengths_of_curves_are_those_of_their_paths() -> None:

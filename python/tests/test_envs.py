@@ -1,5 +1,8 @@
 """Environments: the tests of Gymnasium and PettingZoo, and whole episodes."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -156,6 +159,28 @@ def test_masked_actions_wait_and_others_are_refused():
             env.step(outside)
     with pytest.raises(ValueError, match="unimog_0"):
         envs.TruckEnv("smoke", play=["unimog_7"])
+
+
+def test_who_has_not_begun_is_told_so():
+    for env in (envs.TruckEnv("smoke"), envs.contest_v0.parallel_env("smoke"), envs.contest_v0.env("smoke")):
+        with pytest.raises(IndexError, match="call reset first"):
+            env.step({} if isinstance(env, envs.contest_v0.ContestParallel) else 0)
+    with pytest.raises(IndexError, match="call reset first"):
+        TruckVectorEnv(2, "smoke").step(np.zeros(2, np.int64))
+
+
+def test_learners_find_masks_and_vectors():
+    env = gymnasium.make("wildfire/Truck-v0", scenario="smoke")
+    seen, _ = env.reset(seed=1)
+    masks = env.get_wrapper_attr("action_masks")()
+    assert masks.dtype == bool and np.array_equal(masks, seen["action_mask"] == 1)
+    vector = gymnasium.make_vec("wildfire/Truck-v0", 3, scenario="smoke", threads=2)
+    assert isinstance(vector.unwrapped, TruckVectorEnv) and vector.num_envs == 3
+
+
+def test_gymnasium_alone_is_enough():
+    script = "import sys; sys.modules['pettingzoo'] = None; import wildfire_contest as wf; wf.envs.TruckEnv('smoke').reset()"
+    subprocess.run([sys.executable, "-c", script], check=True)
 
 
 def test_seeds_to_train_and_to_test_with_do_not_meet():

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+import pathlib
+import sys
 import threading
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -175,6 +178,51 @@ def test_a_factory_that_fails_fails_the_run() -> None:
             raise KeyboardInterrupt
 
         wf.run("smoke", planner="mine", planners={"mine": ends})
+
+
+def test_a_query_that_takes_too_long_is_timed_out(capfd: pytest.CaptureFixture[str]) -> None:
+    scenario = wf.scenario("smoke", {"duration_s": 60, "planner.mine.query_cpu_s": 0.05, "unimog.planner": "mine"})
+
+    def forever(query: wf.Query) -> None:
+        while True:
+            pass
+
+    def late(query: wf.Query) -> Any:
+        try:
+            forever(query)
+        except BaseException:
+            return []
+
+    for answer in (forever, late):
+        run = wf.run(scenario, 1, planners={"mine": answering(answer)})
+        assert set(failures(run)) == {"timed_out"} and "no answer within 0.05 s of CPU time" in run.messages[0]
+        batch = wf.batch(scenario, 1, planners={"mine": answering(answer)})
+        assert batch.runs["truck_failed_timed_out"][0] == failures(run)["timed_out"] > 0
+    pauses = iter([10.2])
+    in_time = wf.run(scenario, 1, planners={"mine": answering(lambda query: time.sleep(next(pauses, 0.0)))})
+    assert set(failures(in_time)) == {"disconnected"}, "waiting is no CPU time"
+    warned = capfd.readouterr().err
+    assert warned.startswith("wildfire: the planner `mine`, asked for a path to (") and warned.endswith("has taken 10 s so far\n")
+
+
+def test_programs_are_started_where_they_are_trusted(tmp_path: pathlib.Path) -> None:
+    program = tmp_path / "silent.py"
+    program.write_text(SILENT)
+    command = [sys.executable, str(program)]
+    named = wf.scenario("smoke", BRIEF | {"unimog.planner": "mine", "planner.mine.command": command})
+    with pytest.raises(wf.WildfireError, match="no program that may be started"):
+        wf.run(named, 1)
+    assert set(failures(wf.run(named, 1, trust=True))) == {"disconnected"}
+    assert wf.batch(named, 1, trust=True).runs["truck_failed_disconnected"][0] > 0
+
+
+SILENT = """
+import json, sys
+for asked in map(json.loads, sys.stdin):
+    answers = {"hello": {"protocol": asked.get("protocol")}, "field": {}, "plan": {"id": asked.get("id"), "reason": "disconnected"}}
+    kind = {"hello": "hello", "field": "ready", "plan": "none"}.get(asked["type"]) or sys.exit()
+    print(json.dumps({"type": kind} | answers[asked["type"]]), flush=True)
+"""
 
 
 @pytest.mark.parametrize("name", ["prm-rs", "Mine", "", "a" * 41, "a b", "-a", "é"])

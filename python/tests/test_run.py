@@ -45,6 +45,8 @@ def test_the_outcome_has_names_and_attributes(run: wf.Run) -> None:
     assert outcome == wf.run("smoke", 3).outcome and outcome != wf.run("smoke", 4).outcome
     assert dict(outcome)["status"] == "done" and "wall_run_s" not in outcome and "wall_run_s" in run.measured
     assert pickle.loads(pickle.dumps(outcome)) == copy.deepcopy(outcome) == outcome
+    again = pickle.loads(pickle.dumps(run))
+    assert again.outcome == outcome and again.to_dict() == run.to_dict() and again.events == run.events
     with pytest.raises(AttributeError, match="its names are"):
         _ = outcome.nothing
 
@@ -76,6 +78,7 @@ def test_pictures_have_the_size_that_was_asked_for(run: wf.Run) -> None:
     picture = run.picture(at_s=60, size=(400, 500))
     assert picture.shape == (500, 400, 4) and picture.dtype == np.uint8 and (picture[..., 3] == 255).all()
     assert (picture == run.picture(60.0, (400, 500))).all()
+    assert (run.picture(60.0, 400) == run.picture(60.0, (400, 400))).all() and run._repr_png_()[1:4] == b"PNG"
     assert not (picture == run.picture(120.0, (400, 500))).all()
     with pytest.raises(ValueError, match="size is"):
         run.picture(size=(1, 1))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pathlib
+import pickle
 
 import numpy as np
 import pytest
@@ -14,7 +15,10 @@ def test_a_scenario_is_written_and_read_back() -> None:
     for name in ("contest", "smoke", "fleet", "dense"):
         scenario = wf.scenario(name, {"unimog.prm.samples": 501})
         assert wf.Scenario.from_toml(scenario.to_toml()) == scenario
-        assert scenario != wf.scenario(name)
+        assert scenario != wf.scenario(name) and pickle.loads(pickle.dumps(scenario)) == scenario
+    unknown = pickle.loads(pickle.dumps(wf.scenario("smoke", {"unimog.planner": "mine"})))
+    with pytest.raises(wf.ScenarioError, match="mine"):
+        wf.run(unknown)
 
 
 def test_changes_are_python_values() -> None:

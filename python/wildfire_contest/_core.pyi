@@ -30,6 +30,8 @@ __all__ = [
     "Site",
     "Vehicle",
     "__version__",
+    "_restored_run",
+    "_restored_scenario",
     "agents_of",
     "audit",
     "batch",
@@ -37,6 +39,7 @@ __all__ = [
     "compare",
     "dubins_length",
     "plan",
+    "read_batch",
     "reeds_shepp_length",
     "run",
     "scenario",
@@ -81,7 +84,7 @@ class Run:
     @property
     def events(self) -> Columns: ...
     def trace(self, step_s: float = 0.1) -> Columns: ...
-    def picture(self, at_s: float | None = None, size: tuple[int, int] = ...) -> NDArray[np.uint8]: ...
+    def picture(self, at_s: float | None = None, size: int | tuple[int, int] = ...) -> NDArray[np.uint8]: ...
     def to_dict(self) -> dict[str, Any]: ...
     def write(self, path: _PathLike) -> None: ...
 
@@ -282,6 +285,7 @@ def run(
     planners: _Planners | None = None,
     policies: _Policies | None = None,
     record: _PathLike | None = None,
+    trust: bool = False,
 ) -> Run: ...
 def batch(
     scenarios: _ScenarioLike | Sequence[_ScenarioLike] | None = None,
@@ -294,7 +298,10 @@ def batch(
     jobs: int = 1,
     out: _PathLike | None = None,
     record: Literal["all", "failed", "none"] | None = None,
+    version: str | None = None,
+    trust: bool = False,
 ) -> Batch: ...
+def read_batch(folder: _PathLike, /) -> Batch: ...
 def plan(
     field: _PathLike | Sequence[_PathLike] | None = None,
     *,
@@ -319,6 +326,8 @@ def audit(
     policies: _Policies | None = None,
     jobs: int = 1,
 ) -> list[Offence]: ...
+def _restored_run(bytes: bytes, row: str, messages: Sequence[str]) -> Run: ...
+def _restored_scenario(source: str, text: str, changes: Sequence[str]) -> Scenario: ...
 def reeds_shepp_length(a: ArrayLike, b: ArrayLike, radius: float) -> Any: ...
 def dubins_length(a: ArrayLike, b: ArrayLike, radius: float) -> Any: ...
 def command_line(words: Sequence[str]) -> int: ...

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from difflib import get_close_matches
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -40,7 +42,10 @@ class Columns(Mapping[str, NDArray[Any]]):
         self.words: Mapping[str, str] = dict(words or {})
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        return self._columns[name]
+        try:
+            return self._columns[name]
+        except KeyError:
+            raise KeyError(unknown_name("column", name, self._columns)) from None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._columns)
@@ -64,6 +69,14 @@ class Columns(Mapping[str, NDArray[Any]]):
     def __repr__(self) -> str:
         shown = ", ".join(list(self)[:6]) + (", ..." if len(self) > 6 else "")
         return f"<Columns: {self.rows} rows of {len(self)}: {shown}>"
+
+    def _repr_html_(self) -> str:
+        """Show the first rows in a notebook."""
+        rows = zip(*(column[:10].tolist() for column in self._columns.values()), strict=True)
+        lines = ["".join(f"<td>{escape('' if value is None else str(value))}</td>" for value in row) for row in rows]
+        head = "".join(f"<th>{escape(name)}</th>" for name in self)
+        table = "".join(f"<tr>{line}</tr>" for line in [head, *lines])
+        return f"<table>{table}</table><p>{self.rows} rows of {len(self)} columns</p>"
 
     def to_pandas(self) -> pandas.DataFrame:
         """Return a pandas DataFrame. Whole numbers of which some are missing get the dtype ``Int64``."""
@@ -98,6 +111,12 @@ class Columns(Mapping[str, NDArray[Any]]):
             fields.append(pa.field(name, kind, metadata=about))
             arrays.append(pa.array(_values(array), type=kind))
         return pa.Table.from_arrays(arrays, schema=pa.schema(fields))
+
+
+def unknown_name(kind: str, name: object, known: Iterable[str]) -> str:
+    """Return a sentence on a name that is not known, with those that are near."""
+    near = get_close_matches(str(name), list(known), 3)
+    return f"there is no {kind} {name!r}" + (f"; did you mean {' or '.join(map(repr, near))}?" if near else "")
 
 
 def _values(array: NDArray[Any]) -> list[Any]:

@@ -58,6 +58,11 @@ class _Contest:
             self.np_random, _ = seeding.np_random(seed)
         self.contests.reset([(0, envs.random_seed(self.np_random) if seed is None else seed)])
 
+    def expect_begun(self) -> None:
+        if self.np_random is None:
+            msg = "there is no contest to play: call reset first"
+            raise IndexError(msg)
+
     def seen(self, seat: int | None) -> dict[str, Any]:
         """Return what is seen from a seat, or by one who cannot choose."""
         seen = {name: array.copy() for name, array in self.shared.items()}
@@ -110,6 +115,7 @@ class ContestParallel(ParallelEnv[str, dict[str, Any], int]):
         return self._seen(), {name: {"dt_s": 0.0, "illegal": 0} for name in self.agents}
 
     def step(self, actions: dict[str, int]) -> tuple[dict[str, Any], ...]:
+        self._contest.expect_begun()
         if not self.agents:
             return {}, {}, {}, {}, {}
         for seat, name in enumerate(self.possible_agents):
@@ -191,6 +197,7 @@ class ContestAEC(AECEnv[str, dict[str, Any], int]):
         self._select()
 
     def step(self, action: int | None) -> None:
+        self._contest.expect_begun()
         agent = self.agent_selection
         if self.terminations[agent]:
             self._was_dead_step(action)

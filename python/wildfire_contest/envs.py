@@ -9,6 +9,8 @@ Needs gymnasium, and pettingzoo for several agents: ``pip install wildfire-conte
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import gymnasium
@@ -172,6 +174,11 @@ class TruckEnv(gymnasium.Env[dict[str, Any], np.int64]):
         """Return a picture of the contest as it is now, of the shape (height, width, 3)."""
         return None if self.render_mode is None else self._contests.picture(0, PICTURE_SIZE)
 
+    def action_masks(self) -> NDArray[np.bool_]:
+        """Return which actions may be chosen, as ``MaskablePPO`` of sb3-contrib asks for them."""
+        masks: NDArray[np.bool_] = self._views["action_mask"] == 1
+        return masks
+
 
 def nearest(observation: dict[str, Any]) -> int:
     """Choose as the built-in rule of the nearest does, from an observation of ``actions="nearest"``.
@@ -224,9 +231,19 @@ class DriveEnv(gymnasium.Env[dict[str, Any], "NDArray[np.float32]"]):
         return self._seen(), reward, arrived or touched, False, {"arrived": arrived}
 
 
-from wildfire_contest import contest_v0  # noqa: E402  it needs what is above
+def __getattr__(name: str) -> ModuleType:
+    """Import the contest for several agents when it is first asked for: it needs pettingzoo."""
+    if name == "contest_v0":
+        return import_module("wildfire_contest.contest_v0")
+    msg = f"module 'wildfire_contest.envs' has no attribute {name!r}"
+    raise AttributeError(msg)
 
-gymnasium.register(id="wildfire/Truck-v0", entry_point="wildfire_contest.envs:TruckEnv")
+
+gymnasium.register(
+    id="wildfire/Truck-v0",
+    entry_point="wildfire_contest.envs:TruckEnv",
+    vector_entry_point="wildfire_contest.vector:truck_vector_env",
+)
 gymnasium.register(id="wildfire/Drive-v0", entry_point="wildfire_contest.envs:DriveEnv", max_episode_steps=1000)
 
 Act = Callable[[dict[str, Any]], int]

@@ -37,3 +37,10 @@ class NoPath(Exception):
     def __init__(self, reason: str = "disconnected") -> None:
         super().__init__(reason)
         self.reason = reason
+
+
+class QueryTimedOut(BaseException):
+    """Raised in a planner or a policy whose query has taken more CPU time than the scenario allows.
+
+    Catch it to clean up, and raise it again: whatever is answered afterwards is too late.
+    """

@@ -8,6 +8,7 @@ Needs the package ``ompl`` (``pip install wildfire-contest[ompl]``), 2.0 or newe
 
 from __future__ import annotations
 
+import functools
 import threading
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
@@ -25,6 +26,7 @@ _ONE_AT_A_TIME = threading.Lock()
 
 _START_SHARE = 0.9
 _LEAST_CLEARANCE = 0.01
+_SIMPLIFYING_ROUNDS = 10
 
 
 def planner(
@@ -50,7 +52,7 @@ def planner(
     iterations : int
         How often a planner may look whether it should stop. Planners that improve a path use them all.
     simplify : bool
-        Whether OMPL shortens the path that was found.
+        Whether OMPL shortens the path that was found, in at most 10 rounds.
     clearance : float
         Metres to keep from bushes and border; less where the truck begins with less.
     goals : int
@@ -73,10 +75,16 @@ def planner(
     if iterations < 1 or goals < 1:
         raise ValueError("iterations and goals are at least 1")
 
-    def factory(site: Site) -> OmplPlanner:
-        return OmplPlanner(site, made, iterations, simplify, clearance, goals, dict(params or {}))
-
-    return factory
+    # Its arguments belong to its fingerprint.
+    return functools.partial(
+        OmplPlanner,
+        made=made,
+        iterations=iterations,
+        simplify=simplify,
+        clearance=clearance,
+        goals=goals,
+        params=tuple((params or {}).items()),
+    )
 
 
 class OmplPlanner:
@@ -90,7 +98,7 @@ class OmplPlanner:
         simplify: bool,
         clearance: float,
         goals: int,
-        params: dict[str, object],
+        params: tuple[tuple[str, object], ...],
     ) -> None:
         self.made = made
         self.iterations = iterations
@@ -168,7 +176,7 @@ class OmplPlanner:
             goal.addState(state(end))
         setup.setGoal(goal)
         search = self.made(information)
-        for name, value in self.params.items():
+        for name, value in self.params:
             search.params().setParam(name, str(value))
         setup.setPlanner(search)
         setup.solve(_after(self.iterations))
@@ -176,7 +184,7 @@ class OmplPlanner:
             return None
         path = setup.getSolutionPath()
         if self.simplify:
-            geometric.PathSimplifier(information).simplify(path, _after(self.iterations))
+            geometric.PathSimplifier(information).simplify(path, _after(_SIMPLIFYING_ROUNDS))
         poses = [(state.getX(), state.getY(), state.getYaw()) for state in path.getStates()]
         return np.array(poses[1:], dtype=np.float64).reshape(-1, 3)
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from wildfire_contest.columns import unknown_name
+
 
 class Outcome(Mapping[str, Any]):
     """The outcome of a run: the columns of ``runs.csv`` that are not measured, by name or as attributes.
@@ -23,14 +25,17 @@ class Outcome(Mapping[str, Any]):
         self._values = dict(values)
 
     def __getitem__(self, name: str) -> Any:
-        return self._values[name]
+        try:
+            return self._values[name]
+        except KeyError:
+            raise KeyError(unknown_name("column", name, self._values)) from None
 
     def __getattr__(self, name: str) -> Any:
         # Copying and unpickling ask for names before there are values.
         values: dict[str, Any] = self.__dict__.get("_values", {})
         if name in values:
             return values[name]
-        raise AttributeError(f"an outcome has no {name!r}; its names are {', '.join(values)}")
+        raise AttributeError(f"{unknown_name('column', name, values)}; its names are {', '.join(values)}")
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._values)

@@ -15,7 +15,7 @@ from wildfire_contest import envs
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["TruckVectorEnv"]
+__all__ = ["TruckVectorEnv", "truck_vector_env"]
 
 AUTORESET = {"next-step": AutoresetMode.NEXT_STEP, "same-step": AutoresetMode.SAME_STEP}
 
@@ -124,3 +124,8 @@ class TruckVectorEnv(VectorEnv[dict[str, Any], "NDArray[np.int64]", "NDArray[Any
         self._waiting = []
         infos |= {"final_obs": final, "_final_obs": ended, "final_info": {"dt_s": infos["dt_s"]}, "_final_info": ended}
         return self._seen, reward, ended, self._truncated, infos
+
+
+def truck_vector_env(num_envs: int = 1, **options: Any) -> TruckVectorEnv:
+    """Return contests side by side: what ``gymnasium.make_vec("wildfire/Truck-v0", num_envs)`` calls."""
+    return TruckVectorEnv(num_envs, **options)

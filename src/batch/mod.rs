@@ -36,7 +36,7 @@ pub use execute::{
     JournalError, JournalIndex, JournalKeeping, Lock, LostRecording, Machine, Machines, MissingRuns, OutputFolder,
     Pilot, PlannerCall, RECORDINGS_FOLDER, REPORT_FILE, RUNS_FILE, RUNS_PARQUET, RealDisk, RunDetail, RunResult,
     RunRow, RunScenario, STATE_STEPS, STATES_PARQUET, SliceState, Solution, StateCount, Status, StrangeEntry, Survey,
-    TABLES_FILE, Whole, batch_status, file_name_of, limit_threads,
+    TABLES_FILE, Whole, batch_status, file_name_of, limit_threads, with_threads,
 };
 pub use maps::{
     BatchMaps, BatchQuantity, BatchSide, MapDifference, MapSource, MapsError, MapsOptions, RunMean, map_batches,
@@ -51,7 +51,8 @@ pub use report::{
     AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, ChartChoice, ChartData, ChosenQuantities, Facet,
     FacetSeries, Failures, FieldPicture, LISTED_VIOLATIONS, ListedViolation, MOST_PANELS, Merged, NotableRun,
     PaperCharts, ReportError, ReportParts, RunObject, SHOWN_RUNS, Tables, Tally, VariantReport, WrittenReport,
-    audit_all, merge, notable_runs, notes, read_rows, runs_with_pages, word_facets, write_chart, write_chart_data,
+    audit_all, merge, notable_runs, notes, read_report, read_rows, runs_with_pages, word_facets, write_chart,
+    write_chart_data,
     write_paper_chart, write_report,
 };
 pub use table::{

@@ -30,7 +30,7 @@ pub struct Picture {
 
 impl Picture {
     /// Takes opaque pixels of four channels; the fourth goes, in place, since pictures can be large.
-    pub(super) fn from_rgba(width: u32, height: u32, mut channels: Vec<u8>) -> Self {
+    pub fn from_rgba(width: u32, height: u32, mut channels: Vec<u8>) -> Self {
         let pixels = channels.len() / 4;
         for pixel in 0..pixels {
             channels.copy_within(4 * pixel..4 * pixel + 3, 3 * pixel);

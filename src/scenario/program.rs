@@ -1,8 +1,8 @@
 //! Planners and policies that are not built in, as scenarios write them: tables `[planner.NAME]` and `[policy.NAME]`.
 //!
 //! A table with a `command` says how to start a program. One without says that the planner or policy of this name is
-//! handed in by whoever runs the scenario, from Rust or from Python; its `settings` are passed on all the same. Reading
-//! a scenario never starts anything.
+//! handed in by whoever runs the scenario, from Rust or from Python; its `settings` are passed on all the same, and a
+//! batch of Python notes the hash of its code. Reading a scenario never starts anything.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -70,7 +70,8 @@ pub struct Program {
     #[serde(skip_serializing_if = "is_empty")]
     #[schemars(skip)]
     pub works_in: PathBuf,
-    /// The files that belong to it with the SHA-256 of their contents, as loading finds them.
+    /// The files that belong to it with the SHA-256 of their contents, as loading finds them; of what was handed in, its
+    /// code or its version.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(skip)]
     pub sha256: BTreeMap<String, String>,
@@ -153,6 +154,9 @@ impl Program {
 
     /// Lists in words the files that are no longer what they were when the scenario was loaded.
     fn changed_files(&self) -> Vec<String> {
+        if self.command.is_empty() {
+            return Vec::new();
+        }
         let changed = self.sha256.iter().filter_map(|(name, before)| match hash_of(&self.works_in.join(name)) {
             Ok(Some(now)) if now == *before => None,
             Ok(Some(_)) => Some(format!("{name} has other contents")),
@@ -215,6 +219,15 @@ impl Scenario {
     pub(super) fn has_follower(&self, policy: &PlannerName) -> bool {
         let trucks = self.unimog.iter().any(|truck| truck.goal.name() == policy.name());
         trucks || self.wumpus.iter().any(|wumpus| wumpus.goal.name() == policy.name())
+    }
+
+    /// Takes over what another one says of the code that was handed in, which no file says.
+    pub fn take_over_code(&mut self, other: &Self) {
+        for (own, others) in [(&mut self.planner, &other.planner), (&mut self.policy, &other.policy)] {
+            for (name, table) in own.iter_mut().filter(|(_, table)| table.command.is_empty()) {
+                table.sha256 = others.get(name).map_or_else(BTreeMap::new, |other| other.sha256.clone());
+            }
+        }
     }
 
     /// Lists in words the files of its programs that are no longer what they were when it was loaded.

@@ -39,6 +39,17 @@ pub fn limit_threads(jobs: usize) {
     let _ = pool.build_global();
 }
 
+/// Does work that is cut into parts on this many threads of its own. None of them is left afterwards, so that a process that
+/// is forked then does not wait for threads that it does not have.
+///
+/// # Errors
+/// If the threads cannot be started.
+pub fn with_threads<T: Send>(jobs: usize, work: impl FnOnce() -> T + Send) -> Result<T, BatchError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
+    let pool = pool.map_err(|error| BatchError::NoWorkers { jobs, reason: error.to_string() })?;
+    Ok(pool.install(work))
+}
+
 /// The work of a batch, which all workers share.
 pub struct Work {
     pub plan: Arc<BatchPlan>,

@@ -318,7 +318,8 @@ impl BatchPlan {
             if !scenario::can_be_read_again(&variant.source) {
                 continue;
             }
-            let Ok(now) = scenario::load(&variant.source, &variant.changes) else { continue };
+            let Ok(mut now) = scenario::load(&variant.source, &variant.changes) else { continue };
+            now.take_over_code(&variant.scenario);
             let differences = differences_of_scenarios(&variant.scenario, &now);
             if !differences.is_empty() {
                 return Err(PlanError::SourceChanged { scenario: variant.source.clone(), differences });

@@ -113,7 +113,6 @@ fn write_tables(
 ) -> Result<BatchReport, BatchError> {
     let mut files = CsvFiles::create(folder, disk, &plan.swept_keys)?;
     let mut parquet_files = ParquetFiles::create(folder, disk, plan)?;
-    let mut variants = plan.variants.iter();
     let mut report = BatchReport::default();
     let mut number = 0;
     loop {
@@ -127,15 +126,9 @@ fn write_tables(
         let rows: Vec<RecordedRow> = rows.into_par_iter().map(RecordedRow::new).collect();
         let (csv, parquet) = rayon::join(|| files.add(&rows), || parquet_files.add(&rows));
         csv.and(parquet)?;
-        for RecordedRow { row, record, .. } in &rows {
-            if number % plan.seeds.count() == 0 {
-                let variant = variants.next().expect("a row is one of a variant");
-                report.variants.push(VariantReport::new(plan.title(variant), &variant.scenario));
-            }
+        for row in &rows {
+            add_row(&mut report, plan, number, row);
             number += 1;
-            let variant_report = report.variants.last_mut().expect("the first row begins the first");
-            variant_report.add(record);
-            variant_report.add_detail(row);
         }
     }
     write_whole(folder, disk, TABLES_FILE, report.to_document().to_markdown().as_bytes())?;
@@ -143,6 +136,18 @@ fn write_tables(
     parquet_files.finish()?;
     files.finish()?;
     Ok(report)
+}
+
+/// Adds a row of the plan, by its place from 0, to a report that has those before it.
+fn add_row(report: &mut BatchReport, plan: &BatchPlan, place: u64, row: &RecordedRow) {
+    let seeds = plan.seeds.count();
+    if place % seeds == 0 {
+        let variant = &plan.variants[(place / seeds) as usize];
+        report.variants.push(VariantReport::new(plan.title(variant), &variant.scenario));
+    }
+    let variant_report = report.variants.last_mut().expect("the first row begins the first");
+    variant_report.add(&row.record);
+    variant_report.add_detail(&row.row);
 }
 
 fn write_whole(folder: &OutputFolder, disk: &dyn Disk, name: &str, contents: &[u8]) -> Result<(), BatchError> {
@@ -168,6 +173,19 @@ pub fn read_rows(plan: &BatchPlan, folder: &OutputFolder, mut on_row: impl FnMut
         }
         rows.iter().for_each(&mut on_row);
     }
+}
+
+/// Makes the report of a batch that is over from its journals, and writes nothing.
+///
+/// # Errors
+/// As [`read_rows`].
+pub fn read_report(plan: &BatchPlan, folder: &OutputFolder) -> Result<BatchReport, BatchError> {
+    let (mut report, mut place) = (BatchReport::default(), 0);
+    read_rows(plan, folder, |row| {
+        add_row(&mut report, plan, place, &RecordedRow::new(row.clone()));
+        place += 1;
+    })?;
+    Ok(report)
 }
 
 /// A batch whose slices were put together.
