@@ -470,6 +470,41 @@ fn a_closed_ring_contains_the_fire() {
     }
 }
 
+/// Among cells that do not burn, scattered or in lines that touch at corners only, fire reaches what steps over sides of
+/// cells lead to, and nothing else: no straight line and nothing from between two cells passes a corner of two of them.
+#[test]
+fn fire_reaches_what_is_connected_by_sides_and_nothing_beyond_corners() {
+    let (frame, centre) = (square(48, 10.0), Cell { col: 24, row: 24 });
+    for seed in 0..18 {
+        let mut rng = wildfire::rng::stream(seed, "barriers");
+        let relief = if seed % 2 == 0 { Relief::FLAT } else { waves(frame) };
+        let mut landscape = patchwork(frame, seed, relief);
+        let (mut aside, share) = (rng.random_range(8..40_u16), [0.1, 0.2, 0.4][seed as usize % 3]);
+        for index in (0..frame.cell_count()).filter(|&index| index != frame.index(centre)) {
+            let is_barrier = rng.random::<f64>() < share;
+            landscape.fuel[index] = if is_barrier { 98 } else { landscape.fuel[index].max(101) };
+        }
+        for col in 0..frame.cols {
+            landscape.fuel[frame.index(Cell { col, row: aside })] = 98;
+            aside = (aside + rng.random_range(0..3)).saturating_sub(1).min(frame.rows - 1);
+        }
+        landscape.fuel[frame.index(centre)] = 102;
+        let (mut expected, mut open) = (vec![false; frame.cell_count()], vec![centre]);
+        while let Some(cell) = open.pop() {
+            let is_new =
+                landscape.fuel_number(cell) != 98 && !std::mem::replace(&mut expected[frame.index(cell)], true);
+            let sides = [(1, 0), (-1, 0), (0, 1), (0, -1)].into_iter().filter(|_| is_new);
+            open.extend(sides.filter_map(|(cols, rows)| frame.offset(cell, cols, rows)));
+        }
+        let weather = changing(&[(0.0, wind(7.0, 30.0)), (400.0, wind(5.0, 200.0)), (2000.0, wind(3.0, 110.0))]);
+        for neighbours in TEMPLATES {
+            let fire = burn(&landscape, &weather, rules(neighbours), &[centre], FOR_EVER);
+            let burned: Vec<bool> = arrivals(&fire).iter().map(Option::is_some).collect();
+            assert!(burned == expected, "seed {seed}, {neighbours:?}");
+        }
+    }
+}
+
 #[test]
 fn water_that_outlasts_the_flames_stops_a_fire_and_other_water_delays_it() {
     let frame = FieldFrame { cols: 21, rows: 1, cell_m: 5.0 };

@@ -19,7 +19,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("whole_file", &[]),
     ("document", &["data_encoding"]),
     ("grid", &[]),
-    ("map_files", &["crc32fast", "gif", "image", "miniz_oxide", "saphyr_parser", "tiff"]),
+    ("map_files", &["crc32fast", "gif", "image", "miniz_oxide", "ruzstd", "saphyr_parser", "tiff"]),
     ("vehicle", &["glam"]),
     ("trajectory", &["glam"]),
     ("collision", &["glam"]),

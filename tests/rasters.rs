@@ -1,6 +1,6 @@
-//! Rasters that this program writes, read by another program: `gdalinfo` of GDAL, where it is installed.
+//! Rasters that this program writes, read by GDAL, and files that GDAL writes, read by this program, where it is installed.
 //!
-//! With `WILDFIRE_GDAL=required` it must be; elsewhere the test says that it is missing, and passes.
+//! With `WILDFIRE_GDAL=required` it must be; elsewhere the tests print that it is missing, and pass.
 
 use std::path::Path;
 use std::process::Command;
@@ -15,6 +15,73 @@ fn gdalinfo(path: &Path) -> Option<Json> {
     Some(serde_json::from_slice(&output.stdout).expect("gdalinfo -json writes JSON"))
 }
 
+fn without_gdal() {
+    let is_required = std::env::var_os("WILDFIRE_GDAL").is_some_and(|value| value == "required");
+    assert!(!is_required, "GDAL is missing");
+    println!("GDAL is not installed: nothing was compared");
+}
+
+/// Lets `gdal_translate` write a file; `None` if there is no such program.
+fn translated(from: &Path, to: &Path, options: &str) -> Option<()> {
+    let output = Command::new("gdal_translate").arg("-q").args(options.split(' ')).args([from, to]).output().ok()?;
+    assert!(output.status.success(), "{options}: {}", String::from_utf8_lossy(&output.stderr));
+    Some(())
+}
+
+/// Layers as downloads have them, of whole numbers with a rim without data, in all layouts, packings and predictors: tiles
+/// beyond the image, files that leave out what has no value, and rows from south to north among them.
+#[test]
+fn what_gdal_writes_is_read() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let (rows, cols) = (201, 217);
+    let value = |index: usize| {
+        let (row, col) = (index / cols, index % cols);
+        let is_rim = row.min(rows - 1 - row).min(col) < 70 || col > 150 + row % 11;
+        if is_rim { 0.0 } else { [101, 102, 122, 98][(index * index / 7 + row) % 4] as f32 }
+    };
+    let values: Vec<f32> = (0..rows * cols).map(value).collect();
+    let (west_m, south_m, cell_m, nodata) = (500_000.0, 4_000_000.0, 30.0, Some(0.0));
+    let layer = Raster { rows, cols, west_m, south_m, cell_m, values, nodata, crs: None };
+    let (asc, tif) = (folder.path().join("layer.asc"), folder.path().join("layer.tif"));
+    raster::write_asc(&asc, &layer).expect("the scratch folder takes files");
+    let mut count = 0;
+    let layouts = ["TILED=NO", "TILED=YES -co BLOCKXSIZE=64 -co BLOCKYSIZE=64"];
+    let more = ["BIGTIFF=NO", "BIGTIFF=YES", "ENDIANNESS=BIG", "SPARSE_OK=TRUE"];
+    for (packing, predictors) in [("NONE", 1), ("PACKBITS", 1), ("LZW", 3), ("DEFLATE", 3), ("ZSTD", 3)] {
+        for kind in ["Byte", "Int16", "UInt16", "Int32", "Float32", "Float64"] {
+            let fits = |predictor: &i32| *predictor < 3 || kind.starts_with("Float");
+            for (predictor, layout) in (1..=predictors).filter(fits).flat_map(|it| layouts.map(|layout| (it, layout))) {
+                let more = more[count / 2 % 4];
+                let options =
+                    format!("-ot {kind} -co COMPRESS={packing} -co PREDICTOR={predictor} -co {layout} -co {more}");
+                if translated(&asc, &tif, &options).is_none() {
+                    return without_gdal();
+                }
+                let found = raster::read(&tif).unwrap_or_else(|error| panic!("{options}: {error}"));
+                let place = (found.west_m, found.south_m, found.cell_m, found.nodata);
+                assert_eq!(place, (layer.west_m, layer.south_m, layer.cell_m, layer.nodata), "{options}");
+                assert!(found.values == layer.values, "{options}: other values");
+                count += 1;
+            }
+        }
+    }
+    println!("{count} files by gdal_translate are read");
+    let [east_m, north_m] = [west_m + cols as f64 * cell_m, layer.north_m()];
+    let options = format!("-a_ullr {west_m} {south_m} {east_m} {north_m} -co COMPRESS=LZW");
+    translated(&asc, &tif, &options).expect("it was there before");
+    let turned = raster::read(&tif).unwrap_or_else(|error| panic!("rows from south to north: {error}"));
+    assert_eq!((turned.south_m, turned.north_m()), (south_m, north_m));
+    assert!(turned.values.chunks(cols).eq(layer.values.chunks(cols).rev()), "the first row is the south one");
+    // What is not read, with the command that helps.
+    translated(&asc, &tif, "-co COMPRESS=LZMA").expect("it was there before");
+    let refused = raster::read(&tif).expect_err("it is packed by LZMA").to_string();
+    assert!(refused.contains("gdal_translate -co COMPRESS=DEFLATE in.tif out.tif"), "{refused}");
+    let vrt = folder.path().join("layer.vrt");
+    translated(&asc, &vrt, "-of VRT").expect("it was there before");
+    let refused = raster::read(&vrt).expect_err("it is no raster").to_string();
+    assert!(refused.contains("`gdal_translate in out.tif`"), "{refused}");
+}
+
 #[test]
 fn gdal_reads_what_was_written() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -27,12 +94,7 @@ fn gdal_reads_what_was_written() {
     raster::write_geotiff(&tif, &written).expect("the scratch folder takes files");
     raster::write_asc(&asc, &written).expect("the scratch folder takes files");
     for path in [tif, asc] {
-        let Some(found) = gdalinfo(&path) else {
-            let is_required = std::env::var_os("WILDFIRE_GDAL").is_some_and(|value| value == "required");
-            assert!(!is_required, "gdalinfo is missing");
-            println!("gdalinfo is not installed: nothing was compared");
-            return;
-        };
+        let Some(found) = gdalinfo(&path) else { return without_gdal() };
         assert_eq!(found["size"], serde_json::json!([cols, rows]), "{found:#}");
         let north_m = south_m + rows as f64 * cell_m;
         let expected = serde_json::json!([west_m, cell_m, 0.0, north_m, 0.0, -cell_m]);

@@ -613,6 +613,28 @@ mod tests {
     }
 
     #[test]
+    fn fire_between_two_cells_that_touch_at_a_corner_is_found() {
+        for neighbours in [Neighbours::Eight, Neighbours::Sixteen, Neighbours::ThirtyTwo] {
+            // A diamond of road about the fire, whose cells touch at corners only.
+            let mut setting = Setting { bushes: Vec::new(), ..setting(Relief::FLAT, neighbours, false) };
+            let Some(SpreadSetting::Rothermel { landscape, .. }) = &mut setting.spread else { unreachable!() };
+            let steps = |cell: Cell| cell.col.abs_diff(20) + cell.row.abs_diff(20);
+            let fuel = (0..FRAME.cell_count()).map(|index| if steps(FRAME.cell(index)) == 6 { 91 } else { 104 });
+            *landscape = Arc::new(Landscape { fuel: fuel.collect(), ..Landscape::clone(landscape) });
+            let proper = burn(setting, vec![(0.0, Act::Light(cell(20, 20)))]);
+            assert_eq!((audit_spread(&proper), proper.ground.len()), (Ok(()), 61));
+            for event in proper.ground.iter().filter(|event| steps(event.cell) == 5) {
+                let [col, row] = [event.cell.col, event.cell.row].map(|at| if at >= 20 { at + 1 } else { at - 1 });
+                let mut crossed = proper.clone();
+                let fact = GroundFact::Ignited(Cause::Spread(event.cell));
+                crossed.ground.push(GroundEvent { time: event.time + seconds(20.0), cell: cell(col, row), fact });
+                crossed.ground.sort_by_key(|event| event.time);
+                assert!(audit_spread(&crossed).is_err(), "{neighbours:?}: {event:?} went on between two corners");
+            }
+        }
+    }
+
+    #[test]
     fn an_ignition_a_microsecond_off_is_found() {
         assert_found(20, |timeline, place, _| {
             let time = &mut timeline.ground[place].time;

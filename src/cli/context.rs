@@ -1,12 +1,15 @@
 //! What commands have besides their arguments: whether to be quiet, and the planners and policies that were handed in.
 
+use std::collections::BTreeSet;
+
 use crate::batch::BatchPlan;
 use crate::cli::args::{NamedCommand, ProgramArguments};
 use crate::cli::error::CliError;
+use crate::cli::terminal;
 use crate::planning::{PlannerName, Planners, TruckPlannerKind};
 #[cfg(unix)]
 use crate::programs::{ProgramPool, Trust};
-use crate::scenario::{MemoryLimit, Scenario, TruckGoal, UsedProgram, WumpusGoal, nearest_name};
+use crate::scenario::{MemoryLimit, Scenario, TruckGoal, UsedProgram, WumpusGoal, doubts_of_map, nearest_name};
 use crate::sim::{Entrants, RunOptions};
 
 /// What commands have besides their arguments.
@@ -57,6 +60,14 @@ impl CommandContext {
     /// Returns the options of a run.
     pub fn run_options(&self, records_searches: bool, memory: MemoryLimit) -> RunOptions {
         RunOptions { records_searches, memory, ..self.entrants.clone().into() }
+    }
+
+    /// Notes, once each, what of the maps of scenarios may have been misread or was left out.
+    pub fn note_doubts<'a>(&self, scenarios: impl IntoIterator<Item = &'a Scenario>) {
+        if !self.quiet {
+            let doubts: BTreeSet<&str> = scenarios.into_iter().flat_map(doubts_of_map).collect();
+            doubts.into_iter().for_each(terminal::note);
+        }
     }
 
     /// Refuses a scenario whose runs would start a program that is not trusted.

@@ -69,6 +69,7 @@ fn parse_trace_step(text: &str) -> Result<f64, String> {
 pub fn run(arguments: &RunArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let scenario = scenario::load(&arguments.scenario.source, &context.with_own_names(&arguments.scenario.overrides))?;
     context.expect_trusted(&scenario)?;
+    context.note_doubts([&scenario]);
     let (outputs, words) = Outputs::checked(arguments, &scenario)?;
     let (row, timeline) = run_once(&scenario, arguments, context)?;
     let report = RunReport { row };

@@ -25,7 +25,7 @@ use crate::input_file::{self, is_standard_stream};
 use crate::map_files::{self, MAX_BYTES, Reading, Tolerance};
 use crate::programs::protocol;
 use crate::ranges::number_text;
-use crate::scenario::{self, BUILT_IN, LoadedScenario, MemoryEstimate, MemoryLimit, ScenarioText};
+use crate::scenario::{self, BUILT_IN, LoadedScenario, MemoryEstimate, MemoryLimit, Scenario, ScenarioText};
 use crate::timeline::export;
 use crate::untrusted::visible;
 
@@ -62,7 +62,7 @@ pub struct MapArguments {
     #[arg(long, value_name = "FILE")]
     pub from_map: Option<PathBuf>,
     /// The side of a cell in metres [default: 5, or what the map says].
-    #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = parse_cell, requires = "from_map")]
+    #[arg(long = "cell", alias = "cell-m", value_name = "METRES", allow_hyphen_values = true, value_parser = parse_cell, requires = "from_map")]
     pub cell_m: Option<f64>,
     /// Pixels of an image are bushes where their grey value is at most this; `auto` chooses it [default: 50].
     #[arg(long, value_name = "GREY|auto", allow_hyphen_values = true, value_parser = parse_tolerance, requires = "from_map")]
@@ -314,7 +314,8 @@ fn scenario_from_map(map: &Path, options: &MapArguments, file: Option<&Path>, qu
     let draft = ScenarioText::from_bytes(&source.to_string_lossy(), Ok(draft.into_bytes()))?;
     let scenario = LoadedScenario::from_text(&draft, &[])?.scenario;
     if !quiet {
-        let of_map = notes_on_map(map, options)?.into_iter().map(|note| format!("{}: {note}", map.display()));
+        let of_map =
+            notes_on_map(map, options, &scenario)?.into_iter().map(|note| format!("{}: {note}", map.display()));
         of_map.chain(scenario::warnings_of_map(&scenario)).for_each(|note| terminal::note(&note));
     }
     let (frame, given) = (scenario.field.frame(), scenario.field.given.as_ref().expect("it has a map"));
@@ -347,11 +348,14 @@ fn scenario_from_map(map: &Path, options: &MapArguments, file: Option<&Path>, qu
 }
 
 /// Lists what there is to say of a map, as `wildfire map` does.
-fn notes_on_map(map: &Path, options: &MapArguments) -> Result<Vec<String>, CliError> {
+fn notes_on_map(map: &Path, options: &MapArguments, scenario: &Scenario) -> Result<Vec<String>, CliError> {
     let bytes = input_file::read(map, MAX_BYTES).map_err(|error| CliError::unreadable(map, &error))?;
     let reading = Reading { tolerance: options.tolerance.unwrap_or_default(), inverted: options.invert };
     let read = if map_files::is_plain_text(&bytes) { None } else { Some(map_files::read_bytes(map, bytes, reading)?) };
     let mut notes = read.as_ref().map_or(Vec::new(), |read| [read.notes.clone(), read.doubts()].concat());
+    if read.is_none() {
+        notes.extend(scenario::doubts_of_map(scenario).map(str::to_owned));
+    }
     if options.tolerance.is_some() && read.is_none_or(|read| read.grey.is_none()) {
         notes.push(NO_IMAGE.to_owned());
     }
@@ -447,6 +451,6 @@ mod tests {
         write_new(&path, Format::Toml, &scenario_template()).expect("writable");
         let mine = scenario::load(&path.display().to_string(), &[]).expect("it is a scenario");
         let contest = scenario::load("contest", &[]).expect("it is built in");
-        assert_eq!(mine, scenario::Scenario { name: "mine".into(), ..contest });
+        assert_eq!(mine, Scenario { name: "mine".into(), ..contest });
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::fuel::FuelModel;
 use super::models::{Rothermel, RothermelRules};
 use super::{FireField, Landscape, Spread, Weather};
-use crate::geometry::Cell;
+use crate::geometry::{Cell, FieldFrame};
 use crate::time::SimTime;
 
 /// A fire on a landscape that nobody fights.
@@ -22,6 +22,15 @@ pub struct LoneFire {
 }
 
 impl LoneFire {
+    /// The most bytes that a fire takes with its landscape, by cell: 41 were measured where every cell has a slope of its
+    /// own, 31 on a plane.
+    const BYTES_A_CELL: u64 = 48;
+
+    /// Bounds the memory of a fire on a field and of its landscape.
+    pub fn most_bytes(frame: &FieldFrame) -> u64 {
+        Self::BYTES_A_CELL * frame.cell_count() as u64
+    }
+
     /// Creates a fire that begins in cells at times. Cells that cannot burn then are passed over.
     pub fn new(
         landscape: Arc<Landscape>,

@@ -18,6 +18,7 @@ use crate::map_files::decoded::{GreyImage, check_decoded, turned};
 use crate::map_files::error::{check_size, with_room};
 use crate::map_files::pictures::{FIRST_OF_SEVERAL, MAX_DECODED};
 use crate::map_files::pixel::PixelLayout;
+use crate::map_files::raster::tiff_chunks;
 
 const FLOAT_OR_SIGNED: &str = "its samples are floats, or may be negative";
 
@@ -31,6 +32,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<GreyImage, Fault> {
     let mut limits = Limits::default();
     limits.decoding_buffer_size = MAX_DECODED as usize;
     limits.intermediate_buffer_size = MAX_DECODED as usize;
+    let plain = tiff_chunks::unpack(bytes, 2 * MAX_DECODED as usize).map_err(|message| Fault::Image { message })?;
+    let bytes = plain.as_deref().unwrap_or(bytes);
     let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(damaged)?.with_limits(limits);
     let (cols, rows) = decoder.dimensions().map_err(damaged)?;
     let size = (rows as usize, cols as usize);

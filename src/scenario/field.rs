@@ -12,6 +12,7 @@ use super::check::{Check, TablePath};
 use super::given::{GivenField, MAX_CELLS_A_SIDE};
 use super::tetromino::Shape;
 use crate::geometry::FieldFrame;
+use crate::map_files::raster::MAX_RASTER_SIDE;
 use crate::map_files::{Reading, Tolerance};
 use crate::ranges::number_text;
 
@@ -181,12 +182,12 @@ impl Field {
         let side = self.size_m / self.cell_m;
         let is_whole = (side - side.round()).abs() <= 1e-9 * side;
         let sides_fit = |frame: &FieldFrame| {
-            let fits = |side| (1..=MAX_CELLS_A_SIDE).contains(&side);
+            let fits = |side: u16| (1..=MAX_RASTER_SIDE).contains(&side.into());
             fits(frame.cols) && fits(frame.rows) && frame.cell_m == self.cell_m
         };
         if let Some(frame) = &self.raster_frame {
             if !sides_fit(frame) {
-                let expected = format!("1 to {MAX_CELLS_A_SIDE} cells of {} m a side", self.cell_m);
+                let expected = format!("1 to {MAX_RASTER_SIDE} cells of {} m a side", self.cell_m);
                 return table.refuse("raster_frame", format!("{frame:?}"), expected);
             }
         } else if !(is_whole && (1.0..=f64::from(MAX_CELLS_A_SIDE)).contains(&side.round())) {

@@ -49,7 +49,7 @@ pub(super) fn is_geojson(text: &str) -> bool {
 }
 
 /// Reads the polygons of a GeoJSON text on cells of this side, at most `most` of them a side of the field; objects of other
-/// types are passed over.
+/// types are passed over, and counted.
 ///
 /// # Errors
 /// Fails if the text is not GeoJSON, as the JSON reader says, or as [`Shapes::field`] does.
@@ -57,12 +57,13 @@ pub(super) fn parse(
     text: &str,
     cell_m: f64,
     most: u16,
-) -> Result<Result<(FieldFrame, Grid<bool>), MapFault>, serde_json::Error> {
+) -> Result<Result<(FieldFrame, Grid<bool>, usize), MapFault>, serde_json::Error> {
     let mut shapes = Shapes::default();
     let mut json = serde_json::Deserializer::from_str(text);
     Member(&mut shapes).deserialize(&mut json)?;
     json.end()?;
-    Ok(shapes.field(cell_m, most))
+    let left_out = shapes.left_out;
+    Ok(shapes.field(cell_m, most).map(|(frame, occupied)| (frame, occupied, left_out)))
 }
 
 /// Polygons as lists of rings, rings as lists of points.
@@ -71,6 +72,8 @@ struct Shapes {
     points: Vec<DVec2>,
     ring_ends: Vec<usize>,
     polygon_ends: Vec<usize>,
+    /// The number of points and lines, of one or of several parts, which have no inside.
+    left_out: usize,
     /// The name of the coordinate system, if the file gives one.
     crs: Option<String>,
 }
@@ -212,7 +215,7 @@ impl<'de> Visitor<'de> for Member<'_> {
             "MultiPolygon" => POLYGON + 1,
             "FeatureCollection" | "Feature" | "GeometryCollection" => return Ok(()),
             _ => {
-                // Points and lines have no inside.
+                shapes.left_out += usize::from(TYPES.contains(&kind.as_str()));
                 shapes.points.truncate(before.0);
                 shapes.ring_ends.truncate(before.1);
                 shapes.polygon_ends.truncate(before.2);
@@ -352,7 +355,7 @@ mod tests {
     const MOST: u16 = 4096;
 
     fn rows(text: &str, cell_m: f64) -> Vec<String> {
-        let (_, occupied) = parse(text, cell_m, MOST).expect("GeoJSON").expect("a field");
+        let (_, occupied, _) = parse(text, cell_m, MOST).expect("GeoJSON").expect("a field");
         let row = |row: usize| occupied.row(row).iter().map(|&cell| if cell { '#' } else { '.' }).collect();
         (0..occupied.rows()).rev().map(row).collect()
     }
@@ -380,6 +383,8 @@ mod tests {
             {"type": "MultiPolygon", "coordinates": [[[[0,0],[20,0],[20,10],[0,10]]], [[[10,0],[30,0],[30,10],[10,10]]]]},
             {"type": "MultiPolygon", "coordinates": []}]}"#;
         assert_eq!(rows(&metres(several), 10.0), ["###"]);
+        let (_, _, left_out) = parse(&metres(several), 10.0, MOST).expect("GeoJSON").expect("a field");
+        assert_eq!(left_out, 2);
     }
 
     #[test]
@@ -387,7 +392,8 @@ mod tests {
         // 0.001 degrees of latitude are 111.195 m, of longitude at 60 degrees half as much.
         let text = r#"{"type": "FeatureCollection", "features": [{"type": "Feature", "geometry": null}, {"type": "Feature",
             "geometry": {"type": "Polygon", "coordinates": [[[10,59.9995],[10.001,59.9995],[10.001,60.0005],[10,60.0005]]]}}]}"#;
-        let (frame, occupied) = parse(text, 10.0, MOST).expect("GeoJSON").expect("a field");
+        let (frame, occupied, left_out) = parse(text, 10.0, MOST).expect("GeoJSON").expect("a field");
+        assert_eq!(left_out, 0, "a feature without geometry is nothing");
         assert_eq!((frame.cols, frame.rows), (6, 12));
         assert_eq!(occupied.values().iter().filter(|&&cell| cell).count(), 6 * 11);
     }

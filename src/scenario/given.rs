@@ -32,6 +32,8 @@ pub struct GivenField {
     pub frame: FieldFrame,
     /// A value per cell, row 0 at the south edge.
     pub occupied: Grid<bool>,
+    /// What of its file may have been misread or was left out, in sentences; a plan of a batch does not keep them.
+    pub doubts: Vec<String>,
 }
 
 /// A given field as a resolved scenario writes it: rows of `.` and `#`, first row north.
@@ -76,8 +78,9 @@ impl GivenField {
         }
         let field = geojson::parse(text, cell_m, MAX_CELLS_A_SIDE)
             .map_err(|error| json_fault(text, &error, FieldPath::default()))?;
-        let (frame, occupied) = field.map_err(|fault| fault.at(0..0))?;
-        Ok(Self { frame, occupied })
+        let (frame, occupied, left_out) = field.map_err(|fault| fault.at(0..0))?;
+        let doubt = || format!("Left out {} of the GeoJSON file: only polygons become bushes.", objects(left_out));
+        Ok(Self { frame, occupied, doubts: (left_out > 0).then(doubt).into_iter().collect() })
     }
 
     /// Takes the cells of a map whose first row is north; their side is the map's own, or `cell_m`.
@@ -88,7 +91,13 @@ impl GivenField {
         let (rows, cols) = (map.occupied.rows(), map.occupied.cols());
         let frame = frame_from(cols, rows, map.place.map_or(cell_m, |place| place.cell_m))?;
         let cells = (0..rows).rev().flat_map(|row| map.occupied.row(row)).copied().collect();
-        Ok(Self { frame, occupied: Grid::from_values(rows, cols, cells) })
+        // Advice names the keys of scenarios.
+        let key = |doubt: String| {
+            let doubt = doubt.replace("--tolerance auto", "`field.map_tolerance = \"auto\"`");
+            doubt.replace("--tolerance", "`field.map_tolerance`").replace("--invert", "`field.map_invert`")
+        };
+        let doubts = map.doubts().into_iter().map(key).collect();
+        Ok(Self { frame, occupied: Grid::from_values(rows, cols, cells), doubts })
     }
 
     /// Computes the share of the cells that are bushes.
@@ -114,6 +123,11 @@ impl From<GivenField> for MapRows {
     }
 }
 
+/// Counts what has no inside, in words.
+fn objects(count: usize) -> String {
+    if count == 1 { "1 point or line".to_owned() } else { format!("{count} points and lines") }
+}
+
 fn parse_rows(text: &str, cell_m: f64) -> Result<GivenField, MapError> {
     let body = text.trim_end();
     let mut cells: Vec<Vec<bool>> = Vec::new();
@@ -137,7 +151,7 @@ fn parse_rows(text: &str, cell_m: f64) -> Result<GivenField, MapError> {
     let (rows, cols) = (cells.len(), cells[0].len());
     let occupied = Grid::from_values(rows, cols, cells.into_iter().rev().flatten().collect());
     let frame = frame_from(cols, rows, cell_m).map_err(|fault| fault.at(0..0))?;
-    Ok(GivenField { frame, occupied })
+    Ok(GivenField { frame, occupied, doubts: Vec::new() })
 }
 
 fn parse_row(line: &str, start: usize) -> Result<Vec<bool>, MapError> {
@@ -190,7 +204,7 @@ fn parse_json(text: &str, cell_m: f64) -> Result<GivenField, MapError> {
     let frame = measures.frame(cell_m).map_err(|fault| fault.at(0..0))?;
     let mut json = serde_json::Deserializer::from_str(text);
     let occupied = Bushes(frame).deserialize(&mut json).map_err(located)?;
-    Ok(GivenField { frame, occupied })
+    Ok(GivenField { frame, occupied, doubts: Vec::new() })
 }
 
 /// Turns an error of the JSON reader into a fault; one about a member uses the words of all other values.

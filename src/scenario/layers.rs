@@ -12,11 +12,10 @@ use miniz_oxide::deflate::compress_to_vec;
 use miniz_oxide::inflate::decompress_to_vec_with_limit;
 use serde::{Deserialize, Serialize};
 
-use super::given::MAX_CELLS_A_SIDE;
 use crate::fire::Relief;
 use crate::fire::fuel::FuelModel;
 use crate::geometry::{FieldFrame, compass, ops};
-use crate::map_files::raster::{self, GeoKeys, Raster};
+use crate::map_files::raster::{self, GeoKeys, MAX_RASTER_CELLS, MAX_RASTER_SIDE, Raster};
 
 /// The effort of packing, as zlib counts it.
 const PACKING: u8 = 6;
@@ -126,14 +125,6 @@ impl LayerReader {
     pub fn read(&mut self, kind: LayerKind, path: &Path) -> Result<(), String> {
         let raster = raster::read(path).map_err(|error| error.to_string())?;
         let name = path.display().to_string();
-        let most = usize::from(MAX_CELLS_A_SIDE);
-        if raster.rows > most || raster.cols > most {
-            let (rows, cols) = (raster.rows, raster.cols);
-            return Err(format!(
-                "{name}: it has {rows} rows and {cols} columns; a field has at most {most} each (gdal_translate -srcwin \
-                 cuts a part out)"
-            ));
-        }
         if let Some((first, other)) = &self.first {
             check_same_place(&raster, first, &name, other)?;
         }
@@ -261,8 +252,9 @@ impl GivenLayers {
     /// Checks layers that were not read from rasters but from a plan.
     pub(super) fn is_sound(&self) -> bool {
         let FieldFrame { cols, rows, cell_m } = self.frame;
-        let side_fits = |side| (1..=MAX_CELLS_A_SIDE).contains(&side);
-        if !(side_fits(cols) && side_fits(rows) && cell_m.is_finite() && cell_m > 0.0) {
+        let side_fits = |side: u16| (1..=MAX_RASTER_SIDE).contains(&side.into());
+        let is_whole = side_fits(cols) && side_fits(rows) && self.frame.cell_count() <= MAX_RASTER_CELLS;
+        if !(is_whole && cell_m.is_finite() && cell_m > 0.0) {
             return false;
         }
         let cells = self.frame.cell_count();

@@ -10,7 +10,7 @@ use crate::collision::ClearanceField;
 
 /// Collects the warnings about a scenario, and about the field of the seed that is shown if it has one.
 pub fn warnings(scenario: &Scenario, terrain: Option<&Terrain>) -> Vec<String> {
-    let mut found = Vec::new();
+    let mut found: Vec<String> = doubts_of_map(scenario).map(str::to_owned).collect();
     warn_of_rules(scenario, &mut found);
     warn_of_team(scenario, &mut found);
     warn_of_ignitions(scenario, terrain, &mut found);
@@ -37,6 +37,11 @@ pub fn warnings(scenario: &Scenario, terrain: Option<&Terrain>) -> Vec<String> {
         of_water(None, &mut found);
     }
     found
+}
+
+/// Returns what of the file of a map may have been misread or was left out.
+pub fn doubts_of_map(scenario: &Scenario) -> impl Iterator<Item = &str> {
+    scenario.field.given.iter().flat_map(|given| given.doubts.iter().map(String::as_str))
 }
 
 /// Collects the warnings about a scenario with a map without which nobody should begin: that nothing can burn, and that an

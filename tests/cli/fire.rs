@@ -8,13 +8,17 @@ const HEADER: &str = "number,m_1h,m_10h,m_100h,m_live_herb,m_live_woody,wind_mid
                       slope_rise_run,aspect_deg";
 
 fn object(arguments: &[&str]) -> Value {
-    let answer = Story::begin().tell(arguments).expect_code(0);
+    object_of(&Story::begin(), arguments)
+}
+
+fn object_of(story: &Story, arguments: &[&str]) -> Value {
+    let answer = story.tell(arguments).expect_code(0);
     serde_json::from_str(&answer.stdout).expect("it is JSON")
 }
 
 #[test]
 fn one_fire_is_the_same_in_every_form() {
-    let arguments = ["fire", "behavior", "--fuel", "GR2", "--wind", "5", "--wind-from", "270", "--slope", "0.3"];
+    let arguments = ["fire", "behavior", "--fuel", "GR2", "--wind", "5@270", "--slope", "0.3"];
     let text = Story::begin().tell(&arguments).expect_code(0).stdout;
     assert!(text.starts_with("GR2 (102): low load, dry climate grass") && widest(&text) <= 80, "{text}");
     let fire = object(&[&arguments[..], &["--json"]].concat());
@@ -69,6 +73,73 @@ fn wind_at_another_height_is_brought_down() {
     let factor = 1.83 / wildfire::geometry::ops::ln(20.36 / 0.13);
     assert_eq!(wind("midflame"), 10.0);
     assert!((wind("20ft") - 10.0 * factor).abs() < 1e-9 && (wind("10m") - 10.0 * factor / 1.15).abs() < 1e-9);
+}
+
+#[test]
+fn winds_and_slopes_are_written_in_one_way_and_the_old_ways_are_read_still() {
+    let same = |one: &[&str], other: &[&str]| {
+        let [one, other] = [one, other].map(|words| object(&[&["fire"], words, &["--json"]].concat()));
+        assert_eq!(one, other);
+    };
+    let behavior = ["behavior", "--fuel", "GR2", "--wind"];
+    same(&[&behavior[..], &["5@200"]].concat(), &[&behavior[..], &["5", "--wind-from", "200"]].concat());
+    let refused = Story::begin().tell(&["fire", "behavior", "--fuel", "GR2", "--wind", "5@200", "--wind-from", "90"]);
+    assert!(refused.expect_code(2).stderr.contains("expected no --wind-from beside it"));
+    let spread = ["spread", "--model", "alexandridis", "--rows", "31", "--cols", "31", "--p0", "0.05"];
+    let areas = |words: &[&str]| {
+        let fire = object(&[&["fire"], &spread[..], words, &["--json"]].concat());
+        let number = |name: &str| fire[name].as_f64().expect("a number");
+        (number("area_mean"), number("slope_deg").round(), number("uphill_deg").round())
+    };
+    // A slope of 1 is one of 45 degrees, and the way up is opposite to where it faces.
+    let (old, new) = (areas(&["--slope-deg", "45", "--uphill-deg", "90"]), areas(&["--slope", "1", "--aspect", "270"]));
+    assert_eq!(old, new);
+    assert_eq!((new.1, new.2), (45.0, 90.0));
+    assert!(areas(&[]).0 < new.0, "a fire on a slope burns more than on level ground");
+    let help = Story::begin().tell(&["fire", "spread", "--help"]).expect_code(0).stdout;
+    assert!(!help.contains("--slope-deg") && !help.contains("--uphill-deg"), "{help}");
+}
+
+/// Grass with some cells of water.
+fn grass_with_water(cols: usize, rows: usize, is_water: impl Fn(usize, usize) -> bool) -> String {
+    let cell = |row: usize, col: usize| if is_water(row, col) { "98" } else { "102" };
+    let line = |row: usize| (0..cols).map(|col| cell(row, col)).collect::<Vec<_>>().join(" ");
+    let lines = (0..rows).map(line).collect::<Vec<_>>().join("\n");
+    format!("ncols {cols}\nnrows {rows}\nxllcorner 0\nyllcorner 0\ncellsize 10\n{lines}\n")
+}
+
+#[test]
+fn long_rasters_are_read_and_what_limits_them_is_memory() {
+    let story = Story::begin();
+    story.file("long.asc", &grass_with_water(5000, 5, |_, _| false));
+    let words = ["fire", "spread", "--fuel", "long.asc", "--duration", "300"];
+    let report = story.tell(&words).expect_code(0).stdout;
+    assert!(report.contains("5 rows and 5000 columns of 10 m"), "{report}");
+    let refused = story.tell(&[&words[..], &["--memory", "1MB"]].concat()).expect_code(2).stderr;
+    let refused = refused.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ");
+    assert!(refused.contains("would take up to 1.2 MB of memory; the limit is 1 MB"), "{refused}");
+    story.file("mine.toml", "wumpus = []\nunimog = []\n[fire]\nmodel = \"rothermel\"\n[fire.rothermel]\nfuel_map = \"long.asc\"\n[field]\ncoverage = 0\n");
+    story.tell(&["check", "mine.toml"]).expect_code(0);
+}
+
+#[test]
+fn a_fire_that_is_enclosed_is_named() {
+    let story = Story::begin();
+    let is_rim = |row: usize, col: usize| row.abs_diff(20).max(col.abs_diff(20)) == 2;
+    story.file("fuel.asc", &grass_with_water(41, 41, is_rim));
+    let words = ["fire", "spread", "--fuel", "fuel.asc", "--ignite", "20,20"];
+    let sentence = "The fire ended after 9 cells of 1665 that can burn";
+    let report = story.tell(&words).expect_code(0).stdout;
+    assert!(report.contains(sentence), "{report}");
+    let fire = object_of(&story, &[&words[..], &["--json"]].concat());
+    assert_eq!((&fire["has_ended"], fire["burnable_cells"].as_u64()), (&Value::Bool(true), Some(1665)));
+    for words in [
+        ["fire", "spread", "--fuel", "fuel.asc", "--ignite", "5,5"],
+        ["fire", "spread", "--fuel", "GR2", "--ignite", "20,20"],
+    ] {
+        let report = story.tell(&words).expect_code(0).stdout;
+        assert!(!report.contains("The fire ended"), "{report}");
+    }
 }
 
 #[test]

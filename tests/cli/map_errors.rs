@@ -69,6 +69,30 @@ fn places_that_are_none_are_answered_with_what_was_expected() {
 }
 
 #[test]
+fn a_place_outside_that_lies_inside_as_column_and_row_is_suggested() {
+    let story = story();
+    story.file("wide.txt", "0000000000\n0000000000\n");
+    refuse_map(&story, "wavefront wide.txt --goal 7,1", &["the goal at row 7", "did you mean 1,7?"]);
+    refuse_map(&story, "astar wide.txt --goal 1,7 --start 9,0", &["the start at row 9", "did you mean 0,9?"]);
+    let words = ["map", "report", "wide.txt", "--goal", "7,1", "--start", "0,0", "--out", "lab"];
+    assert!(story.tell(&words).expect_code(2).stderr.contains("did you mean 1,7?"));
+    let refused = story.tell(&["map", "wavefront", "wide.txt", "--goal", "7,7"]).expect_code(2).stderr;
+    assert!(!refused.contains("did you mean"), "{refused}");
+}
+
+#[test]
+fn neighbours_have_one_name_and_their_old_one_is_read_still() {
+    let story = story();
+    let values = |option: &str| {
+        story.tell(&["map", "brushfire", "map.txt", option, "4", "--csv", "values.csv"]).expect_code(0);
+        story.read("values.csv")
+    };
+    assert_eq!(values("--neighbours"), values("--connectivity"));
+    let help = story.tell(&["map", "brushfire", "--help"]).expect_code(0).stdout;
+    assert!(help.contains("--neighbours <4|8>") && !help.contains("--connectivity"), "{help}");
+}
+
+#[test]
 fn parameters_that_make_no_sense_are_refused() {
     let story = story();
     for (arguments, words) in [
@@ -90,7 +114,7 @@ fn parameters_that_make_no_sense_are_refused() {
         ("wavefront map.txt --goal 1,0 --scale -1", "the scale must be a number above 0"),
         ("wavefront map.txt --goal 1,0 --scale 0", "the scale must be a number above 0"),
         ("wavefront map.txt --goal 1,0 --scale none", "expected a number"),
-        ("jps map.txt --goal 1,0 --start 1,1 --connectivity 4", "possible values: 8"),
+        ("jps map.txt --goal 1,0 --start 1,1 --neighbours 4", "possible values: 8"),
         ("rrt map.txt --goal 1,0 --start 1,1 --step 0", "the step must be a number of cells from 0.1"),
         ("rrt map.txt --goal 1,0 --start 1,1 --goal-bias 2", "the goal bias must be a number from 0 to 1, not 2"),
         ("rrt-star map.txt --goal 1,0 --start 1,1 --samples 0", "the number of samples must be from 1 to 100000"),

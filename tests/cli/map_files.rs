@@ -175,6 +175,43 @@ fn what_there_is_to_say_of_a_map_is_said_of_a_scenario_and_a_page() {
 }
 
 #[test]
+fn what_a_scenario_leaves_out_of_its_map_is_named_by_check_run_and_batch() {
+    let story = story();
+    // Black walls and red ones, whose grey value is 76: twice as many.
+    let rows = (0..20).map(|row| match row {
+        9 => "0 0 0 ".repeat(30),
+        11 | 12 => "255 0 0 ".repeat(30),
+        _ => "255 255 255 ".repeat(30),
+    });
+    story.file("red.ppm", &format!("P3 30 20 255\n{}", rows.collect::<String>()));
+    story.file(
+        "lines.geojson",
+        r#"{"type": "GeometryCollection", "crs": {"properties": {"name": "EPSG:32632"}}, "geometries": [
+        {"type": "Point", "coordinates": [0, 0]}, {"type": "LineString", "coordinates": [[0, 0], [9, 9]]},
+        {"type": "Polygon", "coordinates": [[[0,0],[100,0],[100,50],[0,50]], [[10,10],[90,10],[90,40],[10,40]]]}]}"#,
+    );
+    for (map, doubt) in [
+        ("red.ppm", "15.0 % of the cells would be occupied instead of 5.0 %."),
+        ("lines.geojson", "Left out 2 points and lines of the GeoJSON file: only polygons become bushes."),
+    ] {
+        story.file("mine.toml", &format!("duration_s = 20\nunimog = []\n[[wumpus]]\n[field]\nmap = \"{map}\"\n"));
+        let checked = story.tell(&["check", "mine.toml"]).expect_code(0).stdout;
+        let run = story.tell(&["run", "mine.toml"]).expect_code(0).stderr;
+        let batch = story
+            .tell(&["batch", "mine.toml", "--seeds", "1..2", "--out", &format!("{map}-runs")])
+            .expect_code(0)
+            .stderr;
+        for printed in [checked, run, batch] {
+            let printed = printed.split_whitespace().collect::<Vec<_>>().join(" ");
+            assert_eq!(printed.matches(doubt).count(), 1, "{map}: {printed}");
+            assert!(map != "red.ppm" || printed.contains("`field.map_tolerance = \"auto\"`"), "{printed}");
+        }
+        let quiet = story.tell(&["--quiet", "run", "mine.toml"]).expect_code(0).stderr;
+        assert_eq!(quiet, "");
+    }
+}
+
+#[test]
 #[cfg(unix)]
 fn commands_of_a_page_can_be_pasted() {
     let story = story();

@@ -72,6 +72,7 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
                 },
             };
             context.expect_trusted_plan(&plan)?;
+            context.note_doubts(plan.variants.iter().map(|variant| &variant.scenario));
             if arguments.slurm.slurm {
                 terminal::print(&slurm::script(arguments, &plan, context)?)?;
                 return Ok(ExitCode::SUCCESS);

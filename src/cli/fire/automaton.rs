@@ -62,7 +62,8 @@ struct AutomatonReport<'a> {
 
 impl<'a> AutomatonReport<'a> {
     fn new(arguments: &'a SpreadArguments, frame: FieldFrame, lit: Vec<Cell>) -> Self {
-        let AutomatonArguments { slope_deg, uphill_deg, seed, .. } = arguments.automaton;
+        let seed = arguments.automaton.seed;
+        let [slope_deg, uphill_deg] = arguments.automaton.slope_and_uphill_deg(&arguments.slope);
         let rules = arguments.automaton.rules();
         let uphill = compass::unit_toward(uphill_deg) * ops::tan(slope_deg.to_radians());
         let fuel = 102;
@@ -137,9 +138,9 @@ impl From<&AutomatonReport<'_>> for Document {
                 format!("wind {}", wind.0.iter().map(step).collect::<Vec<_>>().join(", "))
             },
         );
-        let slope = match arguments.slope_deg {
-            0.0 => "level ground".to_owned(),
-            slope => format!("slope of {} degrees, uphill to {}", short(slope), short(arguments.uphill_deg)),
+        let slope = match arguments.slope_and_uphill_deg(&report.arguments.slope) {
+            [0.0, _] => "level ground".to_owned(),
+            [slope, uphill] => format!("slope of {} degrees, uphill to {}", short(slope), short(uphill)),
         };
         document.add_list(vec![
             format!("{} rows of {} cells; {} lit", frame.rows, frame.cols, count(report.lit.len(), "cell")),
@@ -209,6 +210,7 @@ impl Serialize for AutomatonReport<'_> {
         let areas = self.areas();
         let series = Series::from_values(&areas);
         let last_steps: Vec<f64> = self.fires.iter().map(|fire| f64::from(fire.last_step)).collect();
+        let [slope_deg, uphill_deg] = arguments.slope_and_uphill_deg(&self.arguments.slope);
         let wind = self.arguments.wind.iter().flat_map(|wind| &wind.0);
         let object = AutomatonObject {
             program_version: PROGRAM_VERSION,
@@ -222,8 +224,8 @@ impl Serialize for AutomatonReport<'_> {
             slope_a,
             vegetation,
             density,
-            slope_deg: arguments.slope_deg,
-            uphill_deg: arguments.uphill_deg,
+            slope_deg,
+            uphill_deg,
             step_s: step.as_seconds(),
             steps: arguments.steps,
             runs: arguments.runs,

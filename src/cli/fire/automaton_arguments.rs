@@ -5,10 +5,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::options::{MOST_SECONDS, azimuth, choice};
+use super::options::{MOST_SECONDS, SlopeArguments, azimuth, choice};
 use crate::cli::args::{parse_jobs, parse_seed};
 use crate::cli::numbers;
 use crate::fire::models::{AlexandridisRules, Density, Vegetation};
+use crate::geometry::ops;
 use crate::time::SimTime;
 
 const HEADING: &str = "Automaton (--model alexandridis)";
@@ -34,12 +35,12 @@ pub struct AutomatonArguments {
     /// Its density, which makes spread less likely by 0.4, as likely, or more likely by 0.3.
     #[arg(help_heading = HEADING, long, value_name = "NAME", default_value = "normal", value_parser = choice::<Density>(&["sparse", "normal", "dense"]))]
     pub density: Density,
-    /// The slope of the whole field, in degrees.
-    #[arg(help_heading = HEADING, long, value_name = "DEGREES", default_value = "0", value_parser = slope_deg)]
-    pub slope_deg: f64,
-    /// The azimuth of the way up.
-    #[arg(help_heading = HEADING, long, value_name = "AZIMUTH", default_value = "0", allow_hyphen_values = true, value_parser = azimuth)]
-    pub uphill_deg: f64,
+    /// The slope of the whole field, in degrees, instead of --slope.
+    #[arg(help_heading = HEADING, long, hide = true, value_name = "DEGREES", conflicts_with = "slope", value_parser = slope_deg)]
+    slope_deg: Option<f64>,
+    /// The azimuth of the way up, instead of --aspect.
+    #[arg(help_heading = HEADING, long, hide = true, value_name = "AZIMUTH", conflicts_with = "aspect", allow_hyphen_values = true, value_parser = azimuth)]
+    uphill_deg: Option<f64>,
     /// The most steps of a fire [default: until it goes out].
     #[arg(help_heading = HEADING, long, value_name = "N", value_parser = steps)]
     pub steps: Option<u32>,
@@ -85,6 +86,12 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 impl AutomatonArguments {
+    /// Returns how steep the field is and the azimuth of the way up, both in degrees.
+    pub fn slope_and_uphill_deg(&self, slope: &SlopeArguments) -> [f64; 2] {
+        let uphill = (slope.aspect + 180.0).rem_euclid(360.0);
+        [self.slope_deg.unwrap_or_else(|| ops::atan(slope.slope).to_degrees()), self.uphill_deg.unwrap_or(uphill)]
+    }
+
     pub fn rules(&self) -> AlexandridisRules {
         AlexandridisRules {
             p0: self.p0,

@@ -8,7 +8,7 @@ use serde::{Serialize, Serializer};
 
 use super::conditions;
 use super::direction::Direction;
-use super::options::{ChoiceArguments, SlopeArguments, azimuth, fuel, moisture, wind};
+use super::options::{ChoiceArguments, SlopeArguments, Wind, azimuth, fuel, moisture, wind};
 use crate::batch::PROGRAM_VERSION;
 use crate::cli::error::CliError;
 use crate::cli::output_files::{Files, Format};
@@ -23,6 +23,9 @@ use crate::fire::surface::{
 };
 use crate::geometry::compass;
 use crate::input_file::is_standard_stream;
+
+/// Where a wind comes from that is given by its speed alone.
+const USUAL_WIND_FROM_DEG: f64 = 270.0;
 
 /// The range of the number of azimuths.
 const AZIMUTHS: RangeInclusive<usize> = 1..=3600;
@@ -44,8 +47,8 @@ each of them, with azimuth_of_deg,front_normal_m_min,ray_m_min,\
 ray_horizontal_m_min.
 
 Examples:
-  wildfire fire behavior --fuel GR2 --wind 5 --wind-from 270
-  wildfire fire behavior --fuel SH5 --wind 12 --wind-height 10m --slope 0.3 --json
+  wildfire fire behavior --fuel GR2 --wind 5@270
+  wildfire fire behavior --fuel SH5 --wind 12@200 --wind-height 10m --slope 0.3 --json
   wildfire fire behavior --fuel 102 --wind 3 --azimuths 0,45,...
   wildfire fire behavior --conditions in.csv --csv out.csv --combine flat
   wildfire fire behavior --list-fuels"
@@ -63,13 +66,13 @@ pub struct BehaviorArguments {
         value_parser = moisture
     )]
     pub moisture: FuelMoisture,
-    /// The speed of the wind in metres per second, at the height of the middle of the flames unless --wind-height says
-    /// otherwise.
-    #[arg(long, value_name = "M/S", default_value = "0", allow_hyphen_values = true, value_parser = wind)]
-    pub wind: f64,
-    /// The azimuth that the wind comes from.
-    #[arg(long, value_name = "AZIMUTH", default_value = "270", allow_hyphen_values = true, value_parser = azimuth)]
-    pub wind_from: f64,
+    /// The wind at the middle of the flames, or at --wind-height: its speed in m/s and the azimuth that it comes from, such
+    /// as 5@270; without one it comes from 270.
+    #[arg(long, value_name = "M/S@FROM", default_value = "0", allow_hyphen_values = true, value_parser = wind)]
+    pub wind: Wind,
+    /// The azimuth that the wind comes from, beside a speed alone.
+    #[arg(long, hide = true, value_name = "AZIMUTH", allow_hyphen_values = true, value_parser = azimuth)]
+    pub wind_from: Option<f64>,
     /// The height of --wind. That of 20 ft or 10 m is brought down to the flames for ground that nothing shelters.
     #[arg(long, value_enum, value_name = "HEIGHT", default_value = "midflame")]
     pub wind_height: WindHeight,
@@ -151,6 +154,10 @@ fn azimuths(text: &str) -> Result<Azimuths, String> {
 }
 
 pub fn run(arguments: &BehaviorArguments, quiet: bool) -> Result<(), CliError> {
+    if let (Some(from_deg), Some(_)) = (arguments.wind.from_deg, arguments.wind_from) {
+        let sentence = format!("--wind names the azimuth {from_deg}; expected no --wind-from beside it");
+        return Err(CliError::bad_input(sentence, None));
+    }
     match (arguments.fuel, &arguments.conditions, &arguments.csv) {
         (_, Some(conditions), Some(csv)) => write_fires(conditions, csv, arguments, quiet),
         (Some(model), ..) => terminal::print(&arguments.form.render(&BehaviorReport::new(model, arguments))),
@@ -186,15 +193,16 @@ impl BehaviorReport {
     fn new(model: &'static FuelModel, arguments: &BehaviorArguments) -> Self {
         let options = arguments.choices.options();
         let bed = FuelBed::new(model, &arguments.moisture, options.curing);
-        let wind_midflame_mps = arguments.wind * arguments.wind_height.factor(model);
-        let wind = compass::unit_from(arguments.wind_from) * wind_midflame_mps;
+        let wind_midflame_mps = arguments.wind.speed_mps * arguments.wind_height.factor(model);
+        let wind_from_deg = arguments.wind.from_deg.or(arguments.wind_from).unwrap_or(USUAL_WIND_FROM_DEG);
+        let wind = compass::unit_from(wind_from_deg) * wind_midflame_mps;
         let fire = bed.behavior(wind, arguments.slope.gradient(), &options);
         let azimuths = arguments.azimuths.iter().flat_map(|azimuths| &azimuths.0);
         Self {
             model,
             moisture: arguments.moisture,
             wind_midflame_mps,
-            wind_from_deg: arguments.wind_from,
+            wind_from_deg,
             slope: arguments.slope,
             options,
             bed,

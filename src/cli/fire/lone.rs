@@ -42,7 +42,7 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     let mut stopwatch = CpuStopwatch::start();
     fire.burn_until(SimTime::from_seconds(arguments.duration));
     let cpu = stopwatch.lap();
-    let report = SpreadReport::new(arguments, &landscape, &fire, &ignitions, cpu);
+    let report = SpreadReport::new(arguments, &landscape, &mut fire, &ignitions, cpu);
     let arrivals = || {
         let seconds = |cell| fire.arrival(cell).map_or(f64::NAN, SimTime::as_seconds);
         (0..landscape.frame.cell_count()).map(|index| seconds(landscape.frame.cell(index))).collect::<Vec<f64>>()

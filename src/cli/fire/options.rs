@@ -79,8 +79,19 @@ pub fn azimuth(text: &str) -> Result<f64, String> {
     numbers::parse_within(text, &AZIMUTHS_DEG, "degrees clockwise from north")
 }
 
-pub fn wind(text: &str) -> Result<f64, String> {
-    numbers::parse_within(text, &WINDS_MPS, "metres per second")
+/// A wind by its speed, and by where it comes from if that is given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wind {
+    pub speed_mps: f64,
+    pub from_deg: Option<f64>,
+}
+
+/// Reads `SPEED@FROM`, or a speed alone.
+pub fn wind(text: &str) -> Result<Wind, String> {
+    let (speed, from) = text.split_once('@').map_or((text, None), |(speed, from)| (speed, Some(from)));
+    let speed_mps = numbers::parse_within(speed, &WINDS_MPS, "metres per second");
+    let speed_mps = speed_mps.map_err(|expected| expected + ", such as 5@270 with the azimuth that it comes from")?;
+    Ok(Wind { speed_mps, from_deg: from.map(azimuth).transpose()? })
 }
 
 /// Reads the code or the number of a fuel model.
@@ -202,6 +213,15 @@ mod tests {
         ] {
             let said = wind_steps(wrong).expect_err(wrong);
             assert!(said.contains(words), "{wrong}: {said}");
+        }
+    }
+
+    #[test]
+    fn a_wind_is_a_speed_with_or_without_where_it_comes_from() {
+        assert_eq!(wind("5@200"), Ok(Wind { speed_mps: 5.0, from_deg: Some(200.0) }));
+        assert_eq!(wind("2.5"), Ok(Wind { speed_mps: 2.5, from_deg: None }));
+        for wrong in ["", "@5", "5@", "5@north", "-1@0", "5@0@0"] {
+            assert!(wind(wrong).is_err(), "{wrong}");
         }
     }
 

@@ -14,12 +14,13 @@ use crate::cli::numbers;
 use crate::cli::output_files::Format;
 use crate::cli::report::FormArguments;
 use crate::fire::fuel::FuelModel;
+use crate::fire::lone::LoneFire;
 use crate::fire::models::Neighbours;
 use crate::fire::surface::FuelMoisture;
 use crate::fire::{Landscape, Relief, Weather, WeatherInterval};
 use crate::geometry::{Cell, FieldFrame};
 use crate::map_files::raster::GeoKeys;
-use crate::scenario::{LayerKind, LayerReader};
+use crate::scenario::{LayerKind, LayerReader, MemoryLimit, bytes_text};
 use crate::time::SimTime;
 
 /// The ranges of sides of a field in cells, of sides of cells in metres, and of times in seconds.
@@ -81,9 +82,9 @@ pub struct SpreadArguments {
         value_parser = moisture
     )]
     pub moisture: FuelMoisture,
-    /// The wind at 10 m above the ground: from some second on, its speed in m/s and the azimuth that it comes from, such
-    /// as 0:2.5@270,4800:2.5@180 [default: none].
-    #[arg(long, value_name = "SECONDS:M/S@FROM,...", allow_hyphen_values = true, value_parser = wind_steps)]
+    /// The wind at 10 m above the ground: its speed in m/s and the azimuth that it comes from, such as 2.5@270, and others
+    /// from later seconds on, such as 2.5@270,4800:3@180 [default: none].
+    #[arg(long, value_name = "M/S@FROM,SECONDS:M/S@FROM,...", allow_hyphen_values = true, value_parser = wind_steps)]
     pub wind: Option<WindSteps>,
     /// A cell that is lit, at the start or some seconds later; may be given several times [default: the one in the middle].
     #[arg(long, value_name = "ROW,COL[@SECONDS]", allow_hyphen_values = true, value_parser = ignition)]
@@ -94,6 +95,9 @@ pub struct SpreadArguments {
     /// Cells that fire goes to from a cell in a straight line: 8, 16 or 32.
     #[arg(long, value_name = "N", default_value = "32", value_parser = neighbours)]
     pub neighbours: Neighbours,
+    /// The memory that the fire may take, such as 4GB [default: 2GB].
+    #[arg(long, value_name = "SIZE")]
+    pub memory: Option<MemoryLimit>,
     #[command(flatten)]
     pub choices: ChoiceArguments,
     #[command(flatten)]
@@ -182,6 +186,23 @@ impl SpreadArguments {
         Ok(fuel.into_iter().chain(self.elevation.as_deref().map(|path| (LayerKind::Elevation, path))).collect())
     }
 
+    /// Refuses a field on which a fire takes more memory than it may.
+    fn check_memory(&self, frame: &FieldFrame) -> Result<(), CliError> {
+        let (needed, limit) = (LoneFire::most_bytes(frame), self.memory.unwrap_or_default());
+        if needed <= limit.bytes {
+            return Ok(());
+        }
+        let sentence = format!(
+            "a fire on {} rows and {} columns would take up to {} of memory; the limit is {limit}",
+            frame.rows,
+            frame.cols,
+            bytes_text(needed)
+        );
+        let help =
+            "--memory sets another limit; gdal_translate -srcwin COL ROW COLS ROWS in.tif out.tif cuts a part out";
+        Err(CliError::bad_input(sentence, Some(help)))
+    }
+
     pub fn ground(&self) -> Result<Ground, CliError> {
         let refused = |sentence: String| CliError::bad_input(sentence, None);
         let mut layers = LayerReader::default();
@@ -191,11 +212,13 @@ impl SpreadArguments {
         let plane = || Relief::Plane(self.slope.gradient());
         let Some(layers) = layers.finish() else {
             let model = self.fuel()?.expect("there is no raster");
+            self.check_memory(&self.frame())?;
             let landscape = Landscape::uniform(self.frame(), model.number);
             let landscape = Landscape { relief: plane(), ..landscape };
             return Ok(Ground { landscape, west_m: 0.0, south_m: 0.0, crs: None });
         };
         let frame = layers.frame;
+        self.check_memory(&frame)?;
         let given = [self.rows.map(f64::from), self.cols.map(f64::from), self.cell];
         let own = [frame.rows.into(), frame.cols.into(), frame.cell_m];
         for ((name, given), own) in ["--rows", "--cols", "--cell"].into_iter().zip(given).zip(own) {

@@ -35,6 +35,10 @@ pub struct SpreadReport {
     ignitions: Vec<IgnitionRow>,
     burned_cells: usize,
     burned_ha: f64,
+    /// Cells that can burn by their fuel.
+    burnable_cells: usize,
+    /// True if nothing is about to catch fire any more.
+    has_ended: bool,
     /// When the first cell at the border of the field caught fire.
     reached_edge_s: Option<f64>,
     /// When the last cell did.
@@ -84,10 +88,12 @@ impl SpreadReport {
     pub fn new(
         arguments: &SpreadArguments,
         landscape: &Landscape,
-        fire: &LoneFire,
+        fire: &mut LoneFire,
         ignitions: &[(SimTime, Cell)],
         cpu: Duration,
     ) -> Self {
+        let has_ended = fire.next_arrival().is_none();
+        let fire = &*fire;
         let frame = landscape.frame;
         let cells = || (0..frame.cell_count()).map(|index| frame.cell(index));
         let burned = || cells().filter_map(|cell| Some((cell, fire.arrival(cell)?)));
@@ -127,6 +133,8 @@ impl SpreadReport {
                 .map(|&(time, cell)| IgnitionRow { row: cell.row, col: cell.col, at_s: time.as_seconds() })
                 .collect(),
             burned_cells,
+            burnable_cells: fire.fires().flammable().len() + burned_cells,
+            has_ended,
             burned_ha: burned_cells as f64 * frame.cell_m * frame.cell_m / 10_000.0,
             reached_edge_s: reached_edge.map(SimTime::as_seconds),
             last_arrival_s: burned().map(|(_, time)| time).max().map(SimTime::as_seconds),
@@ -144,6 +152,12 @@ impl SpreadReport {
             fuels => count(fuels.len(), "fuel"),
         };
         format!("Fire in {fuel}, {}", minutes(self.duration_s))
+    }
+
+    /// Says whether the fire has ended in a small part of what could burn.
+    fn is_enclosed(&self) -> bool {
+        const SMALL: f64 = 0.01;
+        self.has_ended && (self.burned_cells as f64) < SMALL * self.burnable_cells as f64
     }
 
     fn conditions(&self) -> Vec<String> {
@@ -242,6 +256,12 @@ impl From<&SpreadReport> for Document {
         rows.push(row("Reached the edge", edge));
         document.add(Table::new(&["Fire", "Value"], rows));
         let mut remarks = Vec::new();
+        if report.is_enclosed() {
+            let (burned, could) = (count(report.burned_cells, "cell"), report.burnable_cells);
+            remarks.push(format!(
+                "The fire ended after {burned} of {could} that can burn: bare ground, roads, water or moist fuel enclose it"
+            ));
+        }
         if report.reached_edge_s.is_some() {
             remarks
                 .push("What would burn beyond the edge is not known, nor what would come back from there".to_owned());

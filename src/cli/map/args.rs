@@ -243,7 +243,7 @@ A map without obstacles is 0 everywhere, and a note says so; a full one is 1 \
 everywhere.
 
 Example:
-  wildfire map brushfire assets/maps/maze.txt --connectivity 4 --png fire.png")]
+  wildfire map brushfire assets/maps/maze.txt --neighbours 4 --png fire.png")]
 pub struct BrushfireArguments {
     #[command(flatten)]
     #[serde(skip)]

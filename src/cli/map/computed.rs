@@ -61,6 +61,15 @@ pub enum BadQuestion {
     TooLarge { cells: usize, command: &'static str },
 }
 
+impl BadQuestion {
+    /// Returns what was probably meant by a place that lies on the map as column and row.
+    pub fn help(&self) -> Option<String> {
+        let Self::End { problem: BadPlace::Outside { place: (row, col), rows, cols }, .. } = *self else { return None };
+        let is_swapped = col < rows && row < cols;
+        is_swapped.then(|| format!("places are ROW,COLUMN; did you mean {col},{row}?"))
+    }
+}
+
 impl Computed {
     /// Values alone, and the time that they took.
     pub fn timed(title: &str, value_name: &'static str, values: impl FnOnce() -> Values) -> Self {

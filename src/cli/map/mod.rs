@@ -20,6 +20,7 @@ pub use args::MapCommand;
 pub use options::{NO_IMAGE, parse_tolerance};
 
 use args::Computation;
+use computed::BadQuestion;
 use report::{MapReport, with_scene, write_film};
 
 use crate::cli::error::CliError;
@@ -42,8 +43,7 @@ fn compute_and_report(computation: &Computation, quiet: bool) -> Result<(), CliE
     let words = check_files(computation)?;
     let (input, output) = (&computation.files().input, &computation.files().output);
     let (map, cpu_read) = input.reading.read(&input.map)?;
-    let computed = compute::compute(computation, &map.occupied)
-        .map_err(|problem| CliError::bad_input(format_args!("{}: {problem}", input.map.display()), None))?;
+    let computed = compute::compute(computation, &map.occupied).map_err(|problem| refused(&input.map, &problem))?;
     let report = MapReport::new(computation, &map, &computed, cpu_read);
     if output.form.json && !quiet {
         report.sentences().iter().for_each(|sentence| terminal::note(sentence));
@@ -52,6 +52,11 @@ fn compute_and_report(computation: &Computation, quiet: bool) -> Result<(), CliE
     // Whatever cannot be written, all else is kept.
     let written = write_files(&report, quiet);
     printed.and(written)
+}
+
+/// Words a question that has no answer.
+fn refused(map: &Path, problem: &BadQuestion) -> CliError {
+    CliError::bad_input(format_args!("{}: {problem}", map.display()), problem.help().as_deref())
 }
 
 /// Checks what can be checked before anything is computed, and returns where the words go.

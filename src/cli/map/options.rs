@@ -147,7 +147,7 @@ pub struct FileArguments {
 #[derive(Debug, Args, Serialize)]
 pub struct NeighbourArguments {
     /// Neighbours of a cell: the 4 that share a side, or the 8 that share a side or a corner.
-    #[arg(long, value_enum, value_name = "4|8", default_value = "8")]
+    #[arg(long = "neighbours", alias = "connectivity", value_enum, value_name = "4|8", default_value = "8")]
     pub connectivity: Neighbours,
 }
 

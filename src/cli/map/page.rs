@@ -13,6 +13,7 @@ use crate::cli::error::CliError;
 use crate::cli::map::args::{Computation, MapCommand, PageArguments};
 use crate::cli::map::compute::compute;
 use crate::cli::map::computed::{Computed, Value, WalkResult};
+use crate::cli::map::refused;
 use crate::cli::map::report::{MapReport, with_scene};
 use crate::cli::output_files;
 use crate::cli::terminal;
@@ -51,8 +52,7 @@ pub fn run(arguments: &PageArguments, quiet: bool) -> Result<(), CliError> {
             unreachable!("{words:?} is a command");
         };
         computation.check_parameters().map_err(|problem| CliError::bad_input(problem, None))?;
-        let computed = compute(&computation, &map.occupied)
-            .map_err(|problem| CliError::bad_input(format_args!("{}: {problem}", arguments.map.display()), None))?;
+        let computed = compute(&computation, &map.occupied).map_err(|problem| refused(&arguments.map, &problem))?;
         parts.push(Part { words, computation, computed });
     }
     if !quiet {
@@ -93,7 +93,7 @@ fn commands(arguments: &PageArguments) -> Vec<Vec<OsString>> {
     let (start, goal) = arguments.ends.places();
     let goal = format!("--goal {}", place(goal));
     let ends = format!("{goal} --start {}", place(start));
-    let neighbours = format!("--connectivity {}", u8::from(arguments.neighbours.connectivity));
+    let neighbours = format!("--neighbours {}", u8::from(arguments.neighbours.connectivity));
     let corners = if arguments.corners.no_corner_cutting { "--no-corner-cutting" } else { "" };
     let mut growth = format!("--seed {}", arguments.seed);
     growth.extend(arguments.samples.map(|samples| format!(" --samples {samples}")));

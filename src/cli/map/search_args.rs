@@ -99,7 +99,7 @@ pub struct EightSearchArguments {
     #[serde(flatten)]
     pub ends: EndArguments,
     /// Neighbours of a cell: this search has 8, those that share a side or a corner.
-    #[arg(long, value_enum, value_name = "8", default_value = "8")]
+    #[arg(long = "neighbours", alias = "connectivity", value_enum, value_name = "8", default_value = "8")]
     pub connectivity: EightNeighbours,
     #[command(flatten)]
     #[serde(flatten)]

@@ -22,15 +22,19 @@ pub enum RasterFault {
     Unreadable(#[from] io::Error),
     #[error("the file is empty; an ESRI ASCII grid or a GeoTIFF is expected")]
     Empty,
-    #[error("this is no raster; expected an ESRI ASCII grid, which begins with `ncols`, or a GeoTIFF")]
+    #[error(
+        "this is no raster that is read; expected an ESRI ASCII grid, which begins with `ncols`, or a GeoTIFF, which \
+         `gdal_translate in out.tif` makes of most other formats"
+    )]
     Foreign,
     #[error(
-        "the raster has {rows} rows and {cols} columns; expected 1 to {MAX_RASTER_SIDE} each, and at most {MAX_RASTER_CELLS} cells"
+        "the raster has {rows} rows and {cols} columns; expected 1 to {MAX_RASTER_SIDE} each, and at most {MAX_RASTER_CELLS} \
+         cells, which take 268 MB; gdal_translate -srcwin COL ROW COLS ROWS in.tif out.tif cuts a part out"
     )]
     Size { rows: u64, cols: u64 },
     #[error("a cell of {found} is no cell; expected a side above 0 m and up to 1e9 m")]
     CellSize { found: f64 },
-    #[error("cells of {x} by {y} are not square; gdalwarp -tr SIDE SIDE makes them so")]
+    #[error("cells of {x} by {y} are not square; gdalwarp -tr SIDE SIDE in.tif out.tif makes them so")]
     NotSquare { x: f64, y: f64 },
     #[error("its south-west corner is at ({west_m}, {south_m}), which is no place in metres")]
     Place { west_m: f64, south_m: f64 },

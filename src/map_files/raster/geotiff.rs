@@ -16,7 +16,7 @@ use tiff::tags::Tag;
 use tiff::{TiffError, TiffResult};
 
 use super::tiff_header::{self, TiffSize};
-use super::{GeoKeys, MAX_RASTER_CELLS, Raster, RasterFault, check_place, with_room};
+use super::{GeoKeys, MAX_RASTER_CELLS, Raster, RasterFault, check_place, tiff_chunks, with_room};
 
 type TiffDecoder = Decoder<Cursor<Vec<u8>>>;
 
@@ -42,6 +42,11 @@ const STRIP_CELLS: usize = 1 << 16;
 
 pub(super) fn parse(mut bytes: Vec<u8>) -> Result<Raster, RasterFault> {
     let TiffSize { rows, cols } = tiff_header::check(&mut bytes)?;
+    match tiff_chunks::unpack(&bytes, 2 * MAX_CHUNK) {
+        Ok(None) => {}
+        Ok(Some(plain)) => bytes = plain,
+        Err(message) => return Err(RasterFault::Damaged { message }),
+    }
     let mut limits = Limits::default();
     limits.decoding_buffer_size = MAX_CHUNK;
     limits.intermediate_buffer_size = MAX_CHUNK;
@@ -52,10 +57,16 @@ pub(super) fn parse(mut bytes: Vec<u8>) -> Result<Raster, RasterFault> {
     let crs = geo_keys(&mut decoder)?;
     let place = Place::read(&mut decoder, crs.as_ref())?;
     let cell_m = place.cell_m;
-    let south_m = place.north_m - rows as f64 * cell_m;
+    let south_m = if place.south_first { place.edge_m } else { place.edge_m - rows as f64 * cell_m };
     check_place(place.west_m, south_m, cell_m)?;
     let nodata = nodata(&mut decoder)?;
-    let values = Pixels { rows, cols }.read(&mut decoder)?;
+    let mut values = Pixels { rows, cols, absent: nodata.unwrap_or(0.0) }.read(&mut decoder)?;
+    if place.south_first {
+        for row in 0..rows / 2 {
+            let (south, north) = values.split_at_mut((rows - 1 - row) * cols);
+            south[row * cols..][..cols].swap_with_slice(&mut north[..cols]);
+        }
+    }
     Ok(Raster { rows, cols, west_m: place.west_m, south_m, cell_m, values, nodata, crs })
 }
 
@@ -71,6 +82,8 @@ fn unfit<T>(message: impl Into<String>) -> Result<T, RasterFault> {
 struct Pixels {
     rows: usize,
     cols: usize,
+    /// What strips and tiles hold that the file leaves out, as GDAL may.
+    absent: f32,
 }
 
 impl Pixels {
@@ -85,9 +98,14 @@ impl Pixels {
             ChunkType::Strip => 1,
             ChunkType::Tile => self.cols.div_ceil(width),
         };
+        let counts = match decoder.get_chunk_type() {
+            ChunkType::Strip => Tag::StripByteCounts,
+            ChunkType::Tile => Tag::TileByteCounts,
+        };
+        let bytes = decoder.find_tag_unsigned_vec::<u64>(counts).map_err(damaged)?.unwrap_or_default();
         let mut values = with_room(self.rows * self.cols)?;
-        values.resize(self.rows * self.cols, 0.0);
-        for chunk in 0..across * self.rows.div_ceil(height) {
+        values.resize(self.rows * self.cols, self.absent);
+        for chunk in (0..across * self.rows.div_ceil(height)).filter(|&chunk| bytes.get(chunk) != Some(&0)) {
             let (north, west) = (chunk / across * height, chunk % across * width);
             let cut = |error| RasterFault::Damaged { message: format!("row {north}, column {west}: {error}") };
             let samples = numbers(decoder.read_chunk(chunk as u32).map_err(cut)?)?;
@@ -117,7 +135,9 @@ fn numbers(samples: DecodingResult) -> Result<Vec<f32>, RasterFault> {
         DecodingResult::U32(samples) => samples.into_iter().map(|sample| sample as f32).collect(),
         DecodingResult::I32(samples) => samples.into_iter().map(|sample| sample as f32).collect(),
         DecodingResult::U64(_) | DecodingResult::I64(_) | DecodingResult::F16(_) => {
-            return unfit("its numbers have 64 bits without a point, or 16 with one; gdal_translate -ot Float32 helps");
+            return unfit(
+                "its numbers have 64 bits without a point, or 16 with one; gdal_translate -ot Float32 in.tif out.tif helps",
+            );
         }
     })
 }
@@ -154,13 +174,15 @@ fn geo_keys(decoder: &mut TiffDecoder) -> Result<Option<GeoKeys>, RasterFault> {
         return Err(RasterFault::Damaged { message: "its geo keys have no head".into() });
     }
     if crs.short(MODEL_TYPE) == Some(GEOGRAPHIC) {
-        return unfit("its cells are measured in degrees; gdalwarp -t_srs EPSG:NUMBER gives it a grid of metres");
+        return unfit(
+            "its cells are measured in degrees; gdalwarp -t_srs EPSG:NUMBER in.tif out.tif gives it a grid of metres",
+        );
     }
     match crs.short(LINEAR_UNITS) {
         None | Some(METRE | USER_DEFINED | UNDEFINED) => Ok(Some(crs)),
         Some(unit) => unfit(format!(
             "its cells are not measured in metres but in unit {unit} (9002 and 9003 are feet); gdalwarp -t_srs \
-             EPSG:NUMBER gives it a grid of metres"
+             EPSG:NUMBER in.tif out.tif gives it a grid of metres"
         )),
     }
 }
@@ -194,11 +216,13 @@ impl GeoKeys {
     }
 }
 
-/// Where the north-west corner of an image is.
+/// Where the west end of the first row's outer edge is: the north-west corner, or, if rows go from south to north, the
+/// south-west one.
 struct Place {
     west_m: f64,
-    north_m: f64,
+    edge_m: f64,
     cell_m: f64,
+    south_first: bool,
 }
 
 impl Place {
@@ -209,24 +233,33 @@ impl Place {
         };
         let (scale, tie) = (numbers(Tag::ModelPixelScaleTag)?, numbers(Tag::ModelTiepointTag)?);
         let matrix = numbers(Tag::ModelTransformationTag)?;
-        let (side, west, north) = match (scale.as_deref(), tie.as_deref(), matrix.as_deref()) {
+        let ([x, y], west, edge) = match (scale.as_deref(), tie.as_deref(), matrix.as_deref()) {
             (Some(&[x, y, ..]), Some(&[col, row, _, east, north, _, ..]), _) => {
                 ([x, y], east - col * x, north + row * y)
             }
             (_, _, Some(&[x, x_by_row, _, east, y_by_col, y, _, north, ..])) => {
                 if x_by_row != 0.0 || y_by_col != 0.0 {
-                    return unfit("its rows do not run from west to east; gdalwarp turns it");
+                    return unfit("its rows do not run from west to east; gdalwarp in.tif out.tif turns it");
                 }
                 ([x, -y], east, north)
             }
-            _ => return unfit("it does not say where its cells are; expected a GeoTIFF"),
+            _ => {
+                return unfit(
+                    "it does not say where its cells are; gdal_translate -a_ullr WEST NORTH EAST SOUTH in.tif out.tif \
+                     says it",
+                );
+            }
         };
-        let [x, y] = side;
-        if (x - y).abs() > 1e-6 * x.abs() {
+        // A scale below zero is read in one way by the standard and in another by GDAL; a matrix says what is meant.
+        if scale.is_some() && y < 0.0 {
+            return unfit("its rows may go either way by a scale below 0; gdal_translate in.tif out.tif decides it");
+        }
+        if (x - y.abs()).abs() > 1e-6 * x.abs() {
             return Err(RasterFault::NotSquare { x, y });
         }
         let half = if crs.and_then(|crs| crs.short(RASTER_TYPE)) == Some(PIXEL_IS_POINT) { 0.5 * x } else { 0.0 };
-        Ok(Self { west_m: west - half, north_m: north + half, cell_m: x })
+        let south_first = y < 0.0;
+        Ok(Self { west_m: west - half, edge_m: edge + half.copysign(y), cell_m: x, south_first })
     }
 }
 

@@ -7,6 +7,7 @@
 mod ascii;
 mod error;
 mod geotiff;
+pub(super) mod tiff_chunks;
 mod tiff_header;
 
 use std::io;

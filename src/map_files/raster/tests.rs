@@ -123,6 +123,34 @@ fn tiled(is_little: bool) -> Vec<u8> {
         .bytes(&data)
 }
 
+/// An image of one row of bytes in a strip that is packed in a way by its number.
+fn packed(cols: u16, packing: u16, data: &[u8]) -> Image {
+    Image::new(true)
+        .short(256, &[cols])
+        .short(257, &[1])
+        .short(258, &[8])
+        .short(259, &[packing])
+        .short(262, &[1])
+        .short(277, &[1])
+        .long(273, &[8])
+        .long(279, &[data.len() as u32])
+}
+
+/// The first codes of a strip as LZW packs them, high bits first, without an end code.
+fn lzw(codes: &[u32]) -> Vec<u8> {
+    let mut bits: Vec<u32> = Vec::new();
+    for (place, &code) in codes.iter().enumerate() {
+        // After the clear code and the first string there is a string more for each code.
+        let width = match 256 + place {
+            ..511 => 9,
+            511..1023 => 10,
+            _ => 11,
+        };
+        bits.extend((0..width).rev().map(|bit| code >> bit & 1));
+    }
+    bits.chunks(8).map(|byte| (0..8).fold(0, |sum, bit| sum << 1 | *byte.get(bit).unwrap_or(&0) as u8)).collect()
+}
+
 #[test]
 fn every_value_survives_being_written() {
     for (rows, cols) in [(1, 1), (3, 7), (200, 333)] {
@@ -253,6 +281,31 @@ fn tiles_and_palettes_are_read_in_either_order_of_bytes() {
 }
 
 #[test]
+fn strips_packed_by_lzw_are_read_without_an_end_code_and_by_zstandard() {
+    let many: Vec<u32> = (0..1000).map(|at| at * at % 251).collect();
+    let bytes_of_many = many.iter().map(|&value| value as u8).collect::<Vec<_>>();
+    // A code that stands for the string that ends with the byte that it begins with, the second time for three bytes.
+    let strings: (&[u32], &[u8]) = (&[256, 7, 258, 259, 8, 258], &[7, 7, 7, 7, 7, 7, 8, 7, 7]);
+    for (codes, expected) in [strings, (&[&[256], &many[..]].concat()[..], &bytes_of_many[..])] {
+        let data = lzw(codes);
+        let cols = expected.len() as u16;
+        let values: Vec<f32> = expected.iter().map(|&byte| byte.into()).collect();
+        let read = |cols| parse(packed(cols, 5, &data).placed().bytes(&data));
+        assert_eq!(read(cols).expect("all its values are there").values, values);
+        assert_eq!(read(3).expect("it may go on").values, values[..3]);
+        let found = read(cols + 1).expect_err("one is missing").to_string();
+        assert!(found.contains("row 0, column 0: its packed cells end early"), "{found}");
+    }
+    // A frame of one block of two bytes as they are.
+    let frame = [0x28, 0xB5, 0x2F, 0xFD, 0x20, 2, 0x11, 0, 0, 8, 9];
+    assert_eq!(parse(packed(2, 50_000, &frame).placed().bytes(&frame)).expect("it is whole").values, [8.0, 9.0]);
+    let found = fault(packed(2, 50_000, &frame[..9]).placed().bytes(&frame[..9]));
+    assert!(found.contains("row 0, column 0"), "{found}");
+    let found = fault(packed(2, 34_925, &frame).placed().bytes(&frame));
+    assert!(found.contains("packed by LZMA") && found.contains("-co COMPRESS=DEFLATE in.tif out.tif"), "{found}");
+}
+
+#[test]
 fn images_that_are_no_map_in_metres_are_refused_with_the_reason() {
     let image = || {
         Image::new(true)
@@ -273,9 +326,21 @@ fn images_that_are_no_map_in_metres_are_refused_with_the_reason() {
     let by_matrix = parse(image().double(34_264, &matrix).bytes(&[8, 9])).expect("this one is right");
     assert_eq!((by_matrix.west_m, by_matrix.north_m(), by_matrix.cell_m), (1000.0, 2000.0, 10.0));
     let turned = matrix.map(|number| if number == -10.0 { -9.0 } else { number });
+    let south_first = Image::new(true)
+        .short(256, &[1])
+        .short(257, &[2])
+        .short(258, &[8])
+        .short(262, &[1])
+        .long(273, &[8])
+        .long(279, &[2])
+        .short(34_735, &keys(1025, 2))
+        .double(34_264, &matrix.map(f64::abs));
+    let south_first = parse(south_first.bytes(&[8, 9])).expect("it is only turned over");
+    assert_eq!((south_first.values, south_first.south_m, south_first.west_m), (vec![8.0, 9.0], 1995.0, 995.0));
     let mut skewed = matrix;
     skewed[1] = 0.5;
     for (image, expected) in [
+        (image().double(33_550, &[10.0, -10.0, 0.0]).double(33_922, &[0.0; 6]), "by a scale below 0"),
         (image().placed().short(34_735, &keys(1024, 2)), "measured in degrees"),
         (image().placed().short(34_735, &keys(3076, 9003)), "not measured in metres but in unit 9003"),
         (image(), "does not say where its cells are"),
@@ -323,7 +388,9 @@ fn damage_anywhere_is_a_sentence() {
     let mut small = raster(5, 4);
     small.nodata = Some(-1.0);
     let written = geotiff::to_bytes(&small).expect("it fits");
-    for file in [ascii::to_text(&small).into_bytes(), written, tiled(true), tiled(false)] {
+    let codes = lzw(&[256, 7, 258, 259, 8, 258]);
+    let by_lzw = packed(9, 5, &codes).placed().bytes(&codes);
+    for file in [ascii::to_text(&small).into_bytes(), written, tiled(true), tiled(false), by_lzw] {
         for end in 0..file.len() {
             if let Err(fault) = parse(file[..end].to_vec()) {
                 assert!(fault.to_string().len() > 10);

@@ -7,15 +7,19 @@
 
 use super::{RasterFault, check_size};
 
-const WIDTH: u16 = 256;
-const LENGTH: u16 = 257;
-const BITS: u16 = 258;
+pub(super) const WIDTH: u16 = 256;
+pub(super) const LENGTH: u16 = 257;
+pub(super) const BITS: u16 = 258;
+pub(super) const COMPRESSION: u16 = 259;
 const PHOTOMETRIC: u16 = 262;
-const SAMPLES: u16 = 277;
-const ROWS_PER_STRIP: u16 = 278;
-const PLANAR: u16 = 284;
-const TILE_WIDTH: u16 = 322;
-const TILE_LENGTH: u16 = 323;
+pub(super) const SAMPLES: u16 = 277;
+pub(super) const ROWS_PER_STRIP: u16 = 278;
+pub(super) const PLANAR: u16 = 284;
+pub(super) const TILE_WIDTH: u16 = 322;
+pub(super) const TILE_LENGTH: u16 = 323;
+
+/// The ways of packing that are read: none, Group 4, LZW, Deflate by either number, PackBits, Zstandard.
+const READ_PACKINGS: [u64; 7] = [1, 4, 5, 8, 32_946, 32_773, 50_000];
 
 /// The number of a palette among the photometric interpretations, and of grey values.
 const PALETTE: u64 = 3;
@@ -24,9 +28,9 @@ const GREY: u8 = 1;
 /// The longest side of a tile.
 const MAX_TILE_SIDE: u64 = 1 << 14;
 
-/// Most bytes that one packed byte can stand for, by any of the ways of packing that are read: LZW with codes of at
-/// least 9 bits for strings of at most 4096 bytes.
-const MAX_RATIO: usize = 4096;
+/// Most bytes that one packed byte can stand for, by any of the ways of packing that are read: 128 KiB in a block of four
+/// bytes (Collet, Kucherawy, "Zstandard Compression", RFC 8878, 2021, section 3.1.1.2).
+const MAX_RATIO: usize = 1 << 15;
 
 /// The most tags of a head.
 const MAX_TAGS: u64 = 4096;
@@ -54,7 +58,8 @@ pub(super) fn check(bytes: &mut [u8]) -> Result<TiffSize, RasterFault> {
     check_size(rows, cols)?;
     let bands = number(SAMPLES)?.unwrap_or(1);
     if bands != 1 {
-        let message = format!("it has {bands} bands, expected one; gdal_translate -b NUMBER takes one out");
+        let message =
+            format!("it has {bands} bands, expected one; gdal_translate -b NUMBER in.tif out.tif takes one out");
         return Err(RasterFault::Unfit { message });
     }
     if number(PLANAR)?.is_some_and(|planar| planar > 2) || number(ROWS_PER_STRIP)? == Some(0) {
@@ -73,6 +78,21 @@ pub(super) fn check(bytes: &mut [u8]) -> Result<TiffSize, RasterFault> {
     {
         return Err(RasterFault::Damaged { message: format!("tiles of {width} x {length} cells are too large") });
     }
+    let packing = number(COMPRESSION)?.unwrap_or(1);
+    if !READ_PACKINGS.contains(&packing) {
+        let name = match packing {
+            6 | 7 => "JPEG",
+            34_887 => "LERC",
+            34_925 => "LZMA",
+            50_001 => "WebP",
+            _ => "an unknown kind",
+        };
+        let message = format!(
+            "its cells are packed by {name} (number {packing}); gdal_translate -co COMPRESS=DEFLATE in.tif out.tif makes a \
+             file that is read"
+        );
+        return Err(RasterFault::Unfit { message });
+    }
     let (rows, cols) = (rows as usize, cols as usize);
     let bits = number(BITS)?.unwrap_or(1).min(64) as usize;
     if rows * (cols * bits).div_ceil(8) / MAX_RATIO > bytes.len() {
@@ -90,21 +110,25 @@ fn cut_off() -> RasterFault {
 }
 
 /// The place of the first list of tags.
-struct TiffHead {
+pub(super) struct TiffHead {
     is_little: bool,
     is_big_tiff: bool,
     first: usize,
     tags: usize,
 }
 
-/// A tag of numbers: the first of them, and the place of its lowest byte.
-struct TiffEntry {
-    value: Option<u64>,
+/// A tag of numbers: their size and count, and the first of them with the places of it and of its lowest byte.
+pub(super) struct TiffEntry {
+    pub value: Option<u64>,
+    at: usize,
+    size: usize,
+    count: u64,
+    value_at: usize,
     low_byte: usize,
 }
 
 impl TiffHead {
-    fn find(bytes: &[u8]) -> Option<Self> {
+    pub fn find(bytes: &[u8]) -> Option<Self> {
         let is_little = bytes.starts_with(b"II");
         let is_big_tiff = bytes.get(2..4)?.contains(&b'+');
         let mut head = Self { is_little, is_big_tiff, first: 0, tags: 0 };
@@ -131,7 +155,7 @@ impl TiffHead {
     }
 
     /// Finds a tag; of two with one number a decoder takes the last.
-    fn entry(&self, bytes: &[u8], tag: u16) -> Option<TiffEntry> {
+    pub fn entry(&self, bytes: &[u8], tag: u16) -> Option<TiffEntry> {
         let places = (0..self.tags).rev().map(|index| self.first + index * self.entry_size());
         let at = places.into_iter().find(|&at| self.read(bytes, at, 2) == Some(tag.into()))?;
         let size = match self.read(bytes, at + 2, 2)? {
@@ -141,15 +165,49 @@ impl TiffHead {
             16 | 18 => 8,
             _ => 0,
         };
-        let (count_size, inline) = if self.is_big_tiff { (8, 8) } else { (4, 4) };
-        let count = self.read(bytes, at + 4, count_size)?;
-        let field = at + 4 + count_size;
-        let is_inline = count.checked_mul(size).is_some_and(|bytes| bytes <= inline);
-        let value_at =
-            if is_inline { field } else { usize::try_from(self.read(bytes, field, inline as usize)?).ok()? };
-        let value = if size == 0 || count == 0 { None } else { self.read(bytes, value_at, size as usize) };
-        let low_byte = if self.is_little { value_at } else { value_at + (size as usize).saturating_sub(1) };
-        Some(TiffEntry { value, low_byte })
+        let (field, inline) = self.field(at);
+        let count = self.read(bytes, at + 4, inline)?;
+        let is_inline = count.checked_mul(size).is_some_and(|bytes| bytes <= inline as u64);
+        let value_at = if is_inline { field } else { usize::try_from(self.read(bytes, field, inline)?).ok()? };
+        let size = size as usize;
+        let value = if size == 0 || count == 0 { None } else { self.read(bytes, value_at, size) };
+        let low_byte = if self.is_little { value_at } else { value_at + size.saturating_sub(1) };
+        Some(TiffEntry { value, at, size, count, value_at, low_byte })
+    }
+
+    /// Returns where an entry has its value, and the bytes that there are for it, as many as for its count.
+    fn field(&self, at: usize) -> (usize, usize) {
+        if self.is_big_tiff { (at + 12, 8) } else { (at + 8, 4) }
+    }
+
+    /// Returns all whole numbers of a tag, if there are any and the file has them all.
+    pub fn numbers(&self, bytes: &[u8], tag: u16) -> Option<Vec<u64>> {
+        let entry = self.entry(bytes, tag).filter(|entry| entry.value.is_some())?;
+        let places = (0..usize::try_from(entry.count).ok()?).map(|place| entry.value_at + place * entry.size);
+        places.map(|at| self.read(bytes, at, entry.size)).collect()
+    }
+
+    /// Gives a tag that is there other numbers, which are written behind the file if there is no room for them.
+    pub fn put(&self, bytes: &mut Vec<u8>, tag: u16, numbers: &[u32]) {
+        const LONG: u64 = 4;
+        let Some(TiffEntry { at, .. }) = self.entry(bytes, tag) else { return };
+        let (field, inline) = self.field(at);
+        let list: Vec<u8> = numbers.iter().flat_map(|&number| self.word(number.into(), 4)).collect();
+        let mut write = |at: usize, word: &[u8]| bytes[at..at + word.len()].copy_from_slice(word);
+        write(at + 2, &self.word(LONG, 2));
+        write(at + 4, &self.word(numbers.len() as u64, inline));
+        if list.len() <= inline {
+            write(field, &list);
+        } else {
+            let end = bytes.len();
+            bytes[field..field + inline].copy_from_slice(&self.word(end as u64, inline));
+            bytes.extend(list);
+        }
+    }
+
+    /// Returns the bytes of a number.
+    fn word(&self, number: u64, size: usize) -> Vec<u8> {
+        if self.is_little { number.to_le_bytes()[..size].to_vec() } else { number.to_be_bytes()[8 - size..].to_vec() }
     }
 
     /// Returns the first number of a tag, `None` if there is no such tag.

@@ -1,0 +1,144 @@
+//! Strips and tiles of TIFF images that are packed by LZW or Zstandard, unpacked.
+//!
+//! The crate `tiff` undoes predictors and orders of bytes, but its reader of LZW refuses tiles that reach beyond the image
+//! and strips without an end code, both of which GDAL writes or reads, and its reader of Zstandard is not in Rust. So the
+//! file is written again in memory: behind its bytes come all chunks unpacked, and the tags point to these.
+//!
+//! Sources: Adobe Developers Association, "TIFF Revision 6.0", 1992, sections 13 (LZW) and 15 (tiles); number 50000 is that
+//! of libtiff for Zstandard.
+
+use std::io::Read;
+
+use ruzstd::decoding::StreamingDecoder;
+
+use super::tiff_header::{
+    BITS, COMPRESSION, LENGTH, PLANAR, ROWS_PER_STRIP, SAMPLES, TILE_LENGTH, TILE_WIDTH, TiffHead, WIDTH,
+};
+
+/// Where strips and tiles begin, and their bytes.
+const STRIPS: [u16; 2] = [273, 279];
+const TILES: [u16; 2] = [324, 325];
+
+const NOT_PACKED: u32 = 1;
+const LZW: u64 = 5;
+const ZSTANDARD: u64 = 50_000;
+
+/// Codes of LZW that stand for no string.
+const CLEAR: usize = 256;
+const END: usize = 257;
+/// The number of strings that codes of at most 12 bits have.
+const MAX_STRINGS: usize = 4096;
+
+/// Returns the file with unpacked chunks if they are packed by LZW or Zstandard, at most `most` bytes of them.
+///
+/// `None` if there is nothing to do, or the head is damaged in a way that a decoder will name.
+///
+/// # Errors
+/// Returns a sentence with the place of a chunk that is damaged or ends early.
+pub(in crate::map_files) fn unpack(bytes: &[u8], most: usize) -> Result<Option<Vec<u8>>, String> {
+    let Some(head) = TiffHead::find(bytes) else { return Ok(None) };
+    let number = |tag| head.entry(bytes, tag).and_then(|entry| entry.value).map(|number| number as usize);
+    let packing = number(COMPRESSION).unwrap_or_default() as u64;
+    let (Some(cols), Some(rows), true) = (number(WIDTH), number(LENGTH), [LZW, ZSTANDARD].contains(&packing)) else {
+        return Ok(None);
+    };
+    let (tags, width, height) = match (number(TILE_WIDTH), number(TILE_LENGTH)) {
+        (Some(width), Some(height)) => (TILES, width, height),
+        _ => (STRIPS, cols, number(ROWS_PER_STRIP).unwrap_or(rows).min(rows)),
+    };
+    let [Some(offsets), Some(counts)] = tags.map(|tag| head.numbers(bytes, tag)) else { return Ok(None) };
+    let samples = if number(PLANAR) == Some(2) { 1 } else { number(SAMPLES).unwrap_or(1) };
+    let bits = width.checked_mul(samples).and_then(|samples| samples.checked_mul(number(BITS).unwrap_or(1)));
+    let row_bytes = bits.map(|bits| bits.div_ceil(8));
+    let is_sound = cols > 0 && rows > 0 && width > 0 && height > 0 && offsets.len() == counts.len();
+    let (Some(row_bytes), true) = (row_bytes, is_sound) else { return Ok(None) };
+
+    let mut plain = bytes.to_vec();
+    let (across, down) = (cols.div_ceil(width), rows.div_ceil(height));
+    let (mut starts, mut sizes) = (Vec::new(), Vec::new());
+    for (chunk, (&offset, &count)) in offsets.iter().zip(&counts).enumerate() {
+        let (row, col) = (chunk / across % down * height, chunk % across * width);
+        let wrong = |reason: &str| Err(format!("row {row}, column {col}: {reason}"));
+        let end = offset.checked_add(count).filter(|&end| end <= bytes.len() as u64);
+        let Some(end) = end else { return wrong("its cells lie beyond the end of the file") };
+        let packed = &bytes[offset as usize..end as usize];
+        // The last strip is shorter, tiles never are.
+        let chunk_rows = if tags == STRIPS { height.min(rows - row) } else { height };
+        let needed = if packed.is_empty() { Some(0) } else { row_bytes.checked_mul(chunk_rows) };
+        let start = plain.len();
+        let limit = needed.map(|needed| start.saturating_add(needed));
+        let Some(limit) = limit.filter(|limit| limit - bytes.len() <= most && u32::try_from(*limit).is_ok()) else {
+            return Err(format!("its cells take more than {most} bytes"));
+        };
+        if packing == LZW {
+            unpack_lzw(packed, limit, &mut plain);
+        } else if !packed.is_empty() {
+            // What is missing at its end is found below.
+            let unpacked = StreamingDecoder::new(packed).map_err(|error| error.to_string()).and_then(|stream| {
+                stream.take((limit - start) as u64).read_to_end(&mut plain).map_err(|error| error.to_string())
+            });
+            if let Err(reason) = unpacked {
+                return wrong(&reason);
+            }
+        }
+        if plain.len() < limit {
+            return wrong("its packed cells end early, or are damaged");
+        }
+        starts.push(if packed.is_empty() { 0 } else { start as u32 });
+        sizes.push((limit - start) as u32);
+    }
+    head.put(&mut plain, COMPRESSION, &[NOT_PACKED]);
+    head.put(&mut plain, tags[0], &starts);
+    head.put(&mut plain, tags[1], &sizes);
+    Ok(Some(plain))
+}
+
+/// Appends what codes stand for, up to a length of the list, an end code or the first code that is wrong.
+///
+/// A string is one from before and the byte after it. Both were written one behind the other, so that a string is a range
+/// of what is unpacked.
+fn unpack_lzw(packed: &[u8], limit: usize, plain: &mut Vec<u8>) {
+    let mut strings: Vec<(usize, usize)> = Vec::with_capacity(MAX_STRINGS);
+    let mut before: Option<(usize, usize)> = None;
+    let (mut kept, mut kept_bits, mut rest) = (0_u32, 0, packed.iter());
+    while plain.len() < limit {
+        // Codes become longer one string before they have to.
+        let bits = match END + 1 + strings.len() {
+            ..511 => 9,
+            511..1023 => 10,
+            1023..2047 => 11,
+            _ => 12,
+        };
+        while kept_bits < bits {
+            let Some(&byte) = rest.next() else { return };
+            (kept, kept_bits) = (kept << 8 | u32::from(byte), kept_bits + 8);
+        }
+        kept_bits -= bits;
+        let code = (kept >> kept_bits) as usize;
+        kept &= (1 << kept_bits) - 1;
+        if code == CLEAR {
+            strings.clear();
+            before = None;
+            continue;
+        }
+        if let Some((start, length)) = before.filter(|_| strings.len() + END + 1 < MAX_STRINGS) {
+            strings.push((start, length + 1));
+        }
+        let start = plain.len();
+        let length = match code {
+            END => return,
+            0..=255 => {
+                plain.push(code as u8);
+                1
+            }
+            _ => {
+                let Some(&(from, length)) = strings.get(code - END - 1) else { return };
+                let length = length.min(limit - start);
+                // One by one: a string may end with the byte that this one begins with.
+                (from..from + length).for_each(|at| plain.push(plain[at]));
+                length
+            }
+        };
+        before = Some((start, length));
+    }
+}
