@@ -79,6 +79,10 @@ impl CliError {
             BatchError::Unwritable { .. } | BatchError::Unrecordable { .. } | BatchError::NoWorkers { .. } => {
                 Self::new(error, Some(&help), exit::ENVIRONMENT)
             }
+            BatchError::Journal(JournalError::Rewritten { .. }) => {
+                let help = format!("a program that plays may have done it; to make all runs again, {help}");
+                Self::new(error, Some(&help), exit::ENVIRONMENT)
+            }
             BatchError::Journal(JournalError::Changed { .. }) => {
                 Self::new(error, Some(&format!("put it back as it was and {help}")), exit::ENVIRONMENT)
             }
@@ -257,7 +261,10 @@ impl From<BatchError> for CliError {
             | BatchError::NoWorkers { .. }
             | BatchError::OtherOutcome { .. }
             | BatchError::Journal(
-                JournalError::Locked { .. } | JournalError::NoLock { .. } | JournalError::Changed { .. },
+                JournalError::Locked { .. }
+                | JournalError::NoLock { .. }
+                | JournalError::Changed { .. }
+                | JournalError::Rewritten { .. },
             ) => exit::ENVIRONMENT,
             BatchError::Stopped => exit::RESUMABLE,
             _ => exit::BAD_INPUT,

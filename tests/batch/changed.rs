@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::thread;
 
-use wildfire::batch::{Batch, BatchError, JournalError, OutputFolder, Record};
+use wildfire::batch::{Batch, BatchError, JournalError, OutputFolder, Record, Slice};
 
 use crate::made_up::{made_up_run, plan};
 
@@ -117,12 +117,16 @@ fn rows_that_a_program_rewrites_with_their_checksums_never_come_into_tables() {
     });
     ended.expect("the length is that of what was written");
     match batch.finish(&Arc::default()) {
-        Err(BatchError::Journal(JournalError::Changed { path: named, change })) => {
-            assert_eq!((named, change.as_str()), (journal, "the row of run 1 is not the one that was written"));
+        Err(BatchError::Journal(JournalError::Rewritten { path: named, run })) => {
+            assert_eq!((&named, run), (&journal, 1))
         }
         other => panic!("{:?}", other.map(drop)),
     }
     assert!(!path.join("runs.csv").exists());
+    drop(batch);
+    // Resuming believes none of the rows.
+    let resumed = Batch::resume(OutputFolder::shared(&path).expect("it is there"), Slice::WHOLE);
+    assert_eq!(resumed.expect("there is a plan").progress().held(), (0, 0));
 }
 
 #[test]
@@ -133,8 +137,7 @@ fn plan_that_a_program_rewrites_ends_the_batch() {
     let mut batch = Batch::begin(plan("1..5", Record::None), folder).expect("the disk is fine");
     let plan_file = path.join("plan.json");
     let ended = batch.run_with(Box::new(made_up_run), 1, &Arc::default(), |_| {
-        let text =
-            fs::read_to_string(&plan_file).expect("it is there").replace("\"relight\": true", "\"relight\": false");
+        let text = fs::read_to_string(&plan_file).expect("it is there").replace("my file", "My file");
         fs::write(&plan_file, text).expect("writable");
     });
     match ended {

@@ -226,9 +226,9 @@ fn rules_charge_every_entry_for_expansions_and_programs_for_queries() {
     let number = |row: &[String], name: &str| row[column(name)].parse::<f64>().expect("a number");
     for row in &rows[1..] {
         let expansions = number(row, "truck_local_expansions");
-        // The last search may still be under way at the end.
+        // Searches that are called off, or are under way at the end, are charged in part.
         let share = number(row, "truck_planning_s") / (0.01 * expansions);
-        assert!((0.9..=1.0 + 1e-9).contains(&share), "{share}: {row:?}");
+        assert!((0.5..=1.0 + 1e-9).contains(&share), "{share}: {row:?}");
         if row[column("entry")] == "dora" {
             assert_eq!(expansions, 300.0 * number(row, "truck_plans"), "{row:?}");
         }
@@ -265,8 +265,8 @@ fn every_form_says_that_outcomes_depend_on_the_machine_where_a_clock_ended_a_que
         if folder == "one" {
             said(folder, &batch(folder, &["dora.toml"], &[]));
         }
-        for form in [&[][..], &["--md"], &["--json"], &["--tex"]] {
-            said("report", &story.tell(&[&["report", folder, "--trust"], form].concat()).expect_code(0).stdout);
+        for form in [["--md"], ["--json"], ["--tex"]] {
+            said("report", &story.tell(&[&["report", folder, "--trust"][..], &form].concat()).expect_code(0).stdout);
         }
         said("page", &story.read(&format!("{folder}/report.html")));
         said("tables.md", &story.read(&format!("{folder}/tables.md")));

@@ -198,6 +198,10 @@ impl Batch {
         let recorded_again = worked_off?;
         brought?;
         self.expect_unchanged_plan()?;
+        // Of a whole batch the tables are written next, row by row; a slice is merged by a process that knows no digests.
+        if !self.journal.index().slice().is_whole() {
+            self.journal.rows()?.expect_own_lines()?;
+        }
         let is_over = self.journal.index().is_complete() && recorded_again == self.found.lost_recordings.len();
         if is_over { Ok(()) } else { Err(BatchError::Stopped) }
     }

@@ -166,7 +166,9 @@ fn is_unfinished(error: &BatchError) -> bool {
             | BatchError::NotBegun { .. }
             | BatchError::NoJournal { .. }
             | BatchError::Plan(PlanError::Missing { .. })
-            | BatchError::Journal(JournalError::Locked { .. } | JournalError::Changed { .. })
+            | BatchError::Journal(
+                JournalError::Locked { .. } | JournalError::Changed { .. } | JournalError::Rewritten { .. }
+            )
     )
 }
 

@@ -187,18 +187,31 @@ impl<'a> RowReader<'a> {
     /// The row of a run that the journal holds.
     ///
     /// # Errors
-    /// If its line is not the one that was written, or read when the journal was opened.
+    /// If its line is not the one that was written, or read when the journal was opened. All lines are dropped then, or
+    /// resuming would believe them.
     pub fn row(&mut self, run: u64) -> Result<RunRow, JournalError> {
         let place = self.index.slice.place_of(run).expect("the run is one of this slice");
-        let at = usize::try_from(place).expect("it is in memory");
-        self.read_line(self.index.offsets[at]).map_err(|source| JournalError::unreadable(&self.path, source))?;
-        if digest(&self.line) != self.index.digests[at] {
-            let change = format!("the row of run {run} is not the one that was written");
-            return Err(JournalError::Changed { path: self.path.clone(), change });
-        }
-        // The line was read before, so what is wrong now is a change of the file or of its format.
+        self.read_own_line(usize::try_from(place).expect("it is in memory"))?;
+        // The line was read before, so what is wrong now is a change of the format.
         let damaged = |reason| JournalError::Damaged { path: self.path.clone(), line: place + 2, reason };
         decode(&self.line).map_err(damaged)
+    }
+
+    /// Refuses a journal with a line that is not the one that was written, as [`Self::row`] does.
+    pub fn expect_own_lines(&mut self) -> Result<(), JournalError> {
+        let index = self.index;
+        let held = index.offsets.iter().enumerate().filter(|(_, offset)| **offset != 0);
+        held.map(|(place, _)| place).try_for_each(|place| self.read_own_line(place))
+    }
+
+    /// Reads the line of the run at a place.
+    fn read_own_line(&mut self, place: usize) -> Result<(), JournalError> {
+        self.read_line(self.index.offsets[place]).map_err(|source| JournalError::unreadable(&self.path, source))?;
+        if digest(&self.line) == self.index.digests[place] {
+            return Ok(());
+        }
+        self.reader.get_ref().set_len(0).map_err(|source| JournalError::unreadable(&self.path, source))?;
+        Err(JournalError::Rewritten { path: self.path.clone(), run: self.index.slice.run_at(place as u64) })
     }
 
     fn read_line(&mut self, offset: u64) -> io::Result<()> {

@@ -36,6 +36,11 @@ pub enum JournalError {
     OtherPlan { path: PathBuf, found: String, expected: String },
     #[error("{} was changed by another program: {change}", path.display())]
     Changed { path: PathBuf, change: String },
+    #[error(
+        "{} was rewritten by another program: the row of run {run} is not the one that was written; all its rows were dropped",
+        path.display()
+    )]
+    Rewritten { path: PathBuf, run: u64 },
     #[error("another process is working on {}{}", path.display(), words_of(.owner.as_deref()))]
     Locked { path: PathBuf, owner: Option<String> },
     #[error("cannot lock {}: {source}", path.display())]
