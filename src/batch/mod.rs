@@ -52,8 +52,7 @@ pub use report::{
     FacetSeries, Failures, FieldPicture, LISTED_VIOLATIONS, ListedViolation, MOST_PANELS, Merged, NotableRun,
     PaperCharts, ReportError, ReportParts, RunObject, SHOWN_RUNS, Tables, Tally, VariantReport, WrittenReport,
     audit_all, merge, notable_runs, notes, read_report, read_rows, runs_with_pages, word_facets, write_chart,
-    write_chart_data,
-    write_paper_chart, write_report,
+    write_chart_data, write_paper_chart, write_report,
 };
 pub use table::{
     AGENT_COLUMNS, AgentColumn, AgentRow, CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, CallColumn, Column, FileColumn,
