@@ -9,7 +9,7 @@ use miette::{Diagnostic, Report};
 use thiserror::Error;
 
 use crate::batch::{AuditsError, BatchError, FinishedError, JournalError, PlanError, RequestError, TableError};
-use crate::cli::batch::help_on_unfinished;
+use crate::cli::next_command::help_on_unfinished;
 use crate::map_files::{self, MapError};
 use crate::scenario::{Fault, ScenarioError};
 use crate::timeline::export::ExportError;

@@ -24,6 +24,7 @@ mod interrupt;
 mod judge;
 mod map;
 mod map_of;
+mod next_command;
 mod number_table;
 mod numbers;
 mod output_files;

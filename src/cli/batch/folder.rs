@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -13,15 +13,16 @@ use serde::Serialize;
 
 use super::answer::{BatchAnswer, ReportAnswer, ShownTables};
 use super::keeping::LockArguments;
-use super::{exit_code, list, note_leftovers, note_repeated, resume_command};
+use super::{exit_code, list, note_leftovers, note_repeated};
 use crate::batch::{
-    BatchError, BatchPlan, BatchStatus, ChartChoice, ChosenQuantities, FieldPicture, FinishedBatch, JournalError,
-    MissingRuns, NotableRun, OutputFolder, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts, Slice, SliceState,
-    Survey, batch_status, limit_threads, notable_runs, runs_with_pages, shell_word, write_report,
+    BatchError, BatchPlan, ChartChoice, ChosenQuantities, FieldPicture, FinishedBatch, JournalError, MissingRuns,
+    NotableRun, OutputFolder, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts, Slice, SliceState, Survey,
+    batch_status, limit_threads, notable_runs, runs_with_pages, shell_word, write_report,
 };
 use crate::cli::args::{PaperArguments, ProgramArguments, jobs_or_usual, parse_jobs};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
+use crate::cli::next_command::{help_on_unfinished, next_command, resume_command};
 use crate::cli::report::FormArguments;
 use crate::cli::show::{Searches, check_grounds, run_of_batch, write_page};
 use crate::cli::{interrupt, numbers, output_files, terminal};
@@ -490,30 +491,6 @@ fn next_step(folder: &OutputFolder, slices: &[(Slice, SliceState)], lock: &LockA
     }
     let (purpose, command) = next_command(folder.path(), slices, &lock.words())?;
     Some(format!("{purpose} with: {command}"))
-}
-
-/// Returns the command that brings a batch nearer to its tables, and what it is for; `None` while processes work on all
-/// that is left.
-fn next_command(folder: &Path, slices: &[(Slice, SliceState)], lock: &str) -> Option<(&'static str, String)> {
-    let waiting = slices.iter().find(|(_, state)| state.held < state.runs && !state.is_running);
-    match waiting {
-        Some((slice, _)) => Some(("Continue", resume_command(folder, *slice) + lock)),
-        None if slices.iter().any(|(_, state)| state.is_running) => None,
-        None if slices.len() == 1 => Some(("Write the tables", resume_command(folder, slices[0].0) + lock)),
-        None => {
-            Some(("Write the tables", format!("wildfire merge {}{lock}", shell_word(&folder.display().to_string()))))
-        }
-    }
-}
-
-/// Returns what to do with a batch that has no tables yet: the next slice, merging them, or resuming the whole.
-pub fn help_on_unfinished(path: &Path) -> Option<String> {
-    let status = OutputFolder::existing(path).and_then(|folder| batch_status(&folder));
-    let Ok(BatchStatus { slices, .. }) = status else { return Some(format!("wildfire status {}", path.display())) };
-    match next_command(path, &slices, "") {
-        Some((purpose, command)) => Some(format!("{} with: {command}", purpose.to_lowercase())),
-        None => Some("its runs are still being made: wildfire status shows the progress".into()),
-    }
 }
 
 #[cfg(test)]

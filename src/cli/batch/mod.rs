@@ -8,7 +8,7 @@ mod slurm;
 
 pub use answer::{BatchObject, PlanAnswer, ReportAnswer, SliceAnswer};
 pub use args::{BatchArguments, SeedsArgument, parse_seeds};
-pub use folder::{MergeArguments, ReportArguments, StatusArguments, help_on_unfinished, merge, report, status};
+pub use folder::{MergeArguments, ReportArguments, StatusArguments, merge, report, status};
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -22,6 +22,7 @@ use crate::batch::{
 use crate::cli::args::jobs_or_usual;
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
+use crate::cli::next_command::resume_command;
 use crate::cli::terminal::Progress;
 use crate::cli::{interrupt, terminal};
 use crate::document::{Block, Document};
@@ -259,13 +260,6 @@ fn run_with_progress(
     });
     progress.end();
     done
-}
-
-/// The command that goes on with a slice of the batch in a folder.
-fn resume_command(folder: &Path, slice: Slice) -> String {
-    let folder = shell_word(&folder.display().to_string());
-    let shard = if slice.is_whole() { String::new() } else { format!(" --shard {slice}") };
-    format!("wildfire batch --resume {folder}{shard}")
 }
 
 fn slice_summary(batch: &Batch, lock: &LockArguments) -> SliceAnswer {

@@ -14,8 +14,8 @@ use clap::{Args, ValueEnum};
 
 use crate::batch::TableError;
 use crate::batch::comparison::{BesideReport, ComparisonError, Selection, compare};
-use crate::cli::batch::help_on_unfinished;
 use crate::cli::error::CliError;
+use crate::cli::next_command::help_on_unfinished;
 use crate::cli::output_files::{Files, Format, write_all};
 use crate::cli::report::FormArguments;
 

@@ -1,0 +1,36 @@
+//! The command that brings a batch nearer to its tables: the next slice, merging, or resuming the whole.
+
+use std::path::Path;
+
+use crate::batch::{BatchStatus, OutputFolder, Slice, SliceState, batch_status, shell_word};
+
+/// The command that goes on with a slice of the batch in a folder.
+pub fn resume_command(folder: &Path, slice: Slice) -> String {
+    let folder = shell_word(&folder.display().to_string());
+    let shard = if slice.is_whole() { String::new() } else { format!(" --shard {slice}") };
+    format!("wildfire batch --resume {folder}{shard}")
+}
+
+/// Returns the command that brings a batch nearer to its tables, and what it is for; `None` while processes work on all
+/// that is left.
+pub fn next_command(folder: &Path, slices: &[(Slice, SliceState)], lock: &str) -> Option<(&'static str, String)> {
+    let waiting = slices.iter().find(|(_, state)| state.held < state.runs && !state.is_running);
+    match waiting {
+        Some((slice, _)) => Some(("Continue", resume_command(folder, *slice) + lock)),
+        None if slices.iter().any(|(_, state)| state.is_running) => None,
+        None if slices.len() == 1 => Some(("Write the tables", resume_command(folder, slices[0].0) + lock)),
+        None => {
+            Some(("Write the tables", format!("wildfire merge {}{lock}", shell_word(&folder.display().to_string()))))
+        }
+    }
+}
+
+/// Returns what to do with a batch that has no tables yet: the next slice, merging them, or resuming the whole.
+pub fn help_on_unfinished(path: &Path) -> Option<String> {
+    let status = OutputFolder::existing(path).and_then(|folder| batch_status(&folder));
+    let Ok(BatchStatus { slices, .. }) = status else { return None };
+    match next_command(path, &slices, "") {
+        Some((purpose, command)) => Some(format!("{} with: {command}", purpose.to_lowercase())),
+        None => Some("its runs are still being made: wildfire status shows the progress".into()),
+    }
+}
