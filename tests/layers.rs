@@ -97,7 +97,12 @@ const ROOMS: &[(&str, &str, &[&str], &str)] = &[
     ("batch", "plan", &[], "which runs there are is known before the first of them"),
     ("batch", "execute", &["plan"], "a run leaves its numbers in a journal, whatever is made of them later"),
     ("batch", "table", &["plan", "execute"], "tables are read by other tools too, which have no use for reports"),
-    ("batch", "report", &["plan", "execute", "table"], "a report is of one batch, a comparison of several"),
+    (
+        "batch",
+        "report",
+        &["plan", "execute", "table", "comparison"],
+        "what a report says of one batch has the differences of a comparison, by the same engine",
+    ),
     ("batch", "maps", &["plan", "execute", "table"], "maps are of runs, which are read or made again, not of reports"),
     (
         "batch",

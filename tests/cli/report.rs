@@ -225,6 +225,25 @@ fn one_batch_has_one_interval_and_the_headline_gives_where_it_holds() {
 }
 
 #[test]
+fn no_interval_of_two_runs_leaves_the_range_of_its_column() {
+    let story = Story::begin();
+    story.tell(&["batch", "smoke", "--seeds", "1..2", "--out", "a"]).expect_code(0);
+    let object: Value =
+        serde_json::from_str(&story.tell(&["report", "a", "--json"]).expect_code(0).stdout).expect("JSON");
+    let columns = object["variants"][0]["columns"].as_object().expect("columns");
+    let mut beyond = 0;
+    for (name, column) in columns.iter().filter(|(name, _)| !name.ends_with("_score")) {
+        let [mean, deviation, low, high] =
+            ["mean", "standard_deviation", "low", "high"].map(|member| column[member].as_f64().unwrap_or(0.0));
+        let is_share = name.ends_with("_ratio");
+        assert!(0.0 <= low && low <= mean && mean <= high && !(is_share && high > 1.0), "{name}: {low} to {high}");
+        let student = 12.706 * deviation / 2.0_f64.sqrt();
+        beyond += u32::from(mean - student < 0.0 || is_share && mean + student > 1.0);
+    }
+    assert!(beyond > 0, "Student's intervals leave it: {columns:?}");
+}
+
+#[test]
 fn distribution_of_equal_numbers_is_left_out_with_a_sentence() {
     let story = Story::begin();
     story.tell(&["batch", "smoke", "--seeds", "1..4", "--out", "a"]).expect_code(0);

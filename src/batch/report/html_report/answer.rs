@@ -101,7 +101,7 @@ fn stuck_words(stuck: u64, done: u64) -> String {
 
 /// Says which is best and whether that is more than chance.
 fn compared(compared: &Compared) -> String {
-    let Compared { aim, measure, best, best_mean, others, strata, by, .. } = compared;
+    let Compared { aim, best, best_mean, others, strata, by, .. } = compared;
     let (next, last) = (&others[0], &others[others.len() - 1]);
     let count = others.len() + 1;
     let kind = if compared.are_planners { "planners" } else { "variants" };
@@ -118,14 +118,14 @@ fn compared(compared: &Compared) -> String {
         return format!("No difference: {all} {verb} {amount}{of_what}.");
     }
     let subject = format!("{of_all}{best} {}{over}: {amount}", aim.best);
-    let better_by = compared.better_by(next);
-    let decimals = decimals(&better_by, measure.scale);
+    let (better_by, (than, scale)) = (compared.better_by(next), compared.than());
+    let decimals = decimals(&better_by, scale);
     let difference = format!(
         "{} {} than {}{}",
-        rounded(measure.scale * better_by.value, decimals),
-        measure.than,
+        rounded(scale * better_by.value, decimals),
+        than,
         next.name,
-        interval_words(&better_by, measure.scale, decimals)
+        interval_words(&better_by, scale, decimals)
     );
     let alike: Vec<&str> =
         others.iter().filter(|other| !compared.is_told_apart(other)).map(|it| it.name.as_str()).collect();

@@ -22,79 +22,66 @@ const MOST_ROWS: usize = 60;
 pub struct Aim {
     pub quantity: Quantity,
     is_higher_better: bool,
+    /// The metric of comparisons whose differences have the same size.
+    metric: &'static str,
     /// What the best did: `saved the most bushes`.
     pub best: &'static str,
     /// What all did that are equal, before and after the amount.
     pub equal: [&'static str; 2],
+    /// How the best differs from another: `points more`.
+    than: &'static str,
     pub unit: &'static str,
     pub scale: f64,
-    measure: Measure,
 }
-
-/// What differences are taken of.
-#[derive(Clone, Copy)]
-pub struct Measure {
-    /// The metric of comparisons whose differences, but for their sign, have the same interval.
-    metric: &'static str,
-    /// How the best differs from another: `more bushes per run`.
-    pub than: &'static str,
-    pub scale: f64,
-    /// True for numbers of bushes, false for the quantity as it is.
-    is_of_bushes: bool,
-}
-
-impl Measure {
-    const fn new(metric: &'static str, than: &'static str, scale: f64) -> Self {
-        Self { metric, than, scale, is_of_bushes: false }
-    }
-}
-
-/// The difference in saved bushes where fields differ.
-const SAVED_SHARE: Measure = Measure::new("burned_ratio", "points more", 100.0);
 
 pub static AIMS: [Aim; 4] = [
     Aim {
         quantity: SAVED,
         is_higher_better: true,
+        metric: "burned_ratio",
         best: "saved the most bushes",
         equal: ["saved", " of the bushes"],
+        than: "points more",
         unit: "%",
         scale: 100.0,
-        measure: Measure { is_of_bushes: true, ..Measure::new("saved", "more bushes per run", 1.0) },
     },
     Aim {
         quantity: BURNED_AREA,
         is_higher_better: false,
+        metric: "burned_ha",
         best: "lost the least area",
         equal: ["lost", " of area"],
+        than: "ha less",
         unit: "ha",
         scale: 1.0,
-        measure: Measure::new("burned_ha", "ha less", 1.0),
     },
     Aim {
         quantity: RESPONSE,
         is_higher_better: false,
+        metric: "mean_response_s",
         best: "put fires out soonest",
         equal: ["put fires out after", ""],
+        than: "s sooner",
         unit: "s",
         scale: 1.0,
-        measure: Measure::new("mean_response_s", "s sooner", 1.0),
     },
     Aim {
         quantity: PLANNING,
         is_higher_better: false,
+        metric: "cpu_unimog_total_s",
         best: "planned in the least CPU time",
         equal: ["planned in", " of CPU time"],
+        than: "ms less",
         unit: "ms",
         scale: 1.0,
-        measure: Measure::new("cpu_unimog_total_s", "ms less", 1.0),
     },
 ];
 
 /// The best of a batch and the others.
 pub struct Compared {
     pub aim: &'static Aim,
-    pub measure: Measure,
+    /// True if differences are in bushes: all have the same fields.
+    is_in_bushes: bool,
     pub are_planners: bool,
     /// What the strata differ in; empty without several.
     pub by: String,
@@ -131,13 +118,17 @@ impl Compared {
         let rest = planners.as_ref().map_or_else(Vec::new, |planners| labels.besides(planners));
         let strata = labels.distinct(&rest);
         let label = |variant: usize| (labels.label(variant, &own), labels.label(variant, &rest));
-        let is_on_other_fields = aim.measure.is_of_bushes && !are_on_equal_fields(&labels, &rest, variants);
-        let measure = if is_on_other_fields { SAVED_SHARE } else { aim.measure };
+        let is_in_bushes = aim.quantity == SAVED && are_on_equal_fields(&labels, &rest, variants);
+        let numbers = |variant: usize| {
+            let (of_seeds, bushes) = (variants[variant].of_seeds(aim.quantity), variants[variant].of_seeds(BUSHES));
+            let number = move |(&number, &bushes)| if is_in_bushes { f64::round(number * bushes) } else { number };
+            of_seeds.iter().zip(bushes).map(number)
+        };
         let group = |name: String| {
             let variant =
                 |stratum: &String| (0..variants.len()).find(|&it| label(it) == (name.clone(), stratum.clone()));
             let of_strata: Vec<usize> = strata.iter().filter_map(variant).collect();
-            let numbers = of_strata.iter().flat_map(|&variant| measure.numbers(aim, &variants[variant]));
+            let numbers = of_strata.iter().flat_map(|&variant| numbers(variant));
             let numbers: Vec<f64> = numbers.filter(|number| number.is_finite()).collect();
             Some(Group { name, variants: of_strata, mean: Series::from_values(&numbers).mean()? })
         };
@@ -153,8 +144,7 @@ impl Compared {
         let contrast = |other: &Group| {
             let mut pairs = Vec::new();
             for (stratum, (&ours, &theirs)) in best.variants.iter().zip(&other.variants).enumerate() {
-                let [ours, theirs] = [ours, theirs].map(|variant| measure.numbers(aim, &variants[variant]));
-                let of_seeds = plan.seeds.iter().zip(ours.zip(theirs));
+                let of_seeds = plan.seeds.iter().zip(numbers(ours).zip(numbers(theirs)));
                 pairs.extend(of_seeds.map(|(seed, (ours, theirs))| NumberPair {
                     seed,
                     stratum,
@@ -162,7 +152,11 @@ impl Compared {
                 }));
             }
             pairs.retain(|pair| pair.numbers.iter().all(|number| number.is_finite()));
-            Contrast::from_numbers(&Metric::from_name(measure.metric), pairs, (strata.len() > 1).then(|| by.clone()))
+            Contrast::from_numbers(
+                &Metric::from_name(if is_in_bushes { "saved" } else { aim.metric }),
+                pairs,
+                (strata.len() > 1).then(|| by.clone()),
+            )
         };
         let contrasts: Vec<_> = groups.iter().map(contrast).collect();
         let mut judged = judge(contrasts.iter().flatten().cloned().collect()).into_iter();
@@ -174,10 +168,15 @@ impl Compared {
         let others: Vec<Other> = others.collect();
         let best_mean = mean_by_seed(aim.quantity, &best, variants)?;
         let are_planners = planners.is_some();
-        Some(Self { aim, measure, are_planners, by, strata, best: best.name, best_mean, others })
+        Some(Self { aim, is_in_bushes, are_planners, by, strata, best: best.name, best_mean, others })
     }
 
-    /// Returns how much better the best is than another, in the unit of the measure.
+    /// Returns the words for how the best differs from another, and the factor of such a difference in them.
+    pub fn than(&self) -> (&'static str, f64) {
+        if self.is_in_bushes { ("more bushes per run", 1.0) } else { (self.aim.than, self.aim.scale) }
+    }
+
+    /// Returns how much better the best is than another.
     pub fn better_by(&self, other: &Other) -> Estimate {
         let Some(judged) = &other.judged else { return Estimate { value: 0.0, interval: None } };
         let Estimate { value, interval } = estimate(judged);
@@ -217,7 +216,7 @@ impl Compared {
     /// Returns the words of a chart of differences from the best, which are along the y axis.
     pub fn titles(&self, language: Language) -> Titles {
         let quantity = self.aim.quantity;
-        let axis = if self.measure.is_of_bushes { words::BUSHES_PER_RUN } else { quantity.axis() };
+        let axis = if self.is_in_bushes { words::BUSHES_PER_RUN } else { quantity.axis() };
         Titles {
             title: words::DIFFERENCE_FROM.filled(language, &[&quantity.title(language), &self.best]),
             note: words::ARE_DIFFERENCES.in_language(language).into(),
@@ -267,16 +266,6 @@ fn mean_by_seed(quantity: Quantity, group: &Group, variants: &[Values]) -> Optio
     let mean = |seed: usize| members.iter().map(|of_seeds| of_seeds[seed]).sum::<f64>() / members.len() as f64;
     let means = (0..members.first()?.len()).map(mean).filter(|number| !number.is_nan());
     mean_of(&means.collect::<Vec<_>>(), quantity.range())
-}
-
-impl Measure {
-    /// Returns a number for each seed.
-    fn numbers<'a>(self, aim: &Aim, values: &'a Values) -> impl Iterator<Item = f64> + 'a {
-        let bushes = values.of_seeds(BUSHES);
-        let of_seeds = values.of_seeds(aim.quantity).iter().enumerate();
-        // Whole numbers again, as in the table of runs.
-        of_seeds.map(move |(seed, &number)| if self.is_of_bushes { (number * bushes[seed]).round() } else { number })
-    }
 }
 
 impl Other {
