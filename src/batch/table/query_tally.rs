@@ -5,7 +5,7 @@ use std::ops::AddAssign;
 
 use serde::Serialize;
 
-use crate::document::number::rounded;
+use crate::document::number::{count, rounded};
 
 /// Counts of drives and queries of trucks over some runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -64,8 +64,8 @@ impl QueryTally {
                 if self.timed_out == 1 { "1 query".to_owned() } else { format!("{} queries", self.timed_out) };
             format!("{queries} of {planner} timed out")
         });
-        let asks =
-            (self.timed_out_asks > 0).then(|| format!("{} of a policy timed out", count_asks(self.timed_out_asks)));
+        let asks = (self.timed_out_asks > 0)
+            .then(|| format!("{} of a policy timed out", count(self.timed_out_asks as usize, "ask")));
         let reasons: Vec<String> = timed_out.into_iter().chain(asks).collect();
         let machine =
             self.depends_on_machine().then(|| format!("Outcomes depend on this machine: {}.", reasons.join("; ")));
@@ -76,10 +76,6 @@ impl QueryTally {
     pub fn depends_on_machine(&self) -> bool {
         self.timed_out > 0 || self.timed_out_asks > 0
     }
-}
-
-fn count_asks(asks: u64) -> String {
-    if asks == 1 { "1 ask".to_owned() } else { format!("{asks} asks") }
 }
 
 impl AddAssign for QueryTally {
