@@ -175,9 +175,9 @@ impl GroupClock {
 
         let read = |clock: ClockId| clock_gettime(clock).ok().map(Duration::from);
         let of_ended = |stat: Stat| self.tick * u32::try_from(stat.ended_ticks).unwrap_or(u32::MAX);
-        // A process that has ended has no clock; what it took is among what was reaped.
-        let leader =
-            read(self.clock?).map_or(Duration::ZERO, |own| own + self.leader_stat().map_or(Duration::ZERO, of_ended));
+        // A process that has ended has no clock, and one that ended at once never had; what it took is among what was reaped.
+        let own = self.clock.and_then(read);
+        let leader = own.map_or(Duration::ZERO, |own| own + self.leader_stat().map_or(Duration::ZERO, of_ended));
         let others = self.others.iter().filter_map(|&pid| {
             let own = read(ClockId::pid_cpu_clock_id(Pid::from_raw(pid)).ok()?)?;
             Some(own + Stat::of(pid).map_or(Duration::ZERO, of_ended))

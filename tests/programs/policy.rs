@@ -131,5 +131,5 @@ fn program_of_the_command_line_may_be_a_policy() {
     let arguments = ["batch", "smoke", "--planner", "own", "--seeds", "1", "--out", "out", "--quiet"];
     shell.run(&[&arguments[..], &own].concat(), &[0]);
     let plan = std::fs::read_to_string(shell.path("out/plan.json")).expect("it was written");
-    assert!(plan.contains("own.sh") && !plan.contains("\"policy\":{\"own\""), "{plan}");
+    assert!(plan.contains("own.sh") && !plan.contains("\"policy\":"), "{plan}");
 }

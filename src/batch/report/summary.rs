@@ -151,7 +151,7 @@ impl BatchReport {
             let labels = [(index + 1).to_string(), text(&variant.scenario.name), text(&planner_of(&variant.scenario))];
             let counts = [report.tally.done, report.tally.not_done()].map(|count| count.to_string());
             let means = places.iter().flat_map(|&place| {
-                let (mean, interval) = (report.column(place).mean(), report.column(place).mean_interval());
+                let (mean, interval) = (report.column(place).mean(), report.interval(place));
                 [mean, interval.map(|ends| ends.low), interval.map(|ends| ends.high)]
             });
             let means = means.map(|number| number.map_or_else(String::new, |number| number.to_string()));

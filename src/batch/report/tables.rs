@@ -107,8 +107,8 @@ const CUSTOM: [&str; 2] = ["Custom\nstart", "Custom\nqueries"];
 const ROADMAP: [&str; 3] = ["Samp-\nling", "Map\ngener.", "Roadmap\nsearch"];
 const PRM_ONLY: &str = "PRM\nonly";
 
-const CUSTOM_LEGEND: &str = "\
-Custom: starts of planners that are not built in, and queries to them; part of Unimog total.";
+const CUSTOM_LEGEND: &str = "Custom: starts of planners that are not built in, and queries to them.";
+const CUSTOM_TOTAL: &str = "Unimog total: that, clearance field, local search and reachability.";
 
 /// Collects rows, in the order of the plan, and makes the two tables.
 #[derive(Clone, Debug)]
@@ -136,8 +136,12 @@ impl Tables {
     pub fn blocks(&self) -> Vec<Block> {
         let [states, times] = self.0.each_ref().map(|table| Block::Table(table.fitted()));
         let hidden = self.0[0].hidden_note();
-        let custom = self.0[1].has_any(&CUSTOM).then_some(CUSTOM_LEGEND);
-        let legend = hidden.into_iter().chain(LEGEND.into_iter().chain(custom).map(str::to_owned)).collect();
+        let legend = match (self.0[1].has_any(&CUSTOM), self.0[1].has_any(&ROADMAP)) {
+            (false, _) => LEGEND.to_vec(),
+            (true, true) => [CUSTOM_LEGEND].into_iter().chain(LEGEND).collect(),
+            (true, false) => vec![CUSTOM_LEGEND, CUSTOM_TOTAL, LEGEND[2]],
+        };
+        let legend = hidden.into_iter().chain(legend.into_iter().map(str::to_owned)).collect();
         vec![states, times, Block::List(legend)]
     }
 }

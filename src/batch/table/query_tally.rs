@@ -5,7 +5,7 @@ use std::ops::AddAssign;
 
 use serde::Serialize;
 
-use crate::document::number::rounded;
+use crate::document::number::{count, rounded};
 
 /// Words in messages of programs that reached another limit than that of a query; `src/programs/process.rs` writes them.
 const OTHER_LIMITS: [&str; 3] = [" of memory and was killed", "gave no `hello` within ", "gave no `ready` within "];
@@ -84,15 +84,11 @@ impl QueryTally {
             1 => format!("{planner} reached a limit of memory or start time in 1 run"),
             runs => format!("{planner} reached a limit of memory or start time in {runs} runs"),
         });
-        let asks =
-            (self.timed_out_asks > 0).then(|| format!("{} of a policy timed out", count_asks(self.timed_out_asks)));
+        let asks = (self.timed_out_asks > 0)
+            .then(|| format!("{} of a policy timed out", count(self.timed_out_asks as usize, "ask")));
         let reasons: Vec<String> = timed_out.into_iter().chain(asks).chain(limited).collect();
         self.depends_on_machine().then(|| format!("Outcomes depend on this machine: {}.", reasons.join("; ")))
     }
-}
-
-fn count_asks(asks: u64) -> String {
-    if asks == 1 { "1 ask".to_owned() } else { format!("{asks} asks") }
 }
 
 impl AddAssign for QueryTally {
