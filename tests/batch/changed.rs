@@ -130,6 +130,23 @@ fn rows_that_a_program_rewrites_with_their_checksums_never_come_into_tables() {
 }
 
 #[test]
+fn slice_whose_rows_a_program_rewrites_ends_before_it_can_be_merged() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let path = scratch.path().join("out");
+    let folder = OutputFolder::shared(&path).expect("a scratch folder");
+    let slice = Slice::new(1, 2).expect("a slice");
+    let mut batch = Batch::join(plan("1..20", Record::None), folder, slice).expect("the disk is fine");
+    let (mut over, journal) = (0, path.join("runs-1-of-2.journal"));
+    let ended = batch.run_with(Box::new(made_up_run), 1, &Arc::default(), |_| {
+        over += 1;
+        if over == 5 {
+            rewrite_rows(&journal);
+        }
+    });
+    assert!(matches!(ended, Err(BatchError::Journal(JournalError::Rewritten { run: 1, .. }))), "{ended:?}");
+}
+
+#[test]
 fn plan_that_a_program_rewrites_ends_the_batch() {
     let scratch = tempfile::tempdir().expect("a scratch folder");
     let path = scratch.path().join("out");
