@@ -35,7 +35,8 @@ pub use metric::{Better, Metric, MetricKind, NAMED_METRICS};
 pub use pairs::{Pairs, Stratum};
 pub use published::{BesideReport, PublishedState, PublishedTime};
 pub use ranking::{
-    MAX_ENTRIES, RankedEntry, RankedPair, Ranking, RankingError, RankingRequest, USUAL_METRIC, USUALLY_FREE, rank,
+    MAX_ENTRIES, RankedEntry, RankedPair, Ranking, RankingError, RankingRequest, USUAL_METRIC, USUALLY_FREE, WorstRun,
+    rank,
 };
 pub use settings::{Difference, SettingsDifference};
 pub use sides::{MAX_SIDES, Selection};

@@ -16,6 +16,9 @@ const LARGEST: f64 = 1e100;
 const MAX_LEVELS: usize = 10_000;
 const MAX_LEVEL_BYTES: usize = 1000;
 
+/// What the names of columns that count failed queries by reason begin with.
+const FAILED_QUERIES: &str = "truck_failed_";
+
 /// A value to be read from every row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Field {
@@ -45,6 +48,8 @@ pub struct RunsTable {
     pub values: Vec<Vec<f64>>,
     /// The queries of each run's trucks, as far as the table tells.
     pub queries: Vec<QueryTally>,
+    /// Failed queries of each run by reason, such as `timed_out`, as far as the table has columns of them.
+    pub failures: Vec<(String, Vec<u64>)>,
 }
 
 /// A condition under which runs were made: scenario, planner, or a key that a batch sweeps.
@@ -98,6 +103,10 @@ impl RunsTable {
         }
         let (mut seeds, mut done, mut values) = (Vec::new(), Vec::new(), vec![Vec::new(); fields.len()]);
         let mut queries = Vec::new();
+        let reason = |(place, name): (usize, &String)| Some((place, name.strip_prefix(FAILED_QUERIES)?.to_owned()));
+        let reasons: Vec<(usize, String)> = table.columns().iter().enumerate().filter_map(reason).collect();
+        let mut failures: Vec<(String, Vec<u64>)> =
+            reasons.iter().map(|(_, name)| (name.clone(), Vec::new())).collect();
         while table.next_row()? {
             if seeds.len() as u64 == MAX_RUNS {
                 return Err(ComparisonError::TooManyRows { path: table.path().to_owned(), limit: MAX_RUNS });
@@ -107,6 +116,9 @@ impl RunsTable {
             // Other versions of the program may lack these columns, and nothing else is made of them.
             let count = |column: &str| table.place(column).and_then(|place| table.count(place, "").ok());
             queries.push(QueryTally::from_columns(|column| count(column).unwrap_or(0)));
+            for ((_, counts), (place, _)) in failures.iter_mut().zip(&reasons) {
+                counts.push(table.count(*place, "").unwrap_or(0));
+            }
             for (place, condition, known) in &mut conditions {
                 let level = table.bytes(*place);
                 if level.len() > MAX_LEVEL_BYTES || known.len() > MAX_LEVELS {
@@ -132,7 +144,7 @@ impl RunsTable {
             return Err(ComparisonError::NoRows { path: table.path().to_owned() });
         }
         let conditions = conditions.into_iter().map(|(_, condition, _)| condition).collect();
-        Ok(Self { path: table.path().to_owned(), seeds, done, conditions, values, queries })
+        Ok(Self { path: table.path().to_owned(), seeds, done, conditions, values, queries, failures })
     }
 }
 

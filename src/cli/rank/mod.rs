@@ -2,6 +2,7 @@
 
 mod document;
 mod json;
+mod sheets;
 mod table;
 
 use std::path::PathBuf;
@@ -20,7 +21,7 @@ Examples:
   wildfire rank runs/planners
   wildfire rank runs/anna runs/ben runs/cem --metric mean_response_s
   wildfire rank runs/course --html > ranking.html
-  wildfire rank runs/course --csv ranking.csv
+  wildfire rank runs/course --csv ranking.csv --sheets sheets
   wildfire rank runs/sweep --where field.coverage=0.1
 
 An entry is the runs of a batch with one planner, one policy or one value of a
@@ -54,6 +55,9 @@ pub struct RankArguments {
     /// Write the table of entries to a CSV file.
     #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
+    /// Write a sheet for each entry into this folder, as Markdown: its rank, failed queries by reason, its worst runs.
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    pub sheets: Option<PathBuf>,
     #[command(flatten)]
     pub form: FormArguments,
 }
@@ -82,6 +86,9 @@ pub fn run(arguments: &RankArguments, quiet: bool) -> Result<ExitCode, CliError>
     let ranking = rank(&arguments.batches, &arguments.request())?;
     words.print(&form.render(&ranking))?;
     write_all(&[(arguments.csv.as_deref(), &|path| table::write(path, &ranking))], quiet)?;
+    if let Some(folder) = &arguments.sheets {
+        sheets::write(folder, &ranking)?;
+    }
     Ok(ExitCode::SUCCESS)
 }
 

@@ -50,6 +50,9 @@ pub const USUALLY_FREE: [&str; 10] = [
     "unimog.safety",
 ];
 
+/// The most runs that are kept for their bad values.
+const MOST_WORST_RUNS: usize = 3;
+
 /// The order that is asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RankingRequest {
@@ -102,6 +105,22 @@ pub struct RankedEntry {
     pub without_value: usize,
     /// Over all of its runs that are done.
     pub queries: QueryTally,
+    /// Failed queries by reason, such as `timed_out`, without reasons that never occurred.
+    pub failures: Vec<(String, u64)>,
+    /// The table that its runs are in.
+    pub table: PathBuf,
+    /// Its runs with the worst values, the worst first.
+    pub worst_runs: Vec<WorstRun>,
+}
+
+/// A run of an entry that went badly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorstRun {
+    pub seed: u64,
+    /// Its value of the metric, or the one that stands for it.
+    pub value: f64,
+    /// Its row in the table, from 0.
+    pub row: usize,
 }
 
 /// Two entries set against each other.
@@ -188,6 +207,9 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
             failed,
             without_value: without_value(entry, &metric, of_metric.len()) - failed,
             queries: queries_of(entry),
+            failures: failures_of(entry),
+            table: entry.table.path.clone(),
+            worst_runs: worst_runs(entry, &numbers[index], better),
         }
     });
     let first = &entries.entries[0];
@@ -208,6 +230,24 @@ fn queries_of(entry: &EntryRuns<'_>) -> QueryTally {
     let mut queries = QueryTally::default();
     entry.runs.iter().for_each(|run| queries += entry.table.queries[run.index]);
     queries
+}
+
+fn failures_of(entry: &EntryRuns<'_>) -> Vec<(String, u64)> {
+    let sum = |counts: &[u64]| entry.runs.iter().fold(0, |sum: u64, run| sum.saturating_add(counts[run.index]));
+    let sums = entry.table.failures.iter().map(|(reason, counts)| (reason.clone(), sum(counts)));
+    sums.filter(|(_, sum)| *sum > 0).collect()
+}
+
+fn worst_runs(entry: &EntryRuns<'_>, numbers: &[f64], better: Better) -> Vec<WorstRun> {
+    let runs = entry.runs.iter().zip(numbers);
+    let mut runs: Vec<_> = runs.map(|(run, &value)| WorstRun { seed: run.seed, value, row: run.index }).collect();
+    // Runs of equal values stay in the order of their seeds.
+    runs.sort_by(|one, other| match better {
+        Better::Higher => one.value.total_cmp(&other.value),
+        Better::Lower => other.value.total_cmp(&one.value),
+    });
+    runs.truncate(MOST_WORST_RUNS);
+    runs
 }
 
 fn failed(entry: &EntryRuns<'_>) -> usize {
