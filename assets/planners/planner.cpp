@@ -1,11 +1,12 @@
-// A planner for `wildfire`: an RRT of motions that the truck can drive, in C++17 without libraries.
+// A planner for `wildfire`: the shortest Reeds-Shepp curve where it is free, otherwise an RRT of such curves, in C++17
+// without libraries.
 //
 // Build it:    g++ -O2 -std=c++17 -o planner FILE
 // Try it:      wildfire run contest --command mine=./planner --set unimog.planner=mine
 // Compare it:  wildfire plan --planner mine,prm-rs --command mine=./planner --goals 20
 //
-// The simulation writes a question a line to stdin, this program an answer a line to stdout, both JSON. What you print
-// for yourself goes to std::cerr. Metres; radians counter-clockwise from east; a pose is that of the middle of the rear
+// The simulation writes one query per line to stdin, this program writes one answer per line to stdout, both JSON. Print
+// your own messages to std::cerr. Metres; radians counter-clockwise from east; a pose is that of the middle of the rear
 // axle. `wildfire schema planner-protocol` describes every message.
 
 #include <algorithm>
@@ -13,7 +14,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <iostream>
-#include <limits>
 #include <map>
 #include <random>
 #include <string>
@@ -87,26 +87,47 @@ struct Reader {
 
 // ---- The field and the truck -----------------------------------------------------------------------------------------
 
+const double QUARTER = std::acos(0.0), HALF_TURN = 2 * QUARTER, TURN = 4 * QUARTER;
+const int CURVES = 1000;      // tried for a query unless the setting `curves` says otherwise: counted effort repeats
+const double STEP = 15;       // m, the most that the tree grows by at once
+const double MARGIN = 0.1;    // m kept from bushes and border; the rules ask for 0.01 m
+const double FAR = 2;         // m; gaps are measured up to here, so that only a few bushes near the truck are looked at
+const double ENDLESS = 1e300;
+
 struct Pose {
     double x, y, heading;
+    Pose ahead(double metres) const { return {x + metres * std::cos(heading), y + metres * std::sin(heading), heading}; }
+    double distance(Pose other) const { return std::hypot(other.x - x, other.y - y); }
 };
 
 struct Motion {
     double curvature, length;  // 1/m, positive to the left; metres, negative in reverse
 };
 
+using Segments = std::vector<Motion>;
+
+double length_of(const Segments& segments) {
+    double sum = 0;
+    for (Motion motion : segments) sum += std::abs(motion.length);
+    return sum;
+}
+
+// The pose after a motion: an arc, or a straight if the curvature is 0.
 Pose move(Pose pose, Motion motion) {
+    if (motion.curvature == 0) return pose.ahead(motion.length);
     double turned = pose.heading + motion.curvature * motion.length;
-    if (motion.curvature == 0) {
-        return {pose.x + motion.length * std::cos(pose.heading), pose.y + motion.length * std::sin(pose.heading), turned};
-    }
     return {pose.x + (std::sin(turned) - std::sin(pose.heading)) / motion.curvature,
             pose.y - (std::cos(turned) - std::cos(pose.heading)) / motion.curvature, turned};
 }
 
+struct Goal {
+    bool is_pose;
+    double x, y, last;  // the heading of a pose, the radius of a disc
+};
+
 struct Field {
-    double cell, width, height, radius, to_centre, length, disc;
-    int cols, rows;
+    double cell, width, height, radius, to_centre, half_length, half_width, stretch;
+    int cols, rows, ring;
     std::vector<bool> bush;
 
     explicit Field(const Json& message) {
@@ -119,123 +140,240 @@ struct Field {
         for (const Json& at : message["cells_cr"].list) bush[at[1].number * cols + at[0].number] = true;
         const Json& vehicle = message["vehicle"];
         radius = vehicle["min_turn_radius"].number;
-        length = vehicle["length"].number;
-        to_centre = length / 2 - vehicle["rear_overhang"].number;
-        // The body as three discs that cover it, with a margin for what lies between two poses that are checked.
-        disc = std::hypot(length / 6, vehicle["width"].number / 2) + 0.3;
+        half_length = vehicle["length"].number / 2;
+        half_width = vehicle["width"].number / 2;
+        to_centre = half_length - vehicle["rear_overhang"].number;
+        // While the rear axle drives 1 m, no point of the body moves by more than the outer corner does in a turn.
+        stretch = std::hypot(1 + half_width / radius, (std::abs(to_centre) + half_length) / radius);
+        // Bushes within FAR of the body are at most so many cells from the one in which its centre is.
+        ring = static_cast<int>(std::ceil((std::hypot(half_length, half_width) + FAR) / cell));
     }
 
-    bool disc_is_free(double x, double y) const {
-        if (x <= disc || x >= width - disc || y <= disc || y >= height - disc) return false;
-        for (int col = (x - disc) / cell; col <= (x + disc) / cell && col < cols; col++) {
-            for (int row = (y - disc) / cell; row <= (y + disc) / cell && row < rows; row++) {
+    // A lower bound on the distance from the body to bushes and border, FAR at most; negative if they meet. Two rectangles
+    // are apart if they are so along a side of one of them (the separating axis theorem), and at least as far as that.
+    double gap(Pose pose) const {
+        Pose centre = pose.ahead(to_centre);
+        double cos = std::cos(pose.heading), sin = std::sin(pose.heading), half = cell / 2;
+        // Half the body's extent along the axes of the field, and half a bush's along those of the body.
+        double east = half_length * std::abs(cos) + half_width * std::abs(sin);
+        double north = half_length * std::abs(sin) + half_width * std::abs(cos);
+        double turned = half * (std::abs(cos) + std::abs(sin));
+        double least = std::min({centre.x - east, width - centre.x - east, centre.y - north, height - centre.y - north, FAR});
+        if (least < 0) return least;  // outside there are no cells
+        int middle_col = static_cast<int>(centre.x / cell), middle_row = static_cast<int>(centre.y / cell);
+        for (int row = std::max(0, middle_row - ring); row <= std::min(rows - 1, middle_row + ring); row++) {
+            for (int col = std::max(0, middle_col - ring); col <= std::min(cols - 1, middle_col + ring); col++) {
                 if (!bush[static_cast<size_t>(row) * cols + col]) continue;
-                // The point of the bush's cell that is nearest to the disc's centre.
-                double near_x = std::clamp(x, col * cell, (col + 1) * cell);
-                double near_y = std::clamp(y, row * cell, (row + 1) * cell);
-                if (std::hypot(x - near_x, y - near_y) < disc) return false;
+                double dx = (col + 0.5) * cell - centre.x, dy = (row + 0.5) * cell - centre.y;
+                double apart = std::max({std::abs(dx) - east - half, std::abs(dy) - north - half,
+                                         std::abs(dx * cos + dy * sin) - half_length - turned,
+                                         std::abs(dy * cos - dx * sin) - half_width - turned});
+                least = std::min(least, apart);
             }
         }
-        return true;
+        return least;
     }
 
-    // Says whether the body keeps clear of bushes and border. It is stricter than it must be, never less strict.
-    bool is_free(Pose pose) const {
-        for (int third = -1; third <= 1; third++) {
-            double along = to_centre + third * length / 3;
-            if (!disc_is_free(pose.x + along * std::cos(pose.heading), pose.y + along * std::sin(pose.heading))) return false;
-        }
-        return true;
-    }
-
-    bool motion_is_free(Pose pose, Motion motion) const {
-        int steps = std::max(1, static_cast<int>(std::ceil(std::abs(motion.length) / 0.4)));
-        for (int step = 1; step <= steps; step++) {
-            if (!is_free(move(pose, {motion.curvature, motion.length * step / steps}))) return false;
-        }
-        return true;
+    // Says whether the truck's centre is in the goal, if that is a disc; curves to a pose end there anyway.
+    bool is_in_disc(Pose pose, const Goal& goal) const {
+        return !goal.is_pose && pose.ahead(to_centre).distance({goal.x, goal.y, 0}) < goal.last - 0.01;
     }
 };
 
-struct Goal {
-    bool is_pose;
-    double x, y, last;  // the heading of a pose, the radius of a disc
+// What was driven of some segments, the pose there, and whether the goal or the end of the segments was reached.
+struct Drive {
+    Segments driven;
+    Pose pose;
+    bool is_done = true;
+};
 
-    // The point of the truck that counts: its centre for a disc, its rear axle for a pose.
-    double distance(const Field& field, Pose pose, double to_x, double to_y) const {
-        double ahead = is_pose ? 0 : field.to_centre;
-        return std::hypot(pose.x + ahead * std::cos(pose.heading) - to_x, pose.y + ahead * std::sin(pose.heading) - to_y);
-    }
-    bool is_met(const Field& field, Pose pose) const {
-        if (is_pose) {  // this planner ends in poses only by luck; the rules allow 1 mm and 0.001 rad
-            double turned = std::remainder(pose.heading - last, 2 * std::acos(-1.0));
-            return distance(field, pose, x, y) < 0.001 && std::abs(turned) < 0.001;
+// Drives along segments until the body is not free, the goal is reached or `most` metres are driven.
+Drive drive(const Field& field, Pose pose, const Segments& segments, const Goal& goal, double most = ENDLESS) {
+    Drive drive{{}, pose};
+    double gap = field.gap(pose);
+    for (Motion motion : segments) {
+        double done = 0, whole = std::abs(motion.length);
+        Pose begin = drive.pose;
+        bool is_there = false;
+        while (done < whole) {
+            is_there = field.is_in_disc(drive.pose, goal);
+            if (is_there) break;
+            // Nothing can be hit before the gap is used up, so that there is nothing to check on the way there.
+            double to = std::min(done + std::max(gap, MARGIN) / field.stretch, whole);
+            Pose after = move(begin, {motion.curvature, std::copysign(to, motion.length)});
+            gap = field.gap(after);
+            if (gap < MARGIN || to > most) break;
+            drive.pose = after;
+            done = to;
         }
-        return distance(field, pose, x, y) < last - 0.01;
+        if (done > 0) drive.driven.push_back({motion.curvature, std::copysign(done, motion.length)});
+        if (done < whole) {
+            drive.is_done = is_there;
+            return drive;
+        }
+        most -= done;
+    }
+    return drive;
+}
+
+// ---- Reeds-Shepp curves (Reeds and Shepp, 1990) ----------------------------------------------------------------------
+
+// Keeps the shortest of many curves. A part is a side (1 a left arc, -1 a right arc, 0 a straight) and a length, which is
+// negative in reverse.
+struct Shortest {
+    double side = 1;  // -1 while curves are those to the mirrored end
+    double length = ENDLESS;
+    Segments parts;
+
+    void add(std::initializer_list<Motion> curve) {
+        // Either way round a circle ends in the same pose; the shorter is taken.
+        auto signed_length = [](Motion part) { return part.curvature == 0 ? part.length : std::remainder(part.length, TURN); };
+        double sum = 0;
+        for (Motion part : curve) sum += std::abs(signed_length(part));
+        if (sum >= length) return;
+        length = sum;
+        parts.clear();
+        for (Motion part : curve) parts.push_back({side * part.curvature, signed_length(part)});
+    }
+
+    // Adds the curves from (0, 0, 0) to (x, y, turn) that begin with a left arc, for a turning radius of 1.
+    //
+    // Every formula solves the same equation. The centre of the first circle is (0, 1), that of the last one follows from
+    // the goal, and the parts in between lead from one to the other: a straight adds its length times a unit vector, two
+    // circles that touch add 2. Not every curve here is the shortest of its kind, but each ends in the goal, and the
+    // shortest of all is among them.
+    void add_from_left(double x, double y, double turn) {
+        // The last circle is to the left of the goal, `d` from the first in the direction `angle`.
+        double dx = x - std::sin(turn), dy = y - 1 + std::cos(turn);
+        double d = std::hypot(dx, dy), angle = std::atan2(dy, dx);
+        for (double sign : {1.0, -1.0}) {  // the direction of the straight
+            double quarter = sign * QUARTER, along = sign > 0 ? angle : angle + HALF_TURN;
+            add({{1, along}, {0, sign * d}, {1, turn - along}});
+            if (d >= 2) {  // a quarter circle to the right before or after the straight
+                double straight = sign * std::sqrt(d * d - 4), offset = std::atan2(2, straight), head = angle - offset;
+                add({{1, head + quarter}, {-1, quarter}, {0, straight - 2 * sign}, {1, turn - head}});
+                head = angle + offset;
+                add({{1, head}, {0, straight - 2 * sign}, {-1, quarter}, {1, turn - head + quarter}});
+            }
+            if (d <= 4) {  // no straight, but a circle that touches both others
+                double half = sign * std::asin(d / 4), first = along + half;
+                add({{1, first}, {-1, 2 * half}, {1, turn - first + 2 * half}});
+            }
+        }
+        // The last circle is to the right of the goal.
+        dx = x + std::sin(turn), dy = y - 1 - std::cos(turn);
+        d = std::hypot(dx, dy), angle = std::atan2(dy, dx);
+        for (double sign : {1.0, -1.0}) {
+            double quarter = sign * QUARTER, along = sign > 0 ? angle : angle + HALF_TURN;
+            add({{1, along + quarter}, {-1, quarter}, {0, sign * (d - 2)}, {-1, along - turn}});
+            add({{1, along}, {0, sign * (d - 2)}, {1, quarter}, {-1, along + quarter - turn}});
+            if (d >= 2) {
+                double straight = sign * std::sqrt(d * d - 4), offset = std::atan2(2, straight), head = angle + offset;
+                add({{1, head}, {0, straight}, {-1, head - turn}});
+                head = angle - offset + quarter;  // quarter circles before and after the straight
+                add({{1, head}, {-1, quarter}, {0, straight - 4 * sign}, {1, quarter}, {-1, head - turn}});
+            }
+            if (d <= 2) {  // two circles in between, driven equally far, one forward and one in reverse
+                double middle = sign * std::acos((2 + d) / 4), head = angle + QUARTER;
+                add({{1, head + middle}, {-1, middle}, {1, -middle}, {-1, head - middle - turn}});
+            } else if (d <= 6) {  // two circles in between, driven equally far in one direction
+                double middle = sign * std::acos((20 - d * d) / 16);
+                double first = angle + QUARTER - std::atan2(2 * std::sin(middle), 4 - 2 * std::cos(middle));
+                add({{1, first}, {-1, middle}, {1, middle}, {-1, first - turn}});
+            }
+        }
     }
 };
+
+Segments shortest_curve(Pose start, Pose end, double radius) {
+    double dx = (end.x - start.x) / radius, dy = (end.y - start.y) / radius;
+    double cos = std::cos(start.heading), sin = std::sin(start.heading);
+    double x = dx * cos + dy * sin, y = dy * cos - dx * sin, turn = end.heading - start.heading;
+    Shortest shortest;
+    shortest.add_from_left(x, y, turn);
+    shortest.side = -1;  // curves that begin with a right arc are those to the mirrored end, mirrored
+    shortest.add_from_left(x, -y, -turn);
+    Segments segments;
+    for (Motion part : shortest.parts) {
+        if (std::abs(part.length) > 1e-9) segments.push_back({part.curvature / radius, part.length * radius});
+    }
+    return segments;
+}
 
 // ---- The search ------------------------------------------------------------------------------------------------------
 
-struct Node {
-    Pose pose;
-    int before;
-    Motion motion;
-};
+struct Search {
+    const Field& field;
+    Pose start;
+    Goal goal;
+    int budget;
+    std::mt19937_64 bits;
+    int curves = 0;  // tried so far
 
-// Grows a tree of poses from the start, by motions towards random points, until one is in the goal.
-bool plan(const Field& field, Pose start, const Goal& goal, int budget, uint64_t seed, std::vector<Motion>& path, int& expansions) {
-    std::mt19937_64 bits(seed);
-    auto uniform = [&](double most) { return most * static_cast<double>(bits() >> 11) / 9007199254740992.0; };
-    if (goal.is_met(field, start)) return true;
-    std::vector<Node> tree{{start, -1, {0, 0}}};
-    for (expansions = 1; expansions <= budget; expansions++) {
-        bool is_towards_goal = uniform(1) < 0.2;
-        double x = is_towards_goal ? goal.x : uniform(field.width), y = is_towards_goal ? goal.y : uniform(field.height);
-        // From the pose of the tree that is nearest to the point, the motion that brings it nearest.
-        int nearest = 0;
-        for (int index = 1; index < static_cast<int>(tree.size()); index++) {
-            if (goal.distance(field, tree[index].pose, x, y) < goal.distance(field, tree[nearest].pose, x, y)) nearest = index;
+    double uniform(double from, double to) { return from + (to - from) * static_cast<double>(bits() >> 11) / 9007199254740992.0; }
+
+    // Finds the shortest free curve from a pose into the goal: to a disc at eight headings, since any will do there.
+    bool drive_to_goal(Pose pose, Segments& best) {
+        double least = ENDLESS;
+        for (int eighth = 0; eighth < (goal.is_pose ? 1 : 8); eighth++) {
+            Pose aim{goal.x, goal.y, goal.is_pose ? goal.last : pose.heading + eighth * QUARTER / 2};
+            if (!goal.is_pose) aim = aim.ahead(-field.to_centre);
+            Drive tried = drive(field, pose, shortest_curve(pose, aim, field.radius), goal);
+            curves++;
+            if (tried.is_done && length_of(tried.driven) < least) least = length_of(tried.driven), best = tried.driven;
         }
-        double best = std::numeric_limits<double>::infinity();
-        Node next{};
-        for (double curvature : {0.0, 1 / field.radius, -1 / field.radius}) {
-            for (double length : {4.0, -4.0}) {
-                Motion motion{curvature, length};
-                Pose end = move(tree[nearest].pose, motion);
-                double distance = goal.distance(field, end, x, y);
-                if (distance < best && field.motion_is_free(tree[nearest].pose, motion)) {
-                    best = distance;
-                    next = {end, nearest, motion};
-                }
+        return least < ENDLESS;
+    }
+
+    struct Node {
+        Pose pose;
+        size_t before;
+        Segments driven;
+    };
+
+    // Finds a path from the start into the goal, or gives up after `budget` curves.
+    bool plan(Segments& path) {
+        if (drive_to_goal(start, path)) return true;
+        double spread = 20 + start.distance({goal.x, goal.y, 0}) / 2;
+        std::vector<Node> tree{{start, 0, {}}};
+        while (curves < budget) {
+            // Around start and goal, where the path probably is.
+            double x = uniform(std::min(goal.x, start.x) - spread, std::max(goal.x, start.x) + spread);
+            double y = uniform(std::min(goal.y, start.y) - spread, std::max(goal.y, start.y) + spread);
+            Pose aim{x, y, uniform(0, TURN)};
+            size_t nearest = 0;
+            for (size_t index = 1; index < tree.size(); index++) {
+                if (tree[index].pose.distance(aim) < tree[nearest].pose.distance(aim)) nearest = index;
             }
-        }
-        if (std::isinf(best)) continue;
-        tree.push_back(next);
-        if (goal.is_met(field, next.pose)) {
-            for (int index = static_cast<int>(tree.size()) - 1; index > 0; index = tree[index].before) path.push_back(tree[index].motion);
-            std::reverse(path.begin(), path.end());
+            Pose from = tree[nearest].pose;
+            Drive grown = drive(field, from, shortest_curve(from, aim, field.radius), goal, STEP);
+            curves++;
+            if (length_of(grown.driven) < 1) continue;
+            tree.push_back({grown.pose, nearest, grown.driven});
+            if (!drive_to_goal(grown.pose, path)) continue;
+            for (size_t index = tree.size() - 1; index > 0; index = tree[index].before) {
+                path.insert(path.begin(), tree[index].driven.begin(), tree[index].driven.end());
+            }
             return true;
         }
+        return false;
     }
-    expansions = budget;
-    return false;
-}
+};
 
 int main() {
     std::string line;
     std::vector<Field> field;  // none, then one
     double seed = 0;
-    int budget = 5000;
+    int budget = CURVES;
     while (std::getline(std::cin, line)) {
         Json message = Reader{line}.read();
         const std::string& type = message["type"].text;
         if (type == "hello") {
-            std::printf("{\"type\":\"hello\",\"protocol\":1,\"name\":\"rrt\",\"version\":\"1\"}\n");
+            std::printf("{\"type\":\"hello\",\"protocol\":1,\"name\":\"rs-rrt\",\"version\":\"1\"}\n");
         } else if (type == "field") {
             field.assign(1, Field(message));
             seed = message["seed"].number;
-            if (message["settings"]["iterations"].number > 0) budget = message["settings"]["iterations"].number;
+            if (message["settings"]["curves"].number > 0) budget = message["settings"]["curves"].number;
             std::printf("{\"type\":\"ready\"}\n");
         } else if (type == "plan") {
             const Json& from = message["start"];
@@ -245,11 +383,11 @@ int main() {
             // A seed for each query, and a budget that is counted: the same question gets the same answer.
             uint64_t hash = static_cast<uint64_t>(seed) ^ 1469598103934665603u;
             for (char letter : line.substr(line.find("\"start\""))) hash = (hash ^ static_cast<unsigned char>(letter)) * 1099511628211u;
-            std::vector<Motion> path;
-            int expansions = 0;
-            bool is_found = plan(field.at(0), {from[0].number, from[1].number, from[2].number},
-                                 {is_pose, to[0].number, to[1].number, to[2].number}, budget, hash, path, expansions);
-            std::printf("{\"id\":%.0f,\"expansions\":%d,", message["id"].number, expansions);
+            Search search{field.at(0), {from[0].number, from[1].number, from[2].number},
+                          {is_pose, to[0].number, to[1].number, to[2].number}, budget, std::mt19937_64(hash)};
+            Segments path;
+            bool is_found = search.plan(path);
+            std::printf("{\"id\":%.0f,\"expansions\":%d,", message["id"].number, search.curves);
             if (is_found) {
                 std::printf("\"type\":\"path\",\"segments\":[");
                 for (size_t index = 0; index < path.size(); index++) {

@@ -121,11 +121,11 @@ impl CommandContext {
     }
 
     /// Returns the planners that are known on a field of this scenario's run.
-    pub fn planners_of(&self, scenario: &Scenario, seed: u64) -> Result<Planners, CliError> {
+    pub fn planners_of(&self, scenario: &Scenario) -> Result<Planners, CliError> {
         let planners = self.entrants.planners.clone();
         #[cfg(unix)]
         return ProgramPool::new(self.trust())
-            .planners_of(scenario, seed, planners)
+            .planners_of(scenario, planners)
             .map_err(|error| CliError::bad_input(error, None));
         #[cfg(not(unix))]
         Ok(planners)

@@ -104,8 +104,8 @@ pub fn run(
     Ok(ExitCode::SUCCESS)
 }
 
-/// Refuses a folder that holds something, which the demonstration would write over.
-fn expect_empty(folder: &Path) -> Result<(), CliError> {
+/// Refuses a folder that holds something, which would be written over.
+pub fn expect_empty(folder: &Path) -> Result<(), CliError> {
     let is_empty = match fs::read_dir(folder) {
         Ok(mut entries) => entries.next().is_none(),
         Err(_) => !folder.exists(),
@@ -114,7 +114,7 @@ fn expect_empty(folder: &Path) -> Result<(), CliError> {
         return Ok(());
     }
     let sentence = format!("{} is there already; expected a folder that is empty or not there", folder.display());
-    Err(CliError::bad_input(sentence, Some("name another one with --out, or remove it")))
+    Err(CliError::bad_input(sentence, Some("name another folder, or remove it")))
 }
 
 /// Returns a word of a command with the folder's own name, which need not be text.

@@ -3,6 +3,7 @@
 //! Results go to stdout, progress, notes and errors to stderr. Nothing is written before all arguments are checked.
 
 mod args;
+mod assignment;
 mod audit;
 mod batch;
 mod cite;

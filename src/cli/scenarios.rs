@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use crate::batch::{Machines, PLAN_TEMPLATE, PROGRAM_VERSION, TableOfRows, plan_schema, row_schema, rules_schema};
 use crate::cli::args::ScenarioArguments;
+use crate::cli::assignment;
 use crate::cli::batch::{BatchObject, PlanAnswer, ReportAnswer, SliceAnswer};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
@@ -46,7 +47,7 @@ pub struct NewArguments {
     /// The kind of file.
     pub what: NewFile,
     /// The file to write, which must not be there yet [default: print it]. A planner is one in Python, C++ or Rust, as the
-    /// file's ending says: `.py`, `.cpp` or `.rs`.
+    /// file's ending says: `.py`, `.cpp` or `.rs`. An assignment takes a folder, which must be empty or not there yet.
     pub file: Option<PathBuf>,
     /// The same, named as for other commands.
     #[arg(short, long, value_name = "FILE", conflicts_with = "file")]
@@ -77,6 +78,10 @@ pub enum NewFile {
     Scenario,
     Plan,
     Planner,
+    /// 20 random seeds of 64 bits, for a course.
+    Seeds,
+    /// A folder for a course: rules, secret seeds, sample entries, a hand-out.
+    Assignment,
 }
 
 #[derive(Debug, Args)]
@@ -273,6 +278,13 @@ pub fn new(arguments: &NewArguments, quiet: bool) -> Result<ExitCode, CliError> 
         },
         NewFile::Plan => (Format::Toml, PLAN_TEMPLATE.to_owned()),
         NewFile::Planner => (Format::Source, planner_template(file)?),
+        NewFile::Seeds => (Format::Csv, assignment::random_seeds()),
+        NewFile::Assignment => {
+            let help = "`wildfire new assignment course` writes it into the folder `course`";
+            let folder = file.ok_or_else(|| CliError::bad_input("an assignment needs a folder", Some(help)))?;
+            assignment::write(folder)?;
+            return Ok(ExitCode::SUCCESS);
+        }
     };
     match file {
         Some(path) => write_new(path, format, &text)?,

@@ -98,6 +98,11 @@ impl Progress {
         self.bar.set_message(message);
     }
 
+    /// Prints a note above the bar.
+    pub fn note(&self, text: &str) {
+        self.bar.suspend(|| note(text));
+    }
+
     /// Takes the bar away.
     pub fn end(&self) {
         self.bar.finish_and_clear();

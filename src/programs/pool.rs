@@ -92,10 +92,10 @@ impl ProgramPool {
     ///
     /// # Errors
     /// If one of them cannot have its name.
-    pub fn planners_of(&self, scenario: &Scenario, seed: u64, known: Planners) -> Result<Planners, NameError> {
+    pub fn planners_of(&self, scenario: &Scenario, known: Planners) -> Result<Planners, NameError> {
         self.trusted("planner", &scenario.planner).try_fold(known, |planners, (name, table)| {
             let (launch, idle) = self.launch(name, table);
-            let run = format!("{}/{seed}", scenario.name);
+            let run = scenario.name.clone();
             let stream = name.name().to_owned();
             let make = move |site: &Site<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> {
                 let cells = bushes(site.checker.field());
@@ -123,11 +123,11 @@ impl ProgramPool {
     ///
     /// # Errors
     /// If one of them cannot have its name.
-    pub fn policies_of(&self, scenario: &Scenario, seed: u64, known: Policies) -> Result<Policies, PolicyNameError> {
+    pub fn policies_of(&self, scenario: &Scenario, known: Policies) -> Result<Policies, PolicyNameError> {
         let bodies: Arc<[_]> = scenario.unimog.iter().map(|truck| (truck.vehicle, truck.speed_limits())).collect();
         self.trusted("policy", &scenario.policy).try_fold(known, |policies, (name, table)| {
             let (launch, idle) = self.launch(name, table);
-            let run = format!("{}/{seed}", scenario.name);
+            let run = scenario.name.clone();
             let (stream, bodies) = (name.name().to_owned(), Arc::clone(&bodies));
             let make = move |site: &PolicySite<'_>| -> Result<Box<dyn Policy>, MakeError> {
                 let first = site.plays.iter().find(|agent| agent.role.drives());
@@ -172,7 +172,6 @@ impl StartPrograms for ProgramPool {
     fn add(
         &self,
         scenario: &Scenario,
-        seed: u64,
         planners: Planners,
         policies: Policies,
     ) -> Result<(Planners, Policies), MakeError> {
@@ -180,8 +179,8 @@ impl StartPrograms for ProgramPool {
         if let Some(UsedProgram { name, table, .. }) = used.find(|used| !self.trust.includes(used.kind, used.name)) {
             return Err(MakeError::new(format!("`{name}` is not trusted: {}", table.command_line())));
         }
-        let planners = self.planners_of(scenario, seed, planners).map_err(|error| MakeError::new(error.to_string()))?;
-        let policies = self.policies_of(scenario, seed, policies).map_err(|error| MakeError::new(error.to_string()))?;
+        let planners = self.planners_of(scenario, planners).map_err(|error| MakeError::new(error.to_string()))?;
+        let policies = self.policies_of(scenario, policies).map_err(|error| MakeError::new(error.to_string()))?;
         Ok((planners, policies))
     }
 }

@@ -55,7 +55,8 @@ pub enum ToProgram<'a> {
 /// The field, and who drives on it.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct FieldMessage<'a> {
-    /// The scenario, and the seed of the run.
+    /// The name of the scenario. The seed of the run stays secret: a program that has it could have looked at the field
+    /// before.
     pub run: String,
     /// The number of the truck that it plans for.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -237,7 +237,6 @@ pub trait StartPrograms: fmt::Debug + Send + Sync {
     fn add(
         &self,
         scenario: &Scenario,
-        seed: u64,
         planners: Planners,
         policies: Policies,
     ) -> Result<(Planners, Policies), MakeError>;
@@ -257,11 +256,11 @@ impl From<Policies> for Entrants {
 
 impl RunOptions {
     /// Returns the planners and policies of a run, those of programs among them.
-    pub(super) fn entrants_of(&self, scenario: &Scenario, seed: u64) -> Result<(Planners, Policies), RunError> {
+    pub(super) fn entrants_of(&self, scenario: &Scenario) -> Result<(Planners, Policies), RunError> {
         let (planners, policies) = (self.planners.clone(), self.policies.clone());
         match &self.programs {
             Some(programs) => {
-                let added = programs.add(scenario, seed, planners, policies);
+                let added = programs.add(scenario, planners, policies);
                 added.map_err(|reason| RunError::NoPrograms { reason })
             }
             None => Ok((planners, policies)),

@@ -35,7 +35,7 @@ pub fn fill(
     memory: &MemoryMeter,
     options: &RunOptions,
 ) -> Result<(Setting, RunCost), RunError> {
-    let (planners, known_policies) = options.entrants_of(scenario, seed)?;
+    let (planners, known_policies) = options.entrants_of(scenario)?;
     let mut cost = RunCost::default();
     let mut stopwatch = CpuStopwatch::start();
     let terrain = Terrain::from_scenario(scenario, seed)?;

@@ -405,3 +405,53 @@ fn whole_scenarios_of_rules_have_nothing_of_others() {
     };
     assert_eq!(without_entry("whole"), without_entry("plain"));
 }
+
+#[test]
+fn new_assignment_is_a_course_that_runs_and_is_ranked_with_sheets() {
+    let story = Story::begin();
+    let words = story.tell(&["new", "assignment", "logic"]).expect_code(0).stdout;
+    let commands: Vec<&str> = words.lines().filter_map(|line| line.strip_prefix("  wildfire ")).collect();
+    let [batch, rank] = commands[..] else { panic!("{words}") };
+    let batch: Vec<&str> = batch.split(' ').collect();
+    let dry = story.tell(&[&batch[..], &["--dry-run"]].concat()).expect_code(0).stdout;
+    assert!(dry.starts_with("3 variants x 20 seeds (") && dry.contains("entry cem"), "{dry}");
+    let seeds = |text: &str| text.lines().map(|line| line.parse::<u64>().expect("a seed")).collect::<Vec<_>>();
+    let secret = seeds(&story.read("logic/secret.csv"));
+    assert!(secret.len() == 20 && secret.iter().filter(|&&seed| seed > 1 << 53).count() > 10, "{secret:?}");
+    assert_ne!(seeds(&story.tell(&["new", "seeds"]).expect_code(0).stdout), secret, "they are random");
+    refuse(&story, &["new", "assignment", "logic"], &["logic is there already"]);
+    refuse(&story, &["new", "assignment"], &["an assignment needs a folder"]);
+
+    story.tell(&[&batch[..], &["--seeds", "1..4"]].concat()).expect_code(0);
+    story.tell(&rank.split(' ').collect::<Vec<_>>()).expect_code(0);
+    let sheet = story.read("runs/sheets/ben.md");
+    for words in ["# ben: rank ", "Difference from the first: -", "| budget spent |", "wildfire render arena --seed "] {
+        assert!(sheet.contains(words), "`{words}` is missing:\n{sheet}");
+    }
+    // The worst runs are those of the table, and the commands make pages.
+    let rows = outcomes(&story.path("runs/course/runs.csv"));
+    let column = |name: &str| rows[0].iter().position(|found| found == name).expect("there is such a column");
+    let runs = rows[1..].iter().filter(|row| row[column("entry")] == "ben");
+    let saved = |row: &[String]| ["intact", "extinguished"].map(|name| row[column(name)].parse::<u32>().unwrap());
+    let worst = runs.min_by_key(|row| saved(row).iter().sum::<u32>()).expect("it has runs");
+    let seed = &worst[column("seed")];
+    let command = sheet.lines().find_map(|line| line.strip_prefix("wildfire render ")).expect("there is a command");
+    assert!(command.contains(&format!("--seed {seed} ")), "{command}\n{worst:?}");
+    let shell = format!("{} render {command}", env!("CARGO_BIN_EXE_wildfire"));
+    let made = std::process::Command::new("sh").args(["-c", &shell]).current_dir(story.path(".")).status();
+    assert!(made.expect("there is a shell").success() && story.path(&format!("seed-{seed}.html")).exists());
+}
+
+#[test]
+fn after_its_first_run_an_entry_is_told_how_long_it_will_take() {
+    use std::io::{BufRead, BufReader};
+
+    let story = course();
+    let mut batch = story.command(&with(&["--seeds", "1..30000", "--jobs", "1", "--out", "long"]));
+    let mut batch = batch.stderr(std::process::Stdio::piped()).spawn().expect("the program can be started");
+    let lines = BufReader::new(batch.stderr.take().expect("it is piped")).lines().map_while(Result::ok);
+    let estimate = lines.take(20).find(|line| line.contains(": about "));
+    batch.kill().and_then(|()| batch.wait()).expect("it was at work");
+    let estimate = estimate.expect("three entries of 30,000 runs take more than a minute");
+    assert!(estimate.contains("entry anna") && estimate.ends_with(" for this entry, 30000 runs"), "{estimate}");
+}

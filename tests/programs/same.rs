@@ -64,7 +64,7 @@ fn planner_in_rust_and_as_a_program_give_the_same_runs() {
     let mut drives = 0;
     for seed in 1..=20 {
         let own = sim::run_with(&inside, seed, &planners).expect("it takes place");
-        let programs = pool.planners_of(&outside, seed, Planners::default()).expect("its name is free");
+        let programs = pool.planners_of(&outside, Planners::default()).expect("its name is free");
         let other = sim::run_with(&outside, seed, &programs).expect("it takes place");
         assert_eq!(own.timeline, other.timeline, "seed {seed}");
         assert_eq!(own.messages, other.messages, "seed {seed}");

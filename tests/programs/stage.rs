@@ -72,7 +72,7 @@ impl Stage {
     /// Starts the script as the planner of the truck, or says why it does not start.
     pub fn planner(&self) -> Result<Box<dyn TruckPlanner>, String> {
         let (scenario, seed) = (&self.scenario, 7);
-        let planners = self.pool.planners_of(scenario, seed, Planners::default()).expect("its name is free");
+        let planners = self.pool.planners_of(scenario, Planners::default()).expect("its name is free");
         let terrain = Terrain::from_scenario(scenario, seed).expect("it is empty");
         let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
         let truck = &scenario.unimog[0];

@@ -195,7 +195,7 @@ fn program_is_told_of_its_field_and_of_the_query() {
         told.lines().map(|line| serde_json::from_str(line).expect("it is JSON")).collect();
     let [hello, field, plan] = lines.as_slice() else { panic!("{told}") };
     assert_eq!((hello["type"].as_str(), hello["protocol"].as_u64()), (Some("hello"), Some(1)));
-    assert_eq!((field["run"].as_str(), field["truck"].as_u64()), (Some("stage/7"), Some(0)));
+    assert_eq!((field["run"].as_str(), field["truck"].as_u64()), (Some("stage"), Some(0)));
     assert_eq!((field["cols"].as_u64(), field["cell_m"].as_f64()), (Some(20), Some(5.0)));
     assert_eq!(field["settings"], serde_json::json!({ "range_m": 12, "names": ["a", "b"] }));
     assert!(field["seed"].as_u64().is_some_and(|seed| seed < 1 << 53));

@@ -38,7 +38,7 @@ pub use pairs::{Pairs, Stratum};
 pub use published::{BesideReport, PublishedState, PublishedTime};
 pub use ranking::{
     EntryAudit, MAX_ENTRIES, RankedEntry, RankedPair, Ranking, RankingError, RankingRequest, USUAL_METRIC,
-    USUALLY_FREE, rank,
+    USUALLY_FREE, WorstRun, rank,
 };
 pub use settings::{Difference, SettingsDifference};
 pub use sides::{MAX_SIDES, Selection};

@@ -17,6 +17,9 @@ const LARGEST: f64 = 1e100;
 const MAX_LEVELS: usize = 10_000;
 const MAX_LEVEL_BYTES: usize = 1000;
 
+/// What the names of columns that count failed queries by reason begin with.
+const FAILED_QUERIES: &str = "truck_failed_";
+
 /// A value to be read from every row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Field {
@@ -50,6 +53,8 @@ pub struct RunsTable {
     pub numbers: Vec<u64>,
     /// Runs whose bushes do not add up, and how.
     pub impossible: BTreeMap<usize, String>,
+    /// Failed queries of each run by reason, such as `timed_out`, as far as the table has columns of them.
+    pub failures: Vec<(String, Vec<u64>)>,
 }
 
 /// A condition under which runs were made: scenario, planner, or a key that a batch sweeps.
@@ -103,6 +108,10 @@ impl RunsTable {
         }
         let (mut seeds, mut done, mut values) = (Vec::new(), Vec::new(), vec![Vec::new(); fields.len()]);
         let (mut queries, mut numbers, mut impossible) = (Vec::new(), Vec::new(), BTreeMap::new());
+        let reason = |(place, name): (usize, &String)| Some((place, name.strip_prefix(FAILED_QUERIES)?.to_owned()));
+        let reasons: Vec<(usize, String)> = table.columns().iter().enumerate().filter_map(reason).collect();
+        let mut failures: Vec<(String, Vec<u64>)> =
+            reasons.iter().map(|(_, name)| (name.clone(), Vec::new())).collect();
         while table.next_row()? {
             if seeds.len() as u64 == MAX_RUNS {
                 return Err(ComparisonError::TooManyRows { path: table.path().to_owned(), limit: MAX_RUNS });
@@ -118,6 +127,9 @@ impl RunsTable {
                 impossible.insert(seeds.len() - 1, reason);
             }
             numbers.push(count("run").unwrap_or(0));
+            for ((_, counts), (place, _)) in failures.iter_mut().zip(&reasons) {
+                counts.push(table.count(*place, "").unwrap_or(0));
+            }
             for (place, condition, known) in &mut conditions {
                 let level = table.bytes(*place);
                 if level.len() > MAX_LEVEL_BYTES || known.len() > MAX_LEVELS {
@@ -143,7 +155,8 @@ impl RunsTable {
             return Err(ComparisonError::NoRows { path: table.path().to_owned() });
         }
         let conditions = conditions.into_iter().map(|(_, condition, _)| condition).collect();
-        Ok(Self { path: table.path().to_owned(), seeds, done, conditions, values, queries, numbers, impossible })
+        let path = table.path().to_owned();
+        Ok(Self { path, seeds, done, conditions, values, queries, numbers, impossible, failures })
     }
 }
 

@@ -37,4 +37,4 @@ pub use pilot::Pilot;
 pub use row::{RunResult, RunRow, Status};
 pub use session::{Batch, Found, LostRecording};
 pub use status::{BatchStatus, MissingRuns, SliceState, Survey, batch_status, slices_of};
-pub use workers::{RunScenario, limit_threads, with_threads};
+pub use workers::{RunEnd, RunScenario, limit_threads, with_threads};

@@ -12,8 +12,8 @@ use sha2::{Digest, Sha256};
 use crate::batch::execute::entries::journal_name;
 use crate::batch::execute::journal::{JournalError, LockedJournal, OpenJournal, RowReader};
 use crate::batch::execute::machines::note_machine;
-use crate::batch::execute::workers::{Task, Work, work_off};
-use crate::batch::execute::{BatchError, Disk, JournalIndex, OutputFolder, RUNS_FILE, RealDisk, RunScenario, Status};
+use crate::batch::execute::workers::{RunEnd, Task, Work, work_off};
+use crate::batch::execute::{BatchError, Disk, JournalIndex, OutputFolder, RUNS_FILE, RealDisk, RunScenario};
 use crate::batch::plan::{BatchPlan, ENTRY_COLUMN, PLAN_FILE, PlanError, Record, Slice};
 use crate::scenario::Scenario;
 use crate::sim::{self, Entrants, RunOptions};
@@ -161,7 +161,7 @@ impl Batch {
         entrants: &Entrants,
         jobs: usize,
         stop: &Arc<AtomicBool>,
-        on_run: impl FnMut(Status),
+        on_run: impl FnMut(RunEnd),
     ) -> Result<(), BatchError> {
         let options = RunOptions { memory: self.plan.memory, ..entrants.clone().into() };
         let run = move |scenario: &Scenario, seed| sim::run_with_options(scenario, seed, &options);
@@ -174,7 +174,7 @@ impl Batch {
         run: Box<RunScenario>,
         jobs: usize,
         stop: &Arc<AtomicBool>,
-        on_run: impl FnMut(Status),
+        on_run: impl FnMut(RunEnd),
     ) -> Result<(), BatchError> {
         let lost: Vec<u64> = self.found.lost_recordings.iter().map(|lost| lost.run).collect();
         if !lost.is_empty() || !self.journal.index().is_complete() {

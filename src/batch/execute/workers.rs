@@ -69,10 +69,20 @@ pub enum Task {
     RecordAgain(u64),
 }
 
+/// A run that is over, for those who watch a batch.
+#[derive(Clone, Copy, Debug)]
+pub struct RunEnd {
+    /// Its number in the plan.
+    pub run: u64,
+    pub status: Status,
+    /// Real time that it took.
+    pub wall: Duration,
+}
+
 /// A run that is over.
 enum Finished {
     /// A new run, with its line for the journal.
-    Run { run: u64, status: Status, line: Vec<u8> },
+    Run { end: RunEnd, line: Vec<u8> },
     /// A run that was made again and is not recorded yet: it must be the run that the journal holds.
     Again { run: u64, made: Box<(RunRow, Option<Timeline>)> },
 }
@@ -85,7 +95,7 @@ pub fn work_off(
     work: Work,
     jobs: usize,
     journal: &mut OpenJournal,
-    mut on_run: impl FnMut(Status),
+    mut on_run: impl FnMut(RunEnd),
 ) -> Result<usize, BatchError> {
     let work = Arc::new(work);
     let finished = start_workers(&work, jobs)?;
@@ -94,15 +104,15 @@ pub fn work_off(
     loop {
         match finished.recv_timeout(POLL) {
             Ok(message) => match message? {
-                Finished::Run { run, status, line } => {
-                    journal.add(run, status, &line)?;
-                    on_run(status);
+                Finished::Run { end, line } => {
+                    journal.add(end.run, end.status, &line)?;
+                    on_run(end);
                 }
                 Finished::Again { run, made } => {
                     let (row, timeline) = *made;
                     work.record_again(&journal.row(run)?, &row, timeline.as_ref())?;
                     recorded_again += 1;
-                    on_run(row.status);
+                    on_run(RunEnd { run, status: row.status, wall: row.wall });
                 }
             },
             Err(RecvTimeoutError::Timeout) => journal.sync_if_due()?,
@@ -154,7 +164,10 @@ impl Work {
                     (row, Some(timeline)) => self.recorded(&run, row, &timeline),
                     (row, None) => Ok(row),
                 };
-                Some(row.map(|row| Finished::Run { run: number, status: row.status, line: encode_row(&row) }))
+                Some(row.map(|row| {
+                    let end = RunEnd { run: number, status: row.status, wall: row.wall };
+                    Finished::Run { end, line: encode_row(&row) }
+                }))
             }
             Task::RecordAgain(number) => {
                 let made = Box::new(self.run_one(&self.plan.run(number))?);

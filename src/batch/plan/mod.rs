@@ -204,7 +204,12 @@ impl PlannedRun<'_> {
 
     /// The command that shows the run again.
     pub fn repeating_command(&self) -> String {
-        let mut command = format!("wildfire run {} --seed {}", shell_word(&self.variant.source), self.seed);
+        format!("wildfire run {}", self.repeating_words())
+    }
+
+    /// What names the run to commands that simulate it.
+    pub fn repeating_words(&self) -> String {
+        let mut command = format!("{} --seed {}", shell_word(&self.variant.source), self.seed);
         for change in &self.variant.changes {
             write!(command, " --set {}", shell_word(change)).expect("a string takes any text");
         }

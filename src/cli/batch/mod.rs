@@ -2,6 +2,7 @@
 
 mod answer;
 mod args;
+mod estimates;
 mod folder;
 mod keeping;
 mod slurm;
@@ -29,6 +30,7 @@ use crate::document::{Block, Document};
 use crate::scenario::ScenarioText;
 use answer::BatchAnswer;
 use args::RUNS_FOLDER;
+use estimates::Estimates;
 use keeping::LockArguments;
 
 /// The most variants that a dry run lists.
@@ -251,8 +253,14 @@ fn run_with_progress(
     let (held, mut not_done) = batch.progress().held();
     let lost = batch.found().lost_recordings.len() as u64;
     let progress = Progress::new(batch.progress().count() + lost, "runs", context.quiet).held(held);
-    let done = batch.run(&context.entrants, jobs, stop, |status| {
-        if status != Status::Done {
+    // Only of a batch from its beginning, whose runs are all still to come.
+    let is_new = held == 0 && batch.progress().slice().is_whole() && !context.quiet;
+    let mut estimates = is_new.then(|| Estimates::new(batch.plan(), jobs));
+    let done = batch.run(&context.entrants, jobs, stop, |end| {
+        if let Some(sentence) = estimates.as_mut().and_then(|estimates| estimates.sentence(end)) {
+            progress.note(&sentence);
+        }
+        if end.status != Status::Done {
             not_done += 1;
             progress.say(format!("({not_done} failed)"));
         }

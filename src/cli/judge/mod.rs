@@ -85,7 +85,7 @@ pub fn run(arguments: &JudgeArguments, context: &CommandContext) -> Result<ExitC
     let words = files.writing([(Format::Csv, &arguments.csv)]).check()?;
     let loaded = LoadedScenario::open(&arguments.scenario, &context.with_own_names(&arguments.overrides))?;
     context.expect_trusted_planners(&loaded.scenario, &arguments.against)?;
-    let makers = context.planners_of(&loaded.scenario, arguments.seed)?;
+    let makers = context.planners_of(&loaded.scenario)?;
     let asked = Asked::new(arguments, &loaded, &makers)?;
     let conclude = |report: &JudgeReport| {
         let printed = words.print(&arguments.form.render(report));

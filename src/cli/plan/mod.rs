@@ -80,7 +80,7 @@ fn report<'a>(
     context.expect_trusted_planners(&loaded.scenario, planners)?;
     let ask = || {
         // Programs start anew each time, those too that could play on.
-        let makers = context.planners_of(&loaded.scenario, arguments.problems.seed)?;
+        let makers = context.planners_of(&loaded.scenario)?;
         let question = Question {
             planners,
             makers: &makers,

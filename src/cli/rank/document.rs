@@ -67,12 +67,12 @@ fn name(entry: &RankedEntry) -> String {
     }
 }
 
-fn ranks([first, last]: [usize; 2]) -> String {
+pub fn ranks([first, last]: [usize; 2]) -> String {
     if first == last { first.to_string() } else { format!("{first}-{last}") }
 }
 
 /// Decimals that show the smallest uncertainty of the differences from the first entry with two digits.
-fn decimals(ranking: &Ranking) -> usize {
+pub fn decimals(ranking: &Ranking) -> usize {
     let of_first = ranking.pairs.iter().filter(|pair| pair.places[0] == 0);
     let widths = of_first.filter_map(|pair| pair.contrast.interval).map(|it| 0.5 * (it.high - it.low));
     let narrowest = widths.filter(|&width| width > 0.0).fold(f64::INFINITY, f64::min);

@@ -2,6 +2,7 @@
 
 mod document;
 mod json;
+mod sheets;
 mod table;
 
 use std::collections::BTreeSet;
@@ -28,7 +29,7 @@ Examples:
   wildfire rank runs/planners
   wildfire rank runs/anna runs/ben runs/cem --metric mean_response_s
   wildfire rank runs/course --html > ranking.html
-  wildfire rank runs/course --csv ranking.csv
+  wildfire rank runs/course --csv ranking.csv --sheets sheets
   wildfire rank runs/sweep --where field.coverage=0.1
   wildfire rank runs/course --audit 3 --trust
 
@@ -75,6 +76,9 @@ pub struct RankArguments {
     /// Write the table of entries to a CSV file.
     #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
+    /// Write a sheet for each entry into this folder, as Markdown: its rank, failed queries by reason, its worst runs.
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    pub sheets: Option<PathBuf>,
     #[command(flatten)]
     pub form: FormArguments,
 }
@@ -106,6 +110,9 @@ pub fn run(arguments: &RankArguments, context: &CommandContext) -> Result<ExitCo
     }
     words.print(&form.render(&ranking))?;
     write_all(&[(arguments.csv.as_deref(), &|path| table::write(path, &ranking))], context.quiet)?;
+    if let Some(folder) = &arguments.sheets {
+        sheets::write(folder, &ranking)?;
+    }
     let mut audits = ranking.entries.iter().filter_map(|entry| entry.audit.as_ref());
     let is_violated = audits.any(|audit| audit.violations > 0);
     Ok(if is_violated { ExitCode::from(exit::VIOLATION) } else { ExitCode::SUCCESS })

@@ -39,6 +39,9 @@ use groups::ToldApart;
 /// The metric by which entries are ranked unless another is asked for.
 pub const USUAL_METRIC: &str = "saved";
 
+/// The most runs that are kept for their bad values.
+const MOST_WORST_RUNS: usize = 3;
+
 /// The order that is asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RankingRequest {
@@ -93,12 +96,26 @@ pub struct RankedEntry {
     pub without_value: usize,
     /// Over all of its runs.
     pub queries: QueryTally,
+    /// Failed queries by reason, such as `timed_out`, without reasons that never occurred.
+    pub failures: Vec<(String, u64)>,
     /// The table that its runs are in.
     pub table: PathBuf,
     /// The numbers of its runs in their plan, those with the best values of the metric first.
     pub run_numbers: Vec<u64>,
+    /// Its runs with the worst values, the worst first.
+    pub worst_runs: Vec<WorstRun>,
     /// Runs that were repeated and audited, if that was asked for.
     pub audit: Option<EntryAudit>,
+}
+
+/// A run of an entry that went badly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorstRun {
+    pub seed: u64,
+    /// Its value of the metric, or the one that stands for it.
+    pub value: f64,
+    /// Its row in the table, from 0.
+    pub row: usize,
 }
 
 /// What an audit of some runs of an entry found.
@@ -194,8 +211,10 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
             failed,
             without_value: without_value(entry, &metric, of_metric.len()) - failed,
             queries: queries_of(entry),
+            failures: failures_of(entry),
             table: entry.table.path.clone(),
             run_numbers: best_first(entry, &numbers[index], better),
+            worst_runs: worst_runs(entry, &numbers[index], better),
             audit: None,
         }
     });
@@ -228,6 +247,24 @@ fn queries_of(entry: &EntryRuns<'_>) -> QueryTally {
     let mut queries = QueryTally::default();
     entry.runs.iter().for_each(|run| queries += entry.table.queries[run.index]);
     queries
+}
+
+fn failures_of(entry: &EntryRuns<'_>) -> Vec<(String, u64)> {
+    let sum = |counts: &[u64]| entry.runs.iter().fold(0, |sum: u64, run| sum.saturating_add(counts[run.index]));
+    let sums = entry.table.failures.iter().map(|(reason, counts)| (reason.clone(), sum(counts)));
+    sums.filter(|(_, sum)| *sum > 0).collect()
+}
+
+fn worst_runs(entry: &EntryRuns<'_>, numbers: &[f64], better: Better) -> Vec<WorstRun> {
+    let runs = entry.runs.iter().zip(numbers);
+    let mut runs: Vec<_> = runs.map(|(run, &value)| WorstRun { seed: run.seed, value, row: run.index }).collect();
+    // Runs of equal values stay in the order of their seeds.
+    runs.sort_by(|one, other| match better {
+        Better::Higher => one.value.total_cmp(&other.value),
+        Better::Lower => other.value.total_cmp(&one.value),
+    });
+    runs.truncate(MOST_WORST_RUNS);
+    runs
 }
 
 fn failed(entry: &EntryRuns<'_>) -> usize {

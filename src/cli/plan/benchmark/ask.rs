@@ -181,7 +181,7 @@ impl<'a> Benchmark<'a> {
         let (run, index) = (self.plan.run(number), self.variant(number));
         let Variant { scenario, .. } = run.variant;
         // Programs start anew for each, as they would in a run.
-        let makers = self.context.planners_of(scenario, run.seed)?;
+        let makers = self.context.planners_of(scenario)?;
         let (planners, limit) = (&self.planners[index], self.plan.memory);
         let question = Question { planners, makers: &makers, programs: &scenario.planner, seed: run.seed, limit };
         let mut part = Part::default();
