@@ -44,7 +44,7 @@ mod unix {
             let command = serde_json::to_string(&["sh", "-c", &script(segments)]).expect("texts are JSON");
             let changes = [format!("planner.own.command={command}"), "unimog.planner=own".to_owned()];
             let scenario = load("contest", &changes).expect("it is a scenario");
-            let planners = ProgramPool::new(Trust::All).planners_of(&scenario, 1, Planners::default());
+            let planners = ProgramPool::new(Trust::All).planners_of(&scenario, Planners::default());
             let planners = planners.expect("its name is free");
             let terrain = Terrain::from_scenario(&scenario, 1).expect("it has a field");
             let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));

@@ -174,7 +174,7 @@ struct Field {
         return least;
     }
 
-    // Says whether the truck's centre is in the goal, if that is a disc; curves to a pose end there anyway.
+    // Returns whether the truck's centre is in the goal, if that is a disc; curves to a pose end there anyway.
     bool is_in_disc(Pose pose, const Goal& goal) const {
         return !goal.is_pose && pose.ahead(to_centre).distance({goal.x, goal.y, 0}) < goal.last - 0.01;
     }

@@ -93,7 +93,7 @@ def length_of(segments):
 
 
 def is_in_disc(field, pose, goal):
-    """Says whether the truck's centre is in the goal, if that is a disc; curves to a pose end there anyway."""
+    """Returns whether the truck's centre is in the goal, if that is a disc; curves to a pose end there anyway."""
     x, y, radius = goal.get("disc", (0, 0, 0))
     return math.dist(field.centre(pose), (x, y)) < radius - 0.01
 

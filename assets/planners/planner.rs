@@ -233,7 +233,7 @@ impl Field {
         gap
     }
 
-    /// Says whether the truck's centre is in the goal, if that is a disc; curves to a pose end there anyway.
+    /// Returns whether the truck's centre is in the goal, if that is a disc; curves to a pose end there anyway.
     fn is_in_disc(&self, pose: Pose, goal: &Goal) -> bool {
         !goal.is_pose && pose.ahead(self.to_centre).distance(goal.x, goal.y) < goal.last - 0.01
     }

@@ -414,7 +414,7 @@ fn new_assignment_is_a_course_that_runs_and_is_ranked_with_sheets() {
     let [batch, rank] = commands[..] else { panic!("{words}") };
     let batch: Vec<&str> = batch.split(' ').collect();
     let dry = story.tell(&[&batch[..], &["--dry-run"]].concat()).expect_code(0).stdout;
-    assert!(dry.starts_with("3 variants x 20 seeds (") && dry.contains("entry cem"), "{dry}");
+    assert!(dry.starts_with("3 variants x 20 seeds") && dry.contains("entry cem"), "{dry}");
     let seeds = |text: &str| text.lines().map(|line| line.parse::<u64>().expect("a seed")).collect::<Vec<_>>();
     let secret = seeds(&story.read("logic/secret.csv"));
     assert!(secret.len() == 20 && secret.iter().filter(|&&seed| seed > 1 << 53).count() > 10, "{secret:?}");
@@ -435,7 +435,7 @@ fn new_assignment_is_a_course_that_runs_and_is_ranked_with_sheets() {
     let saved = |row: &[String]| ["intact", "extinguished"].map(|name| row[column(name)].parse::<u32>().unwrap());
     let worst = runs.min_by_key(|row| saved(row).iter().sum::<u32>()).expect("it has runs");
     let seed = &worst[column("seed")];
-    let command = sheet.lines().find_map(|line| line.strip_prefix("wildfire render ")).expect("there is a command");
+    let command = sheet.lines().find_map(|line| line.strip_prefix("    wildfire render ")).expect("there is a command");
     assert!(command.contains(&format!("--seed {seed} ")), "{command}\n{worst:?}");
     let shell = format!("{} render {command}", env!("CARGO_BIN_EXE_wildfire"));
     let made = std::process::Command::new("sh").args(["-c", &shell]).current_dir(story.path(".")).status();
