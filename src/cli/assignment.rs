@@ -47,7 +47,7 @@ pub fn write(folder: &Path) -> Result<(), CliError> {
         "{} holds the rules, {SEEDS} secret seeds ({SEEDS_FILE}), three sample entries and a hand-out.\n\
          Give rules.toml and handout.md to the students, and keep {SEEDS_FILE}. Then:\n\n  \
          wildfire batch --rules {rules} --agent {anna} {ben} {cem} --out runs/course\n  \
-         wildfire rank runs/course --sheets runs/sheets\n",
+         wildfire rank runs/course --audit 2 --sheets runs/sheets\n",
         folder.display(),
     ))
 }
