@@ -114,9 +114,8 @@ impl Factories {
             };
             for Variant { scenario, .. } in &mut plan.variants {
                 let tables = if is_planner { &mut scenario.planner } else { &mut scenario.policy };
-                for (_, table) in tables.iter_mut().filter(|(known, _)| known.name() == name) {
-                    table.sha256.insert(kind.to_owned(), signature.clone());
-                }
+                let own = tables.iter_mut().filter(|(known, table)| known.name() == name && table.command.is_empty());
+                own.for_each(|(_, table)| drop(table.sha256.insert(kind.to_owned(), signature.clone())));
             }
         }
         Ok(())

@@ -196,8 +196,8 @@ def test_a_query_that_takes_too_long_is_timed_out(capfd: pytest.CaptureFixture[s
     for answer in (forever, late):
         run = wf.run(scenario, 1, planners={"mine": answering(answer)})
         assert set(failures(run)) == {"timed_out"} and "no answer within 0.05 s of CPU time" in run.messages[0]
-        batch = wf.batch(scenario, 1, planners={"mine": answering(answer)})
-        assert batch.runs["truck_failed_timed_out"][0] == failures(run)["timed_out"] > 0
+    batch = wf.batch(scenario, 1, planners={"mine": answering(forever)})
+    assert batch.runs["truck_failed_timed_out"][0] == failures(run)["timed_out"] > 0
     pauses = iter([10.2])
     in_time = wf.run(scenario, 1, planners={"mine": answering(lambda query: time.sleep(next(pauses, 0.0)))})
     assert set(failures(in_time)) == {"disconnected"}, "waiting is no CPU time"
