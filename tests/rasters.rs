@@ -51,7 +51,8 @@ fn what_gdal_writes_is_read() {
         for kind in ["Byte", "Int16", "UInt16", "Int32", "Float32", "Float64"] {
             let fits = |predictor: &i32| *predictor < 3 || kind.starts_with("Float");
             for (predictor, layout) in (1..=predictors).filter(fits).flat_map(|it| layouts.map(|layout| (it, layout))) {
-                let more = more[count / 2 % 4];
+                // GDAL 3.6 reads as zeros what it wrote by the predictor of floating-point numbers in the other order of bytes.
+                let more = more[count / 2 % if predictor == 3 { 2 } else { 4 }];
                 let options =
                     format!("-ot {kind} -co COMPRESS={packing} -co PREDICTOR={predictor} -co {layout} -co {more}");
                 if translated(&asc, &tif, &options).is_none() {

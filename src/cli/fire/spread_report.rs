@@ -157,7 +157,7 @@ impl SpreadReport {
     /// Says whether the fire has ended in a small part of what could burn.
     fn is_enclosed(&self) -> bool {
         const SMALL: f64 = 0.01;
-        self.has_ended && (self.burned_cells as f64) < SMALL * self.burnable_cells as f64
+        self.has_ended && self.burned_cells > 0 && (self.burned_cells as f64) < SMALL * self.burnable_cells as f64
     }
 
     fn conditions(&self) -> Vec<String> {
