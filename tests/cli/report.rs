@@ -142,6 +142,7 @@ fn report_of_several_variants_opens_with_the_best_and_how_sure_that_is() {
     let story = swept_batch();
     let page = report(&story);
     let said = opening(&page);
+    assert!(page.contains("<div class=\"phone\">\n<svg"), "charts have a narrow form for phones");
     let saved: Vec<f64> = column(&story, "burned_ratio").iter().map(|burned| 1.0 - burned).collect();
     // The plan has coverages within planners.
     let means = [&saved[..10], &saved[10..]].map(|half| 100.0 * half.iter().sum::<f64>() / 10.0);
