@@ -120,7 +120,7 @@ fn difference_of_the_settings_heads_the_answer_in_every_form() {
                 "{\"key\":\"unimog.speed_mps\",\"values\":[8.0,20.0]",
             ],
             ["--md"] => ["- fire.relight: false in A, true in B", "- unimog.speed_mps: 8.0 in A, 20.0 in B"],
-            ["--tex"] => ["fire.relight: false in A, true in B", "unimog.speed\\_mps: 8.0 in A, 20.0 in B"],
+            ["--tex"] => ["fire.relight: false in A, true in B", "mps:\\allowbreak{} 8.0 in A, 20.0 in B"],
             _ => ["fire.relight: false in A, true in B", "unimog.speed_mps: 8.0 in A, 20.0 in B"],
         };
         for words in expected {

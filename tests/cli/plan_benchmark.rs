@@ -111,7 +111,7 @@ fn field_files_are_drives_of_every_seed_too() {
     );
     let answer = story.tell(&["plan", "mine.json", "--seeds", "4,9", "--planner", "lattice", "--csv", "a.csv"]);
     let answer = answer.expect_code(0).stdout;
-    assert!(answer.contains("lattice: goal blocked 2 times, first with seed 4, field mine, goal 0."), "{answer}");
+    assert!(answer.contains("lattice: goal blocked 2 times, first on field mine, goal 0 (seed 4)."), "{answer}");
     let rows = outcomes(&story, "a.csv");
     assert_eq!(rows.iter().map(|row| row[0].as_str()).collect::<Vec<_>>(), ["4", "4", "9", "9"]);
     assert_eq!(rows[0][1..], rows[2][1..], "the lattice draws nothing");
@@ -267,7 +267,7 @@ fn names_in_a_table_are_text_and_nothing_else() {
     let columns = HEADER.replace("field.coverage", "<b>key</b>");
     let row = |seed: u32| {
         let metres = f64::from(seed) + 1.0;
-        format!("{seed},\u{1b}[2J<i>,f,0,<script>alert(1)</script>,true,,0.1,0.1,{metres},1.0,1.0,0,1.0,5\n")
+        format!("{seed},\u{1b}[2J<i>,f,0,<script>alert(1)</script>,true,,0.1,0.1,{metres},1.0,1.0,0,1.0,5,\n")
     };
     story.file("t.csv", &format!("{columns}\n{}", (1..9).map(row).collect::<String>()));
     let answer = story.tell(&["plan", "report", "t.csv"]).expect_code(0);

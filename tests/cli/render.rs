@@ -228,7 +228,7 @@ fn page_of_a_scenario_is_that_of_its_recording_with_searches_and_takes_the_place
     story.tell(&["render", "smoke", "--seed", "7", "--at", "0:30", "--page", "later.html"]).expect_code(0);
     assert!(page("later.html") != page("simulated.html"), "the page does not begin later");
     story.tell(&["render", "smoke", "--with-seed", "2", "--page", "two.html"]).expect_code(0);
-    assert!(page("two.html").contains("<title>smoke, seed 1 and smoke, seed 2</title>"));
+    assert!(page("two.html").contains("<title>smoke, seed 1 and smoke, seed 2 – wildfire</title>"));
 }
 
 #[test]

@@ -86,8 +86,8 @@ mod tests {
         assert!(text.starts_with("Benchmark of 2 planners, seeds 0..19: 240 queries\n"), "{text}");
         for words in [
             "field.coverage 0.05, fire.model -so: 40 queries of each planner",
-            "own: budget spent 30 times, first on field =made up~, goal 0 (field.coverage 0.05",
-            "prm-rs: violation on field =made up~, goal 1",
+            "own: budget spent 30 times, first on field =made up,~, goal 0 (field.coverage 0.05",
+            "prm-rs: violation on field =made up,~, goal 1",
         ] {
             assert!(text.replace("\n  ", " ").contains(words), "{words}: {text}");
         }
