@@ -124,7 +124,7 @@ impl Fault {
         match &mut self {
             Self::UnknownField { table, .. } | Self::MissingField { table, .. } => shorten(table),
             Self::UnknownWord { field, .. } | Self::UnknownName { field, .. } | Self::Value { field, .. } => {
-                shorten(field)
+                shorten(field);
             }
             Self::Conflict { one, other, .. } => [one, other].into_iter().for_each(shorten),
             Self::Rule { message } => *message = message.replace(&format!("`{numbered}."), &format!("`{list}.")),

@@ -48,16 +48,15 @@ pub(super) fn is_geojson(text: &str) -> bool {
     serde_json::from_str(text).is_ok_and(|kind: Kind| TYPES.contains(&kind.r#type.as_str()))
 }
 
+/// A field with its bushes, and the number of objects that were passed over.
+type ReadField = (FieldFrame, Grid<bool>, usize);
+
 /// Reads the polygons of a GeoJSON text on cells of this side, at most `most` of them a side of the field; objects of other
 /// types are passed over, and counted.
 ///
 /// # Errors
 /// Fails if the text is not GeoJSON, as the JSON reader says, or as [`Shapes::field`] does.
-pub(super) fn parse(
-    text: &str,
-    cell_m: f64,
-    most: u16,
-) -> Result<Result<(FieldFrame, Grid<bool>, usize), MapFault>, serde_json::Error> {
+pub(super) fn parse(text: &str, cell_m: f64, most: u16) -> Result<Result<ReadField, MapFault>, serde_json::Error> {
     let mut shapes = Shapes::default();
     let mut json = serde_json::Deserializer::from_str(text);
     Member(&mut shapes).deserialize(&mut json)?;

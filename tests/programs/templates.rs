@@ -31,7 +31,8 @@ fn expect_it_plays(shell: &Shell, command: &str, most_cpu_s: f64) {
         let place = rows.lines().next().expect("a header").split(',').position(|found| found == name);
         row.split(',').nth(place.expect("there is such a column")).expect("a cell").to_owned()
     };
-    let ratios: Vec<f64> = rows.lines().skip(1).map(|row| column(row, "lower_bound_ratio").parse().unwrap()).collect();
+    let ratios: Vec<f64> =
+        rows.lines().skip(1).map(|row| column(row, "lower_bound_ratio").parse().expect("a ratio")).collect();
     // Where the border is not in the way, the curve is the shortest of all that the truck can drive.
     assert_eq!(ratios.len(), 12, "it drives to every pose: {rows}");
     assert!(ratios.iter().filter(|&&ratio| (ratio - 1.0).abs() < 1e-6).count() >= 10, "{ratios:?}");

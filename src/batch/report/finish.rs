@@ -141,7 +141,7 @@ fn write_tables(
 /// Adds a row of the plan, by its place from 0, to a report that has those before it.
 fn add_row(report: &mut BatchReport, plan: &BatchPlan, place: u64, row: &RecordedRow) {
     let seeds = plan.seeds.count();
-    if place % seeds == 0 {
+    if place.is_multiple_of(seeds) {
         let variant = &plan.variants[(place / seeds) as usize];
         report.variants.push(VariantReport::new(plan.title(variant), &variant.scenario));
     }

@@ -94,7 +94,8 @@ pub fn draw_glows(canvas: &mut Canvas, pane: &Pane) {
     let bushes = pane.setting().bushes.iter().zip(&pane.view.state.bushes);
     let changed = bushes.map(|(&cell, bush)| (cell, bush.kind())).filter(|(_, kind)| *kind != BushStateKind::Intact);
     let places = changed.map(|(cell, kind)| (pane.frame().centre(cell), kind));
-    let most = SEEN * (FIRE_SQUARE * pane.unit() / pane.cell_side()).powi(2);
+    let side = FIRE_SQUARE * pane.unit() / pane.cell_side();
+    let most = SEEN * side * side;
     for (at, kinds) in clusters(pane, (FIRE_SQUARE, 0.0), places) {
         let radius = (GLOW + GLOW_PER_DOUBLING * kinds.len().ilog2() as f32) * pane.unit();
         if (kinds.len() as f32) < most && pane.is_near(at, radius) {

@@ -57,7 +57,9 @@ pub fn title_block(view: &HudView) -> PanelBlock {
     let least = lines.len();
     let sentence = run_sentence(&view.runs[0].timeline().setting);
     if view.runs.iter().all(|run| run_sentence(&run.timeline().setting) == sentence) {
-        lines.extend(wrapped_lines(&sentence));
+        // Beside the names of two runs there is no room for the size of their field.
+        let (deeds, _) = sentence.split_once(", on a field").unwrap_or((&sentence, ""));
+        lines.extend(wrapped_lines(&if view.runs.len() > 1 { format!("{deeds}.") } else { sentence }));
     }
     PanelBlock::new(3, lines).with_least(least)
 }

@@ -96,7 +96,7 @@ pub fn legend_entries(runs: &[&RunView], pane_side: f64) -> Vec<(LegendSign, Str
         is_summed(&frame, pane_side / f64::from(frame.cols.max(frame.rows)))
     };
     if runs.iter().filter(by_shares).any(|run| run.index().ground().is_none()) {
-        add(LegendSign::Glow, "where fire was: larger for more bushes");
+        add(LegendSign::Glow, "where fire was (size: bushes)");
     }
     if runs.iter().filter(by_shares).any(|run| run.is_crowded()) {
         add(LegendSign::Cluster(Role::Unimog), "trucks close together");
