@@ -126,7 +126,7 @@ impl Path {
         self.0.segments.len()
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> (Bound<'py, PyType>, (Triple, Vec<(f64, f64)>)) {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> (Bound<'py, PyType>, (Triple, Segments)) {
         let path = &slf.get().0;
         let segments = path.segments.iter().map(|segment| (segment.curvature, segment.length_m)).collect();
         (slf.get_type(), (triple(path.start), segments))
@@ -147,6 +147,9 @@ fn sample(pose: Pose, is_reverse: bool) -> [f64; 4] {
 }
 
 type Triple = (f64, f64, f64);
+
+/// Curvatures and lengths, as the constructor takes them.
+type Segments = Vec<(f64, f64)>;
 
 pub fn triple(pose: Pose) -> Triple {
     (pose.x, pose.y, pose.heading)

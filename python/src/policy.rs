@@ -17,7 +17,6 @@ use wildfire::sim::policies::{AskReport, Choice, Observation, Policies, Policy, 
 use wildfire::time::SimTime;
 use wildfire::timeline::AgentId;
 
-use crate::errors::error;
 use crate::interruption::Interruption;
 use crate::observation::{AGENT_NUMBERS, CANDIDATE_NUMBERS, Layout, OwnArrays, SharedArrays, Sight};
 use crate::planner::{SEED_BITS, cpu_limit_s, settle, words};

@@ -198,7 +198,7 @@ impl Run {
         py.detach(|| Picture::from_rgba(500, 500, self.pixels(self.timeline.end_time(), (500, 500))).to_png())
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py, (Vec<u8>, String, Vec<String>)>> {
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py, RunParts>> {
         let bytes = file::encode(&self.timeline).map_err(error)?;
         let row = serde_json::to_string(&self.row).map_err(error)?;
         Ok((restorer(py, "_restored_run")?, (bytes, row, self.messages.clone())))
@@ -209,6 +209,9 @@ impl Run {
         format!("<Run of {}, seed {}: ended after {ended_s} s>", self.row.label.scenario, self.row.label.seed)
     }
 }
+
+/// What a run is pickled as: its recording, its row as JSON, and its messages.
+type RunParts = (Vec<u8>, String, Vec<String>);
 
 /// The size of a picture in pixels.
 #[derive(FromPyObject)]

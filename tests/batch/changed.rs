@@ -118,7 +118,7 @@ fn rows_that_a_program_rewrites_with_their_checksums_never_come_into_tables() {
     ended.expect("the length is that of what was written");
     match batch.finish(&Arc::default()) {
         Err(BatchError::Journal(JournalError::Rewritten { path: named, run })) => {
-            assert_eq!((&named, run), (&journal, 1))
+            assert_eq!((&named, run), (&journal, 1));
         }
         other => panic!("{:?}", other.map(drop)),
     }
