@@ -100,11 +100,9 @@ fn comparable(text: &str, all_numbers: bool) -> Vec<String> {
         let speaks_of_cpu = |line: &str| line.contains("CPU") || line.starts_with("cpu_");
         let titled = paragraph.lines().take(2).any(|line| line.contains("CPU"));
         let is_title = titled && paragraph.lines().count() <= 2;
-        let mut continues = false;
-        for line in paragraph.lines() {
-            // A sentence about a column goes on in lines that are indented.
-            continues = speaks_of_cpu(line) || continues && line.starts_with(' ');
-            let masked = all_numbers || titled || under_title || continues;
+        // A sentence goes on in lines that are indented; where it is broken depends on its numbers.
+        for line in paragraph.replace("\n  ", " ").lines() {
+            let masked = all_numbers || titled || under_title || speaks_of_cpu(line);
             lines.push(if masked { without_numbers(line) } else { line.to_owned() });
         }
         under_title = is_title;

@@ -18,7 +18,7 @@ import numpy as np
 import wildfire_contest as wf
 
 TARGET_US = 20.0
-TARGET_MB = 8.0
+TARGET_MB = 20.0
 
 
 class Timed:
