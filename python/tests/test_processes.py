@@ -22,7 +22,9 @@ class Slow:
     def __init__(self, site):
         pass
     def plan(self, query):
-        print("asked", flush=True)
+        # One write, so that threads do not write between the word and the end of its line.
+        sys.stdout.write("asked\\n")
+        sys.stdout.flush()
         end = time.monotonic() + float(sys.argv[2])
         while time.monotonic() < end:
             pass
