@@ -221,7 +221,7 @@ impl Scenario {
         trucks || self.wumpus.iter().any(|wumpus| wumpus.goal.name() == policy.name())
     }
 
-    /// Takes over what another one says of the code that was handed in, which no file says.
+    /// Takes over the hashes of registered code from another one; no file has them.
     pub fn take_over_code(&mut self, other: &Self) {
         for (own, others) in [(&mut self.planner, &other.planner), (&mut self.policy, &other.policy)] {
             for (name, table) in own.iter_mut().filter(|(_, table)| table.command.is_empty()) {

@@ -17,7 +17,7 @@ const LARGEST: f64 = 1e100;
 const MAX_LEVELS: usize = 10_000;
 const MAX_LEVEL_BYTES: usize = 1000;
 
-/// What the names of columns that count failed queries by reason begin with.
+/// The prefix of columns that count failed queries by reason.
 const FAILED_QUERIES: &str = "truck_failed_";
 
 /// A value to be read from every row.

@@ -89,7 +89,7 @@ fn contrasts(planner: &str, against: &str, rows: &[DriveQuery]) -> Vec<DriveCont
     let figures = FIGURES.iter().filter_map(|(heading, measure)| {
         let numbers: Vec<[f64; 2]> = (pairs.iter())
             .filter(|pair| pair.iter().all(|row| row.solved().is_some()))
-            .filter_map(|[theirs, ours]| Some([measure.of(theirs)?, measure.of(ours)?]))
+            .filter_map(|[theirs, ours]| Some([measure.number(theirs)?, measure.number(ours)?]))
             .collect();
         contrast(measure.column, heading, MetricKind::Sum(vec![measure.column.to_owned()]), &numbers)
     });

@@ -20,14 +20,14 @@ const SHOWN_SENTENCES: usize = 10;
 const LONGEST_FIELD: usize = 10;
 const LONGEST_PLANNER: usize = 14;
 
-/// How to read [`summary_table`].
+/// The legend of [`summary_table`].
 pub const DRIVE_LEGEND: [&str; 3] = [
     "Solved: goals with a path that the independent audit accepts (body sampled every 2 cm); it rejects violations.",
     "Query, build: CPU time in ms; building the clearance field counts as building.",
     "Len./bound: length over a lower bound on any path's. Length, clearance, cusps: of solved goals.",
 ];
 
-/// How to read [`interval_tables`].
+/// The legend of [`interval_tables`].
 pub const INTERVAL_LEGEND: [&str; 3] = [
     "Solved: queries with a path that the independent audit accepts; the interval is of their percentage.",
     "All else: medians, with intervals by order statistics (Conover, 1999).",

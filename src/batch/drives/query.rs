@@ -42,7 +42,7 @@ pub struct QueryCost {
     pub expansions: u64,
 }
 
-/// Why a goal was not reached although the path, if there is one, breaks no rule.
+/// The reason for which a goal was not reached although the path, if there is one, breaks no rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum DriveFailure {
     Planner(PlanFailure),

@@ -27,7 +27,7 @@ pub struct Measure {
 
 impl Measure {
     /// Returns the number of a query; `None` where it has none.
-    pub fn of(&self, query: &DriveQuery) -> Option<f64> {
+    pub fn number(&self, query: &DriveQuery) -> Option<f64> {
         (self.value)(query)
     }
 }
@@ -141,7 +141,7 @@ impl PlannerSummary {
             own.solved += u64::from(query.solved().is_some());
             own.violations += u64::from(query.violation.is_some());
             for measure in MEASURES {
-                own.values.entry(measure.column).or_default().extend(measure.of(query));
+                own.values.entry(measure.column).or_default().extend(measure.number(query));
             }
         }
         let mut summaries: Vec<Self> = summaries.into_values().collect();
@@ -199,7 +199,7 @@ pub struct SummaryMember<'a> {
     figures: BTreeMap<&'static str, FigureMember>,
 }
 
-/// What the numbers of a column come to.
+/// Statistics of the numbers of a column.
 #[derive(Serialize)]
 struct FigureMember {
     count: usize,

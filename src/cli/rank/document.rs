@@ -19,8 +19,8 @@ const LEGEND: &str = "\
 Rank: the ranks that an entry may have, from the pairs that are told apart; all ranges together hold the true ranks with \
 95 % confidence (Mogstad, Romano, Shaikh, Wilhelm, 2024). Groups: entries with a letter in common are not told apart \
 (Piepho, 2004). Differences are paired by seed, with 95 % intervals that are not adjusted, by the \
-method of `wildfire compare`; p is adjusted by Holm's method over all pairs, and pairs with p of at most 0.05 are told \
-apart.";
+method of `wildfire compare`; p is adjusted by Holm's method over all pairs, and pairs with p of at most 0.05 count as \
+different.";
 
 impl From<&Ranking> for Document {
     fn from(ranking: &Ranking) -> Self {

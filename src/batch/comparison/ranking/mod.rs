@@ -118,7 +118,7 @@ pub struct WorstRun {
     pub row: usize,
 }
 
-/// What an audit of some runs of an entry found.
+/// The result of an audit of some runs of an entry.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EntryAudit {
     pub runs: u64,
