@@ -1,7 +1,7 @@
 //! Planners and policies that are not built in, as scenarios write them: tables `[planner.NAME]` and `[policy.NAME]`.
 //!
 //! A table with a `command` says how to start a program. One without says that the planner or policy of this name is
-//! handed in by whoever runs the scenario, from Rust or from Python; its `settings` are passed on all the same, and a
+//! registered from Rust or from Python; its `settings` are passed on all the same, and a
 //! batch of Python notes the hash of its code. Reading a scenario never starts anything.
 
 use std::collections::BTreeMap;
@@ -70,8 +70,8 @@ pub struct Program {
     #[serde(skip_serializing_if = "is_empty")]
     #[schemars(skip)]
     pub works_in: PathBuf,
-    /// The files that belong to it with the SHA-256 of their contents, as loading finds them; of what was handed in, its
-    /// code or its version.
+    /// The files that belong to it with the SHA-256 of their contents, as loading finds them; of registered code, its
+    /// hash or its version.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(skip)]
     pub sha256: BTreeMap<String, String>,

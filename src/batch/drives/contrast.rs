@@ -29,7 +29,7 @@ pub struct DriveContrast {
     pub difference: f64,
     pub low: Option<f64>,
     pub high: Option<f64>,
-    /// Of the test for no difference, adjusted over all that is compared; `None` if no goal differs.
+    /// The p-value of the test for no difference, adjusted over all that is compared; `None` if no goal differs.
     pub p: Option<f64>,
 }
 

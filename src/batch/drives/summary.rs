@@ -335,7 +335,7 @@ pub mod tests {
         queries.write(&path).expect("writable");
         let read = DriveTable::read(&path).expect("it was just written");
         assert_eq!((&read.keys, &read.variants), (&queries.keys, &queries.variants));
-        // What a planner said is no column.
+        // Messages of planners are no column.
         let without_message = |row: &DriveQuery| DriveQuery { message: None, ..row.clone() };
         assert_eq!(queries.rows.iter().map(without_message).collect::<Vec<_>>(), read.rows);
         read.write(&again).expect("writable");

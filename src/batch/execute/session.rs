@@ -198,7 +198,7 @@ impl Batch {
         let recorded_again = worked_off?;
         brought?;
         self.expect_unchanged_plan()?;
-        // Of a whole batch the tables are written next, row by row; a slice is merged by a process that knows no digests.
+        // The tables of a whole batch are written next, row by row; a slice is merged by a process that knows no digests.
         if !self.journal.index().slice().is_whole() {
             self.journal.rows()?.expect_own_lines()?;
         }

@@ -207,7 +207,7 @@ impl PlannedRun<'_> {
         format!("wildfire run {}", self.repeating_words())
     }
 
-    /// What names the run to commands that simulate it.
+    /// The arguments by which commands simulate the run again.
     pub fn repeating_words(&self) -> String {
         let mut command = format!("{} --seed {}", shell_word(&self.variant.source), self.seed);
         for change in &self.variant.changes {

@@ -24,11 +24,11 @@ pub struct Aim {
     is_higher_better: bool,
     /// The metric of comparisons whose differences have the same size.
     metric: &'static str,
-    /// What the best did: `saved the most bushes`.
+    /// The deed of the best: `saved the most bushes`.
     pub best: &'static str,
-    /// What all did that are equal, before and after the amount.
+    /// The deed of equals, before and after the amount.
     pub equal: [&'static str; 2],
-    /// How the best differs from another: `points more`.
+    /// The words after the difference of the best from another: `points more`.
     than: &'static str,
     pub unit: &'static str,
     pub scale: f64,
