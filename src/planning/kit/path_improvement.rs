@@ -1,7 +1,7 @@
 //! Makes a drivable path cheaper, by Reeds-Shepp curves that keep the turning radius and the clearance.
 //!
 //! A path costs its length and a price for every cusp, cusps between an old part and a new one included, or the time that
-//! it takes ([`CostModel`]). A change counts only if it makes the whole path cheaper; whether it is free is asked last.
+//! it takes ([`CostModel`]). A change counts only if it makes the whole path cheaper and is free.
 //! First the path is shortened from knot to knot, then between random places, after R. Geraerts, M. H. Overmars, "Creating high-quality paths for motion
 //! planning", IJRR 26(8), 2007, section 4, with Reeds-Shepp curves in place of straight lines. Then its bends are pulled
 //! tight: a pose in the middle of each is moved to and fro, with the way about it, as long as that makes the path cheaper.
@@ -87,16 +87,16 @@ impl PathImprover {
         rng: &mut impl Rng,
     ) -> Path {
         let Improvement { shortcuts, pulls } = improvement;
-        let mut way = Way::new(path.start, path.segments.iter().copied());
+        let mut way = Way::new(path.start, path.segments.iter().copied(), &self.cost);
         // Without pulls paths are those that shortcuts alone have always made.
         let best_m = if pulls > 0 { self.least_cost(&way) + NEAR_BEST_M } else { f64::NEG_INFINITY };
-        if shortcuts > 0 && self.cost.of(way.segments()) > best_m {
+        if shortcuts > 0 && way.cost > best_m {
             self.cut_between_knots(&mut way, profile);
-            if self.cost.of(way.segments()) > best_m {
+            if way.cost > best_m {
                 self.cut_at_random(&mut way, profile, shortcuts, rng);
             }
         }
-        if self.cost.of(way.segments()) > best_m {
+        if way.cost > best_m {
             self.pull_bends(&mut way, profile, pulls);
         }
         way.into_path()
@@ -157,7 +157,7 @@ impl PathImprover {
     fn pull(&mut self, way: &mut Way, profile: &ClearanceProfile, bend: usize, move_m: f64) -> bool {
         let middle_m = 0.5 * (way.joints[bend].1 + way.joints[bend + 1].1);
         let (from_m, to_m) = ((middle_m - REACH_M).max(0.0), (middle_m + REACH_M).min(way.length_m()));
-        let limit = self.cost.of(way.segments()) - WORTH_M;
+        let limit = way.cost - WORTH_M;
         let bound = self.bound_between(way, (from_m, to_m), limit);
         let (from, to) = (way.pose_at(from_m), way.pose_at(to_m));
         for middle in moved(way.pose_at(middle_m), move_m) {
@@ -168,7 +168,7 @@ impl PathImprover {
             let changed = || before.curve.segments().chain(behind.curve.segments());
             way.splice((from_m, to_m), changed(), &mut self.spliced);
             if self.cost.of(&self.spliced) < limit && profile.way_is_free(&self.checker, from, changed()) {
-                *way = Way::new(way.start(), self.spliced.iter().copied());
+                *way = Way::new(way.start(), self.spliced.iter().copied(), &self.cost);
                 return true;
             }
         }
@@ -187,15 +187,19 @@ impl PathImprover {
         if from_m >= to_m {
             return false;
         }
-        let limit = self.cost.of(way.segments()) - WORTH_M;
+        let limit = way.cost - WORTH_M;
         let bound = self.bound_between(way, (from_m, to_m), limit);
         let (from, to) = (way.pose_at(from_m), way.pose_at(to_m));
         let Some(best) = self.curves.cheapest_below(from, to, &self.price, bound) else { return false };
+        // Most curves across a long way are blocked near where they begin: to see that takes less time than to put together
+        // what the whole way would be.
+        if !profile.way_is_free(&self.checker, from, best.curve.segments()) {
+            return false;
+        }
         way.splice((from_m, to_m), best.curve.segments(), &mut self.spliced);
-        let is_better =
-            self.cost.of(&self.spliced) < limit && profile.way_is_free(&self.checker, from, best.curve.segments());
+        let is_better = self.cost.of(&self.spliced) < limit;
         if is_better {
-            *way = Way::new(way.start(), self.spliced.iter().copied());
+            *way = Way::new(way.start(), self.spliced.iter().copied(), &self.cost);
         }
         is_better
     }
@@ -236,11 +240,12 @@ struct Way {
     segments: Vec<Segment>,
     /// Pose and metres driven at the start of every segment, and at the end.
     joints: Vec<(Pose, f64)>,
+    cost: f64,
 }
 
 impl Way {
     /// Segments of no length are left out, and those that continue one another become one.
-    fn new(start: Pose, way: impl IntoIterator<Item = Segment>) -> Self {
+    fn new(start: Pose, way: impl IntoIterator<Item = Segment>, cost: &CostModel) -> Self {
         let mut segments = Vec::new();
         append(&mut segments, way);
         let mut joints = vec![(start, 0.0)];
@@ -248,7 +253,8 @@ impl Way {
             let (pose, driven_m) = joints[joints.len() - 1];
             joints.push((segment.end(pose), driven_m + segment.length_m.abs()));
         }
-        Self { segments, joints }
+        let cost = cost.of(&segments);
+        Self { segments, joints, cost }
     }
 
     fn start(&self) -> Pose {
