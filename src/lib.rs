@@ -91,6 +91,8 @@ pub mod input_file;
 #[cfg_attr(not(internals), doc(hidden))]
 pub mod map_files;
 #[cfg_attr(not(internals), doc(hidden))]
+pub mod npy;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod or_none;
 #[cfg_attr(not(internals), doc(hidden))]
 pub mod picture;
@@ -98,6 +100,8 @@ pub mod picture;
 pub mod planning;
 #[cfg_attr(not(internals), doc(hidden))]
 pub mod programs;
+#[cfg_attr(not(internals), doc(hidden))]
+pub mod query;
 #[cfg_attr(not(internals), doc(hidden))]
 pub mod ranges;
 #[cfg_attr(not(internals), doc(hidden))]

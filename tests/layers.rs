@@ -13,6 +13,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("rng", &["rand"]),
     ("event_queue", &[]),
     ("input_file", &[]),
+    ("npy", &[]),
     ("or_none", &["serde_json"]),
     ("ranges", &[]),
     ("untrusted", &[]),
@@ -22,6 +23,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("map_files", &["crc32fast", "gif", "image", "miniz_oxide", "ruzstd", "saphyr_parser", "tiff"]),
     ("vehicle", &["glam"]),
     ("trajectory", &["glam"]),
+    ("query", &["glam"]),
     ("collision", &["glam"]),
     // Settings of planners that are not built in are handed on as JSON.
     ("planning", &["glam", "kiddo", "petgraph", "serde_json"]),

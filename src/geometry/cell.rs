@@ -32,7 +32,7 @@ impl fmt::Display for Cell {
 /// The layout of cells in the world: square cells of one size, cell (0, 0) at the south-west corner.
 ///
 /// Indices run row by row from the south-west, `row * cols + col`, the same order as a
-/// [`crate::grid::Grid`] of `rows` by `cols` whose row 0 is the south edge.
+/// grid of `rows` by `cols` whose row 0 is the south edge.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FieldFrame {
     pub cols: u16,

@@ -28,7 +28,7 @@ pub use error::{Fault, MapError};
 pub use map::{MapFile, NEAR_TOLERANCE, Reading, Tolerance};
 pub use read::{is_plain_text, read, read_bytes};
 pub use ros::MapPlace;
-pub use write::{MapValue, npy_header, write_csv, write_npy, write_path, write_png, write_text};
+pub use write::{MapValue, write_csv, write_npy, write_path, write_png, write_text};
 
 /// The most rows and the most columns of a map.
 pub use crate::grid::brushfire::MAX_SIDE;

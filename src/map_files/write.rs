@@ -8,63 +8,38 @@ use image::{ExtendedColorType, ImageEncoder, ImageError};
 
 use super::decimal::{append_float, append_integer};
 use crate::grid::{Grid, Place};
+use crate::npy::{NpyValue, npy_header};
 use crate::whole_file::{WholeFile, write_whole};
 
-/// A value that a map or an array can hold: `bool` (as 0 and 1), `u8`, `u16`, `u32`, `f64`.
-pub trait MapValue: Copy {
-    /// The value's type as NumPy writes it, little-endian.
-    const NUMPY_TYPE: &'static str;
-
+/// A value that a map can hold: `bool` (as 0 and 1), `u8`, `u16`, `u32`, `f64`.
+pub trait MapValue: NpyValue {
     /// Appends the value as text: integers as integers, others with 12 significant digits.
     fn append_text(self, text: &mut Vec<u8>);
-
-    /// Appends the bytes of the value, the lowest first.
-    fn append_bytes(self, bytes: &mut Vec<u8>);
 }
 
 impl MapValue for bool {
-    const NUMPY_TYPE: &'static str = "|b1";
-
     fn append_text(self, text: &mut Vec<u8>) {
         text.push(b'0' + u8::from(self));
-    }
-
-    fn append_bytes(self, bytes: &mut Vec<u8>) {
-        bytes.push(u8::from(self));
     }
 }
 
 impl MapValue for f64 {
-    const NUMPY_TYPE: &'static str = "<f8";
-
     fn append_text(self, text: &mut Vec<u8>) {
         append_float(self, text);
-    }
-
-    fn append_bytes(self, bytes: &mut Vec<u8>) {
-        bytes.extend_from_slice(&self.to_le_bytes());
     }
 }
 
 macro_rules! integer_map_value {
-    ($integer:ty, $numpy_type:literal) => {
+    ($($integer:ty),*) => {$(
         impl MapValue for $integer {
-            const NUMPY_TYPE: &'static str = $numpy_type;
-
             fn append_text(self, text: &mut Vec<u8>) {
                 append_integer(self.into(), text);
             }
-
-            fn append_bytes(self, bytes: &mut Vec<u8>) {
-                bytes.extend_from_slice(&self.to_le_bytes());
-            }
         }
-    };
+    )*};
 }
 
-integer_map_value!(u8, "|u1");
-integer_map_value!(u16, "<u2");
-integer_map_value!(u32, "<u4");
+integer_map_value!(u8, u16, u32);
 
 /// Writes a map as CSV: commas, line feeds, no header; floating-point values as C's `%.12g` prints them.
 pub fn write_csv<T: MapValue>(path: &Path, map: &Grid<T>) -> io::Result<()> {
@@ -132,24 +107,4 @@ fn write_rows<T>(
 fn end_line(text: &mut Vec<u8>) {
     text.pop();
     text.push(b'\n');
-}
-
-/// Returns what stands before the values of a NumPy array in C order: magic, version, length and dictionary, padded with
-/// spaces to a multiple of 64 bytes.
-///
-/// Source: "NEP 1 - A Simple File Format for NumPy Arrays", format version 1.0.
-pub fn npy_header(numpy_type: &str, shape: &[usize]) -> Vec<u8> {
-    let sides: String = shape.iter().map(|side| format!("{side}, ")).collect();
-    // A tuple of one needs its comma, longer ones end without.
-    let shape = if shape.len() > 1 { sides.trim_end_matches(", ") } else { sides.trim_end() };
-    let dictionary = format!("{{'descr': '{numpy_type}', 'fortran_order': False, 'shape': ({shape}), }}");
-    let before = b"\x93NUMPY\x01\x00".len() + size_of::<u16>();
-    let total = (before + dictionary.len() + 1).next_multiple_of(64);
-    let length = u16::try_from(total - before).expect("a dictionary is short");
-    let mut header = b"\x93NUMPY\x01\x00".to_vec();
-    header.extend_from_slice(&length.to_le_bytes());
-    header.extend_from_slice(dictionary.as_bytes());
-    header.resize(total - 1, b' ');
-    header.push(b'\n');
-    header
 }

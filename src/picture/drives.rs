@@ -10,7 +10,7 @@ use crate::picture::marks::Mark;
 use crate::picture::png::Picture;
 use crate::picture::way_lines::{PoseMark, WayRun, draw_cusp, draw_run, way_runs};
 use crate::picture::world_sheet::{WorldFrame, WorldSheet};
-use crate::planning::{Goal, GoalDisc};
+use crate::query::{Goal, GoalDisc};
 use crate::vehicle::Path;
 
 /// Pixels of marks; goals can be many.

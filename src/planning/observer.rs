@@ -6,9 +6,10 @@ use std::time::Duration;
 
 use glam::DVec2;
 
+use crate::query::SearchPhase;
 use crate::time::cpu::CpuStopwatch;
 
-use super::search_graph::{SearchPhase, SearchRecorder, Searched};
+use super::search_recorder::{SearchRecorder, Searched};
 
 /// The kinds of work whose CPU time is counted apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

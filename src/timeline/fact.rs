@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::AgentId;
 use crate::geometry::{Cell, Pose};
-use crate::planning::{Effort, FoundBy, PlanFailure, SearchGraph, SearchPhase};
+use crate::query::{Effort, FoundBy, PlanFailure, SearchGraph, SearchPhase};
 use crate::time::SimTime;
 use crate::trajectory::Trajectory;
 

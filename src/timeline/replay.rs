@@ -323,7 +323,7 @@ mod tests {
             TRUCK,
             AgentFact::PlanFailed {
                 goal: D,
-                reason: crate::planning::PlanFailure::GoalBlocked,
+                reason: crate::query::PlanFailure::GoalBlocked,
                 effort: sample::effort(0, 0),
                 until: seconds(5.0),
             },

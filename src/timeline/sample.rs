@@ -13,7 +13,7 @@ use crate::fire::models::RothermelRules;
 use crate::fire::surface::FuelMoisture;
 use crate::fire::{FireRules, Landscape, Relief, Weather, WeatherInterval};
 use crate::geometry::{Cell, DVec2, FieldFrame, Pose};
-use crate::planning::{Effort, FoundBy, PlanFailure, SearchGraph, SearchPhase};
+use crate::query::{Effort, FoundBy, PlanFailure, SearchGraph, SearchPhase};
 use crate::rng::{self, Xoshiro256PlusPlus};
 use crate::time::SimTime;
 use crate::trajectory::{Piece, SpeedLimits, Trajectory};

@@ -26,7 +26,7 @@ use messages::{AgentMessage, CountsMessage, FrameTransform, Grid, Log, Message, 
 use scene::CellGrid;
 
 use crate::fire::BushStateKind;
-use crate::planning::SearchPhase;
+use crate::query::SearchPhase;
 use crate::time::SimTime;
 use crate::timeline::export::{CellChange, ExportError, Sampling, cell_changes, event_words, ground_event_words};
 use crate::timeline::{AgentFact, AgentId, AgentState, Event, Fact, FollowedLeg, GroundEvent, RunIndex, Timeline};

@@ -9,7 +9,7 @@ use crate::picture::mcap::messages::{
     Color, CubePrimitive, FIELD_FRAME, Grid, LinePrimitive, PackedElementField, PoseMessage, SceneEntity,
     SceneEntityDeletion, SceneUpdate, TextPrimitive, Vector2, Vector3,
 };
-use crate::planning::SearchGraph;
+use crate::query::SearchGraph;
 use crate::time::SimTime;
 use crate::timeline::{AgentStart, Body, Setting};
 use crate::trajectory::Trajectory;

@@ -11,8 +11,8 @@ use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
 use crate::planning::memory::{MemoryMeter, PlannerMemory};
 use crate::planning::observer::PlanningObserver;
-use crate::planning::search_graph::SearchPhase;
 use crate::planning::{Found, FoundBy, Goal, PlanFailure};
+use crate::query::SearchPhase;
 use crate::rng::Xoshiro256PlusPlus;
 use crate::vehicle::{Dimensions, Path, Segment};
 

@@ -6,7 +6,7 @@ use super::zip::ZipWriter;
 use super::{CellChange, ExportError, Sampling, cell_changes};
 use crate::fire::BushStateKind;
 use crate::geometry::{Cell, Pose};
-use crate::map_files::{MapValue, npy_header};
+use crate::npy::{NpyValue, npy_header};
 use crate::time::SimTime;
 use crate::timeline::{Activity, AgentFact, Fact, FollowedLeg, Replay, RunIndex, Setting, Timeline};
 use crate::trajectory::{Piece, Trajectory};
@@ -177,7 +177,7 @@ struct Arrays<W>(ZipWriter<W>);
 
 impl<W: Write> Arrays<W> {
     /// Adds an array of this shape; of no sides it is one value.
-    fn add<T: MapValue>(&mut self, name: &str, shape: &[usize], values: impl IntoIterator<Item = T>) -> io::Result<()> {
+    fn add<T: NpyValue>(&mut self, name: &str, shape: &[usize], values: impl IntoIterator<Item = T>) -> io::Result<()> {
         let mut bytes = Vec::new();
         values.into_iter().for_each(|value| value.append_bytes(&mut bytes));
         self.raw(name, T::NUMPY_TYPE, shape, &bytes)

@@ -7,7 +7,7 @@
 //! | [`write_npz`] | arrays | NumPy |
 //!
 //! Equal runs give equal files, byte for byte. What can be asked of all runs is here; pictures of them, and scenes for
-//! viewers, are made in [`crate::picture`].
+//! viewers, are made by `wildfire-picture`.
 
 mod arrays;
 mod changes;

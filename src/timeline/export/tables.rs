@@ -7,7 +7,7 @@ use std::io::Write;
 
 use super::{ExportError, Sampling};
 use crate::geometry::Cell;
-use crate::planning::{Effort, FoundBy};
+use crate::query::{Effort, FoundBy};
 use crate::time::SimTime;
 use crate::timeline::{AgentFact, Cause, Event, Fact, FireFact, GroundEvent, GroundFact, Replay, Timeline};
 use crate::trajectory::Trajectory;

@@ -12,7 +12,7 @@ use super::graphs::{append_graph, take_graph};
 use super::numbers::{NumberReader, NumberWriter};
 use super::{WITH_GROUND, append, take};
 use crate::geometry::{Cell, Pose};
-use crate::planning::{Effort, FoundBy, PlanFailure, SearchGraph, SearchPhase};
+use crate::query::{Effort, FoundBy, PlanFailure, SearchGraph, SearchPhase};
 use crate::time::SimTime;
 use crate::timeline::{AgentFact, AgentId, Cause, EndReason, Event, Fact, FireFact, RestReason, Setting};
 use crate::trajectory::{Piece, Trajectory};

@@ -3,7 +3,7 @@
 //! to it comes from, or else from the place before it. All are steps that are small and recur.
 
 use super::{FileError, append, take};
-use crate::planning::SearchGraph;
+use crate::query::SearchGraph;
 
 const NO_SUCH_PLACE: FileError = FileError::Damaged("a search in it leads to a place that it does not hold");
 

@@ -271,7 +271,7 @@ mod tests {
     use crate::fire::surface::FuelMoisture;
     use crate::fire::{Landscape, Relief, Weather};
     use crate::geometry::{Cell, DVec2, FieldFrame, Pose};
-    use crate::planning::{FoundBy, PlanFailure};
+    use crate::query::{FoundBy, PlanFailure};
     use crate::rng;
     use crate::time::SimTime;
     use crate::time::cpu::CpuStopwatch;

@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 
 use crate::geometry::Cell;
-use crate::planning::{Effort, FoundBy, PlanFailure};
+use crate::query::{Effort, FoundBy, PlanFailure};
 use crate::time::SimTime;
 use crate::timeline::replay::BushChange;
 use crate::timeline::{

@@ -24,7 +24,7 @@ use super::{
     Activity, AgentFact, AgentState, BushState, Event, FLOCK_M, Fact, GroundEvent, Outcome, Replay, State, Timeline,
 };
 use crate::geometry::Cell;
-use crate::planning::{SearchGraph, SearchPhase};
+use crate::query::{SearchGraph, SearchPhase};
 use crate::time::SimTime;
 
 /// A run with what was found in it once: states, counts, numbers of agents, legs, stops, searches, changes, outcome.

@@ -365,7 +365,7 @@ pub(super) mod tests {
     use crate::fire::FireRules;
     use crate::geometry::Pose;
     use crate::picture::film::{Camera, Followed, FrameRenderer, FrameRequest};
-    use crate::planning::Effort;
+    use crate::query::Effort;
     use crate::time::SimTime;
     use crate::timeline::{AgentFact, AgentId, AgentStart, Body, Event, Fact, FireFact, Rules, Timeline};
     use crate::trajectory::{Piece, Trajectory};

@@ -4,7 +4,7 @@ use crate::picture::canvas::{Canvas, Ink, Point};
 use crate::picture::colours::{Rgb, blend};
 use crate::picture::film::field::{Layer, Pane};
 use crate::picture::thin_line::draw_line;
-use crate::planning::{SearchGraph, SearchPhase};
+use crate::query::{SearchGraph, SearchPhase};
 
 /// The style in which a layer shows searches of one phase.
 pub struct SearchStyle {

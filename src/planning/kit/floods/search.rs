@@ -10,8 +10,8 @@ use crate::planning::kit::heuristic::Heuristic;
 use crate::planning::kit::target::Target;
 use crate::planning::memory::MemoryMeter;
 use crate::planning::observer::PlanningObserver;
-use crate::planning::search_graph::SearchPhase;
 use crate::planning::{Goal, GoalDisc, PlanFailure};
+use crate::query::SearchPhase;
 use crate::vehicle::Path;
 
 use super::flood::Flood;

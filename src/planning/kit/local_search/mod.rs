@@ -20,8 +20,8 @@ use crate::collision::CollisionChecker;
 use crate::geometry::Pose;
 use crate::planning::memory::MemoryMeter;
 use crate::planning::observer::PlanningObserver;
-use crate::planning::search_graph::SearchPhase;
 use crate::planning::{Found, FoundBy, Goal, GoalDisc, PlanFailure};
+use crate::query::SearchPhase;
 use crate::vehicle::Path;
 
 use super::best_first::Ending;

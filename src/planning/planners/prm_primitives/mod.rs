@@ -21,8 +21,8 @@ use crate::planning::kit::target::Target;
 use crate::planning::memory::PlannerMemory;
 use crate::planning::observer::{PlanningObserver, PlanningWork, Unobserved};
 use crate::planning::registry::{BuiltInPlanner, Charge, RoadmapSize, Site, TruckPlannerSettings, describe_charge};
-use crate::planning::search_graph::SearchPhase;
 use crate::planning::{BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, Plan, PlanFailure, TruckPlanner};
+use crate::query::SearchPhase;
 use roadmap::{Roadmap, RoadmapScratch, Route};
 
 /// The roadmap leads this near to a goal pose, and motion primitives and a curve from there on.

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::{AgentName, PoseObject, Word, pair};
 use crate::geometry::Cell;
-use crate::planning::{Effort, FoundBy, PlanFailure, SearchPhase};
+use crate::query::{Effort, FoundBy, PlanFailure, SearchPhase};
 use crate::time::SimTime;
 use crate::timeline::{AgentFact, AgentId, Cause, EndReason, Event, Fact, FireFact, GroundFact, RestReason, RunIndex};
 

@@ -24,7 +24,7 @@ use setting::SettingObject;
 
 use super::ExportError;
 use crate::geometry::{Cell, Pose};
-use crate::planning::PlanFailure;
+use crate::query::PlanFailure;
 use crate::timeline::{AgentId, Event, Outcome, RunIndex, Timeline, Winner};
 
 /// The version of the object: it changes when something is renamed, removed or comes to mean something else.
