@@ -53,91 +53,51 @@
 //!
 //! # What is for users, and what is not
 //!
-//! The names on this page and in [`own_planner`] are. They are documented in full, and a change of them is an entry in the changelog. The
-//! modules behind them are open because the tests, benchmarks and examples of this package use them; they may change
-//! with every version and are left out of this documentation. `RUSTDOCFLAGS='--cfg internals' cargo doc` includes them.
-//!
-//! # Layers
-//!
-//! Imports point downwards only. Each layer may use those above it in this list:
-//! `time`, `geometry`, `rng`, `event_queue`, `input_file`, `or_none`, `ranges`, `untrusted`, `whole_file`; `document`;
-//! `grid`; `map_files`; `vehicle`; `trajectory`; `collision`; `planning`; `fire`; `scenario`; `timeline`; `picture`; `audit`;
-//! `sim`; `programs`; `stats`; `batch`; `view`; `cli`.
+//! The names on this page and in [`own_planner`] are. They are documented in full, and a change of them is an entry in the
+//! changelog. What else can be reached from here is open because the tests, benchmarks and examples of this package use it,
+//! and may change with every version. The parts that are of use by themselves are crates with front pages of their own:
+//! `wildfire-base`, `wildfire-grid`, `wildfire-fire`, `wildfire-planning`, `wildfire-timeline`, `wildfire-audit`,
+//! `wildfire-picture`, `wildfire-sim`, `wildfire-batch`, each of which may use those before it.
+
+#![warn(missing_docs, reason = "every name of the front page is explained; tests/front_page.rs looks inside its types")]
 
 // What fuzzers share is also part of the tests in `tests/`, where this crate has its name.
 #[cfg(test)]
 extern crate self as wildfire;
 
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod audit;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod batch;
-#[cfg_attr(not(internals), doc(hidden))]
+#[doc(hidden)]
 pub mod cli;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod collision;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod document;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod event_queue;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod fire;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod geometry;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod grid;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod input_file;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod map_files;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod npy;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod or_none;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod picture;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod planning;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod programs;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod query;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod ranges;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod rng;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod scenario;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod sim;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod stats;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod time;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod timeline;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod trajectory;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod untrusted;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod vehicle;
-#[cfg(feature = "view")]
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod view;
-#[cfg_attr(not(internals), doc(hidden))]
-pub mod whole_file;
 
-pub use audit::{Verdict, audit_timeline};
-pub use collision::{ClearanceField, CollisionChecker};
-pub use geometry::Pose;
-pub use planning::{Goal, Plan, PlanFailure, TruckPlanner};
-pub use scenario::{Scenario, load};
-pub use sim::{Run, run};
-pub use time::SimTime;
-pub use timeline::file::read as read_recording;
-pub use timeline::{Fact, Outcome, Timeline};
-pub use vehicle::{Dimensions, Path};
+pub use wildfire_audit::{Verdict, audit_timeline};
+pub use wildfire_base::geometry::Pose;
+pub use wildfire_base::query::{Goal, PlanFailure};
+pub use wildfire_base::time::SimTime;
+pub use wildfire_base::vehicle::{Dimensions, Path};
+pub use wildfire_planning::collision::{ClearanceField, CollisionChecker};
+pub use wildfire_planning::{Plan, TruckPlanner};
+pub use wildfire_sim::scenario::{Scenario, load};
+pub use wildfire_sim::{Run, run};
+pub use wildfire_timeline::file::read as read_recording;
+pub use wildfire_timeline::{Fact, Outcome, Timeline};
+
+#[doc(hidden)]
+pub use wildfire_base::{
+    document, event_queue, geometry, input_file, npy, or_none, query, ranges, rng, time, trajectory, untrusted,
+    vehicle, whole_file,
+};
+#[doc(hidden)]
+pub use wildfire_batch::{self as batch, stats};
+#[doc(hidden)]
+pub use wildfire_grid::{self as grid, map_files};
+#[doc(hidden)]
+pub use wildfire_planning::{self as planning, collision};
+#[doc(hidden)]
+pub use wildfire_sim::{self as sim, programs, scenario};
+#[cfg(feature = "view")]
+#[doc(hidden)]
+pub use wildfire_view as view;
+#[doc(hidden)]
+pub use {wildfire_audit as audit, wildfire_fire as fire, wildfire_picture as picture, wildfire_timeline as timeline};
 
 /// What it takes to enter the contest with a planner of one's own.
 ///
@@ -148,8 +108,8 @@ pub use vehicle::{Dimensions, Path};
 /// tells beforehand whether a path would be driven.
 pub mod own_planner {
     pub use crate::cli::main_with;
-    pub use crate::planning::judge::{BadPath, Judge};
-    pub use crate::planning::{MakeError, MakePlanner, NameError, PlannerName, Planners, Site};
-    pub use crate::sim::run_with;
-    pub use crate::vehicle::{ReedsShepp, Segment};
+    pub use wildfire_base::vehicle::{ReedsShepp, Segment};
+    pub use wildfire_planning::judge::{BadPath, Judge};
+    pub use wildfire_planning::{MakeError, MakePlanner, NameError, PlannerName, Planners, Site};
+    pub use wildfire_sim::run_with;
 }

@@ -359,8 +359,9 @@ fn files_that_are_named_exist() {
     for page in ["ARCHITECTURE.md", "CONTRIBUTING.md"] {
         let text = read(page);
         let named = text.split('`').skip(1).step_by(2);
-        let files =
-            named.filter(|name| ["src/", "tests/", "docs/", "examples/"].iter().any(|root| name.starts_with(root)));
+        let files = named.filter(|name| {
+            ["crates/", "src/", "tests/", "docs/", "examples/"].iter().any(|root| name.starts_with(root))
+        });
         // In recipes NAME is what the reader calls it.
         let gone = files.filter(|name| !name.contains("NAME") && !root().join(name).exists());
         missing.extend(gone.map(|name| format!("{page}: {name}")));

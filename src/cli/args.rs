@@ -5,12 +5,12 @@ use std::{env, thread};
 
 use clap::Args;
 
-use crate::batch::PaperCharts;
 use crate::cli::error::CliError;
 use crate::cli::numbers;
-use crate::picture::charts::PaperSize;
-use crate::planning::{NameError, PlannerName};
-use crate::scenario::MemoryLimit;
+use wildfire_batch::PaperCharts;
+use wildfire_picture::charts::PaperSize;
+use wildfire_planning::{NameError, PlannerName};
+use wildfire_sim::scenario::MemoryLimit;
 
 /// A scenario and changes to it.
 #[derive(Debug, Args)]

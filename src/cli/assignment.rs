@@ -4,11 +4,11 @@ use std::fs;
 use std::hash::BuildHasher;
 use std::path::Path;
 
-use crate::batch::shell_word;
 use crate::cli::demo::expect_empty;
 use crate::cli::error::CliError;
 use crate::cli::terminal;
-use crate::whole_file::write_whole;
+use wildfire_base::whole_file::write_whole;
+use wildfire_batch::shell_word;
 
 /// The number of seeds that are written: as many as the guide's course has.
 const SEEDS: u64 = 20;

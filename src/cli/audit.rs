@@ -8,22 +8,19 @@ use std::process::ExitCode;
 use std::thread;
 
 use clap::Args;
-use serde::{Serialize, Serializer};
 
-use crate::audit::{Audited, SampleStep};
-use crate::batch::{
-    AuditOptions, AuditReport, AuditSource, FinishedBatch, FinishedError, LISTED_VIOLATIONS, PROGRAM_VERSION,
-    PlanError, RECORDINGS_FOLDER, Record, audit_all, recordings_in,
-};
 use crate::cli::args::parse_jobs;
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::report::FormArguments;
 use crate::cli::terminal::Progress;
 use crate::cli::{numbers, terminal};
-use crate::document::number::count;
-use crate::document::{Block, Document};
-use crate::input_file::is_standard_stream;
+use wildfire_audit::SampleStep;
+use wildfire_base::input_file::is_standard_stream;
+use wildfire_batch::{
+    AuditOptions, AuditReport, AuditSource, FinishedBatch, FinishedError, LISTED_VIOLATIONS, PlanError,
+    RECORDINGS_FOLDER, Record, audit_all, recordings_in,
+};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -126,60 +123,5 @@ fn conclude(report: &AuditReport, form: FormArguments) -> Result<ExitCode, CliEr
         }
         None if report.violations > 0 => Ok(ExitCode::from(exit::VIOLATION)),
         None => Ok(ExitCode::SUCCESS),
-    }
-}
-
-/// The members in their order.
-#[derive(Serialize)]
-struct Object {
-    program_version: &'static str,
-    recorded: u64,
-    simulated: u64,
-    not_run: u64,
-    unreadable: u64,
-    without_row: u64,
-    without_limits: u64,
-    legs: u64,
-    poses: u64,
-    metres: f64,
-    extinctions: u64,
-    violations: u64,
-    first_violations: Vec<String>,
-}
-
-impl Serialize for AuditReport {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Audited { legs, poses, metres, extinctions } = self.audited;
-        let object = Object {
-            program_version: PROGRAM_VERSION,
-            recorded: self.recorded,
-            simulated: self.simulated,
-            not_run: self.not_run,
-            unreadable: self.unreadable,
-            without_row: self.without_row,
-            without_limits: self.without_limits,
-            legs,
-            poses,
-            metres,
-            extinctions,
-            violations: self.violations,
-            first_violations: self.listed.iter().map(ToString::to_string).collect(),
-        };
-        object.serialize(serializer)
-    }
-}
-
-impl From<&AuditReport> for Document {
-    /// Lists the first violations, one for each run, then how much was checked.
-    fn from(report: &AuditReport) -> Self {
-        let runs = report.runs() + report.not_run;
-        let mut document = Self::new(format!("Audit of {}", count(runs as usize, "run")));
-        let hidden = report.violations.saturating_sub(LISTED_VIOLATIONS as u64);
-        let hidden = (hidden > 0).then(|| format!("... and {hidden} more runs."));
-        // One line each, however long it is: such lines are searched and sorted.
-        let listed: Vec<_> = report.listed.iter().map(ToString::to_string).chain(hidden).collect();
-        document = document.with((!listed.is_empty()).then(|| Block::Verbatim(listed.join("\n"))));
-        document.add_list(report.sentences());
-        document
     }
 }

@@ -6,9 +6,9 @@ use std::process::ExitCode;
 use clap::Args;
 use serde::Serialize;
 
-use crate::batch::{BatchError, BatchPlan, COMMIT, PROGRAM_VERSION, PlanWriter, planner_of};
 use crate::cli::error::CliError;
 use crate::cli::terminal;
+use wildfire_batch::{BatchError, BatchPlan, COMMIT, PROGRAM_VERSION, PlanWriter, planner_of};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

@@ -9,10 +9,10 @@ use std::fmt::Write;
 use clap::{Arg, Command, ValueHint};
 use clap_complete::Shell;
 
-use crate::batch::RUN_COLUMNS;
-use crate::batch::comparison::NAMED_METRICS;
-use crate::planning::TruckPlannerKind;
-use crate::scenario::{BUILT_IN, DispatchPolicy, IdleRule, TruckGoal, WumpusGoal};
+use wildfire_batch::RUN_COLUMNS;
+use wildfire_batch::comparison::NAMED_METRICS;
+use wildfire_planning::TruckPlannerKind;
+use wildfire_sim::scenario::{BUILT_IN, DispatchPolicy, IdleRule, TruckGoal, WumpusGoal};
 
 /// The kinds of names that arguments take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,15 +2,15 @@
 
 use std::collections::BTreeSet;
 
-use crate::batch::BatchPlan;
 use crate::cli::args::{NamedCommand, ProgramArguments};
 use crate::cli::error::CliError;
 use crate::cli::terminal;
-use crate::planning::{PlannerName, Planners, TruckPlannerKind};
+use wildfire_batch::BatchPlan;
+use wildfire_planning::{PlannerName, Planners, TruckPlannerKind};
 #[cfg(unix)]
-use crate::programs::{ProgramPool, Trust};
-use crate::scenario::{MemoryLimit, Scenario, TruckGoal, UsedProgram, WumpusGoal, doubts_of_map, nearest_name};
-use crate::sim::{Entrants, RunOptions};
+use wildfire_sim::programs::{ProgramPool, Trust};
+use wildfire_sim::scenario::{MemoryLimit, Scenario, TruckGoal, UsedProgram, WumpusGoal, doubts_of_map, nearest_name};
+use wildfire_sim::{Entrants, RunOptions};
 
 /// What commands have besides their arguments.
 #[derive(Clone, Debug, Default)]

@@ -5,7 +5,7 @@
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
-use crate::input_file::{self, InputFile};
+use wildfire_base::input_file::{self, InputFile};
 
 /// The most bytes of a line.
 pub const LONGEST_LINE: usize = 1 << 16;

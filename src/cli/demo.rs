@@ -7,11 +7,11 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use crate::batch::shell_word;
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::terminal;
-use crate::untrusted::visible;
+use wildfire_base::untrusted::visible;
+use wildfire_batch::shell_word;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

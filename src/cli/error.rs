@@ -8,12 +8,12 @@ use std::process::ExitCode;
 use miette::{Diagnostic, Report};
 use thiserror::Error;
 
-use crate::batch::{AuditsError, BatchError, FinishedError, JournalError, PlanError, RequestError, TableError};
 use crate::cli::next_command::help_on_unfinished;
-use crate::map_files::{self, MapError};
-use crate::scenario::{Fault, ScenarioError};
-use crate::timeline::export::ExportError;
-use crate::untrusted::visible;
+use wildfire_base::untrusted::visible;
+use wildfire_batch::{AuditsError, BatchError, FinishedError, JournalError, PlanError, RequestError, TableError};
+use wildfire_grid::map_files::{self, MapError};
+use wildfire_sim::scenario::{Fault, ScenarioError};
+use wildfire_timeline::export::ExportError;
 
 /// The program's exit codes; those of its arguments' own errors are clap's, which are the same.
 pub mod exit {

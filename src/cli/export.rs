@@ -12,11 +12,13 @@ use crate::cli::numbers;
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::show::{Searches, parse_agent, source_of_runs};
 use crate::cli::terminal;
-use crate::input_file::is_standard_stream;
-use crate::picture::write_mcap;
-use crate::timeline::export::{ExportError, FINEST_STEP_S, Sampling, write_events, write_json, write_npz, write_trace};
-use crate::timeline::{AgentId, Timeline};
-use crate::whole_file::WholeFile;
+use wildfire_base::input_file::is_standard_stream;
+use wildfire_base::whole_file::WholeFile;
+use wildfire_picture::write_mcap;
+use wildfire_timeline::export::{
+    ExportError, FINEST_STEP_S, Sampling, write_events, write_json, write_npz, write_trace,
+};
+use wildfire_timeline::{AgentId, Timeline};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

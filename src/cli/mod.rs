@@ -71,11 +71,11 @@ use run::RunArguments;
 use scenarios::{CheckArguments, NewArguments, ScenariosArguments, SchemaArguments};
 use shell::{CompletionsArguments, ManArguments};
 
-use crate::batch::{DriveTable, LONG_VERSION};
+use wildfire_base::untrusted::visible;
+use wildfire_batch::{DriveTable, LONG_VERSION};
+use wildfire_sim::Entrants;
 #[cfg(unix)]
-use crate::programs::supervisor;
-use crate::sim::Entrants;
-use crate::untrusted::visible;
+use wildfire_sim::programs::supervisor;
 
 const EXAMPLES: &str = "\
 Examples:

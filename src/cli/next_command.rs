@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::batch::{BatchStatus, OutputFolder, Slice, SliceState, batch_status, shell_word};
+use wildfire_batch::{BatchStatus, OutputFolder, Slice, SliceState, batch_status, shell_word};
 
 /// The command that goes on with a slice of the batch in a folder.
 pub fn resume_command(folder: &Path, slice: Slice) -> String {

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use crate::cli::error::CliError;
 use crate::cli::report::FormArguments;
 use crate::cli::terminal;
-use crate::input_file::is_standard_stream;
-use crate::whole_file::refuse_no_file;
+use wildfire_base::input_file::is_standard_stream;
+use wildfire_base::whole_file::refuse_no_file;
 
 /// A file that may have been asked for, and how it is written.
 pub type Output<'a> = (Option<&'a Path>, &'a dyn Fn(&Path) -> io::Result<()>);

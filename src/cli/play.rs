@@ -36,8 +36,8 @@ pub struct PlayArguments {
 #[cfg(feature = "view")]
 pub fn run(arguments: &PlayArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     use crate::cli::show::{Searches, look, shown_runs, time_within};
-    use crate::picture::film::RunView;
-    use crate::view::{RunLoader, ViewerConfig, play};
+    use wildfire_picture::film::RunView;
+    use wildfire_view::{RunLoader, ViewerConfig, play};
 
     let shown = shown_runs(&arguments.show, Searches::Recorded, context)?;
     let runs = shown.into_iter().map(|shown| {
@@ -65,9 +65,9 @@ pub fn run(arguments: &PlayArguments, context: &CommandContext) -> Result<ExitCo
 /// Says how to build the program with its window.
 #[cfg(not(feature = "view"))]
 pub fn run(_: &PlayArguments, _: &CommandContext) -> Result<ExitCode, CliError> {
-    use crate::batch::shell_word;
     use crate::cli::error::exit;
     use crate::cli::terminal;
+    use wildfire_batch::shell_word;
 
     let given = std::env::args_os().skip(1).map(|word| shell_word(&word.to_string_lossy())).collect::<Vec<_>>();
     let given = given.join(" ");

@@ -6,7 +6,7 @@
 use clap::Args;
 use serde::Serialize;
 
-use crate::document::Document;
+use wildfire_base::document::Document;
 
 /// The form that a report is printed in, text unless another is asked for.
 #[derive(Clone, Copy, Debug, Default, Args)]

@@ -7,7 +7,6 @@ use std::process::ExitCode;
 use clap::Args;
 use serde::{Serialize, Serializer};
 
-use crate::batch::{Failures, RunLabel, RunObject, RunRecord, RunResult, RunRow, Status, file_name_of, notes};
 use crate::cli::args::{MemoryArguments, ScenarioArguments, parse_seed};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
@@ -16,13 +15,13 @@ use crate::cli::numbers;
 use crate::cli::output_files::{self, Files, Format, Words};
 use crate::cli::report::FormArguments;
 use crate::cli::show::parse_agent;
-use crate::document::number::{percent, rounded};
-use crate::document::{Block, Document, Table};
-use crate::scenario::{self, Scenario};
-use crate::sim;
-use crate::time::wall::WallStopwatch;
-use crate::timeline::export::{FINEST_STEP_S, Sampling, write_events, write_trace};
-use crate::timeline::{AgentId, AgentOutcome, GroundOutcome, Outcome, Role, Timeline, Winner, file};
+use wildfire_base::document::number::{percent, rounded};
+use wildfire_base::document::{Block, Document, Table};
+use wildfire_base::time::wall::WallStopwatch;
+use wildfire_batch::{Failures, RunLabel, RunObject, RunRecord, RunResult, RunRow, Status, file_name_of, notes};
+use wildfire_sim::scenario::{self, Scenario};
+use wildfire_timeline::export::{FINEST_STEP_S, Sampling, write_events, write_trace};
+use wildfire_timeline::{AgentId, AgentOutcome, GroundOutcome, Outcome, Role, Timeline, Winner, file};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -94,7 +93,7 @@ fn run_once(
     let options = context.run_options(arguments.record_searches, arguments.memory.limit());
     let stopwatch = WallStopwatch::start();
     // The panic has been printed by then, with a backtrace if one was asked for.
-    let caught = panic::catch_unwind(AssertUnwindSafe(|| sim::run_with_options(scenario, seed, &options)));
+    let caught = panic::catch_unwind(AssertUnwindSafe(|| wildfire_sim::run_with_options(scenario, seed, &options)));
     let (wall, label) = (stopwatch.elapsed(), RunLabel::from_scenario(scenario, seed));
     match caught.map_err(|_| CliError::run_failed("the run panicked: this is a fault of the program"))? {
         Ok(run) => {

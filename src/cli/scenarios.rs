@@ -9,7 +9,6 @@ use clap::{Args, ValueEnum};
 use schemars::{JsonSchema, schema_for};
 use serde::Serialize;
 
-use crate::batch::{Machines, PLAN_TEMPLATE, PROGRAM_VERSION, TableOfRows, plan_schema, row_schema, rules_schema};
 use crate::cli::args::ScenarioArguments;
 use crate::cli::assignment;
 use crate::cli::batch::{BatchObject, PlanAnswer, ReportAnswer, SliceAnswer};
@@ -20,15 +19,16 @@ use crate::cli::numbers;
 use crate::cli::output_files::{Files, Format};
 use crate::cli::report::FormArguments;
 use crate::cli::terminal;
-use crate::document::number::percent;
-use crate::document::{Block, Document};
-use crate::input_file::{self, is_standard_stream};
-use crate::map_files::{self, MAX_BYTES, Reading, Tolerance};
-use crate::programs::protocol;
-use crate::ranges::number_text;
-use crate::scenario::{self, BUILT_IN, LoadedScenario, MemoryEstimate, MemoryLimit, Scenario, ScenarioText};
-use crate::timeline::export;
-use crate::untrusted::visible;
+use wildfire_base::document::number::percent;
+use wildfire_base::document::{Block, Document};
+use wildfire_base::input_file::{self, is_standard_stream};
+use wildfire_base::ranges::number_text;
+use wildfire_base::untrusted::visible;
+use wildfire_batch::{Machines, PLAN_TEMPLATE, PROGRAM_VERSION, TableOfRows, plan_schema, row_schema, rules_schema};
+use wildfire_grid::map_files::{self, MAX_BYTES, Reading, Tolerance};
+use wildfire_sim::programs::protocol;
+use wildfire_sim::scenario::{self, BUILT_IN, LoadedScenario, MemoryEstimate, MemoryLimit, Scenario, ScenarioText};
+use wildfire_timeline::export;
 
 const SCENARIO_HEAD: &str = "\
 # A scenario of your own. Every value is spelled out, as the built-in scenario `contest` has it; what is left out has

@@ -11,7 +11,7 @@ use clap_mangen::Man;
 
 use crate::cli::error::CliError;
 use crate::cli::{completion, terminal};
-use crate::whole_file::WholeFile;
+use wildfire_base::whole_file::WholeFile;
 
 #[derive(Debug, Args)]
 pub struct CompletionsArguments {

@@ -11,9 +11,9 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::cli::error::CliError;
-use crate::picture::unknown_letters;
-use crate::time::wall::WallStopwatch;
-use crate::untrusted::{visible, visible_lines};
+use wildfire_base::time::wall::WallStopwatch;
+use wildfire_base::untrusted::{visible, visible_lines};
+use wildfire_picture::unknown_letters;
 
 /// Prints lines of text to stdout, their control characters as escapes. A reader that has closed its end, such as
 /// `head`, has seen enough: that is no error.

@@ -6,12 +6,12 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
 
-use crate::batch::{
+use wildfire_base::document::{Block, Document};
+use wildfire_batch::stats::{Interval, Series};
+use wildfire_batch::{
     BatchPlan, BatchReport, COMMIT, COMPILER, Machine, OutputFolder, PROGRAM_VERSION, RUN_COLUMNS, Tally,
     VariantReport, WrittenReport,
 };
-use crate::document::{Block, Document};
-use crate::stats::{Interval, Series};
 
 /// A batch that is over: an object for programs, and a document for people.
 pub struct BatchAnswer {

@@ -6,13 +6,13 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::keeping::KeepingArguments;
-use crate::batch::{MAX_SEEDS_BYTES, Record, Seeds, SeedsError, Slice};
 use crate::cli::args::{ProgramArguments, parse_jobs};
 use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::cli::report::FormArguments;
-use crate::input_file;
-use crate::scenario::MemoryLimit;
+use wildfire_base::input_file;
+use wildfire_batch::{MAX_SEEDS_BYTES, Record, Seeds, SeedsError, Slice};
+use wildfire_sim::scenario::MemoryLimit;
 
 /// The folder, in the current one, that holds a folder for each batch.
 pub const RUNS_FOLDER: &str = "runs";

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::batch::{BatchPlan, RunEnd};
+use wildfire_batch::{BatchPlan, RunEnd};
 
 /// Nothing is said of entries that take less.
 const LEAST: Duration = Duration::from_secs(60);

@@ -14,11 +14,6 @@ use serde::Serialize;
 use super::answer::{BatchAnswer, ReportAnswer, ShownTables};
 use super::keeping::LockArguments;
 use super::{exit_code, list, note_leftovers, note_repeated};
-use crate::batch::{
-    BatchError, BatchPlan, ChartChoice, ChosenQuantities, FieldPicture, FinishedBatch, JournalError, MissingRuns,
-    NotableRun, OutputFolder, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts, Slice, SliceState, Survey,
-    batch_status, limit_threads, notable_runs, runs_with_pages, shell_word, write_report,
-};
 use crate::cli::args::{PaperArguments, ProgramArguments, jobs_or_usual, parse_jobs};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
@@ -26,12 +21,17 @@ use crate::cli::next_command::{help_on_unfinished, next_command, resume_command}
 use crate::cli::report::FormArguments;
 use crate::cli::show::{Searches, check_grounds, run_of_batch, write_page};
 use crate::cli::{interrupt, numbers, output_files, terminal};
-use crate::document::number::count;
-use crate::document::{Block, Document, Table};
-use crate::picture::charts::Language;
-use crate::picture::film::{FrameRequest, RunView, ViewOptions, still};
-use crate::time::SimTime;
-use crate::time::wall::WallStopwatch;
+use wildfire_base::document::number::count;
+use wildfire_base::document::{Block, Document, Table};
+use wildfire_base::time::SimTime;
+use wildfire_base::time::wall::WallStopwatch;
+use wildfire_batch::{
+    BatchError, BatchPlan, ChartChoice, ChosenQuantities, FieldPicture, FinishedBatch, JournalError, MissingRuns,
+    NotableRun, OutputFolder, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts, Slice, SliceState, Survey,
+    batch_status, limit_threads, notable_runs, runs_with_pages, shell_word, write_report,
+};
+use wildfire_picture::charts::Language;
+use wildfire_picture::film::{FrameRequest, RunView, ViewOptions, still};
 
 #[derive(Debug, Args)]
 pub struct StatusArguments {
@@ -138,7 +138,7 @@ pub fn merge(arguments: &MergeArguments, quiet: bool) -> Result<ExitCode, CliErr
     let mut waiting = arguments.wait.map(|seconds| Waiting::new(&folder, Duration::from_secs_f64(seconds), quiet));
     limit_threads(jobs_or_usual(arguments.jobs));
     let merged = loop {
-        let error = match crate::batch::merge(&folder, &RealDisk, watch.stop()) {
+        let error = match wildfire_batch::merge(&folder, &RealDisk, watch.stop()) {
             Ok(merged) => break merged,
             Err(error) => error,
         };

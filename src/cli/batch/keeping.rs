@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use clap::Args;
 
-use crate::batch::{JournalKeeping, Lock, shell_word};
 use crate::cli::{interrupt, numbers};
+use wildfire_batch::{JournalKeeping, Lock, shell_word};
 
 /// How journals are locked.
 #[derive(Clone, Debug, Args)]

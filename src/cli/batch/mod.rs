@@ -16,22 +16,22 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use crate::batch::{
-    Batch, BatchError, BatchPlan, BatchRequest, CoursePlan, CourseRefusal, CourseRequest, Found, OutputFolder,
-    PROGRAM_VERSION, RequestError, Slice, Status, Variant, limit_threads, shell_word,
-};
 use crate::cli::args::jobs_or_usual;
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::next_command::resume_command;
 use crate::cli::terminal::Progress;
 use crate::cli::{interrupt, terminal};
-use crate::document::{Block, Document};
-use crate::scenario::ScenarioText;
 use answer::BatchAnswer;
 use args::RUNS_FOLDER;
 use estimates::Estimates;
 use keeping::LockArguments;
+use wildfire_base::document::{Block, Document};
+use wildfire_batch::{
+    Batch, BatchError, BatchPlan, BatchRequest, CoursePlan, CourseRefusal, CourseRequest, Found, OutputFolder,
+    PROGRAM_VERSION, RequestError, Slice, Status, Variant, limit_threads, shell_word,
+};
+use wildfire_sim::scenario::ScenarioText;
 
 /// The most variants that a dry run lists.
 const LISTED_VARIANTS: usize = 50;

@@ -9,11 +9,11 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use super::args::{BatchArguments, RUNS_FOLDER, SeedsArgument, SlurmArguments};
-use crate::batch::{BatchPlan, OutputFolder, Pilot, file_name_of, shell_word};
 use crate::cli::args::NamedCommand;
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::terminal;
+use wildfire_batch::{BatchPlan, OutputFolder, Pilot, file_name_of, shell_word};
 
 /// The tasks that a batch is cut into.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,23 +1,18 @@
 //! `wildfire compare`: batches, or parts of one, in pairs by seed; or a batch beside published tables.
 
-mod document;
-mod json;
-mod published;
 mod table;
-
-pub use json::method as method_name;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 
-use crate::batch::TableError;
-use crate::batch::comparison::{BesideReport, ComparisonError, Selection, compare};
 use crate::cli::error::CliError;
 use crate::cli::next_command::help_on_unfinished;
 use crate::cli::output_files::{Files, Format, write_all};
 use crate::cli::report::FormArguments;
+use wildfire_batch::TableError;
+use wildfire_batch::comparison::{BesideReport, ComparisonError, Selection, compare};
 
 const NOTES: &str = "\
 Examples:

@@ -6,10 +6,9 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::batch::comparison::Comparison;
-use crate::cli::compare::method_name;
-use crate::untrusted::spreadsheet_cell;
-use crate::whole_file::WholeFile;
+use wildfire_base::untrusted::spreadsheet_cell;
+use wildfire_base::whole_file::WholeFile;
+use wildfire_batch::comparison::Comparison;
 
 /// The columns in their order; a difference without an interval or a test has these empty.
 #[derive(Serialize)]
@@ -48,7 +47,7 @@ pub fn write(path: &Path, comparison: &Comparison) -> io::Result<()> {
                 high: contrast.interval.map(|interval| interval.high),
                 percent_of_a: (mean_a != 0.0).then(|| 100.0 * contrast.difference / mean_a.abs()),
                 p_adjusted: judged.p_adjusted,
-                p_method: method_name(contrast.p_method),
+                p_method: contrast.p_method.name(),
             })?;
         }
     }

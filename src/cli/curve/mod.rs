@@ -18,8 +18,8 @@ use crate::cli::error::CliError;
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::report::FormArguments;
 use crate::cli::{numbers, terminal};
-use crate::input_file::is_standard_stream;
-use crate::vehicle::CurvePrice;
+use wildfire_base::input_file::is_standard_stream;
+use wildfire_base::vehicle::CurvePrice;
 
 /// The range of turning radii in metres.
 const RADII_M: RangeInclusive<f64> = 1e-3..=1e6;
@@ -162,7 +162,7 @@ mod tests {
     use crate::cli::command_lines::{parsed, said};
     use crate::cli::fuzz::text::{NUMBERS, mutated};
     use crate::cli::fuzz::{Case, Fuzzer, Law, below, one_of};
-    use crate::geometry::Pose;
+    use wildfire_base::geometry::Pose;
 
     #[test]
     fn curves_and_pairs_take_anything() {

@@ -2,13 +2,13 @@
 
 use serde::{Serialize, Serializer};
 
-use crate::batch::PROGRAM_VERSION;
-use crate::document::number::{count, rounded, short};
-use crate::document::{Block, Document, Table};
-use crate::geometry::Pose;
-use crate::picture::{CurveScene, Picture, draw_curves};
-use crate::vehicle::curve::Letters;
-use crate::vehicle::{CurvePrice, Dimensions, Dubins, Path, ReedsShepp, Segment, reeds_shepp};
+use wildfire_base::document::number::{count, rounded, short};
+use wildfire_base::document::{Block, Document, Table};
+use wildfire_base::geometry::Pose;
+use wildfire_base::vehicle::curve::Letters;
+use wildfire_base::vehicle::{CurvePrice, Dimensions, Dubins, Path, ReedsShepp, Segment, reeds_shepp};
+use wildfire_batch::PROGRAM_VERSION;
+use wildfire_picture::{CurveScene, Picture, draw_curves};
 
 /// A pose as it was given.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,9 +9,9 @@ use std::path::Path as FilePath;
 use crate::cli::curve::report::{FoundCurve, direction};
 use crate::cli::error::CliError;
 use crate::cli::number_table::{Column, Columns, NumberTable};
-use crate::geometry::Pose;
-use crate::vehicle::{Dubins, Path, ReedsShepp};
-use crate::whole_file::WholeFile;
+use wildfire_base::geometry::Pose;
+use wildfire_base::vehicle::{Dubins, Path, ReedsShepp};
+use wildfire_base::whole_file::WholeFile;
 
 /// The range of coordinates in metres, and of headings in degrees or radians. Within this and the range of turning radii a curve ends
 /// within 1e-8 m and 1e-11 turning radii of its goal.

@@ -11,18 +11,18 @@ use serde::{Serialize, Serializer};
 use super::automaton_arguments::AutomatonArguments;
 use super::options::WindStep;
 use super::spread::SpreadArguments;
-use crate::batch::PROGRAM_VERSION;
 use crate::cli::error::CliError;
 use crate::cli::output_files::{self, Files, Format};
-use crate::document::number::{count, rounded, short};
-use crate::document::{Document, Table};
-use crate::fire::models::{Alexandridis, AlexandridisRules, Density, Vegetation};
-use crate::fire::surface::FuelMoisture;
-use crate::fire::{FireField, Landscape, Relief, Weather, WeatherInterval};
-use crate::geometry::{Cell, FieldFrame, compass, ops};
-use crate::stats::{Series, quantile};
-use crate::time::SimTime;
-use crate::whole_file::WholeFile;
+use wildfire_base::document::number::{count, rounded, short};
+use wildfire_base::document::{Document, Table};
+use wildfire_base::geometry::{Cell, FieldFrame, compass, ops};
+use wildfire_base::time::SimTime;
+use wildfire_base::whole_file::WholeFile;
+use wildfire_batch::PROGRAM_VERSION;
+use wildfire_batch::stats::{Series, quantile};
+use wildfire_fire::models::{Alexandridis, AlexandridisRules, Density, Vegetation};
+use wildfire_fire::surface::FuelMoisture;
+use wildfire_fire::{FireField, Landscape, Relief, Weather, WeatherInterval};
 
 /// What became of one fire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

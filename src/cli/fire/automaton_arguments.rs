@@ -8,9 +8,9 @@ use clap::Args;
 use super::options::{MOST_SECONDS, SlopeArguments, azimuth, choice};
 use crate::cli::args::{parse_jobs, parse_seed};
 use crate::cli::numbers;
-use crate::fire::models::{AlexandridisRules, Density, Vegetation};
-use crate::geometry::ops;
-use crate::time::SimTime;
+use wildfire_base::geometry::ops;
+use wildfire_base::time::SimTime;
+use wildfire_fire::models::{AlexandridisRules, Density, Vegetation};
 
 const HEADING: &str = "Automaton (--model alexandridis)";
 

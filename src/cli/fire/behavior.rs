@@ -9,20 +9,20 @@ use serde::{Serialize, Serializer};
 use super::conditions;
 use super::direction::Direction;
 use super::options::{ChoiceArguments, SlopeArguments, Wind, azimuth, fuel, moisture, wind};
-use crate::batch::PROGRAM_VERSION;
 use crate::cli::error::CliError;
 use crate::cli::output_files::{Files, Format};
 use crate::cli::report::FormArguments;
 use crate::cli::terminal;
-use crate::document::number::{count, percent, rounded, short};
-use crate::document::{Block, Document, Table};
-use crate::fire::fuel::{FUEL_MODELS, FuelModel};
-use crate::fire::surface::{
+use wildfire_base::document::number::{count, percent, rounded, short};
+use wildfire_base::document::{Block, Document, Table};
+use wildfire_base::geometry::compass;
+use wildfire_base::input_file::is_standard_stream;
+use wildfire_batch::PROGRAM_VERSION;
+use wildfire_fire::fuel::{FUEL_MODELS, FuelModel};
+use wildfire_fire::surface::{
     FuelBed, FuelMoisture, FuelState, SurfaceFire, SurfaceOptions, flame_length_m, twenty_foot_wind,
     unsheltered_adjustment,
 };
-use crate::geometry::compass;
-use crate::input_file::is_standard_stream;
 
 /// Where a wind comes from that is given by its speed alone.
 const USUAL_WIND_FROM_DEG: f64 = 270.0;

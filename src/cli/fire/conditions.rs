@@ -10,10 +10,10 @@ use crate::cli::error::CliError;
 use crate::cli::fire::direction::Direction;
 use crate::cli::fire::options::{AZIMUTHS_DEG, DEAD_MOISTURES, LIVE_MOISTURES, SLOPES, WINDS_MPS, no_such_fuel};
 use crate::cli::number_table::{Column, Columns, NumberTable};
-use crate::fire::fuel::FuelModel;
-use crate::fire::surface::{FuelBed, FuelMoisture, SurfaceFire, SurfaceOptions, WindLimit, flame_length_m};
-use crate::geometry::compass;
-use crate::whole_file::WholeFile;
+use wildfire_base::geometry::compass;
+use wildfire_base::whole_file::WholeFile;
+use wildfire_fire::fuel::FuelModel;
+use wildfire_fire::surface::{FuelBed, FuelMoisture, SurfaceFire, SurfaceOptions, WindLimit, flame_length_m};
 
 /// Columns that are written after all that are there.
 const ADDED: [&str; 8] =

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use crate::fire::surface::SurfaceFire;
-use crate::geometry::compass;
+use wildfire_base::geometry::compass;
+use wildfire_fire::surface::SurfaceFire;
 
 /// Rates of a fire over one azimuth.
 #[derive(Clone, Copy, Debug, Serialize)]

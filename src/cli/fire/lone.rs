@@ -7,15 +7,15 @@ use super::spread::SpreadArguments;
 use super::spread_report::SpreadReport;
 use crate::cli::error::CliError;
 use crate::cli::output_files::{self, Files, Format};
-use crate::fire::lone::LoneFire;
-use crate::fire::models::RothermelRules;
-use crate::geometry::{Cell, FieldFrame};
-use crate::grid::Grid;
-use crate::map_files::raster::{self, Raster};
-use crate::map_files::write_npy;
-use crate::picture::{FieldMap, MapQuantity, draw_field_maps, ground_covers};
-use crate::time::SimTime;
-use crate::time::cpu::CpuStopwatch;
+use wildfire_base::geometry::{Cell, FieldFrame};
+use wildfire_base::time::SimTime;
+use wildfire_base::time::cpu::CpuStopwatch;
+use wildfire_fire::lone::LoneFire;
+use wildfire_fire::models::RothermelRules;
+use wildfire_grid::Grid;
+use wildfire_grid::map_files::raster::{self, Raster};
+use wildfire_grid::map_files::write_npy;
+use wildfire_picture::{FieldMap, MapQuantity, draw_field_maps, ground_covers};
 
 /// The value of cells of the arrival raster that did not burn.
 const NOT_BURNED: f32 = -9999.0;

@@ -8,10 +8,10 @@ use serde::de::DeserializeOwned;
 use serde::de::value::StrDeserializer;
 
 use crate::cli::numbers;
-use crate::fire::fuel::FuelModel;
-use crate::fire::surface::{Combine, Curing, FuelMoisture, LengthToWidth, SurfaceOptions, WindLimit};
-use crate::geometry::{Cell, DVec2, compass};
-use crate::time::SimTime;
+use wildfire_base::geometry::{Cell, DVec2, compass};
+use wildfire_base::time::SimTime;
+use wildfire_fire::fuel::FuelModel;
+use wildfire_fire::surface::{Combine, Curing, FuelMoisture, LengthToWidth, SurfaceOptions, WindLimit};
 
 pub const AZIMUTHS_DEG: RangeInclusive<f64> = -360.0..=360.0;
 pub const SLOPES: RangeInclusive<f64> = 0.0..=5.0;

@@ -13,15 +13,15 @@ use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::cli::output_files::Format;
 use crate::cli::report::FormArguments;
-use crate::fire::fuel::FuelModel;
-use crate::fire::lone::LoneFire;
-use crate::fire::models::Neighbours;
-use crate::fire::surface::FuelMoisture;
-use crate::fire::{Landscape, Relief, Weather, WeatherInterval};
-use crate::geometry::{Cell, FieldFrame};
-use crate::map_files::raster::GeoKeys;
-use crate::scenario::{LayerKind, LayerReader, MemoryLimit, bytes_text};
-use crate::time::SimTime;
+use wildfire_base::geometry::{Cell, FieldFrame};
+use wildfire_base::time::SimTime;
+use wildfire_fire::fuel::FuelModel;
+use wildfire_fire::lone::LoneFire;
+use wildfire_fire::models::Neighbours;
+use wildfire_fire::surface::FuelMoisture;
+use wildfire_fire::{Landscape, Relief, Weather, WeatherInterval};
+use wildfire_grid::map_files::raster::GeoKeys;
+use wildfire_sim::scenario::{LayerKind, LayerReader, MemoryLimit, bytes_text};
 
 /// The ranges of sides of a field in cells, of sides of cells in metres, and of times in seconds.
 const SIDES: RangeInclusive<u16> = 1..=4000;

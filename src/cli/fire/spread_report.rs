@@ -5,15 +5,15 @@ use std::time::Duration;
 use serde::Serialize;
 
 use super::spread::SpreadArguments;
-use crate::batch::PROGRAM_VERSION;
-use crate::document::number::{count, percent, rounded, short};
-use crate::document::{Document, Table};
-use crate::fire::Landscape;
-use crate::fire::fuel::FuelModel;
-use crate::fire::lone::LoneFire;
-use crate::fire::surface::{FuelBed, FuelMoisture, SurfaceOptions};
-use crate::geometry::{Cell, compass};
-use crate::time::SimTime;
+use wildfire_base::document::number::{count, percent, rounded, short};
+use wildfire_base::document::{Document, Table};
+use wildfire_base::geometry::{Cell, compass};
+use wildfire_base::time::SimTime;
+use wildfire_batch::PROGRAM_VERSION;
+use wildfire_fire::Landscape;
+use wildfire_fire::fuel::FuelModel;
+use wildfire_fire::lone::LoneFire;
+use wildfire_fire::surface::{FuelBed, FuelMoisture, SurfaceOptions};
 
 /// What is said of a fire.
 #[derive(Debug, Serialize)]

@@ -5,17 +5,17 @@
 //! planners are: a curvature above 1/radius by 1 % and [`CURVATURE_SLACK`], and a little way sideways, as a joint of
 //! two turns between two poses makes. Clearance has no such slack.
 
-use crate::audit::{AuditField, Outline, SampleStep, Stance, ViolationKind};
 use crate::cli::plan::missed;
-use crate::collision::{ClearanceField, CollisionChecker};
-use crate::geometry::{DVec2, Pose, ops};
-use crate::planning::judge::{DriveFigures, Judge, MOST_FIELDS_LONG};
-use crate::planning::{Goal, lower_bound_m};
-use crate::scenario::Problem;
-use crate::time::SimTime;
-use crate::timeline::Body;
-use crate::trajectory::{SpeedLimits, Trajectory};
-use crate::vehicle::{Dimensions, Path, Segment};
+use wildfire_audit::{AuditField, Outline, SampleStep, Stance, ViolationKind};
+use wildfire_base::geometry::{DVec2, Pose, ops};
+use wildfire_base::time::SimTime;
+use wildfire_base::trajectory::{SpeedLimits, Trajectory};
+use wildfire_base::vehicle::{Dimensions, Path, Segment};
+use wildfire_planning::collision::{ClearanceField, CollisionChecker};
+use wildfire_planning::judge::{DriveFigures, Judge, MOST_FIELDS_LONG};
+use wildfire_planning::{Goal, lower_bound_m};
+use wildfire_sim::scenario::Problem;
+use wildfire_timeline::Body;
 
 use super::path_table::GivenPose;
 

@@ -15,18 +15,18 @@ use joined::PathJudge;
 use path_table::{Fault, GivenPath, PathTable};
 use report::JudgeReport;
 
-use crate::batch::{DriveFailure, DriveQuery, shortened_field};
 use crate::cli::args::{MemoryArguments, ProgramArguments, parse_seed};
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::plan::{Attempt, ProblemArguments, Question, attempts, goal_count, no_truck};
 use crate::cli::report::FormArguments;
-use crate::document::number::count;
-use crate::planning::judge::DriveFigures;
-use crate::planning::{PlannerName, Planners};
-use crate::scenario::{LoadedScenario, Problem};
-use crate::timeline::file::{self, FileError};
+use wildfire_base::document::number::count;
+use wildfire_batch::{DriveFailure, DriveQuery, shortened_field};
+use wildfire_planning::judge::DriveFigures;
+use wildfire_planning::{PlannerName, Planners};
+use wildfire_sim::scenario::{LoadedScenario, Problem};
+use wildfire_timeline::file::{self, FileError};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -282,7 +282,7 @@ mod tests {
     use crate::cli::command_lines::said;
     use crate::cli::fuzz::text::mutated;
     use crate::cli::fuzz::{Case, Fuzzer, Law};
-    use crate::scenario::Unimog;
+    use wildfire_sim::scenario::Unimog;
 
     #[test]
     fn tables_of_paths_take_anything() {

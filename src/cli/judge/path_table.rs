@@ -13,9 +13,9 @@ use thiserror::Error;
 
 use crate::cli::csv_rows::{CsvRows, LONGEST_LINE, RowFault, fields};
 use crate::cli::numbers;
-use crate::geometry::{Pose, ops};
-use crate::scenario::Problem;
-use crate::untrusted::{bytes_of_cell, visible_start};
+use wildfire_base::geometry::{Pose, ops};
+use wildfire_base::untrusted::{bytes_of_cell, visible_start};
+use wildfire_sim::scenario::Problem;
 
 /// Two poses in a row are no farther apart than this, metres.
 pub const MOST_APART_M: f64 = 0.5;

@@ -1,16 +1,16 @@
 //! The drives of a recorded run: each as a path towards its goal.
 
-use crate::audit::{AuditField, MotionLimits, Outline, SampleStep, audit_leg};
 use crate::cli::plan::missed;
-use crate::collision::{ClearanceField, CollisionChecker};
-use crate::geometry::{Cell, Pose};
-use crate::grid::Grid;
-use crate::planning::judge::{DriveFigures, Judge};
-use crate::planning::{Goal, GoalDisc};
-use crate::scenario::{Problem, Terrain, Unimog};
-use crate::timeline::{AgentFact, AgentId, AgentStart, Body, Fact, Setting, Timeline};
-use crate::trajectory::{Piece, SpeedLimits, Trajectory};
-use crate::vehicle::{Dimensions, Path};
+use wildfire_audit::{AuditField, MotionLimits, Outline, SampleStep, audit_leg};
+use wildfire_base::geometry::{Cell, Pose};
+use wildfire_base::trajectory::{Piece, SpeedLimits, Trajectory};
+use wildfire_base::vehicle::{Dimensions, Path};
+use wildfire_grid::Grid;
+use wildfire_planning::collision::{ClearanceField, CollisionChecker};
+use wildfire_planning::judge::{DriveFigures, Judge};
+use wildfire_planning::{Goal, GoalDisc};
+use wildfire_sim::scenario::{Problem, Terrain, Unimog};
+use wildfire_timeline::{AgentFact, AgentId, AgentStart, Body, Fact, Setting, Timeline};
 
 /// What a recording that says nothing of a truck's speeds is measured with, m/s; only lengths are made of it.
 const ANY_SPEED_MPS: f64 = 1.0;

@@ -2,13 +2,13 @@
 
 use serde::{Serialize, Serializer};
 
-use crate::batch::{
+use crate::cli::plan::SHOWN_ROWS;
+use wildfire_base::document::{Block, Document};
+use wildfire_base::untrusted::visible_start;
+use wildfire_batch::{
     COMPARED, DRIVE_LEGEND, DriveContrast, DriveQuery, DriveTable, PROGRAM_VERSION, PlannerSummary, RowMember,
     SummaryMember, contrast_table, failure_sentences, rows_table, summary_table, violation_sentences,
 };
-use crate::cli::plan::SHOWN_ROWS;
-use crate::document::{Block, Document};
-use crate::untrusted::visible_start;
 
 /// All paths, and what was found.
 pub struct JudgeReport {

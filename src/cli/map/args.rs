@@ -15,8 +15,8 @@ use crate::cli::map::search_args::{
 };
 use crate::cli::output_files::Format;
 use crate::cli::report::FormArguments;
-use crate::grid::parameter::BadParameter;
-use crate::grid::{Place, cost_map};
+use wildfire_grid::parameter::BadParameter;
+use wildfire_grid::{Place, cost_map};
 
 #[derive(Debug, Subcommand)]
 pub enum MapCommand {

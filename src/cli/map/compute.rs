@@ -9,14 +9,14 @@ use crate::cli::map::computed::{
 };
 use crate::cli::map::options::{self, AttractionOptions, Convention, FieldArguments};
 use crate::cli::map::{graphs, searches};
-use crate::grid::brushfire::brushfire;
-use crate::grid::cost_map::cost_map;
-use crate::grid::descent::{descend, descend_or_escape};
-use crate::grid::distance::euclidean_distances;
-use crate::grid::octile::shortest_path;
-use crate::grid::path_search::SearchOrder;
-use crate::grid::wavefront::{UNREACHED, descend_wavefront, wavefront};
-use crate::grid::{Connectivity, Grid, Place, potential};
+use wildfire_grid::brushfire::brushfire;
+use wildfire_grid::cost_map::cost_map;
+use wildfire_grid::descent::{descend, descend_or_escape};
+use wildfire_grid::distance::euclidean_distances;
+use wildfire_grid::octile::shortest_path;
+use wildfire_grid::path_search::SearchOrder;
+use wildfire_grid::wavefront::{UNREACHED, descend_wavefront, wavefront};
+use wildfire_grid::{Connectivity, Grid, Place, potential};
 
 /// Does what a command asks, on a map.
 pub fn compute(computation: &Computation, occupied: &Grid<bool>) -> Result<Computed, BadQuestion> {

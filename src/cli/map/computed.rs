@@ -8,14 +8,14 @@ use serde::Serialize;
 
 use crate::cli::map::options::Neighbours;
 use crate::cli::map::traces::{GraphTrace, SearchTrace};
-use crate::document::number::{count, rounded};
-use crate::grid::descent::{Descent, Escape};
-use crate::grid::path_search::MOST_CELLS;
-use crate::grid::place::octile_length;
-use crate::grid::{BadPlace, Grid, Place, Route, place};
-use crate::map_files::{MapValue, write_csv, write_npy};
-use crate::picture::Spot;
-use crate::time::cpu::CpuStopwatch;
+use wildfire_base::document::number::{count, rounded};
+use wildfire_base::time::cpu::CpuStopwatch;
+use wildfire_grid::descent::{Descent, Escape};
+use wildfire_grid::map_files::{MapValue, write_csv, write_npy};
+use wildfire_grid::path_search::MOST_CELLS;
+use wildfire_grid::place::octile_length;
+use wildfire_grid::{BadPlace, Grid, Place, Route, place};
+use wildfire_picture::Spot;
 
 /// The result of a computation on a map.
 #[derive(Debug)]

@@ -6,9 +6,9 @@ use crate::cli::map::computed::{BadQuestion, Bare, Computed, Values, Walk, WalkR
 use crate::cli::map::search_args::{PrmArguments, RrtArguments, RrtStarArguments};
 use crate::cli::map::searches::check_problem;
 use crate::cli::map::traces::GraphTrace;
-use crate::grid::sampling::{PointGraph, PointRoute, TreeKind, grow_tree, probabilistic_roadmap};
-use crate::grid::segment::GridPoint;
-use crate::grid::{Grid, Place};
+use wildfire_grid::sampling::{PointGraph, PointRoute, TreeKind, grow_tree, probabilistic_roadmap};
+use wildfire_grid::segment::GridPoint;
+use wildfire_grid::{Grid, Place};
 
 pub fn rrt(occupied: &Grid<bool>, arguments: &RrtArguments) -> Result<Computed, BadQuestion> {
     let (ends, settings) = (arguments.ends.places(), arguments.growth.settings(occupied, None));

@@ -26,8 +26,8 @@ use report::{MapReport, with_scene, write_film};
 use crate::cli::error::CliError;
 use crate::cli::output_files::{self, Files, Words};
 use crate::cli::terminal;
-use crate::map_files::write_path;
-use crate::picture::{MapScene, Picture, draw_map, draw_overlay, draw_surface};
+use wildfire_grid::map_files::write_path;
+use wildfire_picture::{MapScene, Picture, draw_map, draw_overlay, draw_surface};
 
 pub fn run(command: &MapCommand, quiet: bool) -> Result<ExitCode, CliError> {
     match command {
@@ -126,8 +126,8 @@ mod tests {
     use crate::cli::Command;
     use crate::cli::command_lines::{drawn_words, parsed, said};
     use crate::cli::fuzz::{Case, Fuzzer, Law, below, one_of};
-    use crate::grid::Grid;
-    use crate::map_files::MapFile;
+    use wildfire_grid::Grid;
+    use wildfire_grid::map_files::MapFile;
 
     #[test]
     fn maps_take_any_parameters() {

@@ -10,11 +10,11 @@ use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::cli::output_files::Format;
 use crate::cli::report::FormArguments;
-use crate::grid::parameter::BadParameter;
-use crate::grid::{Connectivity, CornerCutting, Place, TieOrder, occupancy, potential};
-use crate::map_files::{self, MAX_CELLS, MAX_SIDE, MapError, MapFile, Reading, Tolerance};
-use crate::picture::ColourMap;
-use crate::time::cpu::CpuStopwatch;
+use wildfire_base::time::cpu::CpuStopwatch;
+use wildfire_grid::map_files::{self, MAX_CELLS, MAX_SIDE, MapError, MapFile, Reading, Tolerance};
+use wildfire_grid::parameter::BadParameter;
+use wildfire_grid::{Connectivity, CornerCutting, Place, TieOrder, occupancy, potential};
+use wildfire_picture::ColourMap;
 
 /// The map to read.
 #[derive(Debug, Args)]

@@ -8,7 +8,6 @@ use std::time::Duration;
 
 use clap::Parser;
 
-use crate::batch::{PROGRAM_VERSION, shell_word};
 use crate::cli::error::CliError;
 use crate::cli::map::args::{Computation, MapCommand, PageArguments};
 use crate::cli::map::compute::compute;
@@ -17,12 +16,13 @@ use crate::cli::map::refused;
 use crate::cli::map::report::{MapReport, with_scene};
 use crate::cli::output_files;
 use crate::cli::terminal;
-use crate::document::number::{count, rounded};
-use crate::document::{Block, Document, Table};
-use crate::input_file::is_standard_stream;
-use crate::map_files::MapFile;
-use crate::picture::draw_small_map;
-use crate::whole_file::{WholeFile, write_whole};
+use wildfire_base::document::number::{count, rounded};
+use wildfire_base::document::{Block, Document, Table};
+use wildfire_base::input_file::is_standard_stream;
+use wildfire_base::whole_file::{WholeFile, write_whole};
+use wildfire_batch::{PROGRAM_VERSION, shell_word};
+use wildfire_grid::map_files::MapFile;
+use wildfire_picture::draw_small_map;
 
 const PAGE: &str = "report.html";
 const SEARCHES: &str = "searches.csv";

@@ -7,17 +7,17 @@ use std::time::Duration;
 use serde::{Serialize, Serializer};
 use serde_json::Value as Json;
 
-use crate::batch::PROGRAM_VERSION;
 use crate::cli::map::args::{Computation, CostArguments};
 use crate::cli::map::computed::{Bare, Computed, Value, Walk, WalkResult};
 use crate::cli::map::options::NO_IMAGE;
 use crate::cli::map::traces::{GraphTrace, SearchTrace};
-use crate::document::number::{count, percent, rounded};
-use crate::document::{Block, Document};
-use crate::grid::brushfire::brushfire;
-use crate::grid::{Connectivity, Grid, Place};
-use crate::map_files::{MapFile, NEAR_TOLERANCE};
-use crate::picture::{MapGrowth, MapScene, Spot, Zones, write_map_film};
+use wildfire_base::document::number::{count, percent, rounded};
+use wildfire_base::document::{Block, Document};
+use wildfire_batch::PROGRAM_VERSION;
+use wildfire_grid::brushfire::brushfire;
+use wildfire_grid::map_files::{MapFile, NEAR_TOLERANCE};
+use wildfire_grid::{Connectivity, Grid, Place};
+use wildfire_picture::{MapGrowth, MapScene, Spot, Zones, write_map_film};
 
 /// The size of a terminal that shows all values.
 const MAX_WIDTH: usize = 80;

@@ -11,10 +11,10 @@ use crate::cli::map::options::{
 };
 use crate::cli::numbers;
 use crate::cli::output_files::Format;
-use crate::grid::parameter::BadParameter;
-use crate::grid::sampling::{PrmSettings, RrtSettings};
-use crate::grid::voronoi::Sites;
-use crate::grid::{Grid, Place};
+use wildfire_grid::parameter::BadParameter;
+use wildfire_grid::sampling::{PrmSettings, RrtSettings};
+use wildfire_grid::voronoi::Sites;
+use wildfire_grid::{Grid, Place};
 
 /// Where a search begins and ends.
 #[derive(Debug, Args, Serialize)]

@@ -5,11 +5,11 @@ use crate::cli::map::computed::{
 };
 use crate::cli::map::search_args::{EightSearchArguments, SearchArguments, VoronoiArguments};
 use crate::cli::map::traces::SearchTrace;
-use crate::document::number::count;
-use crate::grid::path_search::{PathSearch, SearchOrder, jump_point_search, search_best_first, theta_star};
-use crate::grid::segment::line_length;
-use crate::grid::voronoi::{path_along, voronoi};
-use crate::grid::{CornerCutting, Grid, Place};
+use wildfire_base::document::number::count;
+use wildfire_grid::path_search::{PathSearch, SearchOrder, jump_point_search, search_best_first, theta_star};
+use wildfire_grid::segment::line_length;
+use wildfire_grid::voronoi::{path_along, voronoi};
+use wildfire_grid::{CornerCutting, Grid, Place};
 
 pub fn best_first(
     occupied: &Grid<bool>,

@@ -5,16 +5,16 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use crate::batch::PROGRAM_VERSION;
 use crate::cli::error::CliError;
 use crate::cli::map::args::TimingArguments;
 use crate::cli::terminal;
-use crate::document::number::optional;
-use crate::document::{Block, Document, Table};
-use crate::grid::brushfire::brushfire_into;
-use crate::grid::wavefront::wavefront_into;
-use crate::grid::{Connectivity, CornerCutting, Grid, Place};
-use crate::time::cpu::CpuStopwatch;
+use wildfire_base::document::number::optional;
+use wildfire_base::document::{Block, Document, Table};
+use wildfire_base::time::cpu::CpuStopwatch;
+use wildfire_batch::PROGRAM_VERSION;
+use wildfire_grid::brushfire::brushfire_into;
+use wildfire_grid::wavefront::wavefront_into;
+use wildfire_grid::{Connectivity, CornerCutting, Grid, Place};
 
 /// The least repetitions, and the least CPU time, that a median is taken over.
 const MIN_REPETITIONS: usize = 5;

@@ -3,11 +3,11 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use crate::document::number::{count, rounded};
-use crate::grid::{Grid, Place};
-use crate::map_files::MapValue;
-use crate::picture::Spot;
-use crate::whole_file::{WholeFile, write_whole};
+use wildfire_base::document::number::{count, rounded};
+use wildfire_base::whole_file::{WholeFile, write_whole};
+use wildfire_grid::map_files::MapValue;
+use wildfire_grid::{Grid, Place};
+use wildfire_picture::Spot;
 
 /// What a search did.
 #[derive(Debug)]

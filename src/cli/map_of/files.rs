@@ -6,17 +6,17 @@ use std::rc::Rc;
 
 use clap::Args;
 
-use crate::batch::{BatchMaps, BatchQuantity};
 use crate::cli::error::CliError;
 use crate::cli::output_files::{Format, Output, write_all};
-use crate::geometry::Cell;
-use crate::grid::Grid;
-use crate::input_file::is_standard_stream;
-use crate::map_files::raster::{GeoKeys, Raster, write_asc, write_geotiff};
-use crate::map_files::write_npy;
-use crate::picture::{FieldMap, MapQuantity, bush_covers, draw_field_maps, ground_covers};
-use crate::scenario::Scenario;
-use crate::timeline::{Setting, SpreadSetting};
+use wildfire_base::geometry::Cell;
+use wildfire_base::input_file::is_standard_stream;
+use wildfire_batch::{BatchMaps, BatchQuantity};
+use wildfire_grid::Grid;
+use wildfire_grid::map_files::raster::{GeoKeys, Raster, write_asc, write_geotiff};
+use wildfire_grid::map_files::write_npy;
+use wildfire_picture::{FieldMap, MapQuantity, bush_covers, draw_field_maps, ground_covers};
+use wildfire_sim::scenario::Scenario;
+use wildfire_timeline::{Setting, SpreadSetting};
 
 /// The value of a raster's cells that have none.
 const NODATA: f32 = -9999.0;

@@ -10,7 +10,6 @@ use std::thread;
 
 use clap::Args;
 
-use crate::batch::{BatchQuantity, MapSource, MapsError, MapsOptions, Record, map_batches};
 use crate::cli::args::{MemoryArguments, ProgramArguments, parse_jobs, parse_seed};
 use crate::cli::compare::parse_where;
 use crate::cli::context::CommandContext;
@@ -19,7 +18,8 @@ use crate::cli::output_files::{Files, Format};
 use crate::cli::report::FormArguments;
 use crate::cli::show::{Searches, ShownRun, source_of_runs};
 use crate::cli::terminal::{self, Progress};
-use crate::timeline::BurnMap;
+use wildfire_batch::{BatchQuantity, MapSource, MapsError, MapsOptions, Record, map_batches};
+use wildfire_timeline::BurnMap;
 
 use files::{FileArguments, MapFiles, MapPlace, Panel};
 use report::{BatchMapReport, RunMapReport, RunQuantity};

@@ -2,12 +2,12 @@
 
 use serde::Serialize;
 
-use crate::batch::{BatchMaps, BatchQuantity, BatchSide, RunMean};
-use crate::document::number::{count, optional, rounded, two_digits};
-use crate::document::{Block, Document, Table};
-use crate::picture::MapQuantity;
-use crate::stats::{Interval, MeanEstimate};
-use crate::timeline::{BurnMap, Setting};
+use wildfire_base::document::number::{count, optional, rounded, two_digits};
+use wildfire_base::document::{Block, Document, Table};
+use wildfire_batch::stats::{Interval, MeanEstimate};
+use wildfire_batch::{BatchMaps, BatchQuantity, BatchSide, RunMean};
+use wildfire_picture::MapQuantity;
+use wildfire_timeline::{BurnMap, Setting};
 
 /// The quantity of a map of one run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

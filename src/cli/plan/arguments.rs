@@ -9,8 +9,8 @@ use super::problems::ProblemArguments;
 use crate::cli::args::{MemoryArguments, PaperArguments, ProgramArguments, parse_jobs};
 use crate::cli::batch::{SeedsArgument, parse_seeds};
 use crate::cli::report::FormArguments;
-use crate::planning::{PlannerName, TruckPlannerKind};
-use crate::scenario::Scenario;
+use wildfire_planning::{PlannerName, TruckPlannerKind};
+use wildfire_sim::scenario::Scenario;
 
 const EXAMPLES: &str = "\
 Examples:

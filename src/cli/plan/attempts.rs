@@ -5,12 +5,12 @@ use std::time::Duration;
 
 use thiserror::Error;
 
-use crate::batch::{DriveFailure, DriveQuery, QueryCost};
 use crate::cli::plan::drive::{Drive, SecondOpinion};
-use crate::collision::{ClearanceField, CollisionChecker};
-use crate::planning::{MakeError, PlanFailure, PlannerName, Planners};
-use crate::scenario::{MemoryEstimate, MemoryExceeded, MemoryLimit, PlannerContext, Problem, Programs, Unimog};
-use crate::time::cpu::CpuStopwatch;
+use wildfire_base::time::cpu::CpuStopwatch;
+use wildfire_batch::{DriveFailure, DriveQuery, QueryCost};
+use wildfire_planning::collision::{ClearanceField, CollisionChecker};
+use wildfire_planning::{MakeError, PlanFailure, PlannerName, Planners};
+use wildfire_sim::scenario::{MemoryEstimate, MemoryExceeded, MemoryLimit, PlannerContext, Problem, Programs, Unimog};
 
 /// A planner's answer to one goal of a problem.
 #[derive(Debug)]

@@ -1,15 +1,15 @@
 //! Paths with their figures, and a check of the rules by other shapes.
 
-use crate::audit::{AuditField, MotionLimits, Outline, SampleStep, audit_leg};
-use crate::collision::CollisionChecker;
-use crate::geometry::{Pose, ops};
-use crate::planning::judge::{DriveFigures, Judge};
-use crate::planning::{END_M, END_RAD, Goal};
-use crate::scenario::Problem;
-use crate::time::SimTime;
-use crate::timeline::Body;
-use crate::trajectory::{SpeedLimits, Trajectory};
-use crate::vehicle::{Dimensions, Path};
+use wildfire_audit::{AuditField, MotionLimits, Outline, SampleStep, audit_leg};
+use wildfire_base::geometry::{Pose, ops};
+use wildfire_base::time::SimTime;
+use wildfire_base::trajectory::{SpeedLimits, Trajectory};
+use wildfire_base::vehicle::{Dimensions, Path};
+use wildfire_planning::collision::CollisionChecker;
+use wildfire_planning::judge::{DriveFigures, Judge};
+use wildfire_planning::{END_M, END_RAD, Goal};
+use wildfire_sim::scenario::Problem;
+use wildfire_timeline::Body;
 
 /// A path, its figures, and what is wrong with it.
 #[derive(Debug)]
@@ -76,12 +76,12 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::collision::ClearanceField;
-    use crate::geometry::{Cell, DVec2, FieldFrame};
-    use crate::grid::Grid;
-    use crate::planning::GoalDisc;
-    use crate::scenario::{Terrain, Unimog};
-    use crate::vehicle::Segment;
+    use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
+    use wildfire_base::vehicle::Segment;
+    use wildfire_grid::Grid;
+    use wildfire_planning::GoalDisc;
+    use wildfire_planning::collision::ClearanceField;
+    use wildfire_sim::scenario::{Terrain, Unimog};
 
     const START: Pose = Pose { x: 20.0, y: 22.5, heading: 0.0 };
 

@@ -24,14 +24,14 @@ use ompl::{OmplLog, OmplPlanner, OmplRun, Started, program_limit_s};
 use repeat::Repeat;
 use report::{PlanReport, planner_settings};
 
-use crate::batch::{DriveQuery, DriveTable, PlannerSummary, file_name_of};
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::terminal;
-use crate::input_file::is_standard_stream;
-use crate::planning::PlannerName;
-use crate::scenario::{LoadedScenario, Problem};
+use wildfire_base::input_file::is_standard_stream;
+use wildfire_batch::{DriveQuery, DriveTable, PlannerSummary, file_name_of};
+use wildfire_planning::PlannerName;
+use wildfire_sim::scenario::{LoadedScenario, Problem};
 
 pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     if let Some(PlanCommand::Report(report)) = &arguments.command {

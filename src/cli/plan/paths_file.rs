@@ -8,9 +8,9 @@ use serde::Serialize;
 
 use crate::cli::curve;
 use crate::cli::plan::attempts::Attempt;
-use crate::planning::PlannerName;
-use crate::untrusted::spreadsheet_cell;
-use crate::whole_file::WholeFile;
+use wildfire_base::untrusted::spreadsheet_cell;
+use wildfire_base::whole_file::WholeFile;
+use wildfire_planning::PlannerName;
 
 /// A little less than 5 cm, so that rounding of `s_m` never makes a step longer than that.
 const STEP_M: f64 = 0.0499;

@@ -9,10 +9,10 @@ use rand::seq::SliceRandom;
 use crate::cli::args::parse_seed;
 use crate::cli::error::CliError;
 use crate::cli::numbers;
-use crate::collision::{ClearanceField, CollisionChecker};
-use crate::planning::{Goal, GoalDisc, free_poses};
-use crate::rng;
-use crate::scenario::{MAX_GOALS, Problem, Scenario, Unimog};
+use wildfire_base::rng;
+use wildfire_planning::collision::{ClearanceField, CollisionChecker};
+use wildfire_planning::{Goal, GoalDisc, free_poses};
+use wildfire_sim::scenario::{MAX_GOALS, Problem, Scenario, Unimog};
 
 /// Goal poses on a scenario's field, unless a number is given.
 const GOALS: usize = 50;

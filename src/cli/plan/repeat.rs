@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use crate::cli::plan::attempts::Attempt;
-use crate::document::number::count;
-use crate::planning::{PlanFailure, PlannerName};
+use wildfire_base::document::number::count;
+use wildfire_planning::{PlanFailure, PlannerName};
 
 /// How the second answers of a planner compare with the first.
 #[derive(Clone, Debug, Serialize)]

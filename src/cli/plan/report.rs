@@ -4,18 +4,18 @@ use std::collections::BTreeMap;
 
 use serde::{Serialize, Serializer};
 
-use crate::batch::{
+use crate::cli::plan::attempts::Attempt;
+use crate::cli::plan::repeat::Repeat;
+use wildfire_base::document::number::count;
+use wildfire_base::document::{Block, Document};
+use wildfire_base::vehicle::Path;
+use wildfire_batch::{
     DRIVE_LEGEND, DriveTable, PROGRAM_VERSION, PlannerSummary, RowMember, SummaryMember, failure_sentences, rows_table,
     shortened_field, summary_table, violation_sentences,
 };
-use crate::cli::plan::attempts::Attempt;
-use crate::cli::plan::repeat::Repeat;
-use crate::document::number::count;
-use crate::document::{Block, Document};
-use crate::picture::{DriveScene, DrivenWays, Picture, draw_drives};
-use crate::planning::{Goal, PlannerName, TruckPlannerKind};
-use crate::scenario::{LoadedScenario, Problem};
-use crate::vehicle::Path;
+use wildfire_picture::{DriveScene, DrivenWays, Picture, draw_drives};
+use wildfire_planning::{Goal, PlannerName, TruckPlannerKind};
+use wildfire_sim::scenario::{LoadedScenario, Problem};
 
 /// The most rows that are shown one by one.
 pub const SHOWN_ROWS: usize = 60;

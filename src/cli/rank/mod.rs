@@ -1,7 +1,5 @@
 //! `wildfire rank`: entries of a contest, all against all.
 
-mod document;
-mod json;
 mod sheets;
 mod table;
 
@@ -13,9 +11,6 @@ use std::thread;
 
 use clap::{Args, ValueEnum};
 
-use crate::audit::SampleStep;
-use crate::batch::comparison::{Better, EntryAudit, RankedEntry, Ranking, RankingError, RankingRequest, rank};
-use crate::batch::{AuditOptions, AuditSource, FinishedBatch, FinishedError, audit_all};
 use crate::cli::args::parse_jobs;
 use crate::cli::compare::parse_where;
 use crate::cli::context::CommandContext;
@@ -23,6 +18,9 @@ use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{Files, Format, write_all};
 use crate::cli::report::FormArguments;
 use crate::cli::terminal::Progress;
+use wildfire_audit::SampleStep;
+use wildfire_batch::comparison::{Better, EntryAudit, RankedEntry, Ranking, RankingError, RankingRequest, rank};
+use wildfire_batch::{AuditOptions, AuditSource, FinishedBatch, FinishedError, audit_all};
 
 const NOTES: &str = "\
 Examples:

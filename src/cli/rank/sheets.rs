@@ -4,14 +4,13 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use super::document::{decimals, ranks};
-use crate::batch::BatchPlan;
-use crate::batch::comparison::{RankedEntry, Ranking, WorstRun};
 use crate::cli::error::CliError;
-use crate::document::number::{count, rounded};
-use crate::document::{Block, Document, Table};
-use crate::untrusted::visible_start;
-use crate::whole_file::write_whole;
+use wildfire_base::document::number::{count, rounded};
+use wildfire_base::document::{Block, Document, Table};
+use wildfire_base::untrusted::visible_start;
+use wildfire_base::whole_file::write_whole;
+use wildfire_batch::BatchPlan;
+use wildfire_batch::comparison::{RankedEntry, Ranking, WorstRun, decimals, ranks};
 
 /// Writes the sheets as `NAME.md`.
 pub fn write(folder: &Path, ranking: &Ranking) -> Result<(), CliError> {

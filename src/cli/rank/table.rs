@@ -6,10 +6,9 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::batch::comparison::Ranking;
-use crate::cli::compare::method_name;
-use crate::untrusted::spreadsheet_cell;
-use crate::whole_file::WholeFile;
+use wildfire_base::untrusted::spreadsheet_cell;
+use wildfire_base::whole_file::WholeFile;
+use wildfire_batch::comparison::Ranking;
 
 /// The columns in their order; those of the difference from the first are empty in its own row.
 #[derive(Serialize)]
@@ -57,7 +56,7 @@ pub fn write(path: &Path, ranking: &Ranking) -> io::Result<()> {
             less_first_low: interval.map(|interval| interval.low),
             less_first_high: interval.map(|interval| interval.high),
             p_adjusted: pair.map(|pair| pair.p_adjusted),
-            p_method: pair.map(|pair| method_name(pair.contrast.p_method)),
+            p_method: pair.map(|pair| pair.contrast.p_method.name()),
             runs: ranking.runs,
             failed_runs: entry.failed,
             runs_without_value: entry.without_value,

@@ -7,9 +7,9 @@ use super::mp4_file::Mp4File;
 use crate::cli::error::CliError;
 use crate::cli::interrupt;
 use crate::cli::terminal::Progress;
-use crate::picture::film::{FrameRenderer, FrameRequest, RunView, ViewOptions, still};
-use crate::picture::{ColourCounts, GifFilm, Palette};
-use crate::time::SimTime;
+use wildfire_base::time::SimTime;
+use wildfire_picture::film::{FrameRenderer, FrameRequest, RunView, ViewOptions, still};
+use wildfire_picture::{ColourCounts, GifFilm, Palette};
 
 /// Frames whose colours make the palette of a GIF.
 const SAMPLED_FRAMES: u64 = 32;

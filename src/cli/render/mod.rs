@@ -18,9 +18,9 @@ use crate::cli::show::{
     Moment, Searches, ShowArguments, ShownRun, check_grounds, look, parse_moment, parse_speed, shown_runs, time_within,
     write_page,
 };
-use crate::picture::GifFilm;
-use crate::picture::film::{Layer, RunView};
-use crate::time::SimTime;
+use wildfire_base::time::SimTime;
+use wildfire_picture::GifFilm;
+use wildfire_picture::film::{Layer, RunView};
 
 #[derive(Debug, Args)]
 #[command(

@@ -6,7 +6,7 @@ use std::process::{Child, ChildStderr, ChildStdin, Command, Stdio};
 use std::thread::{self, JoinHandle};
 
 use crate::cli::error::CliError;
-use crate::whole_file::WholeFile;
+use wildfire_base::whole_file::WholeFile;
 
 /// Reads frames of four bytes a pixel and writes H.264 as all players take it.
 const ENCODING: &str = "-an -c:v libx264 -preset medium -crf 18 -pix_fmt yuv420p \

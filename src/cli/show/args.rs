@@ -8,9 +8,9 @@ use glam::DVec2;
 use crate::cli::args::{MemoryArguments, ProgramArguments, parse_seed};
 use crate::cli::error::CliError;
 use crate::cli::numbers;
-use crate::geometry::Cell;
-use crate::picture::film::{Camera, Followed, FrameLayout, Layer, Layers, RunView, Selected, ViewOptions};
-use crate::timeline::{AgentId, Setting};
+use wildfire_base::geometry::Cell;
+use wildfire_picture::film::{Camera, Followed, FrameLayout, Layer, Layers, RunView, Selected, ViewOptions};
+use wildfire_timeline::{AgentId, Setting};
 
 /// Options that name the runs to show and the view of them.
 #[derive(Debug, Args)]

@@ -14,10 +14,10 @@ use source::{Named, Source};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::terminal;
-use crate::picture::film::{Layer, Layers, RunView};
-use crate::scenario::MemoryLimit;
-use crate::time::SimTime;
-use crate::timeline::{AgentFact, Fact};
+use wildfire_base::time::SimTime;
+use wildfire_picture::film::{Layer, Layers, RunView};
+use wildfire_sim::scenario::MemoryLimit;
+use wildfire_timeline::{AgentFact, Fact};
 
 /// A run, and where others like it come from.
 pub struct Shown {
@@ -136,8 +136,8 @@ mod tests {
     use clap::Parser;
 
     use super::*;
-    use crate::scenario::BUILT_IN;
-    use crate::sim::Entrants;
+    use wildfire_sim::Entrants;
+    use wildfire_sim::scenario::BUILT_IN;
 
     #[derive(Parser)]
     struct Command {

@@ -4,8 +4,8 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::cli::error::CliError;
-use crate::picture::film::{FrameRequest, MOST_GROUND_CELLS, RunView, page};
-use crate::whole_file::WholeFile;
+use wildfire_base::whole_file::WholeFile;
+use wildfire_picture::film::{FrameRequest, MOST_GROUND_CELLS, RunView, page};
 
 /// Refuses runs with more ground than a page has room for.
 pub fn check_grounds(runs: &[&RunView]) -> Result<(), CliError> {

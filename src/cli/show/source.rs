@@ -4,17 +4,17 @@ use std::iter;
 use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 
-use crate::batch::{FinishedBatch, PlannedRun, Record};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
-use crate::input_file;
-use crate::picture::film::RunView;
-use crate::scenario::{BUILT_IN, LoadedScenario, MemoryLimit, Scenario, ScenarioText};
-use crate::sim::{self, RunOptions};
-use crate::timeline::file::{self, FileError};
-use crate::timeline::{CpuSample, Timeline};
+use wildfire_base::input_file;
+use wildfire_batch::{FinishedBatch, PlannedRun, Record};
+use wildfire_picture::film::RunView;
+use wildfire_sim::RunOptions;
+use wildfire_sim::scenario::{BUILT_IN, LoadedScenario, MemoryLimit, Scenario, ScenarioText};
+use wildfire_timeline::file::{self, FileError};
+use wildfire_timeline::{CpuSample, Timeline};
 #[cfg(feature = "view")]
-use crate::view::RunLoader;
+use wildfire_view::RunLoader;
 
 /// The seed of a scenario's first run.
 const FIRST_SEED: u64 = 1;
@@ -224,7 +224,7 @@ fn recorded(path: &Path, timeline: Result<Timeline, FileError>) -> Result<ShownR
 fn simulated(scenario: &Scenario, seed: u64, searches: Searches, options: &RunOptions) -> Result<ShownRun, CliError> {
     let options = RunOptions { records_searches: searches == Searches::Recorded, ..options.clone() };
     // The panic has been printed by then, with a backtrace if one was asked for.
-    let caught = panic::catch_unwind(AssertUnwindSafe(|| sim::run_with_options(scenario, seed, &options)));
+    let caught = panic::catch_unwind(AssertUnwindSafe(|| wildfire_sim::run_with_options(scenario, seed, &options)));
     let run = caught.map_err(|_| CliError::run_failed("the run panicked: this is a fault of the program"))?;
     let run = run.map_err(CliError::run_failed)?;
     Ok(ShownRun { title: scenario.name.clone(), timeline: run.timeline, cpu_samples: Some(run.cpu_samples) })

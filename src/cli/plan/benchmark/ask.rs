@@ -5,18 +5,18 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-use crate::batch::{
-    BatchPlan, BatchRequest, DriveQuery, DriveTable, MAX_QUERIES, PLANNER_KEY, RequestError, Seeds, Sweep, Value,
-    Variant,
-};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::plan::arguments::{PlanArguments, asked_planners};
 use crate::cli::plan::attempts::{Question, attempts};
 use crate::cli::terminal::Progress;
-use crate::input_file::is_standard_stream;
-use crate::planning::PlannerName;
-use crate::scenario::{Problem, ScenarioText};
+use wildfire_base::input_file::is_standard_stream;
+use wildfire_batch::{
+    BatchPlan, BatchRequest, DriveQuery, DriveTable, MAX_QUERIES, PLANNER_KEY, RequestError, Seeds, Sweep, Value,
+    Variant,
+};
+use wildfire_planning::PlannerName;
+use wildfire_sim::scenario::{Problem, ScenarioText};
 
 /// The variants, seeds and planners of a benchmark.
 pub struct Benchmark<'a> {

@@ -1,10 +1,10 @@
 //! The charts of a benchmark: a box of every planner's numbers, and medians over each number that is swept.
 
-use crate::batch::{
+use wildfire_batch::{
     ChartData, DriveTable, FacetSeries, MEASURES, MOST_PANELS, Measure, PlannerSummary, Value, file_name_of,
     word_facets,
 };
-use crate::picture::charts::{
+use wildfire_picture::charts::{
     BoxChart, BoxPanel, BoxSeries, Curve, CurveChart, CurvePanel, Drawing, Estimate, Language, Spread, Titles,
 };
 
@@ -182,12 +182,12 @@ fn scaled(Estimate { value, interval }: Estimate, factor: f64) -> Estimate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::batch::made_up_drives as made_up;
-    use crate::picture::charts::SCREEN_WIDTH;
+    use wildfire_batch::made_up_drives;
+    use wildfire_picture::charts::SCREEN_WIDTH;
 
     #[test]
     fn every_measure_has_boxes_and_a_curve_over_each_key_of_numbers() {
-        let queries = made_up();
+        let queries = made_up_drives();
         let charts = Charts::new(&queries, &PlannerSummary::all(&queries), SCREEN_WIDTH);
         let files = |sheets: &[ChartSheet]| sheets.iter().map(|sheet| sheet.file.clone()).collect::<Vec<_>>();
         assert_eq!(files(&charts.boxes), MEASURES.map(|measure| format!("box-{}", measure.column)));
@@ -202,7 +202,7 @@ mod tests {
 
     #[test]
     fn curves_have_a_point_for_every_value_of_the_key() {
-        let queries = made_up();
+        let queries = made_up_drives();
         let groups = PlannerSummary::all(&queries);
         let places = places(&queries, &groups, 0).expect("numbers");
         let over = Over { queries: &queries, groups: &groups, key: 0, places };

@@ -16,18 +16,18 @@ use std::process::ExitCode;
 use super::arguments::{PlanArguments, PlanReportArguments};
 use super::ompl::{OmplLog, OmplPlanner, OmplRun, Started, program_limit_s};
 use super::report::planner_settings;
-use crate::batch::{BatchRequest, DriveTable, PlannerSummary, RequestError};
 use crate::cli::args::PaperArguments;
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format, Words};
 use crate::cli::terminal;
-use crate::document::Document;
-use crate::input_file::is_standard_stream;
-use crate::scenario::LoadedScenario;
 use ask::{Answers, Benchmark};
 use page::{charts_folder_of, write_page};
 use report::BenchmarkReport;
+use wildfire_base::document::Document;
+use wildfire_base::input_file::is_standard_stream;
+use wildfire_batch::{BatchRequest, DriveTable, PlannerSummary, RequestError};
+use wildfire_sim::scenario::LoadedScenario;
 
 /// The files of a folder that `--report` fills.
 const QUERIES_FILE: &str = "queries.csv";

@@ -5,16 +5,16 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::batch::{
+use crate::cli::error::CliError;
+use crate::cli::plan::benchmark::charts::{ChartSheet, Charts};
+use wildfire_base::document::number::count;
+use wildfire_base::document::{Block, Document, Figure};
+use wildfire_base::whole_file::WholeFile;
+use wildfire_batch::{
     DriveTable, INTERVAL_LEGEND, PROGRAM_VERSION, PaperCharts, PlannerSummary, ReportError, interval_tables,
     write_chart, write_chart_data, write_paper_chart,
 };
-use crate::cli::error::CliError;
-use crate::cli::plan::benchmark::charts::{ChartSheet, Charts};
-use crate::document::number::count;
-use crate::document::{Block, Document, Figure};
-use crate::picture::charts::SCREEN_WIDTH;
-use crate::whole_file::WholeFile;
+use wildfire_picture::charts::SCREEN_WIDTH;
 
 /// The page that was written.
 #[derive(Debug)]

@@ -2,13 +2,13 @@
 
 use serde::{Serialize, Serializer};
 
-use crate::batch::{
+use crate::cli::plan::benchmark::ask::AskedProblem;
+use wildfire_base::document::number::count;
+use wildfire_base::document::{Block, Document};
+use wildfire_batch::{
     DriveTable, INTERVAL_LEGEND, PROGRAM_VERSION, PlannerSummary, RowMember, SummaryMember, failure_sentences,
     interval_tables, queries_words, violation_sentences,
 };
-use crate::cli::plan::benchmark::ask::AskedProblem;
-use crate::document::number::count;
-use crate::document::{Block, Document};
 
 /// The question and all answers.
 pub struct BenchmarkReport<'a> {
@@ -68,7 +68,7 @@ impl From<&BenchmarkReport<'_>> for Document {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::batch::made_up_drives;
+    use wildfire_batch::made_up_drives;
 
     #[test]
     fn answer_fits_eighty_columns_and_says_what_failed() {

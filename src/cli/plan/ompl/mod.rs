@@ -14,12 +14,12 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use chrono::DateTime;
 
-use crate::batch::{DriveFailure, DriveQuery, PROGRAM_VERSION};
 use crate::cli::error::CliError;
-use crate::planning::judge::DriveFigures;
-use crate::planning::{PlanFailure, PlannerName};
-use crate::scenario::{MemoryLimit, Programs};
-use crate::whole_file::WholeFile;
+use wildfire_base::whole_file::WholeFile;
+use wildfire_batch::{DriveFailure, DriveQuery, PROGRAM_VERSION};
+use wildfire_planning::judge::DriveFigures;
+use wildfire_planning::{PlanFailure, PlannerName};
+use wildfire_sim::scenario::{MemoryLimit, Programs};
 
 /// OMPL's own words for the ends of a run, by their numbers there.
 const STATUSES: [&str; 10] = [

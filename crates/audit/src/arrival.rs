@@ -1,0 +1,597 @@
+//! When fire comes to a cell by Rothermel's equations, found anew from when it came to the cells around.
+//!
+//! All that the fire model decides is decided here again, by a code of its own and without a queue: for one cell, and the
+//! recorded times of those around it, the earliest of its candidates. Rates, ellipses and flaming times are those of
+//! [`wildfire_fire::surface`]; which cells are neighbours, what lies on the straight line from one to the other, and the
+//! first fire from between two of them are found here.
+//!
+//! - A straight line from a burned neighbour takes the sum, over the cells that it crosses, of each one's time for it by
+//!   its part of the length. What cannot burn blocks it, and so do two such cells at a corner that it goes through.
+//! - Between two neighbours whose directions are next to each other time is taken to be linear. The least of its value and
+//!   of the way from there is on the wave through both, at right angles to it in the metric of the ellipse.
+//! - A cell that did not catch fire from another one sends fire straight to all cells within three, over one fuel.
+//! - Over a cell that is wet, or was put out and may burn again, a way begins when that is over, and only if the cell
+//!   where it begins flames still; it takes no part in what comes from between.
+//!
+//! World frame, metres; times are nanoseconds inside, as sums of them are what is compared.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+use wildfire_base::geometry::{Cell, DVec2, FieldFrame, ops};
+use wildfire_base::time::SimTime;
+use wildfire_fire::fuel::FuelModel;
+use wildfire_fire::models::RothermelRules;
+use wildfire_fire::surface::{Ellipse, FuelBed, twenty_foot_wind, unsheltered_adjustment};
+use wildfire_fire::{Landscape, Relief, Weather};
+
+/// Later than any time.
+pub const NEVER: u64 = u64::MAX;
+
+/// Cells, in columns or rows, beyond which nothing concerns a cell.
+pub const REACH: i32 = 3;
+
+const NANOS: f64 = 1e9;
+
+/// Ellipses that are kept at least, where every cell has its own.
+const LEAST_KEPT: usize = 1 << 12;
+
+/// A change of a cell that its state follows from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CellChange {
+    /// It catches fire; a source does not catch it from a front.
+    Ignited {
+        is_source: bool,
+    },
+    Extinguished,
+    Wetted {
+        until: SimTime,
+    },
+}
+
+/// The changes of all cells.
+#[derive(Debug)]
+pub struct FireHistory {
+    relight: bool,
+    /// By cell index: when it first caught fire.
+    first: Vec<u64>,
+    /// By cell index: whether that was from a front.
+    is_source: Vec<bool>,
+    /// All changes of cells that do not just catch fire once, in order of time.
+    more: BTreeMap<u32, Vec<(u64, CellChange)>>,
+    /// By cell index: whether it is one of those, and whether one of those is in reach.
+    has_more: Vec<bool>,
+    is_near_more: Vec<bool>,
+    /// By cell index: whether a source is in reach.
+    is_near_source: Vec<bool>,
+}
+
+/// A cell just before some time.
+#[derive(Clone, Copy, Debug)]
+struct Known {
+    /// When it caught fire, if that counts.
+    lit: u64,
+    is_source: bool,
+    /// From when on fire may pass over it; [`NEVER`] if it may not.
+    open_from: u64,
+}
+
+impl FireHistory {
+    /// Creates the history of cells of which none burns yet.
+    pub fn new(cells: usize, relight: bool) -> Self {
+        let no = vec![false; cells];
+        Self {
+            relight,
+            first: vec![NEVER; cells],
+            is_source: no.clone(),
+            more: BTreeMap::new(),
+            has_more: no.clone(),
+            is_near_more: no.clone(),
+            is_near_source: no,
+        }
+    }
+
+    /// Adds a change, not before those that were added before.
+    pub fn add(&mut self, index: usize, time: SimTime, change: CellChange) {
+        let nanos = time.as_nanos();
+        if let CellChange::Ignited { is_source } = change
+            && !self.has_more[index]
+            && self.first[index] == NEVER
+        {
+            (self.first[index], self.is_source[index]) = (nanos, is_source);
+            return;
+        }
+        let (first, is_source) = (self.first[index], self.is_source[index]);
+        let list = self.more.entry(index as u32).or_insert_with(|| {
+            (first != NEVER).then_some((first, CellChange::Ignited { is_source })).into_iter().collect()
+        });
+        list.push((nanos, change));
+        self.has_more[index] = true;
+    }
+
+    /// Marks what has a source in reach, or a cell that does not just catch fire once; after the last change.
+    pub fn mark_surroundings(&mut self, frame: FieldFrame) {
+        let sources = self.is_source.iter().enumerate().filter(|&(_, &is_source)| is_source).map(|(index, _)| index);
+        for near in sources.flat_map(|index| cells_in_reach(frame, frame.cell(index))) {
+            self.is_near_source[frame.index(near)] = true;
+        }
+        for (&index, changes) in &self.more {
+            let is_source = changes.iter().any(|(_, change)| *change == CellChange::Ignited { is_source: true });
+            for near in cells_in_reach(frame, frame.cell(index as usize)) {
+                self.is_near_more[frame.index(near)] = true;
+                self.is_near_source[frame.index(near)] |= is_source;
+            }
+        }
+    }
+
+    /// Says whether something happened in reach of a cell besides cells that caught fire once.
+    pub fn is_eventful_near(&self, index: usize) -> bool {
+        self.is_near_more[index]
+    }
+
+    /// The changes of a cell that does not just catch fire once.
+    pub fn changes(&self, index: usize) -> &[(u64, CellChange)] {
+        if self.has_more[index] { &self.more[&(index as u32)] } else { &[] }
+    }
+
+    /// Returns a cell as it is after all its changes before a time.
+    fn known(&self, index: usize, before: u64) -> Known {
+        if !self.has_more[index] {
+            let lit = if self.first[index] < before { self.first[index] } else { NEVER };
+            return Known { lit, is_source: self.is_source[index], open_from: 0 };
+        }
+        let mut known = Known { lit: NEVER, is_source: false, open_from: 0 };
+        for &(time, change) in self.changes(index).iter().take_while(|(time, _)| *time < before) {
+            match change {
+                CellChange::Ignited { is_source } => (known.lit, known.is_source) = (time, is_source),
+                CellChange::Wetted { until } => known.open_from = known.open_from.max(until.as_nanos()),
+                CellChange::Extinguished => {
+                    known.lit = NEVER;
+                    known.open_from = if self.relight { known.open_from.max(time) } else { NEVER };
+                }
+            }
+        }
+        known
+    }
+}
+
+/// Iterates over the cells in reach of one, itself among them.
+pub fn cells_in_reach(frame: FieldFrame, cell: Cell) -> impl Iterator<Item = Cell> {
+    let offsets = (-REACH..=REACH).flat_map(|rows| (-REACH..=REACH).map(move |cols| (cols, rows)));
+    offsets.filter_map(move |(cols, rows)| frame.offset(cell, cols, rows))
+}
+
+/// The straight line from a neighbour to a cell, whose offset is zero.
+#[derive(Clone, Debug)]
+struct Line {
+    /// From the cell to where the line begins.
+    cols: i32,
+    rows: i32,
+    /// Along the line, in metres.
+    v: DVec2,
+    /// The offsets of all cells on it, with their parts of its length.
+    crossed: Vec<((i32, i32), f64)>,
+    /// The offsets of the two cells beside each corner that it goes through.
+    corners: Vec<[(i32, i32); 2]>,
+}
+
+impl Line {
+    fn new(cols: i32, rows: i32, cell_m: f64) -> Self {
+        // It leaves columns (rows) at odd parts of twice their number; written in parts of all of them.
+        let whole = 2 * cols.abs().max(1) * rows.abs().max(1);
+        let mut cuts = vec![0, whole];
+        let leaves = |count: i32| (0..count).map(move |number| (2 * number + 1) * whole / (2 * count));
+        cuts.extend(leaves(cols.abs()).chain(leaves(rows.abs())));
+        cuts.sort_unstable();
+        let at = |part: f64| (f64::from(cols) * (1.0 - part), f64::from(rows) * (1.0 - part));
+        let corners = cuts.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| {
+            let (x, y) = at(f64::from(pair[0]) / f64::from(whole));
+            let [west, east] = [x.floor() as i32, x.floor() as i32 + 1];
+            let [south, north] = [y.floor() as i32, y.floor() as i32 + 1];
+            // A line that rises goes from the south-west to the north-east of the corner, or back.
+            if cols * rows > 0 { [(west, north), (east, south)] } else { [(west, south), (east, north)] }
+        });
+        let corners = corners.collect();
+        cuts.dedup();
+        let crossed = cuts.windows(2).map(|pair| {
+            let (x, y) = at(f64::from(pair[0] + pair[1]) / f64::from(2 * whole));
+            let cell = ((x + 0.5).floor() as i32, (y + 0.5).floor() as i32);
+            (cell, f64::from(pair[1] - pair[0]) / f64::from(whole))
+        });
+        let v = DVec2::new(-f64::from(cols), -f64::from(rows)) * cell_m;
+        Self { cols, rows, v, crossed: crossed.collect(), corners }
+    }
+}
+
+fn divisor(a: i32, b: i32) -> i32 {
+    if b == 0 { a } else { divisor(b, a % b) }
+}
+
+/// The kinds of ground on a line to a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Lies {
+    Barrier,
+    /// Several fuels.
+    Mixed,
+    /// The fuel of the cell alone.
+    OneFuel,
+}
+
+/// A line from a cell that burned, as it counts for another.
+#[derive(Clone, Copy, Debug)]
+struct Begun {
+    line: usize,
+    index: usize,
+    time: u64,
+}
+
+/// The earliest arrival at a cell, and the earliest from one neighbour; [`NEVER`] if there is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Earliest {
+    pub time: u64,
+    pub from_parent: u64,
+}
+
+/// Finds arrivals on one landscape in one weather.
+#[derive(Debug)]
+pub struct Arrivals<'a> {
+    frame: FieldFrame,
+    landscape: &'a Landscape,
+    weather: &'a Weather,
+    rules: RothermelRules,
+    models: Vec<&'static FuelModel>,
+    /// By cell index: the place of its fuel among the models.
+    fuel: Vec<Option<u8>>,
+    /// By cell index: whether all cells in reach have its fuel.
+    is_alike: Vec<bool>,
+    /// By direction, and round the cell.
+    lines: Vec<Line>,
+    disc: Vec<Line>,
+    /// By interval of the weather and by fuel.
+    beds: Vec<Vec<FuelBed>>,
+    /// On a plane: by interval, fuel and line, the disc after the others.
+    plane: Vec<Vec<(Ellipse, Vec<f64>)>>,
+    /// Elsewhere, for a part of the cells and intervals: which, and its ellipse.
+    kept: Vec<(u64, Ellipse)>,
+}
+
+impl<'a> Arrivals<'a> {
+    pub fn new(landscape: &'a Landscape, weather: &'a Weather, rules: RothermelRules) -> Self {
+        let frame = landscape.frame;
+        let mut is_there = [false; 256];
+        landscape.fuel.iter().for_each(|&number| is_there[usize::from(number)] = true);
+        let numbers = (0..=u8::MAX).filter(|&number| is_there[usize::from(number)]);
+        let models: Vec<_> = numbers.filter_map(FuelModel::by_number).filter(|model| model.burns()).collect();
+        let places: Vec<Option<u8>> = (0..=u8::MAX)
+            .map(|number| models.iter().position(|model| model.number == number).map(|place| place as u8))
+            .collect();
+        let fuel: Vec<Option<u8>> = landscape.fuel.iter().map(|&number| places[usize::from(number)]).collect();
+        let offsets = || (-REACH..=REACH).flat_map(|rows| (-REACH..=REACH).map(move |cols| (cols, rows)));
+        let line = |(cols, rows)| Line::new(cols, rows, frame.cell_m);
+        let farthest = rules.neighbours.reach();
+        let is_step = |&(cols, rows): &(i32, i32)| {
+            divisor(cols.abs(), rows.abs()) == 1 && cols.abs() <= farthest && rows.abs() <= farthest
+        };
+        let mut lines: Vec<Line> = offsets().filter(is_step).map(line).collect();
+        let angle = |line: &Line| (ops::atan2(line.v.y, line.v.x) + TAU) % TAU;
+        lines.sort_by(|one, other| angle(one).total_cmp(&angle(other)));
+        let is_near = |&(cols, rows): &(i32, i32)| (1..=REACH * REACH).contains(&(cols * cols + rows * rows));
+        let disc: Vec<Line> = offsets().filter(is_near).map(line).collect();
+        let beds: Vec<Vec<FuelBed>> = weather
+            .intervals()
+            .iter()
+            .map(|interval| {
+                models.iter().map(|model| FuelBed::new(model, &interval.moisture, rules.options.curing)).collect()
+            })
+            .collect();
+        let mut arrivals = Self {
+            frame,
+            landscape,
+            weather,
+            rules,
+            models,
+            is_alike: alike(frame, &fuel),
+            fuel,
+            lines,
+            disc,
+            beds,
+            plane: Vec::new(),
+            kept: Vec::new(),
+        };
+        match landscape.relief {
+            Relief::Plane(gradient) => arrivals.plane = arrivals.on_plane(gradient),
+            _ => {
+                let kept = (frame.cell_count() / 4).next_power_of_two().max(LEAST_KEPT);
+                arrivals.kept = vec![(NEVER, Ellipse::NEVER); kept];
+            }
+        }
+        arrivals
+    }
+
+    fn on_plane(&self, gradient: DVec2) -> Vec<Vec<(Ellipse, Vec<f64>)>> {
+        let of_fuel = |interval: usize, fuel: usize| {
+            let ellipse = self.new_ellipse(interval, fuel, gradient);
+            let seconds = self.lines.iter().chain(&self.disc).map(|line| ellipse.travel_s(line.v)).collect();
+            (ellipse, seconds)
+        };
+        let of_interval = |interval| (0..self.models.len()).map(|fuel| of_fuel(interval, fuel)).collect();
+        (0..self.beds.len()).map(of_interval).collect()
+    }
+
+    fn new_ellipse(&self, interval: usize, fuel: usize, gradient: DVec2) -> Ellipse {
+        let wind_mps = self.weather.intervals()[interval].wind_mps;
+        let midflame = twenty_foot_wind(1.0) * unsheltered_adjustment(self.models[fuel].depth_ft) * wind_mps;
+        self.beds[interval][fuel].behavior(midflame, gradient, &self.rules.options).ellipse()
+    }
+
+    fn ellipse(&mut self, interval: usize, index: usize) -> Ellipse {
+        let Some(fuel) = self.fuel[index].map(usize::from) else { return Ellipse::NEVER };
+        if let Some(table) = self.plane.get(interval) {
+            return table[fuel].0;
+        }
+        let key = (interval as u64) << 32 | index as u64;
+        let place = (index + 97 * interval) & (self.kept.len() - 1);
+        if self.kept[place].0 != key {
+            let gradient = self.landscape.gradient(self.frame.cell(index));
+            self.kept[place] = (key, self.new_ellipse(interval, fuel, gradient));
+        }
+        self.kept[place].1
+    }
+
+    /// Returns true if a cell can burn by its fuel.
+    pub fn has_fuel(&self, index: usize) -> bool {
+        self.fuel[index].is_some()
+    }
+
+    /// Returns the cell at an offset that is inside the field.
+    fn near(&self, cell: Cell, (cols, rows): (i32, i32)) -> usize {
+        self.frame.offset(cell, cols, rows).map_or(usize::MAX, |near| self.frame.index(near))
+    }
+
+    /// Returns the earliest arrival at a cell that does not burn, as things are just before a time.
+    pub fn earliest(&mut self, history: &FireHistory, cell: Cell, before: SimTime, parent: Option<Cell>) -> Earliest {
+        let (to, before) = (self.frame.index(cell), before.as_nanos());
+        let parent = parent.map_or(usize::MAX, |parent| self.frame.index(parent));
+        let mut earliest = Earliest { time: NEVER, from_parent: NEVER };
+        let Some(fuel) = self.fuel[to] else { return earliest };
+        let consider = |earliest: &mut Earliest, time: u64, from: usize| {
+            earliest.time = earliest.time.min(time);
+            if from == parent {
+                earliest.from_parent = earliest.from_parent.min(time);
+            }
+        };
+        // Lines over one fuel, without a delay, that may be part of a pair; by direction.
+        let mut plain: [Option<Begun>; 32] = [None; 32];
+        let count = self.lines.len();
+        let all = count + if history.is_near_source[to] { self.disc.len() } else { 0 };
+        for number in 0..all {
+            let line = self.line(number);
+            let Some(from) = self.frame.offset(cell, line.cols, line.rows) else { continue };
+            let from = self.frame.index(from);
+            let mut known = history.known(from, before);
+            if from == parent && known.lit == NEVER {
+                // Where the front would pass a pair before the later one of it burned, it comes at that very instant.
+                let at_once = history.known(from, before.saturating_add(1));
+                if at_once.lit == before {
+                    known = at_once;
+                }
+            }
+            let Known { lit, is_source, .. } = known;
+            let is_of_disc = number >= count;
+            // What burned later than fire comes anyway cannot be earlier.
+            let is_late = lit >= earliest.time && from != parent;
+            if lit == NEVER || is_late || (is_of_disc && !is_source) {
+                continue;
+            }
+            let (lies, opens) = self.on_line(history, cell, number, before, fuel);
+            if lies == Lies::Barrier || (is_of_disc && (lies != Lies::OneFuel || opens > lit)) {
+                continue;
+            }
+            let start = opens.max(lit);
+            if start > lit && !self.flames_at(from, lit, start) {
+                continue;
+            }
+            let is_one_fuel = lies == Lies::OneFuel;
+            let time = self.straight_arrival(cell, number, start, is_one_fuel);
+            consider(&mut earliest, time, from);
+            let is_plain = !is_of_disc && is_one_fuel && start == lit;
+            if let Some(place) = plain.get_mut(number).filter(|_| is_plain) {
+                *place = Some(Begun { line: number, index: from, time: lit });
+            }
+        }
+        for number in 0..count {
+            if let (Some(one), Some(other)) = (plain[number], plain[(number + 1) % count]) {
+                let is_of_parent = one.index == parent || other.index == parent;
+                if one.time.max(other.time) >= earliest.time && !is_of_parent {
+                    continue;
+                }
+                let time = self.arrival_between(cell, one, other);
+                // Its parent is the one that burned later: before that there was nothing between.
+                if one.time >= other.time {
+                    consider(&mut earliest, time, one.index);
+                }
+                if other.time >= one.time {
+                    consider(&mut earliest, time, other.index);
+                }
+            }
+        }
+        earliest
+    }
+
+    /// A line by its number, those of the disc after the others.
+    fn line(&self, number: usize) -> &Line {
+        self.lines.get(number).unwrap_or_else(|| &self.disc[number - self.lines.len()])
+    }
+
+    /// Returns what lies on a line, and from when on fire may pass all of it.
+    fn on_line(&self, history: &FireHistory, cell: Cell, number: usize, before: u64, fuel: u8) -> (Lies, u64) {
+        let line = self.line(number);
+        let to = self.frame.index(cell);
+        let is_undisturbed = !history.is_near_more[to];
+        if is_undisturbed && self.is_alike[to] {
+            return (Lies::OneFuel, 0);
+        }
+        let opens_at = |index: usize| {
+            if self.fuel.get(index).is_none_or(Option::is_none) {
+                NEVER
+            } else if is_undisturbed {
+                0
+            } else {
+                history.known(index, before).open_from
+            }
+        };
+        let (mut opens, mut is_one_fuel) = (0, true);
+        for &(offset, _) in &line.crossed {
+            let index = self.near(cell, offset);
+            opens = opens.max(opens_at(index));
+            is_one_fuel &= self.fuel.get(index).is_some_and(|&crossed| crossed == Some(fuel));
+        }
+        for &[one, other] in &line.corners {
+            opens = opens.max(opens_at(self.near(cell, one)).min(opens_at(self.near(cell, other))));
+        }
+        let lies = match (opens == NEVER, is_one_fuel) {
+            (true, _) => Lies::Barrier,
+            (false, true) => Lies::OneFuel,
+            (false, false) => Lies::Mixed,
+        };
+        (lies, opens)
+    }
+
+    /// Returns the seconds along a line to a cell in an interval of the weather.
+    fn line_seconds(&mut self, cell: Cell, number: usize, interval: usize, is_one_fuel: bool) -> f64 {
+        if let Some(table) = self.plane.get(interval)
+            && is_one_fuel
+        {
+            let fuel = self.fuel[self.frame.index(cell)].expect("fire comes only where there is fuel");
+            return table[usize::from(fuel)].1[number];
+        }
+        let mut seconds = 0.0;
+        for place in 0..self.line(number).crossed.len() {
+            let (offset, part) = self.line(number).crossed[place];
+            let index = self.near(cell, offset);
+            seconds += part
+                * match self.plane.get(interval) {
+                    Some(table) => self.fuel[index].map_or(f64::INFINITY, |fuel| table[usize::from(fuel)].1[number]),
+                    None => {
+                        let v = self.line(number).v;
+                        self.ellipse(interval, index).travel_s(v)
+                    }
+                };
+        }
+        seconds
+    }
+
+    fn straight_arrival(&mut self, cell: Cell, number: usize, start: u64, is_one_fuel: bool) -> u64 {
+        self.arrival(start, |arrivals, interval| arrivals.line_seconds(cell, number, interval, is_one_fuel))
+    }
+
+    /// Returns when something ends that begins at a time and would take that many seconds in each interval alone: when
+    /// the parts that were done of it add up to one.
+    fn arrival(&mut self, start: u64, mut seconds: impl FnMut(&mut Self, usize) -> f64) -> u64 {
+        let weather = self.weather;
+        let mut interval = weather.interval_at(SimTime::from_nanos(start));
+        let (mut now, mut done) = (start, 0.0_f64);
+        loop {
+            let whole = seconds(self, interval);
+            let arrival = later(now, (1.0 - done).max(0.0) * whole);
+            let Some(next) = weather.intervals().get(interval + 1).map(|next| next.from.as_nanos()) else {
+                return arrival;
+            };
+            if arrival <= next {
+                return arrival;
+            }
+            done += (next - now) as f64 / NANOS / whole;
+            (now, interval) = (next, interval + 1);
+        }
+    }
+
+    /// Returns the first arrival from strictly between the beginnings of two lines, if there the fire is first.
+    fn arrival_between(&mut self, cell: Cell, one: Begun, other: Begun) -> u64 {
+        let to = self.frame.index(cell);
+        let latest = one.time.max(other.time);
+        let interval = self.weather.interval_at(SimTime::from_nanos(latest));
+        let ellipse = self.ellipse(interval, to);
+        if !ellipse.burns() {
+            return NEVER;
+        }
+        let (v1, v2) = (self.lines[one.line].v, self.lines[other.line].v);
+        let [beyond1, beyond2] = self.beyond(cell, [one, other], interval);
+        let between_s = (other.time as f64 - one.time as f64) / NANOS;
+        // Times of the two beginnings without the drift on the way from them, which is linear along the line between.
+        let t1 = beyond1 - ellipse.drift_s(v1);
+        let t2 = between_s + beyond2 - ellipse.drift_s(v2);
+        let w = v2 - v1;
+        let length = ellipse.product(w, w).sqrt();
+        let along = ellipse.product(v1, w) / length;
+        let height = (ellipse.product(v1, v1) - along * along).max(0.0).sqrt();
+        let rise = (t2 - t1) / length;
+        if rise * rise >= 1.0 {
+            return NEVER;
+        }
+        let stretch = 1.0 / (1.0 - rise * rise).sqrt();
+        let part = (-rise * height * stretch - along) / length;
+        if !(0.0 < part && part < 1.0) {
+            return NEVER;
+        }
+        let time = later(one.time, t1 + part * (t2 - t1) + height * stretch).max(latest);
+        let ends = self.weather.intervals().get(interval + 1).map_or(NEVER, |next| next.from.as_nanos());
+        if one.time.min(other.time) >= self.weather.intervals()[interval].from.as_nanos() && time <= ends {
+            return time;
+        }
+        let start = one.time as f64 + part * (other.time as f64 - one.time as f64);
+        let v = v1 + part * w;
+        let arrival = self.arrival(start as u64, |arrivals, interval| {
+            let straight = arrivals.ellipse(interval, to).travel_s(v);
+            let [beyond1, beyond2] = arrivals.beyond(cell, [one, other], interval);
+            straight + (1.0 - part) * beyond1 + part * beyond2
+        });
+        arrival.max(latest)
+    }
+
+    /// Returns the seconds that two lines need beyond the ellipse of the cell that they lead to, where slopes differ.
+    fn beyond(&mut self, cell: Cell, lines: [Begun; 2], interval: usize) -> [f64; 2] {
+        if !self.plane.is_empty() {
+            return [0.0; 2];
+        }
+        let ellipse = self.ellipse(interval, self.frame.index(cell));
+        lines.map(|begun| {
+            let along = ellipse.travel_s(self.lines[begun.line].v);
+            if along == f64::INFINITY { 0.0 } else { self.line_seconds(cell, begun.line, interval, true) - along }
+        })
+    }
+
+    /// Says whether a cell that caught fire at a time flames longer than until another.
+    fn flames_at(&self, index: usize, lit: u64, time: u64) -> bool {
+        let (Some(least), Some(fuel)) = (self.rules.burn_out, self.fuel[index]) else { return true };
+        let interval = self.weather.interval_at(SimTime::from_nanos(lit));
+        let residence = SimTime::from_seconds(self.beds[interval][usize::from(fuel)].residence_s());
+        lit.saturating_add(least.max(residence).as_nanos()) > time
+    }
+}
+
+/// A time some seconds after another, to the nearest nanosecond.
+fn later(time: u64, seconds: f64) -> u64 {
+    time.saturating_add((seconds * NANOS + 0.5) as u64)
+}
+
+/// Says of each cell whether all cells in reach are inside the field and have its fuel.
+fn alike(frame: FieldFrame, fuel: &[Option<u8>]) -> Vec<bool> {
+    let (cols, rows, reach) = (usize::from(frame.cols), usize::from(frame.rows), REACH as usize);
+    // Along rows first: how many cells up to this one have its fuel.
+    let is_row = |index: usize| {
+        let col = index % cols;
+        let is_inside = col >= reach && col + reach < cols;
+        is_inside && fuel[index - reach..=index + reach].iter().all(|near| *near == fuel[index])
+    };
+    let in_row: Vec<bool> = (0..fuel.len()).map(is_row).collect();
+    let is_all = |index: usize| {
+        let row = index / cols;
+        let is_inside = row >= reach && row + reach < rows;
+        is_inside
+            && (row - reach..=row + reach).all(|near| {
+                let near = near * cols + index % cols;
+                in_row[near] && fuel[near] == fuel[index]
+            })
+    };
+    (0..fuel.len()).map(is_all).collect()
+}

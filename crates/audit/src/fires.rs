@@ -1,0 +1,162 @@
+//! The fires of a run: only what can burn catches fire, only what burns goes out, and fire keeps to its rules.
+
+use std::collections::BTreeSet;
+
+use super::tolerance::SAME_POSE;
+use super::{Violation, ViolationKind};
+use wildfire_base::geometry::Cell;
+use wildfire_base::time::SimTime;
+use wildfire_fire::FireRules;
+use wildfire_timeline::{Cause, Event, Fact, FireFact, Setting, Timeline};
+
+/// Looks at cells around fires that spread which one run may take.
+const MOST_LOOKS: u64 = 10_000_000_000;
+
+/// The state of a bush, as this check follows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Bush {
+    Intact,
+    Burning { since: SimTime, spreads: bool },
+    BurnedOut,
+    Extinguished { at: SimTime },
+}
+
+/// Follows the fires of a run, fact by fact, to the first that breaks a rule.
+///
+/// Where a recording does not hold the rules of fire, only what burns and what does not is checked.
+pub fn audit_fires(timeline: &Timeline) -> Result<(), Violation> {
+    let mut fires = Fires::new(&timeline.setting);
+    for event in &timeline.events {
+        fires.pass(event.time)?;
+        fires.record(event)?;
+    }
+    // What is due exactly at the end happens.
+    fires.pass(timeline.end_time() + SimTime::from_nanos(1))
+}
+
+struct Fires<'a> {
+    setting: &'a Setting,
+    rules: Option<FireRules>,
+    /// In the order of the setting's bushes.
+    bushes: Vec<Bush>,
+    /// When, which bushes spread or burn out by themselves if they burn still.
+    due: BTreeSet<(SimTime, usize)>,
+    looks: u64,
+}
+
+impl<'a> Fires<'a> {
+    fn new(setting: &'a Setting) -> Self {
+        let bushes = vec![Bush::Intact; setting.bushes.len()];
+        Self { setting, rules: setting.rules.fire, bushes, due: BTreeSet::new(), looks: 0 }
+    }
+
+    fn record(&mut self, event: &Event) -> Result<(), Violation> {
+        let Fact::Fire(fact) = event.fact else { return Ok(()) };
+        let cell = fact.cell();
+        let place = self.setting.frame.centre(cell);
+        let violation = |kind| Violation { time: event.time, agent: event.fact.agent(), place, kind };
+        let index = self.setting.bush_index(cell).ok_or_else(|| violation(ViolationKind::CannotBurn { cell }))?;
+        let change = match (fact, self.bushes[index]) {
+            (FireFact::Ignited { cause, .. }, _) => self.caught(index, cause, event.time),
+            (_, Bush::Intact | Bush::BurnedOut | Bush::Extinguished { .. }) => Err(ViolationKind::NotBurning { cell }),
+            (FireFact::Extinguished { .. }, _) => Ok(Bush::Extinguished { at: event.time }),
+            (_, Bush::Burning { since, .. }) => self.burned_out(cell, since, event.time),
+        };
+        self.bushes[index] = change.map_err(violation)?;
+        Ok(())
+    }
+
+    fn caught(&mut self, index: usize, cause: Cause, time: SimTime) -> Result<Bush, ViolationKind> {
+        let (cell, bush) = (self.setting.bushes[index], self.bushes[index]);
+        if !self.can_burn(bush) {
+            return Err(ViolationKind::CannotBurn { cell });
+        }
+        if let Cause::Spread(from) = cause {
+            self.check_spread(cell, from, time)?;
+        }
+        let Some(rules) = self.rules else { return Ok(Bush::Burning { since: time, spreads: false }) };
+        let is_lit = !matches!(cause, Cause::Spread(_));
+        let spreads = if is_lit { rules.lit_spreads } else { rules.caught_spreads };
+        self.due.extend(spreads.then(|| (time + rules.spread_delay, index)));
+        self.due.extend(rules.burn_out.map(|burn_out| (time + burn_out, index)));
+        Ok(Bush::Burning { since: time, spreads })
+    }
+
+    fn can_burn(&self, bush: Bush) -> bool {
+        bush == Bush::Intact || self.setting.rules.relight && matches!(bush, Bush::Extinguished { .. })
+    }
+
+    fn check_spread(&self, cell: Cell, from: Cell, time: SimTime) -> Result<(), ViolationKind> {
+        let source = self.setting.bush_index(from).map(|index| self.bushes[index]);
+        let Some(Bush::Burning { since, spreads }) = source else { return Err(ViolationKind::NoSource { cell, from }) };
+        let Some(rules) = self.rules else { return Ok(()) };
+        if !spreads || since + rules.spread_delay != time {
+            return Err(ViolationKind::NoSource { cell, from });
+        }
+        let (metres, radius_m) = (self.metres(cell, from), rules.spread_radius_m);
+        let is_near = metres <= radius_m + SAME_POSE;
+        if is_near { Ok(()) } else { Err(ViolationKind::TooFarToSpread { cell, from, metres, radius_m }) }
+    }
+
+    fn burned_out(&self, cell: Cell, since: SimTime, time: SimTime) -> Result<Bush, ViolationKind> {
+        let due = self.rules.map(|rules| rules.burn_out.map(|burn_out| since + burn_out));
+        match due {
+            Some(due) if due != Some(time) => Err(ViolationKind::WrongBurnOut { cell, due }),
+            _ => Ok(Bush::BurnedOut),
+        }
+    }
+
+    /// All that was due before `until` has happened.
+    fn pass(&mut self, until: SimTime) -> Result<(), Violation> {
+        while let Some(&(due, index)) = self.due.first().filter(|(due, _)| *due < until) {
+            self.due.pop_first();
+            self.check_done(due, index)?;
+        }
+        Ok(())
+    }
+
+    fn check_done(&mut self, due: SimTime, index: usize) -> Result<(), Violation> {
+        let (Bush::Burning { since, spreads }, Some(rules)) = (self.bushes[index], self.rules) else { return Ok(()) };
+        let from = self.setting.bushes[index];
+        let frame = self.setting.frame;
+        let violation = |cell, kind| Err(Violation { time: due, agent: None, place: frame.centre(cell), kind });
+        if rules.burn_out.is_some_and(|burn_out| since + burn_out == due) {
+            return violation(from, ViolationKind::WrongBurnOut { cell: from, due: Some(due) });
+        }
+        if !spreads || since + rules.spread_delay != due {
+            return Ok(());
+        }
+        let reach = self.cells_across(rules.spread_radius_m);
+        self.looks += u64::from(reach) * u64::from(reach);
+        if self.looks > MOST_LOOKS {
+            return violation(from, ViolationKind::Endless);
+        }
+        let mut around = self.cells_around(from, reach.into());
+        let is_near = |cell| self.metres(cell, from) <= rules.spread_radius_m - SAME_POSE;
+        let spared = around.find(|&cell| is_near(cell) && self.is_spared(cell, due));
+        spared.map_or(Ok(()), |cell| violation(cell, ViolationKind::SparedBySpread { cell, from }))
+    }
+
+    /// Returns how many cells a radius spans, at most as many as the field has along a side.
+    fn cells_across(&self, radius_m: f64) -> u16 {
+        let longest = self.setting.frame.cols.max(self.setting.frame.rows);
+        (radius_m / self.setting.frame.cell_m).min(longest.into()) as u16
+    }
+
+    fn cells_around(&self, from: Cell, reach: i32) -> impl Iterator<Item = Cell> {
+        let offsets = (-reach..=reach).flat_map(move |rows| (-reach..=reach).map(move |cols| (cols, rows)));
+        offsets.filter_map(move |(cols, rows)| self.setting.frame.offset(from, cols, rows))
+    }
+
+    /// Returns true if a cell is a bush that could have caught fire at a time and did not.
+    fn is_spared(&self, cell: Cell, time: SimTime) -> bool {
+        self.setting.bush_index(cell).is_some_and(|index| match self.bushes[index] {
+            Bush::Extinguished { at } if at >= time => false,
+            bush => self.can_burn(bush),
+        })
+    }
+
+    fn metres(&self, one: Cell, other: Cell) -> f64 {
+        (self.setting.frame.centre(one) - self.setting.frame.centre(other)).length()
+    }
+}

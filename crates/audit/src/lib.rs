@@ -1,0 +1,60 @@
+#![doc = include_str!("../README.md")]
+//!
+//! The second opinion on finished timelines, with shapes and queries of rapier.
+//!
+//! Planners rely on `collision`; this module does not. It takes what really was driven and holds it against the rules,
+//! each in a file of its own:
+//!
+//! - every leg, in small steps: the footprint overlaps no bush and stays in the field, no turn is tighter than the
+//!   turning radius, and the states of the timeline are those to which the pieces of the leg lead;
+//! - speeds, and how they change, keep the limits that the timeline holds; at cusps a truck stands;
+//! - legs join, and what was broken off was driven as planned until then;
+//! - no two trucks overlap, at any time;
+//! - fires go out beside a truck that stands within reach for the whole dwell, and Wumpuses light where they arrived;
+//! - only what can burn catches fire, only what burns goes out, and fire keeps to its own times and distances;
+//! - fire that goes over ground comes to each cell when it is due there from the cells around, and to no other one.
+//!
+//! World frame, metres, seconds. It shares no code with `collision` and `planning`. Wumpuses walk axis-parallel squares
+//! and block nobody.
+
+mod arrival;
+mod automaton;
+mod cell_log;
+mod driven;
+mod ember;
+mod field;
+mod fires;
+mod leg;
+mod meeting;
+mod pace;
+mod run;
+mod spread;
+mod suppression;
+mod tolerance;
+mod violation;
+
+pub use field::{AuditField, Outline, Stance, Touch};
+pub use leg::{MotionLimits, SampleStep, audit_leg};
+pub use run::{Verdict, audit_timeline};
+pub use violation::{Violation, ViolationKind};
+
+use std::ops::AddAssign;
+
+/// The amount that an audit looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Audited {
+    /// Legs of trucks and Wumpuses.
+    pub legs: u64,
+    pub poses: u64,
+    pub metres: f64,
+    pub extinctions: u64,
+}
+
+impl AddAssign for Audited {
+    fn add_assign(&mut self, other: Self) {
+        self.legs += other.legs;
+        self.poses += other.poses;
+        self.metres += other.metres;
+        self.extinctions += other.extinctions;
+    }
+}

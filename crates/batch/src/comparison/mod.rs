@@ -1,0 +1,321 @@
+//! Batches, or parts of one, set against each other: runs of the same seed in pairs.
+//!
+//! Side A is what the others are compared with. A metric's difference is that of its means over the pairs, the other
+//! side's less A's; its interval and its test are those of [`estimate_mean`](crate::stats::estimate_mean), of yes and
+//! no those of [`PairedAnswers`](crate::stats::PairedAnswers), and Wilcoxon's test is given beside them. Where several
+//! metrics or sides are compared, p-values are adjusted by Holm's method over all of them, those of means and answers
+//! as one family, those of ranks as another; intervals are not. There is evidence of a difference where the adjusted
+//! p-value of the mean or the answers is at most 0.05.
+//!
+//! Where something else varies within the sides, such as the coverage in a comparison of planners, a difference is a
+//! mean over its values, the strata. Its interval and tests go by seed, the strata fixed: they are of one number a seed,
+//! the mean over its strata. Then every metric is also taken stratum by stratum, and tested for an interaction
+//! of side and stratum ([`RepeatedMeasures`] of the differences, seed by seed). The
+//! p-values of these tests are a family of their own for Holm's method, and so are those of the strata.
+//!
+//! The difference of the sides' settings is read from their plans, see [`SettingsDifference`].
+//!
+//! Pairs in which a run failed are left out, and counted.
+
+mod contrast;
+mod document;
+mod error;
+mod json;
+mod metric;
+mod pairs;
+mod published;
+mod published_document;
+mod ranking;
+mod runs_table;
+mod settings;
+mod sides;
+mod words;
+
+use std::path::PathBuf;
+
+pub(super) use contrast::contrast_of_pairs;
+pub use contrast::{ByStratum, Contrast, CutOff, Method, NumberPair};
+pub use error::ComparisonError;
+pub use metric::{Better, Metric, MetricKind, NAMED_METRICS};
+pub use pairs::{Pairs, Stratum};
+pub use published::{BesideReport, PublishedState, PublishedTime};
+pub use ranking::{
+    EntryAudit, MAX_ENTRIES, RankedEntry, RankedPair, Ranking, RankingError, RankingRequest, USUAL_METRIC,
+    USUALLY_FREE, WorstRun, decimals, rank, ranks,
+};
+pub use settings::{Difference, SettingsDifference};
+pub use sides::{MAX_SIDES, Selection};
+
+use crate::stats::{RepeatedMeasures, holm};
+use crate::table::QueryTally;
+use runs_table::RunsTable;
+use settings::KnownSettings;
+use sides::Side;
+use wildfire_base::document::number::probability;
+pub(crate) use words::listed;
+use words::{interval_words, sentence};
+
+/// The level of the tests behind a verdict.
+const LEVEL: f64 = 0.05;
+
+/// The result of a comparison.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// A first.
+    pub sides: Vec<SideSummary>,
+    /// Every other side against A.
+    pub against_a: Vec<AgainstA>,
+    /// Metrics that no pair has on both sides, with the letter of the other side.
+    pub missing: Vec<(char, String)>,
+}
+
+/// The runs of a side, in short.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SideSummary {
+    pub letter: char,
+    pub description: String,
+    pub runs: usize,
+    pub failed: usize,
+    pub queries: QueryTally,
+}
+
+impl SideSummary {
+    /// Says whose planner was rescued, or stopped by a clock.
+    pub fn notes(&self) -> Vec<String> {
+        self.queries.sentences(&self.letter.to_string())
+    }
+}
+
+/// A side set against A.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AgainstA {
+    pub letter: char,
+    pub settings: SettingsDifference,
+    pub pairs: Pairs,
+    pub judged: Vec<JudgedContrast>,
+}
+
+/// A contrast with what is made of it among the others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JudgedContrast {
+    pub contrast: Contrast,
+    /// By Holm's method.
+    pub p_adjusted: Option<f64>,
+    pub ranks_p_adjusted: Option<f64>,
+    pub verdict: Verdict,
+    /// The strata by themselves, if the difference is a mean over several.
+    pub by_stratum: Option<JudgedStrata>,
+}
+
+/// A metric stratum by stratum, judged together with all others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JudgedStrata {
+    /// The columns that the strata differ in, in words.
+    pub by: String,
+    /// The contrasts, each with the index of its stratum in [`Pairs::strata`].
+    pub strata: Vec<(usize, JudgedContrast)>,
+    /// The number of seeds that the test uses.
+    pub seeds: usize,
+    pub test: Option<RepeatedMeasures>,
+    /// The p-value adjusted by Holm's method, over the tests of all metrics and sides.
+    pub p_adjusted: Option<f64>,
+}
+
+impl JudgedStrata {
+    /// Says whether there is evidence that the strata differ.
+    pub fn differ(&self) -> bool {
+        self.p_adjusted.is_some_and(|p| p <= LEVEL)
+    }
+}
+
+/// The result of a contrast, in short.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    Difference,
+    NoEvidence,
+    /// Evidence by itself, but not among as many tests as there are.
+    NotAmongSoMany,
+    /// No pair differs.
+    Equal,
+}
+
+/// Compares batches, given as folders or as their tables of runs: each with the first, or the parts of a single one.
+///
+/// Without names, the usual metrics are compared.
+pub fn compare(paths: &[PathBuf], selection: &Selection, metrics: &[String]) -> Result<Comparison, ComparisonError> {
+    let (metrics, tables) = read(paths, metrics)?;
+    let sides = Side::from_tables(&tables, selection)?;
+    let known: Vec<_> = tables.iter().map(KnownSettings::read).collect();
+    let settings_of = |side: &Side<'_>| {
+        let table = tables.iter().position(|table| std::ptr::eq(table, side.table));
+        &known[table.expect("a side is of one of the tables")]
+    };
+    let [a, others @ ..] = &sides[..] else { unreachable!("there is a table, and it has runs") };
+    let mut missing = Vec::new();
+    let mut against_a = Vec::new();
+    for other in others {
+        let pairs = Pairs::new(a, other)?;
+        let settings = SettingsDifference::between((a, settings_of(a)), (other, settings_of(other)), &pairs);
+        let mut contrasts = Vec::new();
+        let mut first_column = 0;
+        for metric in &metrics {
+            let columns: Vec<usize> = (first_column..first_column + metric.fields().len()).collect();
+            first_column += columns.len();
+            match Contrast::new(metric, a, other, &pairs, &columns) {
+                Some(contrast) => contrasts.push(contrast),
+                None => missing.push((other.letter, metric.name.clone())),
+            }
+        }
+        against_a.push(Unjudged { letter: other.letter, settings, pairs, contrasts });
+    }
+    Ok(Comparison { sides: sides.iter().map(summary).collect(), against_a: judged(against_a), missing })
+}
+
+/// A side compared with A, before p-values are adjusted.
+struct Unjudged {
+    letter: char,
+    settings: SettingsDifference,
+    pairs: Pairs,
+    contrasts: Vec<(Contrast, Option<ByStratum>)>,
+}
+
+fn read(paths: &[PathBuf], names: &[String]) -> Result<(Vec<Metric>, Vec<RunsTable>), ComparisonError> {
+    let files = paths.iter().map(|path| runs_table::open(path)).collect::<Result<Vec<_>, _>>()?;
+    let metrics = Metric::choose(names, &files)?;
+    let fields: Vec<_> = metrics.iter().flat_map(Metric::fields).collect();
+    let tables = files.into_iter().map(|file| RunsTable::read(file, &fields)).collect::<Result<_, _>>()?;
+    Ok((metrics, tables))
+}
+
+fn summary(side: &Side<'_>) -> SideSummary {
+    let mut queries = QueryTally::default();
+    side.runs.iter().for_each(|&run| queries += side.table.queries[run]);
+    SideSummary {
+        letter: side.letter,
+        description: side.description(),
+        runs: side.runs.len(),
+        failed: side.failed(),
+        queries,
+    }
+}
+
+/// Judges the contrasts of all sides together.
+fn judged(against_a: Vec<Unjudged>) -> Vec<AgainstA> {
+    let mut judged = judge(against_a.iter().flat_map(|against| against.contrasts.clone()).collect()).into_iter();
+    let against_a = against_a.into_iter();
+    let of_side = |Unjudged { letter, settings, pairs, contrasts }: Unjudged| AgainstA {
+        letter,
+        settings,
+        pairs,
+        judged: judged.by_ref().take(contrasts.len()).collect(),
+    };
+    against_a.map(of_side).collect()
+}
+
+/// Judges contrasts as one family: adjusts their p-values together, and those of all of their strata.
+pub(crate) fn judge(contrasts: Vec<(Contrast, Option<ByStratum>)>) -> Vec<JudgedContrast> {
+    let mut overall = TestFamily::from_contrasts(contrasts.iter().map(|(contrast, _)| contrast));
+    let by_stratum = || contrasts.iter().filter_map(|(_, by_stratum)| by_stratum.as_ref());
+    let mut within =
+        TestFamily::from_contrasts(by_stratum().flat_map(|it| it.contrasts.iter().map(|(_, contrast)| contrast)));
+    let mut tests = adjusted(by_stratum().map(|it| Some(it.test?.p_value))).into_iter();
+    let mut judge_strata = |ByStratum { by, contrasts, seeds, test }: ByStratum| JudgedStrata {
+        by,
+        strata: contrasts.into_iter().map(|(stratum, contrast)| (stratum, within.judge(contrast))).collect(),
+        seeds,
+        test,
+        p_adjusted: tests.next().flatten(),
+    };
+    let judge = |(contrast, by_stratum): (Contrast, Option<ByStratum>)| {
+        let judged = overall.judge(contrast);
+        JudgedContrast { by_stratum: by_stratum.map(&mut judge_strata), ..judged }
+    };
+    contrasts.into_iter().map(judge).collect()
+}
+
+/// Contrasts that are judged together, in their order: the adjusted p-values of means and answers, and of ranks.
+struct TestFamily {
+    means: std::vec::IntoIter<Option<f64>>,
+    ranks: std::vec::IntoIter<Option<f64>>,
+}
+
+impl TestFamily {
+    fn from_contrasts<'a>(contrasts: impl Iterator<Item = &'a Contrast> + Clone) -> Self {
+        let ranks = contrasts.clone().map(|contrast| Some(contrast.ranks?.p_value));
+        Self {
+            means: adjusted(contrasts.map(|contrast| contrast.p_value)).into_iter(),
+            ranks: adjusted(ranks).into_iter(),
+        }
+    }
+
+    /// Judges the next contrast.
+    fn judge(&mut self, contrast: Contrast) -> JudgedContrast {
+        let (p_adjusted, ranks_p_adjusted) = (self.means.next().flatten(), self.ranks.next().flatten());
+        let verdict = Verdict::from_p_values(contrast.p_value, p_adjusted);
+        JudgedContrast { contrast, p_adjusted, ranks_p_adjusted, verdict, by_stratum: None }
+    }
+}
+
+fn adjusted(p_values: impl Iterator<Item = Option<f64>>) -> Vec<Option<f64>> {
+    let p_values: Vec<_> = p_values.collect();
+    let mut adjusted = holm(&p_values.iter().copied().flatten().collect::<Vec<_>>()).into_iter();
+    p_values.into_iter().map(|p_value| p_value.and_then(|_| adjusted.next())).collect()
+}
+
+impl Verdict {
+    fn from_p_values(p_value: Option<f64>, p_adjusted: Option<f64>) -> Self {
+        let is_evidence = |p: f64| p <= LEVEL;
+        match (p_value, p_adjusted) {
+            (Some(_), Some(adjusted)) if is_evidence(adjusted) => Self::Difference,
+            (Some(alone), _) if is_evidence(alone) => Self::NotAmongSoMany,
+            (Some(_), _) => Self::NoEvidence,
+            (None, _) => Self::Equal,
+        }
+    }
+}
+
+impl JudgedContrast {
+    /// The verdict as a sentence, without a full stop.
+    pub fn sentence(&self, letter: char) -> String {
+        let Contrast { metric, difference, interval, pairs, .. } = &self.contrast;
+        let said = sentence(&metric.name, metric.phrase, letter, *difference, *interval);
+        let of_interval =
+            |interval| format!("95 % interval of {letter} less A: {}", interval_words(metric.phrase, interval));
+        let not_sure = interval.map_or_else(|| said.clone(), of_interval);
+        let by_ranks = self.by_ranks(letter);
+        let said = match self.verdict {
+            Verdict::Difference => said,
+            Verdict::NoEvidence => format!("no evidence of a difference ({not_sure}){by_ranks}"),
+            Verdict::NotAmongSoMany => {
+                format!("no evidence of a difference, as one of several tests ({not_sure}){by_ranks}")
+            }
+            Verdict::Equal => format!("equal in all {pairs} pairs"),
+        };
+        said + &self.dependence()
+    }
+
+    /// Says that the difference is not the same in all strata, where that is so.
+    fn dependence(&self) -> String {
+        match &self.by_stratum {
+            Some(strata) if strata.differ() => {
+                format!("; it depends on {}, {}", strata.by, p_words(strata.p_adjusted.unwrap_or(1.0)))
+            }
+            _ => String::new(),
+        }
+    }
+
+    /// Returns what Wilcoxon's test adds where the means do not differ for sure.
+    fn by_ranks(&self, letter: char) -> String {
+        let Some((ranks, p)) = self.contrast.ranks.zip(self.ranks_p_adjusted.filter(|&p| p <= LEVEL)) else {
+            return String::new();
+        };
+        let side = if ranks.above > ranks.below { "higher" } else { "lower" };
+        format!("; by ranks {letter} is {side} more often than not, {}", p_words(p))
+    }
+}
+
+/// `p = 0.012`, or `p < 0.0005`.
+pub fn p_words(p: f64) -> String {
+    let p = probability(p);
+    p.strip_prefix('<').map_or_else(|| format!("p = {p}"), |bound| format!("p < {bound}"))
+}

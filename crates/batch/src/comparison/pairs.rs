@@ -1,0 +1,141 @@
+//! Runs of two sides that belong together: those of the same seed under the same conditions.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::comparison::error::ComparisonError;
+use crate::comparison::sides::Side;
+use crate::comparison::words::listed;
+use wildfire_base::untrusted::visible_start;
+
+/// Pairs of runs, and what had to be left out.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Pairs {
+    /// Indices into the tables of both sides, of runs that both came to their end; by seed.
+    pub runs: Vec<(usize, usize)>,
+    /// Columns that vary within a side and are equal within a pair, of which every difference is a mean.
+    pub columns: Vec<String>,
+    /// The combinations of their values that occur in pairs, in the order of side A's runs; at most one without
+    /// columns.
+    pub strata: Vec<Stratum>,
+    /// The index of each pair's stratum.
+    pub stratum_of: Vec<usize>,
+    /// Runs without a partner, on either side.
+    pub without_partner: [usize; 2],
+    /// Pairs of which the first run, the second, or both did not come to an end.
+    pub failed: [usize; 3],
+}
+
+/// Pairs of equal conditions.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Stratum {
+    /// A value for each of [`Pairs::columns`].
+    pub levels: Vec<String>,
+    pub pairs: usize,
+}
+
+/// A seed, and the number of the conditions that vary within a side.
+type Key = (u64, usize);
+
+impl Pairs {
+    pub fn new(first: &Side<'_>, second: &Side<'_>) -> Result<Self, ComparisonError> {
+        let columns = varying_columns(first, second);
+        let mut numbers = BTreeMap::new();
+        let [ours, theirs] = [keyed(first, &columns, &mut numbers)?, keyed(second, &columns, &mut numbers)?];
+        let mut pairs = Self::default();
+        let mut partners = theirs.iter().peekable();
+        for (key, run) in &ours {
+            while partners.next_if(|(other, _)| other < key).is_some() {
+                pairs.without_partner[1] += 1;
+            }
+            match partners.next_if(|(other, _)| other == key) {
+                Some((_, partner)) => {
+                    if pairs.add((*run, first.is_done(*run)), (*partner, second.is_done(*partner))) {
+                        pairs.stratum_of.push(key.1);
+                    }
+                }
+                None => pairs.without_partner[0] += 1,
+            }
+        }
+        pairs.without_partner[1] += partners.count();
+        if pairs.without_partner[0] == ours.len() {
+            let varying = columns.iter().map(|column| visible_start(column)).collect();
+            return Err(ComparisonError::NoPairs { other: second.letter, varying });
+        }
+        pairs.columns = columns.into_iter().collect();
+        pairs.number_strata(numbers);
+        Ok(pairs)
+    }
+
+    /// Adds two runs, each with whether it came to its end, and says whether they are a pair.
+    fn add(&mut self, (first, first_done): (usize, bool), (second, second_done): (usize, bool)) -> bool {
+        match (first_done, second_done) {
+            (true, true) => self.runs.push((first, second)),
+            (false, true) => self.failed[0] += 1,
+            (true, false) => self.failed[1] += 1,
+            (false, false) => self.failed[2] += 1,
+        }
+        first_done && second_done
+    }
+
+    /// Names what the strata differ in, `field.coverage and unimog.speed_mps`; empty if there is a single stratum.
+    pub fn stratified_by(&self) -> String {
+        listed(&self.columns.iter().map(|column| visible_start(column)).collect::<Vec<_>>())
+    }
+
+    /// Describes a stratum: `field.coverage 0.05, unimog.speed_mps 8`.
+    pub fn stratum_words(&self, index: usize) -> String {
+        let levels = self.columns.iter().zip(&self.strata[index].levels);
+        let words: Vec<String> =
+            levels.map(|(column, level)| format!("{} {}", visible_start(column), visible_start(level))).collect();
+        words.join(", ")
+    }
+
+    /// Replaces the numbers of conditions, some of which have no pair, by indices of strata.
+    fn number_strata(&mut self, numbers: BTreeMap<Vec<String>, usize>) {
+        let mut counts = vec![0; numbers.len()];
+        self.stratum_of.iter().for_each(|&number| counts[number] += 1);
+        let mut index_of = vec![0; numbers.len()];
+        let mut levels_of: Vec<(usize, Vec<String>)> =
+            numbers.into_iter().map(|(levels, number)| (number, levels)).collect();
+        levels_of.sort_unstable();
+        for (number, levels) in levels_of.into_iter().filter(|&(number, _)| counts[number] > 0) {
+            index_of[number] = self.strata.len();
+            self.strata.push(Stratum { levels, pairs: counts[number] });
+        }
+        self.stratum_of.iter_mut().for_each(|number| *number = index_of[*number]);
+    }
+}
+
+/// Conditions that tell runs of one seed apart, on either side; what divides the sides is none.
+fn varying_columns(first: &Side<'_>, second: &Side<'_>) -> BTreeSet<String> {
+    let varying = first.varying().into_iter().chain(second.varying());
+    let divides = |name: &str| first.divided_by == Some(name) || second.divided_by == Some(name);
+    varying.map(|condition| condition.name.clone()).filter(|name| !divides(name)).collect()
+}
+
+/// The runs of a side by their keys; every key once.
+fn keyed(
+    side: &Side<'_>,
+    columns: &BTreeSet<String>,
+    numbers: &mut BTreeMap<Vec<String>, usize>,
+) -> Result<Vec<(Key, usize)>, ComparisonError> {
+    // In the order of the names: keys may be swept in another order on the other side.
+    let condition = |column: &String| side.table.conditions.iter().find(|it| it.name == *column);
+    let conditions: Vec<_> = columns.iter().filter_map(condition).collect();
+    let mut known: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
+    let mut number = |run: usize| {
+        let indices: Vec<u32> = conditions.iter().map(|condition| condition.of_run[run]).collect();
+        *known.entry(indices).or_insert_with(|| {
+            let next = numbers.len();
+            let levels = conditions.iter().map(|condition| condition.level_of(run).to_owned()).collect();
+            *numbers.entry(levels).or_insert(next)
+        })
+    };
+    let mut keyed: Vec<(Key, usize)> =
+        side.runs.iter().map(|&run| ((side.table.seeds[run], number(run)), run)).collect();
+    keyed.sort_unstable();
+    match keyed.windows(2).find(|both| both[0].0 == both[1].0) {
+        Some(both) => Err(ComparisonError::SeedTwice { path: side.table.path.clone(), seed: both[0].0.0 }),
+        None => Ok(keyed),
+    }
+}

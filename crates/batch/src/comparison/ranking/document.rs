@@ -1,0 +1,222 @@
+//! A ranking as a document.
+
+use crate::comparison::{Better, Contrast, EntryAudit, RankedEntry, RankedPair, Ranking, p_words};
+use wildfire_base::document::number::{count, optional, percent, probability, rounded, two_digits};
+use wildfire_base::document::{Block, Document, Figure, Table};
+use wildfire_base::untrusted::visible_start;
+use wildfire_picture::charts::{Estimate, ForestChart, ForestRow, Language, SCREEN_WIDTH, Titles};
+
+/// The most pairs that are all shown; of more, each entry with the next one.
+const MOST_PAIRS: usize = 15;
+
+/// The most entries whose differences from the first are drawn.
+const MOST_DRAWN: usize = 60;
+
+/// The most characters of a name in a table.
+const LONGEST_NAME: usize = 24;
+
+const LEGEND: &str = "\
+Rank: the ranks that an entry may have, from the pairs that are told apart; all ranges together hold the true ranks with \
+95 % confidence (Mogstad, Romano, Shaikh, Wilhelm, 2024). Groups: entries with a letter in common are not told apart \
+(Piepho, 2004). Differences are paired by seed, with 95 % intervals that are not adjusted, by the \
+method of `wildfire compare`; p is adjusted by Holm's method over all pairs, and pairs with p of at most 0.05 count as \
+different.";
+
+impl From<&Ranking> for Document {
+    fn from(ranking: &Ranking) -> Self {
+        let better = match ranking.better {
+            Better::Higher => "higher",
+            Better::Lower => "lower",
+        };
+        let entries = count_words(ranking.entries.len());
+        let mut document =
+            Self::new(format!("{entries} by {}, {better} is better", visible_start(&ranking.metric.name)));
+        document.add_list(played(ranking));
+        document.add(table(ranking));
+        document.add_list(remarks(ranking));
+        if ranking.entries.len() > 1 {
+            document.add(forest(ranking));
+            document.add(pairs(ranking));
+            document.add_list(notes(ranking));
+            document.add(Block::Text(LEGEND.into()));
+        }
+        document
+    }
+}
+
+fn count_words(entries: usize) -> String {
+    if entries == 1 { "One entry".into() } else { format!("{entries} entries") }
+}
+
+/// What every entry played.
+fn played(ranking: &Ranking) -> Vec<String> {
+    let seeds = visible_start(&ranking.seeds);
+    let mut lines = vec![format!("Each entry: {}, seeds {seeds}", count(ranking.runs, "run"))];
+    if ranking.strata > 1 {
+        let columns: Vec<String> = ranking.columns.iter().map(|column| visible_start(column)).collect();
+        lines.push(format!("Each mean is over {} values of {}", ranking.strata, columns.join(" and ")));
+    }
+    lines
+}
+
+fn name(entry: &RankedEntry) -> String {
+    let letters = entry.name.chars().count();
+    match letters > LONGEST_NAME {
+        true => entry.name.chars().take(LONGEST_NAME - 1).chain(['…']).collect(),
+        false => entry.name.clone(),
+    }
+}
+
+pub fn ranks([first, last]: [usize; 2]) -> String {
+    if first == last { first.to_string() } else { format!("{first}-{last}") }
+}
+
+/// Decimals that show the smallest uncertainty of the differences from the first entry with two digits.
+pub fn decimals(ranking: &Ranking) -> usize {
+    let of_first = ranking.pairs.iter().filter(|pair| pair.places[0] == 0);
+    let widths = of_first.filter_map(|pair| pair.contrast.interval).map(|it| 0.5 * (it.high - it.low));
+    let narrowest = widths.filter(|&width| width > 0.0).fold(f64::INFINITY, f64::min);
+    let largest = ranking.entries.iter().map(|entry| entry.mean.abs()).fold(0.0, f64::max);
+    if narrowest.is_finite() { two_digits(narrowest).min(6) } else { two_digits(largest * 1e-2).min(6) }
+}
+
+/// The entries, best first, each with its difference from the first.
+fn table(ranking: &Ranking) -> Table {
+    let has_failed = ranking.entries.iter().any(|entry| entry.failed > 0);
+    let has_failed_queries = ranking.entries.iter().any(|entry| entry.queries.failed > 0);
+    let has_failed_asks = ranking.entries.iter().any(|entry| entry.queries.failed_asks > 0);
+    let has_rescued = ranking.entries.iter().any(|entry| entry.queries.rescued > 0);
+    let has_groups = ranking.entries.len() > 1 && ranking.entries.iter().all(|entry| entry.groups.is_some());
+    let decimals = decimals(ranking);
+    let mut headings = vec!["Entry", "Rank"];
+    headings.extend(has_groups.then_some("Group"));
+    headings.extend(["Mean", "less\nfirst", "95%\nlow", "95%\nhigh"]);
+    headings.extend(has_failed.then_some("Failed\nruns %"));
+    headings.extend(has_failed_queries.then_some("Failed\nqueries %"));
+    headings.extend(has_failed_asks.then_some("Failed\nasks %"));
+    headings.extend(has_rescued.then_some("Rescued\ndrives %"));
+    let row = |(place, entry): (usize, &RankedEntry)| {
+        let against_first = ranking.pair(0, place).map(|pair| &pair.contrast);
+        let interval = against_first.and_then(|contrast| contrast.interval);
+        let mut cells = vec![name(entry), ranks(entry.ranks)];
+        cells.extend(entry.groups.clone().filter(|_| has_groups));
+        cells.extend([
+            rounded(entry.mean, decimals),
+            optional(against_first.map(|contrast| contrast.difference), decimals),
+            optional(interval.map(|it| it.low), decimals),
+            optional(interval.map(|it| it.high), decimals),
+        ]);
+        cells.extend(has_failed.then(|| percent(entry.failed as f64 / ranking.runs as f64)));
+        let share = |part: u64, all: u64| if all > 0 { percent(part as f64 / all as f64) } else { "-".into() };
+        let queries = &entry.queries;
+        cells.extend(has_failed_queries.then(|| share(queries.failed, queries.drives + queries.failed)));
+        cells.extend(has_failed_asks.then(|| share(queries.failed_asks, queries.asks)));
+        cells.extend(has_rescued.then(|| share(queries.rescued, queries.drives)));
+        cells
+    };
+    Table::new(&headings, ranking.entries.iter().enumerate().map(row).collect())
+}
+
+/// Draws how the entries differ from the first.
+fn forest(ranking: &Ranking) -> Block {
+    let decimals = decimals(ranking);
+    let rows = ranking.entries.iter().enumerate().skip(1).filter_map(|(place, entry)| {
+        let pair = ranking.pair(0, place)?;
+        let Contrast { difference, interval, .. } = &pair.contrast;
+        let interval = interval.map(|it| (it.low, it.high));
+        let words = interval.map_or_else(String::new, |(low, high)| {
+            format!(" ({} to {})", rounded(low, decimals), rounded(high, decimals))
+        });
+        Some(ForestRow {
+            name: visible_start(&entry.name),
+            difference: Some(Estimate { value: *difference, interval }),
+            words: format!("{}{words}", rounded(*difference, decimals)),
+            is_told_apart: pair.is_told_apart(),
+        })
+    });
+    let symbol = ranking.metric.unit().symbol();
+    let (metric, unit) = (visible_start(&ranking.metric.name), if symbol.is_empty() { "1" } else { symbol });
+    let titles = Titles {
+        title: format!("Less {}, with 95 % intervals", name(&ranking.entries[0])),
+        note: "Differences from the first, paired by seed. Filled: told apart from it.".into(),
+        x: format!("{metric}, less the first's ({unit})"),
+        y: String::new(),
+        language: Language::English,
+    };
+    let chart = ForestChart { titles, rows: rows.take(MOST_DRAWN).collect() };
+    Block::Figure(Figure { svg: chart.draw(SCREEN_WIDTH).to_svg(), file: None, more_files: Vec::new() })
+}
+
+/// What the reader of the table must know of runs that are not as they should be.
+fn remarks(ranking: &Ranking) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(worst) = ranking.worst {
+        let worst = wildfire_base::document::number::short(worst);
+        lines.push(format!("Runs that failed, or have no value of it, count as {worst}, the worst value of all"));
+    }
+    let metric = visible_start(&ranking.metric.name);
+    lines.extend(ranking.entries.iter().filter(|entry| entry.without_value > 0).map(|entry| {
+        let runs = count(entry.without_value, "run");
+        format!("{}: {runs} that did not fail without a value of {metric}", name(entry))
+    }));
+    lines.extend(ranking.entries.iter().filter_map(|entry| entry.queries.machine_sentence(&name(entry))));
+    lines.extend(audit_words(ranking));
+    if ranking.entries.iter().any(|entry| entry.groups.is_none()) {
+        lines.push("More groups than letters: see the ranks, or the pairs in --json".into());
+    }
+    lines
+}
+
+/// Says what the audit found, if there was one: a sentence for each entry with a violation.
+fn audit_words(ranking: &Ranking) -> Vec<String> {
+    let audits: Vec<(&RankedEntry, &EntryAudit)> =
+        ranking.entries.iter().filter_map(|entry| Some((entry, entry.audit.as_ref()?))).collect();
+    let repeated: u64 = audits.iter().map(|(_, audit)| audit.runs).sum();
+    let violated = audits.iter().filter(|(_, audit)| audit.violations > 0);
+    let mut lines: Vec<String> = violated
+        .map(|(entry, audit)| {
+            let EntryAudit { runs, violations, first_violation } = audit;
+            let first = first_violation.as_deref().unwrap_or_default();
+            format!("{}: {violations} of {runs} audited runs violate a rule or give another row: {first}", name(entry))
+        })
+        .collect();
+    if lines.is_empty() && !audits.is_empty() {
+        lines.push(format!("Audit: {} repeated, no violation.", count(repeated as usize, "run")));
+    }
+    lines
+}
+
+fn shows_all(ranking: &Ranking) -> bool {
+    ranking.pairs.len() <= MOST_PAIRS
+}
+
+/// Pairs of entries: all, or of many each with the next.
+fn pairs(ranking: &Ranking) -> Table {
+    let is_shown = |pair: &&RankedPair| shows_all(ranking) || pair.places[0] + 1 == pair.places[1];
+    let row = |pair: &RankedPair| {
+        let [first, second] = pair.places.map(|place| name(&ranking.entries[place]));
+        let Contrast { difference, interval, .. } = &pair.contrast;
+        let decimals = interval.map_or_else(|| decimals(ranking), |it| two_digits(0.5 * (it.high - it.low)));
+        let told = if pair.is_told_apart() { "yes" } else { "no" };
+        let ends = [interval.map(|it| it.low), interval.map(|it| it.high)].map(|end| optional(end, decimals));
+        let cells = [first, second, told.into(), rounded(*difference, decimals)];
+        cells.into_iter().chain(ends).chain([probability(pair.p_adjusted)]).collect()
+    };
+    let headings = ["First", "Second", "Told\napart", "Second\nless first", "95%\nlow", "95%\nhigh", "p"];
+    let rows = ranking.pairs.iter().filter(is_shown).map(row).collect();
+    Table { text_columns: 3, ..Table::new(&headings, rows) }
+}
+
+fn notes(ranking: &Ranking) -> Vec<String> {
+    if shows_all(ranking) {
+        return Vec::new();
+    }
+    let apart = ranking.pairs.iter().filter(|pair| pair.is_told_apart());
+    let least = apart.clone().map(|pair| pair.p_adjusted).fold(0.0, f64::max);
+    let mut lines = vec![format!("Shown are neighbours; --json has all {} pairs", ranking.pairs.len())];
+    let told = apart.count();
+    if told > 0 {
+        lines.push(format!("Told apart are {told} pairs, the least sure of them with {}", p_words(least)));
+    }
+    lines
+}

@@ -1,0 +1,369 @@
+//! The entries of a ranking: whose runs are which, and that all played the same fields by the same rules.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use serde_json::Value as Json;
+
+use crate::comparison::ComparisonError;
+use crate::comparison::ranking::error::RankingError;
+use crate::comparison::runs_table::{Condition, RunsTable};
+use crate::comparison::settings::{KnownSettings, merged, seed_words, value_words};
+use crate::comparison::sides::{Selection, whole};
+use crate::comparison::words::listed;
+use crate::plan::{
+    ENTRY_COLUMN, FreeKeys, Freedom, RecordedPlan, TABLES_OF_PROGRAMS, kept_program, limits_of_programs, rules_of,
+};
+use wildfire_base::untrusted::visible_start;
+use wildfire_sim::scenario::nearest_name;
+
+/// The columns that name an entry whatever was swept.
+const COLUMNS_OF_ENTRIES: [&str; 3] = [ENTRY_COLUMN, "planner", "policy"];
+
+/// The most differences that a refusal names.
+const MOST_NAMED: usize = 5;
+
+/// The runs of one who is ranked.
+#[derive(Debug)]
+pub struct EntryRuns<'a> {
+    pub name: String,
+    pub table: &'a RunsTable,
+    settings: &'a KnownSettings,
+    /// The columns of its own that vary in its table, with its values.
+    levels: Vec<(String, String)>,
+    /// By seed and stratum; those of all entries are the same.
+    pub runs: Vec<Run>,
+}
+
+/// A run and what it is paired by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Run {
+    pub seed: u64,
+    pub stratum: usize,
+    pub index: usize,
+}
+
+/// Who may be ranked together.
+pub struct Admission {
+    pub freedom: Freedom,
+    /// Names of entries that are left out.
+    pub without: Vec<String>,
+}
+
+/// Entries that may be ranked together.
+#[derive(Debug)]
+pub struct Entries<'a> {
+    pub entries: Vec<EntryRuns<'a>>,
+    /// Columns that vary within an entry, of which every mean is one.
+    pub columns: Vec<String>,
+    /// The number of combinations of their values.
+    pub strata: usize,
+}
+
+impl<'a> Entries<'a> {
+    /// Divides tables into entries, by the columns in which entries may differ, and refuses those that did not play the
+    /// same.
+    pub fn new(
+        tables: &'a [RunsTable],
+        settings: &'a [KnownSettings],
+        selection: &Selection,
+        Admission { freedom, without }: &Admission,
+    ) -> Result<Self, RankingError> {
+        let free = &freedom.keys;
+        let mut entries = Vec::new();
+        for (table, settings) in tables.iter().zip(settings) {
+            entries.extend(divided(table, settings, selection, free)?);
+        }
+        let limit = super::MAX_ENTRIES;
+        if entries.len() > limit {
+            return Err(RankingError::TooMany { count: entries.len(), limit });
+        }
+        name_entries(&mut entries)?;
+        leave_out(&mut entries, without)?;
+        let columns = varying_columns(&entries, free);
+        let strata = number_strata(&mut entries, &columns)?;
+        let found = Self { entries, columns, strata };
+        found.refuse_impossible_rows()?;
+        found.refuse_other_runs()?;
+        found.refuse_reuse()?;
+        found.refuse_other_rules(freedom)?;
+        Ok(found)
+    }
+
+    /// The states of the bushes in each row add up.
+    fn refuse_impossible_rows(&self) -> Result<(), RankingError> {
+        for entry in &self.entries {
+            let mut runs = entry.runs.iter();
+            if let Some((run, reason)) = runs.find_map(|run| Some((run, entry.table.impossible.get(&run.index)?))) {
+                let (entry, reason) = (entry.name.clone(), reason.clone());
+                return Err(RankingError::Impossible { entry, seed: run.seed, reason });
+            }
+        }
+        Ok(())
+    }
+
+    /// All entries have runs of the same seeds under the same conditions.
+    fn refuse_other_runs(&self) -> Result<(), RankingError> {
+        let [first, others @ ..] = &self.entries[..] else { unreachable!("there is a table, and it has runs") };
+        for other in others {
+            let keys =
+                |entry: &EntryRuns<'_>| -> Vec<_> { entry.runs.iter().map(|it| (it.seed, it.stratum)).collect() };
+            if keys(first) == keys(other) {
+                continue;
+            }
+            let seeds = [first, other].map(|entry| seed_words(entry.runs.iter().map(|run| run.seed)));
+            let names = [first, other].map(|entry| entry.name.clone());
+            return Err(if seeds[0] == seeds[1] {
+                RankingError::OtherConditions { names, columns: listed(&self.columns) }
+            } else {
+                RankingError::OtherSeeds { names, seeds: seeds.map(|words| visible_start(&words)) }
+            });
+        }
+        Ok(())
+    }
+
+    /// No program of an entry is kept from run to run.
+    fn refuse_reuse(&self) -> Result<(), RankingError> {
+        for entry in &self.entries {
+            for scenario in entry.scenarios() {
+                if let Some(table) = kept_program(&scenario) {
+                    let table = visible_start(&table);
+                    return Err(RankingError::Reuse { entry: entry.name.clone(), table });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// All entries ran by the same program, under the same limits, in scenarios that differ only in what is free.
+    fn refuse_other_rules(&self, freedom: &Freedom) -> Result<(), RankingError> {
+        let [first, others @ ..] = &self.entries[..] else { unreachable!("there is a table, and it has runs") };
+        let ours = first.rules(self.strata, &freedom.keys);
+        let limits = first.limits_of_programs(&freedom.limits).into_iter();
+        let mut limits: BTreeMap<_, _> = limits.map(|(key, found)| (key, (first.name.clone(), found))).collect();
+        for other in others {
+            let names = [first, other].map(|entry| entry.name.clone());
+            let mut differences = program_differences([first, other].map(|entry| entry.settings.plan()));
+            for (one, theirs) in ours.iter().zip(other.rules(self.strata, &freedom.keys)) {
+                for (key, values) in merged([one, &theirs]) {
+                    let [one, theirs] = values.map(|value| visible_start(&value_words(&value)));
+                    differences.push(format!("{} is {one} and {theirs}", visible_start(&key)));
+                }
+            }
+            differences.dedup();
+            if !differences.is_empty() {
+                let more = differences.len().saturating_sub(MOST_NAMED);
+                differences.truncate(MOST_NAMED);
+                differences.extend((more > 0).then(|| format!("and {more} more")));
+                return Err(RankingError::OtherRules { names, differences: differences.join("; ") });
+            }
+            // Those without programs have no limits, so each is held against the first that has some.
+            for (key, found) in other.limits_of_programs(&freedom.limits) {
+                let (name, known) = limits.entry(key.clone()).or_insert_with(|| (other.name.clone(), found.clone()));
+                if *known != found {
+                    let [one, theirs] = [&*known, &found].map(|value| visible_start(&value.to_string()));
+                    let differences = format!("{key} of their programs is {one} and {theirs}");
+                    return Err(RankingError::OtherRules { names: [name.clone(), other.name.clone()], differences });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Differences between the programs that made two batches, and in the memory that each run might take.
+fn program_differences(plans: [&RecordedPlan; 2]) -> Vec<String> {
+    let [one, other] = plans;
+    let mut differences = Vec::new();
+    if one.program_version != other.program_version {
+        let [one, other] = [one, other].map(|plan| visible_start(&plan.program_version));
+        differences.push(format!("the program's version is {one} and {other}"));
+    }
+    if one.memory != other.memory {
+        differences.push(format!("the memory of a run is {} and {}", one.memory, other.memory));
+    }
+    differences
+}
+
+impl EntryRuns<'_> {
+    /// Returns the conditions that its runs have in common, such as `runs/a/runs.csv, planner prm-rs`.
+    pub fn description(&self) -> String {
+        let path = visible_start(&self.table.path.display().to_string());
+        let levels =
+            self.levels.iter().map(|(name, level)| format!(", {} {}", visible_start(name), visible_start(level)));
+        path + &levels.collect::<String>()
+    }
+
+    /// Returns the planner of its trucks; empty if its runs differ in it, or there is no such column.
+    pub fn planner(&self) -> &str {
+        let column = self.table.conditions.iter().find(|condition| condition.name == "planner");
+        let mut levels = column.into_iter().flat_map(|column| self.runs.iter().map(|run| column.level_of(run.index)));
+        let first = levels.next().unwrap_or_default();
+        if levels.all(|level| level == first) { first } else { "" }
+    }
+
+    /// The scenarios of its runs, each once.
+    fn scenarios(&self) -> impl Iterator<Item = Json> {
+        let variants: BTreeSet<usize> = self.runs.iter().map(|run| self.settings.variant_of(run.index)).collect();
+        variants.into_iter().map(|variant| self.scenario(variant))
+    }
+
+    fn scenario(&self, variant: usize) -> Json {
+        serde_json::from_str(&self.settings.plan().variants[variant].scenario).expect("it was written as JSON")
+    }
+
+    /// The scenario of each stratum without what is an entry's own.
+    fn rules(&self, strata: usize, free: &FreeKeys) -> Vec<Json> {
+        let mut variants = vec![None; strata];
+        self.runs.iter().for_each(|run| variants[run.stratum] = Some(self.settings.variant_of(run.index)));
+        variants.into_iter().flatten().map(|variant| rules_of(self.scenario(variant), free)).collect()
+    }
+
+    /// The limits of the programs that play for it, except those that are free.
+    fn limits_of_programs(&self, free: &FreeKeys) -> BTreeMap<String, Json> {
+        let mut limits = BTreeMap::new();
+        for scenario in self.scenarios() {
+            for (key, value) in limits_of_programs(&scenario, free) {
+                limits.entry(key).or_insert(value);
+            }
+        }
+        limits
+    }
+}
+
+/// The entries of a table: its runs by all that varies in it and may differ between entries.
+fn divided<'a>(
+    table: &'a RunsTable,
+    settings: &'a KnownSettings,
+    selection: &Selection,
+    free: &FreeKeys,
+) -> Result<Vec<EntryRuns<'a>>, RankingError> {
+    let side = whole(table, selection)?;
+    let own: Vec<&Condition> = side.varying().into_iter().filter(|it| is_entrys_own(&it.name, free)).collect();
+    let mut known: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
+    let mut entries: Vec<EntryRuns<'a>> = Vec::new();
+    for run in side.runs {
+        let levels: Vec<u32> = own.iter().map(|condition| condition.of_run[run]).collect();
+        let index = *known.entry(levels).or_insert_with(|| {
+            let levels = own.iter().map(|it| (it.name.clone(), it.level_of(run).to_owned())).collect();
+            entries.push(EntryRuns { name: String::new(), table, settings, levels, runs: Vec::new() });
+            entries.len() - 1
+        });
+        if entries.len() > super::MAX_ENTRIES {
+            return Err(RankingError::TooMany { count: entries.len(), limit: super::MAX_ENTRIES });
+        }
+        entries[index].runs.push(Run { seed: table.seeds[run], stratum: 0, index: run });
+    }
+    Ok(entries)
+}
+
+fn is_entrys_own(column: &str, free: &FreeKeys) -> bool {
+    COLUMNS_OF_ENTRIES.contains(&column)
+        || free.has_key(column)
+        || column.split('.').next().is_some_and(|first| TABLES_OF_PROGRAMS.contains(&first))
+}
+
+/// Names the entries: by what varies in their table, by its folder if it is one of several, and by its path if that does
+/// not tell them apart.
+fn name_entries(entries: &mut [EntryRuns<'_>]) -> Result<(), RankingError> {
+    let is_one_table = entries.windows(2).all(|both| std::ptr::eq(both[0].table, both[1].table));
+    let levels = |entry: &EntryRuns<'_>| {
+        let entry_column = entry.levels.iter().find(|(name, _)| name == ENTRY_COLUMN);
+        let words = |(name, level): &(String, String)| match COLUMNS_OF_ENTRIES.contains(&name.as_str()) {
+            true => visible_start(level),
+            false => format!("{} {}", visible_start(name), visible_start(level)),
+        };
+        match entry_column {
+            Some((_, level)) => visible_start(level),
+            None => entry.levels.iter().map(words).collect::<Vec<_>>().join(", "),
+        }
+    };
+    let with_place = |place: String, levels: String| match () {
+        () if levels.is_empty() => place,
+        () => format!("{place} {levels}"),
+    };
+    let folder = |entry: &EntryRuns<'_>| {
+        let path = entry.table.path.parent().and_then(Path::file_name);
+        path.map_or_else(|| "runs.csv".into(), |name| visible_start(&name.to_string_lossy()))
+    };
+    let own = |entry: &EntryRuns<'_>| match levels(entry) {
+        words if words.is_empty() => visible_start(entry.planner()),
+        words => words,
+    };
+    let by_folder = |entry: &EntryRuns<'_>| with_place(folder(entry), levels(entry));
+    let by_path =
+        |entry: &EntryRuns<'_>| with_place(visible_start(&entry.table.path.display().to_string()), levels(entry));
+    let ways: [&dyn Fn(&EntryRuns<'_>) -> String; 3] = [&own, &by_folder, &by_path];
+    for way in ways.into_iter().skip(usize::from(!is_one_table)) {
+        let names: Vec<String> = entries.iter().map(way).collect();
+        let distinct: BTreeSet<&String> = names.iter().collect();
+        if distinct.len() == names.len() && !names.iter().any(String::is_empty) {
+            entries.iter_mut().zip(names).for_each(|(entry, name)| entry.name = name);
+            return Ok(());
+        }
+    }
+    let names: Vec<String> = entries.iter().map(by_path).collect();
+    let twice = names.iter().enumerate().find(|(index, name)| names[..*index].contains(name));
+    Err(RankingError::EntryTwice { name: twice.map_or_else(String::new, |(_, name)| name.clone()) })
+}
+
+/// Leaves out the entries of these names.
+fn leave_out(entries: &mut Vec<EntryRuns<'_>>, without: &[String]) -> Result<(), RankingError> {
+    for name in without {
+        if !entries.iter().any(|entry| entry.name == *name) {
+            let known = entries.iter().map(|entry| entry.name.as_str());
+            let nearest = nearest_name(name, known);
+            return Err(RankingError::NoEntry { name: visible_start(name), nearest });
+        }
+    }
+    entries.retain(|entry| !without.contains(&entry.name));
+    if entries.is_empty() { Err(RankingError::NobodyLeft) } else { Ok(()) }
+}
+
+/// Columns that vary within an entry and are no entry's own; in the order of their names.
+fn varying_columns(entries: &[EntryRuns<'_>], free: &FreeKeys) -> Vec<String> {
+    let varies = |entry: &EntryRuns<'_>, condition: &Condition| {
+        let mut levels = entry.runs.iter().map(|run| condition.of_run[run.index]);
+        let first = levels.next();
+        levels.any(|level| Some(level) != first)
+    };
+    let of_entry = |entry: &EntryRuns<'_>| {
+        let varying = entry.table.conditions.iter().filter(|condition| varies(entry, condition));
+        varying.map(|condition| condition.name.clone()).filter(|name| !is_entrys_own(name, free)).collect::<Vec<_>>()
+    };
+    let columns: BTreeSet<String> = entries.iter().flat_map(of_entry).collect();
+    columns.into_iter().collect()
+}
+
+/// Numbers the combinations of the columns' values by their order as texts, whoever comes first, and sorts the runs of
+/// each entry; every run once.
+fn number_strata(entries: &mut [EntryRuns<'_>], columns: &[String]) -> Result<usize, RankingError> {
+    let mut numbers: BTreeMap<Vec<String>, usize> = BTreeMap::new();
+    for entry in entries.iter_mut() {
+        let conditions = columns.iter().map(|column| {
+            let found = entry.table.conditions.iter().find(|condition| condition.name == *column);
+            found.ok_or_else(|| RankingError::NoColumn { entry: entry.name.clone(), column: visible_start(column) })
+        });
+        let conditions: Vec<&Condition> = conditions.collect::<Result<_, _>>()?;
+        let mut known: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
+        for run in &mut entry.runs {
+            let levels: Vec<u32> = conditions.iter().map(|condition| condition.of_run[run.index]).collect();
+            run.stratum = *known.entry(levels).or_insert_with(|| {
+                let words = conditions.iter().map(|condition| condition.level_of(run.index).to_owned()).collect();
+                let next = numbers.len();
+                *numbers.entry(words).or_insert(next)
+            });
+        }
+    }
+    let mut by_text = vec![0; numbers.len()];
+    numbers.values().enumerate().for_each(|(place, &number)| by_text[number] = place);
+    for entry in entries.iter_mut() {
+        entry.runs.iter_mut().for_each(|run| run.stratum = by_text[run.stratum]);
+        entry.runs.sort_unstable();
+        let is_same = |both: &&[Run]| (both[0].seed, both[0].stratum) == (both[1].seed, both[1].stratum);
+        if let Some(both) = entry.runs.windows(2).find(is_same) {
+            return Err(ComparisonError::SeedTwice { path: entry.table.path.clone(), seed: both[0].seed }.into());
+        }
+    }
+    Ok(numbers.len())
+}

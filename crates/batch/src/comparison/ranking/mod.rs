@@ -1,0 +1,337 @@
+//! Entries of a contest, all against all, in one table: who is better, and between whom nothing was found.
+//!
+//! An entry is a batch, or the runs of a batch with one planner, one policy, or one value of any other key in which
+//! entries may differ. All have runs of the same seeds under the same rules; anything else is refused.
+//!
+//! The order is that of the means of a metric. A run that failed, or in which there is nothing to measure, counts as the
+//! worst value that any run of any entry has; where higher is better, that is at most 0, where lower is better, at least
+//! 0. So no run and no pair is left out. Differences are those of [`compare`](super::compare), pair by pair, their
+//! p-values adjusted by Holm's method over all pairs of entries. From them follow the ranks that are possible and the
+//! groups of entries that are not told apart, see `groups.rs`.
+
+mod document;
+mod entries;
+mod error;
+mod groups;
+mod json;
+
+use std::cmp::Ordering;
+use std::path::PathBuf;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+pub use document::{decimals, ranks};
+pub use error::RankingError;
+pub use groups::MAX_ENTRIES;
+
+use crate::comparison::contrast::{NumberPair, lifetime, number_of};
+use crate::comparison::metric::{Better, Metric, MetricKind};
+use crate::comparison::runs_table::{self, RunsTable};
+use crate::comparison::settings::{KnownSettings, seed_words};
+use crate::comparison::sides::Selection;
+use crate::comparison::words::listed;
+use crate::comparison::{Contrast, LEVEL, adjusted};
+use crate::plan::Freedom;
+pub use crate::plan::USUALLY_FREE;
+use crate::stats::Series;
+use crate::table::QueryTally;
+use entries::{Admission, Entries, EntryRuns};
+use groups::ToldApart;
+
+/// The metric by which entries are ranked unless another is asked for.
+pub const USUAL_METRIC: &str = "saved";
+
+/// The most runs that are kept for their bad values.
+const MOST_WORST_RUNS: usize = 3;
+
+/// The order that is asked for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RankingRequest {
+    /// [`USUAL_METRIC`] if there is none.
+    pub metric: Option<String>,
+    /// The side of the better values; that of the metric if there is none.
+    pub better: Option<Better>,
+    /// Keys besides [`USUALLY_FREE`] in which entries may differ.
+    pub free: Vec<String>,
+    /// Columns and the value that runs must have in them.
+    pub only: Vec<(String, String)>,
+    /// Names of entries that are left out.
+    pub without: Vec<String>,
+}
+
+/// Entries in the order of a metric.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ranking {
+    pub metric: Metric,
+    pub better: Better,
+    /// The runs of each entry.
+    pub runs: usize,
+    /// The seeds of each entry, such as `1..5,9`.
+    pub seeds: String,
+    /// Columns that vary within each entry, of whose combinations every mean is one.
+    pub columns: Vec<String>,
+    /// The number of these combinations.
+    pub strata: usize,
+    /// The number that stands for a run without a value; `None` if there is no such run.
+    pub worst: Option<f64>,
+    /// Best first; entries of equal means in the order of their failures and names.
+    pub entries: Vec<RankedEntry>,
+    /// All pairs of entries, by their places in `entries`, the better one first.
+    pub pairs: Vec<RankedPair>,
+}
+
+/// An entry and its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RankedEntry {
+    pub name: String,
+    /// The table that its runs are in, and the values that they have in common.
+    pub description: String,
+    /// Empty if its runs differ in it.
+    pub planner: String,
+    /// The first and the last rank that it may have, from 1.
+    pub ranks: [usize; 2],
+    /// Letters of the groups that it is in; `None` if there are more groups than letters.
+    pub groups: Option<String>,
+    pub mean: f64,
+    pub failed: usize,
+    /// Runs that are done and have no value of the metric.
+    pub without_value: usize,
+    /// Over all of its runs.
+    pub queries: QueryTally,
+    /// Failed queries by reason, such as `timed_out`, without reasons that never occurred.
+    pub failures: Vec<(String, u64)>,
+    /// The table that its runs are in.
+    pub table: PathBuf,
+    /// The numbers of its runs in their plan, those with the best values of the metric first.
+    pub run_numbers: Vec<u64>,
+    /// Its runs with the worst values, the worst first.
+    pub worst_runs: Vec<WorstRun>,
+    /// Runs that were repeated and audited, if that was asked for.
+    pub audit: Option<EntryAudit>,
+}
+
+/// A run of an entry that went badly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorstRun {
+    pub seed: u64,
+    /// Its value of the metric, or the one that stands for it.
+    pub value: f64,
+    /// Its row in the table, from 0.
+    pub row: usize,
+}
+
+/// The result of an audit of some runs of an entry.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EntryAudit {
+    pub runs: u64,
+    /// Runs that violate a rule, or whose rows are not what the runs give.
+    pub violations: u64,
+    /// The first of them in words.
+    pub first_violation: Option<String>,
+}
+
+/// Two entries set against each other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RankedPair {
+    /// Places in [`Ranking::entries`], the smaller one first.
+    pub places: [usize; 2],
+    /// The second entry less the first.
+    pub contrast: Contrast,
+    /// By Holm's method over all pairs; 1 if no run differs.
+    pub p_adjusted: f64,
+}
+
+impl RankedPair {
+    /// Says whether there is evidence that the entries differ.
+    pub fn is_told_apart(&self) -> bool {
+        self.p_adjusted <= LEVEL
+    }
+}
+
+impl Ranking {
+    /// Returns the pair of an entry with a better one.
+    pub fn pair(&self, better: usize, worse: usize) -> Option<&RankedPair> {
+        self.pairs.iter().find(|pair| pair.places == [better, worse])
+    }
+}
+
+/// Ranks batches, given as folders or as their tables of runs.
+///
+/// # Errors
+/// If one cannot be read, or if entries had other seeds or rules than others.
+pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, RankingError> {
+    let files = paths.iter().map(|path| runs_table::open(path)).collect::<Result<Vec<_>, _>>()?;
+    let name = request.metric.clone().unwrap_or_else(|| USUAL_METRIC.into());
+    let metric = Metric::choose(&[name], &files)?.remove(0);
+    let better = request.better.or_else(|| metric.better());
+    let better = better.ok_or_else(|| RankingError::WhichIsBetter { metric: metric.name.clone() })?;
+    let of_metric = metric.fields();
+    let tables =
+        files.into_iter().map(|file| RunsTable::read(file, &of_metric)).collect::<Result<Vec<RunsTable>, _>>()?;
+    let settings = |table: &RunsTable| {
+        let known = KnownSettings::read(table);
+        known.map_err(|reason| RankingError::RulesUnknown { path: table.path.clone(), reason })
+    };
+    let settings = tables.iter().map(settings).collect::<Result<Vec<_>, _>>()?;
+    // Entries may differ in a key that the rules of a course free, if all of them played by such rules.
+    let of_courses =
+        settings[0].plan().free.iter().filter(|key| settings.iter().all(|it| it.plan().free.contains(key)));
+    let asked: Vec<&str> = request.free.iter().chain(of_courses).map(String::as_str).collect();
+    let admission = Admission { freedom: Freedom::parse(&asked)?, without: request.without.clone() };
+    let selection = Selection { by: None, only: request.only.clone() };
+    let entries = Entries::new(&tables, &settings, &selection, &admission)?;
+
+    let (numbers, worst) = numbers(&entries.entries, &metric, of_metric.len(), better)?;
+    let mean = |index: usize| Series::from_values(&numbers[index]).mean().expect("every entry has runs");
+    let means: Vec<f64> = (0..numbers.len()).map(mean).collect();
+    let mut order: Vec<usize> = (0..numbers.len()).collect();
+    order.sort_by(|&one, &other| {
+        let by_mean = match better {
+            Better::Higher => means[other].total_cmp(&means[one]),
+            Better::Lower => means[one].total_cmp(&means[other]),
+        };
+        let failed = |index: usize| failed(&entries.entries[index]);
+        let by_name = || entries.entries[one].name.cmp(&entries.entries[other].name);
+        by_mean.then_with(|| failed(one).cmp(&failed(other))).then_with(by_name)
+    });
+    let pairs = pairs(&order, &numbers, &entries, &metric);
+    let told = ToldApart::new(
+        order.len(),
+        pairs.iter().filter(|it| it.is_told_apart()).map(|it| (it.places[0], it.places[1])),
+    );
+    let letters = told.letters();
+    let ranked = order.iter().enumerate().map(|(place, &index)| {
+        let entry = &entries.entries[index];
+        let failed = failed(entry);
+        RankedEntry {
+            name: entry.name.clone(),
+            description: entry.description(),
+            planner: entry.planner().to_owned(),
+            ranks: told.ranks(place, |one, other| one.cmp(&other) == Ordering::Less),
+            groups: letters.as_ref().map(|letters| letters[place].clone()),
+            mean: means[index],
+            failed,
+            without_value: without_value(entry, &metric, of_metric.len()) - failed,
+            queries: queries_of(entry),
+            failures: failures_of(entry),
+            table: entry.table.path.clone(),
+            run_numbers: best_first(entry, &numbers[index], better),
+            worst_runs: worst_runs(entry, &numbers[index], better),
+            audit: None,
+        }
+    });
+    let first = &entries.entries[0];
+    Ok(Ranking {
+        better,
+        runs: first.runs.len(),
+        seeds: seed_words(first.runs.iter().map(|run| run.seed)),
+        columns: entries.columns.clone(),
+        strata: entries.strata,
+        worst,
+        entries: ranked.collect(),
+        pairs,
+        metric,
+    })
+}
+
+/// Returns the numbers of an entry's runs in their plan, the best values first.
+fn best_first(entry: &EntryRuns<'_>, values: &[f64], better: Better) -> Vec<u64> {
+    let mut runs: Vec<(f64, u64)> =
+        values.iter().copied().zip(entry.runs.iter().map(|run| entry.table.numbers[run.index])).collect();
+    runs.sort_by(|(one, _), (other, _)| match better {
+        Better::Higher => other.total_cmp(one),
+        Better::Lower => one.total_cmp(other),
+    });
+    runs.into_iter().map(|(_, number)| number).collect()
+}
+
+fn queries_of(entry: &EntryRuns<'_>) -> QueryTally {
+    let mut queries = QueryTally::default();
+    entry.runs.iter().for_each(|run| queries += entry.table.queries[run.index]);
+    queries
+}
+
+fn failures_of(entry: &EntryRuns<'_>) -> Vec<(String, u64)> {
+    let sum = |counts: &[u64]| entry.runs.iter().fold(0, |sum: u64, run| sum.saturating_add(counts[run.index]));
+    let sums = entry.table.failures.iter().map(|(reason, counts)| (reason.clone(), sum(counts)));
+    sums.filter(|(_, sum)| *sum > 0).collect()
+}
+
+fn worst_runs(entry: &EntryRuns<'_>, numbers: &[f64], better: Better) -> Vec<WorstRun> {
+    let runs = entry.runs.iter().zip(numbers);
+    let mut runs: Vec<_> = runs.map(|(run, &value)| WorstRun { seed: run.seed, value, row: run.index }).collect();
+    // Runs of equal values stay in the order of their seeds.
+    runs.sort_by(|one, other| match better {
+        Better::Higher => one.value.total_cmp(&other.value),
+        Better::Lower => other.value.total_cmp(&one.value),
+    });
+    runs.truncate(MOST_WORST_RUNS);
+    runs
+}
+
+fn failed(entry: &EntryRuns<'_>) -> usize {
+    entry.runs.iter().filter(|run| !entry.table.done[run.index]).count()
+}
+
+/// Returns the values of a run in the columns of the metric; none of a run that failed.
+fn row(entry: &EntryRuns<'_>, run: usize, columns: usize) -> Option<Vec<f64>> {
+    let values = || (0..columns).map(|column| entry.table.values[column][run]).collect();
+    entry.table.done[run].then(values)
+}
+
+fn without_value(entry: &EntryRuns<'_>, metric: &Metric, columns: usize) -> usize {
+    let has_none =
+        |run: usize| row(entry, run, columns).is_none_or(|row| number_of(metric, &row, f64::INFINITY).is_nan());
+    entry.runs.iter().filter(|run| has_none(run.index)).count()
+}
+
+/// Returns the metric of every run of every entry, and the number that was taken where there is none.
+fn numbers(
+    entries: &[EntryRuns<'_>],
+    metric: &Metric,
+    columns: usize,
+    better: Better,
+) -> Result<(Vec<Vec<f64>>, Option<f64>), RankingError> {
+    let rows: Vec<Vec<Option<Vec<f64>>>> =
+        entries.iter().map(|entry| entry.runs.iter().map(|run| row(entry, run.index, columns)).collect()).collect();
+    // Times that were cut off are known up to the first cut only, for all entries alike.
+    let in_vain = rows.iter().flatten().flatten().filter(|_| matches!(metric.kind, MetricKind::Time { .. }));
+    let in_vain = in_vain.filter_map(|row| lifetime(row)).filter(|lifetime| lifetime.is_cut_off);
+    let horizon = in_vain.map(|lifetime| lifetime.time).fold(f64::INFINITY, f64::min);
+    let number = |row: &Option<Vec<f64>>| row.as_ref().map_or(f64::NAN, |row| number_of(metric, row, horizon));
+    let mut numbers: Vec<Vec<f64>> = rows.iter().map(|rows| rows.iter().map(number).collect()).collect();
+    let known = || numbers.iter().flatten().copied().filter(|number| !number.is_nan());
+    if known().next().is_none() && rows.iter().flatten().any(Option::is_some) {
+        return Err(RankingError::NoValues { metric: metric.name.clone() });
+    }
+    let worst = match (&metric.kind, better) {
+        (MetricKind::Answer { .. }, Better::Lower) => 1.0,
+        (_, Better::Higher) => known().fold(0.0, f64::min),
+        (_, Better::Lower) => known().fold(0.0, f64::max),
+    };
+    let mut missing = numbers.iter_mut().flatten().filter(|number| number.is_nan()).peekable();
+    let is_used = missing.peek().is_some();
+    missing.for_each(|number| *number = worst);
+    Ok((numbers, is_used.then_some(worst)))
+}
+
+/// Contrasts all pairs in an order of entries.
+fn pairs(order: &[usize], numbers: &[Vec<f64>], entries: &Entries<'_>, metric: &Metric) -> Vec<RankedPair> {
+    let places: Vec<[usize; 2]> =
+        (0..order.len()).flat_map(|first| (first + 1..order.len()).map(move |second| [first, second])).collect();
+    let contrast = |places: &[usize; 2]| {
+        let [ours, theirs] = places.map(|place| &numbers[order[place]]);
+        let pairs = entries.entries[0].runs.iter().zip(ours.iter().zip(theirs)).map(|(run, (&ours, &theirs))| {
+            NumberPair { seed: run.seed, stratum: run.stratum, numbers: [ours, theirs] }
+        });
+        let by = (entries.strata > 1).then(|| listed(&entries.columns));
+        Contrast::from_numbers(metric, pairs.collect(), by).expect("every entry has runs").0
+    };
+    let contrasts: Vec<Contrast> = places.par_iter().map(contrast).collect();
+    let p_values = adjusted(contrasts.iter().map(|contrast| Some(contrast.p_value.unwrap_or(1.0))));
+    let pairs = places.into_iter().zip(contrasts).zip(p_values);
+    pairs
+        .map(|((places, contrast), p)| RankedPair { places, contrast, p_adjusted: p.expect("all pairs have one") })
+        .collect()
+}

@@ -1,0 +1,288 @@
+//! Differences between the settings of two sides, which a difference of their runs can come from.
+//!
+//! Settings are those that `plan.json` holds beside the table of runs, with every value filled in. The scenarios of
+//! runs that make pairs are compared. The settings of a side are unknown if its plan is not there, or does not go with
+//! its runs.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use serde_json::Value as Json;
+
+use crate::comparison::pairs::Pairs;
+use crate::comparison::runs_table::RunsTable;
+use crate::comparison::sides::Side;
+use crate::comparison::words::listed;
+use crate::plan::{PLAN_FILE, PLANNER_KEY, PlanError, RecordedPlan, RecordedVariant, value_differences};
+use wildfire_base::untrusted::visible_start;
+
+/// The name of a scenario, which says nothing of its runs.
+const NAME_KEY: &str = "name";
+
+/// The differences of a side's settings from those of side A.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SettingsDifference {
+    /// Sides, by their letters, whose settings are not known, and why. Then there are no differences here.
+    pub unknown: Vec<(char, String)>,
+    pub differences: Vec<Difference>,
+    /// The versions of A and of the other side, where they differ.
+    pub program_versions: Option<[String; 2]>,
+    /// Seeds of all runs of A and of the other side, such as `1..5,9`, where they differ.
+    pub seeds: Option<[String; 2]>,
+}
+
+/// A value in which the resolved scenarios of two sides differ.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Difference {
+    /// The key as `--set` takes it: `unimog.planner` where all trucks have the same difference.
+    pub key: String,
+    /// The values on side A and on the other; `None` where the scenario has no such value.
+    pub values: [Option<Json>; 2],
+    /// Indices of the strata in which they differ like this; empty if they do in all.
+    pub strata: Vec<usize>,
+}
+
+/// A plan and the scenario of each run of a table.
+#[derive(Debug)]
+pub struct KnownSettings {
+    plan: RecordedPlan,
+    variant_of: Vec<usize>,
+}
+
+impl KnownSettings {
+    /// Reads the plan beside a table of runs, or says why the settings of its runs are not known.
+    pub fn read(table: &RunsTable) -> Result<Self, String> {
+        let folder = table.path.parent().unwrap_or(Path::new("."));
+        let plan = RecordedPlan::read(folder).map_err(|error| match error {
+            PlanError::Missing { .. } => format!("there is no {PLAN_FILE} beside {}", shown_path(table)),
+            error => visible_start(&error.to_string()),
+        })?;
+        let mut known: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
+        let mut variant_of = Vec::with_capacity(table.seeds.len());
+        for run in 0..table.seeds.len() {
+            let levels: Vec<u32> = table.conditions.iter().map(|condition| condition.of_run[run]).collect();
+            let variant = match known.get(&levels) {
+                Some(&variant) => variant,
+                None => variant_of_run(&plan, table, run)?,
+            };
+            known.insert(levels, variant);
+            variant_of.push(variant);
+        }
+        Ok(Self { plan, variant_of })
+    }
+}
+
+/// Finds the variant that has the conditions of a run.
+fn variant_of_run(plan: &RecordedPlan, table: &RunsTable, run: usize) -> Result<usize, String> {
+    let value_of = |variant: &RecordedVariant, column: &str| match column {
+        "scenario" => Some(variant.name.clone()),
+        "planner" => Some(variant.planner.clone()),
+        "policy" => Some(variant.policy.clone()),
+        key => {
+            let place = plan.swept_keys.iter().position(|swept| swept == key)?;
+            Some(variant.swept.get(place)?.to_string())
+        }
+    };
+    let is_it = |variant: &&RecordedVariant| {
+        let mut conditions = table.conditions.iter();
+        conditions.all(|condition| value_of(variant, &condition.name).as_deref() == Some(condition.level_of(run)))
+    };
+    let mut found = plan.variants.iter().enumerate().filter(|(_, variant)| is_it(variant));
+    let (first, variant) = found.next().ok_or_else(|| format!("{PLAN_FILE} does not go with {}", shown_path(table)))?;
+    if found.any(|(_, other)| other.scenario != variant.scenario) {
+        return Err(format!("{PLAN_FILE} has several scenarios for the same runs of {}", shown_path(table)));
+    }
+    Ok(first)
+}
+
+impl KnownSettings {
+    pub fn plan(&self) -> &RecordedPlan {
+        &self.plan
+    }
+
+    /// Returns the index of the variant of a run of the table.
+    pub fn variant_of(&self, run: usize) -> usize {
+        self.variant_of[run]
+    }
+}
+
+fn shown_path(table: &RunsTable) -> String {
+    visible_start(&table.path.display().to_string())
+}
+
+impl SettingsDifference {
+    /// Compares the settings of the runs of both sides that make pairs, each side with the settings of its table.
+    pub fn between(
+        (first, ours): (&Side<'_>, &Result<KnownSettings, String>),
+        (second, theirs): (&Side<'_>, &Result<KnownSettings, String>),
+        pairs: &Pairs,
+    ) -> Self {
+        let seeds = [first, second].map(seeds_of);
+        let seeds = (seeds[0] != seeds[1]).then_some(seeds);
+        let [ours, theirs] = match (ours, theirs) {
+            (Ok(ours), Ok(theirs)) => [ours, theirs],
+            (ours, theirs) => {
+                let reason = |side: &Side<'_>, known: &Result<KnownSettings, String>| {
+                    known.as_ref().err().map(|reason| (side.letter, reason.clone()))
+                };
+                let unknown = reason(first, ours).into_iter().chain(reason(second, theirs)).collect();
+                return Self { unknown, seeds, ..Self::default() };
+            }
+        };
+        let versions = [&ours.plan, &theirs.plan].map(|plan| plan.program_version.clone());
+        Self {
+            unknown: Vec::new(),
+            differences: differences(ours, theirs, pairs),
+            program_versions: (versions[0] != versions[1]).then_some(versions),
+            seeds,
+        }
+    }
+
+    /// Says whether the planner of the trucks is all that differs.
+    pub fn is_the_planners(&self) -> bool {
+        let (_, planner) = PLANNER_KEY.split_once('.').expect("it is a key of the trucks");
+        let is_planner = |key: &str| {
+            let mut steps = key.split('.');
+            steps.next() == PLANNER_KEY.split('.').next() && steps.next_back() == Some(planner) && steps.count() <= 1
+        };
+        self.is_known_and_of_one_version()
+            && self.effective().next().is_some()
+            && self.effective().all(|difference| is_planner(&difference.key))
+    }
+
+    fn is_known_and_of_one_version(&self) -> bool {
+        self.unknown.is_empty() && self.program_versions.is_none()
+    }
+
+    /// Returns the differences that can make runs differ.
+    fn effective(&self) -> impl Iterator<Item = &Difference> {
+        self.differences.iter().filter(|difference| difference.key != NAME_KEY)
+    }
+
+    /// Returns a line for each difference, `unimog.speed_mps: 8.0 in A, 20.0 in B`.
+    pub fn lines(&self, letter: char, pairs: &Pairs) -> Vec<String> {
+        let both = |what: &str, [ours, theirs]: [&str; 2]| {
+            format!("{}: {} in A, {} in {letter}", visible_start(what), visible_start(ours), visible_start(theirs))
+        };
+        let versions = self.program_versions.iter().map(|[a, b]| both("program version", [a, b]));
+        let seeds = self.seeds.iter().map(|[a, b]| both("seeds", [a, b]) + "; only seeds of both are compared");
+        let settings = self.differences.iter().map(|difference| {
+            let [ours, theirs] = difference.values.each_ref().map(value_words);
+            let line = both(&difference.key, [&ours, &theirs]);
+            let strata: Vec<String> = difference.strata.iter().map(|&index| pairs.stratum_words(index)).collect();
+            if strata.is_empty() { line } else { format!("{line}, where {}", strata.join(" or ")) }
+        });
+        versions.chain(settings).chain(seeds).collect()
+    }
+
+    /// Says what these differences mean for the result of the comparison.
+    pub fn conclusion(&self, letter: char) -> String {
+        if !self.unknown.is_empty() {
+            let sides: Vec<String> = self.unknown.iter().map(|(side, _)| side.to_string()).collect();
+            let mut reasons: Vec<&str> = self.unknown.iter().map(|(_, reason)| reason.as_str()).collect();
+            reasons.dedup();
+            let (of, why) = (listed(&sides), reasons.join("; "));
+            return format!(
+                "The settings of {of} are not known: {why}. A and {letter} may differ in more than is named here."
+            );
+        }
+        match self.effective().count() {
+            _ if self.is_the_planners() => {
+                "All other settings and the program are equal: the difference is the planner's.".into()
+            }
+            0 if self.program_versions.is_some() => "All settings are equal, the programs are not.".into(),
+            0 => "All settings and the program are equal: only measured times can differ.".into(),
+            1 if self.program_versions.is_none() => {
+                "All other settings and the program are equal: the difference is that of this value.".into()
+            }
+            _ => "All other settings are equal; which of these makes what difference, this comparison cannot tell."
+                .into(),
+        }
+    }
+}
+
+/// Words a value that a scenario may not have.
+pub(super) fn value_words(value: &Option<Json>) -> String {
+    match value {
+        None => "nothing".into(),
+        Some(Json::String(word)) => word.clone(),
+        Some(value) => value.to_string(),
+    }
+}
+
+/// Lists the seeds of a side, each once, consecutive ones as ranges.
+fn seeds_of(side: &Side<'_>) -> String {
+    seed_words(side.runs.iter().map(|&run| side.table.seeds[run]))
+}
+
+/// Lists seeds, each once, consecutive ones as ranges: `1..5,9`.
+pub(super) fn seed_words(seeds: impl Iterator<Item = u64>) -> String {
+    let seeds: BTreeSet<u64> = seeds.collect();
+    let seeds: Vec<u64> = seeds.into_iter().collect();
+    let ranges = seeds.chunk_by(|one, next| one + 1 == *next).map(|range| match range {
+        [one] => one.to_string(),
+        range => format!("{}..{}", range[0], range[range.len() - 1]),
+    });
+    ranges.collect::<Vec<_>>().join(",")
+}
+
+/// Returns all values in which the scenarios of some pair differ.
+fn differences(ours: &KnownSettings, theirs: &KnownSettings, pairs: &Pairs) -> Vec<Difference> {
+    // Each pair of scenarios with the strata that it is in: by plan, these are few.
+    let mut compared: BTreeMap<(usize, usize), BTreeSet<usize>> = BTreeMap::new();
+    for (&(our_run, their_run), &stratum) in pairs.runs.iter().zip(&pairs.stratum_of) {
+        let variants = (ours.variant_of[our_run], theirs.variant_of[their_run]);
+        compared.entry(variants).or_default().insert(stratum);
+    }
+    let mut found: Vec<Difference> = Vec::new();
+    for ((our_variant, their_variant), strata) in compared {
+        let json = |known: &KnownSettings, variant: usize| -> Json {
+            serde_json::from_str(&known.plan.variants[variant].scenario).expect("it was written as JSON")
+        };
+        let scenarios = [json(ours, our_variant), json(theirs, their_variant)];
+        for (key, values) in merged(scenarios.each_ref()) {
+            match found.iter_mut().find(|known| known.key == key && known.values == values) {
+                Some(known) => known.strata.extend(&strata),
+                None => found.push(Difference { key, values, strata: strata.iter().copied().collect() }),
+            }
+        }
+    }
+    for difference in &mut found {
+        difference.strata.sort_unstable();
+        difference.strata.dedup();
+        if difference.strata.len() == pairs.strata.len() {
+            difference.strata.clear();
+        }
+    }
+    found
+}
+
+/// Returns the differences of two scenarios; one that all agents of a list share is given once, for the list.
+pub(super) fn merged(scenarios: [&Json; 2]) -> Vec<(String, [Option<Json>; 2])> {
+    let all = value_differences(scenarios[0], scenarios[1]);
+    let mut merged: Vec<(String, [Option<Json>; 2])> = Vec::new();
+    for difference in &all {
+        let key = match parts_of_agent(&difference.key) {
+            Some((list, step)) => {
+                let counts = scenarios.map(|scenario| scenario[list].as_array().map_or(0, Vec::len));
+                let same = all.iter().filter(|other| {
+                    parts_of_agent(&other.key) == Some((list, step)) && other.values == difference.values
+                });
+                let is_shared = counts == [same.count(); 2];
+                if is_shared { format!("{list}.{step}") } else { difference.key.clone() }
+            }
+            None => difference.key.clone(),
+        };
+        if !merged.iter().any(|(known, _)| *known == key) {
+            merged.push((key, difference.values.clone()));
+        }
+    }
+    merged
+}
+
+/// Takes the key of an agent's value apart: `unimog` and `planner` of `unimog.2.planner`.
+fn parts_of_agent(key: &str) -> Option<(&str, &str)> {
+    let (list, rest) = key.split_once('.')?;
+    let (index, step) = rest.split_once('.')?;
+    index.chars().all(|letter| letter.is_ascii_digit()).then_some((list, step))
+}

@@ -1,0 +1,161 @@
+//! The sides of a comparison: which runs of which table.
+
+use crate::comparison::error::ComparisonError;
+use crate::comparison::runs_table::{Condition, RunsTable};
+use crate::plan::is_same_value;
+use wildfire_base::untrusted::visible_start;
+use wildfire_sim::scenario::nearest_name;
+
+/// The most sides: each has a letter.
+pub const MAX_SIDES: usize = 26;
+
+/// The choice of runs, and what divides a batch into sides.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Selection {
+    /// The column that divides, and its values if not all of them, the first of which is side A.
+    pub by: Option<(String, Vec<String>)>,
+    /// Columns and the value that they must have.
+    pub only: Vec<(String, String)>,
+}
+
+/// Some runs of a table.
+#[derive(Debug)]
+pub struct Side<'a> {
+    pub letter: char,
+    pub table: &'a RunsTable,
+    /// Ascending.
+    pub runs: Vec<usize>,
+    /// The column that divides it from the others of its table.
+    pub divided_by: Option<&'a str>,
+}
+
+impl<'a> Side<'a> {
+    /// One side a table, or the parts of a single one.
+    pub fn from_tables(tables: &'a [RunsTable], selection: &Selection) -> Result<Vec<Self>, ComparisonError> {
+        let mut sides = match (tables, &selection.by) {
+            ([table], None) => parts(table, the_varying_condition(table, selection)?, &[], selection)?,
+            (tables, None) => tables.iter().map(|table| whole(table, selection)).collect::<Result<_, _>>()?,
+            (tables, Some((column, levels))) => {
+                let divided = tables.iter().map(|table| parts(table, condition(table, column)?, levels, selection));
+                divided.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect()
+            }
+        };
+        if sides.len() > MAX_SIDES {
+            return Err(ComparisonError::TooManySides { count: sides.len(), limit: MAX_SIDES });
+        }
+        for (side, letter) in sides.iter_mut().zip('A'..) {
+            side.letter = letter;
+        }
+        Ok(sides)
+    }
+
+    /// The conditions that differ among its runs.
+    pub fn varying(&self) -> Vec<&'a Condition> {
+        let differs = |condition: &&Condition| {
+            let mut levels = self.runs.iter().map(|&run| condition.of_run[run]);
+            let first = levels.next();
+            levels.any(|level| Some(level) != first)
+        };
+        self.table.conditions.iter().filter(differs).collect()
+    }
+
+    /// Says whether a run of its table came to its end.
+    pub fn is_done(&self, run: usize) -> bool {
+        self.table.done[run]
+    }
+
+    pub fn failed(&self) -> usize {
+        self.runs.iter().filter(|&&run| !self.is_done(run)).count()
+    }
+
+    /// `A: runs/contest (scenario contest, planner prm-rs)`: what all its runs have in common.
+    pub fn description(&self) -> String {
+        let varying: Vec<_> = self.varying().iter().map(|condition| &condition.name).collect();
+        let common = self.table.conditions.iter().filter(|condition| !varying.contains(&&condition.name));
+        // A batch without trucks has no planner.
+        let is_said =
+            |condition: &&Condition| self.runs.first().is_some_and(|&run| !condition.level_of(run).is_empty());
+        let level = |condition: &Condition| {
+            let level = self.runs.first().map_or("", |&run| condition.level_of(run));
+            format!("{} {}", visible_start(&condition.name), visible_start(level))
+        };
+        let common: Vec<_> = common.filter(is_said).map(level).collect();
+        let path = visible_start(&self.table.path.display().to_string());
+        if common.is_empty() { path } else { format!("{path} ({})", common.join(", ")) }
+    }
+}
+
+/// The runs of a table that are asked for, as one side.
+pub fn whole<'a>(table: &'a RunsTable, selection: &Selection) -> Result<Side<'a>, ComparisonError> {
+    let mut runs: Vec<usize> = (0..table.seeds.len()).collect();
+    for (column, value) in &selection.only {
+        let condition = condition(table, column)?;
+        let level = level(table, condition, value)?;
+        runs.retain(|&run| condition.of_run[run] == level);
+    }
+    if runs.is_empty() {
+        return Err(ComparisonError::NoRows { path: table.path.clone() });
+    }
+    Ok(Side { letter: 'A', table, runs, divided_by: None })
+}
+
+fn parts<'a>(
+    table: &'a RunsTable,
+    by: &'a Condition,
+    levels: &[String],
+    selection: &Selection,
+) -> Result<Vec<Side<'a>>, ComparisonError> {
+    let whole = whole(table, selection)?;
+    let levels = if levels.is_empty() {
+        let mut present: Vec<u32> = Vec::new();
+        for &run in &whole.runs {
+            if !present.contains(&by.of_run[run]) && present.len() <= MAX_SIDES {
+                present.push(by.of_run[run]);
+            }
+        }
+        present
+    } else {
+        levels.iter().map(|value| level(table, by, value)).collect::<Result<_, _>>()?
+    };
+    if let [only] = levels[..] {
+        let (column, value) = (visible_start(&by.name), visible_start(&by.levels[only as usize]));
+        return Err(ComparisonError::OneLevel { path: table.path.clone(), column, value });
+    }
+    let part = |level| {
+        let runs = whole.runs.iter().copied().filter(|&run| by.of_run[run] == level).collect();
+        Side { letter: 'A', table, runs, divided_by: Some(&by.name) }
+    };
+    Ok(levels.into_iter().map(part).collect())
+}
+
+fn the_varying_condition<'a>(table: &'a RunsTable, selection: &Selection) -> Result<&'a Condition, ComparisonError> {
+    match whole(table, selection)?.varying()[..] {
+        [one] => Ok(one),
+        ref several => {
+            let varying = several.iter().map(|condition| visible_start(&condition.name)).collect();
+            Err(ComparisonError::WhatToCompare { path: table.path.clone(), varying })
+        }
+    }
+}
+
+fn condition<'a>(table: &'a RunsTable, column: &str) -> Result<&'a Condition, ComparisonError> {
+    let names = || table.conditions.iter().map(|condition| condition.name.as_str());
+    table.conditions.iter().find(|condition| condition.name == column).ok_or_else(|| {
+        ComparisonError::UnknownCondition {
+            path: table.path.clone(),
+            column: visible_start(column),
+            nearest: nearest_name(column, names()).map(|name| visible_start(&name)),
+            known: names().map(visible_start).collect(),
+        }
+    })
+}
+
+fn level(table: &RunsTable, condition: &Condition, value: &str) -> Result<u32, ComparisonError> {
+    let found = condition.levels.iter().position(|level| is_same_value(level, value));
+    found.map(|index| index as u32).ok_or_else(|| ComparisonError::UnknownLevel {
+        path: table.path.clone(),
+        column: visible_start(&condition.name),
+        value: visible_start(value),
+        known: condition.levels.iter().map(|level| visible_start(level)).collect(),
+    })
+}

@@ -1,0 +1,96 @@
+//! Differences as sentences.
+
+use crate::stats::Interval;
+use crate::table::Phrase;
+use wildfire_base::document::number::{rounded, two_digits};
+
+/// A difference as a sentence: `B saves 6.1 more obstacles per run, 95 % interval 4.8 to 7.4`. A metric
+/// without a phrase is called by its name.
+pub fn sentence(
+    metric: &str,
+    phrase: Option<Phrase>,
+    side: char,
+    difference: f64,
+    interval: Option<Interval>,
+) -> String {
+    let named = format!("has {metric}");
+    let (verb, [more, less], scale) = match &phrase {
+        Some(phrase) => (phrase.verb, phrase.more, phrase.scale),
+        None => (named.as_str(), ["higher", "lower"], 1.0),
+    };
+    let sign = if difference < 0.0 { -1.0 } else { 1.0 };
+    let scaled = |value: f64| sign * scale * value;
+    let decimals = interval.map_or_else(|| two_digits(difference * scale), |it| decimals_of_interval(it, scale));
+    let direction = if difference < 0.0 { less } else { more };
+    let said = format!("{side} {verb} {} {direction}", rounded(scaled(difference), decimals));
+    match interval {
+        Some(Interval { low, high }) => {
+            format!("{said}, 95 % interval {}", ends([low, high].map(scaled), decimals))
+        }
+        None => said,
+    }
+}
+
+/// An interval of a difference as it is, such as `-0.4 to 1.2`.
+pub fn interval_words(phrase: Option<Phrase>, interval: Interval) -> String {
+    let scale = phrase.map_or(1.0, |phrase| phrase.scale);
+    ends([interval.low, interval.high].map(|end| end * scale), decimals_of_interval(interval, scale))
+}
+
+fn decimals_of_interval(interval: Interval, scale: f64) -> usize {
+    two_digits(0.5 * (interval.high - interval.low) * scale)
+}
+
+fn ends(ends: [f64; 2], decimals: usize) -> String {
+    let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])].map(|end| rounded(end, decimals));
+    format!("{low} to {high}")
+}
+
+/// Joins words to a list: `a`, `a and b`, `a, b and c`.
+pub fn listed(words: &[String]) -> String {
+    match words {
+        [first @ .., before, last] => {
+            let first: String = first.iter().map(|word| format!("{word}, ")).collect();
+            format!("{first}{before} and {last}")
+        }
+        words => words.concat(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SAVES: Option<Phrase> = Some(Phrase::new("saves", "more obstacles per run", "fewer obstacles per run"));
+    const WINS: Option<Phrase> =
+        Some(Phrase::new("wins for the truck", "more runs of a hundred", "fewer runs of a hundred").in_hundreds());
+
+    #[test]
+    fn differences_are_said_in_the_direction_they_have() {
+        let interval = Interval { low: 4.78, high: 7.41 };
+        assert_eq!(
+            sentence("saved", SAVES, 'B', 6.1, Some(interval)),
+            "B saves 6.1 more obstacles per run, 95 % interval 4.8 to 7.4"
+        );
+        let mirrored = Interval { low: -7.41, high: -4.78 };
+        assert_eq!(
+            sentence("saved", SAVES, 'C', -6.1, Some(mirrored)),
+            "C saves 6.1 fewer obstacles per run, 95 % interval 4.8 to 7.4"
+        );
+        assert_eq!(sentence("saved", SAVES, 'B', 2.0, None), "B saves 2.0 more obstacles per run");
+        assert_eq!(sentence("truck_cusps", None, 'B', -31.0, None), "B has truck_cusps 31 lower");
+    }
+
+    #[test]
+    fn rates_are_said_in_hundreds() {
+        let interval = Some(Interval { low: -0.2, high: -0.05 });
+        let said = sentence("truck_won", WINS, 'B', -0.125, interval);
+        assert_eq!(said, "B wins for the truck 12.5 fewer runs of a hundred, 95 % interval 5.0 to 20.0");
+    }
+
+    #[test]
+    fn lists_end_with_and() {
+        let of = |words: &[&str]| listed(&words.iter().map(|&word| word.to_owned()).collect::<Vec<_>>());
+        assert_eq!([of(&[]), of(&["a"]), of(&["a", "b"]), of(&["a", "b", "c"])], ["", "a", "a and b", "a, b and c"]);
+    }
+}

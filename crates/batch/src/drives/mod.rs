@@ -1,0 +1,23 @@
+//! Drives: queries to planners, and paths that were computed elsewhere, each with its cost, its figures and what the
+//! independent audit finds.
+//!
+//! A [`DriveQuery`] is a row, [`DRIVE_COLUMNS`] are the columns of its table in every form: CSV, JSON, Python.
+//! [`DriveTable`] holds the rows with what varies between them, [`PlannerSummary`] is the one summary of a planner's rows,
+//! and [`DriveContrast`] sets two planners against each other by the engine of [`comparison`](super::comparison).
+
+mod contrast;
+mod documents;
+mod made_up;
+mod query;
+mod summary;
+mod table;
+
+pub use contrast::{COMPARED, DriveContrast, contrast_table};
+pub use documents::{
+    DRIVE_LEGEND, INTERVAL_LEGEND, failure_sentences, interval_tables, queries_words, rows_table, shortened_field,
+    summary_table, violation_sentences,
+};
+pub use made_up::made_up_drives;
+pub use query::{DRIVE_COLUMNS, DriveColumn, DriveFailure, DriveQuery, QueryCost};
+pub use summary::{MEASURES, Measure, PlannerSummary, SummaryMember};
+pub use table::{DriveTable, MAX_QUERIES, RowMember};

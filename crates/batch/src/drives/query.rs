@@ -1,0 +1,101 @@
+//! A query to a planner, or a path that was computed elsewhere, without the path itself.
+
+use std::fmt;
+use std::sync::Arc;
+
+use crate::plan::Value;
+use crate::table::{Column, Kind, Unit, about, columns};
+use wildfire_planning::PlanFailure;
+use wildfire_planning::judge::DriveFigures;
+
+/// A column of a table of drives.
+pub type DriveColumn = Column<fn(&DriveQuery) -> Value>;
+
+/// A goal, who was to drive there, what the answer cost and what it is worth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DriveQuery {
+    /// `None` in a table without seeds.
+    pub seed: Option<u64>,
+    /// The index of its variant in the table.
+    pub variant: usize,
+    pub field: Arc<str>,
+    /// The index of the goal on its field.
+    pub goal: usize,
+    pub planner: Arc<str>,
+    /// `None` for a path that was computed elsewhere.
+    pub cost: Option<QueryCost>,
+    /// The figures of the path, with or without violation; `None` without a path.
+    pub figures: Option<DriveFigures>,
+    pub failure: Option<DriveFailure>,
+    /// The first violation that the audit finds on the path.
+    pub violation: Option<Box<str>>,
+    /// The planner's own message about a failure; no column.
+    pub message: Option<Box<str>>,
+}
+
+/// The effort behind an answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct QueryCost {
+    /// CPU time of the clearance field and of the planner's own preparation, the same for all goals of a field.
+    pub cpu_build_s: f64,
+    pub cpu_query_s: f64,
+    pub expansions: u64,
+}
+
+/// The reason for which a goal was not reached although the path, if there is one, breaks no rule.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum DriveFailure {
+    Planner(PlanFailure),
+    /// A table of paths has none to this goal.
+    NoPath,
+    /// A recorded truck gave the goal up on the way.
+    Dropped,
+}
+
+impl DriveFailure {
+    /// Returns the failure that is written like this.
+    pub fn parse(text: &[u8]) -> Option<Self> {
+        let planners = PlanFailure::ALL.map(Self::Planner);
+        planners.into_iter().chain([Self::NoPath, Self::Dropped]).find(|known| known.to_string().as_bytes() == text)
+    }
+}
+
+impl fmt::Display for DriveFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Planner(failure) => failure.fmt(f),
+            Self::NoPath => f.write_str("no path"),
+            Self::Dropped => f.write_str("dropped"),
+        }
+    }
+}
+
+impl DriveQuery {
+    /// Returns the figures of a path that reaches its goal and that the audit accepts.
+    pub fn solved(&self) -> Option<&DriveFigures> {
+        self.figures.as_ref().filter(|_| self.failure.is_none() && self.violation.is_none())
+    }
+}
+
+/// The columns of tables of drives, in their order, after the seed and what is swept.
+#[rustfmt::skip]
+pub const DRIVE_COLUMNS: &[DriveColumn] = columns! { DriveColumn, query;
+    field: Text None "name of the field" = query.field.to_string();
+    goal: Count None "number of the goal on its field, from 0" = query.goal as u64;
+    planner: Text None "planner that was asked, or that computed the path" = query.planner.to_string();
+    success: Flag None "whether a path reaches the goal and the audit accepts it" = query.solved().is_some();
+    reason: optional Text None "why the goal was not reached" = query.failure.map(|failure| failure.to_string());
+    cpu_build_s: optional Real Seconds "CPU time: clearance field and the planner's preparation"
+        = query.cost.map(|cost| cost.cpu_build_s);
+    cpu_query_s: optional Real Seconds "CPU time: the query" = query.cost.map(|cost| cost.cpu_query_s);
+    length_m: optional Real Metres "length of the path" = query.figures.map(|path| path.length_m);
+    lower_bound_ratio: optional Real None "length over a lower bound on the length of any path"
+        = query.figures.and_then(|path| path.lower_bound_ratio);
+    min_clearance_m: optional Real Metres "least distance to a bush or the border"
+        = query.figures.map(|path| path.min_clearance_m);
+    cusps: optional Count None "changes between forward and reverse" = query.figures.map(|path| path.cusps);
+    drive_s: optional Real Seconds "time of the drive" = query.figures.map(|path| path.drive_s);
+    expansions: optional Count None "nodes expanded" = query.cost.map(|cost| cost.expansions);
+    violation: optional Text None "first violation that the audit finds on the path"
+        = query.violation.as_deref().map(str::to_owned);
+};

@@ -1,0 +1,280 @@
+//! Drives with the seed and what was varied between them, and the CSV file that holds them.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{self, Write};
+use std::path::Path;
+use std::sync::Arc;
+
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+
+use crate::drives::query::{DRIVE_COLUMNS, DriveFailure, DriveQuery, QueryCost};
+use crate::plan::{MAX_VARIANTS, Setting, Value};
+use crate::table::{Lines, TableError, TableReader};
+use wildfire_base::untrusted::visible_start;
+use wildfire_base::whole_file::WholeFile;
+use wildfire_planning::judge::DriveFigures;
+
+/// The most queries of a table; they are all kept in memory.
+pub const MAX_QUERIES: u64 = 1_000_000;
+
+/// The most columns of a table that are taken for keys.
+const MAX_KEYS: usize = 100;
+
+/// The most bytes of all different names and values of a table.
+const MAX_TEXT_BYTES: usize = 20_000_000;
+
+/// The column of the seed.
+const SEED: &str = "seed";
+
+/// The column that older tables lack.
+const VIOLATION: &str = "violation";
+
+/// Drives, and what was varied between them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DriveTable {
+    /// Keys that differ.
+    pub keys: Vec<String>,
+    /// A value for each key, in the order in which they are first met.
+    pub variants: Vec<Vec<Value>>,
+    /// Variant by variant, seed by seed, goal by goal, planner by planner.
+    pub rows: Vec<DriveQuery>,
+}
+
+impl DriveTable {
+    /// Makes a table in which nothing was varied.
+    pub fn of_one_variant(rows: Vec<DriveQuery>) -> Self {
+        Self { keys: Vec::new(), variants: vec![Vec::new()], rows }
+    }
+
+    /// Names a variant by its values; empty where nothing differs.
+    pub fn title(&self, variant: usize) -> String {
+        let words = self.keys.iter().zip(&self.variants[variant]).map(|(key, value)| format!("{key} {value}"));
+        words.collect::<Vec<_>>().join(", ")
+    }
+
+    /// Lists the planners, in the order in which they are first met.
+    pub fn planners(&self) -> Vec<Arc<str>> {
+        let mut seen = BTreeSet::new();
+        self.rows.iter().map(|row| &row.planner).filter(|name| seen.insert(Arc::clone(name))).cloned().collect()
+    }
+
+    /// Returns the rows as they are written into JSON.
+    pub fn members(&self) -> Vec<RowMember<'_>> {
+        self.rows.iter().map(|query| RowMember { table: self, query }).collect()
+    }
+
+    /// Writes a row for each query; numbers read back as the same `f64`, and no spreadsheet computes a name.
+    pub fn write(&self, path: &Path) -> io::Result<()> {
+        let has_seeds = self.rows.iter().any(|row| row.seed.is_some());
+        let mut lines = Lines::default();
+        let names = has_seeds.then_some(SEED).into_iter().chain(self.keys.iter().map(String::as_str));
+        let names = names.chain(DRIVE_COLUMNS.iter().map(|column| column.name));
+        names.for_each(|name| lines.add_field(&Value::Text(name.to_owned())));
+        lines.end();
+        for query in &self.rows {
+            if has_seeds {
+                lines.add_field(&query.seed.into());
+            }
+            self.variants[query.variant].iter().for_each(|value| lines.add_field(value));
+            DRIVE_COLUMNS.iter().for_each(|column| lines.add_field(&(column.value)(query)));
+            lines.end();
+        }
+        let mut file = WholeFile::create(path)?;
+        file.write_all(&lines.into_bytes())?;
+        file.finish()
+    }
+
+    /// Reads a table that this program wrote, with or without seeds. Columns that it does not know are keys.
+    ///
+    /// # Errors
+    /// If it is none, holds nothing, or more than is kept in memory.
+    pub fn read(path: &Path) -> Result<Self, TableError> {
+        Reading::open(path)?.finish()
+    }
+}
+
+/// A row as JSON has it: the seed and the values of its variant if there are any, then its columns.
+pub struct RowMember<'a> {
+    table: &'a DriveTable,
+    query: &'a DriveQuery,
+}
+
+impl Serialize for RowMember<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        self.query.seed.map_or(Ok(()), |seed| map.serialize_entry(SEED, &seed))?;
+        let swept = self.table.keys.iter().zip(&self.table.variants[self.query.variant]);
+        swept.into_iter().try_for_each(|(key, value)| map.serialize_entry(key, value))?;
+        DRIVE_COLUMNS.iter().try_for_each(|column| map.serialize_entry(column.name, &(column.value)(self.query)))?;
+        map.end()
+    }
+}
+
+/// A table that is being read.
+struct Reading<'a> {
+    path: &'a Path,
+    reader: TableReader,
+    seed: Option<usize>,
+    keys: Vec<usize>,
+    /// The places of [`DRIVE_COLUMNS`]; beyond the row for one that is not there.
+    columns: [usize; DRIVE_COLUMNS.len()],
+    variants: BTreeMap<Vec<String>, usize>,
+    /// Different names, each kept once.
+    names: BTreeSet<Arc<str>>,
+    text_bytes: usize,
+    table: DriveTable,
+}
+
+impl<'a> Reading<'a> {
+    fn open(path: &'a Path) -> Result<Self, TableError> {
+        let reader = TableReader::open(path)?;
+        let mut columns = [usize::MAX; DRIVE_COLUMNS.len()];
+        for (place, column) in columns.iter_mut().zip(DRIVE_COLUMNS) {
+            match reader.place(column.name) {
+                Some(found) => *place = found,
+                None if column.name == VIOLATION => {}
+                None => {
+                    let expected = "expected a table that `wildfire plan --csv` or `wildfire judge --csv` wrote";
+                    return Err(unfit(path, format!("there is no column `{}`; {expected}", column.name)));
+                }
+            }
+        }
+        let seed = reader.place(SEED);
+        let is_known = |place: &usize| columns.contains(place) || seed == Some(*place);
+        let keys: Vec<usize> = (0..reader.columns().len()).filter(|place| !is_known(place)).collect();
+        if keys.len() > MAX_KEYS {
+            return Err(unfit(path, format!("{} columns of keys; expected at most {MAX_KEYS}", keys.len())));
+        }
+        let names = keys.iter().map(|&place| reader.columns()[place].clone()).collect();
+        let table = DriveTable { keys: names, ..DriveTable::default() };
+        let (variants, names) = (BTreeMap::new(), BTreeSet::new());
+        Ok(Self { path, reader, seed, keys, columns, variants, names, text_bytes: 0, table })
+    }
+
+    fn finish(mut self) -> Result<DriveTable, TableError> {
+        while self.reader.next_row()? {
+            if self.table.rows.len() as u64 == MAX_QUERIES {
+                return Err(self.too_much(&format!("more than {MAX_QUERIES} queries")));
+            }
+            let row = self.row()?;
+            self.table.rows.push(row);
+        }
+        if self.table.rows.is_empty() {
+            return Err(unfit(self.path, "there are no queries in it; expected rows".into()));
+        }
+        Ok(self.table)
+    }
+
+    fn too_much(&self, what: &str) -> TableError {
+        unfit(self.path, format!("{what}; expected fewer"))
+    }
+
+    fn row(&mut self) -> Result<DriveQuery, TableError> {
+        let seed = self.seed.map(|place| self.reader.count(place, "a seed")).transpose()?;
+        let variant = self.variant()?;
+        let [
+            field,
+            goal,
+            planner,
+            success,
+            reason,
+            build,
+            query,
+            length,
+            ratio,
+            clearance,
+            cusps,
+            drive,
+            expansions,
+            violation,
+        ] = self.columns;
+        let reader = &self.reader;
+        let is_there = |place: usize| place != usize::MAX && !reader.bytes(place).is_empty();
+        let small = |place: usize| {
+            let too_large = |_| reader.wrong_value(place, "a smaller number");
+            u32::try_from(reader.count(place, "a whole number")?).map_err(too_large)
+        };
+        let figures = || {
+            Ok::<_, TableError>(DriveFigures {
+                length_m: self.number(length)?,
+                lower_bound_ratio: is_there(ratio).then(|| self.number(ratio)).transpose()?,
+                min_clearance_m: self.number(clearance)?,
+                cusps: small(cusps)?,
+                drive_s: self.number(drive)?,
+            })
+        };
+        let cost = || {
+            let (cpu_build_s, cpu_query_s) = (self.number(build)?, self.number(query)?);
+            Ok::<_, TableError>(QueryCost {
+                cpu_build_s,
+                cpu_query_s,
+                expansions: reader.count(expansions, "a whole number")?,
+            })
+        };
+        let known = |known: Option<_>| known.ok_or_else(|| reader.wrong_value(reason, "a reason why there is no path"));
+        let success = match reader.bytes(success) {
+            b"true" => true,
+            b"false" => false,
+            _ => return Err(reader.wrong_value(success, "true or false")),
+        };
+        let violation = is_there(violation).then(|| String::from_utf8_lossy(reader.bytes(violation)).into());
+        let failure = (!success && violation.is_none() || is_there(reason))
+            .then(|| known(DriveFailure::parse(reader.bytes(reason))))
+            .transpose()?;
+        let figures = (success || is_there(length)).then(figures).transpose()?;
+        let cost = is_there(query).then(cost).transpose()?;
+        let goal = small(goal)? as usize;
+        let (field, planner) = (self.name(field)?, self.name(planner)?);
+        Ok(DriveQuery { seed, variant, field, goal, planner, cost, figures, failure, violation, message: None })
+    }
+
+    /// Reads a number that is finite and not negative, which all figures are.
+    fn number(&self, place: usize) -> Result<f64, TableError> {
+        let number = self.reader.number(place)?.filter(|number| number.is_finite() && *number >= 0.0);
+        // Zero has no sign.
+        number.map(|number| number + 0.0).ok_or_else(|| self.reader.wrong_value(place, "a number from 0 up"))
+    }
+
+    /// Reads a name; equal ones are one in memory.
+    fn name(&mut self, place: usize) -> Result<Arc<str>, TableError> {
+        let name = String::from_utf8_lossy(self.reader.bytes(place));
+        if let Some(known) = self.names.get(&*name) {
+            return Ok(Arc::clone(known));
+        }
+        let name: Arc<str> = (*name).into();
+        self.hold(name.len())?;
+        self.names.insert(Arc::clone(&name));
+        Ok(name)
+    }
+
+    fn variant(&mut self) -> Result<usize, TableError> {
+        let text = |&place: &usize| String::from_utf8_lossy(self.reader.bytes(place)).into_owned();
+        let texts: Vec<String> = self.keys.iter().map(text).collect();
+        if let Some(&known) = self.variants.get(&texts) {
+            return Ok(known);
+        }
+        let number = self.variants.len();
+        if number as u64 == MAX_VARIANTS {
+            let keys = visible_start(&self.table.keys.join(", "));
+            return Err(self.too_much(&format!("more than {MAX_VARIANTS} combinations of {keys}")));
+        }
+        self.hold(texts.iter().map(String::len).sum())?;
+        self.table.variants.push(texts.iter().map(|text| Setting::parse(text).value).collect());
+        self.variants.insert(texts, number);
+        Ok(number)
+    }
+
+    fn hold(&mut self, bytes: usize) -> Result<(), TableError> {
+        self.text_bytes += bytes;
+        if self.text_bytes > MAX_TEXT_BYTES {
+            let sentence = format!("names and values of more than {} MB", MAX_TEXT_BYTES / 1_000_000);
+            return Err(self.too_much(&sentence));
+        }
+        Ok(())
+    }
+}
+
+fn unfit(path: &Path, complaint: String) -> TableError {
+    TableError::Unfit { path: path.to_owned(), complaint }
+}

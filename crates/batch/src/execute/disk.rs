@@ -1,0 +1,60 @@
+//! What a batch asks of a disk, so that tests can put one in its place that is full.
+
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::Path;
+
+use wildfire_base::whole_file::WholeFile;
+
+/// A place to which the files of a batch are written.
+pub trait Disk {
+    /// A file that appears when it is finished.
+    fn whole_file(&self, path: &Path) -> io::Result<Box<dyn Whole>>;
+
+    /// A journal that is open, to be written at its end.
+    fn journal(&self, file: File) -> Box<dyn Append>;
+}
+
+/// A file that appears when it is finished.
+pub trait Whole: Write + Send {
+    fn finish(self: Box<Self>) -> io::Result<()>;
+}
+
+/// A file that grows.
+pub trait Append {
+    /// Hands all bytes over to the system: they survive the end of this process.
+    fn append(&mut self, bytes: &[u8]) -> io::Result<()>;
+
+    /// Brings what was handed over to the disk: it survives the end of the machine.
+    fn sync(&mut self) -> io::Result<()>;
+}
+
+/// The file system.
+#[derive(Clone, Copy, Debug)]
+pub struct RealDisk;
+
+impl Disk for RealDisk {
+    fn whole_file(&self, path: &Path) -> io::Result<Box<dyn Whole>> {
+        Ok(Box::new(WholeFile::create(path)?))
+    }
+
+    fn journal(&self, file: File) -> Box<dyn Append> {
+        Box::new(file)
+    }
+}
+
+impl Whole for WholeFile {
+    fn finish(self: Box<Self>) -> io::Result<()> {
+        Self::finish(*self)
+    }
+}
+
+impl Append for File {
+    fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.write_all(bytes)
+    }
+
+    fn sync(&mut self) -> io::Result<()> {
+        self.sync_data()
+    }
+}

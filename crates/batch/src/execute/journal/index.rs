@@ -1,0 +1,311 @@
+//! Where in a journal the line of each run is.
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+use super::JournalError;
+use super::line::{Entry, Head, decode};
+use crate::execute::{RunRow, Status};
+use crate::plan::{BatchPlan, Slice};
+
+/// The longest line; that of a run with a hundred agents and thousands of plans has some megabytes.
+const MAX_LINE_BYTES: u64 = 1 << 25;
+
+/// Bytes that are read at once: few, since of the journals that are merged each is read some lines at a time.
+const BUFFERED_BYTES: usize = 1 << 14;
+
+/// The runs that a journal holds, sixteen bytes each.
+#[derive(Clone, Debug)]
+pub struct JournalIndex {
+    slice: Slice,
+    /// By place in the slice, where the run's line begins; zero, where the first line begins, of a run that is missing.
+    offsets: Vec<u64>,
+    /// By place in the slice, the digest of the run's line. It is in memory only, so that a program which rewrites lines
+    /// of the file cannot rewrite it.
+    digests: Vec<u64>,
+    held: u64,
+    /// Runs held that are not done.
+    not_done: u64,
+    /// Runs that were held when the journal was read and that leave recordings.
+    recorded: Vec<u64>,
+    /// Bytes of all whole lines.
+    end: u64,
+    /// True if something follows the last whole line.
+    torn: bool,
+    /// Lines of runs that were there before.
+    repeated: u64,
+}
+
+/// What a line of a run is to an index.
+enum Place {
+    Free(usize),
+    /// The run has a line already, which begins here.
+    Taken(u64),
+}
+
+impl JournalIndex {
+    /// The index of a journal without a line.
+    fn empty(slice: Slice, runs: u64) -> Self {
+        let places = usize::try_from(slice.count(runs)).expect("the runs of a batch are counted in memory");
+        Self {
+            slice,
+            offsets: vec![0; places],
+            digests: vec![0; places],
+            held: 0,
+            not_done: 0,
+            recorded: Vec::new(),
+            end: 0,
+            torn: false,
+            repeated: 0,
+        }
+    }
+
+    /// Reads the journal of a slice of a plan; one without a whole first line is empty.
+    ///
+    /// # Errors
+    /// If a line is damaged, belongs to another plan or slice, or names a run that was named before and ended otherwise.
+    pub fn read(path: &Path, file: &File, plan: &BatchPlan, slice: Slice) -> Result<Self, JournalError> {
+        let mut index = Self::empty(slice, plan.count());
+        let mut lines = Lines::from(path, file, LineStart::default())?;
+        let damaged = |line: u64, reason: String| JournalError::Damaged { path: path.to_owned(), line, reason };
+        while let Some(LineStart { number, offset }) = lines.next()? {
+            if number == 0 {
+                check_head(path, &lines.line, &Head::new(&plan.content_sha256(), slice))?;
+                continue;
+            }
+            let damaged = |reason: String| damaged(number + 1, reason);
+            let entry: Entry = decode(&lines.line).map_err(damaged)?;
+            match index.place_of(entry.label.run).map_err(damaged)? {
+                Place::Free(place) => {
+                    index.add(place, entry.status, offset, &lines.line);
+                    index.recorded.extend(entry.is_recorded(plan.record).then_some(entry.label.run));
+                }
+                Place::Taken(first) => {
+                    expect_same_row(path, first, &lines.line).map_err(damaged)?;
+                    index.repeated += 1;
+                }
+            }
+        }
+        index.recorded.sort_unstable();
+        (index.end, index.torn) = (lines.start.offset, lines.torn);
+        Ok(index)
+    }
+
+    /// Finds the place of a run in the slice.
+    fn place_of(&self, run: u64) -> Result<Place, String> {
+        let place = self.slice.place_of(run).and_then(|place| usize::try_from(place).ok());
+        match place.and_then(|place| Some((place, *self.offsets.get(place)?))) {
+            Some((place, 0)) => Ok(Place::Free(place)),
+            Some((_, first)) => Ok(Place::Taken(first)),
+            None => Err(format!("run {run} is not in slice {}", self.slice)),
+        }
+    }
+
+    /// Takes a run whose line, here without its newline, begins at `offset`.
+    fn add(&mut self, place: usize, status: Status, offset: u64, line: &[u8]) {
+        self.offsets[place] = offset;
+        self.digests[place] = digest(line);
+        self.held += 1;
+        self.not_done += u64::from(status != Status::Done);
+    }
+
+    /// Takes the line of a run that was written at the end.
+    pub fn append(&mut self, run: u64, status: Status, line: &[u8]) {
+        let Ok(Place::Free(place)) = self.place_of(run) else { unreachable!("only missing runs are run") };
+        self.add(place, status, self.end, line.strip_suffix(b"\n").unwrap_or(line));
+        self.end += line.len() as u64;
+    }
+
+    /// Takes note that a line was torn before the journal came to where it was read.
+    pub fn note_torn(&mut self, was_torn: bool) {
+        self.torn |= was_torn;
+    }
+
+    /// Takes the first line, which was written.
+    pub fn append_head(&mut self, bytes: usize) {
+        self.end = bytes as u64;
+    }
+
+    pub fn slice(&self) -> Slice {
+        self.slice
+    }
+
+    /// Runs of the slice.
+    pub fn count(&self) -> u64 {
+        self.offsets.len() as u64
+    }
+
+    /// Runs that the journal holds, and how many of these are not done.
+    pub fn held(&self) -> (u64, u64) {
+        (self.held, self.not_done)
+    }
+
+    pub fn is_complete(&self) -> bool {
+        self.held == self.count()
+    }
+
+    /// The runs that the journal does not hold, in order.
+    pub fn missing(&self) -> impl Iterator<Item = u64> + Send + 'static {
+        let (slice, held): (Slice, Vec<bool>) = (self.slice, self.offsets.iter().map(|&offset| offset != 0).collect());
+        (0..).zip(held).filter(|(_, held)| !held).map(move |(place, _)| slice.run_at(place))
+    }
+
+    /// The runs that were held when the journal was read and that leave recordings, in order.
+    pub fn recorded(&self) -> &[u64] {
+        &self.recorded
+    }
+
+    /// Bytes of all whole lines, and whether something follows them.
+    pub fn end(&self) -> (u64, bool) {
+        (self.end, self.torn)
+    }
+
+    /// Lines of runs that were there before, with rows that are equal in all that is not measured.
+    pub fn repeated(&self) -> u64 {
+        self.repeated
+    }
+}
+
+/// Reads the rows of a journal that is complete.
+pub struct RowReader<'a> {
+    path: PathBuf,
+    reader: BufReader<&'a File>,
+    index: &'a JournalIndex,
+    line: Vec<u8>,
+}
+
+impl<'a> RowReader<'a> {
+    pub fn new(path: PathBuf, file: &'a File, index: &'a JournalIndex) -> Result<Self, JournalError> {
+        let mut reader = BufReader::new(file);
+        reader.rewind().map_err(|source| JournalError::unreadable(&path, source))?;
+        Ok(Self { path, reader, index, line: Vec::new() })
+    }
+
+    /// The row of a run that the journal holds.
+    ///
+    /// # Errors
+    /// If its line is not the one that was written, or read when the journal was opened. All lines are dropped then, or
+    /// resuming would believe them.
+    pub fn row(&mut self, run: u64) -> Result<RunRow, JournalError> {
+        let place = self.index.slice.place_of(run).expect("the run is one of this slice");
+        self.read_own_line(usize::try_from(place).expect("it is in memory"))?;
+        // The line was read before, so what is wrong now is a change of the format.
+        let damaged = |reason| JournalError::Damaged { path: self.path.clone(), line: place + 2, reason };
+        decode(&self.line).map_err(damaged)
+    }
+
+    /// Refuses a journal with a line that is not the one that was written, as [`Self::row`] does.
+    pub fn expect_own_lines(&mut self) -> Result<(), JournalError> {
+        let index = self.index;
+        let held = index.offsets.iter().enumerate().filter(|(_, offset)| **offset != 0);
+        held.map(|(place, _)| place).try_for_each(|place| self.read_own_line(place))
+    }
+
+    /// Reads the line of the run at a place.
+    fn read_own_line(&mut self, place: usize) -> Result<(), JournalError> {
+        self.read_line(self.index.offsets[place]).map_err(|source| JournalError::unreadable(&self.path, source))?;
+        if digest(&self.line) == self.index.digests[place] {
+            return Ok(());
+        }
+        self.reader.get_ref().set_len(0).map_err(|source| JournalError::unreadable(&self.path, source))?;
+        Err(JournalError::Rewritten { path: self.path.clone(), run: self.index.slice.run_at(place as u64) })
+    }
+
+    fn read_line(&mut self, offset: u64) -> io::Result<()> {
+        let here = self.reader.stream_position()?;
+        // Lines are nearly in the order of their runs, so the next one is usually in the buffer.
+        self.reader.seek_relative(offset.cast_signed() - here.cast_signed())?;
+        self.line.clear();
+        self.reader.by_ref().take(MAX_LINE_BYTES).read_until(b'\n', &mut self.line)?;
+        self.line.pop();
+        Ok(())
+    }
+}
+
+/// Returns the beginning of a line's SHA-256.
+fn digest(line: &[u8]) -> u64 {
+    let [a, b, c, d, e, f, g, h, ..] = <[u8; 32]>::from(Sha256::digest(line));
+    u64::from_le_bytes([a, b, c, d, e, f, g, h])
+}
+
+/// Refuses the line of a run that ended otherwise in the line that begins at `first`.
+pub(super) fn expect_same_row(path: &Path, first: u64, line: &[u8]) -> Result<(), String> {
+    let row: RunRow = decode(line)?;
+    let read = File::open(path).and_then(|file| read_line_at(&file, first));
+    let first = read.map_err(|error| format!("its run was there before and cannot be read: {error}"))?;
+    let first: RunRow = decode(&first)?;
+    match first.outcome_difference(&row) {
+        None => Ok(()),
+        Some(difference) => Err(format!("run {} was there before and ended otherwise: {difference}", row.label.run)),
+    }
+}
+
+/// Reads the line that begins at a byte, without its newline.
+pub(super) fn read_line_at(file: &File, offset: u64) -> io::Result<Vec<u8>> {
+    let mut reader = BufReader::with_capacity(BUFFERED_BYTES, file);
+    reader.seek(SeekFrom::Start(offset))?;
+    let mut line = Vec::new();
+    reader.take(MAX_LINE_BYTES).read_until(b'\n', &mut line)?;
+    line.pop();
+    Ok(line)
+}
+
+pub(super) fn check_head(path: &Path, line: &[u8], expected: &Head) -> Result<(), JournalError> {
+    let damaged = |reason: String| JournalError::Damaged { path: path.to_owned(), line: 1, reason };
+    let head: Head = decode(line).map_err(damaged)?;
+    if head.plan_sha256 != expected.plan_sha256 {
+        let (found, expected) = (head.plan_sha256, expected.plan_sha256.clone());
+        return Err(JournalError::OtherPlan { path: path.to_owned(), found, expected });
+    }
+    if head == *expected { Ok(()) } else { Err(damaged("it is the journal of another slice, or format".into())) }
+}
+
+/// Where a line begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct LineStart {
+    /// Lines before it.
+    pub number: u64,
+    /// Bytes before it.
+    pub offset: u64,
+}
+
+/// The whole lines of a file.
+pub(super) struct Lines<'a> {
+    path: &'a Path,
+    reader: BufReader<&'a File>,
+    pub line: Vec<u8>,
+    /// The next line's.
+    pub start: LineStart,
+    /// True if what follows the last whole line was reached, and is something.
+    pub torn: bool,
+}
+
+impl<'a> Lines<'a> {
+    /// Reads on from a line.
+    pub fn from(path: &'a Path, file: &'a File, start: LineStart) -> Result<Self, JournalError> {
+        let mut reader = BufReader::with_capacity(BUFFERED_BYTES, file);
+        reader.seek(SeekFrom::Start(start.offset)).map_err(|source| JournalError::unreadable(path, source))?;
+        Ok(Self { path, reader, line: Vec::new(), start, torn: false })
+    }
+
+    /// Reads the next line into `line`, without its newline, and returns its start.
+    pub fn next(&mut self) -> Result<Option<LineStart>, JournalError> {
+        self.line.clear();
+        let read = self.reader.by_ref().take(MAX_LINE_BYTES).read_until(b'\n', &mut self.line);
+        let bytes = read.map_err(|source| JournalError::unreadable(self.path, source))? as u64;
+        let start = self.start;
+        if self.line.pop() != Some(b'\n') {
+            if bytes == MAX_LINE_BYTES {
+                let reason = format!("it has more than {} MB", MAX_LINE_BYTES >> 20);
+                return Err(JournalError::Damaged { path: self.path.to_owned(), line: start.number + 1, reason });
+            }
+            self.torn = bytes > 0;
+            return Ok(None);
+        }
+        self.start = LineStart { number: start.number + 1, offset: start.offset + bytes };
+        Ok(Some(start))
+    }
+}

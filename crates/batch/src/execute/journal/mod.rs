@@ -1,0 +1,66 @@
+//! The journal of a slice: a line for each run that is finished, in the order in which they were.
+//!
+//! A line is the CRC-32 of what follows it as eight hexadecimal digits, a space, and JSON. The first line says whose
+//! journal it is; every other is a row of the batch with all its numbers, from which the tables are written in the end.
+//! A line counts when it is whole, its newline included: what follows the last newline was being written when
+//! the machine or the program stopped, and is dropped. A run that is there twice, with rows that are equal in all that is
+//! not measured, is taken once: two processes worked on the slice without knowing of each other. Anything else that is not
+//! as it was written is an error. Programs that play could rewrite a line with its checksum: the process that writes a
+//! journal keeps digests of all lines in memory, and believes no line that has another.
+
+mod index;
+mod line;
+mod open;
+mod row_stream;
+
+pub use index::{JournalIndex, RowReader};
+pub use line::encode_row;
+pub use open::{LockedJournal, OpenJournal, open_to_read};
+pub use row_stream::{RowStream, StreamBudget, count_lines};
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::execute::lock::LockFileError;
+
+/// A reason for which a journal cannot be read or continued.
+#[derive(Debug, Error)]
+pub enum JournalError {
+    #[error("cannot read {}: {source}", path.display())]
+    Unreadable { path: PathBuf, source: io::Error },
+    #[error("{} is damaged in line {line}: {reason}", path.display())]
+    Damaged { path: PathBuf, line: u64, reason: String },
+    #[error("{} belongs to another plan: it names the plan {found}, expected {expected}", path.display())]
+    OtherPlan { path: PathBuf, found: String, expected: String },
+    #[error("{} was changed by another program: {change}", path.display())]
+    Changed { path: PathBuf, change: String },
+    #[error(
+        "{} was rewritten by another program: the row of run {run} is not the one that was written; all its rows were dropped",
+        path.display()
+    )]
+    Rewritten { path: PathBuf, run: u64 },
+    #[error("another process is working on {}{}", path.display(), words_of(.owner.as_deref()))]
+    Locked { path: PathBuf, owner: Option<String> },
+    #[error("cannot lock {}: {source}", path.display())]
+    NoLock { path: PathBuf, source: io::Error },
+}
+
+fn words_of(owner: Option<&str>) -> String {
+    owner.map_or(String::new(), |owner| format!(": {owner}"))
+}
+
+impl JournalError {
+    fn unreadable(path: &Path, source: io::Error) -> Self {
+        Self::Unreadable { path: path.to_owned(), source }
+    }
+
+    fn from_lock_file(journal: &Path, error: LockFileError) -> Self {
+        let path = journal.to_owned();
+        match error {
+            LockFileError::Held(owner) => Self::Locked { path, owner: Some(owner) },
+            LockFileError::Io(source) => Self::NoLock { path, source },
+        }
+    }
+}

@@ -1,0 +1,294 @@
+//! A journal that this process, and no other, writes.
+
+use std::fs::{self, File, Metadata, OpenOptions, TryLockError};
+use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use super::index::RowReader;
+use super::line::{Head, encode};
+use super::{JournalError, JournalIndex};
+use crate::execute::lock::{LockFile, has_live_lock_file};
+use crate::execute::{Append, BatchError, Disk, Lock, OutputFolder, RunRow, Status};
+use crate::plan::{BatchPlan, Slice};
+use wildfire_base::time::wall::WallStopwatch;
+use wildfire_base::whole_file::sync_folder_of;
+
+/// Bytes of a journal that are brought to their place at once.
+const BROUGHT_BYTES: usize = 1 << 20;
+
+/// A journal with its lock, which lasts as long as this does.
+pub struct OpenJournal {
+    path: PathBuf,
+    file: File,
+    writer: Box<dyn Append>,
+    index: JournalIndex,
+    /// The place of a journal that is written elsewhere.
+    home: Option<Home>,
+    lock_file: Option<LockFile>,
+    sync_every: Duration,
+    /// Since the first line that is not on the disk yet.
+    unsynced: Option<WallStopwatch>,
+}
+
+/// The file that a journal on a local disk is brought to.
+struct Home {
+    path: PathBuf,
+    file: File,
+    writer: Box<dyn Append>,
+    /// Its bytes, all of which the local file has too.
+    end: u64,
+}
+
+/// The lock on a journal that is not read yet.
+pub struct LockedJournal {
+    path: PathBuf,
+    file: File,
+    lock_file: Option<LockFile>,
+    sync_every: Duration,
+    local_folder: Option<PathBuf>,
+}
+
+impl LockedJournal {
+    /// Opens a slice's journal, creates it if need be, and locks it.
+    pub fn take(folder: &OutputFolder, slice: Slice) -> Result<Self, BatchError> {
+        let path = folder.journal(slice);
+        let keeping = folder.keeping();
+        let lock_file = match keeping.lock {
+            Lock::File => Some(LockFile::take(&path).map_err(|error| JournalError::from_lock_file(&path, error))?),
+            Lock::Flock | Lock::None => None,
+        };
+        let file = open_to_append(&path).map_err(|source| BatchError::unwritable(&path, source))?;
+        if keeping.lock == Lock::Flock {
+            lock_by_system(&path, file.try_lock())?;
+        }
+        let (sync_every, local_folder) = (keeping.sync_every, keeping.local_folder.clone());
+        Ok(Self { path, file, lock_file, sync_every, local_folder })
+    }
+
+    /// Removes all lines.
+    pub fn clear(&self) -> Result<(), BatchError> {
+        self.file.set_len(0).map_err(|source| BatchError::unwritable(&self.path, source))
+    }
+
+    /// Reads what is there, drops a torn line, and begins the journal if it has no line yet.
+    pub fn open(self, plan: &BatchPlan, slice: Slice, disk: &dyn Disk) -> Result<OpenJournal, BatchError> {
+        let sha256 = plan.content_sha256();
+        let mut index = JournalIndex::read(&self.path, &self.file, plan, slice)?;
+        let drop_torn = |index: &JournalIndex, path: &Path, file: &File| match index.end() {
+            (end, true) => file.set_len(end).map_err(|source| BatchError::unwritable(path, source)),
+            (_, false) => Ok(()),
+        };
+        drop_torn(&index, &self.path, &self.file)?;
+        let Self { mut path, mut file, lock_file, sync_every, local_folder } = self;
+        let writer_of = |path: &Path, file: &File| {
+            file.try_clone().map(|file| disk.journal(file)).map_err(|source| BatchError::unwritable(path, source))
+        };
+        let mut home = None;
+        if let Some(folder) = local_folder {
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let local_path = folder.join(format!("wildfire-{}-{name}", &sha256[..16]));
+            let local = copy_to(&folder, &local_path, &file)?;
+            let was_torn = index.end().1;
+            index = JournalIndex::read(&local_path, &local, plan, slice)?;
+            drop_torn(&index, &local_path, &local)?;
+            let end = file.metadata().map_err(|source| BatchError::unwritable(&path, source))?.len();
+            home = Some(Home { writer: writer_of(&path, &file)?, path, file, end });
+            index.note_torn(was_torn);
+            (path, file) = (local_path, local);
+        }
+        let writer = writer_of(&path, &file)?;
+        let is_empty = index.end().0 == 0;
+        let mut journal = OpenJournal { path, file, writer, index, home, lock_file, sync_every, unsynced: None };
+        if is_empty {
+            let head = encode(&Head::new(&sha256, slice));
+            journal.write(&head)?;
+            journal.index.append_head(head.len());
+            journal.sync()?;
+        }
+        Ok(journal)
+    }
+}
+
+/// Opens a file to be read, and written at its end, and creates it if need be.
+fn open_to_append(path: &Path) -> io::Result<File> {
+    let file = OpenOptions::new().read(true).append(true).create(true).open(path)?;
+    sync_folder_of(path)?;
+    Ok(file)
+}
+
+/// Says who has a lock, or that there can be none.
+fn lock_by_system(path: &Path, locked: Result<(), TryLockError>) -> Result<(), JournalError> {
+    match locked {
+        Ok(()) => Ok(()),
+        Err(TryLockError::WouldBlock) => Err(JournalError::Locked { path: path.to_owned(), owner: None }),
+        Err(TryLockError::Error(source)) => Err(JournalError::NoLock { path: path.to_owned(), source }),
+    }
+}
+
+/// Opens the local file of a journal with all that its place holds. A process that was killed on this machine may have
+/// left a file that holds more, which then stays as it is.
+fn copy_to(folder: &Path, local_path: &Path, mut home: &File) -> Result<File, BatchError> {
+    let unwritable = |source| BatchError::unwritable(local_path, source);
+    fs::create_dir_all(folder).map_err(unwritable)?;
+    let mut local = open_to_append(local_path).map_err(unwritable)?;
+    // Locks of local disks work; where they do not, the journal's own lock has to do.
+    if matches!(local.try_lock(), Err(TryLockError::WouldBlock)) {
+        return Err(JournalError::Locked { path: local_path.to_owned(), owner: None }.into());
+    }
+    let rewind = |mut file: &File| file.seek(SeekFrom::Start(0)).map_err(unwritable);
+    let length = rewind(home).and_then(|_| home.metadata().map_err(unwritable))?.len();
+    rewind(&local)?;
+    if !begins_with(&local, home, length).map_err(unwritable)? {
+        local.set_len(0).map_err(unwritable)?;
+        rewind(home)?;
+        io::copy(&mut home, &mut local).map_err(unwritable)?;
+    }
+    Ok(local)
+}
+
+/// Compares the first `length` bytes of two files that are at their beginnings.
+fn begins_with(local: &File, home: &File, length: u64) -> io::Result<bool> {
+    if local.metadata()?.len() < length {
+        return Ok(false);
+    }
+    let (mut one, mut other) = (vec![0; BROUGHT_BYTES], vec![0; BROUGHT_BYTES]);
+    let (mut local, mut home, mut left) = (local, home, length);
+    while left > 0 {
+        let part = usize::try_from(left).map_or(BROUGHT_BYTES, |left| left.min(BROUGHT_BYTES));
+        local.read_exact(&mut one[..part])?;
+        home.read_exact(&mut other[..part])?;
+        if one[..part] != other[..part] {
+            return Ok(false);
+        }
+        left -= part as u64;
+    }
+    Ok(true)
+}
+
+impl OpenJournal {
+    /// Writes the line of a run, and brings it to the disk with all before it if the oldest of them has waited long.
+    pub fn add(&mut self, run: u64, status: Status, line: &[u8]) -> Result<(), BatchError> {
+        self.expect_unchanged()?;
+        self.write(line)?;
+        self.index.append(run, status, line);
+        match self.unsynced.get_or_insert_with(WallStopwatch::start).elapsed() {
+            waited if waited >= self.sync_every => self.sync(),
+            _ => Ok(()),
+        }
+    }
+
+    /// To be called at least every now and then while runs are going on.
+    ///
+    /// # Errors
+    /// If the disk cannot be written, or the journal is no longer as this process left it.
+    pub fn sync_if_due(&mut self) -> Result<(), BatchError> {
+        self.expect_unchanged()?;
+        match self.unsynced {
+            Some(since) if since.elapsed() >= self.sync_every => self.sync(),
+            _ => Ok(()),
+        }
+    }
+
+    /// Brings all lines to the disk.
+    pub fn sync(&mut self) -> Result<(), BatchError> {
+        self.expect_unchanged()?;
+        self.unsynced = None;
+        self.writer.sync().map_err(|source| BatchError::unwritable(&self.path, source))
+    }
+
+    /// Brings a journal that is written on a local disk to its place; from then on it is written there.
+    pub fn bring_home(&mut self) -> Result<(), BatchError> {
+        let Some(mut home) = self.home.take() else { return Ok(()) };
+        let unwritable = |source| BatchError::unwritable(&home.path, source);
+        let found = home.file.metadata().map_err(unwritable)?.len();
+        if found != home.end {
+            let change = format!("it has {found} bytes, expected {} as when this process began", home.end);
+            return Err(JournalError::Changed { path: home.path, change }.into());
+        }
+        let unreadable = |source| JournalError::unreadable(&self.path, source);
+        self.file.seek(SeekFrom::Start(home.end)).map_err(unreadable)?;
+        let mut part = vec![0; BROUGHT_BYTES];
+        loop {
+            let bytes = self.file.read(&mut part).map_err(unreadable)?;
+            if bytes == 0 {
+                break;
+            }
+            home.writer.append(&part[..bytes]).map_err(unwritable)?;
+        }
+        home.writer.sync().map_err(unwritable)?;
+        // What is left behind would be found by the next process and be no more than it has.
+        let _ = fs::remove_file(&self.path);
+        let Home { path, file, writer, .. } = home;
+        (self.path, self.file, self.writer) = (path, file, writer);
+        Ok(())
+    }
+
+    /// Refuses a journal that was removed, replaced or changed: lines written to it would be lost without a word. A second
+    /// process that writes to it is found by this, too.
+    fn expect_unchanged(&mut self) -> Result<(), JournalError> {
+        if let Some(lock_file) = &mut self.lock_file {
+            lock_file.beat().map_err(|error| JournalError::from_lock_file(&self.path, error))?;
+        }
+        let unreadable = |source| JournalError::unreadable(&self.path, source);
+        let changed = |change: String| Err(JournalError::Changed { path: self.path.clone(), change });
+        let own = self.file.metadata().map_err(unreadable)?;
+        match fs::metadata(&self.path) {
+            Ok(found) if !is_same_file(&own, &found) => return changed("another file has its name".into()),
+            Ok(_) => {}
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                return changed("it, or its folder, was removed or renamed".into());
+            }
+            Err(error) => return Err(unreadable(error)),
+        }
+        let (expected, _) = self.index.end();
+        match own.len() {
+            found if found == expected => Ok(()),
+            found => changed(format!("it has {found} bytes, expected the {expected} that were written")),
+        }
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<(), BatchError> {
+        self.writer.append(bytes).map_err(|source| BatchError::unwritable(&self.path, source))
+    }
+
+    pub fn index(&self) -> &JournalIndex {
+        &self.index
+    }
+
+    /// Reads the row of a run that the journal holds.
+    pub fn row(&self, run: u64) -> Result<RunRow, JournalError> {
+        self.rows()?.row(run)
+    }
+
+    /// Reads the rows.
+    pub fn rows(&self) -> Result<RowReader<'_>, JournalError> {
+        RowReader::new(self.path.clone(), &self.file, &self.index)
+    }
+}
+
+#[cfg(unix)]
+fn is_same_file(one: &Metadata, other: &Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    (one.dev(), one.ino()) == (other.dev(), other.ino())
+}
+
+/// Says yes: elsewhere a file that is open keeps its name.
+#[cfg(not(unix))]
+fn is_same_file(_: &Metadata, _: &Metadata) -> bool {
+    true
+}
+
+/// Opens a journal to read it, and refuses one at which a process is at work. The lock lasts as long as the file.
+pub fn open_to_read(path: &Path, lock: Lock) -> Result<File, JournalError> {
+    let unreadable = |source| JournalError::unreadable(path, source);
+    let file = File::open(path).map_err(unreadable)?;
+    match lock {
+        Lock::Flock => lock_by_system(path, file.try_lock_shared())?,
+        Lock::File if has_live_lock_file(path).map_err(unreadable)? => {
+            return Err(JournalError::Locked { path: path.to_owned(), owner: None });
+        }
+        Lock::File | Lock::None => {}
+    }
+    Ok(file)
+}

@@ -1,0 +1,72 @@
+//! A pilot: some runs of a plan, made to know how long all of them will take.
+
+use std::time::Duration;
+
+use crate::execute::panics;
+use crate::plan::BatchPlan;
+use wildfire_base::time::wall::WallStopwatch;
+use wildfire_sim::{Entrants, RunOptions};
+
+/// The most runs of a pilot.
+const MOST_RUNS: u64 = 20;
+
+/// The time after which no further run is begun.
+const LONGEST: Duration = Duration::from_secs(60);
+
+/// What a pilot found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pilot {
+    pub runs: u64,
+    /// Real time of all of them, one after the other.
+    pub total: Duration,
+    /// That of the longest.
+    pub longest: Duration,
+}
+
+impl Pilot {
+    /// Makes runs that are spread evenly over the plan, so that every variant has its share as far as there are enough,
+    /// on this thread; at least one, and no more after a minute. Runs that fail count with the time that they took.
+    pub fn run(plan: &BatchPlan, entrants: &Entrants) -> Self {
+        let options = RunOptions { memory: plan.memory, ..entrants.clone().into() };
+        let runs = plan.count().min(MOST_RUNS);
+        let mut pilot = Self { runs: 0, total: Duration::ZERO, longest: Duration::ZERO };
+        for index in 0..runs {
+            // The middle of each of as many parts; a plan has fewer than 2^53 runs, so this does not overflow.
+            let run = plan.run(1 + (2 * index + 1) * plan.count() / (2 * runs));
+            let stopwatch = WallStopwatch::start();
+            // A run that panics does so in the batch as well, and is a row of it.
+            let _ = panics::catch(|| wildfire_sim::run_with_options(&run.variant.scenario, run.seed, &options));
+            let time = stopwatch.elapsed();
+            pilot.runs += 1;
+            pilot.total += time;
+            pilot.longest = pilot.longest.max(time);
+            if pilot.total > LONGEST {
+                break;
+            }
+        }
+        pilot
+    }
+
+    /// Returns the mean of a run in seconds.
+    pub fn mean_s(&self) -> f64 {
+        self.total.as_secs_f64() / self.runs as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::BatchRequest;
+
+    #[test]
+    fn pilot_makes_some_runs_of_a_plan_and_all_of_a_small_one() {
+        for (seeds, expected) in [("1..3", 3), ("1..1000", MOST_RUNS)] {
+            let request =
+                BatchRequest { scenarios: vec!["smoke".into()], seeds: seeds.parse().ok(), ..BatchRequest::default() };
+            let plan = request.resolve(false).expect("a small batch");
+            let pilot = Pilot::run(&plan, &Entrants::default());
+            assert_eq!(pilot.runs, expected);
+            assert!(pilot.longest <= pilot.total && pilot.mean_s() > 0.0, "{pilot:?}");
+        }
+    }
+}

@@ -1,0 +1,312 @@
+//! A batch, or a slice of one, from its beginning or from where it was stopped, to its end.
+
+use std::fs;
+use std::io::{self, ErrorKind, Write};
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex};
+
+use rayon::prelude::*;
+use sha2::{Digest, Sha256};
+
+use crate::execute::entries::journal_name;
+use crate::execute::journal::{JournalError, LockedJournal, OpenJournal, RowReader};
+use crate::execute::machines::note_machine;
+use crate::execute::workers::{RunEnd, Task, Work, work_off};
+use crate::execute::{BatchError, Disk, JournalIndex, OutputFolder, RUNS_FILE, RealDisk, RunScenario};
+use crate::plan::{BatchPlan, ENTRY_COLUMN, PLAN_FILE, PlanError, Record, Slice};
+use wildfire_base::whole_file::sync_folder_of;
+use wildfire_sim::scenario::Scenario;
+use wildfire_sim::{Entrants, RunOptions};
+use wildfire_timeline::file::{self, FileError};
+
+/// A slice of a batch at which this process, and no other, works.
+pub struct Batch {
+    plan: Arc<BatchPlan>,
+    folder: OutputFolder,
+    journal: OpenJournal,
+    disk: Box<dyn Disk>,
+    found: Found,
+    /// The SHA-256 of the plan's file as this process found or left them.
+    written_plan: Option<[u8; 32]>,
+}
+
+/// Disorder that an earlier process left in the folder.
+#[derive(Debug)]
+pub struct Found {
+    /// True if a line of the journal was torn; it was dropped.
+    pub has_torn_line: bool,
+    /// Files that were being written; they were removed.
+    pub leftovers: Vec<PathBuf>,
+    /// Lines of runs that the journal held before, equal in all that is not measured; two processes made them.
+    pub repeated: u64,
+    /// Recordings of runs in the journal that are missing or damaged; their runs are made again.
+    pub lost_recordings: Vec<LostRecording>,
+}
+
+/// A recording that can no longer be read.
+#[derive(Debug)]
+pub struct LostRecording {
+    pub run: u64,
+    pub path: PathBuf,
+    /// The reason, in words that read well after the path.
+    pub reason: String,
+}
+
+impl Batch {
+    /// Begins a batch in a folder that holds no results, or whose results may go.
+    ///
+    /// # Errors
+    /// If another process is at work there, or the disk cannot be written: found before the first run.
+    pub fn begin(plan: BatchPlan, folder: OutputFolder) -> Result<Self, BatchError> {
+        Self::begin_on(plan, folder, Box::new(RealDisk))
+    }
+
+    /// The same on a disk of the caller's.
+    pub fn begin_on(plan: BatchPlan, folder: OutputFolder, disk: Box<dyn Disk>) -> Result<Self, BatchError> {
+        let journal = LockedJournal::take(&folder, Slice::WHOLE)?;
+        folder.remove_earlier_results()?;
+        journal.clear()?;
+        write_plan(&plan, &folder, PLAN_FILE, disk.as_ref())?;
+        Self::open(plan, folder, Slice::WHOLE, journal, disk)
+    }
+
+    /// Begins a slice of a batch, or goes on with it, in a folder that slices of the same plan share.
+    ///
+    /// # Errors
+    /// If the folder holds another plan, or slices of another size.
+    pub fn join(plan: BatchPlan, folder: OutputFolder, slice: Slice) -> Result<Self, BatchError> {
+        let disk = Box::new(RealDisk);
+        refuse_other_slices(&folder, slice)?;
+        match BatchPlan::read(folder.path()) {
+            Err(PlanError::Missing { .. }) => write_plan_once(&plan, &folder, slice, disk.as_ref())?,
+            found => found?.expect_same(&plan, folder.path())?,
+        }
+        let journal = LockedJournal::take(&folder, slice)?;
+        Self::open(plan, folder, slice, journal, disk)
+    }
+
+    /// Goes on with a slice of the batch in this folder.
+    ///
+    /// # Errors
+    /// If there is no plan, or another version's, if a scenario of it has changed, or the journal is damaged.
+    pub fn resume(folder: OutputFolder, slice: Slice) -> Result<Self, BatchError> {
+        Self::resume_on(folder, slice, Box::new(RealDisk))
+    }
+
+    /// The same on a disk of the caller's.
+    pub fn resume_on(folder: OutputFolder, slice: Slice, disk: Box<dyn Disk>) -> Result<Self, BatchError> {
+        let plan = BatchPlan::read(folder.path()).map_err(|error| plan_error(error, &folder))?;
+        plan.expect_unchanged_sources()?;
+        refuse_other_slices(&folder, slice)?;
+        let is_finished = folder.path().join(RUNS_FILE).exists();
+        if is_finished && !folder.path().join(journal_name(slice)).exists() {
+            return Err(BatchError::NoJournal { path: folder.path().to_owned() });
+        }
+        let journal = LockedJournal::take(&folder, slice)?;
+        Self::open(plan, folder, slice, journal, disk)
+    }
+
+    fn open(
+        plan: BatchPlan,
+        folder: OutputFolder,
+        slice: Slice,
+        journal: LockedJournal,
+        disk: Box<dyn Disk>,
+    ) -> Result<Self, BatchError> {
+        // Other slices may be at work: what they left is removed when they are merged.
+        let leftovers = if slice.is_whole() { folder.remove_leftovers()? } else { Vec::new() };
+        if plan.record != Record::None {
+            folder.prepare_recordings()?;
+        }
+        let journal = journal.open(&plan, slice, disk.as_ref())?;
+        let (_, has_torn_line) = journal.index().end();
+        let lost_recordings = lost_recordings(&plan, &folder, journal.index())?;
+        let repeated = journal.index().repeated();
+        let found = Found { has_torn_line, leftovers, repeated, lost_recordings };
+        let written_plan = fs::read(folder.path().join(PLAN_FILE)).ok().map(|bytes| Sha256::digest(bytes).into());
+        Ok(Self { plan: Arc::new(plan), folder, journal, disk, found, written_plan })
+    }
+
+    pub fn plan(&self) -> &BatchPlan {
+        &self.plan
+    }
+
+    pub fn folder(&self) -> &OutputFolder {
+        &self.folder
+    }
+
+    /// Returns what was in disorder when the batch was begun or resumed.
+    pub fn found(&self) -> &Found {
+        &self.found
+    }
+
+    /// Returns the runs that the journal holds.
+    pub fn progress(&self) -> &JournalIndex {
+        self.journal.index()
+    }
+
+    /// Runs what the journal does not hold on `jobs` threads; runs that have lost their recordings are made again
+    /// first.
+    ///
+    /// `on_run` is called after each run, in any order. Runs that fail, or that cannot be recorded though they should
+    /// be, are rows like the others.
+    ///
+    /// # Errors
+    /// [`BatchError::Stopped`] if `stop` was set before the last run; all other errors are those of the disk, or of
+    /// starting the threads, and [`BatchError::OtherOutcome`] if a run that is made again ends differently. After any
+    /// of them the batch can be resumed.
+    pub fn run(
+        &mut self,
+        entrants: &Entrants,
+        jobs: usize,
+        stop: &Arc<AtomicBool>,
+        on_run: impl FnMut(RunEnd),
+    ) -> Result<(), BatchError> {
+        let options = RunOptions { memory: self.plan.memory, ..entrants.clone().into() };
+        let run = move |scenario: &Scenario, seed| wildfire_sim::run_with_options(scenario, seed, &options);
+        self.run_with(Box::new(run), jobs, stop, on_run)
+    }
+
+    /// The same with another way to run a scenario with a seed.
+    pub fn run_with(
+        &mut self,
+        run: Box<RunScenario>,
+        jobs: usize,
+        stop: &Arc<AtomicBool>,
+        on_run: impl FnMut(RunEnd),
+    ) -> Result<(), BatchError> {
+        let lost: Vec<u64> = self.found.lost_recordings.iter().map(|lost| lost.run).collect();
+        if !lost.is_empty() || !self.journal.index().is_complete() {
+            match note_machine(&self.folder, self.journal.index().slice(), jobs, self.disk.as_ref()) {
+                // Of a folder that is gone, the journal says it better.
+                Err(BatchError::Unwritable { source, .. }) if source.kind() == ErrorKind::NotFound => {}
+                noted => noted?,
+            }
+        }
+        let missing = in_turn(&self.plan, self.journal.index().missing());
+        let work = Work {
+            plan: Arc::clone(&self.plan),
+            folder: self.folder.clone(),
+            run,
+            stop: Arc::clone(stop),
+            tasks: Mutex::new(Box::new(lost.into_iter().map(Task::RecordAgain).chain(missing.map(Task::Run)))),
+        };
+        let worked_off = work_off(work, jobs, &mut self.journal, on_run);
+        // Whatever ended the work, the runs that are over are to be kept.
+        let brought = self.journal.bring_home();
+        let recorded_again = worked_off?;
+        brought?;
+        self.expect_unchanged_plan()?;
+        // The tables of a whole batch are written next, row by row; a slice is merged by a process that knows no digests.
+        if !self.journal.index().slice().is_whole() {
+            self.journal.rows()?.expect_own_lines()?;
+        }
+        let is_over = self.journal.index().is_complete() && recorded_again == self.found.lost_recordings.len();
+        if is_over { Ok(()) } else { Err(BatchError::Stopped) }
+    }
+
+    /// Refuses a plan that a program has rewritten meanwhile: its rows would be read by other rules than they were made by.
+    fn expect_unchanged_plan(&self) -> Result<(), JournalError> {
+        let path = self.folder.path().join(PLAN_FILE);
+        if fs::read(&path).ok().map(|bytes| Sha256::digest(bytes).into()) == self.written_plan {
+            return Ok(());
+        }
+        Err(JournalError::Changed { path, change: "it is not the plan that was run".into() })
+    }
+
+    /// Returns the disk to which this batch writes.
+    pub(crate) fn disk(&self) -> &dyn Disk {
+        self.disk.as_ref()
+    }
+
+    /// Reads the rows of the runs that are in the journal.
+    pub(crate) fn rows(&self) -> Result<RowReader<'_>, JournalError> {
+        self.journal.rows()
+    }
+}
+
+/// Puts runs into the order in which they are begun: that of the plan, but entries of a course take turns, seed by seed,
+/// so that all of them meet the machine as busy as the others do.
+fn in_turn(
+    plan: &BatchPlan,
+    missing: impl Iterator<Item = u64> + Send + 'static,
+) -> Box<dyn Iterator<Item = u64> + Send> {
+    if !plan.swept_keys.iter().any(|key| key == ENTRY_COLUMN) {
+        return Box::new(missing);
+    }
+    let seeds = plan.seeds.count();
+    let mut runs: Vec<u64> = missing.collect();
+    runs.sort_by_key(|run| ((run - 1) % seeds, *run));
+    Box::new(runs.into_iter())
+}
+
+/// Says of a folder without a plan whether a batch was about to begin there.
+fn plan_error(error: PlanError, folder: &OutputFolder) -> BatchError {
+    let leftover = folder.leftovers().into_iter().find_map(|path| {
+        let name = path.file_name()?.to_string_lossy();
+        name.starts_with(PLAN_FILE).then(|| name.into_owned())
+    });
+    match (error, leftover) {
+        (PlanError::Missing { folder: path }, Some(leftover)) => BatchError::NotYetBegun { path, leftover },
+        (error, _) => error.into(),
+    }
+}
+
+/// Finds the recordings of runs in the journal that are missing or damaged.
+fn lost_recordings(
+    plan: &BatchPlan,
+    folder: &OutputFolder,
+    journal: &JournalIndex,
+) -> Result<Vec<LostRecording>, BatchError> {
+    let lost = |&run: &u64| {
+        let path = folder.recording(&plan.recording_name(&plan.run(run)));
+        match file::verify(&path) {
+            Ok(()) => None,
+            Err(FileError::Io(source)) if source.kind() != ErrorKind::NotFound => {
+                Some(Err(BatchError::Unreadable { path, source }))
+            }
+            Err(FileError::Io(_)) => Some(Ok(LostRecording { run, path, reason: "missing".into() })),
+            Err(error) => Some(Ok(LostRecording { run, path, reason: error.to_string() })),
+        }
+    };
+    journal.recorded().par_iter().filter_map(lost).collect()
+}
+
+fn write_plan(plan: &BatchPlan, folder: &OutputFolder, name: &str, disk: &dyn Disk) -> Result<(), BatchError> {
+    let path = folder.path().join(name);
+    let write = || {
+        let mut file = disk.whole_file(&path)?;
+        file.write_all(plan.to_json().as_bytes())?;
+        file.finish()
+    };
+    write().map_err(|source| BatchError::unwritable(&path, source))
+}
+
+/// Writes the plan unless another slice has written one meanwhile, which then must be the same.
+fn write_plan_once(plan: &BatchPlan, folder: &OutputFolder, slice: Slice, disk: &dyn Disk) -> Result<(), BatchError> {
+    let own_name = format!("{PLAN_FILE}.{}", journal_name(slice));
+    write_plan(plan, folder, &own_name, disk)?;
+    let (own, path) = (folder.path().join(own_name), folder.path().join(PLAN_FILE));
+    // A second name for a file is refused where the name is taken, which renaming is not.
+    let linked = fs::hard_link(&own, &path);
+    let removed = fs::remove_file(&own);
+    let unwritable = |source: io::Error| BatchError::unwritable(&path, source);
+    match linked {
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+            Ok(BatchPlan::read(folder.path())?.expect_same(plan, folder.path())?)
+        }
+        // Where files have one name only, slices that begin at the same instant differ by their journals.
+        Err(_) => write_plan(plan, folder, PLAN_FILE, disk),
+        Ok(()) => removed.and_then(|()| sync_folder_of(&path)).map_err(unwritable),
+    }
+}
+
+/// Slices of a plan are of one size.
+fn refuse_other_slices(folder: &OutputFolder, slice: Slice) -> Result<(), BatchError> {
+    let found = folder.journals()?;
+    match found.into_iter().find(|other| other.of() != slice.of()) {
+        Some(other) => Err(BatchError::OtherSlices { path: folder.path().to_owned(), found: other, asked: slice }),
+        None => Ok(()),
+    }
+}

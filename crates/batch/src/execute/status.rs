@@ -1,0 +1,143 @@
+//! How far a batch is, whoever works on it.
+
+use std::fs::File;
+use std::io::ErrorKind;
+
+use crate::execute::journal::{count_lines, open_to_read};
+use crate::execute::{BatchError, JournalError, JournalIndex, OutputFolder};
+use crate::plan::{BatchPlan, Slice};
+
+/// A plan and its slices.
+#[derive(Debug)]
+pub struct BatchStatus {
+    pub plan: BatchPlan,
+    pub slices: Vec<(Slice, SliceState)>,
+}
+
+/// The progress of a slice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SliceState {
+    pub runs: u64,
+    /// Runs in the journal.
+    pub held: u64,
+    /// Runs in the journal without a result.
+    pub not_done: u64,
+    /// Lines of runs that the journal held before, which two processes made.
+    pub repeated: u64,
+    /// True if a process is at work on it.
+    pub is_running: bool,
+}
+
+/// Reads plan and journals of a folder; of slices that have not begun, that they have not.
+///
+/// # Errors
+/// If there is no plan, or a journal cannot be read or is damaged.
+pub fn batch_status(folder: &OutputFolder) -> Result<BatchStatus, BatchError> {
+    let plan = BatchPlan::read(folder.path())?;
+    let first = folder.journals()?.first().copied().unwrap_or(Slice::WHOLE);
+    let states = first.all().map(|slice| Ok((slice, state_of(folder, slice, &plan)?)));
+    let slices = states.collect::<Result<Vec<_>, JournalError>>()?;
+    Ok(BatchStatus { plan, slices })
+}
+
+fn state_of(folder: &OutputFolder, slice: Slice, plan: &BatchPlan) -> Result<SliceState, JournalError> {
+    let path = folder.journal(slice);
+    let (file, is_running) = match open_to_read(&path, folder.keeping().lock) {
+        Ok(file) => (Ok(file), false),
+        Err(JournalError::Locked { .. }) => (File::open(&path), true),
+        Err(JournalError::Unreadable { source, .. }) => (Err(source), false),
+        Err(error) => return Err(error),
+    };
+    let file = match file {
+        Ok(file) => file,
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            let runs = slice.count(plan.count());
+            return Ok(SliceState { runs, held: 0, not_done: 0, repeated: 0, is_running });
+        }
+        Err(source) => return Err(JournalError::Unreadable { path, source }),
+    };
+    let index = JournalIndex::read(&path, &file, plan, slice)?;
+    let (held, not_done) = index.held();
+    Ok(SliceState { runs: index.count(), held, not_done, repeated: index.repeated(), is_running })
+}
+
+/// The slices that a folder has journals of: all of one number.
+///
+/// # Errors
+/// [`BatchError::NoJournal`] if there is none, [`BatchError::OtherSlices`] if they are of several numbers.
+pub fn slices_of(folder: &OutputFolder) -> Result<impl Iterator<Item = Slice> + use<>, BatchError> {
+    let found = folder.journals()?;
+    let path = || folder.path().to_owned();
+    let Some(&first) = found.first() else { return Err(BatchError::NoJournal { path: path() }) };
+    match found.iter().find(|other| other.of() != first.of()) {
+        Some(&other) => Err(BatchError::OtherSlices { path: path(), found: other, asked: first }),
+        None => Ok(first.all()),
+    }
+}
+
+/// A slice that lacks runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MissingRuns {
+    pub slice: Slice,
+    /// As many as lines are missing; a run that is there twice hides another.
+    pub missing: u64,
+    pub of: u64,
+}
+
+/// A look at the lengths of all journals, which costs next to nothing and is taken again and again while others work.
+#[derive(Clone, Debug)]
+pub struct Survey {
+    folder: OutputFolder,
+    runs: u64,
+    slices: Vec<Counted>,
+}
+
+/// The lines of a slice's journal that were counted so far.
+#[derive(Clone, Copy, Debug)]
+struct Counted {
+    slice: Slice,
+    lines: u64,
+    bytes: u64,
+}
+
+impl Survey {
+    /// Begins with nothing counted.
+    ///
+    /// # Errors
+    /// As [`slices_of`].
+    pub fn new(folder: &OutputFolder, plan: &BatchPlan) -> Result<Self, BatchError> {
+        let slices = slices_of(folder)?.map(|slice| Counted { slice, lines: 0, bytes: 0 }).collect();
+        Ok(Self { folder: folder.clone(), runs: plan.count(), slices })
+    }
+
+    /// Counts the lines that were written since the last time, and returns how many they are.
+    pub fn update(&mut self) -> Result<u64, BatchError> {
+        let mut new = 0;
+        for counted in &mut self.slices {
+            let path = self.folder.journal(counted.slice);
+            let (lines, bytes) = match count_lines(&path, counted.bytes) {
+                Err(JournalError::Unreadable { source, .. }) if source.kind() == ErrorKind::NotFound => continue,
+                found => found?,
+            };
+            (counted.lines, counted.bytes) = (counted.lines + lines, bytes);
+            new += lines;
+        }
+        Ok(new)
+    }
+
+    pub fn number_of_slices(&self) -> usize {
+        self.slices.len()
+    }
+
+    /// Lists the slices that lack runs, in order.
+    pub fn missing(&self) -> Vec<MissingRuns> {
+        let lacking = self.slices.iter().filter_map(|counted| {
+            let of = counted.slice.count(self.runs);
+            let missing = of.saturating_sub(counted.lines.saturating_sub(1));
+            // A slice without a run is begun by its first line all the same.
+            let is_lacking = missing > 0 || counted.lines == 0;
+            is_lacking.then_some(MissingRuns { slice: counted.slice, missing, of })
+        });
+        lacking.collect()
+    }
+}

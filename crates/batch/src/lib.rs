@@ -1,0 +1,64 @@
+#![doc = include_str!("../README.md")]
+//!
+//! Many runs: what is asked for, workers, a journal that loses nothing, tables in the order of the plan.
+//!
+//! A [`BatchPlan`] says which runs there are. A [`Batch`] runs them on several threads and keeps a journal with a line
+//! for each that is over; when all are, the tables are written from the journal. So a batch can end at any moment and
+//! be resumed, and memory grows by a few bytes with each run only. What a row says never depends on the number of
+//! workers, on slices or on interruptions, except for its `cpu_` and `wall_` columns. A run that fails, or panics, is a
+//! row like the others, with the reason.
+//!
+//! Four rooms, each of which imports those before it only, and three more beside the last:
+//! - `plan`: which runs there are, frozen in `plan.json`;
+//! - `execute`: workers, the journal, and the folder that it is in; a run leaves a [`RunRow`];
+//! - `table`: the columns, the files that are written from them, and the reader of these files;
+//! - `report`: what is said of one batch, from its summary to its page of charts, and its audit;
+//! - `maps`: what the runs of a batch leave on every cell of the field;
+//! - `drives`: queries to planners outside of runs, their table and their summary;
+//! - [`comparison`]: batches set against each other, those of other versions of the program among them.
+
+pub mod comparison;
+mod drives;
+mod execute;
+mod maps;
+mod plan;
+mod report;
+pub mod stats;
+mod table;
+
+#[doc(hidden)]
+pub use drives::made_up_drives;
+pub use drives::{
+    COMPARED, DRIVE_COLUMNS, DRIVE_LEGEND, DriveColumn, DriveContrast, DriveFailure, DriveQuery, DriveTable,
+    INTERVAL_LEGEND, MAX_QUERIES, MEASURES, Measure, PlannerSummary, QueryCost, RowMember, SummaryMember,
+    contrast_table, failure_sentences, interval_tables, queries_words, rows_table, shortened_field, summary_table,
+    violation_sentences,
+};
+pub use execute::{
+    AGENTS_FILE, Append, Batch, BatchError, BatchStatus, CALLS_PARQUET, CHARTS_FOLDER, CpuSplit, Disk, Found,
+    JournalError, JournalIndex, JournalKeeping, Lock, LostRecording, Machine, Machines, MissingRuns, OutputFolder,
+    Pilot, PlannerCall, RECORDINGS_FOLDER, REPORT_FILE, RUNS_FILE, RUNS_PARQUET, RealDisk, RunDetail, RunEnd,
+    RunResult, RunRow, RunScenario, STATE_STEPS, STATES_PARQUET, SliceState, Solution, StateCount, Status,
+    StrangeEntry, Survey, TABLES_FILE, Whole, batch_status, file_name_of, limit_threads, with_threads,
+};
+pub use maps::{
+    BatchMaps, BatchQuantity, BatchSide, MapDifference, MapSource, MapsError, MapsOptions, RunMean, map_batches,
+};
+pub use plan::{
+    BatchPlan, BatchRequest, COMMIT, COMPILER, CourseError, CoursePlan, CourseRefusal, CourseRequest, LONG_VERSION,
+    MAX_RUNS, MAX_SEEDS_BYTES, MAX_VARIANTS, PLAN_FILE, PLAN_TEMPLATE, PLANNER_KEY, PROGRAM_VERSION, PlanError,
+    PlanWriter, PlannedRun, RUNS_WITHOUT_FORCE, Record, RequestError, RunLabel, Seeds, SeedsError, Setting, Slice,
+    SliceError, Sweep, SweepError, Value, Variant, plan_schema, planner_of, rules_schema, shell_word,
+};
+pub use report::{
+    AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, ChartChoice, ChartData, ChosenQuantities, Facet,
+    FacetSeries, Failures, FieldPicture, LISTED_VIOLATIONS, ListedViolation, MOST_PANELS, Merged, NotableRun,
+    PaperCharts, ReportError, ReportParts, RunObject, SHOWN_RUNS, Tables, Tally, VariantReport, WrittenReport,
+    audit_all, merge, notable_runs, notes, read_report, read_rows, runs_with_pages, word_facets, write_chart,
+    write_chart_data, write_paper_chart, write_report,
+};
+pub use table::{
+    AGENT_COLUMNS, AgentColumn, AgentRow, CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, CallColumn, Column, FileColumn,
+    FinishedBatch, FinishedError, Kind, QueryTally, RUN_COLUMNS, RunColumn, RunRecord, STATE_COLUMNS, StateColumn,
+    TableError, TableOfRows, TableReader, Unit, is_measured, recordings_in, row_schema, run_column, swept_columns,
+};

@@ -1,0 +1,137 @@
+//! The file of an agent: the part of a scenario that the rules leave free.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use toml::{Table, Value as TomlValue};
+
+use super::rules_file::{Course, ProgramLimits};
+use super::{Change, CourseError, Leaf, fault, leaves, message_of, read_toml};
+use crate::plan::TABLES_OF_PROGRAMS;
+use crate::plan::free::is_price;
+use wildfire_sim::scenario::Fault;
+
+/// The most values of a file.
+const MAX_VALUES: usize = 500;
+
+/// An agent's file that was read.
+pub struct AgentFile {
+    pub path: PathBuf,
+    text: String,
+    table: Table,
+}
+
+impl AgentFile {
+    pub fn read(path: &Path) -> Result<Self, CourseError> {
+        let (text, table) = read_toml(path)?;
+        if table.is_empty() {
+            return Err(fault(path, None, "it is empty; expected what the rules leave free, such as [unimog] planner"));
+        }
+        Ok(Self { path: path.to_owned(), text, table })
+    }
+
+    /// The changes that it makes to the scenario of the rules, or every value that these do not allow.
+    pub fn changes(&self, course: &Course) -> Result<Vec<Change>, Vec<CourseError>> {
+        let found = leaves(self.table.clone());
+        if found.len() > MAX_VALUES {
+            let message = format!("{} values are too many; expected at most {MAX_VALUES}", found.len());
+            return Err(vec![fault(&self.path, None, &message)]);
+        }
+        let (mut changes, mut faults) = (Vec::new(), Vec::new());
+        for leaf in found {
+            let line = leaf.line_in(&self.text);
+            match change(&leaf, course) {
+                Ok(Some(option)) => changes.push(Change { option, line }),
+                Ok(None) => {}
+                Err(message) => faults.push(fault(&self.path, Some(line), &message)),
+            }
+        }
+        if !faults.is_empty() {
+            return Err(faults);
+        }
+        changes.extend(self.changes_of_programs(&course.limits).map_err(|fault| vec![fault])?);
+        Ok(changes)
+    }
+
+    /// Returns the changes that complete its programs: the limits that the file does not ask for, and its folder.
+    fn changes_of_programs(&self, limits: &ProgramLimits) -> Result<Vec<Change>, CourseError> {
+        let own = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut changes = Vec::new();
+        for list in TABLES_OF_PROGRAMS {
+            let tables = self.table.get(list).and_then(TomlValue::as_table).into_iter().flatten();
+            for (name, table) in tables {
+                let Some(table) = table.as_table() else { continue };
+                let at = Leaf { keys: vec![list.into(), name.clone()], value: TomlValue::Boolean(true) };
+                let line = at.line_in(&self.text);
+                let Some(key) = at.key() else {
+                    let message =
+                        format!("`{name}` is no name: expected 1 to 40 of a-z 0-9 + - _ . with a letter first");
+                    return Err(fault(&self.path, Some(line), &message));
+                };
+                let folder = own.join(table.get("folder").and_then(TomlValue::as_str).unwrap_or_default());
+                let folder = fs::canonicalize(&folder).map_err(|error| {
+                    fault(&self.path, Some(line), &format!("its folder {}: {error}", folder.display()))
+                })?;
+                let folder = TomlValue::String(folder.to_string_lossy().into_owned());
+                changes.push(Change { option: format!("{key}.folder={folder}"), line });
+                for limit in limits.given().into_iter().filter(|limit| !table.contains_key(limit.key)) {
+                    changes.push(Change { option: format!("{key}.{}={}", limit.key, limit.value), line });
+                }
+            }
+        }
+        Ok(changes)
+    }
+}
+
+/// The change that a value asks for, none of one that is found elsewhere, or why the rules do not allow it.
+fn change(leaf: &Leaf, course: &Course) -> Result<Option<String>, String> {
+    let (free, rules) = (&course.free, course.path.display());
+    let written = leaf.keys.join(".");
+    let steps: Vec<&str> = leaf.keys.iter().map(String::as_str).collect();
+    if let (TomlValue::Array(list), false) = (&leaf.value, free.has(&steps))
+        && list.iter().any(TomlValue::is_table)
+    {
+        let kind = &leaf.keys[0];
+        return Err(format!("`{written}` is a list of tables; expected a table [{kind}], which is of all agents"));
+    }
+    if !free.has(&steps) {
+        if let Some(unknown) = unknown_key(leaf, course) {
+            return Err(unknown);
+        }
+        let why = if is_price(&steps) { "a price, and " } else { "" };
+        return Err(format!("`{written}` is {why}fixed by the rules in {rules}"));
+    }
+    let Some(key) = leaf.key() else {
+        return Err(format!(
+            "`{written}` is no key of a scenario: expected letters, digits, `-`, `+`, `_` and `.` in its steps"
+        ));
+    };
+    let is_of_program = TABLES_OF_PROGRAMS.contains(&steps[0]) && steps.len() == 3;
+    match steps.last() {
+        Some(&"reuse") if is_of_program && leaf.value.as_bool() != Some(false) => {
+            return Err(format!("`{written}` is {}; in a course every run has a process of its own", leaf.value));
+        }
+        // It is made a path that holds wherever the batch is resumed.
+        Some(&"folder") if is_of_program && leaf.value.is_str() => return Ok(None),
+        Some(last) if is_of_program => {
+            let limit = course.limits.given().into_iter().find(|limit| limit.key == *last);
+            if let Some(limit) = limit {
+                let asked = leaf.value.as_float().or_else(|| leaf.value.as_integer().map(|whole| whole as f64));
+                if !asked.is_some_and(|asked| limit.admits(asked)) {
+                    let bound = if limit.is_most { "at most" } else { "at least" };
+                    let asked = &leaf.value;
+                    return Err(format!("`{written}` is {asked}; the rules allow {bound} {}", limit.value));
+                }
+            }
+        }
+        _ => {}
+    }
+    Ok(Some(leaf.change(&key)))
+}
+
+/// Says of a key that no scenario has that it is unknown, and which is near; `None` of one that the rules fix.
+fn unknown_key(leaf: &Leaf, course: &Course) -> Option<String> {
+    let changes: Vec<String> = course.changes.iter().cloned().chain([leaf.change(&leaf.key()?)]).collect();
+    let error = course.scenario(&changes).err()?;
+    matches!(error.fault, Fault::UnknownField { .. }).then(|| message_of(&error))
+}

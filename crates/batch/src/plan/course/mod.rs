@@ -1,0 +1,295 @@
+//! Courses: a rules file that fixes everything but what it frees, and the files of agents, who enter.
+//!
+//! ```toml
+//! free = ["unimog.planner", "planner.*"]   # what agents may set, and all below
+//! seeds = "@seeds.txt"                     # a file beside this one, or the seeds themselves
+//!
+//! [limits]                                 # of every agent
+//! seconds_per_expansion = 0.0005
+//!
+//! [scenario]
+//! from = "contest"                         # or a file; other keys change it
+//! ```
+//!
+//! An agent's file is the part of a scenario that is free. Each agent is a variant of the plan, with its name in the
+//! column [`ENTRY_COLUMN`]: the scenario of the rules with the agent's values as changes, so that any run can be repeated
+//! by itself.
+
+mod agent_file;
+mod rules_file;
+
+use std::collections::BTreeSet;
+use std::fmt;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value as Json;
+use thiserror::Error;
+use toml::{Table, Value as TomlValue};
+
+use super::request::{MAX_PLAN_BYTES, RUNS_WITHOUT_FORCE};
+use super::{
+    BatchPlan, ENTRY_COLUMN, Freedom, MAX_RUNS, Record, RequestError, Seeds, Value, Variant, kept_program, rules_of,
+    value_differences,
+};
+use agent_file::AgentFile;
+use rules_file::Course;
+pub use rules_file::schema as rules_schema;
+use wildfire_sim::scenario::{FieldPath, MAX_SCENARIO_BYTES, PathStep, first_too_deep};
+
+/// The most agents of a course.
+const MAX_AGENTS: usize = 100;
+
+/// A fault of a rules file, or of an agent's.
+#[derive(Debug, Error)]
+#[error("{}: {message}", Place(path, *line))]
+pub struct CourseError {
+    pub path: PathBuf,
+    /// Counted from 1; `None` if the fault is not in a line.
+    pub line: Option<usize>,
+    pub message: String,
+    /// The kind of error, if a file could not be read.
+    pub unreadable: Option<ErrorKind>,
+}
+
+struct Place<'a>(&'a Path, Option<usize>);
+
+impl fmt::Display for Place<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.1 {
+            Some(line) => write!(f, "{}:{line}", self.0.display()),
+            None => write!(f, "{}", self.0.display()),
+        }
+    }
+}
+
+/// A reason for which a course makes no plan.
+#[derive(Debug, Error)]
+pub enum CourseRefusal {
+    #[error(transparent)]
+    Rules(CourseError),
+    #[error("{} faults in the files of agents, the first of them: {}", .0.len(), .0[0])]
+    Agents(Vec<CourseError>),
+    #[error(transparent)]
+    Request(RequestError),
+    #[error("{count} agents are too many; expected at most {MAX_AGENTS}")]
+    TooManyAgents { count: usize },
+}
+
+/// A course and its agents as they are asked for.
+#[derive(Clone, Debug, Default)]
+pub struct CourseRequest {
+    pub rules: PathBuf,
+    pub agents: Vec<PathBuf>,
+    /// Seeds in the place of those of the rules.
+    pub seeds: Option<Seeds>,
+    pub record: Option<Record>,
+    /// True if agents whose files are refused are left out, and the others run.
+    pub skips_refused: bool,
+}
+
+/// The plan of a course.
+#[derive(Debug)]
+pub struct CoursePlan {
+    pub plan: BatchPlan,
+    /// Faults of agents that are left out.
+    pub left_out: Vec<CourseError>,
+}
+
+impl CourseRequest {
+    /// Reads all files and makes the plan. More than [`RUNS_WITHOUT_FORCE`] runs must be insisted on.
+    ///
+    /// # Errors
+    /// If the rules are refused, or all agents are, or one is and it may not be left out.
+    pub fn resolve(&self, force: bool) -> Result<CoursePlan, CourseRefusal> {
+        if self.agents.len() > MAX_AGENTS {
+            return Err(CourseRefusal::TooManyAgents { count: self.agents.len() });
+        }
+        let course = Course::read(&self.rules).map_err(CourseRefusal::Rules)?;
+        let seeds = match &self.seeds {
+            Some(seeds) => seeds.clone(),
+            None => course.seeds().map_err(CourseRefusal::Rules)?,
+        };
+        let (mut variants, mut left_out, mut bytes) = (Vec::new(), Vec::new(), 0);
+        let mut shared = SharedRules::default();
+        for (path, name) in self.agents.iter().zip(self.names()) {
+            let variant = name.map_err(|error| vec![error]).and_then(|name| {
+                let agent = AgentFile::read(path).map_err(|error| vec![error])?;
+                let variant = course.variant(&agent, name.clone())?;
+                shared.admit(&course, &variant, name).map_err(|message| vec![fault(path, None, &message)])?;
+                Ok(variant)
+            });
+            match variant {
+                Ok(variant) => {
+                    bytes += variant.bytes();
+                    variants.push(variant);
+                }
+                Err(faults) => left_out.extend(faults),
+            }
+        }
+        if variants.is_empty() || !self.skips_refused && !left_out.is_empty() {
+            return Err(CourseRefusal::Agents(left_out));
+        }
+        let count = u128::from(seeds.count()) * variants.len() as u128;
+        let refused = match () {
+            () if count > MAX_RUNS.into() => Some(RequestError::TooManyRuns { count }),
+            () if count > RUNS_WITHOUT_FORCE.into() && !force => Some(RequestError::ManyRuns { count }),
+            () if bytes + seeds.to_string().len() as u64 > MAX_PLAN_BYTES => Some(RequestError::TooLarge),
+            () => None,
+        };
+        if let Some(refusal) = refused {
+            return Err(CourseRefusal::Request(refusal));
+        }
+        let record = self.record.or(course.record).unwrap_or_default();
+        let swept_keys = vec![ENTRY_COLUMN.to_owned()];
+        Ok(CoursePlan {
+            plan: BatchPlan { variants, swept_keys, seeds, record, memory: course.memory, free: course.free_keys },
+            left_out,
+        })
+    }
+
+    /// Names the agents: by their files' names without the ending, or by their paths where those are not distinct.
+    fn names(&self) -> Vec<Result<String, CourseError>> {
+        let stem = |path: &PathBuf| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let stems: BTreeSet<String> = self.agents.iter().map(stem).collect();
+        let are_distinct = stems.len() == self.agents.len();
+        let named = |(index, path): (usize, &PathBuf)| {
+            if self.agents[..index].contains(path) {
+                return Err(fault(path, None, "it is given twice; expected every agent once"));
+            }
+            Ok(if are_distinct { stem(path) } else { path.with_extension("").to_string_lossy().into_owned() })
+        };
+        self.agents.iter().enumerate().map(named).collect()
+    }
+}
+
+impl Course {
+    /// The variant of an agent, or all that its file is refused for.
+    fn variant(&self, agent: &AgentFile, name: String) -> Result<Variant, Vec<CourseError>> {
+        let mut changes = self.changes.clone();
+        let agents_changes = agent.changes(self)?;
+        changes.extend(agents_changes.iter().map(|change| change.option.clone()));
+        let scenario = self.scenario(&changes).map_err(|error| {
+            let of_agent = |change: &&Change| error.location.as_ref().is_some_and(|place| place.is_in(&change.option));
+            let line = agents_changes.iter().find(of_agent).map(|change| change.line);
+            vec![fault(&agent.path, line, &message_of(&error))]
+        })?;
+        let swept = vec![Value::Text(name)];
+        Ok(Variant { source: self.source().to_owned(), changes, swept, scenario })
+    }
+}
+
+/// The first entry of a course, and the rules that it plays by, which all others must share to be ranked together.
+#[derive(Default)]
+struct SharedRules(Option<(String, Json)>);
+
+impl SharedRules {
+    /// Admits an entry, or says why a ranking would refuse it beside the first.
+    fn admit(&mut self, course: &Course, variant: &Variant, name: String) -> Result<(), String> {
+        let rules = course.path.display();
+        let freed: Vec<&str> = course.free_keys.iter().map(String::as_str).collect();
+        let freedom = Freedom::parse(&freed).map_err(|error| error.to_string())?;
+        let scenario = serde_json::to_value(&variant.scenario).expect("scenarios hold names, numbers and lists only");
+        if let Some(table) = kept_program(&scenario) {
+            return Err(format!("`{table}.reuse` is true by {rules}; in a course every run has a process of its own"));
+        }
+        let ours = rules_of(scenario, &freedom.keys);
+        let (first, theirs) = self.0.get_or_insert_with(|| (name, ours.clone()));
+        let Some(difference) = value_differences(theirs, &ours).into_iter().next() else { return Ok(()) };
+        let steps: Vec<&str> = difference.key.split('.').filter(|step| step.parse::<usize>().is_err()).collect();
+        let [theirs, ours] = difference.values.map(|value| value.map_or("nothing".into(), |value| value.to_string()));
+        Err(format!(
+            "its `{}` is {ours} and that of {first} is {theirs}; expected [scenario] in {rules} to fix it for all",
+            steps.join(".")
+        ))
+    }
+}
+
+/// The sentence of a scenario's fault, with what may help.
+fn message_of(error: &wildfire_sim::scenario::ScenarioError) -> String {
+    let advice = error.fault.advice().map_or(String::new(), |advice| format!("; {advice}"));
+    format!("{error}{advice}")
+}
+
+/// A change as `--set` takes it, and the line of the file that asks for it.
+struct Change {
+    option: String,
+    line: usize,
+}
+
+/// A value of a table, with the keys that lead to it.
+struct Leaf {
+    keys: Vec<String>,
+    value: TomlValue,
+}
+
+impl Leaf {
+    /// The key as `--set` takes it; `None` if one of its steps cannot be written so.
+    fn key(&self) -> Option<String> {
+        let step = |key: &String| {
+            let is_plain = |letter: char| letter.is_alphanumeric() || "_-+".contains(letter);
+            match key {
+                key if key.is_empty() => None,
+                key if key.chars().all(is_plain) => Some(key.clone()),
+                // Names of planners and policies may have dots.
+                key if key.chars().all(|letter| is_plain(letter) || letter == '.') => Some(format!("\"{key}\"")),
+                _ => None,
+            }
+        };
+        Some(self.keys.iter().map(step).collect::<Option<Vec<_>>>()?.join("."))
+    }
+
+    fn line_in(&self, text: &str) -> usize {
+        FieldPath(self.keys.iter().map(|key| PathStep::key(key)).collect()).line_in(text)
+    }
+
+    fn change(&self, key: &str) -> String {
+        format!("{key}={}", self.value)
+    }
+}
+
+/// The values of a table. What is below [planner.NAME] and [policy.NAME] is a value whatever it is: settings are any keys.
+fn leaves(table: Table) -> Vec<Leaf> {
+    fn collect(keys: &[String], table: Table, found: &mut Vec<Leaf>) {
+        for (key, value) in table {
+            let keys = [keys, &[key]].concat();
+            let is_below_program = keys.len() >= 3 && ["planner", "policy"].contains(&keys[0].as_str());
+            match value {
+                TomlValue::Table(inner) if !is_below_program && !inner.is_empty() => collect(&keys, inner, found),
+                value => found.push(Leaf { keys, value }),
+            }
+        }
+    }
+    let mut found = Vec::new();
+    collect(&[], table, &mut found);
+    found
+}
+
+fn fault(path: &Path, line: Option<usize>, message: &str) -> CourseError {
+    CourseError { path: path.to_owned(), line, message: message.to_owned(), unreadable: None }
+}
+
+/// Reads a file as TOML that does not nest too deep.
+fn read_toml(path: &Path) -> Result<(String, Table), CourseError> {
+    let text = wildfire_base::input_file::read_text(path, MAX_SCENARIO_BYTES).map_err(|error| {
+        let message = match error.kind() {
+            ErrorKind::NotFound => "there is no such file".to_owned(),
+            _ => format!("it cannot be read: {error}"),
+        };
+        CourseError { unreadable: Some(error.kind()), ..fault(path, None, &message) }
+    })?;
+    if let Some(at) = first_too_deep(&text) {
+        return Err(fault(path, Some(line_at(&text, at)), "this is not TOML: too many brackets and braces are open"));
+    }
+    let table = toml::from_str(&text).map_err(|error: toml::de::Error| syntax(path, &text, &error))?;
+    Ok((text, table))
+}
+
+fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> CourseError {
+    let line = error.span().map(|span| line_at(text, span.start));
+    fault(path, line, error.message())
+}
+
+fn line_at(text: &str, at: usize) -> usize {
+    1 + text.bytes().take(at).filter(|&byte| byte == b'\n').count()
+}

@@ -1,0 +1,272 @@
+//! The rules file of a course.
+
+use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use toml::{Table, Value as TomlValue};
+
+use super::{CourseError, Leaf, fault, leaves, message_of, read_toml, syntax};
+use crate::plan::file::{SeedList, located};
+use crate::plan::seeds::MAX_SEEDS_BYTES;
+use crate::plan::{FreeKeys, MAX_FREE_KEYS, Record, Seeds};
+use wildfire_base::input_file;
+use wildfire_sim::scenario::{FieldPath, LoadedScenario, MemoryLimit, Scenario, ScenarioError, ScenarioText};
+
+/// The scenario that a rules file changes unless it names another: its values are all defaults.
+const USUAL_SCENARIO: &str = "contest";
+
+/// Wall clock of a query, in CPU seconds of it, where only these are limited; and the longest wall clock there is.
+const WALL_OF_CPU: f64 = 10.0;
+const LONGEST_WALL_S: f64 = 3600.0;
+
+/// A rules file: what agents may set, and all that they may not.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct RulesFile {
+    /// Keys that agents may set, and all below them, such as `unimog.planner` and `planner.*`.
+    free: Vec<String>,
+    /// Seeds as a text or a list, or `@FILE` that holds them, from this file's folder.
+    seeds: SeedList,
+    #[serde(default)]
+    limits: ProgramLimits,
+    /// `from` is the name of a built-in scenario or a path from this file's folder, which the other keys change; without
+    /// it, they are a whole scenario.
+    #[serde(default)]
+    #[schemars(with = "serde_json::Map<String, serde_json::Value>")]
+    scenario: Table,
+    record: Option<Record>,
+    /// The memory that each run may take, such as `4GB`; 2 GB if it is not given.
+    memory: Option<String>,
+}
+
+/// What a program of an agent may ask for at most; of prices, at least: `seconds_per_expansion`, which every planner pays,
+/// and `expansions_per_query`, which every program does.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ProgramLimits {
+    start_limit_s: Option<f64>,
+    query_limit_s: Option<f64>,
+    query_cpu_s: Option<f64>,
+    memory_limit_mb: Option<f64>,
+    seconds_per_expansion: Option<f64>,
+    expansions_per_query: Option<f64>,
+    restarts: Option<f64>,
+}
+
+/// A limit of a course: the key of a program's table, and the value that it has unless an agent asks for less.
+pub struct ProgramLimit {
+    pub key: &'static str,
+    pub value: f64,
+    /// True if agents may ask for less and not for more; else it is the other way round.
+    pub is_most: bool,
+}
+
+impl ProgramLimit {
+    /// Says whether an agent may ask for a value.
+    pub fn admits(&self, asked: f64) -> bool {
+        if self.is_most { asked <= self.value } else { asked >= self.value }
+    }
+}
+
+impl ProgramLimits {
+    /// The limits that are given; where CPU time is limited, wall time is, at ten times it.
+    pub fn given(&self) -> Vec<ProgramLimit> {
+        let wall = self.query_cpu_s.map(|cpu_s| (WALL_OF_CPU * cpu_s).min(LONGEST_WALL_S));
+        let limits = [
+            ("start_limit_s", self.start_limit_s, true),
+            ("query_cpu_s", self.query_cpu_s, true),
+            ("query_limit_s", self.query_limit_s.or(wall), true),
+            ("memory_limit_mb", self.memory_limit_mb, true),
+            ("seconds_per_expansion", self.seconds_per_expansion, false),
+            ("expansions_per_query", self.expansions_per_query, false),
+            ("restarts", self.restarts, true),
+        ];
+        let given = |(key, value, is_most): (&'static str, Option<f64>, bool)| {
+            Some(ProgramLimit { key, value: value?, is_most })
+        };
+        limits.into_iter().filter_map(given).collect()
+    }
+}
+
+/// A rules file that was read and checked.
+pub struct Course {
+    pub path: PathBuf,
+    pub free: FreeKeys,
+    /// The same as they are written.
+    pub free_keys: Vec<String>,
+    pub limits: ProgramLimits,
+    pub record: Option<Record>,
+    pub memory: MemoryLimit,
+    /// Changes that make the scenario of the rules of `base`.
+    pub changes: Vec<String>,
+    base: ScenarioText,
+    seeds: CourseSeeds,
+}
+
+enum CourseSeeds {
+    Given(Seeds),
+    File(PathBuf),
+}
+
+/// The JSON Schema of rules files.
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(RulesFile)
+}
+
+impl Course {
+    /// Reads and checks the rules; a file of seeds is not read yet.
+    pub fn read(path: &Path) -> Result<Self, CourseError> {
+        let (text, _) = read_toml(path)?;
+        let file: RulesFile = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
+        let at = |key: &str, message: &str| fault(path, Some(FieldPath::parse(key).line_in(&text)), message);
+        if file.free.is_empty() {
+            return Err(at("free", "`free` is empty, so that no agent could set anything; expected at least one key"));
+        }
+        if file.free.len() > MAX_FREE_KEYS {
+            let message = format!("{} keys are free; expected at most {MAX_FREE_KEYS}", file.free.len());
+            return Err(at("free", &message));
+        }
+        let free = FreeKeys::parse(&file.free).map_err(|error| at("free", &error.to_string()))?;
+        for limit in file.limits.given() {
+            let is_whole = limit.value.fract() == 0.0
+                || !["memory_limit_mb", "restarts", "expansions_per_query"].contains(&limit.key);
+            if !limit.value.is_finite() || limit.value < 0.0 || !is_whole {
+                let message = format!("`{}` is {}; expected a number of at least 0", limit.key, limit.value);
+                return Err(at(&format!("limits.{}", limit.key), &message));
+            }
+        }
+        let memory = match &file.memory {
+            None => MemoryLimit::default(),
+            Some(size) => {
+                size.parse().map_err(|reason: String| at("memory", &format!("`memory` is {size:?}; {reason}")))?
+            }
+        };
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let seeds = match &file.seeds {
+            SeedList::Text(text) if text.starts_with('@') => CourseSeeds::File(folder.join(&text[1..])),
+            seeds => CourseSeeds::Given(seeds.parse().map_err(|error| at("seeds", &error.to_string()))?),
+        };
+        let (base, rules) = scenario_of(file.scenario, folder, path, &at)?;
+        let mut changes = Vec::new();
+        for (leaf, is_given) in &rules {
+            let line = format!("scenario.{}", leaf.keys.join("."));
+            let key =
+                leaf.key().ok_or_else(|| at(&line, &format!("`{}` is no key of a scenario", leaf.keys.join("."))))?;
+            if *is_given && frees_within(&free, leaf) {
+                let message = format!("`{key}` is set by [scenario] and free too; expected one of them");
+                return Err(at(&line, &message));
+            }
+            changes.push(leaf.change(&key));
+        }
+        let (limits, record) = (file.limits, file.record);
+        let mut course =
+            Self { path: path.to_owned(), free, free_keys: file.free, limits, record, memory, changes, base, seeds };
+        let scenario = course.scenario(&course.changes).map_err(|error| {
+            let changed = course.changes.iter().zip(&rules);
+            let is_it = |change: &String| error.location.as_ref().is_some_and(|place| place.is_in(change));
+            let key = changed.into_iter().find(|(change, _)| is_it(change)).map(|(_, (leaf, _))| leaf.keys.join("."));
+            let line = key.map(|key| FieldPath::parse(&format!("scenario.{key}")).line_in(&text));
+            fault(path, line, &message_of(&error))
+        })?;
+        // Every planner pays alike, whichever table is its own.
+        let charged = scenario.unimog.iter().map(|truck| truck.seconds_per_expansion);
+        if let Some(least) = course.limits.seconds_per_expansion
+            && charged.clone().any(|charge| charge < least)
+        {
+            let price = charged.fold(least, f64::max);
+            course.changes.push(format!("unimog.seconds_per_expansion={price}"));
+            course
+                .scenario(&course.changes)
+                .map_err(|error| at("limits.seconds_per_expansion", &message_of(&error)))?;
+        }
+        Ok(course)
+    }
+
+    /// The seeds, read from their file if they are in one.
+    pub fn seeds(&self) -> Result<Seeds, CourseError> {
+        let path = match &self.seeds {
+            CourseSeeds::Given(seeds) => return Ok(seeds.clone()),
+            CourseSeeds::File(path) => path,
+        };
+        let text = input_file::read_text(path, MAX_SEEDS_BYTES).map_err(|error| {
+            let seeds = path.display();
+            let message = format!("its seeds in {seeds} cannot be read: {error}; --seeds takes others");
+            CourseError { unreadable: Some(error.kind()), ..fault(&self.path, None, &message) }
+        })?;
+        Seeds::from_file_text(&text).map_err(|error| fault(path, None, &error.to_string()))
+    }
+
+    /// The scenario with these changes, which begin with those of the rules.
+    pub fn scenario(&self, changes: &[String]) -> Result<Scenario, Box<ScenarioError>> {
+        LoadedScenario::from_text(&self.base, changes).map(|loaded| loaded.scenario)
+    }
+
+    /// The name or path of the scenario that the rules change.
+    pub fn source(&self) -> &str {
+        &self.base.source
+    }
+}
+
+/// Says whether some value that a leaf of the rules sets is free. A list of agents is looked into.
+fn frees_within(free: &FreeKeys, leaf: &Leaf) -> bool {
+    fn within(free: &FreeKeys, steps: &mut Vec<String>, value: &TomlValue) -> bool {
+        let path: Vec<&str> = steps.iter().map(String::as_str).collect();
+        if free.has(&path) {
+            return true;
+        }
+        let inner: Vec<(String, &TomlValue)> = match value {
+            TomlValue::Table(table) => table.iter().map(|(key, value)| (key.clone(), value)).collect(),
+            TomlValue::Array(list) => list.iter().enumerate().map(|(at, value)| (at.to_string(), value)).collect(),
+            _ => Vec::new(),
+        };
+        inner.into_iter().any(|(step, value)| {
+            steps.push(step);
+            let found = within(free, steps, value);
+            steps.pop();
+            found
+        })
+    }
+    within(free, &mut leaf.keys.clone(), &leaf.value)
+}
+
+/// The scenario that `[scenario]` names, and the values that change it, each with whether the file gives it.
+///
+/// Without `from` it is a whole scenario: what it does not give has its default, and there are no other agents. So that a
+/// command line can say the same, it is the usual scenario with everything replaced.
+fn scenario_of(
+    mut table: Table,
+    folder: &Path,
+    path: &Path,
+    at: &dyn Fn(&str, &str) -> CourseError,
+) -> Result<(ScenarioText, Vec<(Leaf, bool)>), CourseError> {
+    if let Some(TomlValue::String(map)) = table.get_mut("field").and_then(|field| field.get_mut("map")) {
+        *map = folder.join(&*map).to_string_lossy().into_owned();
+    }
+    let open = |source: &str| ScenarioText::open(source).map_err(|error| at("scenario.from", &message_of(&error)));
+    let given = |table: Table| leaves(table).into_iter().map(|leaf| (leaf, true));
+    match table.remove("from") {
+        Some(TomlValue::String(source)) => Ok((open(&located(&source, folder))?, given(table).collect())),
+        Some(other) => Err(at("scenario.from", &format!("`from` is {other}; expected a name or a path as a text"))),
+        None if table.is_empty() => Ok((open(USUAL_SCENARIO)?, Vec::new())),
+        None => {
+            let base = open(USUAL_SCENARIO)?;
+            let replaced: Table = toml::from_str(&base.text).expect("a built-in scenario is TOML");
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            table.entry("name").or_insert(TomlValue::String(stem));
+            let emptied =
+                replaced.into_iter().filter(|(key, _)| !table.contains_key(key)).filter_map(|(key, value)| {
+                    let nothing = match value {
+                        TomlValue::Table(_) => TomlValue::Table(Table::new()),
+                        TomlValue::Array(_) => TomlValue::Array(Vec::new()),
+                        _ => return None,
+                    };
+                    Some((Leaf { keys: vec![key], value: nothing }, false))
+                });
+            let emptied: Vec<(Leaf, bool)> = emptied.collect();
+            // Whole tables, so that nothing of the scenario that is replaced stays.
+            let whole = table.into_iter().map(|(key, value)| (Leaf { keys: vec![key], value }, true));
+            Ok((base, emptied.into_iter().chain(whole).collect()))
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! In what two plans differ, in words.
+
+use serde_json::Value;
+
+use super::BatchPlan;
+use wildfire_sim::scenario::Scenario;
+
+/// The most differences that are named.
+const MOST: usize = 5;
+
+/// In what a plan differs from the one that is asked for; empty if they are the same.
+pub fn differences(there: &BatchPlan, asked: &BatchPlan) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut compare = |what: &str, there: String, asked: String| {
+        if there != asked {
+            found.push(sentence(what, &there, &asked));
+        }
+    };
+    compare("seeds", there.seeds.to_string(), asked.seeds.to_string());
+    compare("record", format!("{:?}", there.record).to_lowercase(), format!("{:?}", asked.record).to_lowercase());
+    compare("memory", there.memory.to_string(), asked.memory.to_string());
+    compare("what is swept", listed(&there.swept_keys), listed(&asked.swept_keys));
+    compare("the number of variants", there.variants.len().to_string(), asked.variants.len().to_string());
+    for (one, other) in there.variants.iter().zip(&asked.variants) {
+        found.extend(differences_of_scenarios(&one.scenario, &other.scenario));
+    }
+    shortened(found)
+}
+
+/// In which values a scenario differs from the one that is asked for.
+pub fn differences_of_scenarios(there: &Scenario, asked: &Scenario) -> Vec<String> {
+    let json = |scenario| serde_json::to_value(scenario).expect("scenarios hold names, numbers and lists only");
+    let words = |value: Option<Value>| value.map_or("nothing".into(), |value| cut(&value.to_string()));
+    let found = value_differences(&json(there), &json(asked)).into_iter();
+    shortened(found.map(|it| sentence(&it.key, &words(it.values[0].clone()), &words(it.values[1].clone()))).collect())
+}
+
+/// A value in which two resolved scenarios differ.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ValueDifference {
+    /// The key as `--set` takes it, such as `unimog.0.speed_mps`.
+    pub key: String,
+    /// The values in the one scenario and in the other; `None` where it has no such value.
+    pub values: [Option<Value>; 2],
+}
+
+/// Returns all values in which two resolved scenarios differ. Lists of agents and the like are gone through one by one.
+pub fn value_differences(one: &Value, other: &Value) -> Vec<ValueDifference> {
+    let mut found = Vec::new();
+    collect("", [Some(one), Some(other)], &mut found);
+    found
+}
+
+fn collect(path: &str, values: [Option<&Value>; 2], found: &mut Vec<ValueDifference>) {
+    let inside = |step: &str| if path.is_empty() { step.to_owned() } else { format!("{path}.{step}") };
+    match values {
+        [Some(Value::Object(one)), Some(Value::Object(other))] => {
+            for key in one.keys().chain(other.keys().filter(|key| !one.contains_key(*key))) {
+                collect(&inside(key), [one.get(key), other.get(key)], found);
+            }
+        }
+        [Some(Value::Array(one)), Some(Value::Array(other))] if one.len() == other.len() || are_tables(one, other) => {
+            for index in 0..one.len().max(other.len()) {
+                collect(&inside(&index.to_string()), [one.get(index), other.get(index)], found);
+            }
+        }
+        [one, other] if one == other => {}
+        _ => found.push(ValueDifference { key: path.to_owned(), values: values.map(Option::<&Value>::cloned) }),
+    }
+}
+
+fn are_tables(one: &[Value], other: &[Value]) -> bool {
+    one.iter().chain(other).all(Value::is_object)
+}
+
+fn sentence(what: &str, there: &str, asked: &str) -> String {
+    format!("{what} is {there} there, {asked} is asked for")
+}
+
+fn listed(keys: &[String]) -> String {
+    if keys.is_empty() { "nothing".into() } else { keys.join(", ") }
+}
+
+fn cut(text: &str) -> String {
+    const WIDTH: usize = 60;
+    if text.chars().count() <= WIDTH { text.into() } else { text.chars().take(WIDTH).chain("...".chars()).collect() }
+}
+
+fn shortened(mut found: Vec<String>) -> Vec<String> {
+    // Variants that differ in one way all say the same.
+    found.dedup();
+    if found.len() > MOST {
+        let more = found.len() - MOST;
+        found.truncate(MOST);
+        found.push(format!("and {more} more"));
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wildfire_sim::scenario;
+
+    fn smoke(changes: &[&str]) -> Scenario {
+        let changes: Vec<_> = changes.iter().map(|&change| change.to_owned()).collect();
+        scenario::load("smoke", &changes).expect("it is built in")
+    }
+
+    #[test]
+    fn each_value_that_differs_is_named_with_both_values() {
+        let found = differences_of_scenarios(&smoke(&[]), &smoke(&["fire.relight=true", "unimog.0.speed_mps=7"]));
+        let expected =
+            ["fire.relight is false there, true is asked for", "unimog.0.speed_mps is 8.0 there, 7.0 is asked for"];
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn agents_that_only_one_scenario_has_are_differences_of_their_own() {
+        let json = |trucks: &[f64]| {
+            let trucks: Vec<_> = trucks.iter().map(|speed| serde_json::json!({ "speed_mps": speed })).collect();
+            serde_json::json!({ "unimog": trucks, "start": [1, 2, 3] })
+        };
+        let found = value_differences(&json(&[8.0]), &json(&[7.0, 9.0]));
+        let keys: Vec<_> = found.iter().map(|it| it.key.as_str()).collect();
+        assert_eq!(keys, ["unimog.0.speed_mps", "unimog.1"]);
+        assert_eq!(found[0].values, [Some(8.0.into()), Some(7.0.into())]);
+        assert_eq!(found[1].values, [None, Some(serde_json::json!({ "speed_mps": 9.0 }))]);
+        let shorter = serde_json::json!({ "unimog": [{ "speed_mps": 8.0 }], "start": [1, 2] });
+        let found = value_differences(&json(&[8.0]), &shorter);
+        assert_eq!(found.len(), 1, "a list of numbers is one value: {found:?}");
+    }
+
+    #[test]
+    fn long_lists_of_differences_are_cut() {
+        let found = differences_of_scenarios(&smoke(&[]), &scenario::load("contest", &[]).expect("it is built in"));
+        assert_eq!(found.len(), MOST + 1);
+        assert!(found[MOST].starts_with("and "), "{found:?}");
+    }
+
+    #[test]
+    fn same_scenario_has_no_differences() {
+        assert!(differences_of_scenarios(&smoke(&[]), &smoke(&[])).is_empty());
+    }
+}

@@ -1,0 +1,374 @@
+//! Audits of many runs on several threads: recordings, and runs of batches, which are simulated again where they were
+//! not recorded.
+
+use std::collections::BTreeSet;
+use std::fmt;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use rayon::prelude::*;
+use serde::{Serialize, Serializer};
+
+use crate::execute::{BatchError, RUNS_FILE, RunResult, RunRow, Status, panics};
+use crate::plan::{PROGRAM_VERSION, PlannedRun};
+use crate::table::{FinishedBatch, FinishedError, RunRecord};
+use wildfire_audit::{Audited, SampleStep, Verdict, Violation, audit_timeline};
+use wildfire_base::document::number::{count, rounded};
+use wildfire_base::document::{Block, Document};
+use wildfire_sim::{Entrants, RunCost, RunOptions};
+use wildfire_timeline::{Outcome, Timeline, file};
+
+/// Runs between two looks at the results, per worker.
+const RUNS_PER_ROUND: usize = 32;
+
+/// The most violations that are listed in words.
+pub const LISTED_VIOLATIONS: usize = 10;
+
+/// A place at which runs to be audited are found.
+#[derive(Debug)]
+pub enum AuditSource {
+    Recordings(Vec<PathBuf>),
+    Batch(Box<FinishedBatch>),
+    /// Runs of a batch by their numbers, which are made again even where there are recordings.
+    Repeated(Box<FinishedBatch>, BTreeSet<u64>),
+}
+
+impl AuditSource {
+    pub fn count(&self) -> u64 {
+        match self {
+            Self::Recordings(paths) => paths.len() as u64,
+            Self::Batch(batch) => batch.count(),
+            Self::Repeated(_, numbers) => numbers.len() as u64,
+        }
+    }
+}
+
+/// The findings of many audits.
+#[derive(Clone, Debug, Default)]
+pub struct AuditReport {
+    /// Audited runs, by where their timelines are from.
+    pub recorded: u64,
+    pub simulated: u64,
+    /// Runs that could not take place, as their rows say.
+    pub not_run: u64,
+    /// Runs of batches that never came to write rows.
+    pub without_row: u64,
+    /// Recordings that do not say how fast agents may go and how fire behaves.
+    pub without_limits: u64,
+    pub audited: Audited,
+    /// Runs with a violation, and the first of them in words.
+    pub violations: u64,
+    pub listed: Vec<ListedViolation>,
+    /// The reason for which the first file could not be read, and the number of such files.
+    pub first_unreadable: Option<(String, ErrorKind)>,
+    pub unreadable: u64,
+}
+
+/// A run with a violation, or whose row says something else than it gives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ListedViolation {
+    /// The recording, or the run of a batch, by its name.
+    pub run: String,
+    /// The first violation; `None` if only the row is wrong.
+    pub violation: Option<Violation>,
+    pub words: String,
+}
+
+impl fmt::Display for ListedViolation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.run, self.words)
+    }
+}
+
+/// One run to be audited.
+enum Subject<'a> {
+    Recording(&'a Path),
+    Run { batch: &'a FinishedBatch, run: PlannedRun<'a>, row: Option<RunRecord>, recording: Option<PathBuf> },
+}
+
+/// The outcome of an audit of one run.
+enum Finding {
+    Recorded(Verdict, Option<String>),
+    Simulated(Verdict, Option<String>),
+    NotRun(Option<String>),
+    Unreadable(String, ErrorKind),
+}
+
+type Subjects<'a> = Box<dyn Iterator<Item = Result<Subject<'a>, FinishedError>> + 'a>;
+
+impl AuditSource {
+    /// The runs in their order, each with its row if there is one.
+    fn subjects(&self) -> Result<Subjects<'_>, FinishedError> {
+        match self {
+            Self::Recordings(paths) => Ok(Box::new(paths.iter().map(|path| Ok(Subject::Recording(path))))),
+            Self::Batch(batch) => {
+                let mut rows = batch.rows()?;
+                Ok(Box::new(batch.runs().map(move |run| {
+                    let row = rows.as_mut().map(|rows| rows.next(&run)).transpose()?;
+                    let recording = batch.recording(&run);
+                    Ok(Subject::Run { batch, run, row, recording })
+                })))
+            }
+            Self::Repeated(batch, numbers) => {
+                let mut rows = batch.rows()?;
+                let subjects = batch.runs().map(move |run| {
+                    let row = rows.as_mut().map(|rows| rows.next(&run)).transpose()?;
+                    Ok(numbers.contains(&run.number).then_some(Subject::Run { batch, run, row, recording: None }))
+                });
+                Ok(Box::new(subjects.filter_map(Result::transpose)))
+            }
+        }
+    }
+}
+
+/// How runs are audited.
+#[derive(Clone, Copy, Debug)]
+pub struct AuditOptions<'a> {
+    /// Threads.
+    pub jobs: usize,
+    pub step: SampleStep,
+    /// The planners and policies of runs that are made again.
+    pub entrants: &'a Entrants,
+    /// The most runs with a violation that are listed.
+    pub listed: usize,
+}
+
+/// Audits all runs of all sources on some threads; what is reported is in their order, whatever the number of
+/// threads.
+///
+/// `on_run` is called from the workers after each run, in any order.
+///
+/// # Errors
+/// Rows that do not go with their plan, or threads that cannot be started.
+pub fn audit_all(
+    sources: &[AuditSource],
+    options: &AuditOptions<'_>,
+    on_run: impl Fn() + Sync,
+) -> Result<AuditReport, AuditsError> {
+    let &AuditOptions { jobs, .. } = options;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
+    let pool = pool.map_err(|error| BatchError::NoWorkers { jobs, reason: error.to_string() })?;
+    let mut report = AuditReport::default();
+    let look = |subject: &Subject<'_>| (subject.name(), subject.look(options));
+    for source in sources {
+        let mut subjects = source.subjects()?;
+        loop {
+            let round = subjects.by_ref().take(RUNS_PER_ROUND * jobs).collect::<Result<Vec<_>, _>>()?;
+            if round.is_empty() {
+                break;
+            }
+            let findings: Vec<_> =
+                pool.install(|| round.par_iter().with_max_len(1).map(look).inspect(|_| on_run()).collect());
+            report.without_row += round.iter().filter(|subject| subject.lacks_its_row()).count() as u64;
+            findings.into_iter().for_each(|(name, finding)| report.add(name, finding, options.listed));
+        }
+    }
+    Ok(report)
+}
+
+impl Subject<'_> {
+    fn name(&self) -> String {
+        match self {
+            Self::Recording(path) => path.display().to_string(),
+            Self::Run { batch, run, .. } => batch.name_of(run),
+        }
+    }
+
+    fn lacks_its_row(&self) -> bool {
+        matches!(self, Self::Run { row: None, .. })
+    }
+
+    fn look(&self, options: &AuditOptions<'_>) -> Finding {
+        let &AuditOptions { step, entrants, .. } = options;
+        match self {
+            Self::Recording(path) => look_at_file(path, step, |_| None),
+            Self::Run { batch, run, row, recording } => match recording {
+                Some(path) => look_at_file(path, step, |timeline| {
+                    let difference = || difference(run, row.as_ref(), timeline, RunCost::default());
+                    other_run(run, timeline).or_else(difference)
+                }),
+                None => {
+                    let memory = batch.plan().memory;
+                    let options = RunOptions { memory, ..entrants.clone().into() };
+                    look_again(run, &options, row.as_ref(), step)
+                }
+            },
+        }
+    }
+}
+
+fn look_at_file(path: &Path, step: SampleStep, difference: impl Fn(&Timeline) -> Option<String>) -> Finding {
+    match file::read(path) {
+        Ok(timeline) => Finding::Recorded(audit_timeline(&timeline, step), difference(&timeline)),
+        Err(error) => Finding::Unreadable(format!("{}: {error}", path.display()), error.kind()),
+    }
+}
+
+/// Makes a run once more, within the memory that it had and with the same planners and policies.
+fn look_again(run: &PlannedRun<'_>, options: &RunOptions, row: Option<&RunRecord>, step: SampleStep) -> Finding {
+    match panics::catch(|| wildfire_sim::run_with_options(&run.variant.scenario, run.seed, options)) {
+        Ok(Ok(again)) => {
+            let difference = difference(run, row, &again.timeline, again.cost);
+            Finding::Simulated(audit_timeline(&again.timeline, step), difference)
+        }
+        Ok(Err(error)) => Finding::NotRun(missing_result(run, row, Status::Failed, &error.to_string())),
+        Err(panic) => Finding::NotRun(missing_result(run, row, Status::Panicked, &panic)),
+    }
+}
+
+/// In words, that a recording is not of the run whose name it has.
+fn other_run(run: &PlannedRun<'_>, timeline: &Timeline) -> Option<String> {
+    let (name, seed) = (&timeline.setting.scenario, timeline.setting.seed);
+    let is_other = seed != run.seed || *name != run.variant.scenario.name;
+    is_other.then(|| format!("its recording is of {name}, seed {seed}"))
+}
+
+/// In words, what a row says else than a run. That it cannot be recorded is no difference.
+fn difference(run: &PlannedRun<'_>, row: Option<&RunRecord>, timeline: &Timeline, cost: RunCost) -> Option<String> {
+    let row = row.filter(|row| row.is_done() || file::encode(timeline).is_ok())?;
+    let result = RunResult::new(Outcome::new(timeline), cost);
+    // What planners had to say is in no recording, and is no part of the outcome.
+    let message = row.message().to_owned();
+    let again = RunRow { message, ..RunRow::done(run.label(), result, Duration::ZERO) };
+    row.difference(&RunRecord::from_row(&again))
+}
+
+/// In words, that a row has a result which its run does not give.
+fn missing_result(run: &PlannedRun<'_>, row: Option<&RunRecord>, status: Status, message: &str) -> Option<String> {
+    let row = row.filter(|row| row.is_done())?;
+    let again = RunRow::not_done(run.label(), status, message.to_owned(), Duration::ZERO);
+    row.difference(&RunRecord::from_row(&again))
+}
+
+impl AuditReport {
+    /// Runs that were audited.
+    pub fn runs(&self) -> u64 {
+        self.recorded + self.simulated
+    }
+
+    fn add(&mut self, run: String, finding: Finding, most: usize) {
+        let (verdict, difference) = match finding {
+            Finding::Recorded(verdict, difference) => {
+                self.recorded += 1;
+                (Some(verdict), difference)
+            }
+            Finding::Simulated(verdict, difference) => {
+                self.simulated += 1;
+                (Some(verdict), difference)
+            }
+            Finding::NotRun(difference) => {
+                self.not_run += 1;
+                (None, difference)
+            }
+            Finding::Unreadable(reason, kind) => {
+                self.unreadable += 1;
+                self.first_unreadable.get_or_insert((reason, kind));
+                return;
+            }
+        };
+        let violation = verdict.as_ref().and_then(|verdict| verdict.violation);
+        if let Some(verdict) = verdict {
+            self.audited += verdict.audited;
+            self.without_limits += u64::from(!verdict.knows_limits);
+        }
+        let words = violation.map(|violation| violation.to_string()).or(difference);
+        self.violations += u64::from(words.is_some());
+        if let Some(words) = words.filter(|_| self.listed.len() < most) {
+            self.listed.push(ListedViolation { run, violation, words });
+        }
+    }
+}
+
+impl AuditReport {
+    /// Says what was looked at, what could not be, and how many runs violate a rule: a sentence for each.
+    pub fn sentences(&self) -> Vec<String> {
+        let Audited { legs, poses, metres, extinctions } = self.audited;
+        let metres = rounded(metres, 0);
+        let mut sentences =
+            vec![format!("Runs: {} recorded, {} simulated again from their plan.", self.recorded, self.simulated)];
+        if self.not_run > 0 {
+            sentences.push(format!("{} more could not take place.", self.not_run));
+        }
+        sentences.push(format!("Checked: {legs} legs, {metres} m, {poses} poses, {extinctions} extinctions."));
+        if self.without_row > 0 {
+            sentences.push(format!("{} of the runs have no row in {RUNS_FILE} to be compared with.", self.without_row));
+        }
+        if self.without_limits > 0 {
+            sentences.push(format!(
+                "{} of the recordings, older than format 3, do not say how fast agents may go and how fire spreads: that \
+                 was not checked.",
+                self.without_limits
+            ));
+        }
+        sentences.push(match self.violations {
+            0 => "Violations: none.".into(),
+            count => format!("Violations: {count} of {} runs have one.", self.runs() + self.not_run),
+        });
+        sentences
+    }
+}
+
+/// A reason for which runs cannot be audited.
+#[derive(Debug, thiserror::Error)]
+pub enum AuditsError {
+    #[error(transparent)]
+    Finished(#[from] FinishedError),
+    #[error(transparent)]
+    Batch(#[from] BatchError),
+}
+
+/// The members in their order.
+#[derive(Serialize)]
+struct Object {
+    program_version: &'static str,
+    recorded: u64,
+    simulated: u64,
+    not_run: u64,
+    unreadable: u64,
+    without_row: u64,
+    without_limits: u64,
+    legs: u64,
+    poses: u64,
+    metres: f64,
+    extinctions: u64,
+    violations: u64,
+    first_violations: Vec<String>,
+}
+
+impl Serialize for AuditReport {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Audited { legs, poses, metres, extinctions } = self.audited;
+        let object = Object {
+            program_version: PROGRAM_VERSION,
+            recorded: self.recorded,
+            simulated: self.simulated,
+            not_run: self.not_run,
+            unreadable: self.unreadable,
+            without_row: self.without_row,
+            without_limits: self.without_limits,
+            legs,
+            poses,
+            metres,
+            extinctions,
+            violations: self.violations,
+            first_violations: self.listed.iter().map(ToString::to_string).collect(),
+        };
+        object.serialize(serializer)
+    }
+}
+
+impl From<&AuditReport> for Document {
+    /// Lists the first violations, one for each run, then how much was checked.
+    fn from(report: &AuditReport) -> Self {
+        let runs = report.runs() + report.not_run;
+        let mut document = Self::new(format!("Audit of {}", count(runs as usize, "run")));
+        let hidden = report.violations.saturating_sub(LISTED_VIOLATIONS as u64);
+        let hidden = (hidden > 0).then(|| format!("... and {hidden} more runs."));
+        // One line each, however long it is: such lines are searched and sorted.
+        let listed: Vec<_> = report.listed.iter().map(ToString::to_string).chain(hidden).collect();
+        document = document.with((!listed.is_empty()).then(|| Block::Verbatim(listed.join("\n"))));
+        document.add_list(report.sentences());
+        document
+    }
+}

@@ -1,0 +1,175 @@
+//! Failures of planners and policies in words: a sentence for each, by reason, with the first words about one of them.
+
+use std::collections::BTreeMap;
+use std::ops::AddAssign;
+
+use crate::table::{RunRecord, run_column};
+use wildfire_base::document::number::percent;
+use wildfire_base::untrusted::visible_start;
+
+/// Failed queries of a planner, or failed asks of policies, over some runs.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Failures {
+    /// Queries or asks in all.
+    asked: u64,
+    /// By the place of their reason among the columns.
+    reasons: BTreeMap<usize, Reason>,
+    /// The policy that messages name first.
+    policy: Option<String>,
+}
+
+/// Failures for one reason.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+struct Reason {
+    name: &'static str,
+    count: u64,
+    /// The beginning of the first message, if there is one.
+    words: Option<String>,
+}
+
+/// Reasons, as messages name them, and their columns.
+type Reasons = [(&'static str, usize)];
+
+const OF_QUERIES: &Reasons = &[
+    ("start blocked", run_column("truck_failed_start_blocked")),
+    ("goal blocked", run_column("truck_failed_goal_blocked")),
+    ("disconnected", run_column("truck_failed_disconnected")),
+    ("budget spent", run_column("truck_failed_budget_spent")),
+    ("timed out", run_column("truck_failed_timed_out")),
+    ("crashed", run_column("truck_failed_crashed")),
+    ("bad answer", run_column("truck_failed_bad_answer")),
+];
+
+const OF_ASKS: &Reasons = &[
+    ("timed out", run_column("policy_failed_timed_out")),
+    ("crashed", run_column("policy_failed_crashed")),
+    ("bad answer", run_column("policy_failed_bad_answer")),
+    ("illegal", run_column("policy_illegal")),
+];
+
+/// The beginning of messages about policies, before the name.
+const POLICY: &str = "policy ";
+
+impl Failures {
+    /// Counts the failed queries of the trucks' planners in a run.
+    pub fn of_queries(run: &RunRecord) -> Self {
+        Self::new(run, run_column("truck_plans"), OF_QUERIES, |who| !who.starts_with(POLICY))
+    }
+
+    /// Counts the failed asks of policies in a run.
+    pub fn of_asks(run: &RunRecord) -> Self {
+        Self::new(run, run_column("policy_asked"), OF_ASKS, |who| who.starts_with(POLICY))
+    }
+
+    fn new(run: &RunRecord, asked: usize, reasons: &Reasons, is_meant: impl Fn(&str) -> bool) -> Self {
+        let number = |column| run.number(column).unwrap_or(0.0) as u64;
+        let mut failures = Self { asked: number(asked), ..Self::default() };
+        for &(name, column) in reasons.iter().filter(|(_, column)| number(*column) > 0) {
+            let (who, words) = message_about(run.message(), name, &is_meant).unzip();
+            let policy = who.and_then(|who: &str| who.strip_prefix(POLICY)?.split(' ').next());
+            failures.policy = failures.policy.or(policy.map(visible_start));
+            let reason = Reason { name, count: number(column), words: words.map(visible_start) };
+            failures.reasons.insert(column, reason);
+        }
+        failures
+    }
+
+    /// Words the failed queries of a planner, if there are any.
+    pub fn of_planner(&self, planner: &str) -> Option<String> {
+        self.sentence(&format!("Failed queries of {planner}"))
+    }
+
+    /// Words the failed asks of policies, if there are any.
+    pub fn of_policies(&self) -> Option<String> {
+        let name = self.policy.as_ref().map_or("custom policies".to_owned(), |name| format!("the policy {name}"));
+        self.sentence(&format!("Failed asks of {name}"))
+    }
+
+    fn sentence(&self, subject: &str) -> Option<String> {
+        let failed: u64 = self.reasons.values().map(|reason| reason.count).sum();
+        let mut reasons: Vec<&Reason> = self.reasons.values().collect();
+        reasons.sort_by_key(|reason| std::cmp::Reverse(reason.count));
+        let reasons = reasons.into_iter().map(|Reason { name, count, words }| {
+            let words = words.as_ref().map_or(String::new(), |words| format!(" ({words})"));
+            format!("{name} {count}{words}")
+        });
+        let (asked, reasons) = (self.asked, reasons.collect::<Vec<_>>().join(", "));
+        let share = percent(failed as f64 / asked.max(1) as f64);
+        (failed > 0).then(|| format!("{subject}: {failed} of {asked} ({share} %): {reasons}."))
+    }
+}
+
+/// Finds the first message about a reason, of somebody who is meant: who it is about, and its words. Messages are joined as
+/// [`FailureMessages`](wildfire_sim::FailureMessages) writes them.
+fn message_about<'a>(messages: &'a str, reason: &str, is_meant: impl Fn(&str) -> bool) -> Option<(&'a str, &'a str)> {
+    let mark = format!(" s: {reason}: ");
+    messages.match_indices(&mark).find_map(|(at, mark)| {
+        let who = messages[..at].rsplit("; ").next().filter(|who| is_meant(who))?;
+        let rest = &messages[at + mark.len()..];
+        let ends = ["; unimog/", "; wumpus/", "; policy ", "; and "].iter().filter_map(|next| rest.find(next));
+        let words = &rest[..ends.min().unwrap_or(rest.len())];
+        let counted = words.rsplit_once(" (").filter(|(_, times)| times.ends_with(" times)"));
+        Some((who, counted.map_or(words, |(words, _)| words)))
+    })
+}
+
+impl AddAssign for Failures {
+    fn add_assign(&mut self, other: Self) {
+        self.asked = self.asked.saturating_add(other.asked);
+        self.policy = self.policy.take().or(other.policy);
+        for (column, reason) in other.reasons {
+            let sum = self.reasons.entry(column).or_insert(Reason { name: reason.name, ..Reason::default() });
+            sum.count = sum.count.saturating_add(reason.count);
+            sum.words = sum.words.take().or(reason.words);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wildfire_base::time::SimTime;
+    use wildfire_planning::PlanFailure;
+    use wildfire_sim::FailureMessages;
+
+    #[test]
+    fn messages_are_found_by_their_reason_and_whom_they_are_about() {
+        let mut messages = FailureMessages::default();
+        let mut add = |who: &str, at_s: f64, reason, words: &str| {
+            messages.add(who, SimTime::from_seconds(at_s), reason, words);
+        };
+        add("unimog/0", 1.0, PlanFailure::Crashed, "ended with exit code 3; its last words: no map");
+        add("unimog/1", 2.0, PlanFailure::Crashed, "ended with exit code 4; its last words: no map");
+        add("policy own", 2.5, PlanFailure::Crashed, "was ended by the signal SIGKILL");
+        add("unimog/0", 3.0, PlanFailure::TimedOut, "gave no answer within 5 s");
+        let text = messages.to_string();
+        assert!(
+            text.starts_with("unimog/0 at 1.0 s: crashed: ended with exit code 3; its last words: no map (2 times); ")
+        );
+        let found = |reason, is_policy| message_about(&text, reason, |who| who.starts_with(POLICY) == is_policy);
+        assert_eq!(
+            found("crashed", false),
+            Some(("unimog/0 at 1.0", "ended with exit code 3; its last words: no map"))
+        );
+        assert_eq!(found("crashed", true), Some(("policy own at 2.5", "was ended by the signal SIGKILL")));
+        assert_eq!(found("timed out", false), Some(("unimog/0 at 3.0", "gave no answer within 5 s")));
+        assert_eq!(found("bad answer", false), None);
+    }
+
+    #[test]
+    fn reasons_add_up_over_runs_and_the_most_frequent_comes_first() {
+        let of = |asked, reasons: &[(usize, &'static str, u64, Option<&str>)]| Failures {
+            asked,
+            reasons: reasons
+                .iter()
+                .map(|&(place, name, count, words)| (place, Reason { name, count, words: words.map(str::to_owned) }))
+                .collect(),
+            policy: None,
+        };
+        let mut sum = of(10, &[(1, "timed out", 2, None)]);
+        sum += of(30, &[(1, "timed out", 1, Some("gave no answer")), (2, "crashed", 5, Some("ended"))]);
+        let expected = "Failed queries of rrt: 8 of 40 (20.0 %): crashed 5 (ended), timed out 3 (gave no answer).";
+        assert_eq!(sum.of_planner("rrt").as_deref(), Some(expected));
+        assert_eq!(of(10, &[]).of_planner("rrt"), None);
+    }
+}

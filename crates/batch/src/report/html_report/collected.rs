@@ -1,0 +1,112 @@
+//! The rows of a batch, as far as a report needs them.
+
+use std::collections::BTreeMap;
+
+use super::quantities::{ChosenQuantities, Quantity};
+use crate::plan::BatchPlan;
+use crate::report::summary::{BatchReport, VariantReport};
+use crate::stats::Series;
+use crate::table::{FinishedError, FinishedRows, RunRecord, run_column};
+use wildfire_picture::charts::Estimate;
+
+/// Times in which agents were stuck.
+const STUCK_S: [usize; 2] = [run_column("truck_stuck_s"), run_column("wumpus_stuck_s")];
+
+/// The most runs of a kind that are listed one by one.
+pub const LISTED_RUNS: usize = 100;
+
+/// The numbers of a batch that are reported.
+#[derive(Debug, Default)]
+pub struct Collected {
+    pub report: BatchReport,
+    /// The numbers of each variant, in the order of the plan.
+    pub variants: Vec<Values>,
+    /// Runs without a result, the first of them; their number is in the report.
+    pub failures: Vec<ListedRun>,
+    /// Runs in which an agent was stuck, the longest first, and how many there are.
+    pub stuck: Vec<ListedRun>,
+    pub stuck_runs: usize,
+}
+
+/// Numbers of the runs of a variant, by quantity: one for each seed, in their order, NaN where the run has none.
+#[derive(Debug, Default)]
+pub struct Values(BTreeMap<Quantity, Vec<f64>>);
+
+/// A run in a list, with why it is there.
+#[derive(Debug)]
+pub struct ListedRun {
+    pub number: u64,
+    pub words: String,
+}
+
+impl Collected {
+    /// Reads all rows, and keeps of runs the usual quantities and what is chosen.
+    pub fn read(plan: &BatchPlan, mut rows: FinishedRows, chosen: &ChosenQuantities) -> Result<Self, FinishedError> {
+        let kept = chosen.kept();
+        let mut collected = Self::default();
+        let mut stuck: Vec<(u64, f64)> = Vec::new();
+        let mut number = 0;
+        for variant in &plan.variants {
+            let mut report = VariantReport::new(plan.title(variant), &variant.scenario);
+            let mut values = Values::default();
+            for _ in 0..plan.seeds.count() {
+                number += 1;
+                let run = plan.run(number);
+                let row = rows.next(&run)?;
+                report.add(&row);
+                values.add(&row, &kept);
+                if row.is_done() {
+                    let seconds = STUCK_S.iter().filter_map(|&column| row.number(column)).sum::<f64>();
+                    stuck.extend((seconds > 0.0).then_some((number, seconds)));
+                } else if collected.failures.len() < LISTED_RUNS {
+                    let words = format!("{}: {}", row.status(), row.message());
+                    collected.failures.push(ListedRun { number, words });
+                }
+            }
+            collected.report.variants.push(report);
+            collected.variants.push(values);
+        }
+        stuck.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        collected.stuck_runs = stuck.len();
+        collected.stuck = stuck
+            .into_iter()
+            .take(LISTED_RUNS)
+            .map(|(number, seconds)| ListedRun { number, words: format!("{seconds:.1} s") })
+            .collect();
+        Ok(collected)
+    }
+}
+
+impl Values {
+    fn add(&mut self, row: &RunRecord, kept: &[Quantity]) {
+        for &quantity in kept {
+            let number = quantity.number(row).filter(|_| row.is_done());
+            self.0.entry(quantity).or_default().push(number.unwrap_or(f64::NAN));
+        }
+    }
+
+    /// Returns a number for each seed; NaN where the run has none.
+    pub fn of_seeds(&self, quantity: Quantity) -> &[f64] {
+        self.0.get(&quantity).map_or(&[], Vec::as_slice)
+    }
+
+    /// Returns the numbers of the runs that have one, in their order.
+    pub fn numbers(&self, quantity: Quantity) -> Vec<f64> {
+        self.of_seeds(quantity).iter().copied().filter(|number| !number.is_nan()).collect()
+    }
+
+    /// Returns the mean with its interval; `None` without any value.
+    pub fn mean(&self, quantity: Quantity) -> Option<Estimate> {
+        mean_of(&self.numbers(quantity), quantity.range())
+    }
+}
+
+/// Returns the mean of numbers in a range with its interval, which is within the range; `None` of no numbers.
+pub fn mean_of(numbers: &[f64], range: (f64, f64)) -> Option<Estimate> {
+    let series = Series::from_values(numbers);
+    let value = series.mean().filter(|mean| mean.is_finite())?;
+    let interval = series.mean_interval_within(range).map(|interval| (interval.low, interval.high));
+    // Of numbers as large as 1e200 the spread is beyond all numbers.
+    let interval = interval.filter(|(low, high)| low.is_finite() && high.is_finite());
+    Some(Estimate { value, interval })
+}

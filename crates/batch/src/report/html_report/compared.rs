@@ -1,0 +1,285 @@
+//! The best of a batch's variants against the others, by the engine of `wildfire compare`.
+//!
+//! Variants have runs of the same seeds, so that differences are paired. Where planners are compared, all else that varies
+//! makes the strata; otherwise the variants are compared one by one. P-values are adjusted over all others.
+
+use std::cmp::Ordering;
+
+use super::collected::{Values, mean_of};
+use super::labels::Labels;
+use super::quantities::{BURNED_AREA, BUSHES, PLANNING, Quantity, RESPONSE, SAVED};
+use super::words;
+use crate::comparison::{Contrast, JudgedContrast, Metric, NumberPair, Verdict, judge, listed};
+use crate::plan::BatchPlan;
+use crate::stats::Series;
+use wildfire_base::document::number::{rounded, two_digits};
+use wildfire_picture::charts::{Estimate, ForestChart, ForestRow, Language, Titles};
+
+/// The most rows of a chart of differences that is not over a key.
+const MOST_ROWS: usize = 60;
+
+/// Something that variants are compared in, with its words.
+pub struct Aim {
+    pub quantity: Quantity,
+    is_higher_better: bool,
+    /// The metric of comparisons whose differences have the same size.
+    metric: &'static str,
+    /// The deed of the best: `saved the most bushes`.
+    pub best: &'static str,
+    /// The deed of equals, before and after the amount.
+    pub equal: [&'static str; 2],
+    /// The words after the difference of the best from another: `points more`.
+    than: &'static str,
+    pub unit: &'static str,
+    pub scale: f64,
+}
+
+pub static AIMS: [Aim; 4] = [
+    Aim {
+        quantity: SAVED,
+        is_higher_better: true,
+        metric: "burned_ratio",
+        best: "saved the most bushes",
+        equal: ["saved", " of the bushes"],
+        than: "points more",
+        unit: "%",
+        scale: 100.0,
+    },
+    Aim {
+        quantity: BURNED_AREA,
+        is_higher_better: false,
+        metric: "burned_ha",
+        best: "lost the least area",
+        equal: ["lost", " of area"],
+        than: "ha less",
+        unit: "ha",
+        scale: 1.0,
+    },
+    Aim {
+        quantity: RESPONSE,
+        is_higher_better: false,
+        metric: "mean_response_s",
+        best: "put fires out soonest",
+        equal: ["put fires out after", ""],
+        than: "s sooner",
+        unit: "s",
+        scale: 1.0,
+    },
+    Aim {
+        quantity: PLANNING,
+        is_higher_better: false,
+        metric: "cpu_unimog_total_s",
+        best: "planned in the least CPU time",
+        equal: ["planned in", " of CPU time"],
+        than: "ms less",
+        unit: "ms",
+        scale: 1.0,
+    },
+];
+
+/// The best of a batch and the others.
+pub struct Compared {
+    pub aim: &'static Aim,
+    /// True if differences are in bushes: all have the same fields.
+    is_in_bushes: bool,
+    pub are_planners: bool,
+    /// What the strata differ in; empty without several.
+    pub by: String,
+    /// Names of the strata.
+    pub strata: Vec<String>,
+    pub best: String,
+    pub best_mean: Estimate,
+    /// Best first.
+    pub others: Vec<Other>,
+}
+
+/// One of the others.
+pub struct Other {
+    pub name: String,
+    /// By stratum.
+    variants: Vec<usize>,
+    /// Its difference from the best; `None` without a seed that both have numbers of.
+    judged: Option<JudgedContrast>,
+}
+
+/// Variants that are compared as one, with a variant for each stratum.
+struct Group {
+    name: String,
+    variants: Vec<usize>,
+    mean: f64,
+}
+
+impl Compared {
+    /// Finds the best; `None` unless two have numbers.
+    pub fn new(aim: &'static Aim, plan: &BatchPlan, variants: &[Values]) -> Option<Self> {
+        let labels = Labels::new(plan);
+        let planners = labels.crossed_planners();
+        let own = planners.clone().unwrap_or_else(|| labels.besides(&[]));
+        let rest = planners.as_ref().map_or_else(Vec::new, |planners| labels.besides(planners));
+        let strata = labels.distinct(&rest);
+        let label = |variant: usize| (labels.label(variant, &own), labels.label(variant, &rest));
+        let is_in_bushes = aim.quantity == SAVED && are_on_equal_fields(&labels, &rest, variants);
+        let numbers = |variant: usize| {
+            let (of_seeds, bushes) = (variants[variant].of_seeds(aim.quantity), variants[variant].of_seeds(BUSHES));
+            let number = move |(&number, &bushes)| if is_in_bushes { f64::round(number * bushes) } else { number };
+            of_seeds.iter().zip(bushes).map(number)
+        };
+        let group = |name: String| {
+            let variant =
+                |stratum: &String| (0..variants.len()).find(|&it| label(it) == (name.clone(), stratum.clone()));
+            let of_strata: Vec<usize> = strata.iter().filter_map(variant).collect();
+            let numbers = of_strata.iter().flat_map(|&variant| numbers(variant));
+            let numbers: Vec<f64> = numbers.filter(|number| number.is_finite()).collect();
+            Some(Group { name, variants: of_strata, mean: Series::from_values(&numbers).mean()? })
+        };
+        let mut groups: Vec<Group> = labels.distinct(&own).into_iter().filter_map(group).collect();
+        // Of equal ones the first in the plan.
+        let sign = if aim.is_higher_better { -1.0 } else { 1.0 };
+        groups.sort_by(|one, other| (sign * one.mean).total_cmp(&(sign * other.mean)));
+        if groups.len() < 2 {
+            return None;
+        }
+        let best = groups.remove(0);
+        let by = if strata.len() > 1 { listed(&labels.heads(&rest, plan)) } else { String::new() };
+        let contrast = |other: &Group| {
+            let mut pairs = Vec::new();
+            for (stratum, (&ours, &theirs)) in best.variants.iter().zip(&other.variants).enumerate() {
+                let of_seeds = plan.seeds.iter().zip(numbers(ours).zip(numbers(theirs)));
+                pairs.extend(of_seeds.map(|(seed, (ours, theirs))| NumberPair {
+                    seed,
+                    stratum,
+                    numbers: [ours, theirs],
+                }));
+            }
+            pairs.retain(|pair| pair.numbers.iter().all(|number| number.is_finite()));
+            Contrast::from_numbers(
+                &Metric::from_name(if is_in_bushes { "saved" } else { aim.metric }),
+                pairs,
+                (strata.len() > 1).then(|| by.clone()),
+            )
+        };
+        let contrasts: Vec<_> = groups.iter().map(contrast).collect();
+        let mut judged = judge(contrasts.iter().flatten().cloned().collect()).into_iter();
+        let others = groups.into_iter().zip(contrasts).map(|(Group { name, variants, .. }, contrast)| Other {
+            name,
+            variants,
+            judged: contrast.and_then(|_| judged.next()),
+        });
+        let others: Vec<Other> = others.collect();
+        let best_mean = mean_by_seed(aim.quantity, &best, variants)?;
+        let are_planners = planners.is_some();
+        Some(Self { aim, is_in_bushes, are_planners, by, strata, best: best.name, best_mean, others })
+    }
+
+    /// Returns the words for how the best differs from another, and the factor of such a difference in them.
+    pub fn than(&self) -> (&'static str, f64) {
+        if self.is_in_bushes { ("more bushes per run", 1.0) } else { (self.aim.than, self.aim.scale) }
+    }
+
+    /// Returns how much better the best is than another.
+    pub fn better_by(&self, other: &Other) -> Estimate {
+        let Some(judged) = &other.judged else { return Estimate { value: 0.0, interval: None } };
+        let Estimate { value, interval } = estimate(judged);
+        match self.aim.is_higher_better {
+            true => Estimate { value: -value, interval: interval.map(|(low, high)| (-high, -low)) },
+            false => Estimate { value, interval },
+        }
+    }
+
+    pub fn is_told_apart(&self, other: &Other) -> bool {
+        other.judged.as_ref().is_some_and(|judged| self.side(judged) == Ordering::Greater)
+    }
+
+    /// Returns on which side of the other the best is in a stratum: equal where there is no evidence.
+    pub fn side_in(&self, other: &Other, stratum: usize) -> Ordering {
+        let of_stratum = other.strata().find(|(index, _)| *index == stratum);
+        of_stratum.map_or(Ordering::Equal, |(_, judged)| self.side(judged))
+    }
+
+    fn side(&self, judged: &JudgedContrast) -> Ordering {
+        let side = judged.contrast.difference.total_cmp(&0.0);
+        match judged.verdict {
+            Verdict::Difference if self.aim.is_higher_better => side.reverse(),
+            Verdict::Difference => side,
+            _ => Ordering::Equal,
+        }
+    }
+
+    /// Returns the difference from the best of a variant, which is one of the others' in one stratum.
+    pub fn difference_of(&self, variant: usize) -> Option<Estimate> {
+        self.others.iter().find_map(|other| {
+            let stratum = other.variants.iter().position(|&it| it == variant)?;
+            other.strata().find(|(index, _)| *index == stratum).map(|(_, judged)| estimate(judged))
+        })
+    }
+
+    /// Returns the words of a chart of differences from the best, which are along the y axis.
+    pub fn titles(&self, language: Language) -> Titles {
+        let quantity = self.aim.quantity;
+        let axis = if self.is_in_bushes { words::BUSHES_PER_RUN } else { quantity.axis() };
+        Titles {
+            title: words::DIFFERENCE_FROM.filled(language, &[&quantity.title(language), &self.best]),
+            note: words::ARE_DIFFERENCES.in_language(language).into(),
+            x: String::new(),
+            y: axis.in_language(language).into(),
+            language,
+        }
+    }
+
+    /// Draws a row for each of the others, and for each stratum where that makes a difference.
+    pub fn forest(&self, language: Language) -> ForestChart {
+        let row = |name: &String, judged: &JudgedContrast| {
+            let Estimate { value, interval } = estimate(judged);
+            let decimals = interval.map_or(2, |(low, high)| two_digits(0.5 * (high - low)).min(6));
+            let number = |value: f64| language.number(&rounded(value, decimals));
+            let ends =
+                |(low, high)| words::WITH_INTERVAL.filled(language, &[&number(value), &number(low), &number(high)]);
+            let words = interval.map_or_else(|| number(value), ends);
+            let is_told_apart = judged.verdict == Verdict::Difference;
+            ForestRow { name: name.clone(), difference: Some(Estimate { value, interval }), words, is_told_apart }
+        };
+        let rows = self.others.iter().flat_map(|other| {
+            let strata = other.strata().filter(|_| other.dependence().is_some());
+            let strata = strata.map(|(index, judged)| row(&self.strata[*index], judged));
+            other.judged.iter().map(|judged| row(&other.name, judged)).chain(strata)
+        });
+        let Titles { y, .. } = self.titles(language);
+        let titles = Titles { x: y, y: String::new(), ..self.titles(language) };
+        ForestChart { titles, rows: rows.take(MOST_ROWS).collect() }
+    }
+}
+
+/// Says whether the variants of a stratum have the same number of bushes with each seed.
+fn are_on_equal_fields(labels: &Labels, rest: &[usize], variants: &[Values]) -> bool {
+    let of_variant = |variant: usize| (labels.label(variant, rest), variants[variant].of_seeds(BUSHES));
+    let is_equal = |(one, other): (&f64, &f64)| one == other || one.is_nan() || other.is_nan();
+    (1..variants.len()).all(|variant| {
+        let (stratum, bushes) = of_variant(variant);
+        let first = (0..variant).map(of_variant).find(|(other, _)| *other == stratum);
+        first.is_none_or(|(_, first)| bushes.iter().zip(first).all(is_equal))
+    })
+}
+
+/// Estimates the mean over seeds, whose numbers are means over strata.
+fn mean_by_seed(quantity: Quantity, group: &Group, variants: &[Values]) -> Option<Estimate> {
+    let members: Vec<&[f64]> = group.variants.iter().map(|&variant| variants[variant].of_seeds(quantity)).collect();
+    let mean = |seed: usize| members.iter().map(|of_seeds| of_seeds[seed]).sum::<f64>() / members.len() as f64;
+    let means = (0..members.first()?.len()).map(mean).filter(|number| !number.is_nan());
+    mean_of(&means.collect::<Vec<_>>(), quantity.range())
+}
+
+impl Other {
+    /// Returns the p-value that the difference is the same in all strata, if there is evidence that it is not.
+    pub fn dependence(&self) -> Option<f64> {
+        self.judged.as_ref()?.by_stratum.as_ref().filter(|strata| strata.differ())?.p_adjusted
+    }
+
+    fn strata(&self) -> impl Iterator<Item = &(usize, JudgedContrast)> {
+        self.judged.iter().filter_map(|judged| judged.by_stratum.as_ref()).flat_map(|strata| &strata.strata)
+    }
+}
+
+fn estimate(judged: &JudgedContrast) -> Estimate {
+    let Contrast { difference, interval, .. } = judged.contrast;
+    Estimate { value: difference, interval: interval.map(|ends| (ends.low, ends.high)) }
+}

@@ -1,0 +1,408 @@
+//! The charts of a report.
+
+use super::chart_files::ChartData;
+use super::collected::{Collected, Values};
+use super::compared::{AIMS, Compared};
+use super::facets::{Facet, FacetSeries, MOST_PANELS, variant_facets};
+use super::labels::Labels;
+use super::over_time::StateCurves;
+use super::quantities::{BURNED_AREA, CPU_PARTS, CUSTOM_PLANNERS, ChartChoice, Quantity, SAVED, STATES};
+use super::sweeps::{SweepChart, interval_note, main_curves, main_differences, sweep_charts};
+use super::words;
+use crate::plan::BatchPlan;
+use crate::stats::quantile;
+use wildfire_base::document::number::short;
+use wildfire_picture::charts::{
+    BarChart, BarPanel, BarSeries, Curve, CurveChart, CurvePanel, Drawing, Language, STYLES, Spread, Strip, StripChart,
+    StripPanel, Style, Titles, Words,
+};
+
+/// The part of the report that a chart belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Section {
+    /// The picture under the answer.
+    Answer,
+    Means,
+    Distributions,
+    OverTime,
+    Sweeps,
+}
+
+/// A sheet of a chart and the name of its files, without an ending.
+#[derive(Debug)]
+pub struct Figure {
+    pub section: Section,
+    pub file: String,
+    /// The name of the file of the chart's data, which all of its sheets share.
+    pub data: String,
+    pub drawing: Drawing,
+}
+
+/// The figures of a report.
+#[derive(Debug, Default)]
+pub struct Figures {
+    /// The sheets, in the order of the report.
+    pub drawn: Vec<Figure>,
+    /// What they show: one for each chart.
+    pub data: Vec<ChartData>,
+    /// Charts that are not drawn, since they would have too many panels: a sentence for each.
+    pub refused: Vec<String>,
+    /// Distributions that are not drawn, since they say nothing: a sentence for each.
+    pub constant: Vec<String>,
+}
+
+/// What the figures of a batch are drawn from.
+pub struct FigureSource<'a> {
+    pub plan: &'a BatchPlan,
+    pub collected: &'a Collected,
+    /// For each variant, where the batch has them.
+    pub states: Option<&'a [StateCurves]>,
+}
+
+impl FigureSource<'_> {
+    /// Draws the figures of all variants on sheets of this width, in units. The picture under the answer is left out where
+    /// columns were asked for.
+    pub fn draw(&self, choice: &ChartChoice, width: f32) -> Figures {
+        let Self { plan, collected, states } = *self;
+        let language = choice.language;
+        let mut figures = Figures::default();
+        let panels = variant_facets(plan);
+        if plan.variants.len() > 1 && choice.quantities.asked().is_empty() {
+            self.add_answer(&mut figures, &panels, language, width);
+        }
+        if figures.admits("states, CPU time and distributions of the variants", panels.len()) {
+            for shown in means(choice) {
+                let chart = shown.bars(language, &panels, &collected.variants);
+                figures.add(Section::Means, chart.draw(width), ChartData::new(&shown.file, chart.rows()));
+            }
+            for quantity in choice.quantities.of_runs() {
+                match distribution(quantity, language, &panels, &collected.variants) {
+                    Ok(chart) => {
+                        let file = format!("distribution-{}", quantity.column());
+                        figures.add(Section::Distributions, chart.draw(width), ChartData::new(&file, chart.rows()));
+                    }
+                    Err(sentence) => figures.constant.push(sentence),
+                }
+            }
+        }
+        figures.add_over_time(plan, states.unwrap_or(&[]), choice, width);
+        for SweepChart { file, what, chart } in sweep_charts(plan, &collected.variants, choice) {
+            if figures.admits(&what, chart.panels.len()) {
+                figures.add(Section::Sweeps, chart.draw(width), ChartData::new(&file, chart.rows()));
+            }
+        }
+        figures
+    }
+
+    /// Adds what the answer says: the differences of planners from the best, over a key that is swept over numbers, or of
+    /// whatever is compared. Where variants are the values of such a key, their means over it.
+    fn add_answer(&self, figures: &mut Figures, panels: &[Facet], language: Language, width: f32) {
+        let variants = &self.collected.variants;
+        let quantity = main_quantity(variants);
+        let aim = AIMS.iter().find(|aim| aim.quantity == quantity);
+        let compared = aim.and_then(|aim| Compared::new(aim, self.plan, variants));
+        let differences = compared.as_ref().and_then(|it| main_differences(self.plan, it, language));
+        let curves = || main_curves(self.plan, variants, quantity, language);
+        let are_planners = compared.as_ref().is_some_and(|it| it.are_planners);
+        if let Some(chart) = differences.or_else(|| if are_planners { None } else { curves() }) {
+            if figures.admits("the answer", chart.panels.len()) {
+                figures.add(Section::Answer, chart.draw(width), ChartData::new("answer", chart.rows()));
+            }
+        } else if let Some(compared) = compared {
+            let chart = compared.forest(language);
+            figures.add(Section::Answer, vec![chart.draw(width)], ChartData::new("answer", chart.rows()));
+        } else if figures.admits("the answer", panels.len()) {
+            let (drawn, data) = match distribution(quantity, language, panels, variants) {
+                Ok(chart) => (chart.draw(width), ChartData::new("answer", chart.rows())),
+                Err(_) => {
+                    let shown = MeansChart::new("answer", quantity.title(language), vec![quantity]);
+                    let chart = shown.bars(language, panels, variants);
+                    (chart.draw(width), ChartData::new("answer", chart.rows()))
+                }
+            };
+            figures.add(Section::Answer, drawn, data);
+        }
+    }
+}
+
+impl Figures {
+    /// Says whether a chart has few enough panels; if not, notes in a sentence that it is not drawn.
+    fn admits(&mut self, what: &str, panels: usize) -> bool {
+        if panels > MOST_PANELS {
+            let sentence =
+                format!("No charts of {what}: they would have {panels} panels, at most {MOST_PANELS} are drawn.");
+            self.refused.extend((!self.refused.contains(&sentence)).then_some(sentence));
+        }
+        panels <= MOST_PANELS
+    }
+
+    /// Adds the sheets of a chart, of which those after the first have a number, and what it shows.
+    fn add(&mut self, section: Section, sheets: Vec<Drawing>, data: ChartData) {
+        let name = data.file().to_owned();
+        for (index, drawing) in sheets.into_iter().enumerate() {
+            let file = if index == 0 { name.clone() } else { format!("{name}-{}", index + 1) };
+            self.drawn.push(Figure { section, file, data: name.clone(), drawing });
+        }
+        self.data.push(data);
+    }
+
+    /// Adds the states of each variant over time: a chart for each of a few variants, a panel for each of many.
+    fn add_over_time(&mut self, plan: &BatchPlan, states: &[StateCurves], choice: &ChartChoice, width: f32) {
+        let (shown, language) = (choice.quantities.among(&STATES), choice.language);
+        if shown.is_empty() || !states.iter().any(StateCurves::is_there) {
+            return;
+        }
+        let labels = Labels::new(plan);
+        let all = labels.groups().concat();
+        let panels: Vec<CurvePanel> = states
+            .iter()
+            .enumerate()
+            .map(|(variant, curves)| {
+                let label = labels.label(variant, &all);
+                let name = if curves.is_there() { label } else { words::NO_RUN_IS_DONE.filled(language, &[&label]) };
+                CurvePanel { name, curves: state_curves(curves, &shown, language) }
+            })
+            .collect();
+        if panels.len() <= STYLES.len() {
+            for (index, panel) in panels.into_iter().enumerate() {
+                let (title, file) = (format!(": {}", panel.name), format!("over-time-{}", index + 1));
+                let alone = CurvePanel { name: String::new(), ..panel };
+                let chart = over_time(&title, vec![alone], language);
+                self.add(Section::OverTime, chart.draw(width), ChartData::new(&file, chart.rows()));
+            }
+        } else if self.admits("states over time", panels.len()) {
+            let chart = over_time("", panels, language);
+            self.add(Section::OverTime, chart.draw(width), ChartData::new("over-time", chart.rows()));
+        }
+    }
+}
+
+/// A chart of means.
+struct MeansChart {
+    /// The name of its file, without an ending.
+    file: String,
+    title: String,
+    /// Its groups of bars, which have one unit.
+    quantities: Vec<Quantity>,
+}
+
+/// Lists the charts of means. A quantity that was asked for and goes with no other has a chart of its own.
+fn means(choice: &ChartChoice) -> Vec<MeansChart> {
+    let language = choice.language;
+    let together: [(&str, Words, &[Quantity]); 2] =
+        [("states", words::STATES_AT_THE_END, &STATES), ("cpu-time", words::CPU_TIME_BY_PART, &CPU_PARTS)];
+    let together = together.into_iter().map(|(file, title, all)| {
+        MeansChart::new(file, title.in_language(language).to_owned(), choice.quantities.among(all))
+    });
+    let is_alone = |quantity: &&Quantity| !STATES.contains(quantity) && !CPU_PARTS.contains(quantity);
+    let alone = choice.quantities.asked().iter().filter(is_alone).map(|&quantity| {
+        MeansChart::new(&format!("mean-{}", quantity.column()), quantity.title(language), vec![quantity])
+    });
+    together.chain(alone).filter(|chart| !chart.quantities.is_empty()).collect()
+}
+
+impl MeansChart {
+    fn new(file: &str, title: String, quantities: Vec<Quantity>) -> Self {
+        Self { file: file.to_owned(), title, quantities }
+    }
+
+    fn bars(&self, language: Language, panels: &[Facet], values: &[Values]) -> BarChart {
+        let is_used = |quantity: Quantity| {
+            let mut series = panels.iter().flat_map(|panel| &panel.series);
+            !CUSTOM_PLANNERS.contains(&quantity)
+                || series.any(|it| values[it.variants[0]].mean(quantity).is_some_and(|mean| mean.value > 0.0))
+        };
+        let quantities: Vec<Quantity> = self.quantities.iter().copied().filter(|&it| is_used(it)).collect();
+        let of_series = |series: &FacetSeries| {
+            let values = &values[series.variants[0]];
+            let bars = quantities.iter().map(|&quantity| values.mean(quantity)).collect();
+            BarSeries { name: series.name.clone(), style: series.style, bars }
+        };
+        BarChart {
+            titles: Titles {
+                title: self.title.clone(),
+                note: interval_note(words::BARS, language),
+                x: String::new(),
+                y: quantities.first().map_or("", |quantity| quantity.axis().in_language(language)).into(),
+                language,
+            },
+            groups: quantities.iter().map(|quantity| quantity.label(language).to_owned()).collect(),
+            panels: panels
+                .iter()
+                .map(|panel| BarPanel {
+                    name: panel.name.clone(),
+                    series: panel.series.iter().map(of_series).collect(),
+                })
+                .collect(),
+        }
+    }
+}
+
+/// Returns the quantity by which variants are compared first.
+pub fn main_quantity(variants: &[Values]) -> Quantity {
+    let has = |quantity| variants.iter().any(|values| values.of_seeds(quantity).iter().any(|number| !number.is_nan()));
+    if !has(SAVED) && has(BURNED_AREA) { BURNED_AREA } else { SAVED }
+}
+
+/// The share of its runs that a variant has at one value whose distribution says no more than that value.
+const ALMOST_ALL: f64 = 0.95;
+
+/// Returns the distributions; where each of them is one value, or nearly, a sentence of the page that says so.
+fn distribution(
+    quantity: Quantity,
+    language: Language,
+    panels: &[Facet],
+    values: &[Values],
+) -> Result<StripChart, String> {
+    let strip = |series: &FacetSeries| strip(series, values[series.variants[0]].numbers(quantity));
+    let panels: Vec<StripPanel> = panels
+        .iter()
+        .map(|panel| StripPanel { name: panel.name.clone(), strips: panel.series.iter().map(strip).collect() })
+        .collect();
+    let strips: Vec<&Strip> = panels.iter().flat_map(|panel| &panel.strips).collect();
+    let commonest = strips.iter().map(|strip| commonest(&strip.values)).collect::<Vec<_>>();
+    let says_nothing = |(strip, (_, count)): (&&Strip, &(f64, usize))| {
+        strip.values.is_empty() || *count as f64 >= ALMOST_ALL * strip.values.len() as f64
+    };
+    if strips.iter().zip(&commonest).all(says_nothing) {
+        return Err(constant_words(quantity, &strips, &commonest));
+    }
+    Ok(StripChart {
+        titles: Titles {
+            title: quantity.title(language),
+            note: words::COLUMNS_COUNT_RUNS.in_language(language).into(),
+            x: quantity.axis().in_language(language).into(),
+            y: words::NUMBER_OF_RUNS.in_language(language).into(),
+            language,
+        },
+        panels,
+    })
+}
+
+/// Returns the value that most of the ascending numbers have, and how many; the least of several such.
+fn commonest(ascending: &[f64]) -> (f64, usize) {
+    let equal = ascending.chunk_by(|one, next| one == next);
+    equal.fold((f64::NAN, 0), |best, chunk| if chunk.len() > best.1 { (chunk[0], chunk.len()) } else { best })
+}
+
+fn constant_words(quantity: Quantity, strips: &[&Strip], commonest: &[(f64, usize)]) -> String {
+    let (title, axis) = (quantity.title(Language::English), quantity.axis().english);
+    let with_runs = || strips.iter().zip(commonest).filter(|(strip, _)| !strip.values.is_empty());
+    let all: usize = with_runs().map(|(strip, _)| strip.values.len()).sum();
+    let Some((_, &(value, _))) = with_runs().next() else {
+        return format!("{title}: no run has it.");
+    };
+    if with_runs().any(|(_, (other, _))| *other != value) {
+        return format!("{title}: no distributions, since (almost) all runs of a variant have the same value.");
+    }
+    let unit = axis.rsplit_once(" (").map_or("", |(_, unit)| unit.trim_end_matches(')'));
+    let value = if unit == "1" { short(value) } else { format!("{} {unit}", short(value)) };
+    let same: usize = with_runs().map(|(_, (_, count))| count).sum();
+    match all - same {
+        0 => format!("{title}: no distribution, since it is {value} in all {all} runs."),
+        _ => format!("{title}: no distribution, since it is {value} in {same} of {all} runs."),
+    }
+}
+
+fn strip(series: &FacetSeries, mut values: Vec<f64>) -> Strip {
+    values.sort_by(f64::total_cmp);
+    let quantiles = [0.05, 0.25, 0.5, 0.75, 0.95].map(|share| quantile(&values, share));
+    let quantiles = quantiles.iter().all(Option::is_some).then(|| quantiles.map(Option::unwrap_or_default));
+    Strip { name: series.name.clone(), style: series.style, values, quantiles }
+}
+
+/// Looks of the states: bluish green, vermilion, black, blue.
+fn state_styles() -> [Style; STATES.len()] {
+    [STYLES[2], STYLES[1], STYLES[6], STYLES[0]]
+}
+
+fn state_curves(curves: &StateCurves, shown: &[Quantity], language: Language) -> Vec<Curve> {
+    let curve = |((state, style), points): ((&Quantity, Style), &Vec<_>)| Curve {
+        name: state.label(language).into(),
+        style,
+        points: points.clone(),
+    };
+    let all = STATES.iter().zip(state_styles()).zip(&curves.0);
+    all.filter(|((state, _), _)| shown.contains(state)).map(curve).collect()
+}
+
+/// The curves of intact obstacles are left out where no other curve or band is higher than this.
+const LEAST_OF_HEIGHT: f64 = 0.2;
+
+fn over_time(of: &str, mut panels: Vec<CurvePanel>, language: Language) -> CurveChart {
+    let intact = STATES[0].label(language);
+    let others = panels.iter().flat_map(|panel| &panel.curves).filter(|curve| curve.name != intact);
+    let ends = others
+        .flat_map(|curve| &curve.points)
+        .map(|(_, share)| share.interval.map_or(share.value, |(_, high)| high.max(share.value)));
+    let highest = ends.fold(0.0, f64::max);
+    let is_dwarfed = highest > 0.0 && highest <= LEAST_OF_HEIGHT;
+    let has_left_out = is_dwarfed && panels.iter().flat_map(|panel| &panel.curves).any(|curve| curve.name == intact);
+    let share = words::SHARE_OF_OBSTACLES.in_language(language);
+    if has_left_out {
+        panels.iter_mut().for_each(|panel| panel.curves.retain(|curve| curve.name != intact));
+    }
+    CurveChart {
+        titles: Titles {
+            title: format!("{}{of}", words::STATES_OVER_TIME.in_language(language)),
+            note: words::LINES_ARE_MEANS.in_language(language).into(),
+            x: words::SIMULATED_SECONDS.in_language(language).into(),
+            y: if has_left_out { words::INTACT_LEFT_OUT.filled(language, &[share]) } else { share.into() },
+            language,
+        },
+        spread: Spread::Bands,
+        panels,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::html_report::quantities::MEASURES;
+    use wildfire_picture::charts::Estimate;
+
+    /// A panel of curves whose states have those shares all the time, and bands of a tenth of that to either side.
+    fn panel(shares: [f64; STATES.len()]) -> CurvePanel {
+        let estimate = |value: f64| Estimate { value, interval: Some((0.9 * value, 1.1 * value)) };
+        let curves = shares.map(|share| vec![(0.0, estimate(share)), (60.0, estimate(share))]);
+        CurvePanel { name: String::new(), curves: state_curves(&StateCurves(curves), &STATES, Language::English) }
+    }
+
+    #[test]
+    fn distribution_of_one_value_is_a_sentence() {
+        let strip = |mut values: Vec<f64>| {
+            values.sort_by(f64::total_cmp);
+            Strip { name: String::new(), style: STYLES[0], values, quantiles: None }
+        };
+        let said = |strips: &[Strip]| {
+            let strips: Vec<&Strip> = strips.iter().collect();
+            let commonest: Vec<_> = strips.iter().map(|strip| commonest(&strip.values)).collect();
+            constant_words(MEASURES[2], &strips, &commonest)
+        };
+        let title = MEASURES[2].title(Language::English);
+        assert_eq!(said(&[strip(vec![0.0; 4])]), format!("{title}: no distribution, since it is 0 s in all 4 runs."));
+        let nearly = strip([vec![0.0; 20], vec![7.5]].concat());
+        assert_eq!(
+            said(&[nearly, strip(vec![])]),
+            format!("{title}: no distribution, since it is 0 s in 20 of 21 runs.")
+        );
+        assert!(said(&[strip(vec![1.0]), strip(vec![2.0])]).contains("of a variant have the same value"));
+        assert_eq!(said(&[strip(vec![])]), format!("{title}: no run has it."));
+        assert_eq!(commonest(&[1.0, 2.0, 2.0, 3.0, 3.0]), (2.0, 2));
+    }
+
+    #[test]
+    fn curves_of_intact_obstacles_are_left_out_where_these_dwarf_the_others() {
+        let (calm, wild) = ([0.8, 0.01, 0.18, 0.01], [0.7, 0.05, 0.24, 0.01]);
+        for (panels, expected) in [
+            (vec![panel(calm)], 3),
+            (vec![panel(wild)], 4),
+            (vec![panel(calm), panel(wild)], 4),
+            (vec![panel([1.0, 0.0, 0.0, 0.0])], 4),
+        ] {
+            let chart = over_time("", panels, Language::English);
+            assert!(chart.panels.iter().all(|panel| panel.curves.len() == expected), "{:?}", chart.panels);
+            assert_eq!(chart.titles.y.contains("intact left out"), expected == 3);
+        }
+    }
+}

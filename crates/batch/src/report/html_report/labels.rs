@@ -1,0 +1,213 @@
+//! Short names of variants for charts: only what differs between them.
+
+use std::collections::BTreeMap;
+
+use crate::plan::{BatchPlan, planner_of};
+
+/// The place of planners in a label, between scenarios and swept keys.
+const PLANNERS: usize = 1;
+
+/// The names of a plan's variants, made of what differs between them.
+#[derive(Clone, Debug)]
+pub struct Labels {
+    /// The name of all scenarios where nothing differs.
+    scenario: String,
+    /// Planners first: they are what most charts compare.
+    dimensions: Vec<Dimension>,
+}
+
+/// Something in which variants differ.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dimension {
+    /// The index of the swept key, if it is one.
+    key: Option<usize>,
+    /// The word of each variant, as a chart shows it: `prm-rs`, `field.coverage 0.1`.
+    words: Vec<String>,
+    /// Its place in a label.
+    place: usize,
+}
+
+impl Labels {
+    pub fn new(plan: &BatchPlan) -> Self {
+        let variants = || plan.variants.iter();
+        let names: Vec<String> = variants().map(|variant| variant.scenario.name.clone()).collect();
+        let sources: Vec<String> = variants().map(|variant| variant.source.clone()).collect();
+        // Two files may hold scenarios of one name.
+        let scenarios = if follows(&names, &sources) { names } else { sources };
+        let planners = variants().map(|variant| planner_of(&variant.scenario)).collect();
+        let swept = plan.swept_keys.iter().enumerate().map(|(index, key)| {
+            let words = variants().map(|variant| format!("{key} {}", variant.swept[index])).collect();
+            Dimension { key: Some(index), words, place: index + 2 }
+        });
+        let all = [
+            Dimension { key: None, words: planners, place: PLANNERS },
+            Dimension { key: None, words: scenarios, place: 0 },
+        ];
+        let dimensions = all.into_iter().chain(swept).filter(Dimension::differs).collect();
+        let mut labels = Self { scenario: plan.variants[0].scenario.name.clone(), dimensions };
+        labels.tell_all_apart(plan.variants.len());
+        labels
+    }
+
+    /// Names things by the words of these lists, each of which has a word for each thing.
+    pub fn from_words(lists: Vec<Vec<String>>) -> Self {
+        let alone = lists.first().and_then(|words| words.first()).cloned().unwrap_or_default();
+        let dimension = |(place, words)| Dimension { key: Some(place), words, place };
+        let dimensions = lists.into_iter().enumerate().map(dimension).filter(Dimension::differs).collect();
+        Self { scenario: alone, dimensions }
+    }
+
+    /// Numbers the variants if the same one is asked for twice.
+    fn tell_all_apart(&mut self, variants: usize) {
+        let all: Vec<usize> = (0..self.dimensions.len()).collect();
+        if self.distinct(&all).len() < variants {
+            let words = (0..variants).map(|index| format!("variant {}", index + 1)).collect();
+            self.dimensions.push(Dimension { key: None, words, place: usize::MAX });
+        }
+    }
+
+    /// The same without a swept key, and without those that take their values together with it.
+    pub fn without(mut self, key: usize) -> Self {
+        if let Some(left_out) = self.dimensions.iter().find(|dimension| dimension.key == Some(key)).cloned() {
+            self.dimensions.retain(|other| other.key.is_none() || !follows(&left_out.words, &other.words));
+        }
+        self
+    }
+
+    /// The dimensions by their indices; those that go together, such as keys of one sweep, in one group.
+    pub fn groups(&self) -> Vec<Vec<usize>> {
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        for (index, dimension) in self.dimensions.iter().enumerate() {
+            let goes_with = |group: &&mut Vec<usize>| {
+                let other = &self.dimensions[group[0]].words;
+                follows(other, &dimension.words) && follows(&dimension.words, other)
+            };
+            match groups.iter_mut().find(goes_with) {
+                Some(group) => group.push(index),
+                None => groups.push(vec![index]),
+            }
+        }
+        groups
+    }
+
+    /// Returns the planners, with all that goes with them, as dimensions; `None` unless they differ and each is there with
+    /// every combination of the rest.
+    pub fn crossed_planners(&self) -> Option<Vec<usize>> {
+        let is_planner = |dimension: &Dimension| dimension.key.is_none() && dimension.place == PLANNERS;
+        let own = self.dimensions.iter().position(is_planner)?;
+        let planners = self.groups().into_iter().find(|group| group.contains(&own))?;
+        let all: Vec<usize> = (0..self.dimensions.len()).collect();
+        let count = |dimensions: &[usize]| self.distinct(dimensions).len();
+        (count(&planners) * count(&self.besides(&planners)) == count(&all)).then_some(planners)
+    }
+
+    /// Returns all other dimensions.
+    pub fn besides(&self, dimensions: &[usize]) -> Vec<usize> {
+        (0..self.dimensions.len()).filter(|index| !dimensions.contains(index)).collect()
+    }
+
+    /// Names dimensions by what varies: a swept key, or `scenario`, `planner`, `variant`.
+    pub fn heads(&self, dimensions: &[usize], plan: &BatchPlan) -> Vec<String> {
+        let mut parts: Vec<&Dimension> = dimensions.iter().map(|&index| &self.dimensions[index]).collect();
+        parts.sort_by_key(|dimension| dimension.place);
+        let head = |dimension: &Dimension| match (dimension.key, dimension.place) {
+            (Some(key), _) => plan.swept_keys[key].clone(),
+            (None, 0) => "scenario".into(),
+            (None, PLANNERS) => "planner".into(),
+            _ => "variant".into(),
+        };
+        parts.into_iter().map(head).collect()
+    }
+
+    /// Names a variant by these dimensions; by its scenario's name if there are none.
+    pub fn label(&self, variant: usize, dimensions: &[usize]) -> String {
+        let mut parts: Vec<&Dimension> = dimensions.iter().map(|&index| &self.dimensions[index]).collect();
+        parts.sort_by_key(|dimension| dimension.place);
+        let words: Vec<&str> = parts.iter().map(|dimension| dimension.words[variant].as_str()).collect();
+        if words.is_empty() { self.scenario.clone() } else { words.join(", ") }
+    }
+
+    /// The labels by these dimensions, each once, in the order of the variants.
+    pub fn distinct(&self, dimensions: &[usize]) -> Vec<String> {
+        let variants = self.dimensions.first().map_or(1, |dimension| dimension.words.len());
+        let mut seen = BTreeMap::new();
+        for variant in 0..variants {
+            seen.entry(self.label(variant, dimensions)).or_insert(variant);
+        }
+        let mut labels: Vec<(usize, String)> = seen.into_iter().map(|(label, first)| (first, label)).collect();
+        labels.sort_unstable();
+        labels.into_iter().map(|(_, label)| label).collect()
+    }
+}
+
+impl Dimension {
+    fn differs(&self) -> bool {
+        self.words.iter().any(|word| *word != self.words[0])
+    }
+}
+
+/// Says whether the word of a variant in `one` determines that in `other`.
+fn follows(one: &[String], other: &[String]) -> bool {
+    let mut known = BTreeMap::new();
+    one.iter().zip(other).all(|(word, other)| *known.entry(word).or_insert(other) == other)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::{BatchRequest, Sweep};
+
+    fn plan(scenarios: &[&str], sweeps: Vec<Sweep>) -> BatchPlan {
+        let request = BatchRequest {
+            scenarios: scenarios.iter().map(|&name| name.to_owned()).collect(),
+            sweeps,
+            seeds: "1".parse().ok(),
+            ..BatchRequest::default()
+        };
+        request.resolve(false).expect("a small batch")
+    }
+
+    fn sweep(key: &str, values: &str) -> Sweep {
+        Sweep::parse(key, values).expect("values")
+    }
+
+    fn all(labels: &Labels) -> Vec<String> {
+        labels.distinct(&(0..labels.dimensions.len()).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn label_is_what_differs() {
+        let plan = plan(&["smoke"], vec![sweep("field.coverage", "0.05,0.1"), sweep("duration_s", "60")]);
+        let labels = Labels::new(&plan);
+        assert_eq!(all(&labels), ["field.coverage 0.05", "field.coverage 0.1"]);
+        assert_eq!(all(&labels.without(0)), ["smoke"]);
+    }
+
+    #[test]
+    fn keys_that_are_multiplied_do_not_follow_each_other() {
+        let plan = plan(&["smoke"], vec![sweep("field.coverage", "0.05,0.1"), sweep("duration_s", "60,90")]);
+        let labels = Labels::new(&plan);
+        assert_eq!(all(&labels)[3], "field.coverage 0.1, duration_s 90");
+        assert_eq!(labels.groups().len(), 2);
+        assert_eq!(all(&labels.without(0)), ["duration_s 60", "duration_s 90"]);
+    }
+
+    #[test]
+    fn keys_that_take_their_values_together_are_one_group() {
+        let settings = |text: &str| text.split(',').map(crate::plan::Setting::parse).collect::<Vec<_>>();
+        let columns = vec![("field.coverage".into(), settings("0.05,0.1")), ("duration_s".into(), settings("60,90"))];
+        let plan = plan(&["smoke"], vec![Sweep::together(columns).expect("pairs")]);
+        let labels = Labels::new(&plan);
+        assert_eq!(labels.groups().len(), 1);
+        assert_eq!(all(&labels.without(0)), ["smoke"]);
+    }
+
+    #[test]
+    fn no_two_variants_have_one_label() {
+        let mut plan = plan(&["smoke", "contest"], Vec::new());
+        plan.variants[1].scenario.name = "smoke".into();
+        assert_eq!(all(&Labels::new(&plan)), ["smoke", "contest"], "sources where names are equal");
+        plan.variants[1] = plan.variants[0].clone();
+        assert_eq!(all(&Labels::new(&plan)), ["variant 1", "variant 2"]);
+    }
+}

@@ -1,0 +1,165 @@
+//! The report of a batch: one page that needs no other file and no network, and its charts as SVG and PNG, with what they
+//! show as CSV; for papers also as PDF and PGF.
+//!
+//! Everything in it is read from the batch's folder: plan, `runs.csv`, `states.parquet`, `machines.json`. The same batch
+//! gives the same bytes. Means have the 95 % intervals of the batch's tables, differences those of comparisons.
+
+mod answer;
+mod chart_files;
+mod collected;
+mod compared;
+mod facets;
+mod figures;
+mod labels;
+mod notable;
+mod over_time;
+mod page;
+mod quantities;
+mod sweeps;
+mod words;
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+pub use chart_files::{ChartData, write_chart, write_chart_data, write_paper_chart};
+pub use facets::{Facet, FacetSeries, MOST_PANELS, word_facets};
+pub use notable::{NotableRun, notable_runs, runs_with_pages};
+pub use quantities::{ChartChoice, ChosenQuantities};
+
+use crate::execute::{BatchError, CHARTS_FOLDER, Machine, Machines, REPORT_FILE};
+use crate::plan::BatchPlan;
+use crate::report::summary::BatchReport;
+use crate::table::{FinishedBatch, FinishedError};
+use chart_files::{unwritable, write_whole};
+use collected::Collected;
+use figures::{Figure, FigureSource, Figures};
+use over_time::StateCurves;
+use page::{Origin, Page};
+use wildfire_picture::charts::{Language, PaperSize, SCREEN_WIDTH};
+use wildfire_picture::unknown_letters;
+
+/// The files of a report that was written.
+#[derive(Clone, Debug)]
+pub struct WrittenReport {
+    pub page: PathBuf,
+    pub charts_folder: PathBuf,
+    /// The names of the charts' files, without their endings.
+    pub charts: Vec<String>,
+    /// The tables of the batch.
+    pub tables: BatchReport,
+    /// The machines that worked on it, as far as they are known.
+    pub machines: Vec<Machine>,
+    /// Charts that are not drawn since they would have too many panels: a sentence for each.
+    pub refused: Vec<String>,
+    /// Letters in charts that the font of pictures lacks.
+    pub unknown_letters: String,
+}
+
+/// The charts of a page in the window of a phone.
+const PHONE: PaperSize = PaperSize { width_mm: 88.0, font_pt: 8.0 };
+
+/// What a report is made of besides the files of its batch.
+#[derive(Clone, Debug)]
+pub struct ReportParts<'a> {
+    /// The runs whose pages are there, for links to them.
+    pub playing: &'a [NotableRun],
+    /// The field at the end of the median run, where the batch is of one variant and has that run.
+    pub field: Option<FieldPicture>,
+    pub choice: &'a ChartChoice,
+    pub paper: PaperCharts,
+}
+
+/// A picture of a field, and what it shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldPicture {
+    pub caption: String,
+    /// The bytes of a PNG file.
+    pub png: Vec<u8>,
+}
+
+/// The charts for a paper that are written too.
+#[derive(Clone, Copy, Debug)]
+pub struct PaperCharts {
+    pub size: PaperSize,
+    pub pdf: bool,
+    pub pgf: bool,
+}
+
+/// A reason for which a batch has no report.
+#[derive(Debug, Error)]
+pub enum ReportError {
+    #[error(transparent)]
+    Finished(#[from] FinishedError),
+    #[error("the batch in {} has no table of runs yet", folder.display())]
+    Unfinished { folder: PathBuf },
+    #[error("cannot write {}: {source}", path.display())]
+    Unwritable { path: PathBuf, source: io::Error },
+    #[error("there is no column `{name}` in runs.csv{}; expected one of its columns of numbers", likely(.nearest.as_deref()))]
+    UnknownColumn { name: String, nearest: Option<String> },
+    #[error("the column `{name}` of runs.csv holds no numbers that a chart could show; expected one that does")]
+    NoNumbers { name: String },
+    #[error(transparent)]
+    Batch(#[from] BatchError),
+}
+
+fn likely(nearest: Option<&str>) -> String {
+    nearest.map_or_else(String::new, |nearest| format!(" (did you mean `{nearest}`?)"))
+}
+
+/// Reads a batch that is over, and writes `report.html` and a folder of charts beside its tables. The words of the page are
+/// English, and so is what files of data say, whatever language the charts have.
+pub fn write_report(batch: &FinishedBatch, parts: &ReportParts<'_>) -> Result<WrittenReport, ReportError> {
+    let ReportParts { choice, paper, .. } = parts;
+    let folder = batch.folder();
+    let rows = batch.rows()?.ok_or_else(|| ReportError::Unfinished { folder: folder.to_owned() })?;
+    let collected = Collected::read(batch.plan(), rows, &choice.quantities)?;
+    let states = StateCurves::read(folder, batch.plan())?;
+    let origin = Origin::read(folder)?;
+    let source = FigureSource { plan: batch.plan(), collected: &collected, states: states.as_deref() };
+    let figures = source.draw(choice, SCREEN_WIDTH);
+    let english = ChartChoice { language: Language::English, ..(*choice).clone() };
+    let data = if **choice == english { None } else { Some(source.draw(&english, SCREEN_WIDTH).data) };
+    let charts_folder = folder.join(CHARTS_FOLDER);
+    fs::create_dir_all(&charts_folder).map_err(|source| unwritable(&charts_folder, source))?;
+    for figure in &figures.drawn {
+        write_chart(&charts_folder, &figure.file, &figure.drawing)?;
+    }
+    for data in data.as_ref().unwrap_or(&figures.data) {
+        write_chart_data(&charts_folder, data)?;
+    }
+    if paper.pdf || paper.pgf {
+        let write = |figure: &Figure| write_paper_chart(&charts_folder, &figure.file, &figure.drawing, paper);
+        source.draw(choice, paper.size.units()).drawn.iter().try_for_each(write)?;
+    }
+    let page = folder.join(REPORT_FILE);
+    let narrow = source.draw(choice, PHONE.units());
+    let contents = Page { batch, collected: &collected, figures: &figures, narrow: &narrow, parts, origin: &origin };
+    write_whole(&page, contents.to_document().to_html().as_bytes())?;
+    let Figures { drawn, refused, .. } = figures;
+    let texts = drawn.iter().flat_map(|figure| figure.drawing.texts());
+    let unknown: BTreeSet<char> = texts.flat_map(unknown_letters).collect();
+    Ok(WrittenReport {
+        page,
+        charts_folder,
+        charts: drawn.into_iter().map(|figure| figure.file).collect(),
+        tables: collected.report,
+        machines: origin.machines,
+        refused,
+        unknown_letters: unknown.into_iter().collect(),
+    })
+}
+
+impl Origin {
+    fn read(folder: &Path) -> Result<Self, ReportError> {
+        let about_plan = |error| ReportError::Finished(FinishedError::Plan(error));
+        Ok(Self {
+            writer: BatchPlan::read_writer(folder).map_err(about_plan)?,
+            plan: BatchPlan::read_text(folder, page::LONGEST_PLAN).map_err(about_plan)?,
+            machines: Machines::read(folder)?.machines,
+        })
+    }
+}

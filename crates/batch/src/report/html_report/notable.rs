@@ -1,0 +1,66 @@
+//! Runs that are worth a look: that in which the least burned, the median, and that in which the most did.
+
+use super::ReportError;
+use crate::execute::CHARTS_FOLDER;
+use crate::table::{FinishedBatch, run_column};
+
+const BURNED_RATIO: usize = run_column("burned_ratio");
+
+/// A run that is worth a look.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotableRun {
+    /// `best`, `median` or `worst`.
+    pub word: &'static str,
+    /// From 1, in the order of the plan.
+    pub number: u64,
+    /// The share of bushes that burned.
+    pub burned_ratio: f64,
+}
+
+impl NotableRun {
+    /// The path of its page in the folder of the batch.
+    pub fn page(&self) -> String {
+        page_of(self.word)
+    }
+}
+
+fn page_of(word: &str) -> String {
+    format!("{CHARTS_FOLDER}/{word}-run.html")
+}
+
+/// What the runs are called: in them the least burned, the most, and half of the runs burned less.
+const WORDS: [&str; 3] = ["best", "worst", "median"];
+
+/// Finds those notable runs whose pages are there.
+pub fn runs_with_pages(batch: &FinishedBatch) -> Result<Vec<NotableRun>, ReportError> {
+    let has_page = |word: &str| batch.folder().join(page_of(word)).is_file();
+    if !WORDS.into_iter().any(has_page) {
+        return Ok(Vec::new());
+    }
+    let runs = notable_runs(batch)?;
+    Ok(runs.into_iter().filter(|run| has_page(run.word)).collect())
+}
+
+/// Finds the runs that are done in which the least and the most burned, and the one in the middle; of runs that are equal the
+/// first. A run that would be two of them is there once.
+pub fn notable_runs(batch: &FinishedBatch) -> Result<Vec<NotableRun>, ReportError> {
+    let unfinished = || ReportError::Unfinished { folder: batch.folder().to_owned() };
+    let mut rows = batch.rows()?.ok_or_else(unfinished)?;
+    let mut burned: Vec<(f64, u64)> = Vec::new();
+    for run in batch.runs() {
+        let row = rows.next(&run)?;
+        burned.extend(row.number(BURNED_RATIO).filter(|_| row.is_done()).map(|ratio| (ratio, run.number)));
+    }
+    burned.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
+    let Some(last) = burned.len().checked_sub(1) else { return Ok(Vec::new()) };
+    let most = burned.partition_point(|run| run.0 < burned[last].0);
+    let mut notable: Vec<NotableRun> = Vec::new();
+    for (word, place) in WORDS.into_iter().zip([0, most, last / 2]) {
+        let (burned_ratio, number) = burned[place];
+        if notable.iter().all(|run| run.number != number) {
+            notable.push(NotableRun { word, number, burned_ratio });
+        }
+    }
+    notable.sort_by(|one, other| one.burned_ratio.total_cmp(&other.burned_ratio).then(one.word.cmp(other.word)));
+    Ok(notable)
+}

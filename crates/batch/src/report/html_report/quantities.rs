@@ -1,0 +1,236 @@
+//! The columns of runs that a report shows, and how.
+
+use super::ReportError;
+use super::words;
+use crate::table::{RUN_COLUMNS, RunColumn, RunRecord, Unit, is_measured, run_column};
+use wildfire_base::untrusted::visible_start;
+use wildfire_picture::charts::{Language, Words};
+use wildfire_sim::scenario::nearest_name;
+
+const OBSTACLES: usize = run_column("obstacles");
+
+/// A number of every run that is done: that of a column, or the sum of two, in the unit in which charts show it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Quantity {
+    column: usize,
+    /// The column that is added, and the name of the sum.
+    added: Option<(usize, Words)>,
+}
+
+/// The ends of a run.
+pub static STATES: [Quantity; 4] =
+    [quantity("intact"), quantity("burning"), quantity("burned_out"), quantity("extinguished")];
+
+/// The parts of the planners' CPU time.
+pub static CPU_PARTS: [Quantity; 9] = [
+    quantity("cpu_clearance_field_s"),
+    quantity("cpu_sampling_s"),
+    quantity("cpu_map_generation_s"),
+    quantity("cpu_roadmap_search_s"),
+    quantity("cpu_local_search_s"),
+    quantity("cpu_reachability_s"),
+    CUSTOM_PLANNERS[0],
+    CUSTOM_PLANNERS[1],
+    quantity("cpu_wumpus_s"),
+];
+
+/// The parts that only runs with planners that are not built in have.
+pub const CUSTOM_PLANNERS: [Quantity; 2] = [quantity("cpu_custom_start_s"), quantity("cpu_custom_queries_s")];
+
+/// The bushes that did not burn: the share of all.
+pub const SAVED: Quantity =
+    Quantity { column: run_column("intact"), added: Some((run_column("extinguished"), words::SAVED)) };
+
+/// All bushes of a field, as a number.
+pub const BUSHES: Quantity = quantity("obstacles");
+
+/// Where bushes are few or none: what burned of them and of ground.
+pub const BURNED_AREA: Quantity = quantity("burned_ha");
+
+/// The time that fires had, and the planners' time.
+pub const RESPONSE: Quantity = quantity("mean_response_s");
+pub const PLANNING: Quantity = quantity("cpu_unimog_total_s");
+
+/// Further quantities that differ from run to run.
+pub static MEASURES: [Quantity; 4] = [RESPONSE, quantity("truck_distance_m"), quantity("truck_stuck_s"), PLANNING];
+
+const fn quantity(column: &str) -> Quantity {
+    Quantity { column: run_column(column), added: None }
+}
+
+/// Which quantities the charts of a report show, and in which language.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ChartChoice {
+    pub quantities: ChosenQuantities,
+    pub language: Language,
+}
+
+/// The quantities that a report shows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ChosenQuantities {
+    /// Those that were asked for, each once; none for the usual ones.
+    asked: Vec<Quantity>,
+}
+
+impl ChosenQuantities {
+    /// Finds the columns of these names; without any the usual ones are shown.
+    ///
+    /// # Errors
+    /// If there is no such column, or it holds no numbers.
+    pub fn new(names: &[String]) -> Result<Self, ReportError> {
+        let mut asked = Vec::new();
+        for name in names {
+            let quantity = Quantity { column: column_of_numbers(name)?, added: None };
+            if !asked.contains(&quantity) {
+                asked.push(quantity);
+            }
+        }
+        Ok(Self { asked })
+    }
+
+    /// Returns the places of those that were asked for, among [`RUN_COLUMNS`].
+    pub fn places(&self) -> Vec<usize> {
+        self.asked.iter().map(|quantity| quantity.column).collect()
+    }
+
+    /// Returns those that were asked for.
+    pub fn asked(&self) -> &[Quantity] {
+        &self.asked
+    }
+
+    /// Returns those of some quantities that are shown, in their order.
+    pub fn among(&self, quantities: &[Quantity]) -> Vec<Quantity> {
+        let is_shown = |quantity: &Quantity| self.asked.is_empty() || self.asked.contains(quantity);
+        quantities.iter().copied().filter(is_shown).collect()
+    }
+
+    /// Returns those whose distributions, and means over what is swept, are shown.
+    pub fn of_runs(&self) -> Vec<Quantity> {
+        let usual = || STATES.iter().chain(&MEASURES).copied().collect();
+        if self.asked.is_empty() { usual() } else { self.asked.clone() }
+    }
+
+    /// Returns everything that is kept of a run: what the answer needs, and what is shown.
+    pub fn kept(&self) -> Vec<Quantity> {
+        let mut kept: Vec<Quantity> = STATES.iter().chain(&CPU_PARTS).chain(&MEASURES).copied().collect();
+        kept.extend([SAVED, BUSHES, BURNED_AREA]);
+        kept.extend(self.asked.iter().filter(|asked| !kept.contains(asked)).copied().collect::<Vec<_>>());
+        kept
+    }
+}
+
+fn column_of_numbers(name: &str) -> Result<usize, ReportError> {
+    let names = || RUN_COLUMNS.iter().filter(|column| column.holds_numbers()).map(|column| column.name);
+    match RUN_COLUMNS.iter().position(|column| column.name == name) {
+        Some(place) if RUN_COLUMNS[place].holds_numbers() => Ok(place),
+        Some(_) => Err(ReportError::NoNumbers { name: name.to_owned() }),
+        None => Err(ReportError::UnknownColumn { name: visible_start(name), nearest: nearest_name(name, names()) }),
+    }
+}
+
+impl Quantity {
+    fn about(self) -> &'static RunColumn {
+        &RUN_COLUMNS[self.column]
+    }
+
+    /// Returns the name of its column; of a sum that of the sum.
+    pub fn column(self) -> String {
+        self.added.map_or_else(|| self.about().name.to_owned(), |(_, name)| name.english.to_lowercase())
+    }
+
+    pub fn label(self, language: Language) -> &'static str {
+        self.added.map_or_else(|| words::name_of(self.about(), language), |(_, name)| name.in_language(language))
+    }
+
+    /// Returns its name outside of a chart of several.
+    pub fn title(self, language: Language) -> String {
+        match self.is_share_of_bushes() {
+            true => words::AT_THE_END_OF_A_RUN.filled(language, &[self.label(language)]),
+            false => self.label(language).into(),
+        }
+    }
+
+    fn is_share_of_bushes(self) -> bool {
+        self == SAVED || STATES.contains(&self)
+    }
+
+    /// Returns the number of a run; `None` where the run has none. States and their sum are shown as shares of all bushes, CPU
+    /// times in milliseconds.
+    pub fn number(self, run: &RunRecord) -> Option<f64> {
+        let added = self.added.map_or(Some(0.0), |(column, _)| run.number(column))?;
+        let number = run.number(self.column)? + added;
+        match self.about().unit {
+            _ if self.is_share_of_bushes() => Some(number / run.number(OBSTACLES).filter(|&bushes| bushes > 0.0)?),
+            Unit::Seconds if is_measured(self.about().name) => Some(number * 1e3),
+            _ => Some(number),
+        }
+    }
+
+    /// Returns the least and the greatest value that it can have.
+    pub fn range(self) -> (f64, f64) {
+        if self.is_share_of_bushes() { (0.0, 1.0) } else { self.about().range() }
+    }
+
+    /// Returns what an axis is called that shows it, with the unit.
+    pub fn axis(self) -> Words {
+        match self.about().unit {
+            Unit::Cells if self.is_share_of_bushes() => words::SHARE_OF_OBSTACLES,
+            Unit::Cells => words::CELLS,
+            Unit::Metres => words::METRES,
+            Unit::Seconds if self.about().name.starts_with("cpu_") => words::CPU_TIME,
+            Unit::Seconds if is_measured(self.about().name) => words::MILLISECONDS,
+            Unit::Seconds => words::SECONDS,
+            Unit::CellSeconds => words::CELL_SECONDS,
+            Unit::Hectares => words::HECTARES,
+            Unit::Points => words::POINTS,
+            Unit::Share => words::SHARE,
+            Unit::None => words::NUMBER,
+        }
+    }
+}
+
+/// Names the axis of a swept key, with the unit that the key's last word says, if it says one.
+pub fn key_axis(key: &str) -> String {
+    const UNITS: [(&str, &str); 13] = [
+        ("_deg_s", "°/s"),
+        ("_per_s", "1/s"),
+        ("_mps2", "m/s²"),
+        ("_mps", "m/s"),
+        ("_deg", "°"),
+        ("_ms", "ms"),
+        ("_s", "s"),
+        ("_m2", "m²"),
+        ("_m", "m"),
+        ("_ha", "ha"),
+        ("_l", "l"),
+        ("_c", "°C"),
+        ("_percent", "%"),
+    ];
+    let unit = UNITS.iter().find(|(ending, _)| key.ends_with(ending));
+    unit.map_or_else(|| key.to_owned(), |(_, unit)| format!("{key} ({unit})"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_have_units_where_there_is_one() {
+        let columns = (0..RUN_COLUMNS.len()).filter(|&column| RUN_COLUMNS[column].holds_numbers());
+        for quantity in columns.map(|column| Quantity { column, added: None }).chain([SAVED]) {
+            let Words { english, german } = quantity.axis();
+            let has_unit = !matches!(quantity.about().unit, Unit::Cells | Unit::Share | Unit::Points | Unit::None);
+            let is_right =
+                [english, german].iter().all(|axis| axis.ends_with(')') == has_unit && !axis.contains("(1)"));
+            assert!(is_right, "{}: {english}, {german}", quantity.column());
+        }
+        for (key, axis) in [
+            ("fire.burn_out_s", "fire.burn_out_s (s)"),
+            ("unimog.speed_mps", "unimog.speed_mps (m/s)"),
+            ("field.coverage", "field.coverage"),
+            ("unimog.vehicle.steering_rate_deg_s", "unimog.vehicle.steering_rate_deg_s (°/s)"),
+        ] {
+            assert_eq!(key_axis(key), axis);
+        }
+    }
+}

@@ -1,0 +1,255 @@
+//! What a finished batch says besides its files: tables and tally of each variant, and means of all.
+
+use crate::execute::RunRow;
+use crate::plan::{BatchPlan, Value, planner_of};
+use crate::report::fleets::{Fleet, fleets_table};
+use crate::report::notes::notes;
+use crate::report::profile::Profile;
+use crate::report::tables::Tables;
+use crate::report::tally::Tally;
+use crate::stats::{Interval, Series};
+use crate::table::{RUN_COLUMNS, RunRecord, run_column};
+use wildfire_base::document::number::optional;
+use wildfire_base::document::{Block, Document, Table};
+use wildfire_base::untrusted::spreadsheet_cell;
+use wildfire_sim::scenario::Scenario;
+
+/// A report of each variant, in the order of the plan.
+#[derive(Clone, Debug, Default)]
+pub struct BatchReport {
+    pub variants: Vec<VariantReport>,
+}
+
+/// The report of one variant.
+#[derive(Clone, Debug, Default)]
+pub struct VariantReport {
+    pub title: String,
+    pub tables: Tables,
+    pub tally: Tally,
+    /// True if the scenario has agents on both sides.
+    is_contest: bool,
+    /// A series for each of the columns of runs; of those without numbers it is empty.
+    columns: Vec<Series>,
+    profile: Profile,
+    /// Present where a scenario has more than one truck.
+    fleet: Option<Fleet>,
+}
+
+/// A mean that the overview of several variants shows, over runs that are done.
+struct Mean {
+    heading: &'static str,
+    column: usize,
+    scale: f64,
+    decimals: usize,
+}
+
+const OBSTACLES: usize = run_column("obstacles");
+
+/// The states of bushes, of which no more can be in one than there are.
+const STATES: [usize; 4] =
+    [run_column("intact"), run_column("burning"), run_column("burned_out"), run_column("extinguished")];
+
+const MEANS: [Mean; 5] = [
+    Mean { heading: "Intact\nratio", column: run_column("intact_ratio"), scale: 1.0, decimals: 3 },
+    Mean { heading: "Burned\nratio", column: run_column("burned_ratio"), scale: 1.0, decimals: 3 },
+    Mean { heading: "Exting.\nratio", column: run_column("extinguished_ratio"), scale: 1.0, decimals: 3 },
+    Mean { heading: "Truck\nstuck s", column: run_column("truck_stuck_s"), scale: 1.0, decimals: 1 },
+    Mean { heading: "Unimog\nCPU ms", column: run_column("cpu_unimog_total_s"), scale: 1e3, decimals: 2 },
+];
+
+impl VariantReport {
+    /// The report of a variant, without any run yet.
+    pub fn new(title: String, scenario: &Scenario) -> Self {
+        let is_contest = !scenario.wumpus.is_empty() && !scenario.unimog.is_empty();
+        let columns = vec![Series::default(); RUN_COLUMNS.len()];
+        Self { title, is_contest, fleet: Fleet::new(scenario), columns, ..Self::default() }
+    }
+
+    /// Adds the next run of the plan.
+    pub fn add(&mut self, run: &RunRecord) {
+        self.tables.add(run);
+        self.tally.add(run, self.is_contest);
+        self.fleet.iter_mut().for_each(|fleet| fleet.add(run));
+        for (place, series) in self.columns.iter_mut().enumerate().filter(|_| run.is_done()) {
+            run.number(place).into_iter().for_each(|number| series.add(number));
+        }
+    }
+
+    /// Returns the numbers of a column, by its place among [`RUN_COLUMNS`], over the runs that are done.
+    pub fn column(&self, place: usize) -> &Series {
+        &self.columns[place]
+    }
+
+    /// Returns the 95 % interval of the mean of a column, within the range of what it holds.
+    pub fn interval(&self, place: usize) -> Option<Interval> {
+        let (least, most) = RUN_COLUMNS[place].range();
+        let bushes = self.column(OBSTACLES).largest().filter(|_| STATES.contains(&place));
+        self.column(place).mean_interval_within((least, bushes.unwrap_or(most)))
+    }
+
+    /// Adds what a run's row in a table does not say: notes on its agents, and how much CPU time its facts took.
+    pub fn add_detail(&mut self, row: &RunRow) {
+        let Some(result) = &row.result else { return };
+        self.tally.add_notes(row.label.seed, notes(result));
+        self.profile.add(row);
+    }
+}
+
+impl BatchReport {
+    /// Runs without a result.
+    pub fn not_done(&self) -> u64 {
+        self.variants.iter().map(|variant| variant.tally.not_done()).sum()
+    }
+
+    /// Returns the tables and the tally of each variant, under its title if there are several.
+    pub fn to_document(&self) -> Document {
+        match self.variants.as_slice() {
+            [one] => Document::new(one.title.clone()).with(one.blocks()),
+            several => several.iter().fold(Document::new("Tables of a batch"), |document, variant| {
+                document.with([Block::Heading(variant.title.clone())]).with(variant.blocks())
+            }),
+        }
+    }
+
+    /// Returns a line for each variant, and how many of its runs are done with means over them.
+    pub fn overview(&self) -> Vec<Block> {
+        let number = |index: usize| (index + 1).to_string();
+        let titles = self.variants.iter().enumerate();
+        let titles = titles.map(|(index, variant)| format!("{}: {}", number(index), variant.title)).collect();
+        let means = "Means over finished runs. tables.md has the tables of each variant.".to_owned();
+        vec![Block::List(titles), Block::Table(self.overview_table(number)), Block::Text(means)]
+    }
+
+    /// Returns the table of the overview, in which variants have these names.
+    pub fn overview_table(&self, name: impl Fn(usize) -> String) -> Table {
+        let counts = ["Variant", "Finished", "Failed"];
+        let headings: Vec<&str> = counts.into_iter().chain(MEANS.iter().map(|mean| mean.heading)).collect();
+        let variants = self.variants.iter().enumerate();
+        Table::new(&headings, variants.map(|(index, variant)| variant.overview_row(name(index))).collect())
+    }
+
+    /// Returns a line of CSV for each variant: which it is, how many of its runs finished and failed, and for every column of
+    /// numbers that some run has its mean and the ends of the mean's 95 % interval.
+    pub fn to_csv(&self, plan: &BatchPlan) -> Vec<u8> {
+        let has_numbers = |place: &usize| {
+            let is_there = |variant: &VariantReport| variant.column(*place).count() > 0;
+            RUN_COLUMNS[*place].holds_numbers() && self.variants.iter().any(is_there)
+        };
+        let places: Vec<usize> = (0..RUN_COLUMNS.len()).filter(has_numbers).collect();
+        let mut table = csv::Writer::from_writer(Vec::new());
+        let mut add = |cells: Vec<String>| table.write_record(&cells).expect("memory takes everything");
+        let text = |text: &str| spreadsheet_cell(text).into_owned();
+        let labels = ["variant", "scenario", "planner"].into_iter().chain(plan.swept_keys.iter().map(String::as_str));
+        let means =
+            places.iter().flat_map(|&place| ["", "_low", "_high"].map(|end| RUN_COLUMNS[place].name.to_owned() + end));
+        add(labels.chain(["finished", "failed"]).map(text).chain(means).collect());
+        for (index, (variant, report)) in plan.variants.iter().zip(&self.variants).enumerate() {
+            let swept = variant.swept.iter().map(|value| match value {
+                Value::Text(words) => text(words),
+                number => number.to_string(),
+            });
+            let labels = [(index + 1).to_string(), text(&variant.scenario.name), text(&planner_of(&variant.scenario))];
+            let counts = [report.tally.done, report.tally.not_done()].map(|count| count.to_string());
+            let means = places.iter().flat_map(|&place| {
+                let (mean, interval) = (report.column(place).mean(), report.interval(place));
+                [mean, interval.map(|ends| ends.low), interval.map(|ends| ends.high)]
+            });
+            let means = means.map(|number| number.map_or_else(String::new, |number| number.to_string()));
+            add(labels.into_iter().chain(swept).chain(counts).chain(means).collect());
+        }
+        table.into_inner().expect("memory takes everything")
+    }
+
+    /// Returns how the fleets worked, of variants that have one.
+    pub fn fleets_table(&self) -> Option<Table> {
+        let variants = self.variants.iter();
+        fleets_table(variants.filter_map(|variant| Some((variant.title.as_str(), variant.fleet.as_ref()?))))
+    }
+
+    /// Returns a table for each of these columns, by their places among [`RUN_COLUMNS`]: a line for each variant.
+    pub fn column_tables(&self, places: &[usize]) -> Vec<Block> {
+        let table = |&place: &usize| {
+            let about = &RUN_COLUMNS[place];
+            let row = |variant: &VariantReport| {
+                let series = variant.column(place);
+                let interval = variant.interval(place);
+                let [low, high] = [interval.map(|ends| ends.low), interval.map(|ends| ends.high)];
+                let numbers = [series.mean(), series.standard_deviation(), low, high];
+                let decimals = decimals_of(numbers);
+                let numbers = numbers.map(|number| optional(number, decimals));
+                [variant.title.clone(), series.count().to_string()].into_iter().chain(numbers).collect()
+            };
+            let unit = Some(about.unit.symbol()).filter(|symbol| !["", "1"].contains(symbol));
+            let unit = unit.map_or_else(String::new, |symbol| format!(" ({symbol})"));
+            let headings = ["Variant", "Runs", "Mean", "Std dev", "95% low", "95% high"];
+            let rows = self.variants.iter().map(row).collect();
+            Table::new(&headings, rows).with_caption(&format!("{}{unit}: {}", about.name, about.words)).into()
+        };
+        places.iter().map(table).collect()
+    }
+
+    /// Returns what there is to note of any variant, by its number.
+    pub fn notes(&self) -> Vec<String> {
+        let notes = |(index, variant): (usize, &VariantReport)| {
+            let notes = variant.tally.note().into_iter().chain(variant.tally.machine_sentences());
+            notes.map(move |note| format!("{}: {note}", index + 1)).collect::<Vec<_>>()
+        };
+        self.variants.iter().enumerate().flat_map(notes).collect()
+    }
+
+    /// Returns for each variant, by its title if there are several, that a limit of time or memory changed an outcome.
+    pub fn machine_notes(&self) -> Vec<String> {
+        let notes = |variant: &VariantReport| {
+            let title = if self.variants.len() > 1 { format!("{}: ", variant.title) } else { String::new() };
+            variant.tally.machine_sentences().map(move |note| format!("{title}{note}")).collect::<Vec<_>>()
+        };
+        self.variants.iter().flat_map(notes).collect()
+    }
+
+    /// Words the failures of each planner, and of policies that are not built in, over all variants.
+    pub fn failure_sentences(&self) -> Vec<String> {
+        let mut sum = Tally::default();
+        for tally in self.variants.iter().map(|variant| &variant.tally) {
+            for (planner, failures) in &tally.failures {
+                *sum.failures.entry(planner.clone()).or_default() += failures.clone();
+            }
+            sum.failed_asks += tally.failed_asks.clone();
+        }
+        sum.failure_sentences()
+    }
+
+    /// Returns for each variant where its CPU time went.
+    pub fn profile(&self) -> Document {
+        Document::default().with(self.variants.iter().flat_map(|variant| variant.profile.blocks(&variant.title)))
+    }
+}
+
+/// The decimals by which the largest of some numbers has four digits.
+fn decimals_of(numbers: [Option<f64>; 4]) -> usize {
+    let largest = numbers.into_iter().flatten().fold(0.0_f64, |largest, number| largest.max(number.abs()));
+    [(100.0, 1), (10.0, 2), (1.0, 3), (0.01, 4)]
+        .into_iter()
+        .find(|(least, _)| largest >= *least)
+        .map_or(6, |found| found.1)
+}
+
+impl VariantReport {
+    /// Returns the tables and the tally.
+    pub fn blocks(&self) -> Vec<Block> {
+        let mut blocks = self.tables.blocks();
+        blocks.push(Block::List(self.tally.sentences()));
+        blocks
+    }
+
+    /// Returns the statistics of the tables, without single runs, and the tally.
+    pub fn means(&self) -> Vec<Block> {
+        self.tables.means().into_iter().chain([Block::List(self.tally.sentences())]).collect()
+    }
+
+    fn overview_row(&self, name: String) -> Vec<String> {
+        let counts = [self.tally.done, self.tally.not_done()].map(|count| count.to_string());
+        let mean = |mean: &Mean| self.column(mean.column).mean().map(|value| value * mean.scale);
+        let means = MEANS.iter().map(|column| optional(mean(column), column.decimals));
+        [name].into_iter().chain(counts).chain(means).collect()
+    }
+}

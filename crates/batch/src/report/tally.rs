@@ -1,0 +1,221 @@
+//! What a batch adds up to: how many runs went well, who won, who was stuck.
+
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
+
+use crate::execute::Status;
+use crate::report::failures::Failures;
+use crate::table::{QueryTally, RunRecord, run_column};
+
+const PLANNER: usize = run_column("planner");
+const WINNER: usize = run_column("winner");
+const WUMPUS_SCORE: usize = run_column("wumpus_score");
+const TRUCK_SCORE: usize = run_column("truck_score");
+const WUMPUS_STUCK_S: usize = run_column("wumpus_stuck_s");
+const TRUCK_STUCK_S: usize = run_column("truck_stuck_s");
+
+/// Counts and sums over the runs of a batch.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tally {
+    pub done: u64,
+    pub failed: u64,
+    pub panicked: u64,
+    /// Seed and message of the first run without a result.
+    pub first_failure: Option<(u64, String)>,
+    /// Runs that are done and have agents on both sides.
+    pub contested: u64,
+    pub won_by_wumpus: u64,
+    pub won_by_truck: u64,
+    pub wumpus_score: f64,
+    pub truck_score: f64,
+    /// Runs in which some agent was stuck, and for how long in all.
+    pub stuck_runs: u64,
+    pub truck_stuck_s: f64,
+    pub wumpus_stuck_s: f64,
+    /// The number of runs that have notes.
+    pub noted_runs: u64,
+    /// Seed and notes of the first of them.
+    pub first_notes: Option<(u64, Vec<String>)>,
+    /// The queries of runs that are done or that a limit ended, by their planners.
+    pub queries: BTreeMap<String, QueryTally>,
+    /// Their failures, by their planners, and those of policies that are not built in.
+    pub failures: BTreeMap<String, Failures>,
+    pub failed_asks: Failures,
+}
+
+impl Tally {
+    /// Adds a run, of a scenario with agents on both sides or not.
+    pub fn add(&mut self, run: &RunRecord, is_contest: bool) {
+        match run.status() {
+            Status::Done => self.done += 1,
+            Status::Failed => self.failed += 1,
+            Status::Panicked => self.panicked += 1,
+        }
+        if !run.is_done() {
+            self.first_failure.get_or_insert_with(|| (run.seed(), run.message().to_owned()));
+        }
+        let (planner, queries) = (run.text(PLANNER), run.queries());
+        if (run.is_done() || queries.depends_on_machine()) && (!planner.is_empty() || queries.asks > 0) {
+            *self.queries.entry(planner.to_owned()).or_default() += queries;
+        }
+        if !run.is_done() {
+            return;
+        }
+        self.failed_asks += Failures::of_asks(run);
+        if !planner.is_empty() {
+            *self.failures.entry(planner.to_owned()).or_default() += Failures::of_queries(run);
+        }
+        let number = |column| run.number(column).unwrap_or(0.0);
+        if is_contest {
+            self.contested += 1;
+            self.won_by_wumpus += u64::from(run.text(WINNER) == "wumpus");
+            self.won_by_truck += u64::from(run.text(WINNER) == "unimog");
+            self.wumpus_score += number(WUMPUS_SCORE);
+            self.truck_score += number(TRUCK_SCORE);
+        }
+        let (truck_stuck_s, wumpus_stuck_s) = (number(TRUCK_STUCK_S), number(WUMPUS_STUCK_S));
+        self.stuck_runs += u64::from(truck_stuck_s > 0.0 || wumpus_stuck_s > 0.0);
+        self.truck_stuck_s += truck_stuck_s;
+        self.wumpus_stuck_s += wumpus_stuck_s;
+    }
+
+    /// Adds the notes on a run, if there are any.
+    pub fn add_notes(&mut self, seed: u64, notes: Vec<String>) {
+        if !notes.is_empty() {
+            self.noted_runs += 1;
+            self.first_notes.get_or_insert((seed, notes));
+        }
+    }
+
+    /// Runs without a result.
+    pub fn not_done(&self) -> u64 {
+        self.failed + self.panicked
+    }
+}
+
+impl Tally {
+    /// Says who won, which runs went wrong, who was stuck, who could do next to nothing, whose planner was rescued or
+    /// stopped by a clock: a sentence for each.
+    pub fn sentences(&self) -> Vec<String> {
+        let runs = [self.champion(), Some(self.runs()), self.reason()];
+        let sentences = runs.into_iter().flatten().chain(self.failure_sentences());
+        let sentences = sentences.chain([self.stuck(), self.note()].into_iter().flatten());
+        let queries = self.queries.iter().flat_map(|(planner, queries)| queries.sentences(planner));
+        sentences.chain(queries).collect()
+    }
+
+    /// Words the failures of each planner, and of policies that are not built in.
+    pub fn failure_sentences(&self) -> Vec<String> {
+        let planners = self.failures.iter().filter_map(|(planner, failures)| failures.of_planner(planner));
+        planners.chain(self.failed_asks.of_policies()).collect()
+    }
+
+    /// Says for each planner whether a limit of time or memory changed an outcome.
+    pub fn machine_sentences(&self) -> impl Iterator<Item = String> {
+        self.queries.iter().filter_map(|(planner, queries)| queries.machine_sentence(planner))
+    }
+
+    fn runs(&self) -> String {
+        let Self { done, failed, panicked, .. } = self;
+        match self.not_done() {
+            0 => format!("Runs: {done} finished, none failed."),
+            _ => format!("Runs: {done} finished, {failed} failed, {panicked} panicked; runs.csv says why."),
+        }
+    }
+
+    fn reason(&self) -> Option<String> {
+        self.first_failure.as_ref().map(|(seed, message)| format!("The first of these, seed {seed}: {message}"))
+    }
+
+    fn stuck(&self) -> Option<String> {
+        let (truck, wumpus) = (self.truck_stuck_s, self.wumpus_stuck_s);
+        match self.stuck_runs {
+            0 if self.done == 0 => None,
+            0 => Some("Stuck: nobody, in no run.".into()),
+            1 => Some(format!("Stuck: truck {truck:.1} s, Wumpus {wumpus:.1} s in all, in 1 run.")),
+            runs => Some(format!("Stuck: truck {truck:.1} s, Wumpus {wumpus:.1} s in all, in {runs} runs.")),
+        }
+    }
+
+    /// Returns the notes of the first run that has any, and says how many such runs there are.
+    pub fn note(&self) -> Option<String> {
+        let (seed, notes) = self.first_notes.as_ref()?;
+        let (noted, done, notes) = (self.noted_runs, self.done, notes.join(" "));
+        Some(format!("In {noted} of {done} runs an agent could do next to nothing; seed {seed}: {notes}"))
+    }
+
+    /// Who has more points over the batch; `None` without runs that have agents on both sides.
+    fn champion(&self) -> Option<String> {
+        if self.contested == 0 {
+            return None;
+        }
+        let truck = (self.truck_score, self.won_by_truck);
+        let wumpus = (self.wumpus_score, self.won_by_wumpus);
+        let (name, first, second) = match self.truck_score.total_cmp(&self.wumpus_score) {
+            Ordering::Greater => ("the Unimog", truck, wumpus),
+            Ordering::Less => ("the Wumpus", wumpus, truck),
+            Ordering::Equal => ("nobody", truck, wumpus),
+        };
+        let ties = match self.contested - self.won_by_wumpus - self.won_by_truck {
+            0 => String::new(),
+            ties => format!(", {ties} tied"),
+        };
+        Some(format!(
+            "Champion: {name}, {} points to {}; runs won {} to {}{ties}.",
+            first.0, second.0, first.1, second.1
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn champion_has_more_points_not_more_runs() {
+        let tally = Tally {
+            done: 5,
+            contested: 5,
+            won_by_wumpus: 3,
+            won_by_truck: 1,
+            wumpus_score: 400.0,
+            truck_score: 500.5,
+            ..Tally::default()
+        };
+        let expected = "Champion: the Unimog, 500.5 points to 400; runs won 1 to 3, 1 tied.\n\
+                        Runs: 5 finished, none failed.\n\
+                        Stuck: nobody, in no run.";
+        assert_eq!(tally.sentences().join("\n"), expected);
+    }
+
+    #[test]
+    fn equal_points_have_no_champion() {
+        let tally = Tally { done: 2, contested: 2, won_by_wumpus: 1, won_by_truck: 1, ..Tally::default() };
+        assert!(tally.sentences().join("\n").starts_with("Champion: nobody, 0 points to 0; runs won 1 to 1."));
+    }
+
+    #[test]
+    fn runs_that_went_wrong_and_agents_that_were_stuck_are_named() {
+        let tally = Tally { done: 2, failed: 3, panicked: 1, stuck_runs: 1, truck_stuck_s: 2.25, ..Tally::default() };
+        let text = tally.sentences().join("\n");
+        assert!(text.contains("2 finished, 3 failed, 1 panicked"), "{text}");
+        assert!(text.contains("truck 2.2 s, Wumpus 0.0 s in all, in 1 run."), "{text}");
+        assert!(!text.contains("Champion"), "{text}");
+    }
+
+    #[test]
+    fn agents_that_could_do_nothing_are_told_by_the_first_such_run() {
+        let notes = vec!["wumpus/0 can light nothing.".to_owned()];
+        let tally = Tally { done: 9, noted_runs: 3, first_notes: Some((7, notes)), ..Tally::default() };
+        let expected = "Runs: 9 finished, none failed.\n\
+                        Stuck: nobody, in no run.\n\
+                        In 3 of 9 runs an agent could do next to nothing; seed 7: wumpus/0 can light nothing.";
+        assert_eq!(tally.sentences().join("\n"), expected);
+    }
+
+    #[test]
+    fn batch_without_results_says_so_and_nothing_more() {
+        let tally = Tally { failed: 2, ..Tally::default() };
+        assert_eq!(tally.sentences().join("\n"), "Runs: 0 finished, 2 failed, 0 panicked; runs.csv says why.");
+    }
+}

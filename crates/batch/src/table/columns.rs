@@ -1,0 +1,495 @@
+//! The columns of all tables of a batch. A line here is all that a column needs: its name, `optional` if a row may have
+//! no value, its kind and unit, what it means, and how it is found. CSV and Parquet files, the data dictionary, the
+//! metrics of comparisons and the charts of reports have them from here.
+//!
+//! Outcome columns come first. They are equal bit for bit whenever a seed is run again; every column that may differ
+//! begins with `cpu_` or `wall_`, and is after them. A number is written with the fewest digits that read back as the
+//! same f64; a value that does not exist is an empty field.
+
+use crate::execute::{CpuSplit, PlannerCall, RunResult, RunRow, StateCount};
+use crate::plan::{RunLabel, Value};
+use crate::table::column::{Column, Kind, Phrase, Unit};
+use wildfire_sim::{AgentCost, PolicyTally, RunCost};
+use wildfire_timeline::{AgentOutcome, GroundOutcome, Outcome, Winner};
+
+/// A column of `runs.csv`.
+pub type RunColumn = Column<fn(&RunRow) -> Value>;
+
+/// A column of `agents.csv`.
+pub type AgentColumn = Column<fn(&AgentRow<'_>) -> Value>;
+
+/// A column of `planner_calls.parquet`, after those of the run.
+pub type CallColumn = Column<fn(&PlannerCall) -> Value>;
+
+/// A column of `states.parquet`, after those of the run.
+pub type StateColumn = Column<fn(&StateCount) -> Value>;
+
+/// One agent of a run that is done.
+#[derive(Clone, Copy, Debug)]
+pub struct AgentRow<'a> {
+    pub label: &'a RunLabel,
+    pub outcome: &'a AgentOutcome,
+    pub cost: Option<&'a AgentCost>,
+}
+
+impl<'a> AgentRow<'a> {
+    fn policy(&self) -> Option<&'a str> {
+        let own = self.label.policies.iter().find(|(agent, _)| *agent == self.outcome.agent);
+        own.map(|(_, name)| name.as_str())
+    }
+
+    /// The agents of a run, in the order of its timeline; none of a run that is not done.
+    pub fn from_run(row: &'a RunRow) -> impl Iterator<Item = Self> {
+        row.result.iter().flat_map(move |result| {
+            result.outcome.agents.iter().map(move |outcome| Self {
+                label: &row.label,
+                outcome,
+                cost: result.cost.agents.iter().find(|cost| cost.agent == outcome.agent),
+            })
+        })
+    }
+}
+
+/// Says whether values of this column may differ between two runs of one seed.
+pub fn is_measured(name: &str) -> bool {
+    name.starts_with("cpu_") || name.starts_with("wall_")
+}
+
+/// Without trucks there is no planner, and most runs that are done have no message.
+fn unless_empty(text: &str) -> Option<String> {
+    (!text.is_empty()).then(|| text.to_owned())
+}
+
+fn outcome<T: Into<Value>>(row: &RunRow, value: impl Fn(&Outcome) -> T) -> Value {
+    row.result.as_ref().map(|result| value(&result.outcome)).into()
+}
+
+/// A value of the ground; none of a run in which only bushes burn.
+fn ground<T: Into<Value>>(row: &RunRow, value: impl Fn(&GroundOutcome) -> T) -> Value {
+    row.result.as_ref().and_then(|result| result.outcome.ground.as_ref()).map(value).into()
+}
+
+fn trucks(row: &RunRow, value: impl Fn(&AgentOutcome) -> f64) -> Value {
+    row.result.as_ref().map(|result| result.trucks().map(value).sum::<f64>()).into()
+}
+
+fn trucks_count(row: &RunRow, value: impl Fn(&AgentOutcome) -> u64) -> Value {
+    row.result.as_ref().map(|result| result.trucks().map(value).sum::<u64>()).into()
+}
+
+fn trucks_longest(row: &RunRow, value: impl Fn(&AgentOutcome) -> f64) -> Value {
+    row.result.as_ref().map(|result| result.trucks().map(value).fold(0.0, f64::max)).into()
+}
+
+fn flock_ratio(result: &RunResult) -> Option<f64> {
+    let (flocked, goals) =
+        result.trucks().fold((0, 0), |(flocked, goals), truck| (flocked + truck.flocked_goals, goals + truck.goals));
+    (goals > 0).then(|| f64::from(flocked) / f64::from(goals))
+}
+
+fn wumpuses(row: &RunRow, value: impl Fn(&AgentOutcome) -> f64) -> Value {
+    row.result.as_ref().map(|result| result.wumpuses().map(value).sum::<f64>()).into()
+}
+
+fn wumpuses_count(row: &RunRow, value: impl Fn(&AgentOutcome) -> u64) -> Value {
+    row.result.as_ref().map(|result| result.wumpuses().map(value).sum::<u64>()).into()
+}
+
+fn wumpuses_longest(row: &RunRow, value: impl Fn(&AgentOutcome) -> f64) -> Value {
+    row.result.as_ref().map(|result| result.wumpuses().map(value).fold(0.0, f64::max)).into()
+}
+
+fn cpu(row: &RunRow, value: impl Fn(&CpuSplit) -> f64) -> Value {
+    row.result.as_ref().map(|result| value(&result.cpu)).into()
+}
+
+/// A count of the asks of policies that are not built in; none where all are built in.
+fn asks(row: &RunRow, value: impl Fn(&PolicyTally) -> u64) -> Value {
+    row.result.as_ref().and_then(|result| result.asks.as_ref()).map(value).into()
+}
+
+fn cpu_source(cost: &RunCost) -> Option<String> {
+    let least_trusted = cost.agents.iter().filter_map(|agent| agent.source).max();
+    least_trusted.map(|source| source.name().to_owned())
+}
+
+fn winner(outcome: &Outcome) -> String {
+    match outcome.winner() {
+        Winner::Wumpus => "wumpus",
+        Winner::Unimog => "unimog",
+        Winner::Tie => "tie",
+    }
+    .into()
+}
+
+/// Reads lines `name: [optional] Kind Unit "words" = value, what else there is to say of it;`.
+macro_rules! columns {
+    ($Column:ty, $row:ident;
+     $($name:ident: $($about:ident)+ $words:literal = $value:expr $(, $extra:ident($($argument:expr),*))*;)+) => {
+        &[$({
+            let (is_required, kind, unit) = about!($($about)+);
+            let name = stringify!($name);
+            let column: $Column = Column {
+                name, words: $words, unit, kind, is_required, title: "", phrase: None, value: |$row| $value.into(),
+            };
+            column$(.$extra($($argument),*))*
+        }),+]
+    };
+}
+
+macro_rules! about {
+    (optional $kind:ident $unit:ident) => {
+        (false, Kind::$kind, Unit::$unit)
+    };
+    ($kind:ident $unit:ident) => {
+        (true, Kind::$kind, Unit::$unit)
+    };
+}
+
+pub(crate) use {about, columns};
+
+/// The number of columns of [`RUN_COLUMNS`] that come before those of what a batch sweeps.
+pub const COLUMNS_BEFORE_SWEPT: usize = 5;
+
+/// The columns of `runs.csv`, in their order, without those of what a batch sweeps.
+#[rustfmt::skip]
+pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
+    scenario: Text None "name of the scenario" = row.label.scenario.clone();
+    seed: Count None "seed from which all that is random in the run follows" = row.label.seed;
+    run: Count None "number of the run in the plan, from 1" = row.label.run;
+    planner: optional Text None "planner of the trucks; `;` between those of trucks that differ"
+        = unless_empty(&row.label.planner);
+    policy: optional Text None "policy that chooses where the trucks go; `;` between those of trucks that differ"
+        = unless_empty(&row.label.policy());
+    status: Text None "done, failed or panicked" = row.status.to_string();
+    message: optional Text None "why a run is not done, or what its planners and policies had to say about failures"
+        = unless_empty(&row.message);
+    obstacles: optional Count Cells "bush cells of the field" = outcome(row, |o| o.obstacles), with_title("Bush cells");
+    intact: optional Count Cells "bush cells that never burned, at the end"
+        = outcome(row, |o| o.intact), with_title("Intact");
+    burning: optional Count Cells "bush cells that burn at the end" = outcome(row, |o| o.burning), with_title("Burning");
+    burned_out: optional Count Cells "bush cells that burned out" = outcome(row, |o| o.burned_out), with_title("Burned out");
+    extinguished: optional Count Cells "bush cells that were put out"
+        = outcome(row, |o| o.extinguished), with_title("Extinguished"),
+        with_phrase(Phrase::new("extinguishes", "more obstacles per run", "fewer obstacles per run"));
+    intact_ratio: optional Real Share "share of all bush cells" = outcome(row, Outcome::intact_ratio),
+        with_title("Share intact");
+    burned_ratio: optional Real Share "share of all bush cells that burn or have burned out"
+        = outcome(row, Outcome::burned_ratio), with_title("Share burned");
+    extinguished_ratio: optional Real Share "share of all bush cells" = outcome(row, Outcome::extinguished_ratio),
+        with_title("Share extinguished");
+    lit_by_wumpus: optional Count Cells "ignitions of bushes by Wumpuses; one that is lit again counts again"
+        = outcome(row, |o| o.lit_by_wumpus), with_title("Lit by Wumpuses");
+    caught_by_spread: optional Count Cells "ignitions of bushes by spread" = outcome(row, |o| o.caught_by_spread),
+        with_title("Caught by spread");
+    truck_stuck_s: optional Real Seconds
+        "time in which trucks did nothing though there was a fire that they could reach"
+        = outcome(row, |o| o.truck_stuck_s), with_title("Time that trucks were stuck");
+    wumpus_stuck_s: optional Real Seconds
+        "time in which Wumpuses did nothing though there was something that they could light"
+        = outcome(row, |o| o.wumpus_stuck_s), with_title("Time that Wumpuses were stuck");
+    lit_by_schedule: optional Count Cells "ignitions of bushes by the scenario" = outcome(row, |o| o.lit_by_schedule),
+        with_title("Lit by the scenario");
+    ended_s: optional Real Seconds "simulated time at the end" = outcome(row, |o| o.ended_s),
+        with_title("End of the run");
+    burning_cell_s: optional Real CellSeconds "number of burning bush cells integrated over time"
+        = outcome(row, |o| o.burning_cell_s), with_title("Burning cells over time"),
+        with_phrase(Phrase::new(
+            "has", "more seconds of a burning cell per run", "fewer seconds of a burning cell per run",
+        ));
+    peak_burning: optional Count Cells "most bush cells that burned at once" = outcome(row, |o| o.peak_burning),
+        with_title("Most bushes that burned at once");
+    mean_response_s: optional Real Seconds "from ignition to extinction, mean over the extinctions of bushes"
+        = outcome(row, |o| o.mean_response_s), with_title("Time from ignition to extinction"),
+        with_phrase(Phrase::new("puts a fire out", "s later", "s sooner"));
+    first_fire_s: optional Real Seconds "time of the first ignition of a bush" = outcome(row, |o| o.first_fire_s),
+        with_title("First fire");
+    all_out_s: optional Real Seconds "end of the last fire of a bush, if none burned at the end"
+        = outcome(row, |o| o.all_out_s), with_title("End of the last fire");
+    wumpus_score: optional Real Points "points of the Wumpuses by the scenario's rules"
+        = outcome(row, |o| o.wumpus_score), with_title("Points of the Wumpuses");
+    truck_score: optional Real Points "points of the trucks by the scenario's rules" = outcome(row, |o| o.truck_score),
+        with_title("Points of the trucks");
+    winner: optional Text None "wumpus, unimog or tie" = outcome(row, winner);
+    least_burned: optional Count Cells "bush cells that would burn whatever the trucks did, at least"
+        = outcome(row, |o| o.least_burned), with_title("Least that would burn");
+    regret: optional Count Cells "bush cells burned that trucks which know what will be lit might have saved, at most"
+        = outcome(row, Outcome::regret), with_title("Regret");
+    truck_plans: optional Count None "queries of trucks for a plan, failed ones included"
+        = trucks_count(row, |a| a.plans.into()), with_title("Queries of trucks");
+    truck_failed_start_blocked: optional Count None "failed queries: the truck's own pose is not free"
+        = trucks_count(row, |a| a.failures[0].into()), with_title("Failed queries: start blocked");
+    truck_failed_goal_blocked: optional Count None "failed queries: no free place from which the goal could be reached"
+        = trucks_count(row, |a| a.failures[1].into()), with_title("Failed queries: goal blocked");
+    truck_failed_disconnected: optional Count None "failed queries: start and goal are not connected"
+        = trucks_count(row, |a| a.failures[2].into()), with_title("Failed queries: not connected");
+    truck_failed_budget_spent: optional Count None "failed queries: the budget of expansions ran out"
+        = trucks_count(row, |a| a.failures[3].into()), with_title("Failed queries: budget spent");
+    truck_failed_timed_out: optional Count None "failed queries: a planner that is not built in did not answer in time"
+        = trucks_count(row, |a| a.failures[5].into()), with_title("Failed queries: timed out");
+    truck_failed_crashed: optional Count None "failed queries: a planner that is not built in ended or failed"
+        = trucks_count(row, |a| a.failures[6].into()), with_title("Failed queries: crashed");
+    truck_failed_bad_answer: optional Count None "failed queries: an answer that is no path, or must not be driven"
+        = trucks_count(row, |a| a.failures[7].into()), with_title("Failed queries: bad answer");
+    truck_lattice_plans: optional Count None "plans that the reachability flood found after the planner had failed"
+        = trucks_count(row, |a| a.lattice_plans.into()), with_title("Plans that the flood found");
+    truck_roadmap_samples: optional Count None "milestones of the roadmaps"
+        = trucks_count(row, |a| a.roadmap_samples.into()), with_title("Milestones of the roadmaps");
+    truck_roadmap_edges: optional Count None "edges of the roadmaps" = trucks_count(row, |a| a.roadmap_edges.into()),
+        with_title("Edges of the roadmaps");
+    truck_roadmap_components: optional Count None "connected components of the roadmaps; 0 where they were not counted, as planners do that join them late"
+        = trucks_count(row, |a| a.roadmap_components.into()), with_title("Components of the roadmaps");
+    truck_roadmap_expansions: optional Count None "nodes expanded in the roadmaps"
+        = trucks_count(row, |a| a.roadmap_expansions), with_title("Nodes expanded in roadmaps");
+    truck_local_expansions: optional Count None "nodes expanded in local searches"
+        = trucks_count(row, |a| a.local_expansions), with_title("Nodes expanded in local searches");
+    truck_distance_m: optional Real Metres "way driven"
+        = trucks(row, |a| a.distance_m), with_title("Distance driven by the trucks");
+    truck_driving_s: optional Real Seconds "time spent driving" = trucks(row, |a| a.driving_s),
+        with_title("Time that trucks drove");
+    truck_planning_s: optional Real Seconds "planning time that the scenario charges" = trucks(row, |a| a.planning_s),
+        with_title("Time that trucks planned");
+    truck_suppressing_s: optional Real Seconds "time spent on putting fires out" = trucks(row, |a| a.suppressing_s),
+        with_title("Time that trucks put fires out");
+    truck_standing_s: optional Real Seconds "time spent on none of these" = trucks(row, |a| a.standing_s),
+        with_title("Time that trucks stood");
+    truck_longest_idle_s: optional Real Seconds "longest time in which a truck stood while something burned"
+        = trucks_longest(row, |a| a.longest_idle_s), with_title("Longest stand of a truck");
+    truck_cusps: optional Count None "changes between forward and reverse" = trucks_count(row, |a| a.cusps.into()),
+        with_title("Changes of driving direction");
+    truck_wasted_drives: optional Count None "drives that ended without an extinction"
+        = trucks_count(row, |a| a.wasted_drives.into()), with_title("Wasted drives");
+    truck_waiting_s: optional Real Seconds "time spent on waiting for other trucks" = trucks(row, |a| a.waiting_s),
+        with_title("Time that trucks waited");
+    truck_deadlocks: optional Count None "deadlocks of trucks that were broken"
+        = trucks_count(row, |a| a.deadlocks.into()), with_title("Deadlocks of trucks");
+    wumpus_plans: optional Count None "queries of Wumpuses for a plan, failed ones included"
+        = wumpuses_count(row, |a| a.plans.into()), with_title("Queries of Wumpuses");
+    wumpus_failed_plans: optional Count None "failed queries of Wumpuses"
+        = wumpuses_count(row, |a| a.failures.iter().copied().map(u64::from).sum()),
+        with_title("Failed queries of Wumpuses");
+    wumpus_local_minima: optional Count None "local minima that descents on a potential field met"
+        = wumpuses_count(row, |a| a.local_minima.into()), with_title("Local minima of Wumpuses");
+    wumpus_expansions: optional Count None "nodes expanded by Wumpuses"
+        = wumpuses_count(row, |a| a.roadmap_expansions + a.local_expansions), with_title("Nodes expanded by Wumpuses");
+    wumpus_distance_m: optional Real Metres "way walked" = wumpuses(row, |a| a.distance_m),
+        with_title("Distance walked by the Wumpuses");
+    wumpus_walking_s: optional Real Seconds "time spent walking" = wumpuses(row, |a| a.driving_s),
+        with_title("Time that Wumpuses walked");
+    wumpus_planning_s: optional Real Seconds "planning time that the scenario charges"
+        = wumpuses(row, |a| a.planning_s), with_title("Time that Wumpuses planned");
+    wumpus_standing_s: optional Real Seconds "time spent standing" = wumpuses(row, |a| a.standing_s),
+        with_title("Time that Wumpuses stood");
+    wumpus_longest_idle_s: optional Real Seconds "longest time in which a Wumpus stood while something could be lit"
+        = wumpuses_longest(row, |a| a.longest_idle_s), with_title("Longest stand of a Wumpus");
+    ground_cells: optional Count Cells "cells of ground that can burn; this and what follows only where ground burns"
+        = ground(row, |g| g.cells), with_title("Cells of ground");
+    ground_burned: optional Count Cells "cells of ground that caught fire" = ground(row, |g| g.burned),
+        with_title("Ground burned");
+    ground_extinguished: optional Count Cells "cells of ground that trucks put out"
+        = ground(row, |g| g.extinguished), with_title("Ground extinguished");
+    ground_peak_burning: optional Count Cells "most cells of ground that burned at once"
+        = ground(row, |g| g.peak_burning), with_title("Most ground that burned at once");
+    spotted: optional Count Cells "ignitions by embers, of bushes and of ground" = ground(row, |g| g.spotted),
+        with_title("Ignitions by embers");
+    burned_ha: optional Real Hectares "area of all bushes and ground that caught fire"
+        = ground(row, |g| g.burned_ha), with_title("Burned area"),
+        with_phrase(Phrase::new("burns", "more hectares per run", "fewer hectares per run"));
+    reached_edge_s: optional Real Seconds "when a cell at the border, bush or ground, first caught fire, if one did"
+        = ground(row, |g| g.reached_edge_s), with_title("When fire reached the border");
+    truck_idle_s: optional Real Seconds
+        "time in which trucks had nothing to go for, or their policy wanted them to wait or be elsewhere"
+        = trucks(row, |a| a.idle_s), with_title("Time that trucks were idle");
+    truck_relocations: optional Count None "drives of trucks to places where they wait, or to water"
+        = trucks_count(row, |a| a.relocations.into()), with_title("Relocations of trucks");
+    truck_refills: optional Count None "times that trucks filled their tanks"
+        = trucks_count(row, |a| a.refills.into()), with_title("Refills of tanks");
+    truck_refilling_s: optional Real Seconds "time that this took" = trucks(row, |a| a.refilling_s),
+        with_title("Time that refills took");
+    truck_hopeless_drives: optional Count None
+        "wasted drives whose fire had to burn out before the truck could have put it out"
+        = trucks_count(row, |a| a.hopeless_drives.into()), with_title("Hopeless drives");
+    truck_goals: optional Count None "plans of trucks that led to a fire" = trucks_count(row, |a| a.goals.into()),
+        with_title("Goals of trucks");
+    truck_flock_ratio: optional Real Share
+        "share of these goals that had another truck's goal within 60 m; none without goals"
+        = row.result.as_ref().and_then(flock_ratio), with_title("Flock ratio");
+    policy_asked: optional Count None "asks of policies that are not built in; this and what follows only where there are any"
+        = asks(row, |a| a.asked), with_title("Asks of custom policies");
+    policy_failed_timed_out: optional Count None "failed asks: no answer in time"
+        = asks(row, |a| a.timed_out), with_title("Failed asks: timed out");
+    policy_failed_crashed: optional Count None "failed asks: the policy ended or failed"
+        = asks(row, |a| a.crashed), with_title("Failed asks: crashed");
+    policy_failed_bad_answer: optional Count None "failed asks: an answer of no known form"
+        = asks(row, |a| a.bad_answer), with_title("Failed asks: bad answer");
+    policy_illegal: optional Count None "asks answered with what was no option of the agent, which waited then"
+        = asks(row, |a| a.illegal), with_title("Asks with an illegal answer");
+    cpu_sampling_s: optional Real Seconds "CPU time: drawing the roadmaps' samples"
+        = cpu(row, |c| c.sampling_s), with_title("Sampling");
+    cpu_map_generation_s: optional Real Seconds "CPU time: connecting them"
+        = cpu(row, |c| c.map_generation_s), with_title("Connecting");
+    cpu_roadmap_search_s: optional Real Seconds "CPU time: queries to the roadmaps"
+        = cpu(row, |c| c.roadmap_search_s), with_title("Roadmap search");
+    cpu_local_search_s: optional Real Seconds "CPU time: local searches of trucks"
+        = cpu(row, |c| c.local_search_s), with_title("Local search");
+    cpu_prm_total_s: optional Real Seconds "CPU time: clearance field, sampling, map generation and roadmap search"
+        = cpu(row, CpuSplit::prm_total_s), with_title("CPU time of the roadmap planner");
+    cpu_unimog_total_s: optional Real Seconds "CPU time: all planning of the trucks"
+        = cpu(row, CpuSplit::unimog_total_s), with_title("CPU time of the trucks' planning"),
+        with_phrase(Phrase::new(
+            "has the truck's planners take", "more CPU seconds per run", "fewer CPU seconds per run",
+        ));
+    cpu_wumpus_s: optional Real Seconds "CPU time: all planning of the Wumpuses"
+        = cpu(row, |c| c.wumpus_s), with_title("Wumpus");
+    cpu_clearance_field_s: optional Real Seconds "CPU time: distance field for collision checks"
+        = cpu(row, |c| c.clearance_field_s), with_title("Clearance field");
+    cpu_reachability_s: optional Real Seconds "CPU time: reachability floods and the searches in them"
+        = cpu(row, |c| c.reachability_s), with_title("Reachability");
+    cpu_dispatch_s: optional Real Seconds "CPU time: decisions of the policy that dispatches the trucks"
+        = cpu(row, |c| c.dispatch_s), with_title("Dispatch");
+    cpu_custom_start_s: optional Real Seconds
+        "CPU time: making the trucks' planners that are not built in, with every start of their programs"
+        = cpu(row, |c| c.custom_start_s), with_title("Custom planner: start");
+    cpu_custom_queries_s: optional Real Seconds "CPU time: queries to the trucks' planners that are not built in"
+        = cpu(row, |c| c.custom_queries_s), with_title("Custom planner: queries");
+    cpu_policy_s: optional Real Seconds
+        "CPU time: policies that are not built in, with every start of their programs"
+        = cpu(row, |c| c.policy_s), with_title("Custom policies");
+    cpu_terrain_s: optional Real Seconds "CPU time: drawing the field" = cpu(row, |c| c.terrain_s),
+        with_title("Drawing the field");
+    cpu_run_s: optional Real Seconds "CPU time: the whole run" = cpu(row, |c| c.run_s),
+        with_title("CPU time of the run");
+    cpu_source: optional Text None
+        "who measured queries of planners that are not built in: thread, process, reported; the least trusted of them"
+        = row.result.as_ref().and_then(|result| cpu_source(&result.cost));
+    wall_run_s: Real Seconds "real time: the whole run" = row.wall.as_secs_f64(), with_title("Real time of the run");
+};
+
+/// The columns of `agents.csv`, in their order.
+#[rustfmt::skip]
+pub const AGENT_COLUMNS: &[AgentColumn] = columns! { AgentColumn, row;
+    scenario: Text None "name of the scenario" = row.label.scenario.clone();
+    seed: Count None "seed from which all that is random in the run follows" = row.label.seed;
+    run: Count None "number of the run in the plan, from 1" = row.label.run;
+    agent: Text None "unimog/0, wumpus/0 ..." = row.outcome.agent.to_string();
+    policy: optional Text None "policy that chooses where it goes" = row.policy().map(str::to_owned);
+    cells: Count Cells "bush cells that a Wumpus lit, or a truck put out" = row.outcome.cells;
+    plans: Count None "queries for a plan, failed ones included" = row.outcome.plans;
+    failed_start_blocked: Count None "failed queries: the agent's own pose is not free" = row.outcome.failures[0];
+    failed_goal_blocked: Count None "failed queries: no free place from which the goal could be reached"
+        = row.outcome.failures[1];
+    failed_disconnected: Count None "failed queries: start and goal are not connected" = row.outcome.failures[2];
+    failed_budget_spent: Count None "failed queries: the budget of expansions ran out" = row.outcome.failures[3];
+    failed_local_minimum: Count None "failed queries: a descent ended in a local minimum" = row.outcome.failures[4];
+    failed_timed_out: Count None "failed queries: a planner that is not built in did not answer in time"
+        = row.outcome.failures[5];
+    failed_crashed: Count None "failed queries: a planner that is not built in ended or failed"
+        = row.outcome.failures[6];
+    failed_bad_answer: Count None "failed queries: an answer that is no path, or must not be driven"
+        = row.outcome.failures[7];
+    lattice_plans: Count None "plans that the reachability flood found after the planner had failed"
+        = row.outcome.lattice_plans;
+    local_minima: Count None "local minima that descents on a potential field met" = row.outcome.local_minima;
+    roadmap_samples: Count None "milestones of the roadmap" = row.outcome.roadmap_samples;
+    roadmap_edges: Count None "edges of the roadmap" = row.outcome.roadmap_edges;
+    roadmap_components: Count None "connected components of the roadmap; 0 if they were not counted" = row.outcome.roadmap_components;
+    roadmap_expansions: Count None "nodes expanded in the roadmap" = row.outcome.roadmap_expansions;
+    local_expansions: Count None "nodes expanded in local searches" = row.outcome.local_expansions;
+    distance_m: Real Metres "way driven or walked" = row.outcome.distance_m;
+    driving_s: Real Seconds "time spent driving or walking" = row.outcome.driving_s;
+    planning_s: Real Seconds "planning time that the scenario charges" = row.outcome.planning_s;
+    suppressing_s: Real Seconds "time spent on putting fires out" = row.outcome.suppressing_s;
+    standing_s: Real Seconds "time spent on none of these" = row.outcome.standing_s;
+    stuck_s: Real Seconds "time in which the agent did nothing though there was something that it could reach"
+        = row.outcome.stuck_s;
+    longest_idle_s: Real Seconds "longest time of standing while there was something to do"
+        = row.outcome.longest_idle_s;
+    cusps: Count None "changes between forward and reverse" = row.outcome.cusps;
+    wasted_drives: Count None "drives that ended without an extinction" = row.outcome.wasted_drives;
+    waiting_s: Real Seconds "time spent on waiting for other trucks" = row.outcome.waiting_s;
+    deadlocks: Count None "deadlocks that this agent broke" = row.outcome.deadlocks;
+    idle_s: Real Seconds
+        "time in which a truck had nothing to go for, or its policy wanted it to wait or be elsewhere"
+        = row.outcome.idle_s;
+    relocations: Count None "drives of a truck to places where it waits, or to water" = row.outcome.relocations;
+    refills: Count None "times that a truck filled its tank" = row.outcome.refills;
+    refilling_s: Real Seconds "time that this took it" = row.outcome.refilling_s;
+    hopeless_drives: Count None "wasted drives whose fire had to burn out before the truck could have put it out"
+        = row.outcome.hopeless_drives;
+    goals: Count None "plans of a truck that led to a fire" = row.outcome.goals;
+    flocked_goals: Count None "those of them that had another truck's goal within 60 m" = row.outcome.flocked_goals;
+    cpu_sampling_s: optional Real Seconds "CPU time: drawing the roadmap's samples"
+        = row.cost.map(|cost| cost.sampling.as_secs_f64());
+    cpu_map_generation_s: optional Real Seconds "CPU time: connecting them"
+        = row.cost.map(|cost| cost.connecting.as_secs_f64());
+    cpu_roadmap_search_s: optional Real Seconds "CPU time: queries to the roadmap"
+        = row.cost.map(|cost| cost.roadmap_search.as_secs_f64());
+    cpu_local_search_s: optional Real Seconds "CPU time: local searches"
+        = row.cost.map(|cost| cost.local_search.as_secs_f64());
+    cpu_reachability_s: optional Real Seconds "CPU time: reachability floods and the searches in them"
+        = row.cost.map(|cost| cost.reachability.as_secs_f64());
+    cpu_custom_start_s: optional Real Seconds
+        "CPU time: making a planner that is not built in, with every start of its program"
+        = row.cost.map(|cost| cost.starting.as_secs_f64());
+    cpu_custom_queries_s: optional Real Seconds "CPU time: queries to a planner that is not built in"
+        = row.cost.map(|cost| cost.queries.as_secs_f64());
+    cpu_source: optional Text None
+        "who measured queries of a planner that is not built in: thread, process, reported; the least trusted of them"
+        = row.cost.and_then(|cost| cost.source).map(|source| source.name().to_owned());
+};
+
+/// The columns of `planner_calls.parquet`, in their order, after those of the run.
+#[rustfmt::skip]
+pub const CALL_COLUMNS: &[CallColumn] = columns! { CallColumn, call;
+    agent: Text None "who asks: unimog/0, wumpus/0 ..." = call.agent.to_string();
+    t_s: Real Seconds "simulated time of the query" = call.time.as_seconds();
+    goal_col: Count None "column of the cell that the agent goes for, from the west" = u64::from(call.goal.0);
+    goal_row: Count None "row of the cell that the agent goes for, from the south" = u64::from(call.goal.1);
+    solved: Flag None "whether there is a plan" = call.answer.is_ok();
+    status: Text None "solved, or why there is no plan"
+        = call.answer.err().map_or("solved".to_owned(), |failure| failure.to_string());
+    solution_length_m: optional Real Metres "length of the way" = call.answer.ok().map(|plan| plan.length_m);
+    solution_segments: optional Count None "straights and arcs of the way" = call.answer.ok().map(|plan| plan.segments);
+    cusps: optional Count None "changes between forward and reverse" = call.answer.ok().map(|plan| plan.cusps);
+    drive_s: optional Real Seconds "simulated time that the way takes, waits included"
+        = call.answer.ok().map(|plan| plan.duration_s);
+    roadmap_expansions: Count None "nodes expanded in the roadmap" = call.effort.roadmap_expansions;
+    local_expansions: Count None "nodes expanded in the local search" = call.effort.local_expansions;
+    by_lattice: optional Flag None "whether the reachability flood found it after the planner had failed"
+        = call.answer.ok().map(|plan| plan.by_lattice());
+    found_by: optional Text None
+        "what found the plan of a truck: straight, roadmap, search, relaxed, lattice, reachability, backing-out or way-home"
+        = call.answer.ok().and_then(|plan| plan.found_by).map(|found_by| found_by.to_string());
+    cpu_query_s: optional Real Seconds "CPU time of the query: of the agent's planning since its query before"
+        = call.cpu.map(|cpu| cpu.as_secs_f64());
+};
+
+/// The columns of `states.parquet`, in their order, after those of the run.
+#[rustfmt::skip]
+pub const STATE_COLUMNS: &[StateColumn] = columns! { StateColumn, state;
+    t_s: Real Seconds "simulated time: sixtieths of the scenario's duration" = state.time.as_seconds();
+    intact: Count Cells "cells that never burned" = state.intact;
+    burning: Count Cells "cells that burn" = state.burning;
+    burned_out: Count Cells "cells that have burned out" = state.burned_out;
+    extinguished: Count Cells "cells that were put out and do not burn" = state.extinguished;
+};
+
+/// Returns the index of a column of [`RUN_COLUMNS`]; a name that is not there is an error when the program is compiled.
+pub const fn run_column(name: &str) -> usize {
+    let mut index = 0;
+    while index < RUN_COLUMNS.len() {
+        if is_same(RUN_COLUMNS[index].name.as_bytes(), name.as_bytes()) {
+            return index;
+        }
+        index += 1;
+    }
+    panic!("there is no such column")
+}
+
+const fn is_same(one: &[u8], other: &[u8]) -> bool {
+    let mut index = 0;
+    while index < one.len() && index < other.len() && one[index] == other[index] {
+        index += 1;
+    }
+    index == one.len() && index == other.len()
+}

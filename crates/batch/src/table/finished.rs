@@ -1,0 +1,166 @@
+//! A batch that is over, read back from its folder: which runs it had, and what its rows say of them.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::execute::{OutputFolder, RUNS_FILE, StrangeEntry, expect_file, expect_files};
+use crate::plan::{BatchPlan, PLAN_FILE, PlanError, PlannedRun};
+use crate::table::columns::{RUN_COLUMNS, RunColumn};
+use crate::table::reader::{TableError, TableReader};
+use crate::table::record::RunRecord;
+use wildfire_sim::Entrants;
+
+/// A reason for which a folder cannot be read as a batch that is over. Messages are sentences that name the file.
+#[derive(Debug, Error)]
+pub enum FinishedError {
+    #[error("cannot read {}: {source}", path.display())]
+    Unreadable { path: PathBuf, source: io::Error },
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    #[error(transparent)]
+    Strange(#[from] StrangeEntry),
+    #[error("{} does not go with its plan: {reason}", path.display())]
+    OtherRows { path: PathBuf, reason: String },
+    #[error("cannot read {}: {reason}", path.display())]
+    Damaged { path: PathBuf, reason: String },
+    #[error(transparent)]
+    WrongTable(TableError),
+}
+
+/// A batch's folder and plan.
+#[derive(Debug)]
+pub struct FinishedBatch {
+    folder: PathBuf,
+    plan: BatchPlan,
+}
+
+impl FinishedBatch {
+    /// Says whether a folder has the plan of a batch, or may have one because it cannot be looked into.
+    pub fn is_there(folder: &Path) -> bool {
+        folder.join(PLAN_FILE).try_exists().unwrap_or(true)
+    }
+
+    /// Reads the plan of a batch's folder.
+    ///
+    /// # Errors
+    /// If it cannot be read, or another version of the program wrote it.
+    pub fn open(folder: &Path) -> Result<Self, FinishedError> {
+        expect_files(folder)?;
+        Ok(Self { folder: folder.to_owned(), plan: BatchPlan::read(folder)? })
+    }
+
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    pub fn plan(&self) -> &BatchPlan {
+        &self.plan
+    }
+
+    /// Number of runs.
+    pub fn count(&self) -> u64 {
+        self.plan.count()
+    }
+
+    /// The runs in the order of the plan.
+    pub fn runs(&self) -> impl Iterator<Item = PlannedRun<'_>> {
+        self.plan.runs()
+    }
+
+    /// Names a run by its folder, its variant if there are several, and its seed.
+    pub fn name_of(&self, run: &PlannedRun<'_>) -> String {
+        let folder = self.folder.display();
+        match self.plan.variants.as_slice() {
+            [_] => format!("{folder}, seed {}", run.seed),
+            _ => format!("{folder}, {}, seed {}", self.plan.title(run.variant), run.seed),
+        }
+    }
+
+    /// Returns the path of a run's recording, if there is one.
+    pub fn recording(&self, run: &PlannedRun<'_>) -> Option<PathBuf> {
+        let path = OutputFolder::recording_in(&self.folder, &self.plan.recording_name(run));
+        path.exists().then_some(path)
+    }
+
+    /// Refuses a batch of which a run would have to be made again and cannot, see [`BatchPlan::expect_entrants`].
+    pub fn expect_entrants(&self, entrants: &Entrants) -> Result<(), FinishedError> {
+        match self.plan.expect_entrants(entrants, &self.folder) {
+            Err(_) if self.runs().all(|run| self.recording(&run).is_some()) => Ok(()),
+            known => Ok(known?),
+        }
+    }
+
+    /// Opens the rows of the runs; `None` where the batch did not come to write them.
+    pub fn rows(&self) -> Result<Option<FinishedRows>, FinishedError> {
+        match TableReader::open(&self.folder.join(RUNS_FILE)) {
+            Ok(table) => FinishedRows::new(table).map(Some),
+            Err(TableError::Unreadable { source, .. }) if source.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(error.into()),
+        }
+    }
+}
+
+/// The rows of a batch, read in their order.
+pub struct FinishedRows {
+    table: TableReader,
+    /// The place of each of [`RUN_COLUMNS`].
+    places: Vec<usize>,
+}
+
+impl FinishedRows {
+    fn new(table: TableReader) -> Result<Self, FinishedError> {
+        let place = |column: &RunColumn| {
+            table.place(column.name).ok_or_else(|| FinishedError::OtherRows {
+                path: table.path().to_owned(),
+                reason: format!("it has no column `{}`", column.name),
+            })
+        };
+        let places = RUN_COLUMNS.iter().map(place).collect::<Result<Vec<_>, _>>()?;
+        Ok(Self { table, places })
+    }
+
+    /// Reads the row of the run whose turn it is.
+    pub fn next(&mut self, run: &PlannedRun<'_>) -> Result<RunRecord, FinishedError> {
+        let seed = run.seed;
+        let other = |table: &TableReader, reason| FinishedError::OtherRows { path: table.path().to_owned(), reason };
+        if !self.table.next_row()? {
+            return Err(other(&self.table, format!("it ends before the row of seed {seed}")));
+        }
+        let columns = self.places.iter().zip(RUN_COLUMNS);
+        let values = columns.map(|(&place, column)| self.table.value(place, column.kind));
+        let record = RunRecord::from_values(values.collect::<Result<_, _>>()?);
+        if (record.seed(), record.number_in_plan()) != (seed, run.number) {
+            let reason = format!("it has the row of seed {} where that of seed {seed} is expected", record.seed());
+            return Err(other(&self.table, reason));
+        }
+        Ok(record)
+    }
+}
+
+impl From<TableError> for FinishedError {
+    fn from(error: TableError) -> Self {
+        match error {
+            TableError::Unreadable { path, source } => Self::Unreadable { path, source },
+            TableError::Damaged { path, line, complaint } => {
+                Self::OtherRows { path, reason: format!("line {line}: {complaint}") }
+            }
+            other => Self::WrongTable(other),
+        }
+    }
+}
+
+/// The recordings in a folder, shorter names first, so that numbered ones are in the order of their numbers.
+pub fn recordings_in(folder: &Path) -> Result<Vec<PathBuf>, FinishedError> {
+    let unreadable = |source| FinishedError::Unreadable { path: folder.to_owned(), source };
+    let entries = fs::read_dir(folder).map_err(unreadable)?;
+    let paths =
+        entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>().map_err(unreadable)?;
+    let is_recording = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "wildfire");
+    let mut recordings: Vec<PathBuf> = paths.into_iter().filter(is_recording).collect();
+    recordings.iter().try_for_each(|path| expect_file(path))?;
+    recordings.sort_by_cached_key(|path| (path.as_os_str().len(), path.clone()));
+    Ok(recordings)
+}

@@ -1,0 +1,115 @@
+//! The tables for other tools: `runs.parquet`, `planner_calls.parquet`, `states.parquet`.
+//!
+//! `runs.parquet` has the columns and rows of `runs.csv`. The other two are long: a row for each call of a planner, and
+//! for each time at which the bushes are counted; both begin with the columns that say which run it is. Names follow
+//! those of OMPL's benchmarks (Moll, Sucan, Kavraki, "Benchmarking Motion Planning Algorithms", IEEE Robotics and
+//! Automation Magazine, 2015) where the meaning is the same: `solved`, `status`, `solution_length_m`,
+//! `solution_segments`.
+//!
+//! Whole numbers are signed, so that columns can be subtracted from one another. A seed is a label that may be any
+//! unsigned number: its column is unsigned in a batch with a seed beyond [`i64::MAX`], and signed in every other. A
+//! column in which a row may have no value says so, and has nulls there; no other column may have any. Every file names
+//! the plan and the program that it is of, under the keys that they have in `plan.json`, and under `row_schema` it has
+//! what its columns mean and their units, as `wildfire schema` prints it.
+
+mod reader;
+mod writer;
+
+pub use reader::{ParquetReader, RowGroup};
+
+use crate::execute::{BatchError, CALLS_PARQUET, Disk, OutputFolder, RUNS_PARQUET, STATES_PARQUET};
+use crate::plan::{BatchPlan, COMMIT, COMPILER, PROGRAM_VERSION, Value};
+use crate::table::column::{FileColumn, Kind};
+use crate::table::columns::{CALL_COLUMNS, STATE_COLUMNS};
+use crate::table::dictionary::{TableOfRows, schema_of};
+use crate::table::record::RecordedRow;
+use writer::ParquetWriter;
+
+/// Rows that are held in memory, of some seventy columns and of some fifteen.
+const WIDE_ROWS: usize = 2048;
+const LONG_ROWS: usize = 16_384;
+
+/// All three files; they appear when finished.
+pub struct ParquetFiles {
+    runs: ParquetWriter,
+    calls: ParquetWriter,
+    states: ParquetWriter,
+}
+
+impl ParquetFiles {
+    pub fn create(folder: &OutputFolder, disk: &dyn Disk, plan: &BatchPlan) -> Result<Self, BatchError> {
+        let content_sha256 = plan.content_sha256();
+        let largest_seed = plan.seeds.iter().max().expect("a plan has seeds");
+        let swept = swept_columns(plan);
+        let create = |name, table: TableOfRows, rows_a_group| {
+            let mut columns = table.columns(&swept);
+            let seed = columns.iter_mut().find(|column| column.name == "seed").expect("every run has a seed");
+            seed.kind = Kind::holding_up_to(largest_seed);
+            let commit = COMMIT.map(|commit| ("commit", commit.to_owned()));
+            let about = [
+                ("program_version", PROGRAM_VERSION.to_owned()),
+                ("compiler", COMPILER.to_owned()),
+                ("content_sha256", content_sha256.clone()),
+                ("row_schema", schema_of(table, &columns).to_string()),
+            ];
+            let metadata: Vec<_> = about.into_iter().chain(commit).collect();
+            ParquetWriter::create(folder.path().join(name), disk, columns, &metadata, rows_a_group)
+        };
+        Ok(Self {
+            runs: create(RUNS_PARQUET, TableOfRows::Runs, WIDE_ROWS)?,
+            calls: create(CALLS_PARQUET, TableOfRows::PlannerCalls, LONG_ROWS)?,
+            states: create(STATES_PARQUET, TableOfRows::States, LONG_ROWS)?,
+        })
+    }
+
+    /// Adds runs with their planner calls and states.
+    pub fn add(&mut self, rows: &[RecordedRow]) -> Result<(), BatchError> {
+        let Self { runs, calls, states } = self;
+        let add_runs = || {
+            rows.iter().try_for_each(|recorded| {
+                let (label, rest) = recorded.values();
+                runs.add(label.chain(rest))
+            })
+        };
+        let add_calls = || {
+            rows.iter().try_for_each(|recorded| {
+                let made = &recorded.row.detail.calls;
+                let own = |row: usize, column: usize| (CALL_COLUMNS[column].value)(&made[row]);
+                calls.add_alike(recorded.values().0, made.len(), own)
+            })
+        };
+        let add_states = || {
+            rows.iter().try_for_each(|recorded| {
+                let counted = &recorded.row.detail.states;
+                let own = |row: usize, column: usize| (STATE_COLUMNS[column].value)(&counted[row]);
+                states.add_alike(recorded.values().0, counted.len(), own)
+            })
+        };
+        let (runs, (calls, states)) = rayon::join(add_runs, || rayon::join(add_calls, add_states));
+        runs.and(calls).and(states)
+    }
+
+    pub fn finish(self) -> Result<(), BatchError> {
+        self.calls.finish()?;
+        self.states.finish()?;
+        self.runs.finish()
+    }
+}
+
+/// Returns the columns of the keys that a batch sweeps.
+pub fn swept_columns(plan: &BatchPlan) -> Vec<FileColumn> {
+    let swept = plan.swept_keys.iter().enumerate();
+    swept.map(|(index, key)| FileColumn::swept(key, swept_kind(plan, index))).collect()
+}
+
+/// The kind that holds all values of a swept key.
+fn swept_kind(plan: &BatchPlan, index: usize) -> Kind {
+    let values = || plan.variants.iter().map(|variant| &variant.swept[index]);
+    let counts: Option<Vec<u64>> =
+        values().map(|value| if let Value::Count(count) = value { Some(*count) } else { None }).collect();
+    match counts {
+        Some(counts) => Kind::holding_up_to(counts.into_iter().max().unwrap_or(0)),
+        None if values().all(|value| matches!(value, Value::Count(_) | Value::Real(_))) => Kind::Real,
+        None => Kind::Text,
+    }
+}

@@ -1,0 +1,667 @@
+//! The front: what has burned, what is planned, and how a plan is made.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::queue::{ArrivalQueue, NEVER};
+use super::rates::{BARRIER, Pair, Rates, Spreading, vector};
+use super::rules::RothermelRules;
+use super::template::{REACH, Template, Way};
+use crate::{Landscape, Relief, Weather};
+use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
+use wildfire_base::time::SimTime;
+
+/// It burns or has burned out: its time is that of its ignition.
+const BURNED: u8 = 1;
+/// It did not catch fire from the front.
+const SOURCE: u8 = 2;
+/// Something near it has changed, and its plan may come too early.
+const STALE: u8 = 4;
+/// Fire passes over some cell near it from a time on only.
+const NEAR_DELAY: u8 = 8;
+/// It is due, and the caller has been told.
+const DUE: u8 = 16;
+
+/// Cells beyond each edge of the field, so that no way leads out of the arrays.
+const MARGIN: usize = REACH as usize;
+
+/// Most neighbours of a template.
+const MOST_WAYS: usize = 32;
+
+/// A way as it is found.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Crossing {
+    Blocked,
+    /// Over several fuels.
+    Mixed,
+    /// Over the fuel of the cell that it leads to.
+    Uniform,
+}
+
+/// The cells with a margin of cells that do not burn, row by row; the order is that of cell indices.
+#[derive(Clone, Debug)]
+struct Cells {
+    frame: FieldFrame,
+    stride: usize,
+    /// The fuel that burns there, or [`BARRIER`].
+    fuel: Vec<u8>,
+    state: Vec<u8>,
+    /// When it caught fire if it has, and when it will otherwise.
+    time: Vec<u64>,
+    /// The way by which it did or will: its number in the template, or beyond those, in the disc.
+    way: Vec<u8>,
+    /// From when on fire passes over a cell. They stay when it burns, as ways over it that begin before could not pass.
+    /// Trucks make few of them.
+    delays: BTreeMap<u32, u64>,
+}
+
+impl Cells {
+    fn new(landscape: &Landscape, fuel: impl Fn(u8) -> u8) -> Self {
+        let (cols, rows) = (usize::from(landscape.frame.cols), usize::from(landscape.frame.rows));
+        let stride = cols + 2 * MARGIN;
+        let count = stride * (rows + 2 * MARGIN);
+        u32::try_from(count).expect("sizes of fields are checked before");
+        let mut fuels = vec![BARRIER; count];
+        let mut number_of = [BARRIER; 256];
+        for number in 0..=u8::MAX {
+            number_of[usize::from(number)] = fuel(number);
+        }
+        for (row, numbers) in landscape.fuel.chunks_exact(cols.max(1)).enumerate() {
+            let start = (row + MARGIN) * stride + MARGIN;
+            for (fuel, &number) in fuels[start..start + cols].iter_mut().zip(numbers) {
+                *fuel = number_of[usize::from(number)];
+            }
+        }
+        let (state, time, way) = (vec![0; count], vec![NEVER; count], vec![0; count]);
+        Self { frame: landscape.frame, stride, fuel: fuels, state, time, way, delays: BTreeMap::new() }
+    }
+
+    fn index(&self, cell: Cell) -> usize {
+        (usize::from(cell.row) + MARGIN) * self.stride + usize::from(cell.col) + MARGIN
+    }
+
+    fn cell(&self, index: usize) -> Cell {
+        let (row, col) = (index / self.stride - MARGIN, index % self.stride - MARGIN);
+        Cell { col: col as u16, row: row as u16 }
+    }
+
+    /// Iterates over the cells within some columns and rows of one, itself among them.
+    fn around(&self, cell: Cell, reach: i32) -> impl Iterator<Item = usize> + use<> {
+        let (frame, stride) = (self.frame, self.stride);
+        let span = |at: u16, size: u16| {
+            let last = (usize::from(at) + reach as usize).min(usize::from(size) - 1);
+            usize::from(at).saturating_sub(reach as usize) + MARGIN..last + MARGIN + 1
+        };
+        let cols = span(cell.col, frame.cols);
+        span(cell.row, frame.rows).flat_map(move |row| cols.clone().map(move |col| row * stride + col))
+    }
+
+    #[inline]
+    fn has_burned(&self, index: usize) -> bool {
+        self.state[index] & BURNED != 0
+    }
+
+    /// Returns when fire is expected at a cell.
+    #[inline]
+    fn awaited(&self, index: usize) -> u64 {
+        if self.state[index] & (BURNED | DUE) == 0 { self.time[index] } else { NEVER }
+    }
+
+    /// Returns what is found on a way that ends in a cell of a fuel.
+    #[inline]
+    fn crossing(&self, from: usize, way: &Way, fuel: u8) -> Crossing {
+        let (mut is_uniform, mut is_blocked) = (true, false);
+        for &(place, _) in way.crossed() {
+            let crossed = self.fuel[from.wrapping_add_signed(place)];
+            is_uniform &= crossed == fuel;
+            is_blocked |= crossed == BARRIER;
+        }
+        for &[one, other] in way.corners() {
+            is_blocked |= self.fuel[from.wrapping_add_signed(one)] == BARRIER
+                && self.fuel[from.wrapping_add_signed(other)] == BARRIER;
+        }
+        match (is_blocked, is_uniform) {
+            (true, _) => Crossing::Blocked,
+            (false, false) => Crossing::Mixed,
+            (false, true) => Crossing::Uniform,
+        }
+    }
+
+    /// Returns from when on fire may begin a way that is not blocked.
+    fn open_from(&self, from: usize, way: &Way) -> u64 {
+        let delay = |place: isize| {
+            let index = from.wrapping_add_signed(place);
+            let is_barrier = self.fuel[index] == BARRIER;
+            if is_barrier { NEVER } else { self.delays.get(&(index as u32)).copied().unwrap_or(0) }
+        };
+        let crossed = way.crossed().iter().map(|&(place, _)| delay(place)).max();
+        let corners = way.corners().iter().map(|&[one, other]| delay(one).min(delay(other))).max();
+        crossed.max(corners).unwrap_or(0)
+    }
+}
+
+/// The rates on a plane in the weather of the moment, for one fuel.
+#[derive(Clone, Debug)]
+struct FuelTable {
+    slowness: f64,
+    /// By way of the template.
+    seconds: [f64; MOST_WAYS],
+    drift: [f64; MOST_WAYS],
+}
+
+/// The interval of the weather that the front is in.
+#[derive(Clone, Debug)]
+struct Interval {
+    from: u64,
+    until: u64,
+    /// By fuel; empty where every cell has a slope of its own.
+    tables: Vec<FuelTable>,
+}
+
+/// The beginning of a way that may be part of a two-point candidate.
+#[derive(Clone, Copy)]
+struct Beginning {
+    index: usize,
+    way: usize,
+}
+
+/// What has burned, what is planned, and the queue of the plans.
+#[derive(Clone, Debug)]
+pub struct Front {
+    cells: Cells,
+    rates: Rates,
+    rules: RothermelRules,
+    template: Template,
+    /// Of the ways of the template, in metres.
+    vectors: Vec<DVec2>,
+    /// By the first of two ways, on a plane.
+    pairs: Vec<Pair>,
+    interval: Interval,
+    queue: ArrivalQueue,
+    /// What was due last, and when.
+    due: Vec<u32>,
+    due_at: u64,
+}
+
+impl Front {
+    pub fn new(landscape: Arc<Landscape>, weather: Arc<Weather>, rules: RothermelRules) -> Self {
+        let rates = Rates::new(Arc::clone(&landscape), weather, rules);
+        let cells = Cells::new(&landscape, |number| rates.fuel(number));
+        let template = Template::new(rules.neighbours, cells.stride);
+        let vectors: Vec<DVec2> = template.ways.iter().map(|way| vector(way, landscape.frame.cell_m)).collect();
+        let pairs = match landscape.relief {
+            Relief::Plane(gradient) => {
+                let next = vectors.iter().cycle().skip(1);
+                vectors.iter().zip(next).map(|(&a, &b)| Pair::new(gradient, a, b)).collect()
+            }
+            _ => Vec::new(),
+        };
+        // Of no time: it is entered with the first ignition.
+        let interval = Interval { from: NEVER, until: 0, tables: Vec::new() };
+        let (queue, due, due_at) = (ArrivalQueue::default(), Vec::new(), 0);
+        Self { cells, rates, rules, template, vectors, pairs, interval, queue, due, due_at }
+    }
+
+    /// Returns the most bytes that a front takes on a field of this number of cells.
+    pub fn most_bytes(cells: u64) -> u64 {
+        // Fuel, state, way, time; a kept ellipse of 48 bytes for at least every eighth cell; and 8 for plans in the queue.
+        cells * (3 + 8 + 12 + 8) + (1 << 20)
+    }
+
+    /// Returns the next plan.
+    pub fn next(&mut self) -> Option<(u64, Cell)> {
+        loop {
+            let cells = &self.cells;
+            let (time, index) = self.queue.peek(|index| cells.awaited(index as usize))?;
+            let index = index as usize;
+            if self.cells.state[index] & STALE == 0 {
+                return Some((time, self.cells.cell(index)));
+            }
+            self.queue.pop();
+            self.plan_anew(index);
+        }
+    }
+
+    /// Tells `spread` what catches fire by a time, and from where, by (time, cell index).
+    pub fn take_due(&mut self, now: u64, mut spread: impl FnMut(Cell, Cell)) {
+        self.forget_due();
+        self.due_at = now;
+        while let Some((_, cell)) = self.next().filter(|&(time, _)| time <= now) {
+            self.queue.pop();
+            let index = self.cells.index(cell);
+            self.cells.state[index] |= DUE;
+            self.due.push(index as u32);
+            spread(cell, self.cells.cell(index.wrapping_add_signed(-self.way_of(index).end)));
+        }
+    }
+
+    /// What was due and did not catch fire cannot, by what the caller knows; it has no plan until something changes.
+    fn forget_due(&mut self) {
+        for index in self.due.drain(..) {
+            let state = &mut self.cells.state[index as usize];
+            if *state & DUE != 0 {
+                *state &= !DUE;
+                self.cells.time[index as usize] = NEVER;
+            }
+        }
+    }
+
+    fn way_of(&self, index: usize) -> &Way {
+        let (way, ways) = (usize::from(self.cells.way[index]), &self.template.ways);
+        if way < ways.len() { &ways[way] } else { &self.template.disc[way - ways.len()] }
+    }
+
+    /// Returns how long a cell flames that catches fire at a time; `None` for ever.
+    pub fn flaming(&mut self, cell: Cell, time: u64) -> Option<SimTime> {
+        let fuel = self.cells.fuel[self.cells.index(cell)];
+        if fuel == BARRIER {
+            return self.rules.burn_out;
+        }
+        let interval = self.rates.weather().interval_at(SimTime::from_nanos(time));
+        self.rates.flaming(interval, fuel)
+    }
+
+    /// Returns the horizontal way by which a front has just come to a cell; `None` if it is set on fire otherwise.
+    pub fn way_to(&self, cell: Cell, now: u64) -> Option<DVec2> {
+        let index = self.cells.index(cell);
+        let is_of_front = self.cells.state[index] & DUE != 0 && self.due_at == now;
+        is_of_front.then(|| vector(self.way_of(index), self.cells.frame.cell_m))
+    }
+
+    /// Takes in that a cell has caught fire.
+    pub fn ignite(&mut self, cell: Cell, now: u64) {
+        let index = self.cells.index(cell);
+        let state = self.cells.state[index];
+        let is_source = state & DUE == 0 || self.due_at != now;
+        self.cells.state[index] = state & NEAR_DELAY | BURNED | if is_source { SOURCE } else { 0 };
+        self.cells.time[index] = now;
+        self.enter_interval(now);
+        if state & NEAR_DELAY != 0 {
+            let reached: Vec<usize> =
+                self.cells.around(cell, REACH).filter(|&near| !self.cells.has_burned(near)).collect();
+            for near in reached {
+                self.plan_anew(near);
+            }
+            return;
+        }
+        if is_source {
+            self.spread_exactly_from(index, now);
+        }
+        if self.rates.is_plane() {
+            self.spread_on_plane_from(index, now);
+        } else {
+            self.spread_on_relief_from(index, now);
+        }
+    }
+
+    /// Takes in that a cell was put out, for good or to `relight`.
+    pub fn extinguish(&mut self, cell: Cell, now: u64, relight: bool) {
+        let index = self.cells.index(cell);
+        self.cells.state[index] &= NEAR_DELAY;
+        self.cells.time[index] = NEVER;
+        if relight {
+            self.delay(cell, now);
+        } else {
+            self.cells.fuel[index] = BARRIER;
+            self.mark_stale_around(cell);
+        }
+    }
+
+    /// Takes in that fire passes over a cell that does not burn only from a time on.
+    pub fn delay(&mut self, cell: Cell, until: u64) {
+        let index = self.cells.index(cell);
+        let delay = self.cells.delays.entry(index as u32).or_insert(0);
+        *delay = until.max(*delay);
+        for near in self.cells.around(cell, 2 * REACH) {
+            self.cells.state[near] |= NEAR_DELAY;
+        }
+        self.mark_stale_around(cell);
+        // It may have a plan now where it had none, or be one that was just due.
+        self.cells.state[index] &= !DUE;
+        self.plan_anew(index);
+    }
+
+    /// Marks the plans that ways over a cell may be part of. All of them can only become later.
+    fn mark_stale_around(&mut self, cell: Cell) {
+        for near in self.cells.around(cell, REACH) {
+            self.cells.state[near] |= STALE;
+        }
+    }
+
+    fn enter_interval(&mut self, now: u64) {
+        if (self.interval.from..self.interval.until).contains(&now) {
+            return;
+        }
+        let number = self.rates.weather().interval_at(SimTime::from_nanos(now));
+        let (from, until) = span(&self.rates, number);
+        let vectors = &self.vectors;
+        let tables = if self.rates.is_plane() { self.rates.on_plane(number) } else { &[] };
+        let tables = tables.iter().map(|spreading| {
+            let (mut seconds, mut drift) = ([f64::INFINITY; MOST_WAYS], [0.0; MOST_WAYS]);
+            for (way, &along) in vectors.iter().enumerate() {
+                (seconds[way], drift[way]) = (spreading.seconds(along), spreading.drift_seconds(along));
+            }
+            FuelTable { slowness: spreading.slowness, seconds, drift }
+        });
+        self.interval = Interval { from, until, tables: tables.collect() };
+    }
+
+    /// Makes it the plan of a cell if it comes before its plan so far.
+    #[inline]
+    fn offer(&mut self, index: usize, time: u64, way: usize) {
+        if time < self.cells.time[index] {
+            self.cells.time[index] = time;
+            self.cells.way[index] = way as u8;
+            self.queue.push(time, index as u32);
+        }
+    }
+
+    /// Offers exact times to the cells near an ignition, along ways of one fuel.
+    fn spread_exactly_from(&mut self, from: usize, now: u64) {
+        for number in 0..self.template.disc.len() {
+            let to = from.wrapping_add_signed(self.template.disc[number].end);
+            if self.cells.has_burned(to) || self.cells.fuel[to] == BARRIER {
+                continue;
+            }
+            let way = &self.template.disc[number];
+            if self.cells.crossing(from, way, self.cells.fuel[to]) == Crossing::Uniform {
+                let time = arrival_along(&mut self.rates, &self.cells, from, way, now);
+                self.offer(to, time, self.template.ways.len() + number);
+            }
+        }
+    }
+
+    /// Offers times to all neighbours of a cell that has just caught fire, on a plane and far from delays.
+    fn spread_on_plane_from(&mut self, from: usize, now: u64) {
+        let count = self.template.ways.len();
+        for number in 0..count {
+            let way = &self.template.ways[number];
+            let to = from.wrapping_add_signed(way.end);
+            let fuel = self.cells.fuel[to];
+            if fuel == BARRIER || self.cells.has_burned(to) {
+                continue;
+            }
+            let crossing = self.cells.crossing(from, way, fuel);
+            let tables = &self.interval.tables;
+            let seconds = match crossing {
+                Crossing::Blocked => continue,
+                Crossing::Uniform => tables[usize::from(fuel)].seconds[number],
+                Crossing::Mixed => {
+                    let crossed = way.crossed().iter();
+                    let parts = crossed.map(|&(place, part)| {
+                        part * tables[usize::from(self.cells.fuel[from.wrapping_add_signed(place)])].seconds[number]
+                    });
+                    parts.sum()
+                }
+            };
+            let mut time = now.saturating_add(nanos(seconds));
+            // In another weather: then it is not before this interval ends.
+            if time > self.interval.until && self.cells.time[to] > self.interval.until {
+                time = arrival_along(&mut self.rates, &self.cells, from, way, now);
+            }
+            self.offer(to, time, number);
+            if crossing != Crossing::Uniform {
+                continue;
+            }
+            let before = (number + count - 1) % count;
+            let after = (number + 1) % count;
+            for (first, second, other) in [(before, number, before), (number, after, after)] {
+                let other_way = &self.template.ways[other];
+                let beside = to.wrapping_add_signed(-other_way.end);
+                if !self.cells.has_burned(beside) {
+                    continue;
+                }
+                let beside_time = self.cells.time[beside];
+                let (first_time, second_time) = if other == first { (beside_time, now) } else { (now, beside_time) };
+                let (pair, table) = (&self.pairs[first], &self.interval.tables[usize::from(fuel)]);
+                let later = seconds_between(first_time, second_time) - (table.drift[second] - table.drift[first]);
+                if !pair.is_between(table.slowness, later) {
+                    continue;
+                }
+                let after_first = pair.seconds(table.slowness, later) - table.drift[first];
+                let mut time = first_time.saturating_add(nanos(after_first)).max(now);
+                let is_in_interval = beside_time >= self.interval.from && time <= self.interval.until;
+                if is_in_interval && time >= self.cells.time[to] {
+                    continue;
+                }
+                if self.cells.crossing(beside, other_way, fuel) != Crossing::Uniform {
+                    continue;
+                }
+                if !is_in_interval {
+                    let [first_index, second_index] = if other == first { [beside, from] } else { [from, beside] };
+                    let first = Beginning { index: first_index, way: first };
+                    let second = Beginning { index: second_index, way: second };
+                    let Some(two_point) = self.two_point_arrival(to, first, second) else { continue };
+                    time = two_point;
+                }
+                self.offer(to, time, number);
+            }
+        }
+    }
+
+    /// Offers times to all neighbours of a cell that has just caught fire, where slopes differ, and far from delays.
+    fn spread_on_relief_from(&mut self, from: usize, now: u64) {
+        let count = self.template.ways.len();
+        for number in 0..count {
+            let way = &self.template.ways[number];
+            let to = from.wrapping_add_signed(way.end);
+            let fuel = self.cells.fuel[to];
+            if fuel == BARRIER || self.cells.has_burned(to) {
+                continue;
+            }
+            let crossing = self.cells.crossing(from, way, fuel);
+            if crossing == Crossing::Blocked {
+                continue;
+            }
+            let time = arrival_along(&mut self.rates, &self.cells, from, way, now);
+            self.offer(to, time, number);
+            if crossing != Crossing::Uniform {
+                continue;
+            }
+            let own = Beginning { index: from, way: number };
+            for (other, is_first) in [((number + count - 1) % count, true), ((number + 1) % count, false)] {
+                let other_way = &self.template.ways[other];
+                let beside = Beginning { index: to.wrapping_add_signed(-other_way.end), way: other };
+                let is_uniform = self.cells.has_burned(beside.index)
+                    && self.cells.crossing(beside.index, other_way, fuel) == Crossing::Uniform;
+                if is_uniform {
+                    let [first, second] = if is_first { [beside, own] } else { [own, beside] };
+                    if let Some(time) = self.two_point_arrival(to, first, second) {
+                        self.offer(to, time, number);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Returns the two-point candidate of a cell from the beginnings of two ways over its fuel only, the second the
+    /// neighbour of the first counter-clockwise; `None` where the first fire does not come from between them.
+    fn two_point_arrival(&mut self, to: usize, first: Beginning, second: Beginning) -> Option<u64> {
+        let Self { cells, rates, template, vectors, .. } = self;
+        let (first_time, second_time) = (cells.time[first.index], cells.time[second.index]);
+        let latest = first_time.max(second_time);
+        let number = rates.weather().interval_at(SimTime::from_nanos(latest));
+        let ways = [first, second].map(|one| (one.index, &template.ways[one.way], vectors[one.way]));
+        let is_plane = rates.is_plane();
+        let here = spreading(rates, cells, number, to);
+        if here.slowness == f64::INFINITY {
+            return None;
+        }
+        // What each way needs beyond the ellipse of the cell that both lead to.
+        let beyond = |rates: &mut Rates, number: usize| {
+            let here = spreading(rates, cells, number, to);
+            ways.map(
+                |(from, way, v)| {
+                    if is_plane { 0.0 } else { way_seconds(rates, cells, number, from, way) - here.seconds(v) }
+                },
+            )
+        };
+        let [first_beyond, second_beyond] = beyond(rates, number);
+        let (first_drift, second_drift) = (here.drift_seconds(ways[0].2), here.drift_seconds(ways[1].2));
+        let mut later = seconds_between(first_time, second_time) - (second_drift - first_drift);
+        let pair = if is_plane {
+            self.pairs[first.way]
+        } else {
+            later += second_beyond - first_beyond;
+            Pair::new(here.gradient, ways[0].2, ways[1].2)
+        };
+        if !pair.is_between(here.slowness, later) {
+            return None;
+        }
+        let mut after_first = pair.seconds(here.slowness, later) - first_drift;
+        if !is_plane {
+            after_first += first_beyond;
+        }
+        let time = first_time.saturating_add(nanos(after_first)).max(latest);
+        let (from, until) = span(rates, number);
+        if first_time.min(second_time) >= from && time <= until {
+            return Some(time);
+        }
+        // Part of it is in another weather: along the straight line from the point that this weather gives.
+        let part = pair.part(here.slowness, later);
+        let v = ways[0].2 + part * (ways[1].2 - ways[0].2);
+        let start = first_time as f64 + part * (second_time as f64 - first_time as f64);
+        let time = progress(rates, start as u64, |rates, number| {
+            let along = spreading(rates, cells, number, to).seconds(v);
+            if is_plane || along == f64::INFINITY {
+                return along;
+            }
+            let [first_beyond, second_beyond] = beyond(rates, number);
+            along + (1.0 - part) * first_beyond + part * second_beyond
+        });
+        Some(time.max(latest))
+    }
+
+    /// Makes the best plan of a cell that does not burn from all that has burned around it.
+    fn plan_anew(&mut self, to: usize) {
+        let (time, way) = self.best_plan(to);
+        self.cells.state[to] &= !STALE;
+        // Its place in the queue may be gone even where the time is the same.
+        self.cells.time[to] = time;
+        self.cells.way[to] = way;
+        if time != NEVER {
+            self.queue.push(time, to as u32);
+        }
+    }
+
+    fn best_plan(&mut self, to: usize) -> (u64, u8) {
+        let fuel = self.cells.fuel[to];
+        let mut best = (NEVER, NEVER, usize::MAX, 0);
+        if fuel == BARRIER {
+            return (NEVER, 0);
+        }
+        // Among equal times that of the cell is taken that burned first: so does a front that comes to it.
+        let mut consider = |time: u64, cells: &Cells, from: usize, way: usize| {
+            if time != NEVER {
+                best = best.min((time, cells.time[from], from, way as u8));
+            }
+        };
+        let count = self.template.ways.len();
+        let mut is_plain = [false; MOST_WAYS];
+        #[expect(clippy::needless_range_loop, reason = "the numbers go on where the list of plain ways ends")]
+        for number in 0..count + self.template.disc.len() {
+            let is_of_disc = number >= count;
+            let way = if is_of_disc { &self.template.disc[number - count] } else { &self.template.ways[number] };
+            let from = to.wrapping_add_signed(-way.end);
+            let needed = if is_of_disc { BURNED | SOURCE } else { BURNED };
+            if self.cells.state[from] & needed != needed {
+                continue;
+            }
+            let crossing = self.cells.crossing(from, way, fuel);
+            if crossing == Crossing::Blocked || (is_of_disc && crossing != Crossing::Uniform) {
+                continue;
+            }
+            let lit = self.cells.time[from];
+            let start = self.cells.open_from(from, way).max(lit);
+            if start == lit {
+                let time = arrival_along(&mut self.rates, &self.cells, from, way, start);
+                consider(time, &self.cells, from, number);
+                if !is_of_disc {
+                    is_plain[number] = crossing == Crossing::Uniform;
+                }
+            } else if !is_of_disc && self.flames_at(from, start) {
+                let way = &self.template.ways[number];
+                let time = arrival_along(&mut self.rates, &self.cells, from, way, start);
+                consider(time, &self.cells, from, number);
+            }
+        }
+        for first in 0..count {
+            let second = (first + 1) % count;
+            if is_plain[first] && is_plain[second] {
+                let [first, second] = [first, second].map(|way| {
+                    let index = to.wrapping_add_signed(-self.template.ways[way].end);
+                    Beginning { index, way }
+                });
+                if let Some(time) = self.two_point_arrival(to, first, second) {
+                    let later = [first, second].into_iter().max_by_key(|one| (self.cells.time[one.index], one.index));
+                    let later = later.expect("there are two");
+                    consider(time, &self.cells, later.index, later.way);
+                }
+            }
+        }
+        (best.0, best.3)
+    }
+
+    /// Says whether a cell that burned flames longer than until a time.
+    fn flames_at(&mut self, index: usize, time: u64) -> bool {
+        let lit = self.cells.time[index];
+        let flaming = self.flaming(self.cells.cell(index), lit);
+        flaming.is_none_or(|span| lit.saturating_add(span.as_nanos()) > time)
+    }
+}
+
+/// Whole nanoseconds of a span in seconds, which is not NaN; negative ones are zero, those too long [`NEVER`].
+#[inline]
+fn nanos(seconds: f64) -> u64 {
+    (seconds * 1e9 + 0.5) as u64
+}
+
+#[inline]
+fn seconds_between(from: u64, to: u64) -> f64 {
+    to.wrapping_sub(from) as i64 as f64 * 1e-9
+}
+
+/// Returns when an interval of the weather begins and ends.
+fn span(rates: &Rates, number: usize) -> (u64, u64) {
+    let intervals = rates.weather().intervals();
+    (intervals[number].from.as_nanos(), intervals.get(number + 1).map_or(NEVER, |next| next.from.as_nanos()))
+}
+
+fn spreading(rates: &mut Rates, cells: &Cells, number: usize, index: usize) -> Spreading {
+    rates.spreading(number, cells.fuel[index], index, || cells.cell(index))
+}
+
+/// Returns the seconds of a way in an interval of the weather.
+fn way_seconds(rates: &mut Rates, cells: &Cells, number: usize, from: usize, way: &Way) -> f64 {
+    let v = vector(way, cells.frame.cell_m);
+    let to = from.wrapping_add_signed(way.end);
+    if rates.is_plane() && cells.crossing(from, way, cells.fuel[to]) == Crossing::Uniform {
+        return spreading(rates, cells, number, to).seconds(v);
+    }
+    let crossed = way.crossed().iter();
+    crossed
+        .map(|&(place, part)| part * spreading(rates, cells, number, from.wrapping_add_signed(place)).seconds(v))
+        .sum()
+}
+
+/// Returns when fire arrives along a way that it begins at a time.
+fn arrival_along(rates: &mut Rates, cells: &Cells, from: usize, way: &Way, start: u64) -> u64 {
+    progress(rates, start, |rates, number| way_seconds(rates, cells, number, from, way))
+}
+
+/// Returns when something is done that is begun at a time and takes this many seconds in each interval of the weather.
+fn progress(rates: &mut Rates, start: u64, mut seconds: impl FnMut(&mut Rates, usize) -> f64) -> u64 {
+    let first = rates.weather().interval_at(SimTime::from_nanos(start));
+    let (mut left, mut at) = (1.0, start);
+    for number in first..rates.weather().intervals().len() {
+        let (_, until) = span(rates, number);
+        let whole = seconds(rates, number);
+        let time = at.saturating_add(nanos(left * whole));
+        if time <= until {
+            return time;
+        }
+        left = (left - seconds_between(at, until) / whole).max(0.0);
+        at = until;
+    }
+    NEVER
+}

@@ -1,0 +1,218 @@
+//! The rates of spread of every cell in every interval of the weather.
+//!
+//! Fuel beds are computed once for each fuel and interval. On a plane that gives all ellipses; where every cell has a slope
+//! of its own, ellipses are computed as the fire comes to them and kept for a while, in a table of bounded size.
+
+use std::sync::Arc;
+
+use super::rules::RothermelRules;
+use super::template::Way;
+use crate::fuel::FuelModel;
+use crate::surface::{FuelBed, twenty_foot_wind, unsheltered_adjustment};
+use crate::{Landscape, Relief, Weather};
+use wildfire_base::geometry::{Cell, DVec2};
+use wildfire_base::time::SimTime;
+
+/// The number in place of a fuel of cells that do not burn.
+pub const BARRIER: u8 = u8::MAX;
+
+/// Cells for each ellipse that is kept, where every cell has its own: most cells are far from the front.
+const CELLS_PER_KEPT: usize = 8;
+const LEAST_KEPT: usize = 4096;
+
+/// The ellipse of a fire's spread in horizontal metres: `s |v'| - b.v` seconds along v, where v' is v lifted onto the
+/// slope, `s = 1 / (R (1 - e))` and b is `s e` times the heading, as it acts on horizontal vectors.
+#[derive(Clone, Copy, Debug)]
+pub struct Spreading {
+    /// Infinity where nothing spreads.
+    pub slowness: f64,
+    pub drift: DVec2,
+    pub gradient: DVec2,
+}
+
+impl Spreading {
+    fn new(bed: &FuelBed, depth_ft: f64, wind_mps: DVec2, gradient: DVec2, rules: &RothermelRules) -> Self {
+        let midflame = twenty_foot_wind(1.0) * unsheltered_adjustment(depth_ft) * wind_mps;
+        let fire = bed.behavior(midflame, gradient, &rules.options);
+        let slowness = 1.0 / (fire.rate_mps * (1.0 - fire.eccentricity));
+        if !slowness.is_finite() {
+            return Self { slowness: f64::INFINITY, drift: DVec2::ZERO, gradient };
+        }
+        let drift = (fire.heading.truncate() + gradient * fire.heading.z) * (slowness * fire.eccentricity);
+        Self { slowness, drift, gradient }
+    }
+
+    /// Returns the seconds along a horizontal vector; infinity where nothing spreads.
+    #[inline]
+    pub fn seconds(&self, v: DVec2) -> f64 {
+        self.slowness * length_on(self.gradient, v) - self.drift_seconds(v)
+    }
+
+    /// Returns the seconds that wind and slope take off along a horizontal vector.
+    #[inline]
+    pub fn drift_seconds(&self, v: DVec2) -> f64 {
+        self.drift.x * v.x + self.drift.y * v.y
+    }
+}
+
+/// The length on a slope of what is above a horizontal vector.
+#[inline]
+fn length_on(gradient: DVec2, v: DVec2) -> f64 {
+    let rise = gradient.x * v.x + gradient.y * v.y;
+    (v.x * v.x + v.y * v.y + rise * rise).sqrt()
+}
+
+/// Two ways that are neighbours in direction, on a slope: where between two burned cells the fire comes from that is first
+/// at a third one.
+///
+/// Both ways end in that cell; w is b less a, the line from a's beginning to b's turned round. Time is taken to be linear on
+/// that line, and the earliest arrival over all of its points then has a closed form.
+#[derive(Clone, Copy, Debug)]
+pub struct Pair {
+    /// |w|^2 on the slope.
+    square: f64,
+    /// Distance of the cell from the line, as a part of |w|.
+    height: f64,
+    /// From a's beginning to the point of the line that is nearest to the cell, as a part of |w|, with its sign turned.
+    foot: f64,
+    /// Bounds of the difference in time between which the first fire comes from between both cells, for slowness 1.
+    least: f64,
+    most: f64,
+}
+
+impl Pair {
+    pub fn new(gradient: DVec2, a: DVec2, b: DVec2) -> Self {
+        let rise = |v: DVec2| gradient.x * v.x + gradient.y * v.y;
+        let dot = |v: DVec2, w: DVec2| v.x * w.x + v.y * w.y + rise(v) * rise(w);
+        let w = b - a;
+        let (square, along) = (dot(w, w), dot(a, w));
+        // By Lagrange's identity this is |a|^2 |w|^2 - (a.w)^2, without cancellation.
+        let area = (1.0 + gradient.x * gradient.x + gradient.y * gradient.y).sqrt() * (a.x * b.y - a.y * b.x).abs();
+        Self {
+            square,
+            height: area / square,
+            foot: along / square,
+            least: -(along + square) / length_on(gradient, b),
+            most: -along / length_on(gradient, a),
+        }
+    }
+
+    /// Says whether the first fire comes from between both cells, if b's time less a's, each with the drift on the way
+    /// taken off, is `later`.
+    #[inline]
+    pub fn is_between(&self, slowness: f64, later: f64) -> bool {
+        slowness * self.least < later && later < slowness * self.most
+    }
+
+    /// Returns the seconds that the fire needs from a's time on, with a's drift taken off, if it comes from between.
+    #[inline]
+    pub fn seconds(&self, slowness: f64, later: f64) -> f64 {
+        self.height * (slowness * slowness * self.square - later * later).sqrt() - self.foot * later
+    }
+
+    /// Returns the part of the way from a to b at which that fire starts.
+    pub fn part(&self, slowness: f64, later: f64) -> f64 {
+        -self.height * later / (slowness * slowness * self.square - later * later).sqrt() - self.foot
+    }
+}
+
+/// Rates on one landscape in one weather.
+#[derive(Clone, Debug)]
+pub struct Rates {
+    landscape: Arc<Landscape>,
+    weather: Arc<Weather>,
+    rules: RothermelRules,
+    /// The fuels of the landscape that burn, by the numbers that stand for them here.
+    models: Vec<&'static FuelModel>,
+    /// By interval of the weather, then by fuel; computed when they are asked for.
+    beds: Vec<Option<Box<[FuelBed]>>>,
+    /// The same on a plane.
+    plane: Vec<Option<Box<[Spreading]>>>,
+    /// By a part of cell and interval, where every cell has its own gradient.
+    kept: Vec<(u64, Spreading)>,
+}
+
+impl Rates {
+    pub fn new(landscape: Arc<Landscape>, weather: Arc<Weather>, rules: RothermelRules) -> Self {
+        let mut is_there = [false; 256];
+        for &number in &landscape.fuel {
+            is_there[usize::from(number)] = true;
+        }
+        let numbers = (0..=u8::MAX).filter(|&number| is_there[usize::from(number)]);
+        let models = numbers.filter_map(FuelModel::by_number).filter(|model| model.burns()).collect();
+        let intervals = weather.intervals().len();
+        let nothing = Spreading { slowness: f64::INFINITY, drift: DVec2::ZERO, gradient: DVec2::ZERO };
+        let kept = match landscape.relief {
+            Relief::Plane(_) => 0,
+            _ => (landscape.fuel.len() / CELLS_PER_KEPT).next_power_of_two().max(LEAST_KEPT),
+        };
+        let kept = vec![(u64::MAX, nothing); kept];
+        Self { landscape, weather, rules, models, beds: vec![None; intervals], plane: vec![None; intervals], kept }
+    }
+
+    pub fn weather(&self) -> &Weather {
+        &self.weather
+    }
+
+    /// Returns the number that stands for the fuel of a number on the landscape, [`BARRIER`] if it does not burn.
+    pub fn fuel(&self, number: u8) -> u8 {
+        self.models.iter().position(|model| model.number == number).map_or(BARRIER, |fuel| fuel as u8)
+    }
+
+    pub fn is_plane(&self) -> bool {
+        matches!(self.landscape.relief, Relief::Plane(_))
+    }
+
+    fn beds(&mut self, interval: usize) -> &[FuelBed] {
+        let Self { beds, models, weather, rules, .. } = self;
+        beds[interval].get_or_insert_with(|| {
+            let moisture = &weather.intervals()[interval].moisture;
+            models.iter().map(|model| FuelBed::new(model, moisture, rules.options.curing)).collect()
+        })
+    }
+
+    /// Returns how long a fuel flames that catches fire in an interval; `None` for ever.
+    pub fn flaming(&mut self, interval: usize, fuel: u8) -> Option<SimTime> {
+        let least = self.rules.burn_out?;
+        Some(least.max(SimTime::from_seconds(self.beds(interval)[usize::from(fuel)].residence_s())))
+    }
+
+    /// Returns the ellipses of all fuels on a plane.
+    pub fn on_plane(&mut self, interval: usize) -> &[Spreading] {
+        if self.plane[interval].is_none() {
+            let Relief::Plane(gradient) = self.landscape.relief else {
+                unreachable!("cells have gradients of their own")
+            };
+            let (wind, rules) = (self.weather.intervals()[interval].wind_mps, self.rules);
+            let depths: Vec<f64> = self.models.iter().map(|model| model.depth_ft).collect();
+            let beds = self.beds(interval).iter().zip(depths);
+            let spreading = beds.map(|(bed, depth)| Spreading::new(bed, depth, wind, gradient, &rules)).collect();
+            self.plane[interval] = Some(spreading);
+        }
+        self.plane[interval].as_ref().expect("it was just computed")
+    }
+
+    /// Returns the ellipse of a cell with this fuel; `index` is a number of the cell, near for cells near each other.
+    #[inline]
+    pub fn spreading(&mut self, interval: usize, fuel: u8, index: usize, cell: impl FnOnce() -> Cell) -> Spreading {
+        if self.kept.is_empty() {
+            return self.on_plane(interval)[usize::from(fuel)];
+        }
+        let key = (interval as u64) << 32 | index as u64;
+        let place = (index + 61 * interval) & (self.kept.len() - 1);
+        let (known, spreading) = self.kept[place];
+        if known == key {
+            return spreading;
+        }
+        let (gradient, rules) = (self.landscape.gradient(cell()), self.rules);
+        let (wind, depth) = (self.weather.intervals()[interval].wind_mps, self.models[usize::from(fuel)].depth_ft);
+        let spreading = Spreading::new(&self.beds(interval)[usize::from(fuel)], depth, wind, gradient, &rules);
+        self.kept[place] = (key, spreading);
+        spreading
+    }
+}
+
+/// The vector of a way in metres.
+pub fn vector(way: &Way, cell_m: f64) -> DVec2 {
+    DVec2::new(f64::from(way.cols), f64::from(way.rows)) * cell_m
+}

@@ -1,0 +1,48 @@
+//! Images as colours: landscapes that somebody drew.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use image::codecs::png::PngDecoder;
+use image::{DynamicImage, ImageDecoder, Limits};
+
+use super::png::SIGNATURE;
+use super::{Fault, MapError};
+use crate::Grid;
+use wildfire_base::input_file;
+
+/// The most bytes of an image file, and of its pixels.
+const MAX_IMAGE_BYTES: u64 = 16_000_000;
+const MAX_PIXEL_BYTES: u64 = 80_000_000;
+
+/// Reads a PNG image as red, green and blue, row 0 at the upper edge; what is transparent lies over white.
+///
+/// # Errors
+/// If the file is no PNG image or has more than `most` pixels along a side. Sizes are checked before memory is taken.
+pub fn read_colours(path: &Path, most: u32) -> Result<Grid<[u8; 3]>, MapError> {
+    let read = input_file::read(path, MAX_IMAGE_BYTES).map_err(Fault::from).and_then(|bytes| colours(bytes, most));
+    read.map_err(|fault| MapError { path: path.to_owned(), fault })
+}
+
+fn colours(bytes: Vec<u8>, most: u32) -> Result<Grid<[u8; 3]>, Fault> {
+    let damaged = |error: image::ImageError| Fault::Image { message: error.to_string() };
+    if !bytes.starts_with(SIGNATURE) {
+        return Err(Fault::Image { message: "it is no PNG image".into() });
+    }
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(MAX_PIXEL_BYTES);
+    let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(damaged)?;
+    let (cols, rows) = decoder.dimensions();
+    if cols > most || rows > most || decoder.total_bytes() > MAX_PIXEL_BYTES {
+        let message = format!("it has {cols} x {rows} pixels; at most {most} along a side are expected");
+        return Err(Fault::Image { message });
+    }
+    let image = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgba8();
+    let over_white = |[red, green, blue, alpha]: [u8; 4]| {
+        let mix =
+            |value: u8| ((u32::from(value) * u32::from(alpha) + 255 * (255 - u32::from(alpha)) + 127) / 255) as u8;
+        [mix(red), mix(green), mix(blue)]
+    };
+    let pixels = image.pixels().map(|pixel| over_white(pixel.0)).collect();
+    Ok(Grid::from_values(rows as usize, cols as usize, pixels))
+}

@@ -1,0 +1,237 @@
+//! Netpbm images as grey values: bitmaps (P1, P4), grey maps (P2, P5) and pixel maps (P3, P6).
+//!
+//! Source: Jef Poskanzer and others, "Netpbm file formats", pages "pbm", "pgm" and "ppm".
+
+use std::io;
+use std::io::{BufRead, Read};
+
+use crate::Grid;
+use crate::map_files::Fault;
+use crate::map_files::decoded::GreyImage;
+use crate::map_files::error::{check_size, shown_letter, with_room};
+use crate::map_files::pixel::PixelLayout;
+
+/// A bit of a packed bitmap is the smallest pixel.
+const PIXELS_PER_BYTE: usize = 8;
+
+/// Reads a Netpbm image from a file of `bytes` bytes, and says how it was converted to 8-bit grey.
+///
+/// The file ends with the image, apart from white space.
+pub(super) fn read(mut source: impl BufRead, bytes: u64) -> Result<GreyImage, Fault> {
+    let header = PnmHeader::read(&mut source)?;
+    let PnmHeader { rows, cols, layout, .. } = header;
+    let possible = usize::try_from(bytes).unwrap_or(usize::MAX).saturating_mul(PIXELS_PER_BYTE);
+    let mut values = with_room(possible.min(rows * cols))?;
+    let mut raster = Raster { source, header, bytes: Vec::new(), samples: Vec::new() };
+    for row in 0..rows {
+        raster.read_row(row)?;
+        layout.append_grey(&raster.samples, &mut values);
+    }
+    raster.check_end()?;
+    Ok(GreyImage { grey: Grid::from_values(rows, cols, values), notes: Vec::from_iter(header.note()) })
+}
+
+/// Returns whether a file begins as a Netpbm image does: a P, a digit from 1 to 6, white space.
+pub(super) fn is_start(start: &[u8]) -> bool {
+    matches!(start, [b'P', b'1'..=b'6', next, ..] if next.is_ascii_whitespace() || *next == b'#')
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Encoding {
+    Plain,
+    Binary,
+    Bits,
+}
+
+#[derive(Clone, Copy)]
+struct PnmHeader {
+    rows: usize,
+    cols: usize,
+    layout: PixelLayout,
+    is_bitmap: bool,
+    encoding: Encoding,
+}
+
+impl PnmHeader {
+    fn read(source: &mut impl BufRead) -> Result<Self, Fault> {
+        let mut magic = [0; 2];
+        source.read_exact(&mut magic)?;
+        let kind = magic[1] - b'0';
+        let is_bitmap = kind == 1 || kind == 4;
+        let cols = header_number(source, "width")? as usize;
+        let rows = header_number(source, "height")? as usize;
+        check_size(rows, cols)?;
+        let max = if is_bitmap { 1 } else { header_number(source, "largest value")? };
+        let max = u16::try_from(max).ok().filter(|&max| max > 0);
+        let max = max.ok_or_else(|| bad_header("the largest value must be 1 to 65535"))?;
+        let encoding = match kind {
+            1..=3 => Encoding::Plain,
+            4 => Encoding::Bits,
+            _ => Encoding::Binary,
+        };
+        let layout = PixelLayout { colour: kind == 3 || kind == 6, alpha: false, max };
+        Ok(Self { rows, cols, layout, is_bitmap, encoding })
+    }
+
+    fn note(&self) -> Option<String> {
+        let kind = match (self.is_bitmap, self.layout.colour) {
+            (true, _) => "black and white",
+            (_, true) => "RGB",
+            _ => "grey",
+        };
+        self.layout.note(kind)
+    }
+
+    fn bytes_per_row(&self) -> usize {
+        match self.encoding {
+            Encoding::Bits => self.cols.div_ceil(PIXELS_PER_BYTE),
+            _ => self.cols * self.bytes_per_pixel(),
+        }
+    }
+
+    fn bytes_per_pixel(&self) -> usize {
+        self.layout.channels() * if self.layout.max > 255 { 2 } else { 1 }
+    }
+}
+
+/// The pixels after the header, of which one row at a time is kept.
+struct Raster<R> {
+    source: R,
+    header: PnmHeader,
+    bytes: Vec<u8>,
+    samples: Vec<u16>,
+}
+
+impl<R: BufRead> Raster<R> {
+    fn read_row(&mut self, row: usize) -> Result<(), Fault> {
+        self.samples.clear();
+        match self.header.encoding {
+            Encoding::Plain => self.read_plain(row)?,
+            Encoding::Binary | Encoding::Bits => self.read_bytes(row)?,
+        }
+        let max = self.header.layout.max;
+        if let Some(at) = self.samples.iter().position(|&sample| sample > max) {
+            let (col, found) = (at / self.header.layout.channels(), self.samples[at].to_string());
+            return Err(Fault::Cell { row, col, found, expected: format!("at most {max}, as the header declares") });
+        }
+        Ok(())
+    }
+
+    fn read_plain(&mut self, row: usize) -> Result<(), Fault> {
+        let PnmHeader { rows, cols, layout, is_bitmap, .. } = self.header;
+        for at in 0..cols * layout.channels() {
+            let col = at / layout.channels();
+            let token = if is_bitmap { read_bit(&mut self.source) } else { read_number(&mut self.source) };
+            let number = match token? {
+                Token::Number(number) => number,
+                Token::End => return Err(Fault::Ends { row, col, rows, cols }),
+                Token::Other(byte) => {
+                    let expected = if is_bitmap { "0 or 1" } else { "a whole number" }.to_owned();
+                    return Err(Fault::Cell { row, col, found: shown_letter(&[byte]), expected });
+                }
+            };
+            let sample = u16::try_from(number).unwrap_or(u16::MAX);
+            self.samples.push(if is_bitmap { 1 - sample } else { sample });
+        }
+        Ok(())
+    }
+
+    fn read_bytes(&mut self, row: usize) -> Result<(), Fault> {
+        let PnmHeader { rows, cols, layout, encoding, .. } = self.header;
+        let expected = self.header.bytes_per_row();
+        self.bytes.clear();
+        let found = self.source.by_ref().take(expected as u64).read_to_end(&mut self.bytes)?;
+        let bytes = &self.bytes;
+        if found < expected {
+            let col = match encoding {
+                Encoding::Bits => found * PIXELS_PER_BYTE,
+                _ => found / self.header.bytes_per_pixel(),
+            };
+            return Err(Fault::Ends { row, col, rows, cols });
+        }
+        if encoding == Encoding::Bits {
+            // The leftmost pixel is the highest bit, and 1 is black.
+            self.samples.extend((0..cols).map(|col| {
+                let bit = bytes[col / PIXELS_PER_BYTE] >> (7 - col % PIXELS_PER_BYTE) & 1;
+                u16::from(1 - bit)
+            }));
+        } else if layout.max > 255 {
+            self.samples.extend(bytes.chunks_exact(2).map(|pair| u16::from_be_bytes([pair[0], pair[1]])));
+        } else {
+            self.samples.extend(bytes.iter().map(|&byte| u16::from(byte)));
+        }
+        Ok(())
+    }
+
+    fn check_end(mut self) -> Result<(), Fault> {
+        match next_solid(&mut self.source)? {
+            None => Ok(()),
+            Some(_) => Err(Fault::GoesOn { rows: self.header.rows }),
+        }
+    }
+}
+
+enum Token {
+    Number(u32),
+    End,
+    Other(u8),
+}
+
+/// The next number of a plain raster or a header, and the one byte of white space after it.
+fn read_number(source: &mut impl BufRead) -> io::Result<Token> {
+    let mut number = 0u32;
+    let mut next = next_solid(source)?;
+    if next.is_none() {
+        return Ok(Token::End);
+    }
+    while let Some(byte) = next.filter(|byte| !byte.is_ascii_whitespace()) {
+        if !byte.is_ascii_digit() {
+            return Ok(Token::Other(byte));
+        }
+        number = number.saturating_mul(10).saturating_add(u32::from(byte - b'0'));
+        next = next_byte(source)?;
+    }
+    Ok(Token::Number(number))
+}
+
+/// The next bit of a plain bitmap, whose bits need no white space between them.
+fn read_bit(source: &mut impl BufRead) -> io::Result<Token> {
+    Ok(match next_solid(source)? {
+        None => Token::End,
+        Some(bit @ (b'0' | b'1')) => Token::Number(u32::from(bit - b'0')),
+        Some(other) => Token::Other(other),
+    })
+}
+
+fn header_number(source: &mut impl BufRead, name: &str) -> Result<u32, Fault> {
+    match read_number(source)? {
+        Token::Number(number) => Ok(number),
+        Token::End => Err(bad_header(&format!("the file ends before the {name}"))),
+        Token::Other(byte) => {
+            Err(bad_header(&format!("the {name} must be a whole number, found {}", shown_letter(&[byte]))))
+        }
+    }
+}
+
+fn bad_header(message: &str) -> Fault {
+    Fault::Image { message: message.to_owned() }
+}
+
+/// The next byte that is neither white space nor in a comment.
+fn next_solid(source: &mut impl BufRead) -> io::Result<Option<u8>> {
+    loop {
+        match next_byte(source)? {
+            Some(byte) if byte.is_ascii_whitespace() => {}
+            Some(b'#') => {
+                source.skip_until(b'\n')?;
+            }
+            next => return Ok(next),
+        }
+    }
+}
+
+fn next_byte(source: &mut impl BufRead) -> io::Result<Option<u8>> {
+    let next = source.fill_buf()?.first().copied();
+    source.consume(usize::from(next.is_some()));
+    Ok(next)
+}

@@ -1,0 +1,159 @@
+//! Rasters: a number for each cell of a map, and where the cells are on earth.
+//!
+//! Read are ESRI ASCII grids and GeoTIFF images, told apart by their content; written are both. In a file the north row
+//! comes first. Here row 0 is the south edge, as everywhere in the simulation, and this module is where rows are turned
+//! over. Faults count rows and columns as the file has them, from 0 at its north-west corner.
+
+mod ascii;
+mod error;
+mod geotiff;
+pub(super) mod tiff_chunks;
+mod tiff_header;
+
+use std::io;
+use std::path::Path;
+
+pub use error::{RasterError, RasterFault};
+use serde::{Deserialize, Serialize};
+
+use wildfire_base::input_file;
+use wildfire_base::whole_file::write_whole;
+
+/// The most rows and the most columns of a raster.
+pub const MAX_RASTER_SIDE: usize = 16_384;
+/// The most cells of a raster: 268 MB of values.
+pub const MAX_RASTER_CELLS: usize = 1 << 26;
+/// The most bytes of a raster's file: about nine letters for each cell of the largest one.
+pub const MAX_RASTER_BYTES: u64 = 600_000_000;
+
+/// A raster: values of square cells, row 0 at the south edge, column 0 at the west edge.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Raster {
+    pub rows: usize,
+    pub cols: usize,
+    /// The west edge of the first column, metres in the coordinate system of the file.
+    pub west_m: f64,
+    /// The south edge of row 0.
+    pub south_m: f64,
+    /// Side of a cell, metres.
+    pub cell_m: f64,
+    /// A value for each cell, `row * cols + col`.
+    pub values: Vec<f32>,
+    /// The value of cells without one; they keep it.
+    pub nodata: Option<f32>,
+    /// The coordinate system, as a GeoTIFF states it.
+    pub crs: Option<GeoKeys>,
+}
+
+/// The coordinate system of a GeoTIFF: its geo keys, which are handed on as they were read.
+///
+/// Source: Open Geospatial Consortium, "OGC GeoTIFF Standard", version 1.1, 2019, section 7.1.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GeoKeys {
+    /// Tag 34735: four words of a head, then four for each key.
+    pub directory: Vec<u16>,
+    /// Tag 34736.
+    pub doubles: Vec<f64>,
+    /// Tag 34737.
+    pub ascii: String,
+}
+
+impl Raster {
+    /// Returns the value of a cell, counted from the south-west.
+    pub fn value(&self, row: usize, col: usize) -> f32 {
+        self.values[row * self.cols + col]
+    }
+
+    /// Says whether a value means that there is none; NaN always does.
+    pub fn is_nodata(&self, value: f32) -> bool {
+        value.is_nan() || self.nodata == Some(value)
+    }
+
+    /// Returns the row as the file counts it, from the north.
+    pub fn file_row(&self, row: usize) -> usize {
+        self.rows - 1 - row
+    }
+
+    /// Returns the north edge of the last row.
+    pub fn north_m(&self) -> f64 {
+        self.south_m + self.rows as f64 * self.cell_m
+    }
+
+    /// Returns the least and the greatest value, without cells that have none; `None` if no cell has one.
+    pub fn range(&self) -> Option<(f32, f32)> {
+        let mut values = self.values.iter().copied().filter(|&value| !self.is_nodata(value));
+        let first = values.next()?;
+        Some(values.fold((first, first), |(least, most), value| (least.min(value), most.max(value))))
+    }
+}
+
+/// Reads a raster; its content says in which format it is.
+///
+/// # Errors
+/// If the file is no raster of one band of square cells measured in metres, breaks off, or is larger than
+/// [`MAX_RASTER_SIDE`], [`MAX_RASTER_CELLS`] and [`MAX_RASTER_BYTES`] allow. What a header declares is checked against
+/// these and against the bytes that there are before memory is taken for it.
+pub fn read(path: &Path) -> Result<Raster, RasterError> {
+    let raster = input_file::read(path, MAX_RASTER_BYTES).map_err(RasterFault::from).and_then(parse);
+    raster.map_err(|fault| RasterError { path: path.to_owned(), fault })
+}
+
+/// Reads a raster from the bytes of a file.
+///
+/// # Errors
+/// Fails as [`read`] does.
+pub fn parse(bytes: Vec<u8>) -> Result<Raster, RasterFault> {
+    if bytes.is_empty() {
+        Err(RasterFault::Empty)
+    } else if tiff_header::is_start(&bytes) {
+        geotiff::parse(bytes)
+    } else if ascii::is_start(&bytes) {
+        ascii::parse(&bytes)
+    } else {
+        Err(RasterFault::Foreign)
+    }
+}
+
+/// Writes an ESRI ASCII grid: every value in the fewest digits that give it back bit for bit.
+///
+/// # Errors
+/// Those of the disk.
+pub fn write_asc(path: &Path, raster: &Raster) -> io::Result<()> {
+    write_whole(path, ascii::to_text(raster).as_bytes())
+}
+
+/// Writes a GeoTIFF of 32-bit floating-point values, packed by deflate.
+///
+/// # Errors
+/// Those of the disk.
+pub fn write_geotiff(path: &Path, raster: &Raster) -> io::Result<()> {
+    write_whole(path, &geotiff::to_bytes(raster).map_err(io::Error::other)?)
+}
+
+/// Accepts the size that a header declares.
+fn check_size(rows: u64, cols: u64) -> Result<(), RasterFault> {
+    let side_fits = |side| (1..=MAX_RASTER_SIDE as u64).contains(&side);
+    let fits = side_fits(rows) && side_fits(cols) && rows * cols <= MAX_RASTER_CELLS as u64;
+    if fits { Ok(()) } else { Err(RasterFault::Size { rows, cols }) }
+}
+
+/// Accepts the place and the side of cells.
+fn check_place(west_m: f64, south_m: f64, cell_m: f64) -> Result<(), RasterFault> {
+    // Larger cells leave no room for places in numbers.
+    if !(cell_m > 0.0 && cell_m <= 1e9) {
+        return Err(RasterFault::CellSize { found: cell_m });
+    }
+    let is_place = |m: f64| m.is_finite() && m.abs() <= 1e12;
+    if is_place(west_m) && is_place(south_m) { Ok(()) } else { Err(RasterFault::Place { west_m, south_m }) }
+}
+
+/// Takes memory for values, if there is some.
+fn with_room(cells: usize) -> Result<Vec<f32>, RasterFault> {
+    let mut values = Vec::new();
+    values.try_reserve_exact(cells).map_err(|_| RasterFault::Memory { cells })?;
+    Ok(values)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,165 @@
+//! TIFF images as grey values.
+//!
+//! They are decoded by the crate `tiff`. Of several pages the first is read, and the orientation tag is applied; notes
+//! say so.
+//!
+//! Source: Adobe Developers Association, "TIFF Revision 6.0", 1992, sections 3 to 8.
+
+use std::io::Cursor;
+
+use image::metadata::Orientation;
+use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::tags::{CompressionMethod, PhotometricInterpretation, SampleFormat, Tag};
+use tiff::{ColorType, TiffError, TiffUnsupportedError};
+
+use crate::Grid;
+use crate::map_files::Fault;
+use crate::map_files::decoded::{GreyImage, check_decoded, turned};
+use crate::map_files::error::{check_size, with_room};
+use crate::map_files::pictures::{FIRST_OF_SEVERAL, MAX_DECODED};
+use crate::map_files::pixel::PixelLayout;
+use crate::map_files::raster::tiff_chunks;
+
+const FLOAT_OR_SIGNED: &str = "its samples are floats, or may be negative";
+
+/// Returns whether a file begins as a TIFF image does, of the classic kind or a BigTIFF.
+pub(super) fn is_start(start: &[u8]) -> bool {
+    [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|signature| start.starts_with(*signature))
+}
+
+/// Reads the first image of a TIFF file: grey of 1 to 16 bits, or RGB, with alpha or without, of 8 or 16 bits.
+pub(super) fn read(bytes: &[u8]) -> Result<GreyImage, Fault> {
+    let mut limits = Limits::default();
+    limits.decoding_buffer_size = MAX_DECODED as usize;
+    limits.intermediate_buffer_size = MAX_DECODED as usize;
+    let plain = tiff_chunks::unpack(bytes, 2 * MAX_DECODED as usize).map_err(|message| Fault::Image { message })?;
+    let bytes = plain.as_deref().unwrap_or(bytes);
+    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(damaged)?.with_limits(limits);
+    let (cols, rows) = decoder.dimensions().map_err(damaged)?;
+    let size = (rows as usize, cols as usize);
+    check_size(size.0, size.1)?;
+    let formats = decoder.find_tag_unsigned_vec::<u16>(Tag::SampleFormat).map_err(damaged)?.unwrap_or_default();
+    if formats.iter().any(|format| [SampleFormat::Int, SampleFormat::IEEEFP].map(|kind| kind.to_u16()).contains(format))
+    {
+        return Err(unfit(FLOAT_OR_SIGNED));
+    }
+    let samples = Samples::of(decoder.colortype().map_err(damaged)?)?;
+    let decoded = rows as u64 * samples.bytes_per_row(size.1) as u64;
+    check_decoded(decoded, MAX_DECODED, bytes.len() as u64, size)?;
+    if decoder.image_buffer_layout().map_err(damaged)?.planes > 1 {
+        return Err(unfit("its colours lie in planes of their own"));
+    }
+    let orientation = decoder.find_tag_unsigned::<u8>(Tag::Orientation).map_err(damaged)?;
+    let orientation = orientation.and_then(Orientation::from_exif).unwrap_or(Orientation::NoTransforms);
+    let has_several = decoder.more_images();
+
+    let values = samples.grey_values(decoder.read_image().map_err(damaged)?, size)?;
+    let mut notes = Vec::from_iter(samples.layout.note(&samples.name()));
+    let grey = turned(Grid::from_values(size.0, size.1, values), orientation, &mut notes);
+    notes.extend(has_several.then(|| FIRST_OF_SEVERAL.to_owned()));
+    Ok(GreyImage { grey, notes })
+}
+
+fn damaged(error: TiffError) -> Fault {
+    match error {
+        TiffError::UnsupportedError(reason) => unfit(&shown_reason(&reason)),
+        error => Fault::Image { message: error.to_string() },
+    }
+}
+
+fn shown_reason(reason: &TiffUnsupportedError) -> String {
+    match reason {
+        TiffUnsupportedError::InterpretationWithBits(PhotometricInterpretation::RGBPalette, _)
+        | TiffUnsupportedError::UnsupportedInterpretation(PhotometricInterpretation::RGBPalette) => {
+            "its colours come from a palette".to_owned()
+        }
+        TiffUnsupportedError::UnsupportedCompressionMethod(CompressionMethod::JPEG | CompressionMethod::ModernJPEG) => {
+            "its pixels are packed as JPEG".to_owned()
+        }
+        TiffUnsupportedError::UnsupportedCompressionMethod(method) => format!("its pixels are packed as {method:?}"),
+        TiffUnsupportedError::UnsupportedSampleFormat(_) => FLOAT_OR_SIGNED.to_owned(),
+        reason => reason.to_string(),
+    }
+}
+
+fn unfit(reason: &str) -> Fault {
+    Fault::Unread {
+        format: "TIFF",
+        reason: format!("{reason}, where grey or RGB of up to 16 bits a sample is expected"),
+    }
+}
+
+/// The samples of a pixel and their bits.
+struct Samples {
+    layout: PixelLayout,
+    bits: u8,
+}
+
+impl Samples {
+    fn of(colour_type: ColorType) -> Result<Self, Fault> {
+        let (colour, alpha, bits) = match colour_type {
+            ColorType::Gray(bits @ (1 | 2 | 4 | 8 | 16)) => (false, false, bits),
+            ColorType::GrayA(bits @ (8 | 16)) => (false, true, bits),
+            ColorType::Multiband { bit_depth: bits @ (8 | 16), num_samples: 2 } => (false, true, bits),
+            ColorType::RGB(bits @ (8 | 16)) => (true, false, bits),
+            ColorType::RGBA(bits @ (8 | 16)) => (true, true, bits),
+            ColorType::CMYK(_) | ColorType::CMYKA(_) => return Err(unfit("its colours are CMYK")),
+            ColorType::YCbCr(_) => return Err(unfit("its colours are YCbCr")),
+            ColorType::Gray(bits) => return Err(unfit(&format!("its samples have {bits} bits"))),
+            _ => return Err(unfit(&format!("its pixels are {colour_type:?}"))),
+        };
+        let max = ((1u32 << bits) - 1) as u16;
+        Ok(Self { layout: PixelLayout { colour, alpha, max }, bits })
+    }
+
+    fn name(&self) -> String {
+        let colours = if self.layout.colour { "RGB" } else { "grey" };
+        let alpha = if self.layout.alpha { " with alpha" } else { "" };
+        format!("TIFF, {}-bit {colours}{alpha}", self.bits)
+    }
+
+    fn samples_per_row(&self, cols: usize) -> usize {
+        cols * self.layout.channels()
+    }
+
+    fn bytes_per_row(&self, cols: usize) -> usize {
+        (self.samples_per_row(cols) * usize::from(self.bits)).div_ceil(8)
+    }
+
+    fn grey_values(&self, decoded: DecodingResult, (rows, cols): (usize, usize)) -> Result<Vec<u8>, Fault> {
+        let mut values = with_room(rows * cols)?;
+        match decoded {
+            DecodingResult::U8(bytes) if self.bits <= 8 => {
+                let mut samples = Vec::new();
+                for row in bytes.chunks_exact(self.bytes_per_row(cols)).take(rows) {
+                    samples.clear();
+                    self.unpack(row, self.samples_per_row(cols), &mut samples);
+                    self.layout.append_grey(&samples, &mut values);
+                }
+            }
+            DecodingResult::U16(samples) if self.bits == 16 => {
+                let all = rows * self.samples_per_row(cols);
+                self.layout.append_grey(&samples[..all.min(samples.len())], &mut values);
+            }
+            _ => return Err(unfit(FLOAT_OR_SIGNED)),
+        }
+        if values.len() < rows * cols {
+            let (row, col) = (values.len() / cols, values.len() % cols);
+            return Err(Fault::Ends { row, col, rows, cols });
+        }
+        Ok(values)
+    }
+
+    /// Appends the samples of a row; the leftmost of a byte are its highest bits.
+    fn unpack(&self, row: &[u8], samples: usize, unpacked: &mut Vec<u16>) {
+        if self.bits == 8 {
+            unpacked.extend(row.iter().map(|&byte| u16::from(byte)));
+            return;
+        }
+        let per_byte = 8 / usize::from(self.bits);
+        unpacked.extend((0..samples).map(|at| {
+            let shift = (per_byte - 1 - at % per_byte) * usize::from(self.bits);
+            u16::from(row[at / per_byte] >> shift) & self.layout.max
+        }));
+    }
+}

@@ -1,0 +1,133 @@
+//! Cells of a grid, which of them are neighbours, and in which order these are asked.
+
+use std::f64::consts::SQRT_2;
+
+use thiserror::Error;
+
+use crate::Grid;
+
+/// (row, column), both from 0.
+pub type Place = (usize, usize);
+
+/// Why a place cannot be a goal; a start has to be on the map too, and one in an obstacle is an answer.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum BadPlace {
+    #[error("row {}, column {} lies outside the map of {rows} rows and {cols} columns", place.0, place.1)]
+    Outside { place: Place, rows: usize, cols: usize },
+    #[error("row {}, column {} is occupied", place.0, place.1)]
+    Occupied { place: Place },
+}
+
+/// The answer to a search for a way to the goal.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Route {
+    /// Cells from start to goal, both included.
+    Found(Vec<Place>),
+    StartOccupied,
+    /// No sequence of legal steps leads from the start to the goal.
+    Unreachable,
+}
+
+/// Accepts a place on a free cell.
+pub fn check_free(occupied: &Grid<bool>, place: Place) -> Result<(), BadPlace> {
+    match occupied.get(place.0, place.1) {
+        None => Err(BadPlace::Outside { place, rows: occupied.rows(), cols: occupied.cols() }),
+        Some(true) => Err(BadPlace::Occupied { place }),
+        Some(false) => Ok(()),
+    }
+}
+
+/// Accepts a goal on a free cell and a start on the map; returns whether the start is free too.
+pub fn check_ends(occupied: &Grid<bool>, start: Place, goal: Place) -> Result<bool, BadPlace> {
+    check_free(occupied, goal)?;
+    match check_free(occupied, start) {
+        Err(BadPlace::Occupied { .. }) => Ok(false),
+        checked => checked.map(|()| true),
+    }
+}
+
+/// The free cell that a step from `from` leads to, if the step is legal.
+#[inline]
+pub fn step(occupied: &Grid<bool>, from: Place, step: (isize, isize), corners: CornerCutting) -> Option<Place> {
+    step_where(occupied, |&is_occupied| !is_occupied, from, step, corners)
+}
+
+/// The cell that a step from `from` leads to, if the step is legal on a grid whose values tell which cells are free.
+pub fn step_where<T>(
+    grid: &Grid<T>,
+    is_free: impl Fn(&T) -> bool,
+    from: Place,
+    step: (isize, isize),
+    corners: CornerCutting,
+) -> Option<Place> {
+    let to = neighbour(grid, from, step)?;
+    let is_free = |place: Place| is_free(&grid[place]);
+    let keeps_corners = corners == CornerCutting::Allowed || (is_free((from.0, to.1)) && is_free((to.0, from.1)));
+    (is_free(to) && keeps_corners).then_some(to)
+}
+
+/// The cell that a step from `from` leads to, if it is on the grid.
+#[inline]
+pub fn neighbour<T>(grid: &Grid<T>, from: Place, step: (isize, isize)) -> Option<Place> {
+    // A step from row 0 or column 0 wraps around to a number that is outside too.
+    let to = (from.0.wrapping_add_signed(step.0), from.1.wrapping_add_signed(step.1));
+    (to.0 < grid.rows() && to.1 < grid.cols()).then_some(to)
+}
+
+/// Length of a path in cells: 1 for an orthogonal step, the square root of 2 for a diagonal one.
+pub fn octile_length(path: &[Place]) -> f64 {
+    let is_diagonal = |pair: &&[Place]| pair[0].0 != pair[1].0 && pair[0].1 != pair[1].1;
+    let diagonal = path.windows(2).filter(is_diagonal).count();
+    let straight = path.len().saturating_sub(1) - diagonal;
+    straight as f64 + diagonal as f64 * SQRT_2
+}
+
+/// The number of neighbours that a cell is connected with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Connectivity {
+    /// Those that share a side.
+    Four,
+    /// Those that share a side or a corner.
+    Eight,
+}
+
+/// The rule for diagonal steps past an occupied cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CornerCutting {
+    /// A diagonal step asks of its two ends only that they are free.
+    Allowed,
+    /// A diagonal step needs both cells beside it free too.
+    Forbidden,
+}
+
+/// Which of several equally good neighbours comes first. Row 0 is the north edge in these names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TieOrder {
+    /// S N E W SE SW NE NW (Daudt, "Autonomous Robotics Lab 1: Brushfire and Wavefront", appendix B).
+    CrossFirst,
+    /// W N E S NW NE SE SW (Akram and López Musito, "Autonomous Systems, Lab 2", 2024, section 3.3).
+    WestFirst,
+}
+
+impl Connectivity {
+    /// Number of neighbours of a cell inside the grid.
+    pub fn count(self) -> usize {
+        match self {
+            Self::Four => 4,
+            Self::Eight => 8,
+        }
+    }
+}
+
+impl TieOrder {
+    /// The steps to the neighbours in this order, orthogonal ones first.
+    pub fn steps(self, connectivity: Connectivity) -> &'static [(isize, isize)] {
+        const CROSS_FIRST: [(isize, isize); 8] = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)];
+        const WEST_FIRST: [(isize, isize); 8] = [(0, -1), (-1, 0), (0, 1), (1, 0), (-1, -1), (-1, 1), (1, 1), (1, -1)];
+        let all = match self {
+            Self::CrossFirst => &CROSS_FIRST,
+            Self::WestFirst => &WEST_FIRST,
+        };
+        &all[..connectivity.count()]
+    }
+}

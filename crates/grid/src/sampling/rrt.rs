@@ -1,0 +1,206 @@
+//! RRT and RRT*: trees that grow from the start towards points drawn at random.
+//!
+//! S. LaValle, "Rapidly-Exploring Random Trees: A New Tool for Path Planning" (TR 98-11, Iowa State University, 1998), with
+//! the goal drawn in place of a point now and then; S. Karaman, E. Frazzoli, "Sampling-based algorithms for optimal motion
+//! planning", International Journal of Robotics Research 30(7), 2011, section 3.3.3, for RRT* with the nearest neighbours.
+
+use rand::RngExt;
+
+use super::point_index::PointIndex;
+use super::{
+    CORNERS, PointGraph, PointRoute, check_neighbours, check_radius, check_samples, draw_point, neighbours_of_many,
+    squared_units,
+};
+use crate::parameter::BadParameter;
+use crate::segment::{GridPoint, is_free_segment};
+use crate::{BadPlace, Grid, Place, place};
+use wildfire_base::rng;
+
+/// Which tree grows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TreeKind {
+    /// Ends when it reaches the goal.
+    Rrt,
+    /// Draws all samples, joins points over the neighbour that makes the way shortest, and joins neighbours anew over them.
+    RrtStar,
+}
+
+/// How a tree grows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RrtSettings {
+    pub seed: u64,
+    /// Points drawn at most.
+    pub samples: u32,
+    /// The longest edge, in cells.
+    pub step: f64,
+    /// The chance that the goal is drawn in place of a point.
+    pub goal_bias: f64,
+    /// The neighbours that RRT* considers; 2e ln n of n points if `None`.
+    pub neighbours: Option<u32>,
+    /// The distance in cells within which RRT* has neighbours; unlimited if `None`.
+    pub radius: Option<f64>,
+}
+
+impl RrtSettings {
+    /// Accepts settings in the ranges that the trees can be grown with.
+    pub fn check(&self) -> Result<(), BadParameter> {
+        check_samples(self.samples)?;
+        let is_step = (0.1..=100_000.0).contains(&self.step);
+        BadParameter::unless(is_step, "the step", "a number of cells from 0.1 to 100000", self.step)?;
+        let is_chance = (0.0..=1.0).contains(&self.goal_bias);
+        BadParameter::unless(is_chance, "the goal bias", "a number from 0 to 1", self.goal_bias)?;
+        check_neighbours(self.neighbours)?;
+        check_radius(self.radius)
+    }
+}
+
+/// Grows a tree from the centre of the start cell to that of the goal cell.
+///
+/// More samples of the same seed grow the same tree further, so that the cost of RRT* never rises with them. A goal
+/// outside or in an obstacle is an error, and so is a start outside.
+///
+/// # Panics
+/// If [`RrtSettings::check`] refuses the settings.
+pub fn grow_tree(
+    occupied: &Grid<bool>,
+    (start, goal): (Place, Place),
+    kind: TreeKind,
+    settings: &RrtSettings,
+) -> Result<PointGraph, BadPlace> {
+    settings.check().expect("the settings were checked");
+    if !place::check_ends(occupied, start, goal)? {
+        return Ok(PointGraph::from_occupied_start());
+    }
+    let (start, goal) = (GridPoint::centre(start), GridPoint::centre(goal));
+    let mut rng = rng::stream(settings.seed, "map/rrt");
+    let mut index = PointIndex::new(occupied, settings.samples as usize);
+    index.add(0, start);
+    let mut tree =
+        Tree { occupied, points: vec![start], parents: vec![0], costs: vec![0.0], children: vec![Vec::new()] };
+    // Points from which the goal is one step.
+    let mut gates: Vec<u32> = tree.is_step(start, goal, settings.step).then_some(0).into_iter().collect();
+    let mut samples = 0;
+    while samples < settings.samples && (kind == TreeKind::RrtStar || gates.is_empty()) {
+        samples += 1;
+        // Both draws are made always, so that a bias does not shift the points that follow.
+        let (aims_at_goal, drawn) = (rng.random_bool(settings.goal_bias), draw_point(occupied, &mut rng));
+        let aim = if aims_at_goal { goal } else { drawn };
+        let nearest = index.nearest(aim).expect("the start is there");
+        let from = tree.points[nearest as usize];
+        let point = steered(from, aim, settings.step);
+        if point == from || !is_free_segment(occupied, from, point, CORNERS) {
+            continue;
+        }
+        let around = match kind {
+            TreeKind::Rrt => Vec::new(),
+            TreeKind::RrtStar => {
+                let most =
+                    settings.neighbours.map_or_else(|| neighbours_of_many(tree.points.len()), |most| most as usize);
+                index.nearest_of_many(point, most, squared_units(settings.radius))
+            }
+        };
+        let number = tree.join(point, nearest, &around);
+        index.add(number, point);
+        if tree.is_step(point, goal, settings.step) {
+            gates.push(number);
+        }
+    }
+    Ok(tree.into_graph(goal, &gates, samples))
+}
+
+/// The point at most a step towards an aim.
+fn steered(from: GridPoint, aim: GridPoint, step: f64) -> GridPoint {
+    let distance = from.distance(aim);
+    if distance <= step {
+        return aim;
+    }
+    let (from, aim) = (from.units(), aim.units());
+    let along = |from: i64, aim: i64| from + ((aim - from) as f64 * (step / distance)).round() as i64;
+    GridPoint::from_units(along(from.0, aim.0), along(from.1, aim.1))
+}
+
+struct Tree<'a> {
+    occupied: &'a Grid<bool>,
+    points: Vec<GridPoint>,
+    /// The start is its own.
+    parents: Vec<u32>,
+    costs: Vec<f64>,
+    children: Vec<Vec<u32>>,
+}
+
+impl Tree<'_> {
+    fn is_step(&self, from: GridPoint, to: GridPoint, step: f64) -> bool {
+        from.distance(to) <= step && is_free_segment(self.occupied, from, to, CORNERS)
+    }
+
+    /// Adds a point over the neighbour with the shortest way, the nearest among equals, and joins those neighbours anew
+    /// whose way gets shorter over it.
+    fn join(&mut self, point: GridPoint, nearest: u32, around: &[u32]) -> u32 {
+        let cost_by = |tree: &Self, by: u32| tree.costs[by as usize] + tree.points[by as usize].distance(point);
+        let (mut parent, mut cost) = (nearest, cost_by(self, nearest));
+        for &by in around {
+            let to_point = cost_by(self, by);
+            if to_point < cost && is_free_segment(self.occupied, self.points[by as usize], point, CORNERS) {
+                (parent, cost) = (by, to_point);
+            }
+        }
+        let number = self.points.len() as u32;
+        self.points.push(point);
+        self.parents.push(parent);
+        self.costs.push(cost);
+        self.children.push(Vec::new());
+        self.children[parent as usize].push(number);
+        for &other in around {
+            let at = self.points[other as usize];
+            let by_point = cost + point.distance(at);
+            if by_point < self.costs[other as usize] && is_free_segment(self.occupied, point, at, CORNERS) {
+                self.move_below(other, number, by_point);
+            }
+        }
+        number
+    }
+
+    /// Gives a point another parent; all that grew from it gets cheaper too.
+    fn move_below(&mut self, number: u32, parent: u32, cost: f64) {
+        let old = self.parents[number as usize] as usize;
+        self.children[old].retain(|&child| child != number);
+        self.parents[number as usize] = parent;
+        self.children[parent as usize].push(number);
+        self.costs[number as usize] = cost;
+        let mut front = vec![number];
+        while let Some(here) = front.pop() {
+            for child in self.children[here as usize].clone() {
+                let edge = self.points[here as usize].distance(self.points[child as usize]);
+                self.costs[child as usize] = self.costs[here as usize] + edge;
+                front.push(child);
+            }
+        }
+    }
+
+    fn into_graph(self, goal: GridPoint, gates: &[u32], samples: u32) -> PointGraph {
+        let cost_over = |&gate: &u32| self.costs[gate as usize] + self.points[gate as usize].distance(goal);
+        let best = gates.iter().copied().min_by(|a, b| cost_over(a).total_cmp(&cost_over(b)));
+        let mut path = Vec::new();
+        if let Some(gate) = best {
+            path.push(goal);
+            let mut here = gate;
+            path.push(self.points[here as usize]);
+            while here != 0 {
+                here = self.parents[here as usize];
+                path.push(self.points[here as usize]);
+            }
+            path.reverse();
+            // The goal itself may have been drawn and joined.
+            path.dedup();
+        }
+        PointGraph {
+            edges: (1..).zip(&self.parents[1..]).map(|(number, &parent)| [parent, number]).collect(),
+            answer: if best.is_some() { PointRoute::Found } else { PointRoute::NotFound },
+            path,
+            cost: best.map(|gate| cost_over(&gate)),
+            points: self.points,
+            costs: self.costs,
+            samples,
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! Differences, one below the other: each with its interval, beside a line at zero.
+
+use crate::charts::drawing::Drawing;
+use crate::charts::sheet::{AxisScale, LABEL, Plot, SheetLayout, Swatch, fitted, rule, width_of};
+use crate::charts::style::STYLES;
+use crate::charts::{ChartRow, Estimate, Titles};
+use crate::colours::{INK, PAPER};
+use crate::text::Align;
+
+const ROW: f32 = 30.0;
+/// The most room for words at a side, in shares of the width of the sheet.
+const WIDEST_NAME: f32 = 0.32;
+const WIDEST_WORDS: f32 = 0.31;
+/// The room between the plot and the words at its sides.
+const GAP: f32 = 12.0;
+/// Half of the side of a mark, and the reach of the ends of an interval.
+const MARK: f32 = 4.5;
+
+/// Differences over one axis, after the forest plots of meta-analyses (Lewis, Clarke, "Forest plots: trying to see the wood
+/// and the trees", BMJ 322, 2001).
+#[derive(Clone, Debug, PartialEq)]
+pub struct ForestChart {
+    pub titles: Titles,
+    pub rows: Vec<ForestRow>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct ForestRow {
+    pub name: String,
+    /// The difference and its interval; `None` where it cannot be given in the unit of the axis.
+    pub difference: Option<Estimate>,
+    /// Words to the right of it, such as the same in its own unit.
+    pub words: String,
+    /// True if there is evidence of a difference: the mark is filled.
+    pub is_told_apart: bool,
+}
+
+impl ForestChart {
+    /// Lists what it shows.
+    pub fn rows(&self) -> impl Iterator<Item = ChartRow<'_>> {
+        self.rows.iter().filter_map(|ForestRow { name, difference, .. }| {
+            let Estimate { value, interval } = (*difference)?;
+            Some(ChartRow { panel: "", series: name, x: String::new(), value, interval })
+        })
+    }
+
+    pub fn draw(&self, width: f32) -> Drawing {
+        let widest = |text: fn(&ForestRow) -> &str, most: f32| {
+            self.rows.iter().map(|row| width_of(text(row), LABEL)).fold(0.0, f32::max).min(most * width) + GAP
+        };
+        let (left, right) = (widest(|row| &row.name, WIDEST_NAME), widest(|row| &row.words, WIDEST_WORDS));
+        let height = ROW * self.rows.len().max(1) as f32;
+        let layout =
+            SheetLayout { titles: &self.titles, swatch: Swatch::Bar, key: Vec::new(), width, left, right, height };
+        let (mut drawing, plot) = layout.draw();
+        let differences = self.rows.iter().filter_map(|row| row.difference);
+        let scale = AxisScale::around(differences.map(|difference| difference.range()).chain([(0.0, 0.0)]));
+        plot.draw_x_axis(&mut drawing, scale);
+        let zero = plot.x(scale, 0.0);
+        drawing.line(vec![(zero, plot.top), (zero, plot.bottom)], 1.6, INK);
+        for (index, row) in self.rows.iter().enumerate() {
+            let middle = plot.top + (index as f32 + 0.5) * ROW;
+            if index > 0 {
+                rule(&mut drawing, &plot, middle - 0.5 * ROW);
+            }
+            draw_row(&mut drawing, &plot, scale, (middle, width), row);
+        }
+        plot.draw_base(&mut drawing);
+        drawing
+    }
+}
+
+/// Draws a row about a height, on a sheet of this width.
+fn draw_row(drawing: &mut Drawing, plot: &Plot, scale: AxisScale, (middle, width): (f32, f32), row: &ForestRow) {
+    let base = middle + 0.5 * LABEL;
+    drawing.text(&fitted(&row.name, WIDEST_NAME * width, LABEL), (plot.left - GAP, base), Align::Right, LABEL, INK);
+    drawing.text(&fitted(&row.words, WIDEST_WORDS * width, LABEL), (plot.right + GAP, base), Align::Left, LABEL, INK);
+    let Some(Estimate { value, interval }) = row.difference else { return };
+    let colour = STYLES[0].colour;
+    if let Some((low, high)) = interval {
+        let ends = [plot.x(scale, low), plot.x(scale, high)];
+        drawing.line(vec![(ends[0], middle), (ends[1], middle)], 1.8, colour);
+        for x in ends {
+            drawing.line(vec![(x, middle - MARK), (x, middle + MARK)], 1.8, colour);
+        }
+    }
+    let x = plot.x(scale, value);
+    let mut square =
+        |reach: f32, colour| drawing.rect((x - reach, middle - reach), (x + reach, middle + reach), colour);
+    square(MARK, colour);
+    if !row.is_told_apart {
+        square(MARK - 1.6, PAPER);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::charts::SCREEN_WIDTH;
+    use crate::charts::drawing::DrawingMark;
+
+    #[test]
+    fn differences_are_on_their_side_of_zero_within_their_intervals() {
+        let row = |value: f64, is_told_apart| ForestRow {
+            name: "a metric with a long name".into(),
+            difference: Some(Estimate { value, interval: Some((value - 2.0, value + 3.0)) }),
+            words: "5 (3 to 8)".into(),
+            is_told_apart,
+        };
+        let without = ForestRow { difference: None, ..row(0.0, false) };
+        let rows = vec![row(5.0, true), row(-1.0, false), without];
+        let drawing = ForestChart { titles: Titles::default(), rows }.draw(SCREEN_WIDTH);
+        let lines = |width: f32| {
+            let lines = drawing.marks.iter().filter_map(move |mark| match mark {
+                DrawingMark::Line { points, width: own, .. } if *own == width => Some(points.clone()),
+                _ => None,
+            });
+            lines.collect::<Vec<_>>()
+        };
+        let (zero, intervals) = (lines(1.6)[0][0].0, lines(1.8));
+        assert_eq!(intervals.len(), 2 * 3, "an interval and its two ends for each row that has one");
+        let squares = drawing.marks.iter().filter_map(|mark| match mark {
+            DrawingMark::Area { corners, colour, .. } => Some((0.5 * (corners[0].0 + corners[1].0), *colour)),
+            _ => None,
+        });
+        let squares: Vec<_> = squares.collect();
+        assert_eq!(squares.iter().filter(|(_, colour)| *colour == PAPER).count(), 1, "one that is not told apart");
+        assert!(squares[0].0 > zero && squares[1].0 < zero && intervals[0][0].0 > zero && intervals[3][1].0 > zero);
+        for (interval, square) in [(&intervals[0], squares[0].0), (&intervals[3], squares[1].0)] {
+            assert!(interval[0].0 < square && square < interval[1].0);
+        }
+        assert!(drawing.marks.iter().all(|mark| match mark {
+            DrawingMark::Line { points, .. } => points.iter().all(|&(x, _)| (0.0..=SCREEN_WIDTH).contains(&x)),
+            _ => true,
+        }));
+    }
+}

@@ -1,0 +1,199 @@
+//! The strips of a chart over time: the four counts stacked, marks of events above them, and how the counts of two runs
+//! differ.
+
+use crate::Rgb;
+use crate::canvas::{Canvas, Point};
+use crate::colours::{BURNING, EXTINGUISHED, FAINT_INK, INK, PAPER, blend, bush_colour};
+use crate::film::RunView;
+use crate::film::hud::chart::{ChartPen, ChartPlan, CountScale, RowRange, draw_value_axis};
+use crate::film::lettering::{LetterStyle, fitted};
+use crate::font::Weight;
+use crate::marks::to_f32;
+use crate::text::{Align, measure_weighted};
+use crate::ticks::round_step;
+use wildfire_base::time::SimTime;
+use wildfire_fire::BushStateKind;
+use wildfire_timeline::{AgentFact, BushCounts, Fact, FireFact};
+
+/// The parts from the bottom up: what is lost, what burns, what was saved, what nothing happened to.
+const STACKED: [BushStateKind; 4] =
+    [BushStateKind::BurnedOut, BushStateKind::Burning, BushStateKind::Extinguished, BushStateKind::Intact];
+
+/// Draws the four counts one over the other, or those that are not intact; every column shows those at its middle.
+pub fn draw_stacked_counts(pen: &mut ChartPen, (top, height): RowRange, run: &RunView) {
+    let mut colours = STACKED.map(|kind| pen.shade(bush_colour(kind)));
+    if pen.scale != CountScale::All {
+        colours[3] = PAPER;
+    }
+    let (left, width) = pen.plan.columns;
+    for column in 0..width {
+        let edges = edges(&run.counts_at(column_time(column, width, pen.end)), pen.scale, height);
+        for row in 0..height {
+            let [red, green, blue] = row_colour(row, &edges, &colours);
+            pen.canvas.row_from((left + column) as usize, (top + row) as usize)[0] = [red, green, blue, 255];
+        }
+    }
+}
+
+/// Returns the time in the middle of a column.
+fn column_time(column: u32, width: u32, end: SimTime) -> SimTime {
+    SimTime::from_seconds(end.as_seconds() * (f64::from(column) + 0.5) / f64::from(width))
+}
+
+/// Returns how far down the upper edge of each part lies, in rows.
+fn edges(counts: &BushCounts, scale: CountScale, height: u32) -> [f64; 4] {
+    let (mut below, height) = (0, f64::from(height));
+    let most = match scale {
+        CountScale::All => f64::from(counts.bushes().max(1)),
+        CountScale::WithoutIntact { most } => most,
+    };
+    STACKED.map(|kind| {
+        below += counts.count(kind);
+        height * (1.0 - f64::from(below) / most)
+    })
+}
+
+/// Says that the intact bushes are left out, and how many there are.
+pub fn draw_without_intact(pen: &mut ChartPen, (top, height): RowRange, run: &RunView) {
+    let counts = run.counts_at(run.end_time());
+    let intact = counts.count(BushStateKind::Intact);
+    let words = format!("intact bushes left out: {intact} of {} at the end", counts.bushes());
+    let ChartPen { canvas, lettering, plan, .. } = pen;
+    let style =
+        LetterStyle { height: 0.85 * plan.text as f32, weight: Weight::Regular, colour: blend(PAPER, INK, 0.7) };
+    let base = top as f32 + 1.3 * style.height;
+    if height as f32 > 3.0 * style.height {
+        let words = fitted(&words, (style.height, style.weight), plan.columns.1 as f32);
+        lettering.draw(canvas, &words, (plan.columns.0 as f32 + plan.length(0.6), base), Align::Left, style);
+    }
+}
+
+/// Mixes the colours of the parts that a row cuts by how much it has of each.
+fn row_colour(row: u32, edges: &[f64; 4], colours: &[Rgb; 4]) -> Rgb {
+    let (above, below) = (f64::from(row), f64::from(row) + 1.0);
+    let mut colour = colours[3];
+    for (&edge, &part) in edges.iter().zip(colours).rev().skip(1) {
+        colour = blend(colour, part, (below - edge).clamp(0.0, below - above));
+    }
+    colour
+}
+
+/// A kind of events.
+struct Lane {
+    name: &'static str,
+    colour: Rgb,
+    belongs: fn(&Fact) -> bool,
+}
+
+const LANES: [Lane; 3] = [
+    Lane { name: "ignitions", colour: BURNING, belongs: |fact| matches!(fact, Fact::Fire(FireFact::Ignited { .. })) },
+    Lane {
+        name: "extinctions",
+        colour: EXTINGUISHED,
+        belongs: |fact| matches!(fact, Fact::Fire(FireFact::Extinguished { .. })),
+    },
+    Lane {
+        name: "failed plans",
+        colour: INK,
+        belongs: |fact| matches!(fact, Fact::Agent(_, AgentFact::PlanFailed { .. })),
+    },
+];
+/// Names are written where a lane is at least this high, in pixels.
+const NAMED: u32 = 8;
+
+/// Draws one lane for each kind of events, and one mark in a column however many of them fall on it.
+pub fn draw_event_lanes(pen: &mut ChartPen, (top, height): RowRange, run: &RunView) {
+    for (index, lane) in (0..).zip(&LANES) {
+        let pitch = height / LANES.len() as u32;
+        let (top, bottom) = (top + index * pitch, top + (index + 1) * pitch - 1);
+        let colour = pen.shade(lane.colour);
+        let ChartPen { canvas, lettering, plan, end, .. } = &mut *pen;
+        draw_marks(canvas, plan, (top, bottom), &event_columns(run, plan.columns.1, *end, lane), colour);
+        if bottom - top >= NAMED {
+            let style = LetterStyle {
+                height: 0.75 * plan.text as f32,
+                weight: Weight::Regular,
+                colour: blend(PAPER, INK, 0.7),
+            };
+            let at = (plan.columns.0 as f32 - plan.length(0.6), bottom as f32);
+            lettering.draw(canvas, lane.name, at, Align::Right, style);
+        }
+    }
+}
+
+/// Returns the columns in which such an event happens, ascending.
+fn event_columns(run: &RunView, width: u32, end: SimTime, lane: &Lane) -> Vec<u32> {
+    let events = run.timeline().events.iter().filter(|event| event.time <= end && (lane.belongs)(&event.fact));
+    let mut columns: Vec<u32> = events.map(|event| column_of(event.time, width, end)).collect();
+    columns.dedup();
+    columns
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a column lies on the sheet")]
+fn column_of(time: SimTime, width: u32, end: SimTime) -> u32 {
+    let share = time.as_seconds() / end.as_seconds().max(f64::MIN_POSITIVE);
+    ((share * f64::from(width)) as u32).min(width - 1)
+}
+
+fn draw_marks(canvas: &mut Canvas, plan: &ChartPlan, (top, bottom): (u32, u32), columns: &[u32], colour: Rgb) {
+    let [red, green, blue] = colour;
+    let (left, width) = plan.columns;
+    let thickness = (plan.text / 8).max(1);
+    for &column in columns {
+        let wide = thickness.min(width - column) as usize;
+        for row in top..bottom {
+            canvas.row_from((left + column) as usize, row as usize)[..wide].fill([red, green, blue, 255]);
+        }
+    }
+}
+
+/// A count that is compared.
+struct CountCurve {
+    name: &'static str,
+    colour: Rgb,
+    count: fn(&BushCounts) -> u32,
+}
+
+const CURVES: [CountCurve; 2] = [
+    CountCurve { name: "burned", colour: BURNING, count: BushCounts::burned },
+    CountCurve {
+        name: "extinguished",
+        colour: EXTINGUISHED,
+        count: |counts| counts.count(BushStateKind::Extinguished),
+    },
+];
+
+/// Draws how much larger the counts of the first run are than those of the second.
+pub fn draw_differences(pen: &mut ChartPen, rows: RowRange, runs: (&RunView, &RunView)) {
+    let curves = CURVES.map(|curve| (pen.shade(curve.colour), differences(pen, runs, curve.count)));
+    let largest = curves.iter().flat_map(|(_, values)| values).map(|value| value.abs()).fold(1.0, f64::max);
+    let largest = round_step(largest);
+    draw_value_axis(pen, rows, (-largest, largest));
+    let (top, height) = (rows.0 as f32, rows.1 as f32);
+    let (left, width) = (pen.plan.columns.0 as f32, pen.plan.columns.1 as f32);
+    pen.canvas.fill_rect(left, top + 0.5 * height, width, 1.0, FAINT_INK);
+    for (colour, values) in &curves {
+        let y = |value: f64| top + 0.5 * height * (1.0 - to_f32(value / largest));
+        let points: Vec<Point> =
+            values.iter().zip(0_u16..).map(|(&value, x)| (left + f32::from(x) + 0.5, y(value))).collect();
+        pen.canvas.polyline(&points, pen.plan.length(0.18).max(1.5), *colour);
+    }
+    draw_key(pen, top);
+}
+
+/// Returns the difference in the middle of each column.
+fn differences(pen: &ChartPen, (one, other): (&RunView, &RunView), count: fn(&BushCounts) -> u32) -> Vec<f64> {
+    let width = pen.plan.columns.1;
+    let times = (0..width).map(|column| column_time(column, width, pen.end));
+    times.map(|time| f64::from(count(&one.counts_at(time))) - f64::from(count(&other.counts_at(time)))).collect()
+}
+
+/// Draws the names of the curves above them.
+fn draw_key(ChartPen { canvas, lettering, plan, .. }: &mut ChartPen, top: f32) {
+    let style = LetterStyle { height: 0.85 * plan.text as f32, weight: Weight::Bold, colour: INK };
+    let (mut x, base) = (plan.columns.0 as f32, top - plan.length(0.6));
+    for (name, colour) in [("A - B", INK)].into_iter().chain(CURVES.map(|curve| (curve.name, curve.colour))) {
+        lettering.draw(canvas, name, (x, base), Align::Left, LetterStyle { colour, ..style });
+        x += measure_weighted(name, style.height, style.weight) + plan.length(1.5);
+    }
+}

@@ -1,0 +1,275 @@
+//! Runs as a page: one file that plays them in a browser, without a network and without this program.
+//!
+//! Numbers, words, colours and sprites are found here and go into the page as data; its script (`assets/page/`) draws them as
+//! the other modules of [`film`](super) do. Layers of values over the whole field are left out.
+
+mod data;
+mod ground;
+
+use std::collections::BTreeMap;
+
+use data_encoding::BASE64;
+use miniz_oxide::deflate::compress_to_vec_zlib;
+use serde::Serialize;
+
+pub use ground::MOST_GROUND_CELLS;
+
+use data::{RunData, hex};
+
+use crate::colours::{
+    BORDER, BURNING, EXTINGUISHED, FAINT_INK, FIELD, INK, OUTSIDE, PAPER, UNIMOG, WATER, WUMPUS, bush_colour,
+};
+use crate::film::field::searches::STYLES;
+use crate::film::field::sprite::{
+    BURNED_SPRITE, BUSH_SPRITE, EMBERS_SPRITE, FLAME_SPRITE, Sprite, UNIMOG_SPRITE, WET_SPRITE, WHEEL_SPRITE,
+    WUMPUS_SPRITE,
+};
+use crate::film::hud::chart::CountScale;
+use crate::film::hud::legend::{LegendSign, legend_entries, run_sentence};
+use crate::film::{BINDINGS, Camera, Followed, FrameRequest, Layer, RunView, Selected};
+use wildfire_base::document::escaped_html;
+use wildfire_fire::BushStateKind;
+use wildfire_timeline::Setting;
+
+const TEMPLATE: &str = include_str!("../../../assets/page/page.html");
+const STYLE: &str = include_str!("../../../assets/page/page.css");
+/// Each part uses those before it.
+const SCRIPTS: [&str; 6] = [
+    include_str!("../../../assets/page/run.js"),
+    include_str!("../../../assets/page/field.js"),
+    include_str!("../../../assets/page/ground.js"),
+    include_str!("../../../assets/page/chart.js"),
+    include_str!("../../../assets/page/panel.js"),
+    include_str!("../../../assets/page/player.js"),
+];
+
+/// How hard the data are packed, 0 to 10: more takes longer and gains next to nothing.
+const PACKED: u8 = 8;
+
+/// Keys of the window that ask for what a page cannot do: other runs, and to quit.
+const WINDOW_ONLY: [&str; 3] = ["R", "N P", "Q"];
+
+/// All that the script of a page is given.
+#[derive(Serialize)]
+struct PageData {
+    time_ns: u64,
+    /// The point in the middle as shares of the field, and the zoom.
+    camera: [f64; 3],
+    /// `fleet` or an agent.
+    follows: Option<String>,
+    selected: Option<SelectedData>,
+    layers: Vec<LayerData>,
+    /// Signs of the legend, as a kind and a colour or nothing, and what they mean.
+    legend: Vec<(&'static str, String, String)>,
+    search_styles: Vec<SearchStyleData>,
+    /// Keys and what they do.
+    keys: Vec<[&'static str; 2]>,
+    zooms: [f64; 2],
+    colours: BTreeMap<&'static str, String>,
+    state_names: [&'static str; 4],
+    state_colours: [String; 4],
+    /// Shapes, the lowest first: colour, opacity, width of a line or 0, path.
+    sprites: BTreeMap<&'static str, Vec<(String, f32, f32, String)>>,
+    runs: Vec<RunData>,
+}
+
+#[derive(Serialize)]
+struct SelectedData {
+    run: usize,
+    /// Place of a bush, or of an agent, in the run.
+    bush: Option<usize>,
+    agent: Option<usize>,
+}
+
+#[derive(Serialize)]
+struct LayerData {
+    name: &'static str,
+    key: String,
+    is_on: bool,
+}
+
+#[derive(Serialize)]
+struct SearchStyleData {
+    layer: &'static str,
+    colours: [[u8; 3]; 2],
+    width: f32,
+    opacity: f32,
+    disc: f32,
+}
+
+/// Returns a page that plays the runs of a request, one or two; it begins at the request's time, seen as its options say.
+pub fn page(request: &FrameRequest) -> String {
+    let title = request.runs.iter().map(|run| format!("{}, seed {}", run.title(), run.timeline().setting.seed));
+    let title = title.collect::<Vec<_>>().join(" and ");
+    let mut sentences: Vec<String> = request.runs.iter().map(|run| run_sentence(&run.timeline().setting)).collect();
+    sentences.dedup();
+    let sentence = sentences.join(" ");
+    let data = serde_json::to_vec(&PageData::new(request)).expect("numbers and words are JSON");
+    TEMPLATE
+        .replace("@TITLE@", &escaped_html(&title))
+        .replace("@SENTENCE@", &escaped_html(&sentence))
+        .replace("@STYLE@", STYLE)
+        .replace("@SCRIPT@", &SCRIPTS.concat())
+        // The last, so that nothing in names is replaced.
+        .replace("@DATA@", &BASE64.encode(&compress_to_vec_zlib(&data, PACKED)))
+}
+
+impl PageData {
+    fn new(request: &FrameRequest) -> Self {
+        let options = request.options;
+        let Camera { centre, zoom } = options.camera;
+        let scale = CountScale::new(request.runs);
+        Self {
+            time_ns: request.time.as_nanos(),
+            camera: [centre.x, centre.y, zoom],
+            follows: options.follows.map(|followed: Followed| followed.to_string()),
+            selected: options.selected.and_then(|(run, selected)| {
+                SelectedData::new(run, selected, &request.runs.get(run)?.timeline().setting)
+            }),
+            layers: shown_layers(request.runs)
+                .map(|layer| LayerData {
+                    name: layer.name(),
+                    key: layer.key().to_string(),
+                    is_on: options.layers.contains(layer),
+                })
+                .collect(),
+            legend: legend_entries(request.runs, USUAL_SIDE).into_iter().map(legend_data).collect(),
+            search_styles: STYLES
+                .iter()
+                .map(|style| SearchStyleData {
+                    layer: style.layer.name(),
+                    colours: style.colours,
+                    width: style.width,
+                    opacity: style.opacity,
+                    disc: style.disc,
+                })
+                .collect(),
+            keys: BINDINGS
+                .iter()
+                .filter(|binding| !WINDOW_ONLY.contains(&binding.keys))
+                .map(|binding| [binding.keys, binding.does])
+                .collect(),
+            zooms: [Camera::LEAST_ZOOM, Camera::MOST_ZOOM],
+            colours: colours(),
+            state_names: BushStateKind::ALL.map(BushStateKind::name),
+            state_colours: BushStateKind::ALL.map(|kind| hex(bush_colour(kind))),
+            sprites: sprites(),
+            runs: request.runs.iter().map(|run| RunData::new(run, scale)).collect(),
+        }
+    }
+}
+
+impl SelectedData {
+    fn new(run: usize, selected: Selected, setting: &Setting) -> Option<Self> {
+        let (bush, agent) = match selected {
+            Selected::Bush(cell) => (Some(setting.bush_index(cell)?), None),
+            Selected::Agent(id) => (None, Some(setting.agent_index(id)?)),
+        };
+        Some(Self { run, bush, agent })
+    }
+}
+
+/// The layers that a page has of these runs: none of values, and of searches only where there are some.
+fn shown_layers(runs: &[&RunView]) -> impl Iterator<Item = Layer> {
+    let has_searches = runs.iter().any(|run| run.index().has_searches());
+    let is_of_values = |layer: Layer| matches!(layer, Layer::Clearance | Layer::CostMap | Layer::Wavefront);
+    let has_ground = runs.iter().any(|run| run.index().ground().is_some());
+    Layer::all_of(has_ground).filter(move |&layer| !is_of_values(layer) && (has_searches || !layer.needs_searches()))
+}
+
+/// The pane of a page in an ordinary window, in pixels.
+const USUAL_SIDE: f64 = 700.0;
+
+fn legend_data((sign, text): (LegendSign, String)) -> (&'static str, String, String) {
+    let (kind, colour) = match sign {
+        LegendSign::Line(0.0, _) => ("driven", String::new()),
+        LegendSign::Line(dash, gap) => (if dash < gap { "reverse" } else { "planned" }, String::new()),
+        LegendSign::Cell(colour) => ("cell", hex(colour)),
+        LegendSign::Cluster(role) => (role.name(), String::new()),
+        LegendSign::Ground(colour) => ("cell cover", hex(colour)),
+        LegendSign::Glow => ("glow", String::new()),
+    };
+    (kind, colour, text)
+}
+
+fn colours() -> BTreeMap<&'static str, String> {
+    let colours = [
+        ("border", BORDER),
+        ("burning", BURNING),
+        ("extinguished", EXTINGUISHED),
+        ("faint", FAINT_INK),
+        ("field", FIELD),
+        ("ink", INK),
+        ("outside", OUTSIDE),
+        ("paper", PAPER),
+        ("unimog", UNIMOG),
+        ("water", WATER),
+        ("wumpus", WUMPUS),
+    ];
+    colours.into_iter().map(|(name, colour)| (name, hex(colour))).collect()
+}
+
+fn sprites() -> BTreeMap<&'static str, Vec<(String, f32, f32, String)>> {
+    let sprites: [(&str, &Sprite); 8] = [
+        ("burned", &BURNED_SPRITE),
+        ("bush", &BUSH_SPRITE),
+        ("embers", &EMBERS_SPRITE),
+        ("flame", &FLAME_SPRITE),
+        ("unimog", &UNIMOG_SPRITE),
+        ("wet", &WET_SPRITE),
+        ("wheel", &WHEEL_SPRITE),
+        ("wumpus", &WUMPUS_SPRITE),
+    ];
+    let shapes = |sprite: &Sprite| {
+        let shapes = sprite.shapes_as_svg();
+        shapes.map(|(path, ink, width)| (hex(ink.colour), ink.opacity, width.unwrap_or(0.0), path)).collect()
+    };
+    sprites.into_iter().map(|(name, sprite)| (name, shapes(sprite))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::ViewOptions;
+    use wildfire_base::time::SimTime;
+    use wildfire_timeline::sample;
+
+    fn page_of(title: &str) -> String {
+        let run = RunView::new(sample::random(3, SimTime::from_seconds(300.0)), None).with_title(title.into());
+        page(&FrameRequest { runs: &[&run], time: SimTime::ZERO, options: &ViewOptions::default() })
+    }
+
+    #[test]
+    fn a_name_is_text_and_nothing_else() {
+        let tags = |page: &str| page.matches('<').count();
+        let page = page_of("</script><b>\"'@DATA@ &amp;");
+        assert_eq!(tags(&page), tags(&page_of("plain")));
+        assert!(page.contains("&lt;/script&gt;&lt;b&gt;"), "the title shows the name");
+    }
+
+    #[test]
+    fn a_page_names_no_other_file_and_no_network() {
+        let page = page_of("plain");
+        for word in [
+            "http:",
+            "https:",
+            "src=",
+            "@import",
+            "url(",
+            "fetch(",
+            "XMLHttpRequest",
+            "@TITLE@",
+            "@STYLE@",
+            "@SCRIPT@",
+            "@DATA@",
+        ] {
+            assert!(!page.contains(word), "{word}");
+        }
+        assert!(page.contains("default-src 'none'"));
+    }
+
+    #[test]
+    fn the_same_run_gives_the_same_page() {
+        assert_eq!(page_of("a"), page_of("a"));
+    }
+}

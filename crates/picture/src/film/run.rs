@@ -1,0 +1,115 @@
+//! A run prepared for being shown.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use wildfire_base::time::SimTime;
+use wildfire_timeline::{
+    AgentId, AgentState, AgentStats, BushCounts, CpuHistory, CpuSample, Event, RunIndex, State, Timeline,
+};
+
+/// Tells the runs shown by one process apart, those that are gone included; renderers know by it what they may keep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RunViewId(u64);
+
+impl RunViewId {
+    fn next() -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        Self(NEXT.fetch_add(1, Ordering::Relaxed))
+    }
+}
+
+/// Runs with more agents than this are told of by sums, since a panel has no room for all of them one by one, and their numbers
+/// are written where there is room.
+const MOST_ONE_BY_ONE: usize = 8;
+
+/// A run prepared for being shown: what is asked of it at any time, its title, and what its decisions cost.
+#[derive(Debug)]
+pub struct RunView {
+    id: RunViewId,
+    title: String,
+    index: RunIndex<'static>,
+    cpu: Option<CpuHistory>,
+}
+
+impl RunView {
+    /// `cpu_samples` in order of time, where the run was simulated just now and is known. The title is the scenario's name.
+    pub fn new(timeline: Timeline, cpu_samples: Option<Vec<CpuSample>>) -> Self {
+        Self {
+            id: RunViewId::next(),
+            title: timeline.setting.scenario.clone(),
+            index: timeline.into(),
+            cpu: cpu_samples.as_deref().map(CpuHistory::new),
+        }
+    }
+
+    /// The same run under another title, which tells it apart from others of its scenario and seed.
+    pub fn with_title(self, title: String) -> Self {
+        Self { id: RunViewId::next(), title, ..self }
+    }
+
+    /// What the run is called, without its seed.
+    pub fn title(&self) -> &str {
+        &self.title
+    }
+
+    pub fn id(&self) -> RunViewId {
+        self.id
+    }
+
+    /// What is asked of the run at any time.
+    pub fn index(&self) -> &RunIndex<'static> {
+        &self.index
+    }
+
+    pub fn timeline(&self) -> &Timeline {
+        self.index.timeline()
+    }
+
+    /// Returns whether it has more agents than can be told of one by one.
+    pub fn is_crowded(&self) -> bool {
+        self.timeline().setting.agents.len() > MOST_ONE_BY_ONE
+    }
+
+    pub fn end_time(&self) -> SimTime {
+        self.index.end_time()
+    }
+
+    /// When the last of some runs ends; zero of none.
+    pub fn last_end(runs: &[&Self]) -> SimTime {
+        runs.iter().map(|run| run.end_time()).max().unwrap_or_default()
+    }
+
+    pub fn state_at(&self, time: SimTime) -> State {
+        self.index.state_at(time)
+    }
+
+    /// The state of one agent, by its place in the setting.
+    pub fn agent_at(&self, agent: usize, time: SimTime) -> AgentState {
+        self.index.agent_at(agent, time)
+    }
+
+    pub fn counts_at(&self, time: SimTime) -> BushCounts {
+        self.index.counts_at(time)
+    }
+
+    /// What an agent, by its place in the setting, did until `time`.
+    pub fn stats_at(&self, agent: usize, time: SimTime) -> AgentStats {
+        self.index.stats_at(agent, time)
+    }
+
+    /// The facts that changed a bush, by its place in the setting, in order of time.
+    pub fn changes_of(&self, bush: usize) -> impl Iterator<Item = &Event> {
+        self.index.changes_of(bush)
+    }
+
+    /// CPU time of all decisions up to a time; `None` where it is not known.
+    pub fn cpu_until(&self, time: SimTime) -> Option<Duration> {
+        Some(self.cpu.as_ref()?.until(time))
+    }
+
+    /// CPU time of an agent's decisions up to a time; `None` where it is not known.
+    pub fn cpu_of_agent_until(&self, agent: AgentId, time: SimTime) -> Option<Duration> {
+        Some(self.cpu.as_ref()?.of_agent_until(agent, time))
+    }
+}

@@ -1,0 +1,127 @@
+//! The gate between somebody else's path and the truck.
+//!
+//! A planner that is not built in may be wrong in any way. Whatever it answers, the truck only drives a path that the
+//! [`Judge`] lets pass: one that begins where the truck stands, keeps the least clearance of all paths, turns no sharper
+//! than the truck can, and ends in the goal. What does not pass is a failed query, with words that say where it is wrong.
+//!
+//! The gate also measures: the CPU time of the planner is what the thread's clock says around the call, unless the
+//! planner says where else it was spent; the gate's own time is in neither.
+//!
+//! And it counts: a query counts for the expansions that the answer reports, or for the calls of the checker, whichever
+//! is more, so that a planner which reports nothing is charged all the same.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use wildfire_base::geometry::Pose;
+use wildfire_base::time::cpu::CpuStopwatch;
+use wildfire_base::vehicle::Path;
+
+use super::judge::Judge;
+use super::observer::PlanningObserver;
+use super::registry::{MakeError, MakePlanner, Site};
+use super::{BuildReport, CpuSource, Effort, Goal, Plan, PlanFailure, QueryCpu, TruckPlanner, Unobserved};
+
+/// The share by which a curvature may exceed the truck's before it counts as sharper: what single precision loses. It is
+/// set to the truck's own.
+const CURVATURE_ROUNDING: f64 = 1e-6;
+
+/// A planner inside the gate.
+pub struct Gated {
+    planner: Box<dyn TruckPlanner>,
+    report: BuildReport,
+    judge: Judge,
+    /// The sharpest curvature of the truck, 1/m.
+    sharpest: f64,
+    /// Calls of the checker that the planner has.
+    calls: Arc<AtomicU64>,
+}
+
+impl Gated {
+    /// Makes a planner and measures what that takes.
+    ///
+    /// # Errors
+    /// If it cannot be built.
+    pub fn build(maker: &dyn MakePlanner, site: &Site<'_>) -> Result<Self, MakeError> {
+        let mut stopwatch = CpuStopwatch::start();
+        let (checker, calls) = site.checker.counting();
+        let planner = maker.make(&Site { checker: &checker, ..*site })?;
+        let making = stopwatch.lap();
+        let report = planner.build_report();
+        // What it measured itself is part of that.
+        let (sampling, connecting) = (Duration::ZERO, Duration::ZERO);
+        let report = BuildReport { sampling, connecting, starting: making + report.elsewhere, ..report };
+        let (judge, sharpest) = (Judge::new(site.checker.clone()), site.body.max_curvature());
+        Ok(Self { planner, report, judge, sharpest, calls })
+    }
+
+    /// Lets a plan pass, or says why its path must not be driven.
+    fn judged(&self, start: Pose, goal: Goal, mut plan: Plan) -> Plan {
+        let Ok(path) = &mut plan.path else { return plan };
+        self.forgive_rounding(path);
+        match self.judge.check(start, goal, path) {
+            Ok(()) => plan,
+            Err(bad) => {
+                Plan { path: Err(PlanFailure::BadAnswer), found_by: None, message: Some(bad.to_string()), ..plan }
+            }
+        }
+    }
+
+    /// Sets curvatures that exceed the truck's by rounding to the truck's.
+    fn forgive_rounding(&self, path: &mut Path) {
+        for segment in &mut path.segments {
+            let curvature = segment.curvature.abs();
+            if curvature > self.sharpest && curvature <= self.sharpest * (1.0 + CURVATURE_ROUNDING) {
+                segment.curvature = self.sharpest.copysign(segment.curvature);
+            }
+        }
+    }
+}
+
+impl TruckPlanner for Gated {
+    fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
+        self.plan_observed(start, goal, &mut Unobserved)
+    }
+
+    fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
+        let mut stopwatch = CpuStopwatch::start();
+        let calls = self.calls.load(Ordering::Relaxed);
+        // A planner of somebody else's costs a query when it panics, and never a run.
+        let asked = catch_unwind(AssertUnwindSafe(|| self.planner.plan_observed(start, goal, observer)));
+        let mut plan = asked.unwrap_or_else(|panic| Plan::failed(PlanFailure::Crashed, words_of_panic(&*panic)));
+        let time = stopwatch.lap();
+        plan.cpu.get_or_insert(QueryCpu { time, starting: Duration::ZERO, source: CpuSource::Thread });
+        // What it says of its effort is charged and added up: a lie must not overflow.
+        let calls = (self.calls.load(Ordering::Relaxed) - calls).div_ceil(CALLS_OF_EXPANSION);
+        let counted = u32::try_from(calls).unwrap_or(u32::MAX).min(MOST_EXPANSIONS);
+        plan.effort = Effort { roadmap_expansions: 0, local_expansions: total_expansions(plan.effort).max(counted) };
+        self.judged(start, goal, plan)
+    }
+
+    fn build_report(&self) -> BuildReport {
+        self.report
+    }
+
+    fn show_roadmap(&mut self, observer: &mut dyn PlanningObserver) {
+        self.planner.show_roadmap(observer);
+    }
+}
+
+fn words_of_panic(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().copied();
+    let words = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    format!("it panicked: {}", words.unwrap_or("without words"))
+}
+
+/// Calls of the checker that count as one expansion: those of `hybrid-astar`, which tries six motions for each.
+const CALLS_OF_EXPANSION: u64 = 8;
+
+/// The most expansions of one query that are believed.
+const MOST_EXPANSIONS: u32 = 1_000_000_000;
+
+fn total_expansions(effort: Effort) -> u32 {
+    effort.roadmap_expansions.saturating_add(effort.local_expansions).min(MOST_EXPANSIONS)
+}

@@ -1,0 +1,131 @@
+//! Estimates of the cost to go from a pose, and ways into the goal that an empty field would allow.
+
+use crate::GoalDisc;
+use crate::collision::CollisionChecker;
+use wildfire_base::geometry::Pose;
+use wildfire_base::vehicle::{CurvePrice, Dimensions, Path, ReedsShepp};
+
+use super::best_first::AnalyticExpansion;
+use super::clearance_profile::ClearanceProfile;
+use super::drive_cost::CostModel;
+use super::motion_price::MotionPrice;
+use super::target::Target;
+use super::turn_straight::TurnStraightSteering;
+
+/// An estimate by turn-straight steering exceeds the straight line by at most this, because reversing may know better.
+const DETOUR_CAP_M: f64 = 15.0;
+
+/// The heuristic's answer for a pose.
+#[derive(Clone, Copy, Debug)]
+pub struct HeuristicValue {
+    /// Estimated cost from here to the goal.
+    pub cost_to_go: f64,
+    /// `None` where no turn and straight lead into the disc.
+    pub expansion: Option<AnalyticExpansion>,
+}
+
+/// Estimates the cost that is still to come as if on an empty field.
+///
+/// It is the first heuristic of Dolgov and others (see [`super::best_first`]), non-holonomic without obstacles;
+/// [`super::holonomic`] is the other.
+#[derive(Clone, Debug)]
+pub struct Heuristic {
+    body: Dimensions,
+    cost: CostModel,
+    curves: ReedsShepp,
+    price: CurvePrice,
+    steering: TurnStraightSteering,
+}
+
+impl Heuristic {
+    pub fn new(cost: CostModel, body: &Dimensions) -> Self {
+        let price = cost.motion_price(body);
+        Self {
+            body: *body,
+            cost,
+            curves: ReedsShepp { radius_m: body.turning_radius_m },
+            price: price.curve_price(),
+            steering: TurnStraightSteering::new(body, price),
+        }
+    }
+
+    /// Returns the prices of single motions.
+    pub fn motion_price(&self) -> &MotionPrice {
+        &self.steering.price
+    }
+
+    /// Returns the estimate for a truck that came to `pose` forward or in reverse, or stands there: of several discs, for
+    /// the one with the least.
+    pub fn without_bushes(&self, pose: Pose, after_reverse: Option<bool>, target: Target<'_>) -> HeuristicValue {
+        match target {
+            Target::Pose(end) => {
+                let expansion = self.curve(pose, after_reverse, end);
+                HeuristicValue { cost_to_go: expansion.cost, expansion: Some(expansion) }
+            }
+            Target::Discs(discs) => {
+                let centre = self.body.body_centre(pose);
+                let straight = |disc: &GoalDisc| centre.distance(disc.centre) - disc.radius_m;
+                let nearest = (0..discs.len()).min_by(|&a, &b| straight(&discs[a]).total_cmp(&straight(&discs[b])));
+                let nearest = nearest.expect("there is a disc");
+                let mut best = self.disc_value(pose, after_reverse, (discs[nearest], straight(&discs[nearest])));
+                for (index, disc) in discs.iter().enumerate() {
+                    // No way into the disc is shorter than the straight line.
+                    if index != nearest && straight(disc) < best.cost_to_go {
+                        let value = self.disc_value(pose, after_reverse, (*disc, straight(disc)));
+                        if value.cost_to_go < best.cost_to_go {
+                            best = value;
+                        }
+                    }
+                }
+                best
+            }
+        }
+    }
+
+    /// Returns the estimate for one disc, whose rim is so far away in a straight line.
+    fn disc_value(&self, pose: Pose, after_reverse: Option<bool>, (disc, straight): (GoalDisc, f64)) -> HeuristicValue {
+        if straight <= 0.0 {
+            return HeuristicValue { cost_to_go: 0.0, expansion: Some(AnalyticExpansion::new([], 0.0)) };
+        }
+        let found = self.steering.best_into(pose, disc, after_reverse);
+        let expansion = found.map(|found| AnalyticExpansion::new(found.pieces(), found.cost));
+        let most = straight + DETOUR_CAP_M;
+        HeuristicValue { cost_to_go: expansion.map_or(most, |way| way.cost.min(most)), expansion }
+    }
+
+    /// Returns the way that an empty field would allow, if it keeps the clearance.
+    pub fn free_expansion(
+        &self,
+        checker: &CollisionChecker,
+        start: Pose,
+        target: Target<'_>,
+        profile: &ClearanceProfile,
+    ) -> Option<Path> {
+        let expansion = self.without_bushes(start, None, target).expansion?;
+        let is_free = profile.way_is_free(checker, start, expansion.segments());
+        is_free.then(|| Path { start, segments: expansion.segments().collect() })
+    }
+
+    /// Replaces the end of a path into a disc by a cheaper one, if there is one that keeps the clearance.
+    pub fn shorten_end(
+        &self,
+        checker: &CollisionChecker,
+        path: Path,
+        target: Target<'_>,
+        profile: &ClearanceProfile,
+    ) -> Path {
+        let Target::Discs(discs) = target else { return path };
+        let disc = discs[target.disc_of(path.end(), &self.body)];
+        let mut shortened = path.clone();
+        self.steering.shorten_end(&mut shortened, disc, |pose, segment| profile.motion_is_free(checker, pose, segment));
+        // The steering knows prices of motions only, of which the time of a drive is no sum.
+        if self.cost.of(&shortened.segments) < self.cost.of(&path.segments) { shortened } else { path }
+    }
+
+    fn curve(&self, pose: Pose, after_reverse: Option<bool>, end: Pose) -> AnalyticExpansion {
+        let best = self.curves.cheapest(pose, end, &self.price);
+        let first = best.curve.segments().next().map(|segment| segment.is_reverse());
+        let turns_back = after_reverse.is_some() && first.is_some() && first != after_reverse;
+        AnalyticExpansion::new(best.curve.segments(), best.price + if turns_back { self.price.cusp_m } else { 0.0 })
+    }
+}

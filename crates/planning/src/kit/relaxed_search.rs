@@ -1,0 +1,400 @@
+//! Searches over a lattice of poses that ask for less clearance in turn, the last resorts included.
+//!
+//! D. Dolgov, S. Thrun, M. Montemerlo, J. Diebel, "Path planning for autonomous vehicles in unknown semi-structured
+//! environments", IJRR 29(5), 2010, section 3: motions of constant curvature, an estimate that is the greater of the
+//! curve to the goal on an empty field and of a walk round the bushes, and analytic expansions that end the search.
+//!
+//! Where the wanted clearance leads nowhere, less is asked for, from both ends in turn (see [`schedule`]). Then a flood is
+//! asked; the last searches are on a fine lattice. What is found is improved by shortcuts under the same clearance.
+
+use crate::collision::CollisionChecker;
+use crate::memory::{MemoryMeter, PlannerMemory};
+use crate::observer::PlanningObserver;
+use crate::{Found, FoundBy, Goal, PlanFailure};
+use wildfire_base::geometry::{FieldFrame, Pose};
+use wildfire_base::query::SearchPhase;
+use wildfire_base::rng::Xoshiro256PlusPlus;
+use wildfire_base::vehicle::{Dimensions, Path, Segment};
+
+use super::best_first::{AnalyticExpansion, Candidate, Ending, Never, Node, PoseSearch, SearchOf, SearchSpace};
+use super::clearance_profile::ClearanceProfile;
+use super::closed_set::ClosedSet;
+use super::drive_cost::CostModel;
+use super::ends::{explain_failure, free_ends, free_poses_in};
+use super::floods::{FloodQuery, FloodSearch, Floods, LATTICES};
+use super::heuristic::Heuristic;
+use super::holonomic::HolonomicHeuristic;
+use super::lattice::Lattice;
+use super::path_improvement::{Improvement, PathImprover};
+use super::relaxation::Stage;
+use super::target::Target;
+
+/// Share of the wanted clearance that the last stages keep.
+const LEAST_SHARE: f64 = 0.04;
+/// The last stages look for any way, and a greedy search finds one in fewer expansions: their heuristic has this weight at
+/// least. On fields with 30 % of their cells under bushes a weight of 1.2 misses 12 drives of a hundred, one of 1.5 three.
+const LAST_WEIGHT: f64 = 1.5;
+
+/// The effort of a stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Means {
+    /// Searches from the start and from the goal in turn, each of which may expand this number of nodes.
+    Searches { lattice: LatticeKind, forward: u32, backward: u32 },
+    /// The coarsest flood from the start.
+    Flood,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum LatticeKind {
+    /// The one of the settings.
+    Coarse,
+    /// The finest of the floods.
+    Fine,
+}
+
+const fn searches(share: f64, lattice: LatticeKind, forward: u32, backward: u32) -> Stage<Means> {
+    Stage { share, effort: Means::Searches { lattice, forward, backward } }
+}
+
+/// Nodes that a search of the coarse lattice expands at most.
+const MOST_COARSE: u32 = 5_000;
+/// The most that the first stage may expand.
+pub const MOST_FIRST_EXPANSIONS: u32 = MOST_COARSE;
+
+/// Returns the stages, the first of which may expand this number of nodes. The first that succeeds gives the path.
+///
+/// Long detours are cheaper for the flood than for a search, because it looks at every bin once; tight ends need the
+/// short motions of the fine lattice.
+const fn schedule(first_expansions: u32) -> [Stage<Means>; 6] {
+    [
+        searches(1.0, LatticeKind::Coarse, first_expansions, 0),
+        searches(2.0 / 3.0, LatticeKind::Coarse, 150, 150),
+        searches(1.0 / 3.0, LatticeKind::Coarse, 250, 250),
+        searches(LEAST_SHARE, LatticeKind::Coarse, MOST_COARSE, MOST_COARSE),
+        Stage { share: LEAST_SHARE, effort: Means::Flood },
+        searches(LEAST_SHARE, LatticeKind::Fine, 20_000, 20_000),
+    ]
+}
+
+/// Searches from both ends take turns of this number of expansions.
+const TURN: u32 = 100;
+/// The number of floods that are asked: the coarsest alone.
+const FLOODS: usize = 1;
+/// Of the two sides of a search.
+const BACKWARD: usize = 1;
+/// A disc is searched from at poses on this number of rings.
+const START_RINGS: u32 = 4;
+
+/// The choices of whoever uses a [`RelaxedSearch`]. Lengths are metres.
+#[derive(Clone, Debug)]
+pub struct RelaxedSettings {
+    /// The wanted clearance.
+    pub clearance_m: f64,
+    /// The lattice of all searches but the last.
+    pub lattice: Lattice,
+    /// What paths are compared by.
+    pub cost: CostModel,
+    pub heuristic_weight: f64,
+    /// What is tried on the path found.
+    pub improvement: Improvement,
+    /// Nodes that the first stage may expand.
+    pub first_expansions: u32,
+    /// Nodes that one query may expand, over all its searches.
+    pub max_expansions: u32,
+}
+
+/// The searches for one body on one field.
+#[derive(Debug)]
+pub struct RelaxedSearch {
+    checker: CollisionChecker,
+    settings: RelaxedSettings,
+    memory: MemoryMeter,
+    heuristic: Heuristic,
+    /// From the start and from the goal.
+    coarse: [LatticeSearch; 2],
+    fine: Option<[LatticeSearch; 2]>,
+    /// Walks to the goal and to the start.
+    walks: [HolonomicHeuristic; 2],
+    improver: PathImprover,
+    floods: FloodSearch,
+    /// The state from which every query draws its shortcuts.
+    rng: Xoshiro256PlusPlus,
+    expansions: u32,
+}
+
+/// A search whose nodes note their analytic expansions.
+type LatticeSearch = PoseSearch<Option<AnalyticExpansion>, Never>;
+
+/// The drive that a query asks for.
+struct Drive<'a> {
+    start: Pose,
+    target: Target<'a>,
+    /// The poses that are given, with the body's clearances there.
+    ends: &'a [(Pose, f64)],
+}
+
+impl RelaxedSearch {
+    /// `rng` decides which shortcuts are tried; every query draws the same numbers.
+    pub fn new(
+        checker: &CollisionChecker,
+        memory: &MemoryMeter,
+        settings: RelaxedSettings,
+        rng: Xoshiro256PlusPlus,
+    ) -> Self {
+        let body = checker.body();
+        Self {
+            checker: checker.clone(),
+            memory: memory.clone(),
+            heuristic: Heuristic::new(settings.cost, body),
+            coarse: [(); 2].map(|()| PoseSearch::new(body, settings.lattice, memory)),
+            fine: None,
+            walks: [(); 2].map(|()| HolonomicHeuristic::new(memory)),
+            improver: PathImprover::new(checker, settings.cost),
+            floods: FloodSearch::new(checker, memory),
+            rng,
+            expansions: 0,
+            settings,
+        }
+    }
+
+    /// Bounds the bytes that it takes.
+    pub fn memory(frame: &FieldFrame, max_expansions: u32) -> PlannerMemory {
+        let most = |kind: LatticeKind, side: usize| {
+            let budgets = schedule(MOST_FIRST_EXPANSIONS).into_iter().filter_map(|stage| match stage.effort {
+                Means::Searches { lattice, forward, backward } if lattice == kind => Some([forward, backward][side]),
+                _ => None,
+            });
+            most_bytes_of_search(budgets.max().unwrap_or(0).min(max_expansions))
+        };
+        let kinds = [LatticeKind::Coarse, LatticeKind::Fine];
+        let searches: u64 = kinds.into_iter().map(|kind| most(kind, 0) + most(kind, BACKWARD)).sum();
+        let flood = Floods::most_bytes(frame, FLOODS, max_expansions);
+        let walks = 2 * HolonomicHeuristic::most_bytes_spread(frame);
+        let held = 2 * HolonomicHeuristic::bytes(frame);
+        PlannerMemory { held, grows: searches + flood + walks, ..PlannerMemory::default() }
+    }
+
+    pub fn body(&self) -> &Dimensions {
+        self.checker.body()
+    }
+
+    /// Returns the nodes that the last query expanded.
+    pub fn expansions(&self) -> u32 {
+        self.expansions
+    }
+
+    /// Finds a path from a pose to a target.
+    ///
+    /// # Errors
+    /// The reason why there is none.
+    pub fn find(
+        &mut self,
+        start: Pose,
+        target: Target<'_>,
+        observer: &mut dyn PlanningObserver,
+    ) -> Result<Found, PlanFailure> {
+        self.expansions = 0;
+        let ends = free_ends(&self.checker, start, target)?;
+        let profile = ClearanceProfile::new(self.settings.clearance_m, ends.iter().copied());
+        if let Some(path) = self.heuristic.free_expansion(&self.checker, start, target, &profile) {
+            return Ok(Found { path, by: FoundBy::Straight });
+        }
+        self.relax(&Drive { start, target, ends: &ends }, observer)
+            .map_err(|failure| explain_failure(&self.checker, target, failure))
+    }
+
+    /// Goes through the schedule until a stage succeeds. The last one tells why not.
+    fn relax(&mut self, drive: &Drive<'_>, observer: &mut dyn PlanningObserver) -> Result<Found, PlanFailure> {
+        let &Drive { start, target, ends } = drive;
+        let (field, body) = (self.checker.field(), self.checker.body());
+        self.walks[0].begin(field, target, target.position_of(start, body));
+        self.walks[1].begin(field, Target::Pose(start), target.position());
+        let mut ending = Ending::Exhausted;
+        for stage in schedule(self.settings.first_expansions) {
+            let min_clearance_m = stage.min_clearance_m(self.settings.clearance_m, f64::INFINITY);
+            let profile = ClearanceProfile::new(min_clearance_m, ends.iter().copied());
+            let (path, by) = match stage.effort {
+                Means::Searches { lattice, forward, backward } => {
+                    let free_poses = |&disc| free_poses_in(&self.checker, disc, START_RINGS, min_clearance_m);
+                    let starts_behind: Vec<Pose> = match target {
+                        _ if backward == 0 => Vec::new(),
+                        Target::Pose(end) => vec![end],
+                        Target::Discs(discs) => discs.iter().flat_map(free_poses).collect(),
+                    };
+                    let weight = self.settings.heuristic_weight;
+                    let weight = if stage.share == LEAST_SHARE { weight.max(LAST_WEIGHT) } else { weight };
+                    let path = self.search(lattice, [forward, backward], drive, &profile, &starts_behind, weight);
+                    self.show(lattice, backward > 0, observer);
+                    let by = match lattice {
+                        LatticeKind::Fine => FoundBy::Lattice,
+                        LatticeKind::Coarse if stage.is_relaxed() => FoundBy::Relaxed,
+                        LatticeKind::Coarse => FoundBy::Search,
+                    };
+                    (path, by)
+                }
+                Means::Flood => (self.flood(start, target, observer), FoundBy::Lattice),
+            };
+            match path {
+                Ok(path) => {
+                    let improvement = self.settings.improvement;
+                    let path = self.improver.improve(&path, &profile, improvement, &mut self.rng.clone());
+                    return Ok(Found { path: self.heuristic.shorten_end(&self.checker, path, target, &profile), by });
+                }
+                Err(failed) => ending = failed,
+            }
+        }
+        Err(match ending {
+            Ending::Exhausted => PlanFailure::Disconnected,
+            Ending::BudgetSpent => PlanFailure::BudgetSpent,
+        })
+    }
+
+    /// Searches from both ends in turn, until one finds a way or those that are left cannot.
+    fn search(
+        &mut self,
+        lattice: LatticeKind,
+        budgets: [u32; 2],
+        drive: &Drive<'_>,
+        profile: &ClearanceProfile,
+        starts_behind: &[Pose],
+        weight: f64,
+    ) -> Result<Path, Ending> {
+        let &Drive { start, target, .. } = drive;
+        let Self { checker, settings, memory, heuristic, coarse, fine, walks: [to_goal, to_start], .. } = self;
+        let [forward, backward] = match lattice {
+            LatticeKind::Coarse => coarse,
+            LatticeKind::Fine => fine.get_or_insert_with(|| {
+                [(); 2].map(|()| PoseSearch::new(checker.body(), LATTICES[LATTICES.len() - 1], memory))
+            }),
+        };
+        let (checker, heuristic) = (&*checker, &*heuristic);
+        let mut ahead = LatticeSpace { checker, heuristic, profile, target, walk: to_goal, weight };
+        let back = Target::Pose(start);
+        let mut behind = LatticeSpace { checker, heuristic, profile, target: back, walk: to_start, weight };
+        forward.begin(&mut ahead, [start], None);
+        if budgets[BACKWARD] > 0 {
+            backward.begin(&mut behind, starts_behind.iter().copied(), None);
+        }
+        let mut sides = [(forward, ahead), (backward, behind)];
+        let mut left = budgets;
+        let mut ending = Ending::Exhausted;
+        while left != [0, 0] {
+            for (side, (search, space)) in sides.iter_mut().enumerate() {
+                if left[side] == 0 {
+                    continue;
+                }
+                let turn = TURN.min(left[side]).min(settings.max_expansions - self.expansions);
+                let before = search.expansions;
+                let path = search.run(space, before + turn);
+                let spent = search.expansions - before;
+                self.expansions += spent;
+                left[side] -= spent;
+                match path {
+                    // Driven back, it would begin at the start except for rounding.
+                    Ok(path) if side == BACKWARD => return Ok(Path { start, ..path.reversed() }),
+                    Ok(path) => return Ok(path),
+                    Err(Ending::BudgetSpent) if self.expansions < settings.max_expansions => {
+                        ending = Ending::BudgetSpent;
+                    }
+                    // From a disc only some poses were searched, and beyond the fine lattice there is nothing to try.
+                    Err(Ending::Exhausted)
+                        if lattice == LatticeKind::Fine || (side == BACKWARD && matches!(target, Target::Discs(_))) =>
+                    {
+                        left[side] = 0;
+                    }
+                    Err(failure) => return Err(failure),
+                }
+            }
+        }
+        Err(ending)
+    }
+
+    /// Shows the observer where the searches of a stage looked, first those from the start.
+    fn show(&self, lattice: LatticeKind, is_two_sided: bool, observer: &mut dyn PlanningObserver) {
+        let [forward, backward] = match lattice {
+            LatticeKind::Coarse => &self.coarse,
+            LatticeKind::Fine => self.fine.as_ref().expect("it was searched"),
+        };
+        observer.looked_at(SearchPhase::Local, &mut forward.lines());
+        if is_two_sided {
+            observer.looked_at(SearchPhase::Local, &mut backward.lines());
+        }
+    }
+
+    /// Asks the flood for one disc after the other, since it has no order by cost.
+    fn flood(&mut self, start: Pose, target: Target<'_>, observer: &mut dyn PlanningObserver) -> Result<Path, Ending> {
+        let goals: Vec<Goal> = match target {
+            Target::Pose(end) => vec![end.into()],
+            Target::Discs(discs) => discs.iter().map(|&disc| disc.into()).collect(),
+        };
+        let found = goals.into_iter().find_map(|goal| {
+            let budget = self.settings.max_expansions - self.expansions;
+            let query = FloodQuery { start, goal, budget, lattices: FLOODS };
+            let (path, spent) = self.floods.find_within(&query, observer);
+            self.expansions += spent;
+            path.ok()
+        });
+        found.ok_or(Ending::Exhausted)
+    }
+}
+
+/// Bounds the bytes that a search takes if it expands up to this number of nodes.
+fn most_bytes_of_search(expansions: u32) -> u64 {
+    // A node is left by all motions but the one back; each new one waits twice, for its analytic expansion and to be
+    // expanded.
+    let expansions = u64::from(expansions);
+    let (nodes, entries) = (5 * expansions, (5 + 2 * 5) * expansions);
+    LatticeSearch::most_bytes(nodes, entries) + ClosedSet::most_bytes(nodes)
+}
+
+/// A target, and what leads there.
+struct LatticeSpace<'a> {
+    checker: &'a CollisionChecker,
+    heuristic: &'a Heuristic,
+    profile: &'a ClearanceProfile,
+    target: Target<'a>,
+    /// Towards the target.
+    walk: &'a mut HolonomicHeuristic,
+    /// Of the heuristic.
+    weight: f64,
+}
+
+impl SearchSpace for LatticeSpace<'_> {
+    type Mark = Option<AnalyticExpansion>;
+    type Own = Never;
+
+    /// One step adds a pose with its expansion, or the motions that follow one.
+    fn has_room(&mut self, search: &mut SearchOf<Self>) -> bool {
+        let bytes = search.bytes_after(1, search.motions.len());
+        search.may_hold(bytes)
+    }
+
+    fn weight(&self) -> f64 {
+        self.weight
+    }
+
+    fn estimate(&mut self, node: &mut Node<Self::Mark>) -> Option<f64> {
+        // The steering bounds the way from below, and so do the bushes: the greater of both counts.
+        let value = self.heuristic.without_bushes(node.pose, node.reverse, self.target);
+        let walked =
+            self.walk.cost_to_go_m(self.checker.field(), self.target.position_of(node.pose, self.checker.body()));
+        (node.cost_to_go, node.mark) = (value.cost_to_go.max(walked), value.expansion);
+        value.expansion.map(|expansion| expansion.cost)
+    }
+
+    fn analytic_expansion(&self, node: &Node<Self::Mark>) -> AnalyticExpansion {
+        node.mark.expect("only expansions that exist are offered")
+    }
+
+    fn offer_successors(&mut self, search: &mut SearchOf<Self>, from: Candidate<Never>) {
+        search.offer_motions(from.node, self.heuristic.motion_price(), self.weight);
+    }
+
+    fn motion_is_free(&self, from: Pose, motion: Segment) -> bool {
+        self.profile.motion_is_free(self.checker, from, motion)
+    }
+
+    fn take(&mut self, _: &mut SearchOf<Self>, _: Candidate<Never>, own: Never) -> Option<u32> {
+        match own {}
+    }
+}

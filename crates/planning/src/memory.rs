@@ -1,0 +1,206 @@
+//! Memory that grows while a run goes on, counted against a limit before it is taken.
+//!
+//! The memory of a search, a flood or a roadmap's curves is known only as they grow; a bound from the scenario alone
+//! would be far above what nearly all runs take. Each holder of such memory asks its [`MemoryMeter`] before it grows,
+//! and stops if the meter refuses. A planner's answer must not be used then: the owner of the meter asks
+//! [`MemoryMeter::overrun`] and lets the run fail. So a limit decides whether a run takes place, and never how it goes.
+
+use std::collections::VecDeque;
+use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use wildfire_grid::open_list::{OpenList, Ranked};
+
+/// The kinds of memory that grow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Growing {
+    /// Nodes, open lists and closed sets of searches over poses.
+    Searches,
+    /// Floods over lattices of poses.
+    Floods,
+    /// Curves between milestones, which are computed when they are first asked for.
+    Curves,
+    /// The record of what happened in the run.
+    Timeline,
+}
+
+impl Growing {
+    pub const ALL: [Self; 4] = [Self::Searches, Self::Floods, Self::Curves, Self::Timeline];
+}
+
+impl fmt::Display for Growing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Searches => "searches",
+            Self::Floods => "floods",
+            Self::Curves => "curves of the roadmaps",
+            Self::Timeline => "the timeline",
+        })
+    }
+}
+
+/// Counts the memory of everything that grows in one run, and refuses what would be too much.
+#[derive(Clone, Debug)]
+pub struct MemoryMeter(Arc<Counters>);
+
+#[derive(Debug)]
+struct Counters {
+    limit: u64,
+    /// Bytes by kind, in the order of [`Growing::ALL`].
+    held: [AtomicU64; Growing::ALL.len()],
+    is_overrun: AtomicBool,
+}
+
+impl MemoryMeter {
+    /// Creates a meter; `limit` is in bytes, for everything together.
+    pub fn new(limit: u64) -> Self {
+        Self(Arc::new(Counters { limit, held: Default::default(), is_overrun: AtomicBool::new(false) }))
+    }
+
+    /// Creates a meter that counts and never refuses.
+    pub fn unlimited() -> Self {
+        Self::new(u64::MAX)
+    }
+
+    /// Creates a holder that holds nothing yet.
+    pub fn holder(&self, kind: Growing) -> Held {
+        Held { meter: self.clone(), kind, bytes: 0 }
+    }
+
+    /// Adds up the bytes that are held.
+    pub fn held(&self) -> u64 {
+        Growing::ALL.into_iter().map(|kind| self.held_by(kind)).sum()
+    }
+
+    fn held_by(&self, kind: Growing) -> u64 {
+        self.0.held[kind as usize].load(Ordering::Relaxed)
+    }
+
+    /// Returns the kind that holds the most, and its bytes, if a holder was refused memory.
+    pub fn overrun(&self) -> Option<(Growing, u64)> {
+        let by_size = Growing::ALL.into_iter().map(|kind| (kind, self.held_by(kind)));
+        self.0.is_overrun.load(Ordering::Relaxed).then(|| by_size.max_by_key(|&(_, bytes)| bytes)).flatten()
+    }
+}
+
+/// The share of one holder in what a [`MemoryMeter`] counts. It is given back when the holder is dropped.
+#[derive(Debug)]
+pub struct Held {
+    meter: MemoryMeter,
+    kind: Growing,
+    bytes: u64,
+}
+
+impl Held {
+    /// Asks whether the holder may hold this many bytes from now on, in place of what it held; if so, they are counted.
+    ///
+    /// Once a holder of the run was refused, none gets more.
+    pub fn cover(&mut self, bytes: usize) -> bool {
+        let bytes = bytes as u64;
+        if bytes <= self.bytes {
+            return !self.meter.0.is_overrun.load(Ordering::Relaxed);
+        }
+        let counters = &self.meter.0;
+        let others = self.meter.held() - self.bytes;
+        if others.saturating_add(bytes) > counters.limit {
+            counters.is_overrun.store(true, Ordering::Relaxed);
+        }
+        if counters.is_overrun.load(Ordering::Relaxed) {
+            return false;
+        }
+        // One run is one thread's: nobody counts in between.
+        counters.held[self.kind as usize].fetch_add(bytes - self.bytes, Ordering::Relaxed);
+        self.bytes = bytes;
+        true
+    }
+
+    /// Creates another holder of the same kind, for memory that is needed for a while.
+    pub fn beside(&self) -> Self {
+        self.meter.holder(self.kind)
+    }
+}
+
+impl Drop for Held {
+    fn drop(&mut self) {
+        self.meter.0.held[self.kind as usize].fetch_sub(self.bytes, Ordering::Relaxed);
+    }
+}
+
+/// Upper bounds of the memory that the planner of one truck takes on a field.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PlannerMemory {
+    /// Bytes that it holds all the time.
+    pub held: u64,
+    /// Bytes on top of that while it is being made.
+    pub making: u64,
+    /// Bytes of its floods, if it plans by floods alone.
+    pub floods: u64,
+    /// Bytes that queries may add to all of this; an easy query adds almost nothing.
+    pub grows: u64,
+}
+
+/// Collections whose size in memory is known before they grow.
+pub trait BytesAfter {
+    /// Returns the bytes that the collection takes once it has `more` elements more: its capacity, which doubles where
+    /// it does not suffice.
+    fn bytes_after(&self, more: usize) -> usize;
+}
+
+impl<T> BytesAfter for Vec<T> {
+    fn bytes_after(&self, more: usize) -> usize {
+        size_of::<T>() * capacity_after(self.len(), self.capacity(), more)
+    }
+}
+
+impl<T> BytesAfter for VecDeque<T> {
+    fn bytes_after(&self, more: usize) -> usize {
+        size_of::<T>() * capacity_after(self.len(), self.capacity(), more)
+    }
+}
+
+impl<T: Ranked> BytesAfter for OpenList<T> {
+    fn bytes_after(&self, more: usize) -> usize {
+        size_of::<T>() * capacity_after(self.waiting(), self.capacity(), more)
+    }
+}
+
+fn capacity_after(len: usize, capacity: usize, more: usize) -> usize {
+    if len + more <= capacity { capacity } else { (2 * capacity).max(len + more) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn held_memory_is_counted_until_its_holder_is_dropped() {
+        let meter = MemoryMeter::new(100);
+        let (mut flood, mut search) = (meter.holder(Growing::Floods), meter.holder(Growing::Searches));
+        assert!(flood.cover(60) && search.cover(40) && flood.cover(50));
+        assert_eq!((meter.held(), meter.overrun()), (100, None), "what shrinks keeps its memory");
+        drop(flood);
+        assert!(search.cover(100));
+        assert_eq!((meter.held(), meter.overrun()), (100, None));
+    }
+
+    #[test]
+    fn one_byte_too_many_is_refused_and_so_is_all_that_follows() {
+        let meter = MemoryMeter::new(100);
+        let (mut flood, mut search) = (meter.holder(Growing::Floods), meter.holder(Growing::Searches));
+        assert!(flood.cover(70) && search.cover(20));
+        assert!(!search.cover(31));
+        assert_eq!((meter.held(), meter.overrun()), (90, Some((Growing::Floods, 70))));
+        assert!(!search.cover(1) && !flood.cover(71));
+    }
+
+    #[test]
+    fn the_growth_of_a_list_is_known_before_it_grows() {
+        let mut list: Vec<u64> = Vec::new();
+        for _ in 0..10_000 {
+            let foretold = list.bytes_after(3);
+            list.extend([1, 2, 3]);
+            assert!(8 * list.capacity() <= foretold.max(32), "a first allocation takes four elements");
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! Which of several goals is the nearest by drive.
+
+use glam::DVec2;
+
+use super::{Effort, GoalDisc, Plan, PlanningObserver, QueryCpu, TruckPlanner};
+use wildfire_base::geometry::Pose;
+use wildfire_base::vehicle::{Dimensions, Path};
+
+/// Plans a drive into whichever of some discs is the nearest by drive; returns its place among them and the plan, whose
+/// effort and CPU time are those of the whole. With no way into any of them it is the failure of the nearest in a straight
+/// line; of no discs, `None`.
+///
+/// A planner that cannot search for several goals at once is asked for one after the other, the nearest in a straight line
+/// first, until that line is longer than the shortest drive.
+pub fn plan_to_nearest(
+    planner: &mut dyn TruckPlanner,
+    body: &Dimensions,
+    start: Pose,
+    discs: &[GoalDisc],
+    observer: &mut dyn PlanningObserver,
+) -> Option<(usize, Plan)> {
+    if discs.is_empty() {
+        return None;
+    }
+    if let Some(answer) = planner.plan_to_nearest(start, discs, observer) {
+        return Some(answer);
+    }
+    let mut order: Vec<(f64, usize)> =
+        discs.iter().enumerate().map(|(index, disc)| (least_m(body, start, disc), index)).collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut best: Option<(usize, Plan)> = None;
+    let (mut effort, mut cpu) = (Effort::default(), None);
+    for (least_m, index) in order {
+        if best.as_ref().and_then(|(_, plan)| length_m(plan)).is_some_and(|best_m| least_m >= best_m) {
+            break;
+        }
+        let plan = planner.plan_observed(start, discs[index].into(), observer);
+        effort += plan.effort;
+        cpu = sum(cpu, plan.cpu);
+        let is_better = match (&best, length_m(&plan)) {
+            (None, _) => true,
+            (Some(_), None) => false,
+            (Some((_, best)), Some(metres)) => length_m(best).is_none_or(|best_m| metres < best_m),
+        };
+        if is_better {
+            best = Some((index, plan));
+        }
+    }
+    best.map(|(index, plan)| (index, Plan { effort, cpu, ..plan }))
+}
+
+fn length_m(plan: &Plan) -> Option<f64> {
+    plan.path.as_ref().ok().map(Path::length_m)
+}
+
+/// Returns what no drive into a disc is shorter than: the rear axle drives at least as far as it has to come nearer.
+fn least_m(body: &Dimensions, start: Pose, disc: &GoalDisc) -> f64 {
+    let gap = |from: DVec2| from.distance(disc.centre) - disc.radius_m;
+    if gap(body.body_centre(start)) <= 0.0 { 0.0 } else { (gap(start.position()) - body.centre_offset_m()).max(0.0) }
+}
+
+/// Adds CPU times; the sum is worth as much as the one of the two that is worth less.
+fn sum(one: Option<QueryCpu>, other: Option<QueryCpu>) -> Option<QueryCpu> {
+    match (one, other) {
+        (Some(one), Some(other)) => Some(QueryCpu {
+            time: one.time + other.time,
+            starting: one.starting + other.starting,
+            source: one.source.max(other.source),
+        }),
+        (one, other) => one.or(other),
+    }
+}

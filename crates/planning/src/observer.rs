@@ -1,0 +1,86 @@
+//! Observers of planners at work: which work they do when, and where their searches look.
+//!
+//! Planners keep no clock and no record. Whoever calls them passes an observer, and what it does changes no answer.
+
+use std::time::Duration;
+
+use glam::DVec2;
+
+use wildfire_base::query::SearchPhase;
+use wildfire_base::time::cpu::CpuStopwatch;
+
+use super::search_recorder::{SearchRecorder, Searched};
+
+/// The kinds of work whose CPU time is counted apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlanningWork {
+    /// Queries of a roadmap.
+    Roadmap,
+    /// Searches over motions, and what makes their paths shorter.
+    Local,
+}
+
+/// Watches a planner while it answers a query.
+pub trait PlanningObserver {
+    /// A kind of work begins, which ends what was done before; `None`: the rest is not counted.
+    fn begins(&mut self, work: Option<PlanningWork>);
+
+    /// A search of this phase looked at straight lines, in this order, in metres; where it began there is a line of length
+    /// zero. Lines that are not asked for are not worked out.
+    fn looked_at(&mut self, phase: SearchPhase, lines: &mut dyn Iterator<Item = [DVec2; 2]>);
+}
+
+/// Observes nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unobserved;
+
+impl PlanningObserver for Unobserved {
+    fn begins(&mut self, _work: Option<PlanningWork>) {}
+
+    fn looked_at(&mut self, _phase: SearchPhase, _lines: &mut dyn Iterator<Item = [DVec2; 2]>) {}
+}
+
+/// CPU time of one query, by kind of work.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct QueryTime {
+    pub roadmap: Duration,
+    pub local: Duration,
+}
+
+/// Measures the CPU time of a query by kind of work, and records where it looks if that is wanted.
+#[derive(Debug)]
+pub struct QueryMonitor {
+    watch: CpuStopwatch,
+    work: Option<PlanningWork>,
+    time: QueryTime,
+    recorder: SearchRecorder,
+}
+
+impl QueryMonitor {
+    pub fn new(records_searches: bool) -> Self {
+        let recorder = SearchRecorder::new(records_searches);
+        Self { watch: CpuStopwatch::start(), work: None, time: QueryTime::default(), recorder }
+    }
+
+    /// Ends the query; returns what it took and what was recorded of its searches, each phase at most once.
+    pub fn finish(mut self) -> (QueryTime, Vec<Searched>) {
+        self.begins(None);
+        (self.time, self.recorder.finish())
+    }
+}
+
+impl PlanningObserver for QueryMonitor {
+    fn begins(&mut self, work: Option<PlanningWork>) {
+        let spent = self.watch.lap();
+        match self.work {
+            Some(PlanningWork::Roadmap) => self.time.roadmap += spent,
+            Some(PlanningWork::Local) => self.time.local += spent,
+            None => {}
+        }
+        self.work = work;
+    }
+
+    fn looked_at(&mut self, phase: SearchPhase, lines: &mut dyn Iterator<Item = [DVec2; 2]>) {
+        self.recorder.add(phase, lines);
+    }
+}

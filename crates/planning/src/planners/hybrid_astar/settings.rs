@@ -1,0 +1,74 @@
+//! Settings of the planner `hybrid-astar`, and their ranges.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::kit::closed_set::check_bins;
+use crate::kit::relaxed_search::MOST_FIRST_EXPANSIONS;
+use wildfire_base::geometry::FieldFrame;
+use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+
+/// Settings of the planner `hybrid-astar`. Lengths are metres.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct HybridSettings {
+    /// Clearance of the body from bushes and border; where that leads nowhere, two thirds of it, then a third, then a
+    /// twenty-fifth, at least 1 cm.
+    pub clearance_m: f64,
+    /// Length of a lattice motion.
+    pub step_m: f64,
+    /// Side of a bin of the closed set.
+    pub bin_m: f64,
+    /// Bins per full turn.
+    pub headings: u32,
+    /// Added for every change between forward and reverse.
+    pub cusp_cost: f64,
+    /// Factor of the estimated metres still to drive.
+    pub heuristic_weight: f64,
+    /// Shortcuts tried on the path found.
+    pub shortcuts: u32,
+    /// Rounds in which the bends of that path are pulled tight; with 0 none are, and with more a path that is nearly
+    /// the shortest curve between its ends is left as it is.
+    pub pulls: u32,
+    /// Nodes that are expanded at the wanted clearance before less is asked for.
+    pub first_expansions: u32,
+    /// Nodes that one query may expand, over all its searches.
+    pub max_expansions: u32,
+    /// Simulated planning time charged, during which the truck stands still.
+    pub seconds_per_expansion: f64,
+}
+
+impl Default for HybridSettings {
+    fn default() -> Self {
+        Self {
+            clearance_m: 0.75,
+            step_m: 4.0,
+            bin_m: 2.5,
+            headings: 24,
+            cusp_cost: 4.0,
+            heuristic_weight: 1.5,
+            shortcuts: 100,
+            pulls: 0,
+            first_expansions: 250,
+            max_expansions: 30_000,
+            seconds_per_expansion: 0.0,
+        }
+    }
+}
+
+impl SettingsTable for HybridSettings {
+    fn check(&self, frame: &FieldFrame) -> Result<(), OutOfRange> {
+        check_range("clearance_m", self.clearance_m, 0.01..=100.0)?;
+        check_range("step_m", self.step_m, 0.1..=1000.0)?;
+        check_range("bin_m", self.bin_m, 0.01..=1000.0)?;
+        check_range("headings", self.headings.into(), 4.0..=360.0)?;
+        check_range("cusp_cost", self.cusp_cost, 0.0..=1e6)?;
+        check_range("heuristic_weight", self.heuristic_weight, 0.0..=1000.0)?;
+        check_range("shortcuts", self.shortcuts.into(), 0.0..=1e6)?;
+        check_range("pulls", self.pulls.into(), 0.0..=1000.0)?;
+        check_range("first_expansions", self.first_expansions.into(), 1.0..=MOST_FIRST_EXPANSIONS.into())?;
+        check_range("max_expansions", self.max_expansions.into(), 1.0..=1e6)?;
+        check_range("seconds_per_expansion", self.seconds_per_expansion, 0.0..=1e6)?;
+        check_bins(self.bin_m, frame)
+    }
+}

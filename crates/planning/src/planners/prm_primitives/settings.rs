@@ -1,0 +1,105 @@
+//! Settings of the planner `prm+primitives`, and their ranges.
+//!
+//! Defaults are those of the scenario `contest`. Lengths are metres.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::kit::sample_density::{check_density, samples_on};
+use wildfire_base::geometry::FieldFrame;
+use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+
+/// The probabilistic roadmap over the truck's body centre.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PrmSettings {
+    /// Milestones to draw.
+    pub samples: u32,
+    /// Milestones to draw for every hectare, in place of `samples`: as dense a roadmap on fields of all sizes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub samples_per_hectare: Option<f64>,
+    /// The number of nearest milestones to which each is joined, those to which the straight line is free.
+    pub neighbours: u32,
+    /// The longest edge.
+    pub max_edge_m: f64,
+    /// Free radius around milestones and along edges.
+    pub clearance_m: f64,
+    pub clearance_to: ClearanceTo,
+    pub search: RoadmapSearch,
+    pub goal: RoadmapGoal,
+    /// Simulated planning time charged, during which the truck stands still.
+    pub seconds_per_expansion: f64,
+}
+
+impl Default for PrmSettings {
+    fn default() -> Self {
+        Self {
+            samples: 500,
+            samples_per_hectare: None,
+            neighbours: 10,
+            max_edge_m: 30.0,
+            clearance_m: 1.75,
+            clearance_to: ClearanceTo::Cells,
+            search: RoadmapSearch::Astar,
+            goal: RoadmapGoal::InReach,
+            seconds_per_expansion: 0.0,
+        }
+    }
+}
+
+/// The obstacles from which milestones and edges keep their clearance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ClearanceTo {
+    /// From the nearest edge of a bush, and from the field's border.
+    Cells,
+    /// From the nearest centre of a bush cell, as the original program has it; the border only encloses them.
+    CellCentres,
+}
+
+/// The search on the roadmap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RoadmapSearch {
+    Astar,
+    Dijkstra,
+    /// Best first by straight-line distance to the goal alone.
+    Greedy,
+}
+
+/// The milestones that are the goals of a query.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RoadmapGoal {
+    /// Those from which the fire can be reached; the drive ends in the goal disc.
+    InReach,
+    /// The one nearest to the fire, of those from which it can be reached; the drive ends about that milestone, where
+    /// the fire is in reach.
+    NearestMilestone,
+}
+
+impl PrmSettings {
+    /// Returns how many milestones to draw on a field.
+    pub(super) fn samples_on(&self, frame: &FieldFrame) -> u32 {
+        self.samples_per_hectare.map_or(self.samples, |density| samples_on(frame, density))
+    }
+
+    /// Describes how many milestones are drawn.
+    pub(super) fn samples_in_words(&self) -> String {
+        match self.samples_per_hectare {
+            Some(density) => format!("{density} samples a hectare"),
+            None => format!("{} samples", self.samples),
+        }
+    }
+}
+
+impl SettingsTable for PrmSettings {
+    fn check(&self, frame: &FieldFrame) -> Result<(), OutOfRange> {
+        check_range("samples", self.samples.into(), 0.0..=100_000.0)?;
+        check_density(self.samples_per_hectare, frame)?;
+        check_range("neighbours", self.neighbours.into(), 1.0..=100.0)?;
+        check_range("max_edge_m", self.max_edge_m, 0.01..=1e6)?;
+        check_range("clearance_m", self.clearance_m, 0.0..=1000.0)?;
+        check_range("seconds_per_expansion", self.seconds_per_expansion, 0.0..=1e6)
+    }
+}

@@ -1,0 +1,440 @@
+use glam::DVec2;
+
+use crate::collision::CollisionChecker;
+use crate::kit::best_first::{
+    AnalyticExpansion, Candidate, Ending, NO_MOTION, Node, PoseSearch, ROOT, SearchOf, SearchSpace, Step,
+};
+use crate::kit::clearance_profile::ClearanceProfile;
+use crate::kit::closed_set::ClosedSet;
+use crate::kit::heuristic::Heuristic;
+use crate::kit::lattice::Lattice;
+use crate::kit::target::Target;
+use crate::memory::{BytesAfter, MemoryMeter};
+use crate::{Effort, GoalDisc};
+use wildfire_base::geometry::Pose;
+use wildfire_base::vehicle::reeds_shepp::PricedCurve;
+use wildfire_base::vehicle::{Dimensions, Path, Segment};
+
+use super::roadmap::{Level, Roadmap, least_length_m};
+
+/// Milestones as near as this to the start, or to the goal, are tried for a way from or to there.
+const LINK_M: f64 = 40.0;
+/// A goal with a free way from one of this number of milestones about it is worth a search over the roadmap.
+const GOAL_TRIES: usize = 60;
+/// Costs-to-go are multiplied with this.
+const WEIGHT: f64 = 1.2;
+/// Poses off the roadmap that are expanded, and how far from the start at most.
+const MAX_LOCAL_EXPANSIONS: u32 = 50;
+const LOCAL_M: f64 = 30.0;
+/// A roadmap that grows is joined as it is searched, which costs more than searching: its searches are greedier,
+const WEIGHT_GROWING: f64 = 1.3;
+/// and enter no more milestones than this, and this number for every metre of the straight line. Most drives that it
+/// serves take less; others are served better by the lattice search.
+const MOST_ENTERED: f64 = 30.0;
+const MOST_ENTERED_A_METRE: f64 = 0.1;
+/// The lattice of poses about the start.
+const LATTICE: Lattice = Lattice { bin_m: 2.5, headings: 24, step_m: 4.0 };
+
+/// The question to one search.
+#[derive(Clone, Copy, Debug)]
+pub struct RoadmapQuery<'a> {
+    pub checker: &'a CollisionChecker,
+    pub heuristic: &'a Heuristic,
+    pub profile: &'a ClearanceProfile,
+    pub level: Level,
+    pub start: Pose,
+    pub target: Target<'a>,
+}
+
+/// The way by which a pose was reached, and its analytic expansion.
+#[derive(Clone, Copy, Debug)]
+struct Mark {
+    via: Via,
+    /// Its place in the list of expansions.
+    expansion: Option<u32>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Via {
+    /// A motion of the lattice, or nothing at the start.
+    Motion,
+    /// A curve of this search to a milestone.
+    Curve(u32),
+    /// A link of the roadmap to a milestone.
+    Link(u32),
+}
+
+/// A step along the roadmap that is still to be judged.
+#[derive(Clone, Copy, Debug)]
+enum Along {
+    /// The curve to a milestone is to be worked out.
+    Curve { to: u32 },
+    /// The curve of a link is to be worked out.
+    Link { link: u32 },
+    /// A curve to a milestone is to be swept.
+    Enter { state: u32, via: Via },
+}
+
+/// A milestone and a direction in which it is reached, as a search sees it.
+#[derive(Clone, Copy, Debug, Default)]
+struct State {
+    /// The search that wrote the rest.
+    generation: u64,
+    is_closed: bool,
+    cost_to_go: f64,
+    expansion: Option<u32>,
+}
+
+/// A* over the milestones of a roadmap, each in both directions of driving, and over motions about the start.
+///
+/// Knowledge of the roadmap's edges from earlier searches saves time and changes no answer: candidates are ordered by
+/// what holds for an edge whether it is known or not.
+#[derive(Debug)]
+pub struct RoadmapSearch {
+    search: PoseSearch<Mark, Along>,
+    notes: Notes,
+}
+
+/// The memory of a search besides poses.
+#[derive(Debug)]
+struct Notes {
+    /// Two for each milestone.
+    states: Vec<State>,
+    generation: u64,
+    curves: Vec<PricedCurve>,
+    expansions: Vec<AnalyticExpansion>,
+    /// True if a way leads to the goal from a milestone, where that was asked.
+    roadmap_serves: Option<bool>,
+    /// True if the path that was found leads over a milestone.
+    used_roadmap: bool,
+    near: Vec<(f64, u32)>,
+    effort: Effort,
+}
+
+impl RoadmapSearch {
+    pub fn new(body: &Dimensions, memory: &MemoryMeter, roadmap: &Roadmap) -> Self {
+        let notes = Notes {
+            states: vec![State::default(); 2 * roadmap.node_count()],
+            generation: 0,
+            curves: Vec::new(),
+            expansions: Vec::new(),
+            roadmap_serves: None,
+            used_roadmap: false,
+            near: Vec::new(),
+            effort: Effort::default(),
+        };
+        Self { search: PoseSearch::new(body, LATTICE, memory), notes }
+    }
+
+    /// Searches for a path into the goal.
+    ///
+    /// # Errors
+    /// The reason why there is none.
+    pub fn run(&mut self, query: &RoadmapQuery<'_>, roadmap: &mut Roadmap) -> Result<Path, Ending> {
+        self.notes.begin();
+        let limits = if roadmap.is_growing() {
+            let straight_m = query.target.straight_m(query.start.position());
+            let most_entered = (MOST_ENTERED + MOST_ENTERED_A_METRE * straight_m) as u32;
+            SearchLimits { weight: WEIGHT_GROWING, most_entered }
+        } else {
+            SearchLimits { weight: WEIGHT, most_entered: u32::MAX }
+        };
+        let mut space = RoadmapSpace { query, roadmap, notes: &mut self.notes, limits };
+        self.search.begin(&mut space, [query.start], Mark { via: Via::Motion, expansion: None });
+        self.search.run(&mut space, u32::MAX)
+    }
+
+    /// Returns the milestones, and the poses off the roadmap, that the last search expanded.
+    pub fn effort(&self) -> Effort {
+        self.notes.effort
+    }
+
+    /// Says whether the path that the last search found leads over a milestone.
+    pub fn used_roadmap(&self) -> bool {
+        self.notes.used_roadmap
+    }
+
+    /// Returns where the poses are that the last search reached by motions, or by curves to milestones and links between
+    /// them, in order, each after the one that it came from.
+    pub fn lines(&self, by_motions: bool) -> impl Iterator<Item = [DVec2; 2]> {
+        let reached = self.search.nodes().filter(move |(node, _)| (node.mark.via == Via::Motion) == by_motions);
+        reached.map(|(_, line)| line)
+    }
+
+    /// Returns the bytes that it takes for a roadmap of this number of nodes, before it searches.
+    pub fn bytes(nodes: u64) -> u64 {
+        2 * nodes * size_of::<State>() as u64
+    }
+
+    /// Bounds the bytes that it takes on top of that while it searches a roadmap of these numbers of nodes and edges.
+    pub fn most_bytes_at_work(nodes: u64, edges: u64) -> u64 {
+        let local = u64::from(MAX_LOCAL_EXPANSIONS);
+        // A node is reached in both directions of driving; each offers its links, each link the way by it.
+        let (reached, candidates) = (2 * nodes + 6 * local, 2 * 2 * 2 * edges + nodes + 12 * local);
+        let curves = 2 * reached * (size_of::<PricedCurve>() + size_of::<AnalyticExpansion>()) as u64;
+        PoseSearch::<Mark, Along>::most_bytes(reached, candidates) + curves + ClosedSet::most_bytes(6 * local)
+    }
+}
+
+impl Notes {
+    fn begin(&mut self) {
+        self.generation += 1;
+        self.curves.clear();
+        self.expansions.clear();
+        self.roadmap_serves = None;
+        self.used_roadmap = false;
+        self.effort = Effort::default();
+    }
+
+    /// Makes room for the milestones that a roadmap has come to have.
+    fn know(&mut self, roadmap: &Roadmap) {
+        if self.states.len() < 2 * roadmap.node_count() {
+            self.states.resize(2 * roadmap.node_count(), State::default());
+        }
+    }
+
+    fn is_closed(&self, node: u32, reverse: bool) -> bool {
+        let state = &self.states[state_of(node, reverse) as usize];
+        state.generation == self.generation && state.is_closed
+    }
+}
+
+/// Returns the index of a milestone's state.
+fn state_of(node: u32, reverse: bool) -> u32 {
+    2 * node + u32::from(reverse)
+}
+
+/// A query, the roadmap, and what is remembered.
+struct RoadmapSpace<'a> {
+    query: &'a RoadmapQuery<'a>,
+    roadmap: &'a mut Roadmap,
+    notes: &'a mut Notes,
+    limits: SearchLimits,
+}
+
+/// The greed and the effort of a search.
+#[derive(Clone, Copy, Debug)]
+struct SearchLimits {
+    /// Costs-to-go are multiplied with this.
+    weight: f64,
+    most_entered: u32,
+}
+
+impl RoadmapSpace<'_> {
+    /// Estimates the cost of the way from a pose to the goal, and notes the analytic expansion there.
+    fn value(&mut self, pose: Pose, after_reverse: Option<bool>) -> (f64, Option<u32>) {
+        let value = self.query.heuristic.without_bushes(pose, after_reverse, self.query.target);
+        let expansion = value.expansion.map(|expansion| {
+            self.notes.expansions.push(expansion);
+            self.notes.expansions.len() as u32 - 1
+        });
+        (value.cost_to_go, expansion)
+    }
+
+    /// Returns what no way from a pose to the goal is shorter than.
+    fn least_cost_to_go(&self, pose: Pose) -> f64 {
+        let body = self.query.checker.body();
+        match self.query.target {
+            Target::Pose(end) => least_length_m(body.turning_radius_m, pose, end),
+            Target::Discs(discs) => {
+                let least = |disc: &GoalDisc| {
+                    (pose.position().distance(disc.centre) - body.centre_offset_m() - disc.radius_m).max(0.0)
+                };
+                discs.iter().map(least).fold(f64::INFINITY, f64::min)
+            }
+        }
+    }
+
+    fn cusp_cost(&self, here: &Node<Mark>, departs_reverse: bool) -> f64 {
+        if here.turns_back(departs_reverse) { self.roadmap.curves().1.cusp_m } else { 0.0 }
+    }
+
+    /// Offers curves from the start to the milestones about it, at what they cannot cost less than.
+    fn offer_milestones(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>) {
+        let start = self.query.start;
+        self.roadmap.near(start.position(), LINK_M, &mut self.notes.near);
+        self.notes.know(self.roadmap);
+        for &(_, to) in &self.notes.near {
+            let pose = self.roadmap.pose(to);
+            let cost = least_length_m(self.query.checker.body().turning_radius_m, start, pose);
+            let key = cost + self.limits.weight * self.least_cost_to_go(pose);
+            search.push(key.max(from.key), cost, from.node, Step::Own(Along::Curve { to }));
+        }
+    }
+
+    /// Says whether a free way leads to the goal from a milestone about it.
+    fn leads_to_goal(&mut self) -> bool {
+        let Self { query, roadmap, notes, .. } = self;
+        let mut leads_from_about = |position: DVec2, reach_m: f64| {
+            roadmap.near(position, reach_m, &mut notes.near);
+            notes.near.iter().take(GOAL_TRIES).any(|&(_, node)| {
+                let pose = roadmap.pose(node);
+                let expansion = query.heuristic.without_bushes(pose, None, query.target).expansion;
+                expansion.is_some_and(|way| query.profile.way_is_free(query.checker, pose, way.segments()))
+            })
+        };
+        match query.target {
+            Target::Pose(end) => leads_from_about(end.position(), LINK_M),
+            Target::Discs(discs) => discs.iter().any(|disc| leads_from_about(disc.centre, disc.radius_m + LINK_M)),
+        }
+    }
+
+    fn work_out_curve(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, to: u32) {
+        let serves = match self.notes.roadmap_serves {
+            Some(known) => known,
+            None => self.leads_to_goal(),
+        };
+        self.notes.roadmap_serves = Some(serves);
+        if !serves {
+            return;
+        }
+        let here = *search.node(from.node);
+        let (curves, price) = self.roadmap.curves();
+        let way = curves.cheapest(here.pose, self.roadmap.pose(to), price);
+        let mut segments = way.curve.segments();
+        let Some(first) = segments.next().map(|segment| segment.is_reverse()) else { return };
+        let last = segments.last().map_or(first, |segment| segment.is_reverse());
+        let cost = here.cost + way.price + self.cusp_cost(&here, first);
+        self.notes.curves.push(way);
+        let via = Via::Curve(self.notes.curves.len() as u32 - 1);
+        self.offer(search, from.at_cost(cost), state_of(to, last), via);
+    }
+
+    fn work_out_link(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, number: u32) {
+        let here = *search.node(from.node);
+        let link = self.roadmap.link(number);
+        let bridge = self.roadmap.bridge(link);
+        let cost = here.cost + bridge.cost + self.cusp_cost(&here, bridge.departs_reverse);
+        let state = state_of(link.to, bridge.arrives_reverse);
+        self.offer(search, from.at_cost(cost), state, Via::Link(number));
+    }
+
+    /// Offers a state at the estimate of the whole way by it.
+    fn offer(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, index: u32, via: Via) {
+        let generation = self.notes.generation;
+        if self.notes.states[index as usize].generation != generation {
+            let (cost_to_go, expansion) = self.value(self.roadmap.pose(index / 2), Some(index % 2 == 1));
+            self.notes.states[index as usize] = State { generation, is_closed: false, cost_to_go, expansion };
+        }
+        let state = &self.notes.states[index as usize];
+        if !state.is_closed {
+            let key = (from.cost + self.limits.weight * state.cost_to_go).max(from.key);
+            search.push(key, from.cost, from.node, Step::Own(Along::Enter { state: index, via }));
+        }
+    }
+
+    /// Closes a state if the way to it is free, and offers the links from there.
+    fn enter(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, index: u32, via: Via) {
+        let State { is_closed, cost_to_go, expansion, .. } = self.notes.states[index as usize];
+        if is_closed || !self.way_is_free(search, from.node, via) {
+            return;
+        }
+        self.notes.states[index as usize].is_closed = true;
+        self.notes.effort.roadmap_expansions += 1;
+        let node = index / 2;
+        let reached = search.add(Node {
+            pose: self.roadmap.pose(node),
+            parent: from.node,
+            motion: NO_MOTION,
+            reverse: Some(index % 2 == 1),
+            cost: from.cost,
+            cost_to_go,
+            mark: Mark { via, expansion },
+        });
+        if let Some(expansion) = expansion {
+            let key = from.cost + self.limits.weight * self.notes.expansions[expansion as usize].cost;
+            search.push(key, from.cost, reached, Step::Arrive);
+        }
+        self.roadmap.grow_from(node);
+        self.notes.know(self.roadmap);
+        for number in self.roadmap.link_numbers(node) {
+            let link = self.roadmap.link(number);
+            if self.notes.is_closed(link.to, false) && self.notes.is_closed(link.to, true) {
+                continue;
+            }
+            // What a link costs at least holds whether its curve is known or not.
+            let cost = from.cost + self.roadmap.least_m(node, link.to);
+            let key = cost + self.limits.weight * self.least_cost_to_go(self.roadmap.pose(link.to));
+            search.push(key.max(from.key), cost, reached, Step::Own(Along::Link { link: number }));
+        }
+    }
+
+    fn way_is_free(&mut self, search: &SearchOf<Self>, from: u32, via: Via) -> bool {
+        match via {
+            Via::Curve(curve) => {
+                let way = self.notes.curves[curve as usize].curve.segments();
+                self.query.profile.way_is_free(self.query.checker, search.node(from).pose, way)
+            }
+            Via::Link(link) => self.roadmap.is_free(self.roadmap.link(link).edge, self.query.level),
+            Via::Motion => unreachable!("motions lead to no milestone"),
+        }
+    }
+}
+
+impl SearchSpace for RoadmapSpace<'_> {
+    type Mark = Mark;
+    type Own = Along;
+
+    /// One step adds a pose, a curve, two expansions, and what is offered from there. A search that has entered as many
+    /// milestones as it may ends as one without memory does, and the planner asks for less.
+    fn has_room(&mut self, search: &mut SearchOf<Self>) -> bool {
+        let Self { roadmap, notes, .. } = self;
+        if notes.effort.roadmap_expansions >= self.limits.most_entered {
+            return false;
+        }
+        let offered = search.motions.len().max(roadmap.most_links());
+        let lists = notes.curves.bytes_after(1) + notes.expansions.bytes_after(2) + notes.near.bytes_after(0);
+        let states = if roadmap.is_growing() { notes.states.bytes_after(0) } else { 0 };
+        let bytes = search.bytes_after(1, offered) + lists + states;
+        roadmap.has_memory_for(1) && search.may_hold(bytes)
+    }
+
+    fn weight(&self) -> f64 {
+        self.limits.weight
+    }
+
+    fn estimate(&mut self, node: &mut Node<Mark>) -> Option<f64> {
+        let (cost_to_go, expansion) = self.value(node.pose, node.reverse);
+        node.cost_to_go = cost_to_go;
+        node.mark = Mark { via: Via::Motion, expansion };
+        expansion.map(|expansion| self.notes.expansions[expansion as usize].cost)
+    }
+
+    fn analytic_expansion(&self, node: &Node<Mark>) -> AnalyticExpansion {
+        self.notes.expansions[node.mark.expansion.expect("only expansions that exist are offered") as usize]
+    }
+
+    /// Offers the motions from a pose near the start, and from the start curves to the milestones about it.
+    fn offer_successors(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>) {
+        let Node { parent, cost, .. } = *search.node(from.node);
+        if parent == ROOT {
+            self.offer_milestones(search, from);
+        }
+        if self.notes.effort.local_expansions < MAX_LOCAL_EXPANSIONS && cost < LOCAL_M {
+            self.notes.effort.local_expansions += 1;
+            search.offer_motions(from.node, self.query.heuristic.motion_price(), self.limits.weight);
+        }
+    }
+
+    fn motion_is_free(&self, from: Pose, motion: Segment) -> bool {
+        self.query.profile.motion_is_free(self.query.checker, from, motion)
+    }
+
+    fn take(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, own: Along) -> Option<u32> {
+        match own {
+            Along::Curve { to } => self.work_out_curve(search, from, to),
+            Along::Link { link } => self.work_out_link(search, from, link),
+            Along::Enter { state, via } => self.enter(search, from, state, via),
+        }
+        None
+    }
+
+    fn append_way(&mut self, node: &Node<Mark>, segments: &mut Vec<Segment>) {
+        self.notes.used_roadmap |= node.mark.via != Via::Motion;
+        match node.mark.via {
+            Via::Motion => segments.push(node.motion),
+            Via::Curve(curve) => segments.extend(self.notes.curves[curve as usize].curve.segments()),
+            Via::Link(link) => self.roadmap.append(self.roadmap.link(link), segments),
+        }
+    }
+}

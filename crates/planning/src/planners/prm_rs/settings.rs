@@ -1,0 +1,102 @@
+//! Settings of the planner `prm-rs`, and their ranges.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::kit::sample_density::{check_density, hectares, samples_on};
+use wildfire_base::geometry::FieldFrame;
+use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+
+/// Settings of the planner `prm-rs`. Lengths are metres.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PrmRsSettings {
+    /// Poses to draw, besides those at the corners of bushes.
+    pub samples: u32,
+    /// Poses to draw for every hectare, in place of `samples`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub samples_per_hectare: Option<f64>,
+    /// Places around every convex corner of a bush at which the truck may pass it, in either direction.
+    pub corner_places: u32,
+    /// The number of nearest earlier poses to which each is joined.
+    pub neighbours: u32,
+    /// The highest cost of an edge.
+    pub max_edge_m: f64,
+    /// Clearance of the body from bushes and border; where that leads nowhere, a third of it, then a twenty-fifth, at
+    /// least 1 cm.
+    pub clearance_m: f64,
+    /// Added for every change between forward and reverse.
+    pub cusp_cost: f64,
+    /// Shortcuts tried on the path found.
+    pub shortcuts: u32,
+    /// When what does not hang together is joined, on fields whose roadmap is made as a whole.
+    pub join: Join,
+    /// Rounds in which the bends of that path are pulled tight; with 0 none are, and with more a path that is nearly
+    /// the shortest curve between its ends is left as it is.
+    pub pulls: u32,
+    /// Simulated planning time charged, during which the truck stands still.
+    pub seconds_per_expansion: f64,
+}
+
+/// When the components of a roadmap are joined: edges between them are swept, and more poses are tried about small ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Join {
+    /// While it is made.
+    AtOnce,
+    /// When a query finds no way on it for the first time. Its components are not counted.
+    WhenNeeded,
+}
+
+impl Default for PrmRsSettings {
+    fn default() -> Self {
+        Self {
+            samples: 200,
+            samples_per_hectare: None,
+            corner_places: 2,
+            neighbours: 16,
+            max_edge_m: 40.0,
+            clearance_m: 0.6,
+            cusp_cost: 2.0,
+            shortcuts: 50,
+            join: Join::AtOnce,
+            pulls: 0,
+            seconds_per_expansion: 0.0,
+        }
+    }
+}
+
+impl PrmRsSettings {
+    /// Returns how many poses to draw on a field.
+    pub(super) fn samples_on(&self, frame: &FieldFrame) -> u32 {
+        self.samples_per_hectare.map_or(self.samples, |density| samples_on(frame, density))
+    }
+
+    /// Returns how many poses to draw for every hectare of a field.
+    pub(super) fn samples_per_hectare_on(&self, frame: &FieldFrame) -> f64 {
+        self.samples_per_hectare.unwrap_or(f64::from(self.samples) / hectares(frame))
+    }
+
+    /// Describes how many poses are drawn.
+    pub(super) fn samples_in_words(&self) -> String {
+        match self.samples_per_hectare {
+            Some(density) => format!("{density} poses a hectare"),
+            None => format!("{} poses", self.samples),
+        }
+    }
+}
+
+impl SettingsTable for PrmRsSettings {
+    fn check(&self, frame: &FieldFrame) -> Result<(), OutOfRange> {
+        check_range("samples", self.samples.into(), 0.0..=100_000.0)?;
+        check_density(self.samples_per_hectare, frame)?;
+        check_range("corner_places", self.corner_places.into(), 0.0..=10.0)?;
+        check_range("neighbours", self.neighbours.into(), 1.0..=100.0)?;
+        check_range("max_edge_m", self.max_edge_m, 0.01..=1e6)?;
+        check_range("clearance_m", self.clearance_m, 0.01..=100.0)?;
+        check_range("cusp_cost", self.cusp_cost, 0.0..=1e6)?;
+        check_range("shortcuts", self.shortcuts.into(), 0.0..=1e6)?;
+        check_range("pulls", self.pulls.into(), 0.0..=1000.0)?;
+        check_range("seconds_per_expansion", self.seconds_per_expansion, 0.0..=1e6)
+    }
+}

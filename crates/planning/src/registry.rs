@@ -1,0 +1,461 @@
+//! The planners of trucks by their names in scenarios: the only place that lists them.
+//!
+//! A built-in planner is a folder of `planners` with its code, its settings and a [`BuiltInPlanner`], and a line in
+//! [`TruckPlannerKind`] below. If it has a table of settings of its own, that is a line in [`TruckPlannerSettings`], and
+//! a field of `scenario::Unimog`. Scenarios ask the maker for everything else that they say about a planner.
+//!
+//! Other planners come from whoever runs the program: [`Planners`] knows them by name, and puts the
+//! [gate](super::gate) round each that it makes.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::str::FromStr;
+use std::sync::Arc;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::collision::CollisionChecker;
+use wildfire_base::geometry::FieldFrame;
+use wildfire_base::ranges::SettingsTable;
+use wildfire_base::rng::{self, Xoshiro256PlusPlus};
+use wildfire_base::trajectory::SpeedLimits;
+use wildfire_base::vehicle::Dimensions;
+
+use super::TruckPlanner;
+use super::gate::Gated;
+use super::kit::drive_cost::DriveCost;
+use super::kit::local_search::PrimitiveSettings;
+use super::kit::safety::SafetySettings;
+use super::memory::{MemoryMeter, PlannerMemory};
+use super::planners::{hybrid_astar, lattice, prm_primitives, prm_rs};
+use super::smooth_steering::{CurvatureSmoother, SmoothSteering};
+
+/// Makes the built-in planners of one name, and knows what scenarios say about them.
+pub trait BuiltInPlanner: Sync {
+    /// Makes a planner for one truck on one field.
+    fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner>;
+
+    /// Names the tables of settings that the planner uses.
+    fn tables(&self) -> &'static [&'static str];
+
+    /// Says whether the planner compares drives by their time where the truck asks for that.
+    fn knows_time(&self) -> bool {
+        false
+    }
+
+    /// Bounds the memory that the planner takes on a field whose bushes have up to this number of convex corners.
+    fn memory(&self, frame: &FieldFrame, corners: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory;
+
+    /// Returns the simulated time that its expansions cost.
+    fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge;
+
+    /// Describes in sentences how the planner finds its way.
+    fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String;
+
+    /// Returns the size of the roadmap that it builds at once on a field with this number of bushes, if it does.
+    fn roadmap_size(
+        &self,
+        _settings: &TruckPlannerSettings<'_>,
+        _frame: &FieldFrame,
+        _bushes: usize,
+    ) -> Option<RoadmapSize> {
+        None
+    }
+
+    /// Warns of settings that are allowed and yet probably not meant for this body; `truck` names the truck.
+    fn warning(&self, _settings: &TruckPlannerSettings<'_>, _body: &Dimensions, _truck: &str) -> Option<String> {
+        None
+    }
+}
+
+/// The truck and the field that a planner is made for.
+pub struct Site<'a> {
+    /// Its number among the trucks, from 0.
+    pub truck: u16,
+    /// Its body, which `checker` has too.
+    pub body: &'a Dimensions,
+    /// How fast it drives.
+    pub limits: &'a SpeedLimits,
+    /// What its drives are compared by, where there is a choice.
+    pub cost: DriveCost,
+    /// The field, and the truck's body on it.
+    pub checker: &'a CollisionChecker,
+    /// The `settings` of the scenario's table `[planner.NAME]`, for a planner that is not built in; else null.
+    pub own: &'a serde_json::Value,
+    /// Returns the truck's own random stream of a name, which is the same in every run of the seed.
+    pub stream: &'a dyn Fn(&str) -> Xoshiro256PlusPlus,
+    /// Built-in planners report to it what they hold as they grow.
+    pub memory: &'a MemoryMeter,
+    /// The scenario's tables of settings of the built-in planners.
+    pub settings: &'a TruckPlannerSettings<'a>,
+}
+
+/// Makes planners of one name. A closure from a [`Site`] to a planner is one.
+pub trait MakePlanner: Send + Sync {
+    /// Makes a planner for one truck on one field.
+    ///
+    /// # Errors
+    /// If it cannot be built; the run does not take place then.
+    fn make(&self, site: &Site<'_>) -> Result<Box<dyn TruckPlanner>, MakeError>;
+}
+
+impl<F> MakePlanner for F
+where
+    F: Fn(&Site<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> + Send + Sync,
+{
+    fn make(&self, site: &Site<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> {
+        self(site)
+    }
+}
+
+/// Why a planner could not be built, in words that read well after "its planner could not be built: ".
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{0}")]
+pub struct MakeError(String);
+
+impl MakeError {
+    /// Creates an error with these words.
+    pub fn new(words: impl Into<String>) -> Self {
+        Self(words.into())
+    }
+}
+
+/// The name of a planner: 1 to 40 of `a-z 0-9 + - _ .`, a letter first.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(try_from = "String", into = "String")]
+pub struct PlannerName(String);
+
+impl PlannerName {
+    /// The most characters of a name.
+    pub const MOST: usize = 40;
+
+    /// Checks a name.
+    ///
+    /// # Errors
+    /// If it is not of the form above.
+    pub fn new(name: &str) -> Result<Self, NameError> {
+        let is_known = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "+-_.".contains(c);
+        let fits = name.len() <= Self::MOST && name.starts_with(|c: char| c.is_ascii_lowercase());
+        if fits && name.chars().all(is_known) { Ok(Self(name.to_owned())) } else { Err(NameError::Malformed) }
+    }
+
+    /// Returns the name.
+    pub fn name(&self) -> &str {
+        &self.0
+    }
+
+    /// Returns the built-in planner of this name, if there is one.
+    pub fn built_in(&self) -> Option<TruckPlannerKind> {
+        self.0.parse().ok()
+    }
+}
+
+impl TryFrom<String> for PlannerName {
+    type Error = NameError;
+
+    fn try_from(name: String) -> Result<Self, NameError> {
+        Self::new(&name)
+    }
+}
+
+impl FromStr for PlannerName {
+    type Err = NameError;
+
+    fn from_str(name: &str) -> Result<Self, NameError> {
+        Self::new(name)
+    }
+}
+
+impl From<PlannerName> for String {
+    fn from(name: PlannerName) -> Self {
+        name.0
+    }
+}
+
+impl From<TruckPlannerKind> for PlannerName {
+    fn from(kind: TruckPlannerKind) -> Self {
+        Self(kind.name().to_owned())
+    }
+}
+
+impl fmt::Display for PlannerName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(&self.0)
+    }
+}
+
+/// Why a planner cannot have a name.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum NameError {
+    /// It has another form.
+    #[error("a name is 1 to 40 of `a-z 0-9 + - _ .`, a letter first")]
+    Malformed,
+    /// A built-in planner has it.
+    #[error("`{0}` is the name of a built-in planner")]
+    BuiltIn(TruckPlannerKind),
+    /// Another planner has it.
+    #[error("two planners cannot both be called `{0}`")]
+    Taken(String),
+}
+
+/// Planners by name: the built-in ones, and those that were handed in.
+#[derive(Clone, Default)]
+pub struct Planners {
+    own: BTreeMap<PlannerName, Arc<dyn MakePlanner>>,
+}
+
+impl Planners {
+    /// Adds a planner.
+    ///
+    /// # Errors
+    /// If it cannot have this name.
+    pub fn with(mut self, name: &str, maker: impl MakePlanner + 'static) -> Result<Self, NameError> {
+        let name = PlannerName::new(name)?;
+        match name.built_in() {
+            Some(kind) => Err(NameError::BuiltIn(kind)),
+            None if self.own.contains_key(&name) => Err(NameError::Taken(name.into())),
+            None => {
+                self.own.insert(name, Arc::new(maker));
+                Ok(self)
+            }
+        }
+    }
+
+    /// Says whether there is a planner of this name.
+    pub fn knows(&self, name: &PlannerName) -> bool {
+        name.built_in().is_some() || self.own.contains_key(name)
+    }
+
+    /// Lists the names of those that are not built in.
+    pub fn own_names(&self) -> impl Iterator<Item = &PlannerName> {
+        self.own.keys()
+    }
+
+    /// Makes a planner: a built-in one, whose paths are made smooth if the truck's wheels take their time to turn, or
+    /// another one inside the gate, whose paths are driven as they are.
+    ///
+    /// # Errors
+    /// If nobody of this name is known, or it cannot be built.
+    pub fn make(&self, name: &PlannerName, site: &Site<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> {
+        if let Some(kind) = name.built_in() {
+            let planner = kind.maker().make(site);
+            return Ok(match CurvatureSmoother::new(site.checker, site.limits) {
+                Some(smoother) => Box::new(SmoothSteering::new(planner, smoother)),
+                None => planner,
+            });
+        }
+        let Some(maker) = self.own.get(name) else {
+            let words = format!("`{name}` is not built in, was not handed in, and is no program that may be started");
+            return Err(MakeError(words));
+        };
+        Ok(Box::new(Gated::build(maker.as_ref(), site)?))
+    }
+}
+
+impl fmt::Debug for Planners {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_set().entries(TruckPlannerKind::ALL).entries(self.own.keys()).finish()
+    }
+}
+
+/// Simulated planning time of one expansion, in seconds, during which the truck stands still.
+#[derive(Clone, Copy, Debug)]
+pub struct Charge {
+    pub roadmap_s: f64,
+    pub local_s: f64,
+}
+
+/// The size of a roadmap before it is built.
+pub struct RoadmapSize {
+    pub milestones: u64,
+    /// The most edges that a milestone brings with it.
+    pub neighbours: u32,
+    pub max_edge_m: f64,
+}
+
+macro_rules! truck_planners {
+    ($($(#[$doc:meta])* $kind:ident, $name:literal, $maker:expr;)+) => {
+        /// The planner by which a truck finds its way.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
+        pub enum TruckPlannerKind {
+            $($(#[$doc])* #[serde(rename = $name)] $kind,)+
+        }
+
+        impl TruckPlannerKind {
+            pub const ALL: [Self; [$($name),+].len()] = [$(Self::$kind),+];
+
+            /// Returns the name that scenarios and tables write.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$kind => $name,)+
+                }
+            }
+
+            /// Returns what makes these planners.
+            pub fn maker(self) -> &'static dyn BuiltInPlanner {
+                match self {
+                    $(Self::$kind => &$maker,)+
+                }
+            }
+        }
+    };
+}
+
+truck_planners! {
+    /// A roadmap, and motion primitives along its waypoints.
+    PrmPrimitives, "prm+primitives", prm_primitives::Maker;
+    /// A roadmap over poses with Reeds-Shepp curves, and a lattice search where it does not serve.
+    PrmRs, "prm-rs", prm_rs::Maker;
+    /// A lattice search that looks ahead with Reeds-Shepp curves.
+    HybridAstar, "hybrid-astar", hybrid_astar::Maker;
+    /// A flood over a lattice of poses: slow, and complete at its resolution.
+    Lattice, "lattice", lattice::Maker;
+}
+
+impl TruckPlannerKind {
+    /// Builds the planner with its default settings, for a truck that drives 8 m/s in both directions. Equal seeds give
+    /// equal planners.
+    pub fn build(self, checker: &CollisionChecker, seed: u64) -> Box<dyn TruckPlanner> {
+        self.maker().make(&Site {
+            truck: 0,
+            body: checker.body(),
+            limits: &SpeedLimits::new(8.0, 8.0),
+            cost: DriveCost::Length,
+            checker,
+            own: &serde_json::Value::Null,
+            stream: &|name| rng::stream(seed, name),
+            memory: &MemoryMeter::unlimited(),
+            settings: &OwnedSettings::default().all(),
+        })
+    }
+
+    /// Lists the names of all planners as a sentence does, with commas.
+    pub fn names() -> String {
+        Self::ALL.map(Self::name).join(", ")
+    }
+}
+
+impl fmt::Display for TruckPlannerKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for TruckPlannerKind {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        let found = Self::ALL.into_iter().find(|kind| kind.name() == name);
+        found.ok_or_else(|| format!("expected one of {}", Self::names()))
+    }
+}
+
+/// A table of settings of planners.
+pub struct PlannerTable<'a> {
+    /// The name of the table in a scenario.
+    pub name: &'static str,
+    pub settings: &'a dyn SettingsTable,
+    pub is_default: bool,
+}
+
+macro_rules! tables_of_settings {
+    ($($name:ident: $Settings:ty,)+) => {
+        /// The settings of every planner; each uses its own.
+        #[derive(Clone, Copy, Debug)]
+        pub struct TruckPlannerSettings<'a> {
+            $(pub $name: &'a $Settings,)+
+        }
+
+        /// The settings of every planner, by default the default ones, to be lent.
+        #[derive(Default)]
+        pub struct OwnedSettings {
+            $(pub $name: $Settings,)+
+        }
+
+        impl OwnedSettings {
+            pub fn all(&self) -> TruckPlannerSettings<'_> {
+                TruckPlannerSettings { $($name: &self.$name,)+ }
+            }
+        }
+
+        impl<'a> TruckPlannerSettings<'a> {
+            /// Lists the tables, to check them all alike.
+            pub fn tables(&self) -> impl Iterator<Item = PlannerTable<'a>> {
+                let tables = [$(PlannerTable {
+                    name: stringify!($name),
+                    settings: self.$name,
+                    is_default: *self.$name == <$Settings>::default(),
+                }),+];
+                tables.into_iter()
+            }
+        }
+    };
+}
+
+tables_of_settings! {
+    prm: prm_primitives::PrmSettings,
+    primitives: PrimitiveSettings,
+    prm_rs: prm_rs::PrmRsSettings,
+    hybrid: hybrid_astar::HybridSettings,
+    lattice: lattice::LatticeSettings,
+    safety: SafetySettings,
+}
+
+/// Describes the simulated time that an expansion costs.
+pub fn describe_charge(seconds_per_expansion: f64) -> String {
+    if seconds_per_expansion == 0.0 {
+        "planning takes no simulated time".into()
+    } else {
+        format!("it stands {seconds_per_expansion} s for every expansion")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_planner_has_one_name_in_scenarios_tables_and_options() {
+        for kind in TruckPlannerKind::ALL {
+            assert_eq!(serde_json::to_value(kind).expect("a name is JSON"), kind.name());
+            assert_eq!(kind.name().parse(), Ok(kind));
+        }
+    }
+
+    #[test]
+    fn names_are_short_plain_and_nobody_elses() {
+        for name in ["a", "rrt", "rrt-connect_2.1+x", &"a".repeat(40)] {
+            assert_eq!(PlannerName::new(name).expect("it has the form").name(), name);
+        }
+        for name in ["", "1a", "-a", "A", "rrt star", "rrt*", "é", &"a".repeat(41)] {
+            assert_eq!(PlannerName::new(name), Err(NameError::Malformed), "{name:?}");
+        }
+        let maker = |_: &Site<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> { Err(MakeError::new("no")) };
+        let planners = Planners::default().with("mine", maker).expect("it is free");
+        assert_eq!(planners.clone().with("mine", maker).err(), Some(NameError::Taken("mine".into())));
+        let taken = Planners::default().with("prm-rs", maker).err();
+        assert_eq!(taken, Some(NameError::BuiltIn(TruckPlannerKind::PrmRs)));
+        let known = |name: &str| planners.knows(&PlannerName::new(name).expect("it has the form"));
+        assert!(known("mine") && known("lattice") && !known("other"));
+    }
+
+    #[test]
+    fn every_table_of_settings_is_used_by_a_planner_and_planners_use_no_other() {
+        let settings = OwnedSettings::default();
+        let known: Vec<&str> = settings.all().tables().map(|table| table.name).collect();
+        let used: Vec<&str> = TruckPlannerKind::ALL.iter().flat_map(|kind| kind.maker().tables()).copied().collect();
+        assert!(used.iter().all(|name| known.contains(name)), "{used:?} are used of {known:?}");
+        assert!(known.iter().all(|name| used.contains(name)), "{used:?} are used of {known:?}");
+    }
+
+    #[test]
+    fn defaults_are_within_their_ranges() {
+        let settings = OwnedSettings::default();
+        for table in settings.all().tables() {
+            let frame = FieldFrame { cols: 50, rows: 50, cell_m: 5.0 };
+            assert_eq!((table.settings.check(&frame), table.is_default), (Ok(()), true), "{}", table.name);
+        }
+    }
+}

@@ -1,0 +1,292 @@
+//! What all agents have in common: a body on a trajectory, a goal, a mind that can change.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+use crate::scenario::Scenario;
+use wildfire_base::geometry::{Cell, Pose};
+use wildfire_base::time::SimTime;
+use wildfire_base::trajectory::{SpeedLimits, Trajectory};
+use wildfire_planning::Planners;
+use wildfire_planning::collision::ClearanceField;
+use wildfire_planning::memory::MemoryMeter;
+use wildfire_timeline::{AgentFact, AgentId, AgentStart, Body, CpuSample, RestReason, WaterRules};
+
+use super::policies::AgentView;
+use super::queue::{AgentEvent, SimQueue, Wake};
+use super::recorder::{CpuLog, Recorder};
+use super::run::AgentCost;
+
+/// The shortest time for which a policy lets an agent wait: no answer may keep a run at one instant.
+const SHORTEST_WAIT: SimTime = SimTime::from_nanos(100_000_000);
+
+/// What an agent is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Activity {
+    /// It stands and is about to decide.
+    Idle,
+    /// It stands without a goal until something wakes it, or because its policy wants it to.
+    Resting(RestReason),
+    /// It stands because others are in the way to all that it could go for.
+    Blocked,
+    /// It stands while planning time is charged.
+    Planning,
+    Moving,
+    Suppressing,
+    /// It stands at water and fills its tank.
+    Refilling,
+}
+
+/// An agent of the contest.
+#[derive(Component, Debug)]
+pub struct Agent {
+    pub id: AgentId,
+    pub body: Body,
+    /// Goes up whenever the agent changes its mind; events that carry an older one are void.
+    pub revision: u32,
+    pub activity: Activity,
+    pub goal: Option<Cell>,
+    /// The place that its policy sent it to, until it is sent elsewhere.
+    pub post: Option<DVec2>,
+    /// Whether something happened on its way that it has not been asked about.
+    pub is_called: bool,
+    /// The stops that the water in its tank suffices for; `None` where water does not matter.
+    pub stops_left: Option<u32>,
+    /// When its stop at a fire, its filling up, or the planning time of a plan that failed, is over.
+    pub busy_until: SimTime,
+    /// The last leg: it moves along it, or stands at its end.
+    pub trajectory: Trajectory,
+    pub cost: AgentCost,
+    /// The part of it that building its planner and the queries answered so far took.
+    answered: Duration,
+}
+
+impl Agent {
+    pub fn standing(id: AgentId, body: Body, pose: Pose) -> Self {
+        Self {
+            id,
+            body,
+            revision: 0,
+            activity: Activity::Idle,
+            goal: None,
+            post: None,
+            is_called: false,
+            stops_left: None,
+            busy_until: SimTime::ZERO,
+            trajectory: Trajectory::new(SimTime::ZERO, pose, Vec::new()),
+            cost: AgentCost::new(id),
+            answered: Duration::ZERO,
+        }
+    }
+
+    /// Returns where the middle of its body is.
+    pub fn centre(&self, now: SimTime) -> DVec2 {
+        self.body.centre(self.trajectory.pose_at(now))
+    }
+
+    /// Returns what policies see of it.
+    pub fn view(&self, now: SimTime) -> AgentView {
+        let pose = self.trajectory.pose_at(now);
+        let place = self.body.centre(pose);
+        let (free_at, free_place) = self.free_from(now, place);
+        let (id, activity) = (self.id, self.shown_activity(now));
+        let (goal, post, stops_left) = (self.goal, self.post, self.stops_left);
+        AgentView { id, place, pose, activity, goal, post, stops_left, free_at, free_place }
+    }
+
+    /// Returns when and where it can set out for something else; it is at `place` now.
+    fn free_from(&self, now: SimTime, place: DVec2) -> (SimTime, DVec2) {
+        match self.activity {
+            Activity::Suppressing | Activity::Refilling => (self.busy_until, place),
+            Activity::Planning if self.goal.is_none() => (self.busy_until, place),
+            // It comes to a stop, or drives aside.
+            Activity::Moving if self.goal.is_none() && self.post.is_none() => {
+                (self.trajectory.end_time().max(now), self.body.centre(self.trajectory.end()))
+            }
+            _ => (now, place),
+        }
+    }
+
+    /// Returns true if it stands and is free to go for something.
+    pub fn is_free(&self) -> bool {
+        matches!(self.activity, Activity::Idle | Activity::Resting(_) | Activity::Blocked)
+    }
+
+    pub fn is_under_way(&self) -> bool {
+        matches!(self.activity, Activity::Moving | Activity::Planning) && self.goal.is_some()
+    }
+
+    /// Returns true if it drives to a place where it is to wait.
+    pub fn is_relocating(&self, now: SimTime) -> bool {
+        self.activity == Activity::Moving && self.goal.is_none() && self.post.is_some() && !self.stands(now)
+    }
+
+    /// Returns true if it has come to the end of its last leg.
+    pub fn stands(&self, now: SimTime) -> bool {
+        self.trajectory.end_time() <= now
+    }
+
+    pub fn wake(&self, agent: Entity) -> Wake {
+        Wake { agent, revision: self.revision }
+    }
+
+    /// Voids what was planned and asks for a decision.
+    pub fn reconsider(&mut self, entity: Entity, at: SimTime, queue: &mut SimQueue) {
+        self.revision += 1;
+        queue.push_for(at, AgentEvent::Decision, self.wake(entity));
+    }
+
+    /// Gives up the goal on the way; the leg as it is really driven is `cut`, and the next decision falls at its end.
+    pub fn drop_goal(
+        &mut self,
+        entity: Entity,
+        now: SimTime,
+        cut: Trajectory,
+        queue: &mut SimQueue,
+        recorder: &mut Recorder,
+    ) {
+        let goal = self.goal.take().expect("only an agent with a goal drops one");
+        recorder.record_agent(now, self.id, AgentFact::Dropped { goal, trajectory: cut.clone() });
+        self.come_to_a_stop(entity, now, cut, queue);
+    }
+
+    /// Follows what is left of a leg that is cut short, and decides again at its end.
+    fn come_to_a_stop(&mut self, entity: Entity, now: SimTime, cut: Trajectory, queue: &mut SimQueue) {
+        let stands_at = cut.end_time().max(now);
+        self.activity = if stands_at > now { Activity::Moving } else { Activity::Idle };
+        self.trajectory = cut;
+        self.reconsider(entity, stands_at, queue);
+    }
+
+    /// Sets out for a goal, where `then` awaits it; `trajectory` begins when planning time is over.
+    pub fn set_out(
+        &mut self,
+        entity: Entity,
+        now: SimTime,
+        (goal, trajectory): (Cell, Trajectory),
+        then: AgentEvent,
+        queue: &mut SimQueue,
+    ) {
+        self.revision += 1;
+        (self.goal, self.post) = (Some(goal), None);
+        self.activity = Activity::Moving;
+        if trajectory.start_time() > now {
+            self.activity = Activity::Planning;
+            queue.push_for(trajectory.start_time(), AgentEvent::PlanningDone, self.wake(entity));
+        }
+        queue.push_for(trajectory.end_time(), then, self.wake(entity));
+        self.trajectory = trajectory;
+    }
+
+    /// Sets out for a place where it is to wait, and decides again when it is there.
+    pub fn relocate(&mut self, entity: Entity, place: DVec2, leg: Trajectory, queue: &mut SimQueue) {
+        (self.post, self.activity) = (Some(place), Activity::Moving);
+        self.reconsider(entity, leg.end_time(), queue);
+        self.trajectory = leg;
+    }
+
+    /// Is called off on the way to such a place; the leg as it is really driven is `cut`, and the next decision falls at
+    /// its end.
+    pub fn halt(
+        &mut self,
+        entity: Entity,
+        now: SimTime,
+        cut: Trajectory,
+        queue: &mut SimQueue,
+        recorder: &mut Recorder,
+    ) {
+        recorder.record_agent(now, self.id, AgentFact::Halted { trajectory: cut.clone() });
+        self.post = None;
+        self.come_to_a_stop(entity, now, cut, queue);
+    }
+
+    /// Stands for the planning time of a plan that failed, and decides again.
+    pub fn wait_until(&mut self, entity: Entity, time: SimTime, queue: &mut SimQueue) {
+        self.revision += 1;
+        self.busy_until = time;
+        self.activity = Activity::Planning;
+        queue.push_for(time, AgentEvent::PlanningDone, self.wake(entity));
+    }
+
+    /// Fills its tank until then, and decides again.
+    pub fn refill(&mut self, entity: Entity, full_tank: u32, until: SimTime, queue: &mut SimQueue) {
+        self.wait_until(entity, until, queue);
+        (self.activity, self.stops_left) = (Activity::Refilling, Some(full_tank));
+    }
+
+    /// Rests without a goal until something wakes it.
+    pub fn rest(&mut self, now: SimTime, reason: RestReason, recorder: &mut Recorder) {
+        self.revision += 1;
+        self.goal = None;
+        if self.activity != Activity::Resting(reason) {
+            self.activity = Activity::Resting(reason);
+            recorder.record_agent(now, self.id, AgentFact::Rested { reason });
+        }
+    }
+
+    /// Rests because its policy wants it to, and decides again at a time if nothing wakes it before.
+    pub fn wait(
+        &mut self,
+        entity: Entity,
+        now: SimTime,
+        until: Option<SimTime>,
+        queue: &mut SimQueue,
+        recorder: &mut Recorder,
+    ) {
+        self.rest(now, RestReason::Chosen, recorder);
+        if let Some(until) = until {
+            queue.push_for(until.max(now + SHORTEST_WAIT), AgentEvent::Decision, self.wake(entity));
+        }
+    }
+
+    /// Records the answer to a query of its planner, with the CPU time that its planning took since the answer before.
+    pub fn answer(&mut self, now: SimTime, fact: AgentFact, recorder: &mut Recorder) {
+        let total = self.cost.total();
+        let cpu = total.saturating_sub(std::mem::replace(&mut self.answered, total));
+        recorder.record_answer(now, self.id, fact, cpu);
+    }
+
+    /// Returns what it is doing in the words of timelines.
+    pub fn shown_activity(&self, now: SimTime) -> wildfire_timeline::Activity {
+        match self.activity {
+            Activity::Idle | Activity::Resting(_) => wildfire_timeline::Activity::Standing,
+            Activity::Blocked => wildfire_timeline::Activity::Waiting,
+            Activity::Planning => wildfire_timeline::Activity::Planning,
+            Activity::Moving if now < self.trajectory.start_time() => wildfire_timeline::Activity::Planning,
+            Activity::Moving if now < self.trajectory.sets_out_at() => wildfire_timeline::Activity::Waiting,
+            Activity::Moving => wildfire_timeline::Activity::Driving,
+            Activity::Suppressing => wildfire_timeline::Activity::Suppressing,
+            Activity::Refilling => wildfire_timeline::Activity::Refilling,
+        }
+    }
+}
+
+/// The agents in the order in which loops visit them, that of their names.
+#[derive(Resource, Debug, Default)]
+pub struct Roster(pub Vec<Entity>);
+
+/// What agents are made of and where they are put.
+pub struct Arena<'a> {
+    pub scenario: &'a Scenario,
+    pub seed: u64,
+    pub field: &'a Arc<ClearanceField>,
+    pub water: &'a Option<Arc<WaterRules>>,
+    pub memory: &'a MemoryMeter,
+    pub planners: &'a Planners,
+}
+
+/// Brings an agent into the world, with what its kind has besides, and lets it decide at time 0.
+pub fn enlist(world: &mut World, agent: Agent, limits: SpeedLimits, kind: impl Bundle) -> AgentStart {
+    let start = AgentStart { id: agent.id, pose: agent.trajectory.start(), body: agent.body, limits: Some(limits) };
+    let agent = Agent { answered: agent.cost.total(), ..agent };
+    let built = CpuSample { time: SimTime::ZERO, agent: agent.id, cpu: agent.cost.total() };
+    world.resource_mut::<CpuLog>().0.push(built);
+    let entity = world.spawn((agent, kind)).id();
+    world.resource_mut::<Roster>().0.push(entity);
+    let wake = Wake { agent: entity, revision: 0 };
+    world.resource_mut::<SimQueue>().push_for(SimTime::ZERO, AgentEvent::Decision, wake);
+    start
+}

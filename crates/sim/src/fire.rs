@@ -1,0 +1,172 @@
+//! Ignition, spread, burn-out and extinction.
+//!
+//! Whatever is to become of a bush, or of the ground, goes through the queue as a [`CellEvent`]. [`change_cells`] carries
+//! them out until one concerns an agent, who then acts before the next cell changes.
+
+use std::sync::Arc;
+
+use bevy_app::prelude::*;
+use bevy_ecs::prelude::*;
+
+use wildfire_base::geometry::Cell;
+use wildfire_base::time::SimTime;
+use wildfire_fire::{FireChange, FireEvent, FireField, FireModel, Spread, SpreadBy};
+use wildfire_timeline::{Cause, FireFact, GroundEvent, GroundFact};
+
+use super::queue::{CellEvent, Due, Rank, SimClock, SimQueue};
+use super::recorder::Recorder;
+use super::schedule::{Pass, SimSystems};
+use super::wake::Listeners;
+
+/// Bushes and ground burn.
+#[derive(Debug)]
+pub struct FirePlugin;
+
+impl Plugin for FirePlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(Pass, (burn_out, dry, spread, light_scheduled, change_cells).chain().in_set(SimSystems::Fire));
+    }
+}
+
+/// What can burn, and the model by which it burns.
+#[derive(Resource, Debug)]
+pub struct Fires {
+    pub field: FireField,
+    pub model: Box<dyn FireModel>,
+}
+
+/// The scenario's own ignitions.
+#[derive(Resource, Debug)]
+pub struct Ignitions {
+    pub entries: Vec<ScheduledIgnition>,
+    /// How many are still to come.
+    pub pending: usize,
+}
+
+/// The cells of one of them.
+#[derive(Debug)]
+pub enum ScheduledIgnition {
+    /// These cells.
+    Named(Vec<Cell>),
+    /// The first cells of an order that can burn by then.
+    FirstOf { order: Arc<[Cell]>, count: u32 },
+}
+
+impl Ignitions {
+    /// Returns the cells that an ignition lights.
+    fn cells(&self, number: usize, fires: &FireField) -> Vec<Cell> {
+        match &self.entries[number] {
+            ScheduledIgnition::Named(cells) => cells.clone(),
+            ScheduledIgnition::FirstOf { order, count } => {
+                order.iter().copied().filter(|&cell| fires.can_burn(cell)).take(*count as usize).collect()
+            }
+        }
+    }
+}
+
+/// Ends fires that burned for long enough.
+fn burn_out(clock: Res<SimClock>, mut queue: ResMut<SimQueue>, fires: Res<Fires>) {
+    while let Some(Due::Fire(FireEvent::BurnOut { cell, episode })) = queue.take(clock.0, Rank::BurnOut) {
+        if fires.field.goes_on(cell, episode) {
+            queue.push(clock.0, Due::Cell(CellEvent::BurnOut { cell }));
+        }
+    }
+}
+
+/// Lets cells dry whose time has come.
+fn dry(clock: Res<SimClock>, mut queue: ResMut<SimQueue>) {
+    while let Some(Due::Fire(FireEvent::Dry { cell })) = queue.take(clock.0, Rank::Drying) {
+        queue.push(clock.0, Due::Cell(CellEvent::Dry { cell }));
+    }
+}
+
+/// Sets on fire what the model says that the fire has come to.
+fn spread(clock: Res<SimClock>, mut queue: ResMut<SimQueue>, mut fires: ResMut<Fires>) {
+    let Fires { field, model } = &mut *fires;
+    while let Some(Due::Fire(FireEvent::Arrival(arrival))) = queue.take(clock.0, Rank::Spread) {
+        let mut expected = Vec::new();
+        for Spread { cell, from, by } in model.arrive(field, clock.0, arrival, &mut expected) {
+            let cause = match by {
+                SpreadBy::Front => Cause::Spread(from),
+                SpreadBy::Ember => Cause::Spotted(from),
+            };
+            queue.push(clock.0, Due::Cell(CellEvent::Ignite { cell, cause }));
+        }
+        expect(&mut queue, expected);
+    }
+}
+
+/// Lights what the scenario says.
+fn light_scheduled(
+    clock: Res<SimClock>,
+    mut queue: ResMut<SimQueue>,
+    fires: Res<Fires>,
+    mut scheduled: ResMut<Ignitions>,
+) {
+    while let Some(&Due::Scheduled(number)) = queue.next(clock.0) {
+        queue.drop_next();
+        scheduled.pending -= 1;
+        for cell in scheduled.cells(number, &fires.field) {
+            queue.push(clock.0, Due::Cell(CellEvent::Ignite { cell, cause: Cause::Scheduled }));
+        }
+    }
+}
+
+/// Changes cells, if they can be changed so, and lets the model of the fire say what follows, until an agent is woken.
+fn change_cells(
+    clock: Res<SimClock>,
+    mut queue: ResMut<SimQueue>,
+    mut fires: ResMut<Fires>,
+    mut recorder: ResMut<Recorder>,
+    listeners: Listeners,
+) {
+    let now = clock.0;
+    let Fires { field, model } = &mut *fires;
+    while let Some(Due::Cell(event)) = queue.take(now, Rank::Change) {
+        let Some(change) = change_cell(field, now, event) else { continue };
+        record(&mut recorder, now, event, field);
+        let mut expected = Vec::new();
+        model.follow(field, now, change, &mut expected);
+        expect(&mut queue, expected);
+        if listeners.hear_of(change, now, field, &mut queue) {
+            return;
+        }
+    }
+}
+
+/// Changes a cell, if it can be changed so.
+fn change_cell(field: &mut FireField, now: SimTime, event: CellEvent) -> Option<FireChange> {
+    match event {
+        CellEvent::Ignite { cell, cause } => field.ignite(cell, now, cause.parent().is_none()),
+        // Of two stops that end together, one may have been faster.
+        CellEvent::Extinguish { cell, .. } | CellEvent::BurnOut { cell } if !field.is_burning(cell) => None,
+        CellEvent::Extinguish { cell, .. } => Some(field.extinguish(cell)),
+        CellEvent::BurnOut { cell } => Some(field.burn_out(cell)),
+        CellEvent::Wet { cell, until, .. } => field.wet(cell, until),
+        CellEvent::Dry { cell } => field.dry(cell, now),
+    }
+}
+
+/// Records a change that was made, if it is one that a timeline holds: see [`GroundEvent`].
+fn record(recorder: &mut Recorder, now: SimTime, event: CellEvent, field: &FireField) {
+    let ground = |cell, fact| GroundEvent { time: now, cell, fact };
+    match event {
+        CellEvent::Ignite { cell, cause } if field.is_bush(cell) => {
+            recorder.record_fire(now, FireFact::Ignited { cell, cause });
+        }
+        CellEvent::Extinguish { cell, by } if field.is_bush(cell) => {
+            recorder.record_fire(now, FireFact::Extinguished { cell, by });
+        }
+        CellEvent::BurnOut { cell } if field.is_bush(cell) => recorder.record_fire(now, FireFact::BurnedOut { cell }),
+        CellEvent::Ignite { cell, cause } => recorder.record_ground(ground(cell, GroundFact::Ignited(cause))),
+        CellEvent::Extinguish { cell, by } => recorder.record_ground(ground(cell, GroundFact::Extinguished { by })),
+        CellEvent::Wet { cell, until, by } => recorder.record_ground(ground(cell, GroundFact::Wetted { until, by })),
+        CellEvent::BurnOut { .. } | CellEvent::Dry { .. } => {}
+    }
+}
+
+fn expect(queue: &mut SimQueue, expected: Vec<(SimTime, FireEvent)>) {
+    for (time, event) in expected {
+        queue.push(time, Due::Fire(event));
+    }
+}

@@ -1,0 +1,395 @@
+#![doc = include_str!("../README.md")]
+//!
+//! The world of one run: agents decide, plan, drive, light and extinguish.
+//!
+//! The clock jumps from instant to instant. [`Simulation::advance_to`] moves it to what is due next and makes
+//! [passes](schedule::Pass) over the world until nothing more is due at that instant; what happens first there is the
+//! order of [ranks](queue::Rank). Into which slices the time is cut changes nothing. Agents are entities; what happened
+//! is appended to the timeline.
+//!
+//! Each concern is a plugin: [fire](fire::FirePlugin), [who hears of what](wake::WakePlugin), the
+//! [Wumpus](wumpus::WumpusPlugin), the [truck](truck::TruckPlugin), [traffic](standoff::TrafficPlugin) and the
+//! [end](end::EndPlugin). Who goes where is decided by [policies].
+
+mod agent;
+mod end;
+mod episode;
+mod fire;
+pub mod policies;
+pub mod programs;
+mod queue;
+mod recorder;
+mod run;
+pub mod scenario;
+mod schedule;
+mod setup;
+mod standoff;
+mod traffic;
+mod truck;
+mod wake;
+mod walk_grounds;
+mod wumpus;
+
+use bevy_app::prelude::*;
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::Schedules;
+
+use crate::scenario::{MemoryEstimate, MemoryLimit, Scenario};
+use wildfire_base::time::SimTime;
+use wildfire_base::time::cpu::CpuStopwatch;
+use wildfire_fire::FireField;
+use wildfire_planning::Planners;
+use wildfire_planning::memory::MemoryMeter;
+use wildfire_timeline::{AgentId, Event, GroundEvent, Setting, Timeline};
+
+pub use episode::{Asked, Episode, Points};
+pub use run::{AgentCost, Entrants, FailureMessages, PolicyTally, Run, RunCost, RunError, RunOptions, StartPrograms};
+
+use agent::{Agent, Roster};
+use end::Ended;
+use fire::Fires;
+use policies::{AgentView, Asking, Choice, Following, Observation, OwnAsks, Policy, Question};
+use queue::{SimClock, SimQueue};
+use recorder::{CpuLog, Recorder};
+use schedule::Pass;
+use wake::WokenBy;
+
+/// Runs a scenario with a seed to its end.
+pub fn run(scenario: &Scenario, seed: u64) -> Result<Run, RunError> {
+    run_with_options(scenario, seed, &RunOptions::default())
+}
+
+/// Does the same as [`run`], and the timeline also holds what the searches looked at.
+pub fn run_recording_searches(scenario: &Scenario, seed: u64) -> Result<Run, RunError> {
+    run_with_options(scenario, seed, &RunOptions { records_searches: true, ..RunOptions::default() })
+}
+
+/// Does the same as [`run`] with planners of one's own, whose names the scenario may give to its trucks.
+///
+/// # Errors
+/// As [`run`], and if a truck's planner is not known or cannot be built.
+pub fn run_with(scenario: &Scenario, seed: u64, planners: &Planners) -> Result<Run, RunError> {
+    run_with_options(scenario, seed, &RunOptions { planners: planners.clone(), ..RunOptions::default() })
+}
+
+/// Does the same as [`run`], with other options.
+pub fn run_with_options(scenario: &Scenario, seed: u64, options: &RunOptions) -> Result<Run, RunError> {
+    let mut stopwatch = CpuStopwatch::start();
+    let mut simulation = Simulation::with(scenario, seed, options)?;
+    // Whoever leaves an answer to somebody outside waits: nobody is there.
+    while let Some(asked) = simulation.advance_to_question(SimTime::MAX).map(<[_]>::to_vec) {
+        simulation.answer(asked.into_iter().map(|agent| (agent, Choice::Wait)).collect());
+    }
+    simulation.expect_within_memory()?;
+    let mut run = simulation.finish();
+    run.cost.total = stopwatch.lap() + run.cost.elsewhere();
+    Ok(run)
+}
+
+/// A run in the making.
+pub struct Simulation {
+    world: World,
+    schedule: Schedule,
+    setting: Setting,
+    cost: RunCost,
+    /// Whether time 0 has happened. It does in every run, even if nobody is there to have something due.
+    has_begun: bool,
+    memory: Memory,
+}
+
+/// The memory that a run may take, was estimated to take, and holds in what grows.
+struct Memory {
+    limit: MemoryLimit,
+    estimate: MemoryEstimate,
+    meter: MemoryMeter,
+}
+
+impl Simulation {
+    /// Creates the world at time 0, before anything happened.
+    pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, RunError> {
+        Self::with(scenario, seed, &RunOptions::default())
+    }
+
+    /// Creates the same world, which also records what searches looked at.
+    pub fn recording_searches(scenario: &Scenario, seed: u64) -> Result<Self, RunError> {
+        Self::with(scenario, seed, &RunOptions { records_searches: true, ..RunOptions::default() })
+    }
+
+    /// Creates the same world with planners of one's own.
+    ///
+    /// # Errors
+    /// As [`Self::new`], and if a truck's planner is not known or cannot be built.
+    pub fn with_planners(scenario: &Scenario, seed: u64, planners: &Planners) -> Result<Self, RunError> {
+        Self::with(scenario, seed, &RunOptions { planners: planners.clone(), ..RunOptions::default() })
+    }
+
+    /// Creates the same world with other options.
+    ///
+    /// # Errors
+    /// If it cannot be, or would take more memory than the limit; then nothing was allocated for it.
+    pub fn with(scenario: &Scenario, seed: u64, options: &RunOptions) -> Result<Self, RunError> {
+        let estimate = MemoryEstimate::new(scenario);
+        let meter = estimate.meter(options.memory)?;
+        let mut app = app();
+        let (setting, cost) = setup::fill(app.world_mut(), scenario, seed, &meter, options)?;
+        let mut world = std::mem::take(app.world_mut());
+        let schedules = world.remove_resource::<Schedules>().and_then(|mut schedules| schedules.remove(Pass));
+        let schedule = schedules.expect("a plugin made the schedule");
+        let memory = Memory { limit: options.memory, estimate, meter };
+        let simulation = Self { world, schedule, setting, cost, has_begun: false, memory };
+        simulation.expect_within_memory()?;
+        Ok(simulation)
+    }
+
+    /// Lets agents follow a policy of one's own from now on.
+    pub fn follow(&mut self, agents: &[AgentId], policy: Box<dyn Policy>) {
+        let asking = policy.asking();
+        let follows = self.world.resource_mut::<Following>().add(policy);
+        for &entity in &self.world.resource::<Roster>().0.clone() {
+            let Some(agent) = self.world.get::<Agent>(entity).filter(|agent| agents.contains(&agent.id)) else {
+                continue;
+            };
+            let was_in_team = self.world.get::<WokenBy>(entity).is_some_and(WokenBy::is_in_team);
+            let is_in_team = asking != Asking::Each && agent.id.role.suppresses();
+            let mut followers = self.world.entity_mut(entity);
+            followers.insert(follows);
+            if is_in_team || was_in_team {
+                followers.insert(WokenBy::truck(asking, false));
+            }
+        }
+    }
+
+    /// Refuses a run that came to the limit of its memory: its facts after that are not to be used.
+    pub fn expect_within_memory(&self) -> Result<(), RunError> {
+        let Memory { limit, estimate, meter } = &self.memory;
+        estimate.overrun(meter, *limit).map_or(Ok(()), |exceeded| Err(exceeded.into()))
+    }
+
+    /// Lets everything happen that is due up to `target`, which is included, unless the run comes to the limit of its
+    /// memory before, or a policy answers [later](Self::advance_to_question).
+    pub fn advance_to(&mut self, target: SimTime) {
+        while !self.world.resource::<Ended>().0
+            && self.memory.meter.overrun().is_none()
+            && self.world.resource::<Following>().question.is_none()
+        {
+            let next = if self.has_begun { self.world.resource::<SimQueue>().next_time() } else { Some(SimTime::ZERO) };
+            let Some(next) = next.filter(|&next| next <= target) else { break };
+            self.has_begun = true;
+            self.world.resource_mut::<SimClock>().0 = next;
+            self.schedule.run(&mut self.world);
+        }
+    }
+
+    /// Advances like [`advance_to`](Self::advance_to) and returns the agents that wait for an [answer](Self::answer),
+    /// if a policy leaves it to somebody outside. Until then the world stands still at that instant.
+    pub fn advance_to_question(&mut self, target: SimTime) -> Option<&[AgentId]> {
+        self.advance_to(target);
+        self.world.resource::<Following>().question.as_ref().map(|question| &question.asked[..])
+    }
+
+    /// Lets somebody outside look at the world as a policy would who is asked what waits for an answer.
+    pub fn observe<T>(&self, look: impl FnOnce(&Observation<'_>, &[AgentId]) -> T) -> Option<T> {
+        let Question { asked, agents, options } = self.world.resource::<Following>().question.as_ref()?;
+        let options_of =
+            |agent: AgentId| asked.iter().position(|&id| id == agent).map_or(Vec::new(), |i| options[i].clone());
+        let (now, fires) = (self.world.resource::<SimClock>().0, &self.world.resource::<Fires>().field);
+        Some(look(&Observation { now, fires, agents, options_of: &options_of }, asked))
+    }
+
+    /// Answers for agents that wait; whoever is left out is asked again. What is no option lets an agent wait.
+    pub fn answer(&mut self, choices: Vec<(AgentId, Choice)>) {
+        let mut following = self.world.resource_mut::<Following>();
+        following.question = None;
+        following.answer = choices;
+    }
+
+    /// Returns the instant at which the world stands.
+    pub fn now(&self) -> SimTime {
+        self.world.resource::<SimClock>().0
+    }
+
+    /// Returns true if the run is over.
+    pub fn has_ended(&self) -> bool {
+        self.world.resource::<Ended>().0
+    }
+
+    /// Returns the state of every bush.
+    pub fn fires(&self) -> &FireField {
+        &self.world.resource::<Fires>().field
+    }
+
+    /// Returns what policies see of the agents, by name.
+    pub fn agents(&self) -> Vec<AgentView> {
+        let agents = self.world.resource::<Roster>().0.iter().filter_map(|&entity| self.world.get::<Agent>(entity));
+        agents.map(|agent| agent.view(self.now())).collect()
+    }
+
+    /// Returns the setting that the facts belong to.
+    pub fn setting(&self) -> &Setting {
+        &self.setting
+    }
+
+    /// Returns what has happened so far.
+    pub fn facts(&self) -> &[Event] {
+        &self.world.resource::<Recorder>().events
+    }
+
+    /// Returns what has become of the ground so far.
+    pub fn ground(&self) -> &[GroundEvent] {
+        &self.world.resource::<Recorder>().ground
+    }
+
+    /// Returns the facts so far and the cost of getting there.
+    pub fn finish(mut self) -> Run {
+        let agents = self.world.resource::<Roster>().0.iter().filter_map(|&entity| self.world.get::<Agent>(entity));
+        self.cost.agents = agents.map(|agent| agent.cost.clone()).collect();
+        let mut following = self.world.resource_mut::<Following>();
+        self.cost.dispatch = following.team_cpu;
+        let OwnAsks { tally: asks, messages: of_policies, cpu, elsewhere } = std::mem::take(&mut following.own);
+        (self.cost.policies, self.cost.policies_elsewhere) = (cpu, elsewhere);
+        let mut recorder = self.world.resource_mut::<Recorder>();
+        let (events, mut messages) = (std::mem::take(&mut recorder.events), std::mem::take(&mut recorder.messages));
+        messages.append(of_policies);
+        let ground = std::mem::take(&mut recorder.ground);
+        let answer_cpu = std::mem::take(&mut recorder.answer_cpu);
+        let cpu_samples = std::mem::take(&mut self.world.resource_mut::<CpuLog>().0);
+        let timeline = Timeline { setting: self.setting, events, ground };
+        Run { timeline, cost: self.cost, cpu_samples, answer_cpu, messages, asks }
+    }
+}
+
+/// Builds the schedule out of its plugins.
+fn app() -> App {
+    let mut app = App::empty();
+    app.add_plugins((
+        schedule::SchedulePlugin,
+        fire::FirePlugin,
+        wake::WakePlugin,
+        wumpus::WumpusPlugin,
+        truck::TruckPlugin,
+        standoff::TrafficPlugin,
+        end::EndPlugin,
+    ));
+    app
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::{Arc, Mutex};
+
+    use super::*;
+    use crate::scenario;
+    use policies::{NamedPolicy, RuleSite};
+    use schedule::SimSystems;
+    use wildfire_base::geometry::Cell;
+    use wildfire_timeline::{AgentFact, Fact, FireFact, Role};
+
+    fn load(name: &str, duration_s: f64) -> Scenario {
+        scenario::load(name, &[format!("duration_s={duration_s}")]).expect("the preset loads")
+    }
+
+    fn is_ambiguous(add: impl FnOnce(&mut App)) -> bool {
+        let mut app = app();
+        add(&mut app);
+        app.world_mut().schedule_scope(Pass, |world, schedule| schedule.initialize(world).is_err())
+    }
+
+    #[test]
+    fn a_system_whose_turn_is_not_said_is_refused() {
+        fn intruder(_queue: ResMut<SimQueue>) {}
+        assert!(!is_ambiguous(|_| {}));
+        assert!(is_ambiguous(|app| _ = app.add_systems(Pass, intruder)));
+        assert!(is_ambiguous(|app| _ = app.add_systems(Pass, intruder.in_set(SimSystems::Truck))));
+        assert!(!is_ambiguous(|app| _ = app.add_systems(Pass, intruder.after(SimSystems::End))));
+    }
+
+    /// Leaves every choice to somebody outside.
+    struct Elsewhere;
+
+    impl Policy for Elsewhere {
+        fn choose(&mut self, _: &Observation<'_>, _: &[AgentId]) -> Vec<(AgentId, Choice)> {
+            Vec::new()
+        }
+    }
+
+    #[test]
+    fn a_policy_that_answers_later_gives_the_run_of_one_that_answers_at_once() {
+        for (name, duration_s) in [("smoke", 300.0), ("fleet", 300.0)] {
+            let scenario = load(name, duration_s);
+            let at_once = run(&scenario, 5).expect("it takes place").timeline;
+            let mut simulation = Simulation::new(&scenario, 5).expect("it takes place");
+            let agents: Vec<AgentId> = at_once.setting.agents.iter().map(|agent| agent.id).collect();
+            simulation.follow(&agents, Box::new(Elsewhere));
+            let setting = &at_once.setting;
+            let site = RuleSite { frame: &setting.frame, lightable: &setting.bushes, spread_m: 30.0, seed: 5 };
+            let make = |policy: NamedPolicy<'_>| match policy {
+                NamedPolicy::BuiltIn(rule) => rule.make(&site),
+                NamedPolicy::Own(name) => panic!("{name} is not built in"),
+            };
+            let mut wumpus = make((&scenario.wumpus[0].goal).into());
+            let mut truck = make((&scenario.unimog[0].goal).into());
+            let mut questions = 0;
+            while let Some(asked) = simulation.advance_to_question(SimTime::MAX).map(<[_]>::to_vec) {
+                let facts = simulation.world.resource::<Recorder>().events.len();
+                assert_eq!(simulation.advance_to_question(SimTime::MAX), Some(&asked[..]), "the world stands still");
+                assert_eq!(simulation.world.resource::<Recorder>().events.len(), facts);
+                let policy = if asked[0].role == Role::Wumpus { &mut wumpus } else { &mut truck };
+                let choices = simulation.observe(|seen, asked| policy.choose(seen, asked));
+                simulation.answer(choices.expect("a question waits"));
+                questions += 1;
+            }
+            assert!(questions > 10, "{name}: {questions} questions");
+            assert_eq!(simulation.finish().timeline, at_once, "{name}");
+        }
+    }
+
+    /// Sends all that are asked to the first option of the first, and notes how many were asked.
+    struct Together(Arc<Mutex<Vec<usize>>>);
+
+    impl Policy for Together {
+        fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+            self.0.lock().expect("nobody panicked").push(asked.len());
+            let options = seen.options(asked[0]);
+            asked.iter().map(|&agent| (agent, options.first().map_or(Choice::Wait, |&cell| Choice::Go(cell)))).collect()
+        }
+    }
+
+    #[test]
+    fn a_policy_chooses_for_all_who_are_free_and_a_fire_still_goes_to_one_truck() {
+        let mut simulation = Simulation::new(&load("fleet", 600.0), 2).expect("it takes place");
+        let asked = Arc::new(Mutex::new(Vec::new()));
+        let trucks = [0, 1, 2].map(AgentId::unimog);
+        simulation.follow(&trucks, Box::new(Together(Arc::clone(&asked))));
+        simulation.advance_to(SimTime::MAX);
+        let timeline = simulation.finish().timeline;
+        assert!(asked.lock().expect("nobody panicked").contains(&3), "all three wait when the first fire is lit");
+        let (mut goals, mut plans) = (Vec::<(AgentId, Cell)>::new(), 0);
+        for event in &timeline.events {
+            match event.fact {
+                Fact::Agent(agent, AgentFact::Planned { goal, .. }) if agent.role.suppresses() => {
+                    assert!(goals.iter().all(|&(_, other)| other != goal), "two trucks after {goal} at {}", event.time);
+                    goals.push((agent, goal));
+                    plans += 1;
+                }
+                Fact::Agent(agent, AgentFact::Dropped { .. }) => goals.retain(|&(by, _)| by != agent),
+                Fact::Fire(FireFact::Extinguished { cell, .. } | FireFact::BurnedOut { cell }) => {
+                    goals.retain(|&(_, goal)| goal != cell);
+                }
+                _ => {}
+            }
+        }
+        assert!(plans > 3, "those who waited look again: {plans} plans");
+    }
+
+    #[test]
+    fn a_run_goes_on_without_agents_that_are_no_longer_there() {
+        let mut simulation = Simulation::new(&load("fleet", 600.0), 2).expect("it takes place");
+        simulation.advance_to(SimTime::from_seconds(200.0));
+        let gone = [simulation.world.resource::<Roster>().0[0], simulation.world.resource::<Roster>().0[2]];
+        for entity in gone {
+            assert!(simulation.world.despawn(entity));
+        }
+        simulation.advance_to(SimTime::MAX);
+        assert!(simulation.world.resource::<Ended>().0);
+    }
+}

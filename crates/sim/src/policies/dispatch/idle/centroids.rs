@@ -1,0 +1,120 @@
+//! Idle trucks spread over the bushes that are intact, each at the centroid of those to which it is the nearest.
+//!
+//! In the literature of initial attack prepositioning is the main lever (Haight and Fried, "Deploying wildland fire
+//! suppression resources with a scenario-based standard response model", INFOR 45(1), 2007): who is near when a fire begins
+//! stops it before it spreads.
+
+use glam::DVec2;
+
+use super::super::hungarian::least_total;
+use super::super::team::{AS_GOOD_M, Positioning, Team, TeamTruck};
+use super::spread_out::{Census, spread_out};
+use wildfire_timeline::AgentId;
+
+/// A truck goes to a new place only if it is at least this far from where it is, or was sent before: a shorter way gains less
+/// than the drive disturbs.
+const LEAST_WORTH_M: f64 = 25.0;
+
+/// The same as a share of the room that each idle truck has, the side of its square of the field. Whenever one of them leaves
+/// for a fire or comes back, all places shift a little; to follow that would keep all trucks driving all the time.
+const WORTH_SHARE: f64 = 0.3;
+
+/// A truck that is not there yet is sent elsewhere only if the way is at most this share of the one that is left to it. With
+/// every fire other trucks are idle, and the best places of three are far from those of four: who followed each turn of that
+/// would never arrive.
+const NEARER_SHARE: f64 = 0.5;
+
+/// Sends idle trucks to centroids of what is intact, the whole team by the least sum of squared ways.
+#[derive(Clone, Debug, Default)]
+pub struct Centroids {
+    census: Census,
+}
+
+impl Positioning for Centroids {
+    fn post(&mut self, team: &Team<'_>, idle: &[AgentId]) -> Vec<(AgentId, DVec2)> {
+        let trucks: Vec<&TeamTruck> = team.trucks.iter().filter(|truck| idle.contains(&truck.id)).collect();
+        let mut sites: Vec<DVec2> = trucks.iter().map(|truck| waits_at(truck)).collect();
+        spread_out(self.census.blocks(team), &mut sites);
+        posts(&trucks, &sites, worth_m(team, trucks.len()))
+    }
+}
+
+/// Returns the shortest way that is worth a drive where this number of trucks share the field.
+pub fn worth_m(team: &Team<'_>, trucks: usize) -> f64 {
+    let room_m2 = team.frame.width_m() * team.frame.height_m() / trucks.max(1) as f64;
+    (WORTH_SHARE * room_m2.sqrt()).max(LEAST_WORTH_M)
+}
+
+/// The place at which a truck waits, or to which it has been sent to wait.
+pub fn waits_at(truck: &TeamTruck) -> DVec2 {
+    truck.post.unwrap_or(truck.place)
+}
+
+/// Gives each truck a site of its own and returns those to which the way is worth a drive. There are as many sites as trucks.
+pub fn posts(trucks: &[&TeamTruck], sites: &[DVec2], worth_m: f64) -> Vec<(AgentId, DVec2)> {
+    // Squares prefer two ways of middle length to a short one and a long one, which takes longer until all are there.
+    let site_of =
+        least_total(trucks.len(), sites.len(), |truck, site| (trucks[truck].place - sites[site]).length_squared());
+    let is_worth = |truck: &TeamTruck, site: DVec2| {
+        let left_m = (waits_at(truck) - truck.place).length();
+        let is_there = left_m <= AS_GOOD_M;
+        let is_nearer = (site - truck.place).length() <= NEARER_SHARE * left_m;
+        (waits_at(truck) - site).length() >= worth_m && (is_there || is_nearer)
+    };
+    let sent = trucks.iter().zip(site_of).filter(|(truck, site)| is_worth(truck, sites[*site]));
+    sent.map(|(truck, site)| (truck.id, sites[site])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::samples::Sample;
+    use super::*;
+
+    fn grown() -> Sample {
+        let mut sample = Sample::with_trucks(&[(20.0, 20.0), (21.0, 20.0), (230.0, 20.0), (22.0, 21.0)]);
+        let cells: Vec<(u16, u16)> = (0..50).flat_map(|col| (0..50).map(move |row| (col, row))).collect();
+        sample.grow(&cells);
+        sample
+    }
+
+    #[test]
+    fn trucks_spread_over_the_field_and_then_stay() {
+        let mut sample = grown();
+        let idle: Vec<AgentId> = sample.trucks.iter().map(|truck| truck.id).collect();
+        let posts = Centroids::default().post(&sample.team(), &idle);
+        assert_eq!(posts.len(), 4, "a quarter of the field for each");
+        for (number, (id, post)) in posts.iter().enumerate() {
+            assert_eq!(*id, idle[number]);
+            sample.trucks[number].post = Some(*post);
+            for (_, other) in &posts[..number] {
+                assert!((*post - *other).length() > 80.0, "{post} and {other} are one place");
+            }
+        }
+        // Under way, and when they are there, nobody is sent anywhere else.
+        assert_eq!(Centroids::default().post(&sample.team(), &idle), []);
+        for truck in &mut sample.trucks {
+            truck.place = truck.post.expect("each has one");
+        }
+        assert_eq!(Centroids::default().post(&sample.team(), &idle), []);
+    }
+
+    #[test]
+    fn a_truck_on_its_way_is_sent_to_a_place_that_is_much_nearer_or_goes_on() {
+        let mut truck = Sample::with_trucks(&[(20.0, 20.0)]).trucks[0];
+        truck.post = Some(DVec2::new(120.0, 20.0));
+        let sent = |site: DVec2| posts(&[&truck], &[site], 25.0).len();
+        assert_eq!(sent(DVec2::new(20.0, 71.0)), 0);
+        assert_eq!(sent(DVec2::new(20.0, 69.0)), 1);
+        let there = TeamTruck { place: DVec2::new(110.0, 20.0), ..truck };
+        assert_eq!(posts(&[&there], &[DVec2::new(20.0, 71.0)], 25.0).len(), 1);
+    }
+
+    #[test]
+    fn only_idle_trucks_are_sent() {
+        let sample = grown();
+        let posts = Centroids::default().post(&sample.team(), &[AgentId::unimog(2)]);
+        let [(id, post)] = posts[..] else { panic!("one truck is idle: {posts:?}") };
+        assert_eq!(id, AgentId::unimog(2));
+        assert!((post - DVec2::splat(125.0)).length() < 1e-6, "alone it waits in the middle: {post}");
+    }
+}

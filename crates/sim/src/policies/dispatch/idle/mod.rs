@@ -1,0 +1,22 @@
+//! Where trucks wait that have nothing to go for: places from which they are soon at whatever may burn next.
+
+mod centroids;
+mod regions;
+mod spread_out;
+
+use super::team::{Positioning, Team};
+use glam::DVec2;
+use wildfire_timeline::AgentId;
+
+pub use centroids::Centroids;
+pub use regions::{Regions, RegionsFirst};
+
+/// Lets trucks wait where they are.
+#[derive(Clone, Copy, Debug)]
+pub struct Stay;
+
+impl Positioning for Stay {
+    fn post(&mut self, _: &Team<'_>, _: &[AgentId]) -> Vec<(AgentId, DVec2)> {
+        Vec::new()
+    }
+}

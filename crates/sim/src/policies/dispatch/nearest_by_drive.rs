@@ -1,0 +1,33 @@
+//! The fire that is nearest by drive. Who gets one is decided as by [`NearestByNumber`]; which one, by the truck's planner,
+//! among those that are nearest in a straight line.
+
+use super::nearest::NearestByNumber;
+use super::team::{Assignment, Team};
+use crate::policies::{Choice, Observation, Policy};
+use wildfire_base::geometry::Cell;
+use wildfire_timeline::AgentId;
+
+/// Each truck to the fire that is left and nearest by drive.
+#[derive(Clone, Copy, Debug)]
+pub struct NearestByDrive;
+
+impl Assignment for NearestByDrive {
+    fn assign(&mut self, team: &Team<'_>, effort: &mut u64) -> Vec<(AgentId, Cell)> {
+        NearestByNumber.assign(team, effort)
+    }
+
+    fn replans(&self) -> bool {
+        NearestByNumber.replans()
+    }
+
+    fn is_by_drive(&self) -> bool {
+        true
+    }
+}
+
+/// The same where nobody is sent to a place to wait: each truck chooses when those before it have acted.
+impl Policy for NearestByDrive {
+    fn choose(&mut self, _: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+        asked.first().map(|&truck| (truck, Choice::GoToNearest)).into_iter().collect()
+    }
+}

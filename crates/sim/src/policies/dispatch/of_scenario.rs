@@ -1,0 +1,73 @@
+//! The policy of a team as its scenario asks for it.
+
+use super::policy::{DispatchPolicy, TeamSite, TruckSite};
+use super::team::{Assignment, Positioning, TeamRules};
+use super::{AssignmentRule, IdleRule, NearestByDrive, make};
+use crate::policies::nearest::Nearest;
+use crate::policies::{OneByOne, Policy};
+use crate::scenario::{self, Extinguishes, FireModelName, Scenario, SightOfField, Terrain};
+use wildfire_base::time::SimTime;
+use wildfire_timeline::{AgentId, WaterRules};
+
+/// Makes the policy of all trucks of a run, if the scenario dispatches them.
+pub fn policy_of(scenario: &Scenario, terrain: &Terrain, water: Option<WaterRules>) -> Option<Box<dyn Policy>> {
+    let dispatch = scenario.dispatch.as_ref()?;
+    let sight = scenario.sight.clone().unwrap_or_default();
+    let is_plain = dispatch.idle == scenario::IdleRule::Stay && sight.field != SightOfField::Radius;
+    if is_plain && dispatch.seconds_per_evaluation == 0.0 {
+        match dispatch.policy {
+            scenario::DispatchPolicy::Nearest => return Some(Box::new(OneByOne(Nearest))),
+            scenario::DispatchPolicy::NearestByDrive => return Some(Box::new(NearestByDrive)),
+            _ => {}
+        }
+    }
+    let site = TeamSite {
+        end: SimTime::from_seconds(scenario.duration_s),
+        frame: terrain.frame,
+        rules: rules(scenario),
+        sight,
+        water,
+        bushes: terrain.bushes.clone().into(),
+        trucks: (0..).map(AgentId::unimog).zip(&scenario.unimog).map(truck_site).collect(),
+    };
+    let (assignment, positioning) = halves(dispatch);
+    let policy = DispatchPolicy::new(site, assignment, positioning, dispatch.seconds_per_evaluation);
+    Some(Box::new(policy))
+}
+
+fn truck_site((id, truck): (AgentId, &scenario::Unimog)) -> TruckSite {
+    TruckSite { id, speed_mps: truck.speed_mps, start: truck.start_centre() }
+}
+
+fn rules(scenario: &Scenario) -> TeamRules {
+    let fire = scenario.fire.rules();
+    let is_radius = scenario.fire.model == FireModelName::Radius;
+    TeamRules {
+        reach_m: scenario.suppression.reach_m,
+        dwell: SimTime::from_seconds(scenario.suppression.dwell_s),
+        extinguishes_all: scenario.suppression.extinguishes == Extinguishes::AllInReach,
+        spread: (is_radius && fire.lit_spreads).then_some((fire.spread_radius_m, fire.spread_delay)),
+        caught_spreads: fire.caught_spreads,
+        burn_out: fire.burn_out.filter(|_| is_radius),
+    }
+}
+
+/// Makes what the scenario names: who goes where, and where the others wait if they do not stay where they are.
+fn halves(dispatch: &scenario::Dispatch) -> (Box<dyn Assignment>, Option<Box<dyn Positioning>>) {
+    let idle = match dispatch.idle {
+        scenario::IdleRule::Stay => IdleRule::Stay,
+        scenario::IdleRule::Centroids => IdleRule::Centroids,
+        scenario::IdleRule::Regions => IdleRule::Regions,
+    };
+    let rule = match dispatch.policy {
+        scenario::DispatchPolicy::Nearest => AssignmentRule::Nearest,
+        scenario::DispatchPolicy::NearestByDrive => AssignmentRule::NearestByDrive,
+        scenario::DispatchPolicy::NearestSavable => AssignmentRule::NearestSavable,
+        scenario::DispatchPolicy::Hungarian => AssignmentRule::Hungarian,
+        scenario::DispatchPolicy::ThreatFirst => AssignmentRule::ThreatFirst,
+        scenario::DispatchPolicy::Auction => AssignmentRule::Auction,
+        scenario::DispatchPolicy::Rollout => AssignmentRule::Rollout { rollouts: dispatch.rollouts },
+    };
+    let (assignment, positioning) = make(rule, idle);
+    (assignment, (idle != IdleRule::Stay).then_some(positioning))
+}

@@ -1,0 +1,367 @@
+//! A rule of dispatch as a policy: what the trucks see becomes a [`Team`], its goals and posts become choices.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use super::team::{Assignment, Fire, Intact, Positioning, Team, TeamRules, TeamTruck};
+use crate::policies::{AgentView, Asking, Choice, Observation, Policy};
+use crate::scenario::{Sight, SightOfField};
+use wildfire_base::geometry::{Cell, FieldFrame};
+use wildfire_base::time::SimTime;
+use wildfire_fire::{BushState, FireField};
+use wildfire_timeline::{Activity, AgentId, WaterRules};
+
+/// What a team is made of and knows throughout a run.
+#[derive(Clone, Debug)]
+pub struct TeamSite {
+    /// When the run ends at the latest.
+    pub end: SimTime,
+    pub frame: FieldFrame,
+    pub rules: TeamRules,
+    pub sight: Sight,
+    pub water: Option<WaterRules>,
+    /// The cells on which a bush grows, by cell index.
+    pub bushes: Arc<[Cell]>,
+    /// By number.
+    pub trucks: Vec<TruckSite>,
+}
+
+/// What a team knows of one of its trucks throughout a run.
+#[derive(Clone, Copy, Debug)]
+pub struct TruckSite {
+    pub id: AgentId,
+    pub speed_mps: f64,
+    /// Where the middle of its body is before the run.
+    pub start: DVec2,
+}
+
+/// A rule that says who goes to which fire, and another one that says where the others wait.
+pub struct DispatchPolicy {
+    site: TeamSite,
+    assignment: Box<dyn Assignment>,
+    /// Trucks stay where they are if there is none.
+    positioning: Option<Box<dyn Positioning>>,
+    /// Simulated time for each pair of a truck and a fire that is looked at, or for each rollout.
+    seconds_per_evaluation: f64,
+    charge: SimTime,
+}
+
+impl DispatchPolicy {
+    pub fn new(
+        site: TeamSite,
+        assignment: Box<dyn Assignment>,
+        positioning: Option<Box<dyn Positioning>>,
+        seconds_per_evaluation: f64,
+    ) -> Self {
+        Self { site, assignment, positioning, seconds_per_evaluation, charge: SimTime::ZERO }
+    }
+}
+
+impl Policy for DispatchPolicy {
+    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+        let mut effort = 0;
+        let known = Known::new(&self.site, seen);
+        let team = known.team(asked);
+        let goals = assign(self.assignment.as_mut(), &team, seen, &mut effort);
+        let goal_of = |id: AgentId| goals.iter().find(|&&(truck, _)| truck == id).map(|&(_, cell)| cell);
+        let free = team.trucks.iter().filter(|truck| truck.is_asked && goal_of(truck.id).is_none());
+        // Whoever has nothing to do fills up before anything else.
+        let full_tank = self.site.water.as_ref().map_or(u32::MAX, |water| water.full_tank);
+        let (full, to_refill): (Vec<&TeamTruck>, Vec<&TeamTruck>) =
+            free.partition(|truck| truck.stops_left >= full_tank);
+        let idle: Vec<AgentId> = full.iter().map(|truck| truck.id).collect();
+        let posts = match &mut self.positioning {
+            Some(positioning) if !idle.is_empty() => positioning.post(&team, &idle),
+            _ => Vec::new(),
+        };
+        let choice = |id: AgentId| {
+            let truck = team.trucks.iter().find(|truck| truck.id == id)?;
+            let post = posts.iter().find(|(idle, _)| *idle == id).map(|&(_, place)| place);
+            let refills = !truck.is_asked || to_refill.iter().any(|other| other.id == id);
+            let choice = match (goal_of(id), post, truck.goal) {
+                (None, ..) if refills => Choice::Refill,
+                (Some(_), _, _) if self.assignment.is_by_drive() => Choice::GoToNearest,
+                (Some(cell), _, _) => Choice::Go(cell),
+                (None, Some(place), _) => Choice::Move(place),
+                // What it went for is not worth it any more.
+                (None, None, Some(_)) => Choice::Move(truck.place),
+                (None, None, None) => Choice::Wait,
+            };
+            Some((id, choice))
+        };
+        let choices = asked.iter().filter_map(|&id| choice(id)).collect();
+        self.charge = SimTime::from_seconds(self.seconds_per_evaluation * effort as f64);
+        choices
+    }
+
+    fn asking(&self) -> Asking {
+        Asking::Team { replans: self.assignment.replans() }
+    }
+
+    fn charge(&self) -> SimTime {
+        self.charge
+    }
+}
+
+/// Returns goals of trucks that are asked: fires that they may go for, and each fire for one truck.
+fn assign(
+    assignment: &mut dyn Assignment,
+    team: &Team<'_>,
+    seen: &Observation<'_>,
+    effort: &mut u64,
+) -> Vec<(AgentId, Cell)> {
+    let kept: Vec<Cell> = team.trucks.iter().filter(|truck| !truck.is_asked).filter_map(|truck| truck.goal).collect();
+    let mut goals: Vec<(AgentId, Cell)> = Vec::new();
+    let mut barred = Vec::new();
+    for (truck, cell) in assignment.assign(team, effort) {
+        let is_taken = kept.contains(&cell) || goals.iter().any(|&(_, other)| other == cell);
+        let is_asked = team.trucks.iter().any(|own| own.id == truck && own.is_asked);
+        if !is_asked || is_taken {
+            continue;
+        }
+        if seen.options(truck).contains(&cell) { goals.push((truck, cell)) } else { barred.push(truck) }
+    }
+    // A truck that cannot get to the fire that was meant for it takes one that it can get to, of those that are left.
+    for truck in barred {
+        let options = seen.options(truck);
+        let is_left = |fire: &Fire| {
+            let is_taken = kept.contains(&fire.cell) || goals.iter().any(|&(_, other)| other == fire.cell);
+            options.contains(&fire.cell) && !is_taken
+        };
+        let own = |own: &TeamTruck| TeamTruck { is_asked: own.id == truck, ..*own };
+        let rest = Team {
+            fires: team.fires.iter().copied().filter(is_left).collect(),
+            trucks: team.trucks.iter().map(own).collect(),
+            ..team.clone()
+        };
+        let found = assignment.assign(&rest, effort).into_iter();
+        goals.extend(found.filter(|&(id, cell)| id == truck && rest.fires.iter().any(|fire| fire.cell == cell)));
+    }
+    goals
+}
+
+/// What the team knows at one instant. Rules of dispatch get nothing else of the state of the field.
+struct Known<'a> {
+    site: &'a TeamSite,
+    now: SimTime,
+    fires: &'a FireField,
+    agents: &'a [AgentView],
+    /// Where the trucks are.
+    eyes: Vec<DVec2>,
+}
+
+impl<'a> Known<'a> {
+    fn new(site: &'a TeamSite, seen: &Observation<'a>) -> Self {
+        let trucks = seen.agents.iter().filter(|agent| agent.id.role.suppresses());
+        let eyes = trucks.map(|truck| truck.place).collect();
+        Self { site, now: seen.now, fires: seen.fires, agents: seen.agents, eyes }
+    }
+
+    fn sees(&self, place: DVec2) -> bool {
+        let Sight { field, radius_m, .. } = self.site.sight;
+        field != SightOfField::Radius
+            || self.eyes.iter().any(|eye| (place - *eye).length_squared() <= radius_m * radius_m)
+    }
+
+    fn team(&self, asked: &[AgentId]) -> Team<'_> {
+        let TeamSite { end, frame, rules, sight, water, trucks, .. } = self.site;
+        let wumpuses = self.agents.iter().filter(|agent| sight.wumpuses && agent.id.role.lights());
+        let trucks = trucks.iter().filter_map(|own| {
+            let view = self.agents.iter().find(|agent| agent.id == own.id)?;
+            Some(TeamTruck {
+                id: own.id,
+                place: view.free_place,
+                free_at: view.free_at,
+                speed_mps: own.speed_mps,
+                goal: view.goal,
+                post: view.post,
+                start: own.start,
+                is_asked: asked.contains(&own.id) && view.stops_left != Some(0),
+                stops_left: view.stops_left.unwrap_or(u32::MAX),
+            })
+        });
+        let mut team = Team {
+            now: self.now,
+            end: *end,
+            frame: *frame,
+            rules: *rules,
+            fires: self.seen_fires(),
+            trucks: trucks.collect(),
+            intact: self,
+            wumpuses: wumpuses.map(|wumpus| wumpus.place).filter(|&place| self.sees(place)).collect(),
+            water: water.as_ref(),
+        };
+        // A truck that is out of water is one that will be free when it has filled its tank.
+        for number in 0..team.trucks.len() {
+            let TeamTruck { speed_mps, place, free_at, stops_left, goal, .. } = team.trucks[number];
+            if stops_left == 0 && goal.is_none() {
+                let (place, free_at) = team.refilled(speed_mps, place, free_at, stops_left);
+                let stops_left = water.as_ref().map_or(u32::MAX, |water| water.full_tank);
+                team.trucks[number] = TeamTruck { place, free_at, stops_left, ..team.trucks[number] };
+            }
+        }
+        team
+    }
+
+    /// Lists what burns, is seen, and has no truck that puts it out.
+    fn seen_fires(&self) -> Vec<Fire> {
+        let stops = self.agents.iter().filter(|agent| agent.activity == Activity::Suppressing);
+        let stops: Vec<Cell> = stops.filter_map(|agent| agent.goal).collect();
+        let fire = |cell: Cell| {
+            let place = self.site.frame.centre(cell);
+            let Some(BushState::Burning { since }) = self.fires.state(cell) else { return None };
+            // How long ground burns is not a rule of the team's.
+            let burn_out = self.site.rules.burn_out.filter(|_| self.fires.is_bush(cell));
+            let burns_out = burn_out.map_or(SimTime::MAX, |burn_out| since + burn_out);
+            let rules = &self.site.rules;
+            let spreads = rules.spread.filter(|_| rules.caught_spreads || self.fires.was_lit(cell));
+            let spreads_at = spreads.map(|(_, delay)| since + delay).filter(|&time| time > self.now);
+            let spreads_at = spreads_at.unwrap_or(SimTime::MAX);
+            (self.sees(place) && !stops.contains(&cell)).then_some(Fire { cell, place, since, burns_out, spreads_at })
+        };
+        self.fires.burning().filter_map(fire).collect()
+    }
+}
+
+impl Intact for Known<'_> {
+    fn is_intact(&self, cell: Cell) -> bool {
+        if !self.fires.is_bush(cell) {
+            return false;
+        }
+        match self.site.sight.field {
+            SightOfField::Everything => self.fires.can_burn(cell),
+            SightOfField::Burning => !self.fires.is_burning(cell),
+            // Of what is out of sight there is the map.
+            SightOfField::Radius => !self.sees(self.site.frame.centre(cell)) || self.fires.can_burn(cell),
+        }
+    }
+
+    fn bushes(&self) -> Arc<[Cell]> {
+        Arc::clone(&self.site.bushes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Mutex;
+
+    use super::*;
+    use wildfire_base::geometry::Pose;
+
+    const FRAME: FieldFrame = FieldFrame { cols: 40, rows: 10, cell_m: 5.0 };
+    const NEAR: Cell = Cell { col: 2, row: 2 };
+    const MIDDLE: Cell = Cell { col: 20, row: 2 };
+    const FAR: Cell = Cell { col: 38, row: 2 };
+
+    fn site(sight: Sight) -> TeamSite {
+        let burn_out = Some(SimTime::from_seconds(60.0));
+        let spread = Some((30.0, SimTime::from_seconds(10.0)));
+        let dwell = SimTime::from_seconds(5.0);
+        let rules =
+            TeamRules { reach_m: Some(10.0), dwell, extinguishes_all: false, spread, caught_spreads: false, burn_out };
+        let truck =
+            |number, x: f64| TruckSite { id: AgentId::unimog(number), speed_mps: 8.0, start: DVec2::new(x, 12.0) };
+        TeamSite {
+            end: SimTime::from_seconds(600.0),
+            frame: FRAME,
+            rules,
+            sight,
+            water: None,
+            bushes: [NEAR, MIDDLE, FAR].into(),
+            trucks: vec![truck(0, 12.0), truck(1, 30.0)],
+        }
+    }
+
+    fn agent(id: AgentId, x: f64) -> AgentView {
+        let place = DVec2::new(x, 12.0);
+        let pose = Pose::new(x, 12.0, 0.0);
+        let (activity, free_at) = (Activity::Standing, SimTime::from_seconds(20.0));
+        AgentView { id, place, pose, activity, goal: None, post: None, stops_left: None, free_at, free_place: place }
+    }
+
+    /// The cells that burn, which bushes are intact, and the number of Wumpuses that a team saw.
+    type Seen = (Vec<Cell>, Vec<bool>, usize);
+
+    /// Keeps what it is shown, and sends every truck that is asked to the first fire.
+    #[derive(Clone, Default)]
+    struct Recording(Arc<Mutex<Vec<Seen>>>);
+
+    impl Assignment for Recording {
+        fn assign(&mut self, team: &Team<'_>, effort: &mut u64) -> Vec<(AgentId, Cell)> {
+            *effort += 3;
+            let intact = team.intact.bushes().iter().map(|&cell| team.intact.is_intact(cell)).collect();
+            let fires: Vec<Cell> = team.fires.iter().map(|fire| fire.cell).collect();
+            self.0.lock().expect("nobody panicked").push((fires.clone(), intact, team.wumpuses.len()));
+            let asked = team.trucks.iter().filter(|truck| truck.is_asked);
+            fires.first().map_or_else(Vec::new, |&fire| asked.map(|truck| (truck.id, fire)).collect())
+        }
+
+        fn replans(&self) -> bool {
+            true
+        }
+    }
+
+    /// Fires at the near and the far bush, and a Wumpus at 100 m.
+    fn choose(sight: Sight, options: impl Fn(AgentId) -> Vec<Cell>) -> (Vec<(AgentId, Choice)>, Recording, SimTime) {
+        let mut fires = FireField::new(FRAME, &[NEAR, MIDDLE, FAR], false);
+        for cell in [NEAR, FAR] {
+            fires.ignite(cell, SimTime::from_seconds(15.0), true).expect("it can burn");
+        }
+        let trucks = [AgentId::unimog(0), AgentId::unimog(1)];
+        let agents = [agent(AgentId::wumpus(0), 100.0), agent(trucks[0], 12.0), agent(trucks[1], 30.0)];
+        let recording = Recording::default();
+        let mut policy = DispatchPolicy::new(site(sight), Box::new(recording.clone()), None, 0.5);
+        let now = SimTime::from_seconds(20.0);
+        let seen = Observation { now, fires: &fires, agents: &agents, options_of: &options };
+        let choices = policy.choose(&seen, &trucks);
+        let charge = policy.charge();
+        (choices, recording, charge)
+    }
+
+    #[test]
+    fn a_team_knows_what_it_sees_and_nothing_else() {
+        let shown = |field, radius_m, wumpuses| {
+            let (_, recording, _) = choose(Sight { field, radius_m, wumpuses }, |_| vec![NEAR, FAR]);
+            let shown = recording.0.lock().expect("nobody panicked");
+            shown[0].clone()
+        };
+        use SightOfField::{Burning, Everything, Radius};
+        assert_eq!(shown(Everything, 1.0, false), (vec![NEAR, FAR], vec![false, true, false], 0));
+        assert_eq!(shown(Everything, 1.0, true).2, 1);
+        assert_eq!(shown(Burning, 1.0, false), (vec![NEAR, FAR], vec![false, true, false], 0));
+        // The far bush is on the map.
+        assert_eq!(shown(Radius, 50.0, true), (vec![NEAR], vec![false, true, true], 0));
+        assert_eq!(shown(Radius, 75.0, true).2, 1);
+        assert_eq!(shown(Radius, 0.0, false).0, []);
+    }
+
+    #[test]
+    fn what_burned_once_is_intact_to_those_who_see_fires_only() {
+        let mut fires = FireField::new(FRAME, &[NEAR, MIDDLE, FAR], false);
+        fires.ignite(NEAR, SimTime::ZERO, true).expect("it can burn");
+        fires.burn_out(NEAR);
+        let site = |field| site(Sight { field, ..Sight::default() });
+        let knows = |field| {
+            let (site, agents) = (site(field), [agent(AgentId::unimog(0), 12.0)]);
+            let seen = Observation { now: SimTime::ZERO, fires: &fires, agents: &agents, options_of: &|_| Vec::new() };
+            Known::new(&site, &seen).is_intact(NEAR)
+        };
+        assert_eq!(
+            [SightOfField::Everything, SightOfField::Burning, SightOfField::Radius].map(knows),
+            [false, true, false]
+        );
+    }
+
+    #[test]
+    fn a_fire_goes_to_one_truck_and_who_cannot_get_there_takes_another() {
+        let everything = Sight::default();
+        let (choices, _, charge) = choose(everything.clone(), |_| vec![NEAR, FAR]);
+        assert_eq!(choices, [(AgentId::unimog(0), Choice::Go(NEAR)), (AgentId::unimog(1), Choice::Wait)]);
+        assert_eq!(charge, SimTime::from_seconds(1.5));
+        let cannot = |id: AgentId| if id.number == 0 { vec![FAR] } else { vec![NEAR, FAR] };
+        let (choices, _, charge) = choose(everything, cannot);
+        assert_eq!(choices, [(AgentId::unimog(0), Choice::Go(FAR)), (AgentId::unimog(1), Choice::Go(NEAR))]);
+        assert_eq!(charge, SimTime::from_seconds(3.0), "the second look costs too");
+    }
+}

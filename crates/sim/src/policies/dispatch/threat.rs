@@ -1,0 +1,90 @@
+//! How much a fire threatens: the intact bushes that it sets on fire if nobody puts it out before, and that no other fire
+//! would set on fire anyway. What two fires reach is saved by neither of them alone, so it counts for none.
+
+use super::team::{Fire, Team};
+use wildfire_base::geometry::Cell;
+
+/// Pairs of a fire and a cell at most; where a radius reaches over whole fields nothing tells fires apart.
+const MOST_PAIRS: usize = 1 << 22;
+
+/// Distances between cell centres are exact multiples of the cell size; this absorbs the rounding of their product.
+const RADIUS_TOLERANCE: f64 = 1e-9;
+
+/// Counts the bushes that each of some fires of the team threatens; 0 for those that have spread. All fires of the team
+/// count as others, those that somebody goes for too.
+pub fn threats(team: &Team<'_>, fires: &[Fire]) -> Vec<u32> {
+    let offsets = match team.rules.spread {
+        Some((radius_m, _)) => cells_within(radius_m, team),
+        None => Vec::new(),
+    };
+    let spreads = |fire: &&Fire| fire.spreads_at > team.now && fire.spreads_at < fire.burns_out.min(team.end);
+    let spreading: Vec<&Fire> = team.fires.iter().filter(spreads).collect();
+    if spreading.len().saturating_mul(offsets.len()) > MOST_PAIRS {
+        return vec![0; fires.len()];
+    }
+    let reached = |fire: usize| {
+        let from = spreading[fire].cell;
+        let cells = offsets.iter().filter_map(move |&(cols, rows)| team.frame.offset(from, cols, rows));
+        cells.filter(|&cell| team.intact.is_intact(cell)).map(move |cell| (cell, fire))
+    };
+    let mut pairs: Vec<(Cell, usize)> = (0..spreading.len()).flat_map(reached).collect();
+    pairs.sort_unstable();
+    let mut of_spreading = vec![0; spreading.len()];
+    for same_cell in pairs.chunk_by(|one, next| one.0 == next.0) {
+        if let &[(_, fire)] = same_cell {
+            of_spreading[fire] += 1;
+        }
+    }
+    let index = |cell: Cell| team.frame.index(cell);
+    // By cell index on both sides, so that a search by halves finds it.
+    debug_assert!(spreading.is_sorted_by_key(|fire| index(fire.cell)), "a team's fires come by cell index");
+    let place = |fire: &Fire| spreading.binary_search_by_key(&index(fire.cell), |other| index(other.cell)).ok();
+    fires.iter().map(|fire| place(fire).map_or(0, |place| of_spreading[place])).collect()
+}
+
+/// Lists the offsets, in columns and rows, of the cells whose centres lie within a radius of a cell's centre, the cell left
+/// out; none beyond the size of the field.
+pub fn cells_within(radius_m: f64, team: &Team<'_>) -> Vec<(i32, i32)> {
+    let across = radius_m / team.frame.cell_m;
+    let limit = across * across * (1.0 + RADIUS_TOLERANCE);
+    let most = |count: u16| limit.sqrt().floor().min(f64::from(count) - 1.0) as i32;
+    let (cols, rows) = (most(team.frame.cols), most(team.frame.rows));
+    let all = (-rows..=rows).flat_map(|row| (-cols..=cols).map(move |col| (col, row)));
+    let is_near = |&(col, row): &(i32, i32)| (col, row) != (0, 0) && f64::from(col * col + row * row) <= limit;
+    all.filter(is_near).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::samples::Sample;
+    use super::*;
+
+    #[test]
+    fn threats_are_those_of_a_search_through_all_bushes() {
+        let mut fires_that_threaten = 0;
+        for seed in 0..40 {
+            let sample = Sample::new(seed);
+            let team = sample.team();
+            let (radius_m, _) = team.rules.spread.expect("the sample spreads");
+            let burns = |fire: &&Fire| fire.spreads_at > team.now && fire.spreads_at < team.due(fire);
+            let expected: Vec<u32> = team
+                .fires
+                .iter()
+                .map(|fire| {
+                    let lights =
+                        |by: &Fire, bush: Cell| (team.frame.centre(bush) - by.place).length() <= radius_m && burns(&by);
+                    let alone = |bush: &&Cell| {
+                        let others = team.fires.iter().filter(|other| other.cell != fire.cell);
+                        team.intact.is_intact(**bush)
+                            && lights(fire, **bush)
+                            && !others.clone().any(|o| lights(o, **bush))
+                    };
+                    team.intact.bushes().iter().filter(alone).count() as u32
+                })
+                .collect();
+            assert_eq!(threats(&team, &team.fires), expected, "seed {seed}");
+            fires_that_threaten += expected.iter().filter(|&&count| count > 0).count();
+        }
+        assert!(fires_that_threaten > 20, "the samples tell fires apart");
+    }
+}

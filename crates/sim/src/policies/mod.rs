@@ -1,0 +1,209 @@
+//! Who goes where: policies, each for all agents that follow it.
+//!
+//! A [`Policy`] is asked about agents that are free, or that may think better of where they go, at one instant, and sees
+//! the state of that instant. It may choose for all of them together, for some, whose choices are carried out before the
+//! rest is asked again, or for nobody: then the world stands still until the choices are
+//! [handed in](crate::Simulation::answer). Planning and driving are not its business; when an agent fails to plan
+//! its way to what was chosen, the policy is asked again without that option. Rules that know one agent at a time are
+//! policies by [`OneByOne`].
+//!
+//! Policies have names, which scenarios give their agents. [`Policies`] knows them: the built-in rules, and what
+//! whoever runs the program hands in.
+
+mod densest;
+pub mod dispatch;
+mod following;
+mod largest_cluster;
+mod nearest;
+mod nearest_intact;
+mod random_intact;
+mod registry;
+
+use std::fmt;
+use std::time::Duration;
+
+use glam::DVec2;
+
+use wildfire_base::geometry::{Cell, Pose};
+use wildfire_base::time::SimTime;
+use wildfire_fire::FireField;
+use wildfire_planning::PlanFailure;
+use wildfire_timeline::{Activity, AgentId};
+
+pub use following::{Following, Follows, Inquiry, OwnAsks, Question};
+pub use largest_cluster::cluster_sizes;
+pub use registry::{BuiltIn, MakePolicy, NamedPolicy, Policies, PolicyNameError, PolicySite, RuleSite};
+
+/// What an agent is to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Choice {
+    /// It goes for this cell, which is one of its options.
+    Go(Cell),
+    /// A truck goes for whichever of its options is the nearest by drive, as its planner finds. One that has a goal keeps it,
+    /// and a Wumpus waits.
+    GoToNearest,
+    /// A truck of a [team](Asking::Team) drives to this place, in metres in the frame of the field, and waits there; it may
+    /// be called off on the way. One that has a goal drops it. Any other agent waits.
+    Move(DVec2),
+    /// A truck fills its tank, or drives to water. One that has a goal drops it. Where water does not matter, and for any
+    /// other agent, it is [`Self::Wait`].
+    Refill,
+    /// It stays where it is, or keeps its goal, until something wakes it.
+    Wait,
+    /// It does the same, but decides again at this time at the latest; of an agent that has a goal, until something wakes
+    /// it. An instant that is not at least a tenth of a second ahead is put off to there.
+    WaitUntil(SimTime),
+}
+
+impl Choice {
+    /// Says whether an agent that has these options goes for one of them.
+    pub fn is_one_of(self, options: &[Cell]) -> bool {
+        match self {
+            Self::Go(cell) => options.contains(&cell),
+            Self::GoToNearest => !options.is_empty(),
+            Self::Move(_) | Self::Refill | Self::Wait | Self::WaitUntil(_) => false,
+        }
+    }
+
+    /// Returns when an agent that waits decides again, if nothing wakes it before.
+    pub fn until(self) -> Option<SimTime> {
+        match self {
+            Self::WaitUntil(time) => Some(time),
+            Self::Go(_) | Self::GoToNearest | Self::Move(_) | Self::Refill | Self::Wait => None,
+        }
+    }
+}
+
+/// An agent as policies see it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AgentView {
+    pub id: AgentId,
+    /// The middle of its body, in metres.
+    pub place: DVec2,
+    /// Of a truck's rear axle; of a Wumpus the middle of its body, and where it faces.
+    pub pose: Pose,
+    pub activity: Activity,
+    /// The cell that it goes for.
+    pub goal: Option<Cell>,
+    /// The place that it was sent to, if it is on its way there or waits there.
+    pub post: Option<DVec2>,
+    /// The stops that the water in its tank suffices for; `None` where water does not matter.
+    pub stops_left: Option<u32>,
+    /// When it can set out for something else: now, unless it has to end something first.
+    pub free_at: SimTime,
+    /// Where the middle of its body is then.
+    pub free_place: DVec2,
+}
+
+/// What a policy may look at: the state at one instant.
+pub struct Observation<'a> {
+    pub now: SimTime,
+    pub fires: &'a FireField,
+    /// All agents of the run, by name.
+    pub agents: &'a [AgentView],
+    /// Of agents that are asked.
+    pub options_of: &'a dyn OptionsOf<AgentId>,
+}
+
+/// Answers for the options of agents. A closure that lists them is one.
+pub trait OptionsOf<Id> {
+    /// Lists the options of an agent by cell index.
+    fn list(&self, agent: Id) -> Vec<Cell>;
+
+    /// Says whether a cell is one of them, without listing the others where there may be many.
+    fn contains(&self, agent: Id, cell: Cell) -> bool {
+        self.list(agent).contains(&cell)
+    }
+}
+
+impl<Id, List: Fn(Id) -> Vec<Cell>> OptionsOf<Id> for List {
+    fn list(&self, agent: Id) -> Vec<Cell> {
+        self(agent)
+    }
+}
+
+impl fmt::Debug for Observation<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Observation").field("now", &self.now).field("agents", &self.agents).finish_non_exhaustive()
+    }
+}
+
+impl Observation<'_> {
+    /// Returns the cells that an agent who is asked may go for, by cell index: for a truck what burns, is not another
+    /// truck's goal and is not known to be out of its reach; for a Wumpus what it can approach and light.
+    pub fn options(&self, agent: AgentId) -> Vec<Cell> {
+        self.options_of.list(agent)
+    }
+
+    /// Says whether an agent who is asked may go for a cell of the field. Where it may go for most of a large field this
+    /// takes far less time than to list its options.
+    pub fn is_option(&self, agent: AgentId, cell: Cell) -> bool {
+        self.options_of.contains(agent, cell)
+    }
+}
+
+/// Whom a policy is asked about, and when.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Asking {
+    /// Agents that have something to choose from, as soon as one of them is free.
+    Each,
+    /// All trucks of a team that are free or on their way to a place, whenever a fire begins or ends, also if nothing is
+    /// left to go for. Their options are not those that the others had, but those that the others keep.
+    Team {
+        /// True if trucks that are under way to a fire are asked too.
+        replans: bool,
+    },
+}
+
+/// What there is to say of an ask of a policy that is not built in.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct AskReport {
+    /// Why there was no answer, and words about it. Agents wait then.
+    pub failure: Option<(PlanFailure, String)>,
+    /// Words about an answer that nobody could carry out.
+    pub illegal: Option<String>,
+    /// CPU time of other processes.
+    pub elsewhere: Duration,
+}
+
+/// Chooses where agents go.
+pub trait Policy: Send + Sync {
+    /// Chooses for some or all of the agents that are `asked`, or for none if the answer comes later.
+    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)>;
+
+    /// Says whom it is asked about.
+    fn asking(&self) -> Asking {
+        Asking::Each
+    }
+
+    /// Returns the simulated time that its last choice costs the trucks of a team which set out because of it.
+    fn charge(&self) -> SimTime {
+        SimTime::ZERO
+    }
+
+    /// Takes what there is to say of its last choice, or, before the first, of how it was made.
+    fn take_report(&mut self) -> AskReport {
+        AskReport::default()
+    }
+}
+
+/// Chooses for one agent at a time.
+pub trait Rule: Send + Sync {
+    /// Returns the best of its options, which come by cell index; `None` lets it wait.
+    fn best(&mut self, seen: &Observation<'_>, agent: &AgentView, options: &[Cell]) -> Option<Cell>;
+}
+
+/// A rule for one agent as a policy: each agent chooses when those before it have acted.
+#[derive(Clone, Copy, Debug)]
+pub struct OneByOne<R>(pub R);
+
+impl<R: Rule> Policy for OneByOne<R> {
+    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+        let first = asked.iter().find_map(|&id| seen.agents.iter().find(|agent| agent.id == id));
+        let choice = first.map(|agent| {
+            let best = self.0.best(seen, agent, &seen.options(agent.id));
+            (agent.id, best.map_or(Choice::Wait, Choice::Go))
+        });
+        choice.into_iter().collect()
+    }
+}

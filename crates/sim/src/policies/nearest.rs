@@ -1,0 +1,61 @@
+//! Policies that go by distance, in a straight line from the middle of the agent's body to the cell's centre. Ties go to
+//! the smaller cell index, since options come by index and the first of equals wins.
+
+use std::cmp::Ordering;
+
+use glam::DVec2;
+
+use super::{AgentView, Observation, Rule};
+use wildfire_base::geometry::Cell;
+use wildfire_fire::BushState;
+
+/// Compares cells by how near they are to a place.
+pub fn by_distance(seen: &Observation<'_>, place: DVec2) -> impl Fn(&Cell, &Cell) -> Ordering + use<> {
+    let frame = *seen.fires.frame();
+    let squared_m = move |cell: &Cell| (frame.centre(*cell) - place).length_squared();
+    move |a, b| squared_m(a).total_cmp(&squared_m(b))
+}
+
+/// The nearest: of what burns for a truck, of what can be lit for a Wumpus.
+#[derive(Clone, Copy, Debug)]
+pub struct Nearest;
+
+impl Rule for Nearest {
+    fn best(&mut self, seen: &Observation<'_>, agent: &AgentView, options: &[Cell]) -> Option<Cell> {
+        options.iter().copied().min_by(by_distance(seen, agent.place))
+    }
+}
+
+/// What has burned for longest, and the nearest of what ignited together.
+#[derive(Clone, Copy, Debug)]
+pub struct Oldest;
+
+impl Rule for Oldest {
+    fn best(&mut self, seen: &Observation<'_>, agent: &AgentView, options: &[Cell]) -> Option<Cell> {
+        let since = |cell: &Cell| match seen.fires.state(*cell) {
+            Some(BushState::Burning { since }) => Some(since),
+            _ => None,
+        };
+        let nearest = by_distance(seen, agent.place);
+        options.iter().copied().min_by(|a, b| since(a).cmp(&since(b)).then_with(|| nearest(a, b)))
+    }
+}
+
+/// What is farthest from the truck that is nearest to it; the nearest where there are no trucks.
+#[derive(Clone, Copy, Debug)]
+pub struct FarthestFromTruck;
+
+impl Rule for FarthestFromTruck {
+    fn best(&mut self, seen: &Observation<'_>, agent: &AgentView, options: &[Cell]) -> Option<Cell> {
+        let trucks = seen.agents.iter().filter(|other| other.id.role.suppresses());
+        let trucks: Vec<DVec2> = trucks.map(|truck| truck.place).collect();
+        if trucks.is_empty() {
+            return Nearest.best(seen, agent, options);
+        }
+        let to_truck = |cell: &Cell| {
+            let centre = seen.fires.frame().centre(*cell);
+            trucks.iter().map(|truck| (*truck - centre).length_squared()).fold(f64::INFINITY, f64::min)
+        };
+        options.iter().copied().min_by(|a, b| to_truck(b).total_cmp(&to_truck(a)))
+    }
+}

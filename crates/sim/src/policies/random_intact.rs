@@ -1,0 +1,58 @@
+//! The arsonist's policy of chance: a random bush.
+//!
+//! Each Wumpus goes through one permutation of all bushes, from its own random stream, and takes the first that is an
+//! option, from where it last found one. That is the law of a fresh draw, but two planners on one seed meet the same
+//! arsonist, and bushes that can burn again wait for their next turn.
+//!
+//! A Wumpus comes to few of the bushes of a large field, so that only the beginning of its permutation is kept.
+
+use std::collections::BTreeMap;
+
+use super::{Choice, Observation, Policy};
+use wildfire_base::geometry::Cell;
+use wildfire_base::rng::{self, ShuffledPrefix};
+use wildfire_timeline::AgentId;
+
+/// A random one of its options.
+#[derive(Debug)]
+pub struct RandomIntact {
+    bushes: Vec<Cell>,
+    seed: u64,
+    turns: BTreeMap<AgentId, Turns>,
+}
+
+/// The order of one Wumpus.
+#[derive(Debug)]
+struct Turns {
+    permutation: ShuffledPrefix,
+    /// Where the next one is looked for first.
+    next: usize,
+}
+
+impl RandomIntact {
+    pub fn new(bushes: Vec<Cell>, seed: u64) -> Self {
+        Self { bushes, seed, turns: BTreeMap::new() }
+    }
+
+    /// Returns the next of an agent's options.
+    fn draw(&mut self, seen: &Observation<'_>, agent: AgentId) -> Option<Cell> {
+        let (bushes, seed) = (&self.bushes, self.seed);
+        let Turns { permutation, next } = self.turns.entry(agent).or_insert_with(|| {
+            let stream = move || rng::stream(seed, &agent.to_string());
+            Turns { permutation: ShuffledPrefix::new(bushes.len(), stream), next: 0 }
+        });
+        let (place, bush) = (*next..bushes.len())
+            .chain(0..*next)
+            .map(|place| (place, bushes[permutation.at(place)]))
+            .find(|&(_, bush)| seen.is_option(agent, bush))?;
+        *next = place + 1;
+        Some(bush)
+    }
+}
+
+impl Policy for RandomIntact {
+    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+        let first = asked.first();
+        first.map(|&agent| (agent, self.draw(seen, agent).map_or(Choice::Wait, Choice::Go))).into_iter().collect()
+    }
+}

@@ -1,0 +1,259 @@
+//! The programs of a scenario's tables as planners by name, and those that wait between two runs.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use rand::Rng;
+use serde_json::Value;
+
+use super::planner::ProgramPlanner;
+use super::policy::ProgramPolicy;
+use super::process::Launch;
+use super::protocol::{FieldMessage, LimitsMessage, ToProgram, VehicleMessage};
+use super::respondent::{Respondent, Session};
+use super::supervisor::Limits;
+use crate::StartPrograms;
+use crate::policies::{Policies, Policy, PolicyNameError, PolicySite};
+use crate::scenario::{Program, Programs, Scenario, UsedProgram};
+use wildfire_base::geometry::{Cell, FieldFrame};
+use wildfire_base::trajectory::SpeedLimits;
+use wildfire_base::vehicle::{Dimensions, ReedsShepp};
+use wildfire_planning::collision::{ClearanceField, LEAST_CLEARANCE_M};
+use wildfire_planning::{MakeError, NameError, PlannerName, Planners, Site, TruckPlanner};
+use wildfire_timeline::AgentId;
+
+/// The most processes of a program at once.
+const MOST_PROCESSES: usize = 16;
+
+/// Bits of a seed that a program gets: all whole numbers below 2^53 are f64.
+const SEED_BITS: u32 = 53;
+
+/// Programs that play in more than one run and are free at the moment.
+#[derive(Debug, Default)]
+pub struct Idle(Mutex<Vec<(Arc<Launch>, Session)>>);
+
+impl Idle {
+    fn take(&self, launch: &Launch) -> Option<Session> {
+        let mut idle = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = idle.iter().position(|(other, _)| **other == *launch)?;
+        Some(idle.swap_remove(found).1)
+    }
+
+    /// Takes a program back, unless it has failed.
+    pub fn give_back(&self, respondent: Respondent) {
+        if let Some(free) = respondent.into_session() {
+            self.0.lock().unwrap_or_else(PoisonError::into_inner).push(free);
+        }
+    }
+}
+
+impl Drop for Idle {
+    fn drop(&mut self) {
+        let idle = std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner));
+        idle.into_iter().for_each(|(_, session)| session.end());
+    }
+}
+
+/// The programs that may be started.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Trust {
+    /// Those of every table, whoever wrote it.
+    All,
+    /// Those with these kinds (`planner`, `policy`) and names, which the user gave himself.
+    Only(BTreeSet<(&'static str, PlannerName)>),
+}
+
+impl Trust {
+    /// Says whether a program may be started.
+    pub fn includes(&self, kind: &'static str, name: &PlannerName) -> bool {
+        match self {
+            Self::All => true,
+            Self::Only(named) => named.contains(&(kind, name.clone())),
+        }
+    }
+}
+
+/// Makes planners and policies of the programs that scenarios name, as often as runs ask for them.
+#[derive(Clone, Debug)]
+pub struct ProgramPool {
+    trust: Trust,
+    idle: Arc<Idle>,
+}
+
+impl ProgramPool {
+    /// Creates a pool in which no program has been started.
+    pub fn new(trust: Trust) -> Self {
+        Self { trust, idle: Arc::default() }
+    }
+
+    /// Adds the planners of a scenario's tables, as far as they are trusted, to those that are known otherwise.
+    ///
+    /// # Errors
+    /// If one of them cannot have its name.
+    pub fn planners_of(&self, scenario: &Scenario, known: Planners) -> Result<Planners, NameError> {
+        self.trusted("planner", &scenario.planner).try_fold(known, |planners, (name, table)| {
+            let (launch, idle) = self.launch(name, table);
+            let run = scenario.name.clone();
+            let stream = name.name().to_owned();
+            let make = move |site: &Site<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> {
+                let cells = bushes(site.checker.field());
+                let message = ToProgram::Field(FieldMessage {
+                    truck: Some(site.truck),
+                    vehicle: Some(vehicle(site.body, site.limits)),
+                    limits: Some(limits(site.limits)),
+                    ..FieldMessage::new(
+                        &run,
+                        (site.stream)(&stream).next_u64() >> (u64::BITS - SEED_BITS),
+                        site.checker.field().frame(),
+                        &cells,
+                        site.own,
+                    )
+                });
+                let respondent = start(&launch, idle.as_ref(), &message)?;
+                let curves = ReedsShepp { radius_m: site.body.turning_radius_m };
+                Ok(Box::new(ProgramPlanner { respondent: Some(respondent), idle: idle.clone(), curves }))
+            };
+            planners.with(name.name(), make)
+        })
+    }
+
+    /// Adds the policies of a scenario's tables, as far as they are trusted, to those that are known otherwise.
+    ///
+    /// # Errors
+    /// If one of them cannot have its name.
+    pub fn policies_of(&self, scenario: &Scenario, known: Policies) -> Result<Policies, PolicyNameError> {
+        let bodies: Arc<[_]> = scenario.unimog.iter().map(|truck| (truck.vehicle, truck.speed_limits())).collect();
+        self.trusted("policy", &scenario.policy).try_fold(known, |policies, (name, table)| {
+            let (launch, idle) = self.launch(name, table);
+            let run = scenario.name.clone();
+            let (stream, bodies) = (name.name().to_owned(), Arc::clone(&bodies));
+            let make = move |site: &PolicySite<'_>| -> Result<Box<dyn Policy>, MakeError> {
+                let first = site.plays.iter().find(|agent| agent.role.drives());
+                let body = first.and_then(|agent| bodies.get(usize::from(agent.number)));
+                let cells: Vec<[u16; 2]> = site.bushes.iter().copied().map(column_and_row).collect();
+                let names = |agents: &[AgentId]| Some(agents.iter().map(ToString::to_string).collect());
+                let message = ToProgram::Field(FieldMessage {
+                    vehicle: body.map(|(body, speeds)| vehicle(body, speeds)),
+                    limits: body.map(|(_, speeds)| limits(speeds)),
+                    agents: names(site.agents),
+                    plays: names(site.plays),
+                    ..FieldMessage::new(
+                        &run,
+                        (site.stream)(&stream).next_u64() >> (u64::BITS - SEED_BITS),
+                        &site.frame,
+                        &cells,
+                        site.own,
+                    )
+                });
+                let respondent = start(&launch, idle.as_ref(), &message)?;
+                Ok(Box::new(ProgramPolicy::new(respondent, idle.clone())))
+            };
+            policies.with(name.name(), make)
+        })
+    }
+
+    fn trusted<'a>(
+        &'a self,
+        kind: &'static str,
+        tables: &'a Programs,
+    ) -> impl Iterator<Item = (&'a PlannerName, &'a Program)> {
+        tables.iter().filter(move |(name, table)| !table.command.is_empty() && self.trust.includes(kind, name))
+    }
+
+    /// Returns what starts the program of a table, and where it waits between runs if it may.
+    fn launch(&self, name: &PlannerName, table: &Program) -> (Arc<Launch>, Option<Arc<Idle>>) {
+        (Arc::new(launch(name, table)), table.reuse.then(|| Arc::clone(&self.idle)))
+    }
+}
+
+impl StartPrograms for ProgramPool {
+    fn add(
+        &self,
+        scenario: &Scenario,
+        planners: Planners,
+        policies: Policies,
+    ) -> Result<(Planners, Policies), MakeError> {
+        let mut used = scenario.used_programs().into_iter();
+        if let Some(UsedProgram { name, table, .. }) = used.find(|used| !self.trust.includes(used.kind, used.name)) {
+            return Err(MakeError::new(format!("`{name}` is not trusted: {}", table.command_line())));
+        }
+        let planners = self.planners_of(scenario, planners).map_err(|error| MakeError::new(error.to_string()))?;
+        let policies = self.policies_of(scenario, policies).map_err(|error| MakeError::new(error.to_string()))?;
+        Ok((planners, policies))
+    }
+}
+
+fn start(launch: &Arc<Launch>, idle: Option<&Arc<Idle>>, field: &ToProgram<'_>) -> Result<Respondent, MakeError> {
+    let before = idle.and_then(|idle| idle.take(launch));
+    Respondent::new(Arc::clone(launch), field, before).map_err(|trouble| MakeError::new(trouble.words))
+}
+
+impl<'a> FieldMessage<'a> {
+    /// Creates the message of a field on which nobody is yet.
+    fn new(run: &str, seed: u64, frame: &FieldFrame, cells_cr: &'a [[u16; 2]], settings: &'a Value) -> Self {
+        Self {
+            run: run.to_owned(),
+            truck: None,
+            seed,
+            cols: frame.cols,
+            rows: frame.rows,
+            cell_m: frame.cell_m,
+            cells_cr,
+            vehicle: None,
+            limits: None,
+            least_clearance: LEAST_CLEARANCE_M,
+            settings,
+            agents: None,
+            plays: None,
+        }
+    }
+}
+
+fn column_and_row(cell: Cell) -> [u16; 2] {
+    [cell.col, cell.row]
+}
+
+/// Lists column and row of the bushes of a field.
+fn bushes(field: &ClearanceField) -> Vec<[u16; 2]> {
+    let cells = field.occupied().values().iter().enumerate().filter(|&(_, &occupied)| occupied);
+    cells.map(|(index, _)| column_and_row(field.frame().cell(index))).collect()
+}
+
+fn vehicle(body: &Dimensions, limits: &SpeedLimits) -> VehicleMessage {
+    VehicleMessage {
+        length: body.length_m,
+        width: body.width_m,
+        wheelbase: body.wheelbase_m,
+        rear_overhang: body.rear_overhang_m,
+        min_turn_radius: body.turning_radius_m,
+        v_max: limits.forward_mps,
+        v_max_reverse: limits.reverse_mps,
+    }
+}
+
+fn limits(limits: &SpeedLimits) -> LimitsMessage {
+    LimitsMessage {
+        acceleration: limits.acceleration_mps2,
+        braking: limits.braking_mps2,
+        lateral: limits.lateral_mps2,
+        steering: limits.steering.map(|steering| steering.rate_rad_s),
+    }
+}
+
+/// Returns what starts the program of a table, and what it may take.
+fn launch(name: &PlannerName, table: &Program) -> Launch {
+    let folder = if table.works_in.as_os_str().is_empty() { Path::new(".") } else { &table.works_in };
+    Launch {
+        name: name.to_string(),
+        command: table.command.iter().map(Into::into).collect(),
+        folder: folder.to_owned(),
+        start_limit: Duration::from_secs_f64(table.start_limit_s),
+        query_limit: Duration::from_secs_f64(table.query_limit_s),
+        query_cpu: table.query_cpu_s.map(Duration::from_secs_f64),
+        restarts: table.restarts,
+        expansions_per_query: table.expansions_per_query,
+        limits: Limits { memory_mb: table.memory_limit_mb.into(), processes: MOST_PROCESSES },
+    }
+}

@@ -1,0 +1,485 @@
+//! A program that runs: lines to it, lines from it, for no longer than it may take, and what it costs.
+//!
+//! One thread does all: it writes, waits for an answer, hands on what the program writes to stderr, and looks at clocks,
+//! in one loop over what is ready. So a program that does not read, does not answer, answers without end or ends is found
+//! in the same place, and what is kept of it has a limit.
+
+use std::ffi::OsString;
+use std::io::{self, ErrorKind, PipeReader, PipeWriter, Read, Write};
+use std::os::fd::{AsFd, OwnedFd};
+use std::os::unix::net::UnixStream;
+use std::path::PathBuf;
+use std::process::Child;
+use std::thread::available_parallelism;
+use std::time::Duration;
+
+use nix::fcntl::{FcntlArg, OFlag, fcntl};
+use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
+use nix::sys::signal::{Signal, killpg};
+use nix::unistd::Pid;
+
+use super::family::GroupClock;
+use super::protocol::MOST_BYTES;
+use super::supervisor::{self, Ending, Exceeded, GRACE, Limits, MOST_SAID, Order, Report};
+use wildfire_base::time::wall::WallStopwatch;
+use wildfire_base::untrusted::visible;
+use wildfire_planning::PlanFailure;
+
+/// The time in which a supervisor ends what is left of a program, and itself.
+const TIDYING: Duration = Duration::from_secs(3);
+
+/// The time within which the end of a program follows on that of its output.
+const LAST_BREATH: Duration = Duration::from_secs(1);
+
+/// The shortest time between two looks at the CPU time of a program that is limited.
+const LEAST_CPU_LOOK: Duration = Duration::from_millis(5);
+
+/// The most characters of an answer that a message quotes.
+const MOST_QUOTED: usize = 200;
+
+/// A program: what starts it, and what it may take.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Launch {
+    /// Stands before its lines on stderr.
+    pub name: String,
+    /// The executable, absolute or from PATH, and its arguments.
+    pub command: Vec<OsString>,
+    /// The folder in which it works.
+    pub folder: PathBuf,
+    /// Wall time from its start to `ready`, and CPU time if that of queries is limited.
+    pub start_limit: Duration,
+    /// Wall time of a query.
+    pub query_limit: Duration,
+    /// CPU time of all its processes in a query.
+    pub query_cpu: Option<Duration>,
+    /// Failed attempts to start it anew after which nobody tries again in a run.
+    pub restarts: u32,
+    /// Expansions that a query counts for at least.
+    pub expansions_per_query: u32,
+    pub limits: Limits,
+}
+
+/// The kinds of failure of a program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TroubleKind {
+    TimedOut,
+    Crashed,
+    BadAnswer,
+}
+
+impl From<TroubleKind> for PlanFailure {
+    fn from(kind: TroubleKind) -> Self {
+        match kind {
+            TroubleKind::TimedOut => Self::TimedOut,
+            TroubleKind::Crashed => Self::Crashed,
+            TroubleKind::BadAnswer => Self::BadAnswer,
+        }
+    }
+}
+
+/// A failure of a program, which has been killed since, if it was still there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Trouble {
+    pub kind: TroubleKind,
+    /// What happened; reads well after the program's name.
+    pub words: String,
+}
+
+impl Trouble {
+    pub fn crashed(words: impl Into<String>) -> Self {
+        Self { kind: TroubleKind::Crashed, words: words.into() }
+    }
+
+    /// The program said itself that it cannot play.
+    pub fn refused(message: &str) -> Self {
+        let quoted: String = message.chars().take(MOST_QUOTED).collect();
+        Self { kind: TroubleKind::BadAnswer, words: format!("refuses the field: {}", visible(&quoted)) }
+    }
+
+    fn timed_out(words: String) -> Self {
+        Self { kind: TroubleKind::TimedOut, words }
+    }
+
+    /// An answer that is none; quotes its beginning.
+    pub fn bad_answer(answer: &[u8], words: &str) -> Self {
+        // A character has four bytes at most.
+        let beginning = String::from_utf8_lossy(&answer[..answer.len().min(4 * MOST_QUOTED)]);
+        let quoted: String = beginning.chars().take(MOST_QUOTED).collect();
+        let more = if beginning.chars().nth(MOST_QUOTED).is_some() { "…" } else { "" };
+        Self {
+            kind: TroubleKind::BadAnswer,
+            words: format!("answered `{}{more}`: {words}", visible(quoted.trim_end())),
+        }
+    }
+}
+
+/// What a program may take for an answer.
+#[derive(Clone, Copy, Debug)]
+pub struct Allowance<'a> {
+    pub wall: Duration,
+    pub cpu: Option<CpuAllowance>,
+    /// Names the answer, for messages.
+    pub answer: &'a str,
+}
+
+/// CPU time that a program may take.
+#[derive(Clone, Copy, Debug)]
+pub struct CpuAllowance {
+    pub limit: Duration,
+    /// What the program had taken in all when it began to count.
+    pub from: Duration,
+}
+
+/// A program that was started. Dropped, it is killed.
+#[derive(Debug)]
+pub struct Process {
+    name: String,
+    supervisor: Child,
+    control: UnixStream,
+    /// The beginning of a report.
+    reports: Vec<u8>,
+    /// Closed when nothing more is asked.
+    to: Option<PipeWriter>,
+    from: PipeReader,
+    has_closed_output: bool,
+    /// What was received and is no line yet.
+    received: Vec<u8>,
+    /// The first bytes of it in which there is no line end.
+    searched: usize,
+    scratch: Box<[u8]>,
+    clock: Option<GroupClock>,
+    fate: Fate,
+}
+
+/// What a supervisor reported of a program's end.
+#[derive(Debug, Default)]
+struct Fate {
+    pid: Option<i32>,
+    not_started: Option<String>,
+    exceeded: Option<Exceeded>,
+    ending: Option<Ending>,
+    last_said: Option<String>,
+    /// It closed its output and did not end.
+    has_lived_on: bool,
+    /// The supervisor is gone, and with it all that it held.
+    is_gone: bool,
+}
+
+impl Process {
+    /// Starts a program. Whether that succeeds shows when it is asked something.
+    pub fn start(program: &Launch) -> Result<Self, Trouble> {
+        let cannot = |error: io::Error| Trouble::crashed(format!("cannot be started: {error}"));
+        let (reader, to) = io::pipe().map_err(cannot)?;
+        let (from, writer) = io::pipe().map_err(cannot)?;
+        let (control, other_end) = UnixStream::pair().map_err(cannot)?;
+        for fd in [to.as_fd(), from.as_fd(), control.as_fd()] {
+            fcntl(fd, FcntlArg::F_SETFL(OFlag::O_NONBLOCK)).map_err(|error| cannot(error.into()))?;
+        }
+        let mut command = supervisor::command(program.limits, &program.folder, &program.command).map_err(cannot)?;
+        command.stdin(reader).stdout(writer).stderr(OwnedFd::from(other_end));
+        let supervisor = command.spawn().map_err(|error| {
+            Trouble::crashed(format!("has no supervisor: {}: {error}", command.get_program().to_string_lossy()))
+        })?;
+        Ok(Self {
+            name: program.name.clone(),
+            supervisor,
+            control,
+            reports: Vec::new(),
+            to: Some(to),
+            from,
+            has_closed_output: false,
+            received: Vec::new(),
+            searched: 0,
+            scratch: vec![0; 1 << 16].into(),
+            clock: None,
+            fate: Fate::default(),
+        })
+    }
+
+    /// Reads the CPU time that it and its descendants have taken so far; `None` where the system does not tell.
+    pub fn cpu(&mut self) -> Option<Duration> {
+        self.take_reports();
+        let watch = WallStopwatch::start();
+        // It may answer before its supervisor has said which process it is.
+        while self.clock.is_none() && !self.fate.is_over() && watch.elapsed() < LAST_BREATH {
+            let mut report = [PollFd::new(self.control.as_fd(), PollFlags::POLLIN)];
+            let left = LAST_BREATH.saturating_sub(watch.elapsed()).as_millis() + 1;
+            let _ = poll(&mut report, PollTimeout::from(u16::try_from(left).unwrap_or(u16::MAX)));
+            self.take_reports();
+        }
+        self.clock.as_mut()?.total()
+    }
+
+    /// Counts what it writes to stderr anew.
+    pub fn begin_run(&mut self) {
+        self.order(Order::NextRun);
+    }
+
+    /// Sends lines and waits for the next line that comes. Whatever goes wrong, the program is killed.
+    pub fn exchange(&mut self, message: &[u8], allowance: Allowance<'_>) -> Result<Vec<u8>, Trouble> {
+        let answer = self.try_exchange(message, allowance);
+        if answer.is_err() {
+            self.kill();
+        }
+        answer
+    }
+
+    fn try_exchange(&mut self, message: &[u8], allowance: Allowance<'_>) -> Result<Vec<u8>, Trouble> {
+        let watch = WallStopwatch::start();
+        let mut unsent = message;
+        let mut output_closed: Option<WallStopwatch> = None;
+        let mut is_writable = true;
+        loop {
+            if is_writable && !unsent.is_empty() {
+                unsent = self.send(unsent);
+            }
+            if let Some(line) = self.take_line() {
+                return Ok(line);
+            }
+            if self.received.len() >= MOST_BYTES {
+                let words = format!("it is longer than {MOST_BYTES} bytes");
+                return Err(Trouble::bad_answer(&self.received, &words));
+            }
+            let elapsed = watch.elapsed();
+            let mut wait = allowance.wall.saturating_sub(elapsed);
+            if wait.is_zero() {
+                let (answer, limit) = (allowance.answer, allowance.wall.as_secs_f64());
+                return Err(Trouble::timed_out(format!("gave no {answer} within {limit} s")));
+            }
+            if self.has_closed_output {
+                let since = *output_closed.get_or_insert_with(WallStopwatch::start);
+                if self.fate.is_over() || since.elapsed() > LAST_BREATH {
+                    self.fate.has_lived_on = !self.fate.is_over();
+                    // Its supervisor knows how it ended, and what its last words were.
+                    self.kill();
+                    return Err(Trouble::crashed(self.fate.words()));
+                }
+                wait = wait.min(LAST_BREATH);
+            }
+            if let Some(CpuAllowance { limit, from }) = allowance.cpu
+                && let Some(now) = self.cpu()
+            {
+                let left = limit.saturating_sub(now.saturating_sub(from));
+                if left.is_zero() {
+                    let (answer, limit) = (allowance.answer, limit.as_secs_f64());
+                    return Err(Trouble::timed_out(format!("gave no {answer} within {limit} s of CPU time")));
+                }
+                // It cannot take more than all that there is.
+                let at_once = available_parallelism().map_or(1, |cores| cores.get() as u32);
+                wait = wait.min((left / at_once).max(LEAST_CPU_LOOK));
+            }
+            let ready = self.wait(wait, !unsent.is_empty());
+            if ready.report {
+                self.take_reports();
+            }
+            // It may have answered and ended: what it said comes first.
+            if ready.output || self.fate.is_over() {
+                self.receive();
+            }
+            is_writable = ready.input;
+        }
+    }
+
+    /// Waits until something is ready, at most for this time.
+    fn wait(&self, time: Duration, has_unsent: bool) -> Ready {
+        // Nothing more comes from what is closed, which would be ready for ever.
+        let output = (!self.has_closed_output).then_some((self.from.as_fd(), PollFlags::POLLIN));
+        let report = (!self.fate.is_gone).then_some((self.control.as_fd(), PollFlags::POLLIN));
+        let input = self.to.as_ref().filter(|_| has_unsent).map(|to| (to.as_fd(), PollFlags::POLLOUT));
+        let parts = [output, report, input];
+        let mut fds: Vec<_> = parts.iter().flatten().map(|&(fd, flags)| PollFd::new(fd, flags)).collect();
+        // Up to the next millisecond, so that the time has passed then.
+        let millis = u16::try_from(time.as_millis() + 1).unwrap_or(u16::MAX);
+        let _ = poll(&mut fds, PollTimeout::from(millis));
+        let mut found = fds.iter().map(|fd| fd.any().unwrap_or(false));
+        let [output, report, input] = parts.map(|part| part.is_some() && found.next().unwrap_or(false));
+        Ready { output, report, input }
+    }
+
+    /// Sends what can be sent at once; returns the rest. To a program that does not listen any more all is sent: what
+    /// follows from that shows at its output.
+    fn send<'a>(&mut self, message: &'a [u8]) -> &'a [u8] {
+        let mut unsent = message;
+        while let (Some(to), false) = (&mut self.to, unsent.is_empty()) {
+            match to.write(unsent) {
+                Ok(written) => unsent = &unsent[written..],
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) if error.kind() == ErrorKind::WouldBlock => return unsent,
+                Err(_) => {
+                    self.to = None;
+                    self.has_closed_output = true;
+                }
+            }
+        }
+        &[]
+    }
+
+    /// Takes in what was written, up to one line more than is wanted.
+    fn receive(&mut self) {
+        while self.received.len() < MOST_BYTES {
+            match self.from.read(&mut self.scratch) {
+                Ok(0) => {
+                    self.has_closed_output = true;
+                    return;
+                }
+                Ok(count) => {
+                    self.received.extend_from_slice(&self.scratch[..count]);
+                    if count < self.scratch.len() {
+                        return;
+                    }
+                }
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) => {
+                    self.has_closed_output |= error.kind() != ErrorKind::WouldBlock || self.fate.is_over();
+                    return;
+                }
+            }
+        }
+    }
+
+    fn take_line(&mut self) -> Option<Vec<u8>> {
+        let Some(end) = self.received[self.searched..].iter().position(|&byte| byte == b'\n') else {
+            self.searched = self.received.len();
+            return None;
+        };
+        let rest = self.received.split_off(self.searched + end + 1);
+        self.searched = 0;
+        Some(std::mem::replace(&mut self.received, rest))
+    }
+
+    /// Takes in what the supervisor reports, and hands on what the program writes to stderr.
+    fn take_reports(&mut self) {
+        let mut bytes = [0; 4096];
+        while !self.fate.is_gone {
+            match self.control.read(&mut bytes) {
+                Ok(0) => self.fate.is_gone = true,
+                Ok(count) => self.reports.extend_from_slice(&bytes[..count]),
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) if error.kind() == ErrorKind::WouldBlock => break,
+                Err(_) => self.fate.is_gone = true,
+            }
+            let Some(end) = self.reports.iter().rposition(|&byte| byte == b'\n') else { continue };
+            let lines: Vec<u8> = self.reports.drain(..=end).collect();
+            let reports = lines.split(|&byte| byte == b'\n').filter_map(|line| serde_json::from_slice(line).ok());
+            reports.for_each(|report| self.take_report(report));
+        }
+    }
+
+    fn take_report(&mut self, report: Report) {
+        match report {
+            Report::Started { pid } => {
+                self.fate.pid = Some(pid);
+                self.clock = Some(GroupClock::new(pid));
+            }
+            Report::NotStarted { reason } => self.fate.not_started = Some(reason),
+            Report::Others { pids } => self.clock.iter_mut().for_each(|clock| clock.others.clone_from(&pids)),
+            Report::Reaped { cpu_us } => {
+                self.clock.iter_mut().for_each(|clock| clock.reaped = Duration::from_micros(cpu_us));
+            }
+            Report::Said { line } => {
+                say(&self.name, &line);
+                if !line.trim().is_empty() {
+                    self.fate.last_said = Some(line);
+                }
+            }
+            Report::SaidTooMuch => {
+                say(&self.name, &format!("more than {MOST_SAID} lines; the rest of this run is left out"));
+            }
+            Report::SaidLast { line } => self.fate.last_said = Some(line),
+            Report::Exceeded { limit } => self.fate.exceeded = Some(limit),
+            Report::Ended { how } => self.fate.ending = Some(how),
+        }
+    }
+
+    fn order(&mut self, order: Order) {
+        let mut line = serde_json::to_vec(&order).expect("orders are JSON");
+        line.push(b'\n');
+        // Whoever cannot be told gets the order that the end of all orders is.
+        if self.control.write_all(&line).is_err() {
+            let _ = self.control.shutdown(std::net::Shutdown::Write);
+        }
+    }
+
+    /// Asks it to end, with a last message, and waits until nothing of it is left.
+    pub fn end(mut self, message: &[u8]) {
+        self.send(message);
+        self.to = None;
+        self.order(Order::End);
+        self.wait_until_gone(GRACE + TIDYING);
+    }
+
+    /// Kills it, and waits until nothing of it is left.
+    pub fn kill(&mut self) {
+        self.order(Order::Kill);
+        self.to = None;
+        self.wait_until_gone(TIDYING);
+    }
+
+    fn wait_until_gone(&mut self, time: Duration) {
+        let watch = WallStopwatch::start();
+        self.take_reports();
+        while !self.fate.is_gone && watch.elapsed() < time {
+            self.has_closed_output = true;
+            self.wait(time.saturating_sub(watch.elapsed()), false);
+            self.take_reports();
+        }
+    }
+}
+
+/// What is ready: its output can be read, its input written, a report of its supervisor read.
+struct Ready {
+    output: bool,
+    report: bool,
+    input: bool,
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        if !self.fate.is_gone {
+            self.kill();
+        }
+        // A supervisor that was killed itself could not do what it is there for.
+        if let (Some(pid), None) = (self.fate.pid, self.fate.ending) {
+            let _ = killpg(Pid::from_raw(pid), Signal::SIGKILL);
+        }
+        if !self.fate.is_gone {
+            let _ = self.supervisor.kill();
+        }
+        let _ = self.supervisor.wait();
+    }
+}
+
+impl Fate {
+    fn is_over(&self) -> bool {
+        self.is_gone || self.ending.is_some() || self.not_started.is_some()
+    }
+
+    /// Words what happened to the program.
+    fn words(&self) -> String {
+        let ending = self.ending.filter(|_| !self.has_lived_on);
+        let what = match (&self.not_started, self.exceeded, ending) {
+            (Some(reason), ..) => return format!("cannot be started: {reason}"),
+            (_, Some(Exceeded::MemoryMb(found)), _) => format!("took {found} MB of memory and was killed"),
+            (_, Some(Exceeded::Processes(found)), _) => format!("ran {found} processes and was killed"),
+            (.., Some(Ending::Code(code))) => format!("ended with exit code {code}"),
+            (.., Some(Ending::Signal(signal))) => match Signal::try_from(signal) {
+                Ok(name) => format!("was ended by the signal {name}"),
+                Err(_) => format!("was ended by the signal {signal}"),
+            },
+            (None, None, None) if self.pid.is_none() && !self.has_lived_on => {
+                "cannot be started: its supervisor has ended".to_owned()
+            }
+            (None, None, None) => "closed its output".to_owned(),
+        };
+        match &self.last_said {
+            Some(line) => format!("{what}; its last words: {}", visible(line.trim())),
+            None => what,
+        }
+    }
+}
+
+/// Hands on a line of a program's stderr.
+fn say(name: &str, line: &str) {
+    // A line that nobody can read is no reason to stop.
+    let _ = writeln!(io::stderr(), "{name}: {}", visible(line));
+}

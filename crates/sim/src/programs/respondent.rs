@@ -1,0 +1,230 @@
+//! A program that is asked for as long as a run lasts: greeted, shown its field, started anew when it fails.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::process::{Allowance, CpuAllowance, Launch, Process, Trouble, TroubleKind};
+use super::protocol::{FromProgram, ToProgram, VERSION};
+use wildfire_base::time::wall::WallStopwatch;
+
+/// A program on a field, through failures and new starts.
+#[derive(Debug)]
+pub struct Respondent {
+    program: Arc<Launch>,
+    /// The line that shows it the field.
+    field: Vec<u8>,
+    /// `None` after a failure, until the next query.
+    session: Option<Session>,
+    /// Attempts to start it anew that failed.
+    failed_starts: u32,
+    /// CPU time up to the first `ready`.
+    pub built: Option<Duration>,
+}
+
+/// A program that has said hello.
+#[derive(Debug)]
+pub struct Session {
+    process: Process,
+    /// Queries on this field: they are numbered from 1 on, so that a program may count them itself.
+    queries: u64,
+    /// Its CPU time that has been counted for something.
+    counted: Duration,
+}
+
+/// What came of a query.
+#[derive(Debug)]
+pub struct Reply {
+    pub answer: Result<FromProgram, Trouble>,
+    /// CPU time of its processes since the answer before, if the system tells.
+    pub cpu: Option<Duration>,
+    /// The part of it in which the program started anew.
+    pub starting: Duration,
+}
+
+impl Respondent {
+    /// Starts a program and shows it a field, or shows it to one that has played before.
+    pub fn new(program: Arc<Launch>, field: &ToProgram<'_>, before: Option<Session>) -> Result<Self, Trouble> {
+        let field = field.line();
+        // One that played before and cannot go on costs this run nothing but the time of finding out.
+        let again = before.and_then(|session| session.play_again(&program, &field));
+        let (session, built) = match again {
+            Some(mut session) => {
+                let built = session.lap();
+                (session, built)
+            }
+            None => {
+                let (started, built) = Session::start(&program, &field);
+                (started?, built)
+            }
+        };
+        Ok(Self { program, field, session: Some(session), failed_starts: 0, built })
+    }
+
+    /// Returns the expansions that a query counts for at least.
+    pub fn expansions_per_query(&self) -> u32 {
+        self.program.expansions_per_query
+    }
+
+    /// Asks a query, which is told its number, and checks that the answer is of a type that fits. A program that failed
+    /// before is started anew first.
+    pub fn ask(
+        &mut self,
+        query: impl FnOnce(u64) -> Vec<u8>,
+        check: impl FnOnce(&FromProgram) -> Result<(), &'static str>,
+    ) -> Reply {
+        let (running, started) = self.running();
+        let starting = started.unwrap_or_default();
+        let mut session = match running {
+            Ok(session) => session,
+            Err(trouble) => return Reply { answer: Err(trouble), cpu: started, starting },
+        };
+        session.queries += 1;
+        let number = session.queries;
+        let Launch { query_limit: wall, query_cpu, .. } = *self.program;
+        // What it thought since its last answer counts for this one.
+        let cpu = query_cpu.map(|limit| CpuAllowance { limit, from: session.counted });
+        let allowance = Allowance { wall, cpu, answer: "answer" };
+        let answer = session.process.exchange(&query(number), allowance);
+        let answer = answer.and_then(|line| {
+            let refuse = |words: &str| Err(Trouble::bad_answer(&line, words));
+            match FromProgram::parse(&line) {
+                Err(words) => refuse(&words),
+                Ok(answer) => match (check(&answer), answer.id()) {
+                    (Err(words), _) => refuse(words),
+                    (Ok(()), Some(id)) if id != number => refuse(&format!("`id` is {id}; expected {number}")),
+                    _ => Ok(answer),
+                },
+            }
+        });
+        // Of what cannot be understood the next line cannot be trusted to answer the next query.
+        if answer.is_err() {
+            session.process.kill();
+        }
+        let cpu = session.lap().map(|lap| lap + starting);
+        if answer.is_ok() {
+            self.session = Some(session);
+        }
+        Reply { answer, cpu, starting }
+    }
+
+    /// Takes the program, or starts it anew; returns the CPU time of a start too. A query that fails costs that query
+    /// alone: only failed starts are counted, and after too many of them nobody tries again.
+    fn running(&mut self) -> (Result<Session, Trouble>, Option<Duration>) {
+        if let Some(session) = self.session.take() {
+            return (Ok(session), None);
+        }
+        if self.failed_starts > self.program.restarts {
+            return (Err(Trouble::crashed("failed to start more often than it may")), None);
+        }
+        let (started, cpu) = Session::start(&self.program, &self.field);
+        let started = started.map_err(|trouble| {
+            self.failed_starts += 1;
+            Trouble { kind: TroubleKind::Crashed, words: format!("did not start anew: {}", trouble.words) }
+        });
+        (started, cpu)
+    }
+
+    /// Gives the program away, to play in another run, if it has not failed.
+    pub fn into_session(mut self) -> Option<(Arc<Launch>, Session)> {
+        let session = self.session.take()?;
+        Some((Arc::clone(&self.program), session))
+    }
+}
+
+impl Drop for Respondent {
+    fn drop(&mut self) {
+        if let Some(session) = self.session.take() {
+            session.end();
+        }
+    }
+}
+
+impl Session {
+    /// Starts a program and shows it a field; returns the CPU time that it took, also if that fails.
+    fn start(program: &Launch, field: &[u8]) -> (Result<Self, Trouble>, Option<Duration>) {
+        let watch = WallStopwatch::start();
+        let mut session = match Process::start(program) {
+            Ok(process) => Self { process, queries: 0, counted: Duration::ZERO },
+            Err(trouble) => return (Err(trouble), None),
+        };
+        let greeted = session.greet(program, watch).and_then(|()| session.show(program, field, watch));
+        let cpu = session.lap();
+        (greeted.map(|()| session), cpu)
+    }
+
+    /// Says hello, and waits until the program has.
+    fn greet(&mut self, program: &Launch, since: WallStopwatch) -> Result<(), Trouble> {
+        let hello =
+            ToProgram::Hello { protocol: VERSION, program: concat!("wildfire ", env!("CARGO_PKG_VERSION")).into() };
+        let line = self.process.exchange(&hello.line(), self.at_start(program, since, "`hello`"))?;
+        let words = match FromProgram::parse(&line) {
+            Ok(FromProgram::Hello(hello)) if hello.protocol == VERSION => None,
+            Ok(FromProgram::Hello(hello)) => Some(format!("`protocol` is {}; expected {VERSION}", hello.protocol)),
+            Ok(_) => Some("expected the type `hello`".to_owned()),
+            Err(words) => Some(words),
+        };
+        match words {
+            Some(words) => Err(Trouble::bad_answer(&line, &words)),
+            None => Ok(()),
+        }
+    }
+
+    /// Shows the field of another run to a program that has played before.
+    fn play_again(mut self, program: &Launch, field: &[u8]) -> Option<Self> {
+        self.process.begin_run();
+        self.show(program, field, WallStopwatch::start()).ok()?;
+        Some(self)
+    }
+
+    /// Shows it a field, and waits until it is ready.
+    fn show(&mut self, program: &Launch, field: &[u8], since: WallStopwatch) -> Result<(), Trouble> {
+        self.queries = 0;
+        let line = self.process.exchange(field, self.at_start(program, since, "`ready`"))?;
+        let words = match FromProgram::parse(&line) {
+            Ok(FromProgram::Ready) => return Ok(()),
+            Ok(FromProgram::Error(error)) => return Err(Trouble::refused(&error.message)),
+            Ok(_) => "expected the type `ready` or `error`".to_owned(),
+            Err(words) => words,
+        };
+        Err(Trouble::bad_answer(&line, &words))
+    }
+
+    /// Returns what it may take until it is ready, from its start on. Where the CPU time of queries is limited, that of a start
+    /// is too, so that no other process computes at leisure meanwhile.
+    fn at_start<'a>(&self, program: &Launch, since: WallStopwatch, answer: &'a str) -> Allowance<'a> {
+        let Launch { start_limit, query_cpu, .. } = *program;
+        let cpu = start_cpu(start_limit, query_cpu, self.counted);
+        Allowance { wall: start_limit.saturating_sub(since.elapsed()), cpu, answer }
+    }
+
+    /// Returns its CPU time since the last lap.
+    fn lap(&mut self) -> Option<Duration> {
+        let now = self.process.cpu()?;
+        let lap = now.saturating_sub(self.counted);
+        self.counted = now;
+        Some(lap)
+    }
+
+    /// Says goodbye, and waits until nothing of it is left.
+    pub fn end(self) {
+        self.process.end(&ToProgram::End.line());
+    }
+}
+
+/// Returns the CPU time that a start may take from `from` on.
+fn start_cpu(start_limit: Duration, query_cpu: Option<Duration>, from: Duration) -> Option<CpuAllowance> {
+    query_cpu.map(|_| CpuAllowance { limit: start_limit, from })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn start_is_limited_in_cpu_time_where_queries_are() {
+        let [start, query, counted] = [30, 1, 7].map(Duration::from_secs);
+        assert!(start_cpu(start, None, counted).is_none());
+        let allowed = start_cpu(start, Some(query), counted).expect("there is a limit");
+        assert_eq!((allowed.limit, allowed.from), (start, counted));
+    }
+}

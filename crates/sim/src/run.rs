@@ -1,0 +1,295 @@
+//! What goes into a run beside its scenario, and what comes out of it.
+
+use std::fmt;
+use std::sync::Arc;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::policies::Policies;
+use crate::scenario::{MemoryExceeded, MemoryLimit, Scenario, TerrainError};
+use wildfire_base::time::SimTime;
+use wildfire_planning::{CpuSource, MakeError, PlanFailure, PlannerName, Planners, QueryCpu};
+use wildfire_timeline::{AgentId, CpuSample, Timeline};
+
+/// CPU time of one agent's planning over a run. What does not concern its kind is zero.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct AgentCost {
+    pub agent: AgentId,
+    /// The truck's roadmap: drawing samples, and connecting them.
+    pub sampling: Duration,
+    pub connecting: Duration,
+    pub roadmap_search: Duration,
+    /// The truck's local search, or the Wumpus's search.
+    pub local_search: Duration,
+    /// Reachability floods and the lattice searches that follow them.
+    pub reachability: Duration,
+    /// A truck's planner that is not built in: making it, with the starts of its program.
+    #[serde(default)]
+    pub starting: Duration,
+    /// Queries to it.
+    #[serde(default)]
+    pub queries: Duration,
+    /// The part of the above that no thread of this program spent: a planner's own processes did.
+    #[serde(default)]
+    pub elsewhere: Duration,
+    /// Where the times of a truck's queries come from; of several sources the least trusted.
+    #[serde(default)]
+    pub source: Option<CpuSource>,
+}
+
+impl AgentCost {
+    /// Creates the account of an agent that has not planned anything.
+    pub fn new(agent: AgentId) -> Self {
+        let zero = Duration::ZERO;
+        Self {
+            agent,
+            sampling: zero,
+            connecting: zero,
+            roadmap_search: zero,
+            local_search: zero,
+            reachability: zero,
+            starting: zero,
+            queries: zero,
+            elsewhere: zero,
+            source: None,
+        }
+    }
+
+    /// Adds the time of a query to a planner that is not built in.
+    pub fn add_query(&mut self, cpu: QueryCpu) {
+        self.starting += cpu.starting;
+        self.queries += cpu.time.saturating_sub(cpu.starting);
+        if cpu.source != CpuSource::Thread {
+            self.elsewhere += cpu.time;
+        }
+        self.source = self.source.max(Some(cpu.source));
+    }
+
+    pub fn total(&self) -> Duration {
+        let own = self.starting + self.queries;
+        self.sampling + self.connecting + self.roadmap_search + self.local_search + self.reachability + own
+    }
+}
+
+/// CPU time of a run; never part of its outcome.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct RunCost {
+    pub terrain: Duration,
+    pub clearance_field: Duration,
+    /// Decisions of policies for whole teams of trucks.
+    #[serde(default)]
+    pub dispatch: Duration,
+    /// Policies that are not built in, with the starts of their programs.
+    #[serde(default)]
+    pub policies: Duration,
+    /// The part of it that other processes spent.
+    #[serde(default)]
+    pub policies_elsewhere: Duration,
+    /// In the order of the timeline's agents.
+    pub agents: Vec<AgentCost>,
+    pub total: Duration,
+}
+
+impl RunCost {
+    /// The part that no thread of this program spent.
+    pub fn elsewhere(&self) -> Duration {
+        self.agents.iter().map(|agent| agent.elsewhere).sum::<Duration>() + self.policies_elsewhere
+    }
+}
+
+/// A finished run.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// What happened.
+    pub timeline: Timeline,
+    /// CPU time, by part.
+    pub cost: RunCost,
+    /// The same by decision, in order of time: first one entry an agent for building its planner, then one for every
+    /// decision that took some.
+    pub cpu_samples: Vec<CpuSample>,
+    /// The CPU time of each query to a planner, in the order in which the timeline has the answers: what planning took
+    /// that agent since its answer before.
+    pub answer_cpu: Vec<Duration>,
+    /// What planners and policies that are not built in had to say about failures, or the gate about their paths.
+    pub messages: FailureMessages,
+    /// How the asks of policies that are not built in went; `None` where all are built in.
+    pub asks: Option<PolicyTally>,
+}
+
+/// Counts of the asks of policies that are not built in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PolicyTally {
+    pub asked: u64,
+    pub timed_out: u64,
+    pub crashed: u64,
+    pub bad_answer: u64,
+    /// Asks that were answered with something that is no option of the agent, which waits then.
+    pub illegal: u64,
+}
+
+/// Messages about failures: the first ones, how many there were, and the same by kind.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FailureMessages {
+    pub first: Vec<String>,
+    pub count: u64,
+    kinds: Vec<FailureKind>,
+}
+
+/// Messages that differ in their numbers at most.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct FailureKind {
+    /// The beginning of the message without digits.
+    key: String,
+    first: String,
+    count: u64,
+}
+
+impl FailureMessages {
+    /// The messages that are kept, and the kinds.
+    const KEPT: usize = 20;
+
+    /// The most characters of a message that are kept, and of the part by which kinds are told.
+    const LONGEST: usize = 600;
+    const LONGEST_KEY: usize = 60;
+
+    /// Adds a message about `who`, an agent or a policy.
+    pub fn add(&mut self, who: &str, time: SimTime, reason: PlanFailure, message: &str) {
+        self.add_words(who, time, &format!("{reason}: {message}"));
+    }
+
+    /// Adds words that begin with a reason and a colon.
+    pub fn add_words(&mut self, who: &str, time: SimTime, words: &str) {
+        let message: String =
+            format!("{who} at {:.1} s: {words}", time.as_seconds()).chars().take(Self::LONGEST).collect();
+        self.count += 1;
+        if self.first.len() < Self::KEPT {
+            self.first.push(message.clone());
+        }
+        let has_no_number = |letter: &char| !letter.is_ascii_digit() && !"-.".contains(*letter);
+        let key: String = who.chars().chain(words.chars()).filter(has_no_number).take(Self::LONGEST_KEY).collect();
+        if let Some(kind) = self.kinds.iter_mut().find(|kind| kind.key == key) {
+            kind.count += 1;
+        } else if self.kinds.len() < Self::KEPT {
+            self.kinds.push(FailureKind { key, first: message, count: 1 });
+        }
+    }
+
+    /// Adds the messages of others.
+    pub fn append(&mut self, others: Self) {
+        self.count += others.count;
+        self.first.extend(others.first);
+        self.first.truncate(Self::KEPT);
+        self.kinds.extend(others.kinds);
+        self.kinds.truncate(Self::KEPT);
+    }
+}
+
+impl fmt::Display for FailureMessages {
+    /// Writes the first message of each kind with the number of those that it stands for, and how many more there were.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, FailureKind { first, count, .. }) in self.kinds.iter().enumerate() {
+            f.write_str(if index > 0 { "; " } else { "" })?;
+            match count {
+                1 => f.write_str(first)?,
+                times => write!(f, "{first} ({times} times)")?,
+            }
+        }
+        match self.count - self.kinds.iter().map(|kind| kind.count).sum::<u64>() {
+            0 => Ok(()),
+            more => write!(f, "; and {more} more"),
+        }
+    }
+}
+
+/// The options of a run. Apart from what the planners do that are handed in, they change nothing that happens in it.
+#[derive(Clone, Debug, Default)]
+pub struct RunOptions {
+    /// The planners by name.
+    pub planners: Planners,
+    /// True if the timeline also holds what the searches looked at, as
+    /// [`AgentFact::Searched`](wildfire_timeline::AgentFact::Searched). CPU times include recording it.
+    pub records_searches: bool,
+    /// The policies by name.
+    pub policies: Policies,
+    /// Who starts the programs that a scenario names; nobody does if there is none.
+    pub programs: Option<Arc<dyn StartPrograms>>,
+    /// The limit of memory. A run that would take more does not take place, or ends early, as [`RunError::Memory`].
+    pub memory: MemoryLimit,
+}
+
+/// Planners and policies that were handed in, beside the built-in ones.
+#[derive(Clone, Debug, Default)]
+pub struct Entrants {
+    pub planners: Planners,
+    pub policies: Policies,
+    /// Who starts the programs that a scenario names; nobody does if there is none.
+    pub programs: Option<Arc<dyn StartPrograms>>,
+}
+
+/// Makes planners and policies of the programs that a scenario's tables name.
+pub trait StartPrograms: fmt::Debug + Send + Sync {
+    /// Adds the planners and policies of a scenario's tables, for the run of a seed, to those that are known otherwise.
+    ///
+    /// # Errors
+    /// If a name is taken, or somebody does not want a program to run; in words.
+    fn add(
+        &self,
+        scenario: &Scenario,
+        planners: Planners,
+        policies: Policies,
+    ) -> Result<(Planners, Policies), MakeError>;
+}
+
+impl From<Planners> for Entrants {
+    fn from(planners: Planners) -> Self {
+        Self { planners, ..Self::default() }
+    }
+}
+
+impl From<Policies> for Entrants {
+    fn from(policies: Policies) -> Self {
+        Self { policies, ..Self::default() }
+    }
+}
+
+impl RunOptions {
+    /// Returns the planners and policies of a run, those of programs among them.
+    pub(super) fn entrants_of(&self, scenario: &Scenario) -> Result<(Planners, Policies), RunError> {
+        let (planners, policies) = (self.planners.clone(), self.policies.clone());
+        match &self.programs {
+            Some(programs) => {
+                let added = programs.add(scenario, planners, policies);
+                added.map_err(|reason| RunError::NoPrograms { reason })
+            }
+            None => Ok((planners, policies)),
+        }
+    }
+}
+
+impl From<Entrants> for RunOptions {
+    fn from(Entrants { planners, policies, programs }: Entrants) -> Self {
+        Self { planners, policies, programs, ..Self::default() }
+    }
+}
+
+/// Why a run could not take place.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum RunError {
+    #[error(transparent)]
+    Memory(#[from] MemoryExceeded),
+    #[error(transparent)]
+    Terrain(#[from] TerrainError),
+    #[error("the policy `{name}` could not be made: {reason}")]
+    NoPolicy { name: PlannerName, reason: MakeError },
+    #[error("its programs could not be used: {reason}")]
+    NoPrograms { reason: MakeError },
+    #[error("{agent} cannot start: no free place was found for it on this field")]
+    NoFreeStart { agent: AgentId },
+    /// Whoever ran it asked for an end before its own. Nothing is known of such a run: it is made again.
+    #[error("the run was stopped before its end")]
+    Stopped,
+    #[error("{agent} has no planner: `{name}` could not be built: {reason}")]
+    NoPlanner { agent: AgentId, name: PlannerName, reason: MakeError },
+}

@@ -1,0 +1,128 @@
+//! The tools of checks: paths of tables, and values that are refused with their path.
+
+use std::ops::RangeInclusive;
+
+use super::error::{Fault, nearest_name};
+use super::path::{FieldPath, PathStep};
+use super::wording::shortened;
+use wildfire_base::geometry::{DVec2, FieldFrame};
+use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+
+/// The most characters of a scenario's name, which goes into tables and file names.
+const MAX_NAME: usize = 100;
+
+/// The distance by which a body may stick out of the field through rounding, metres.
+pub const ROUNDING_M: f64 = 1e-9;
+
+/// Checks a name that goes into tables and file names.
+pub fn check_name(field: &str, name: &str) -> Check {
+    let fits = (1..=MAX_NAME).contains(&name.chars().count()) && !name.chars().any(char::is_control);
+    let expected = || format!("a line of 1 to {MAX_NAME} characters");
+    if fits { Ok(()) } else { TablePath::named("").refuse(field, shortened(&format!("{name:?}")), expected()) }
+}
+
+/// A value that is refused.
+pub struct Refusal {
+    pub path: FieldPath,
+    found: String,
+    expected: Expected,
+}
+
+/// What should be there instead.
+enum Expected {
+    Words(String),
+    /// One of the names that are known of a kind: planner, policy.
+    Name {
+        kind: &'static str,
+        known: Vec<String>,
+    },
+}
+
+impl Refusal {
+    pub fn fault(&self) -> Fault {
+        let (field, found) = (self.path.to_string(), self.found.clone());
+        match &self.expected {
+            Expected::Words(expected) => Fault::Value { field, found, expected: expected.clone() },
+            Expected::Name { kind, known } => {
+                let nearest = nearest_name(&found, known.iter().map(String::as_str));
+                Fault::UnknownName { kind, field, found: shortened(&found), known: known.clone(), nearest }
+            }
+        }
+    }
+}
+
+/// The result of a check: nothing, or the first value that is refused.
+pub type Check = Result<(), Box<Refusal>>;
+
+/// Checks the number that a path leads to.
+pub fn check_number(path: FieldPath, number: f64, range: RangeInclusive<f64>) -> Check {
+    check_range("", number, range).map_err(|OutOfRange { found, expected, .. }| {
+        Box::new(Refusal { path, found, expected: Expected::Words(expected) })
+    })
+}
+
+/// The path of a table of the scenario, to name values in faults.
+pub struct TablePath(FieldPath);
+
+impl TablePath {
+    pub fn named(dotted: &str) -> Self {
+        Self(FieldPath::parse(dotted))
+    }
+
+    pub fn entry(list: &str, number: usize) -> Self {
+        Self(FieldPath(vec![PathStep::key(list), PathStep::Index(number)]))
+    }
+
+    pub fn inner(&self, name: &str) -> Self {
+        Self(self.0.join(PathStep::key(name)))
+    }
+
+    /// Returns the path of a value of the table.
+    pub fn key(&self, name: &str) -> FieldPath {
+        self.0.join(PathStep::key(name))
+    }
+
+    /// The entry of a list whose path this is.
+    pub fn item(&self, number: usize) -> Self {
+        Self(self.0.join(PathStep::Index(number)))
+    }
+
+    pub fn number(&self, name: &str, value: f64, range: RangeInclusive<f64>) -> Check {
+        check_number(self.0.join(PathStep::key(name)), value, range)
+    }
+
+    pub fn optional(&self, name: &str, value: Option<f64>, range: RangeInclusive<f64>) -> Check {
+        value.map_or(Ok(()), |value| self.number(name, value, range))
+    }
+
+    pub fn settings(&self, settings: &dyn SettingsTable, frame: &FieldFrame) -> Check {
+        settings.check(frame).or_else(|wrong| self.refuse(wrong.name, wrong.found, wrong.expected))
+    }
+
+    pub fn count(&self, name: &str, count: usize, most: usize) -> Check {
+        if count <= most { Ok(()) } else { self.refuse(name, count.to_string(), format!("at most {most}")) }
+    }
+
+    pub fn inside(&self, name: &str, corners: &[DVec2], frame: &FieldFrame) -> Check {
+        if corners.iter().all(|&corner| frame.border_distance(corner) >= -ROUNDING_M) {
+            return Ok(());
+        }
+        let expected =
+            format!("a place with the whole body inside the field of {} x {} m", frame.width_m(), frame.height_m());
+        self.refuse(name, "partly or wholly outside".into(), expected)
+    }
+
+    pub fn refuse(&self, name: &str, found: String, expected: String) -> Check {
+        self.refuse_step(PathStep::key(name), found, expected)
+    }
+
+    pub fn refuse_step(&self, step: PathStep, found: String, expected: String) -> Check {
+        Err(Box::new(Refusal { path: self.0.join(step), found, expected: Expected::Words(expected) }))
+    }
+
+    /// Refuses a name that nobody of this kind, planner or policy, has.
+    pub fn refuse_name(&self, key: &str, kind: &'static str, found: &str, known: Vec<String>) -> Check {
+        let path = self.0.join(PathStep::key(key));
+        Err(Box::new(Refusal { path, found: found.to_owned(), expected: Expected::Name { kind, known } }))
+    }
+}

@@ -1,0 +1,324 @@
+//! Who goes to which fire, decided for all trucks together, and what the trucks know when that is decided.
+
+use std::fmt;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{Scenario, TrafficRules, Water};
+use wildfire_base::geometry::FieldFrame;
+use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+
+/// The most rollouts of one decision: some seconds of CPU time.
+const MAX_ROLLOUTS: f64 = 100_000.0;
+
+/// One policy for the team of trucks, in place of their own goals.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Dispatch {
+    pub policy: DispatchPolicy,
+    pub idle: IdleRule,
+    /// How many futures the policy `rollout` looks at in one decision.
+    pub rollouts: u32,
+    /// Simulated time that a decision of the team costs for each pair of a truck and a fire that it looks at, or for each
+    /// rollout; those that set out for something wait for it.
+    pub seconds_per_evaluation: f64,
+}
+
+impl Default for Dispatch {
+    fn default() -> Self {
+        Self { policy: DispatchPolicy::Nearest, idle: IdleRule::Stay, rollouts: 40, seconds_per_evaluation: 0.0 }
+    }
+}
+
+/// Says which truck goes to which fire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DispatchPolicy {
+    /// Each truck to the nearest fire, one truck after the other in the order of their numbers.
+    Nearest,
+    /// The same with the fire that is nearest by drive, as the planner finds.
+    NearestByDrive,
+    /// The nearest fire that can still be put out, the truck that is there first before all others.
+    NearestSavable,
+    /// The assignment of free trucks to fires with the least cost in all.
+    Hungarian,
+    /// The fire that threatens the most bushes first.
+    ThreatFirst,
+    /// Routes with deadlines: each fire goes to the truck whose route it fits best, anew at each event.
+    Auction,
+    /// What the futures of several assignments come to, of which the best is taken.
+    Rollout,
+}
+
+impl DispatchPolicy {
+    /// All policies, in the order in which they are listed.
+    pub const ALL: [Self; 7] = [
+        Self::Nearest,
+        Self::NearestByDrive,
+        Self::NearestSavable,
+        Self::Hungarian,
+        Self::ThreatFirst,
+        Self::Auction,
+        Self::Rollout,
+    ];
+
+    /// Returns the name that scenarios and tables write.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Nearest => "nearest",
+            Self::NearestByDrive => "nearest-by-drive",
+            Self::NearestSavable => "nearest-savable",
+            Self::Hungarian => "hungarian",
+            Self::ThreatFirst => "threat-first",
+            Self::Auction => "auction",
+            Self::Rollout => "rollout",
+        }
+    }
+
+    const fn description(self) -> &'static str {
+        match self {
+            Self::Nearest => "each goes to the nearest fire that is not another's, the smaller number first",
+            Self::NearestByDrive => "each goes to the fire that is nearest by drive and not another's",
+            Self::NearestSavable => "each goes to the nearest fire that it can still put out, and leaves hopeless ones",
+            Self::Hungarian => "free trucks and fires are matched at the least cost in all",
+            Self::ThreatFirst => "the fire that threatens the most bushes is served first",
+            Self::Auction => "fires are inserted into routes that meet their deadlines, anew at each event",
+            Self::Rollout => "the assignment with the best futures is taken",
+        }
+    }
+}
+
+impl fmt::Display for DispatchPolicy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Says where trucks wait that have no fire to go for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum IdleRule {
+    /// Where they are.
+    Stay,
+    /// Spread over the bushes that are intact, each in the middle of its share.
+    Centroids,
+    /// In their regions of the field, which are those of their starts.
+    Regions,
+}
+
+impl IdleRule {
+    /// All rules, in the order in which they are listed.
+    pub const ALL: [Self; 3] = [Self::Stay, Self::Centroids, Self::Regions];
+
+    /// Returns the name that scenarios and tables write.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Stay => "stay",
+            Self::Centroids => "centroids",
+            Self::Regions => "regions",
+        }
+    }
+
+    const fn description(self) -> &'static str {
+        match self {
+            Self::Stay => "wait where they are",
+            Self::Centroids => "spread out over the bushes that are intact",
+            Self::Regions => "wait in the regions round their starts",
+        }
+    }
+}
+
+impl fmt::Display for IdleRule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl Dispatch {
+    /// Returns what tables call the policy of the trucks: the policy, and the idle rule where it moves anybody.
+    pub fn label(&self) -> String {
+        match self.idle {
+            IdleRule::Stay => self.policy.to_string(),
+            idle => format!("{}+{idle}", self.policy),
+        }
+    }
+
+    pub(super) fn describe(&self) -> String {
+        let charge = match self.seconds_per_evaluation {
+            0.0 => "A decision takes no simulated time".to_owned(),
+            seconds => match self.policy {
+                DispatchPolicy::Rollout => format!("A decision takes {seconds} s for each rollout"),
+                _ => format!("A decision takes {seconds} s for each pair of a truck and a fire that it looks at"),
+            },
+        };
+        let rollouts = match self.policy {
+            DispatchPolicy::Rollout => format!(" ({} rollouts a decision)", self.rollouts),
+            _ => String::new(),
+        };
+        format!(
+            "All trucks follow `{}`: {}{rollouts}. Those that have nothing to go for {}. {charge}.",
+            self.policy,
+            self.policy.description(),
+            self.idle.description()
+        )
+    }
+}
+
+impl SettingsTable for Dispatch {
+    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
+        check_range("rollouts", self.rollouts.into(), 1.0..=MAX_ROLLOUTS)?;
+        check_range("seconds_per_evaluation", self.seconds_per_evaluation, 0.0..=1000.0)
+    }
+}
+
+/// What the team of trucks knows of the field when its policy decides.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Sight {
+    pub field: SightOfField,
+    /// How far a truck sees from the middle of its body; only for `field = "radius"`.
+    pub radius_m: f64,
+    /// True if trucks see the Wumpuses, as far as they see the field; following an arsonist ends the contest.
+    pub wumpuses: bool,
+}
+
+impl Default for Sight {
+    fn default() -> Self {
+        Self { field: SightOfField::Everything, radius_m: 100.0, wumpuses: false }
+    }
+}
+
+/// The part of the field that trucks see.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SightOfField {
+    /// What burns, and which bushes are intact.
+    Everything,
+    /// What burns; of a bush that does not burn they know from the map that it is there, not what became of it.
+    Burning,
+    /// What is within `radius_m` of any of them; of the rest they have the map.
+    Radius,
+}
+
+impl Sight {
+    pub(super) fn describe(&self) -> String {
+        let field = match self.field {
+            SightOfField::Everything => "what burns and which bushes are intact".to_owned(),
+            SightOfField::Burning => "what burns, but not which of the other bushes are intact".to_owned(),
+            SightOfField::Radius => format!("what is within {} m of one of them", self.radius_m),
+        };
+        let wumpuses = match (self.wumpuses, self.field) {
+            (false, _) => "They do not see Wumpuses.",
+            (true, SightOfField::Radius) => "They see Wumpuses that near.",
+            (true, _) => "They see all Wumpuses.",
+        };
+        format!("The trucks see {field}. {wumpuses}")
+    }
+}
+
+impl SettingsTable for Sight {
+    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
+        check_range("radius_m", self.radius_m, 0.0..=1e6)
+    }
+}
+
+/// Describes how trucks are sent and what they see, where the scenario says so.
+pub(super) fn describe_team(scenario: &Scenario) -> Vec<String> {
+    let dispatch = scenario.dispatch.iter().map(Dispatch::describe);
+    let sight = scenario.sight.iter().map(Sight::describe);
+    dispatch
+        .chain(sight)
+        .chain(scenario.traffic.iter().map(TrafficRules::describe))
+        .chain(scenario.water.iter().map(Water::describe))
+        .collect()
+}
+
+/// Warns of values that do nothing.
+pub(super) fn warn_of_team(scenario: &Scenario, found: &mut Vec<String>) {
+    let Some(dispatch) = &scenario.dispatch else {
+        if scenario.sight.is_some() {
+            found.push(
+                "The table `sight` does nothing: without `dispatch` trucks follow their own goals, which know all that \
+                 burns."
+                    .into(),
+            );
+        }
+        return;
+    };
+    if scenario.unimog.is_empty() {
+        found.push("The table `dispatch` does nothing: there are no trucks.".into());
+    }
+    if dispatch.policy != DispatchPolicy::Rollout && dispatch.rollouts != Dispatch::default().rollouts {
+        found.push(format!("`dispatch.rollouts` does nothing: the policy `{}` has none.", dispatch.policy));
+    }
+    let keeps = dispatch.policy != DispatchPolicy::Nearest;
+    if keeps && scenario.unimog.iter().any(|truck| truck.retarget != super::Retarget::Never) {
+        found.push(format!(
+            "`unimog.retarget` does nothing: the policy `{}` says itself when trucks change their goals.",
+            dispatch.policy
+        ));
+    }
+    if dispatch.idle == IdleRule::Regions && scenario.unimog.len() == 1 {
+        found.push("`dispatch.idle` \"regions\" is \"stay\" for one truck: the whole field is its region.".into());
+    }
+    let Some(sight) = &scenario.sight else { return };
+    if sight.field != SightOfField::Radius && sight.radius_m != Sight::default().radius_m {
+        found.push("`sight.radius_m` does nothing: only `sight.field` \"radius\" asks for it.".into());
+    }
+    if sight.wumpuses && scenario.wumpus.is_empty() {
+        found.push("`sight.wumpuses` does nothing: there is no Wumpus.".into());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::{LoadedScenario, MemoryLimit, explain};
+
+    fn explained(changes: &[&str]) -> String {
+        let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
+        let loaded = LoadedScenario::open("fleet", &changes).expect("this scenario is right");
+        let text = explain(&loaded, MemoryLimit::default()).to_text();
+        text.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
+    #[test]
+    fn policies_and_sight_are_explained() {
+        let text = explained(&["dispatch.policy=rollout", "dispatch.rollouts=7", "sight.field=radius"]);
+        for words in [
+            "All trucks follow `rollout`: the assignment with the best futures is taken (7 rollouts a decision).",
+            "Those that have nothing to go for wait where they are.",
+            "The trucks see what is within 100 m of one of them. They do not see Wumpuses.",
+            "It goes where it is dispatched.",
+        ] {
+            assert!(text.contains(words), "`{words}` is not in {text}");
+        }
+        assert!(!explained(&[]).contains("Dispatch"));
+    }
+
+    #[test]
+    fn values_that_do_nothing_are_warned_of() {
+        for (changes, words) in [
+            (&["sight.wumpuses=true"][..], "The table `sight` does nothing"),
+            (&["dispatch.policy=auction", "dispatch.rollouts=7"], "`dispatch.rollouts` does nothing"),
+            (&["dispatch.policy=auction", "unimog.retarget=on-event"], "`unimog.retarget` does nothing"),
+            (&["dispatch.policy=auction", "sight.radius_m=7"], "`sight.radius_m` does nothing"),
+        ] {
+            let text = explained(changes);
+            assert!(text.contains(words), "`{words}` is not in {text}");
+        }
+        assert!(!explained(&["dispatch.policy=auction", "dispatch.idle=centroids"]).contains("does nothing"));
+    }
+
+    #[test]
+    fn every_name_reads_back() {
+        for policy in DispatchPolicy::ALL {
+            for idle in IdleRule::ALL {
+                let table = toml::from_str::<Dispatch>(&format!("policy = '{policy}'\nidle = '{idle}'"));
+                let dispatch = table.expect("these names are known");
+                assert_eq!((dispatch.policy, dispatch.idle), (policy, idle));
+            }
+        }
+    }
+}

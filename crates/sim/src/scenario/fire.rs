@@ -1,0 +1,280 @@
+//! The rules of fire in a scenario: their settings, ranges, description and warnings, and the model that they choose.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::alexandridis::AlexandridisSettings;
+use super::check::{Check, TablePath};
+use super::rothermel::RothermelSettings;
+use wildfire_base::geometry::FieldFrame;
+use wildfire_base::or_none;
+use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range, number_text};
+use wildfire_base::time::SimTime;
+use wildfire_fire::FireRules;
+use wildfire_fire::embers::{EmberSettings, Embers};
+use wildfire_fire::models::{AlexandridisRules, Radius, Rothermel, RothermelRules};
+
+/// The most pairs of a burning cell and a piece of a row in its radius.
+const MAX_SPREAD_PAIRS: f64 = 1e9;
+
+/// Cells of a row that are looked at together.
+const PIECE_CELLS: f64 = 64.0;
+
+/// Rules by which fire spreads and ends.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Fire {
+    /// The rule by which fire goes on. What follows here is for `radius`, except that `burn_out_s` and `relight` hold for
+    /// all: under `rothermel` a cell flames for `burn_out_s`, or for the residence time of its fuel if that is longer.
+    pub model: FireModelName,
+    pub spread_delay_s: f64,
+    /// Between cell centres, inclusive.
+    pub spread_radius_m: f64,
+    pub spread_from: SpreadFrom,
+    /// From ignition to burned out; `"none"`: it burns for ever.
+    #[serde(with = "or_none")]
+    #[schemars(with = "or_none::NumberOrNone")]
+    pub burn_out_s: Option<f64>,
+    /// Lets extinguished cells burn again.
+    pub relight: bool,
+    /// What the model `rothermel` needs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rothermel: Option<RothermelSettings>,
+    /// What the model `alexandridis` needs besides ground and slope, which are those of `rothermel`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alexandridis: Option<AlexandridisSettings>,
+    /// Embers of the model `rothermel`; without this table there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub embers: Option<EmberSettings>,
+}
+
+/// The fire models by their names.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum FireModelName {
+    /// Bushes set on fire what is within a radius, after a delay.
+    #[default]
+    Radius,
+    /// Fronts by Rothermel's equations, through bushes and ground.
+    Rothermel,
+    /// The automaton of Alexandridis and others, 2008, on bushes and ground.
+    Alexandridis,
+}
+
+impl Default for Fire {
+    fn default() -> Self {
+        Self {
+            model: FireModelName::Radius,
+            spread_delay_s: 10.0,
+            spread_radius_m: 30.0,
+            spread_from: SpreadFrom::Lit,
+            burn_out_s: Some(60.0),
+            relight: false,
+            rothermel: None,
+            alexandridis: None,
+            embers: None,
+        }
+    }
+}
+
+/// Selects the burning cells that set others on fire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SpreadFrom {
+    All,
+    /// Only what a Wumpus or an `[[ignition]]` lit.
+    Lit,
+    None,
+}
+
+impl Fire {
+    /// Gives the model that is chosen its settings where the scenario says nothing of them.
+    pub(super) fn fill_in_model(&mut self) {
+        match self.model {
+            FireModelName::Radius => {}
+            FireModelName::Rothermel => {
+                self.rothermel.get_or_insert_default();
+            }
+            FireModelName::Alexandridis => {
+                self.rothermel.get_or_insert_default();
+                self.alexandridis.get_or_insert_default();
+            }
+        }
+    }
+
+    /// Checks the rules and the tables of all models.
+    pub(super) fn check_tables(&self, table: &TablePath, frame: &FieldFrame) -> Check {
+        table.settings(self, frame)?;
+        if let Some(rothermel) = &self.rothermel {
+            let table = table.inner("rothermel");
+            table.settings(rothermel, frame)?;
+            table.inner("moisture").settings(&rothermel.moisture, frame)?;
+        }
+        if let Some(alexandridis) = &self.alexandridis {
+            table.inner("alexandridis").settings(alexandridis, frame)?;
+        }
+        if let Some(embers) = &self.embers {
+            table.inner("embers").settings(embers, frame)?;
+        }
+        Ok(())
+    }
+
+    /// Returns true if Wumpuses light ground as well as bushes.
+    pub fn lights_ground(&self) -> bool {
+        self.model == FireModelName::Rothermel && self.rothermel.as_ref().is_some_and(|settings| settings.lights_ground)
+    }
+
+    /// Returns for how long a truck's stop wets what does not burn in its reach, if it does.
+    pub fn wet(&self) -> Option<SimTime> {
+        let settings = self.rothermel.as_ref().filter(|_| self.model == FireModelName::Rothermel)?;
+        (settings.wet_s > 0.0).then(|| SimTime::from_seconds(settings.wet_s))
+    }
+
+    /// Returns the rules of the model `rothermel` in the run of a seed, if that is chosen.
+    pub fn rothermel_rules(&self, seed: u64) -> Option<RothermelRules> {
+        let settings = self.rothermel.as_ref().filter(|_| self.model == FireModelName::Rothermel)?;
+        Some(RothermelRules {
+            options: settings.options(),
+            neighbours: settings.neighbours,
+            wet: SimTime::from_seconds(settings.wet_s),
+            burn_out: self.burn_out_s.map(SimTime::from_seconds),
+            embers: self.embers.map(|settings| Embers { settings, seed }),
+        })
+    }
+
+    /// Returns the rules of the model `alexandridis`, if that is chosen.
+    pub fn alexandridis_rules(&self) -> Option<AlexandridisRules> {
+        let settings = self.alexandridis.as_ref().filter(|_| self.model == FireModelName::Alexandridis)?;
+        Some(settings.rules())
+    }
+
+    /// Returns the rules of the radius as runs have them.
+    pub fn rules(&self) -> FireRules {
+        FireRules {
+            spread_delay: SimTime::from_seconds(self.spread_delay_s),
+            spread_radius_m: self.spread_radius_m,
+            lit_spreads: self.spread_from != SpreadFrom::None,
+            caught_spreads: self.spread_from == SpreadFrom::All,
+            burn_out: self.burn_out_s.map(SimTime::from_seconds),
+            relight: self.relight,
+        }
+    }
+
+    /// Returns the rules that a timeline holds, by which an audit checks spread and burn-out. A model with rules of another
+    /// kind has none of these, and is not checked so.
+    pub fn recorded_rules(&self) -> Option<FireRules> {
+        (self.model == FireModelName::Radius).then(|| self.rules())
+    }
+
+    /// Bounds the memory that the model takes on a field.
+    pub(super) fn most_bytes(&self, frame: &FieldFrame, with_fuel: u64) -> u64 {
+        match self.model {
+            FireModelName::Radius => Radius::most_bytes(frame, self.spread_radius_m, with_fuel),
+            FireModelName::Rothermel => Rothermel::most_bytes(frame.cell_count() as u64),
+            // It keeps nothing but a few factors.
+            FireModelName::Alexandridis => 0,
+        }
+    }
+
+    pub(super) fn describe(&self) -> String {
+        match (self.model, &self.rothermel) {
+            (FireModelName::Rothermel, Some(settings)) => self.describe_rothermel(settings),
+            (FireModelName::Alexandridis, _) => self.describe_alexandridis(),
+            _ => self.describe_radius(),
+        }
+    }
+
+    fn describe_radius(&self) -> String {
+        let spread = match self.spread_from {
+            SpreadFrom::None => "Fire does not spread.".into(),
+            from => format!(
+                "A bush that has burned for {} s sets intact ones on fire whose centres are within {} m; {}.",
+                self.spread_delay_s,
+                self.spread_radius_m,
+                if from == SpreadFrom::All { "every burning bush does so" } else { "only bushes that were lit do so" }
+            ),
+        };
+        let end = self
+            .burn_out_s
+            .map_or("It burns until it is put out.".into(), |s| format!("A bush burns out after {s} s."));
+        let again = if self.relight {
+            "An extinguished bush can burn again."
+        } else {
+            "An extinguished bush is safe for good."
+        };
+        format!("{spread} {end} {again}")
+    }
+
+    fn describe_rothermel(&self, settings: &RothermelSettings) -> String {
+        let spread = "A front goes through bushes and ground, as fast as Rothermel's equations say for fuel, wind, slope \
+                      and moisture.";
+        let end = self.burn_out_s.map_or("What burns flames until it is put out.".into(), |s| {
+            format!("A cell flames for {s} s, or for the residence time of its fuel where that is longer.")
+        });
+        let again =
+            if self.relight { "What was put out can burn again." } else { "What was put out is safe for good." };
+        let wet = match settings.wet_s {
+            0.0 => "Trucks wet nothing.".into(),
+            s => format!("A truck's stop also wets what does not burn in its reach, for {s} s."),
+        };
+        let lit = if settings.lights_ground { "Wumpuses light ground too." } else { "Wumpuses light bushes only." };
+        let embers = match self.embers {
+            Some(_) => {
+                " Embers fly with the wind and set cells on fire that the front has not reached; roads, water and \
+                        wet ground do not stop them."
+            }
+            None => "",
+        };
+        format!("{spread} {end} {again} {wet} {lit}{embers} Columns without `ground` in their names count bushes.")
+    }
+
+    fn describe_alexandridis(&self) -> String {
+        let AlexandridisSettings { p0, step_s, .. } = self.alexandridis.clone().unwrap_or_default();
+        format!(
+            "The automaton of Alexandridis: {step_s} s after it caught fire a cell, bush or ground, tries once to set each of \
+             its eight neighbours on fire, with probability {p0} on level ground without wind, and is burned. Columns \
+             without `ground` in their names count bushes."
+        )
+    }
+
+    /// Adds warnings about rules by which no fire spreads.
+    pub(super) fn warn(&self, frame: &FieldFrame, found: &mut Vec<String>) {
+        if self.embers.is_some() && self.model != FireModelName::Rothermel {
+            found.push("No ember flies: `[fire.embers]` is for the model `rothermel`.".to_owned());
+        }
+        if self.model != FireModelName::Radius {
+            return;
+        }
+        let spreads = self.spread_from != SpreadFrom::None && self.spread_radius_m > 0.0;
+        if let Some(burn_out_s) = self.burn_out_s.filter(|&burn_out_s| spreads && burn_out_s <= self.spread_delay_s) {
+            let delay_s = self.spread_delay_s;
+            found.push(format!(
+                "No fire spreads: a bush burns out after {burn_out_s} s, before it would spread at {delay_s} s."
+            ));
+        }
+        if spreads && self.spread_radius_m < frame.cell_m {
+            found.push(format!("No fire spreads: no two cells are within {} m of each other.", self.spread_radius_m));
+        }
+    }
+}
+
+impl SettingsTable for Fire {
+    fn check(&self, frame: &FieldFrame) -> Result<(), OutOfRange> {
+        check_range("spread_delay_s", self.spread_delay_s, 0.0..=1e6)?;
+        check_range("spread_radius_m", self.spread_radius_m, 0.0..=1e6)?;
+        self.burn_out_s.map_or(Ok(()), |burn_out_s| check_range("burn_out_s", burn_out_s, 0.001..=1e6))?;
+        // Spreading looks at every bush in the radius of every burning one, at up to 64 cells of a row at once.
+        let cells = frame.cell_count() as f64;
+        let across = 2.0 * self.spread_radius_m / frame.cell_m + 1.0;
+        let rows = across.min(f64::from(frame.rows));
+        let pairs = cells * rows * (across.min(f64::from(frame.cols)) / PIECE_CELLS + 1.0);
+        if pairs <= MAX_SPREAD_PAIRS {
+            return Ok(());
+        }
+        let expected = format!(
+            "at most {MAX_SPREAD_PAIRS:e} pairs of a cell and {PIECE_CELLS} cells in a row in its radius; here they are \
+             {pairs:.2e}"
+        );
+        Err(OutOfRange { name: "spread_radius_m", found: number_text(self.spread_radius_m), expected })
+    }
+}

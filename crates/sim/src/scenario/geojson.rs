@@ -1,0 +1,419 @@
+//! Given fields as GeoJSON: polygons, whose cells are bushes.
+//!
+//! A cell is a bush where its centre lies in a polygon and in none of its holes, of which the even-odd rule decides. The
+//! field is the rectangle about all polygons, from its south-west corner on in whole cells. Degrees are projected about the
+//! middle of that rectangle: x = R cos(middle latitude) (longitude - middle longitude), y = R (latitude - middle latitude),
+//! which is true to a few decimetres within ten kilometres.
+//!
+//! Sources: H. Butler and others, "The GeoJSON Format", RFC 7946, 2016; J. P. Snyder, "Map Projections: A Working Manual",
+//! U.S. Geological Survey Professional Paper 1395, 1987, chapter 12, "Equidistant cylindrical projection".
+
+use std::fmt;
+
+use serde::de::{DeserializeSeed, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+
+use super::error::MapFault;
+use wildfire_base::geometry::{DVec2, FieldFrame, ops};
+use wildfire_grid::Grid;
+
+/// The mean radius of the Earth in metres: H. Moritz, "Geodetic Reference System 1980", Journal of Geodesy 74, 2000.
+const EARTH_RADIUS_M: f64 = 6_371_008.8;
+
+/// The most places at which edges of polygons cross the middle lines of rows.
+const MAX_CROSSINGS: usize = 1 << 24;
+
+/// The types of GeoJSON objects that may be at the top.
+const TYPES: [&str; 9] = [
+    "FeatureCollection",
+    "Feature",
+    "GeometryCollection",
+    "Polygon",
+    "MultiPolygon",
+    "Point",
+    "MultiPoint",
+    "LineString",
+    "MultiLineString",
+];
+
+/// Names of coordinate systems in degrees.
+const DEGREES: [&str; 4] = ["CRS84", "EPSG:4326", "EPSG::4326", "EPSG:4258"];
+
+/// Says whether a JSON text is GeoJSON: its `type` is one of the format's.
+pub(super) fn is_geojson(text: &str) -> bool {
+    #[derive(Deserialize)]
+    struct Kind {
+        r#type: String,
+    }
+    serde_json::from_str(text).is_ok_and(|kind: Kind| TYPES.contains(&kind.r#type.as_str()))
+}
+
+/// A field with its bushes, and the number of objects that were passed over.
+type ReadField = (FieldFrame, Grid<bool>, usize);
+
+/// Reads the polygons of a GeoJSON text on cells of this side, at most `most` of them a side of the field; objects of other
+/// types are passed over, and counted.
+///
+/// # Errors
+/// Fails if the text is not GeoJSON, as the JSON reader says, or as [`Shapes::field`] does.
+pub(super) fn parse(text: &str, cell_m: f64, most: u16) -> Result<Result<ReadField, MapFault>, serde_json::Error> {
+    let mut shapes = Shapes::default();
+    let mut json = serde_json::Deserializer::from_str(text);
+    Member(&mut shapes).deserialize(&mut json)?;
+    json.end()?;
+    let left_out = shapes.left_out;
+    Ok(shapes.field(cell_m, most).map(|(frame, occupied)| (frame, occupied, left_out)))
+}
+
+/// Polygons as lists of rings, rings as lists of points.
+#[derive(Default)]
+struct Shapes {
+    points: Vec<DVec2>,
+    ring_ends: Vec<usize>,
+    polygon_ends: Vec<usize>,
+    /// The number of points and lines, of one or of several parts, which have no inside.
+    left_out: usize,
+    /// The name of the coordinate system, if the file gives one.
+    crs: Option<String>,
+}
+
+impl Shapes {
+    /// Draws the polygons on cells.
+    ///
+    /// # Errors
+    /// Fails if there is no polygon, if the field would have too many cells, or if the outlines are too fine for them.
+    fn field(mut self, cell_m: f64, most: u16) -> Result<(FieldFrame, Grid<bool>), MapFault> {
+        if self.points.is_empty() {
+            return Err(MapFault::NoPolygon);
+        }
+        if self.points.iter().any(|point| !point.is_finite()) {
+            return Err(MapFault::Coordinate);
+        }
+        self.project()?;
+        let (low, high) = self.bounds();
+        let size = ((high - low) / cell_m).ceil().max(DVec2::ONE);
+        if size.max_element() > f64::from(most) {
+            return Err(MapFault::TooWide { size: [high.x - low.x, high.y - low.y], cell_m, most });
+        }
+        let frame = FieldFrame { cols: size.x as u16, rows: size.y as u16, cell_m };
+        let mut occupied = Grid::filled(frame.rows.into(), frame.cols.into(), false);
+        // In cells from the south-west corner.
+        self.points.iter_mut().for_each(|point| *point = (*point - low) / cell_m);
+        self.fill(&mut occupied)?;
+        Ok((frame, occupied))
+    }
+
+    fn bounds(&self) -> (DVec2, DVec2) {
+        let all = |join: fn(DVec2, DVec2) -> DVec2| self.points.iter().copied().reduce(join).expect("there is a point");
+        (all(DVec2::min), all(DVec2::max))
+    }
+
+    /// Turns degrees into metres. Coordinates are degrees if the file names such a system, or none and they could be.
+    fn project(&mut self) -> Result<(), MapFault> {
+        let (low, high) = self.bounds();
+        let could_be = low.x >= -180.0 && high.x <= 180.0 && low.y >= -90.0 && high.y <= 90.0;
+        let are_degrees = match &self.crs {
+            Some(name) => DEGREES.iter().any(|known| name.ends_with(known)),
+            None => could_be,
+        };
+        if !are_degrees {
+            return Ok(());
+        }
+        if !could_be {
+            return Err(MapFault::Coordinate);
+        }
+        let middle = 0.5 * (low + high);
+        let scale = EARTH_RADIUS_M * DVec2::new(ops::cos(middle.y.to_radians()), 1.0);
+        self.points.iter_mut().for_each(|point| {
+            let apart = *point - middle;
+            *point = scale * DVec2::new(apart.x.to_radians(), apart.y.to_radians());
+        });
+        Ok(())
+    }
+
+    fn fill(&self, occupied: &mut Grid<bool>) -> Result<(), MapFault> {
+        let rows = occupied.rows();
+        // Rows whose middle line an edge crosses, the lower end included and the upper one not.
+        let crossed = |a: DVec2, b: DVec2| {
+            let row = |y: f64| (y - 0.5).ceil().clamp(0.0, rows as f64) as usize;
+            row(a.y.min(b.y))..row(a.y.max(b.y))
+        };
+        let all: usize = self.edges(0..self.ring_ends.len()).map(|(a, b)| crossed(a, b).len()).sum();
+        if all > MAX_CROSSINGS {
+            return Err(MapFault::TooFine { found: all, most: MAX_CROSSINGS });
+        }
+        let mut first_ring = 0;
+        for &end_ring in &self.polygon_ends {
+            let mut crossings: Vec<(usize, f64)> = Vec::new();
+            for (a, b) in self.edges(first_ring..end_ring) {
+                let slope = (b.x - a.x) / (b.y - a.y);
+                crossings.extend(crossed(a, b).map(|row| (row, a.x + slope * (row as f64 + 0.5 - a.y))));
+            }
+            crossings.sort_unstable_by(|one, other| one.0.cmp(&other.0).then(one.1.total_cmp(&other.1)));
+            for pair in crossings.chunks_exact(2) {
+                let [(row, from), (_, to)] = [pair[0], pair[1]];
+                let col = |x: f64| (x - 0.5).ceil().clamp(0.0, occupied.cols() as f64) as usize;
+                let (from, to) = (col(from), col(to));
+                occupied.row_mut(row)[from..to.max(from)].fill(true);
+            }
+            first_ring = end_ring;
+        }
+        Ok(())
+    }
+
+    /// The edges of rings, each of which its last point joins to its first.
+    fn edges(&self, rings: std::ops::Range<usize>) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
+        rings.flat_map(|ring| {
+            let start = ring.checked_sub(1).map_or(0, |before| self.ring_ends[before]);
+            let points = &self.points[start..self.ring_ends[ring]];
+            points.iter().zip(points.iter().cycle().skip(1)).map(|(&a, &b)| (a, b))
+        })
+    }
+}
+
+/// Reads an object of GeoJSON, or null, and adds its polygons.
+struct Member<'a>(&'a mut Shapes);
+
+impl<'de> DeserializeSeed<'de> for Member<'_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Member<'_> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("an object of GeoJSON")
+    }
+
+    fn visit_unit<E: Error>(self) -> Result<(), E> {
+        Ok(())
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
+        let shapes = self.0;
+        let before = (shapes.points.len(), shapes.ring_ends.len(), shapes.polygon_ends.len());
+        let (mut kind, mut level) = (String::new(), None);
+        while let Some(key) = map.next_key::<String>()? {
+            match key.as_str() {
+                "type" => kind = map.next_value()?,
+                "coordinates" => level = map.next_value_seed(Nest { shapes, depth: 0 })?.level(),
+                "geometry" => map.next_value_seed(Member(shapes))?,
+                "features" | "geometries" => map.next_value_seed(Members(shapes))?,
+                "crs" => shapes.crs = map.next_value::<Option<Crs>>()?.map(|crs| crs.properties.name),
+                _ => {
+                    map.next_value::<IgnoredAny>()?;
+                }
+            }
+        }
+        let expected = match kind.as_str() {
+            "Polygon" => POLYGON,
+            "MultiPolygon" => POLYGON + 1,
+            "FeatureCollection" | "Feature" | "GeometryCollection" => return Ok(()),
+            _ => {
+                shapes.left_out += usize::from(TYPES.contains(&kind.as_str()));
+                shapes.points.truncate(before.0);
+                shapes.ring_ends.truncate(before.1);
+                shapes.polygon_ends.truncate(before.2);
+                return Ok(());
+            }
+        };
+        if level.is_some_and(|level| level != expected) {
+            let lists = if kind == "Polygon" { "a list of rings" } else { "a list of polygons" };
+            return Err(A::Error::custom(format!("the coordinates of a {kind} are {lists}, each a list of points")));
+        }
+        Ok(())
+    }
+}
+
+#[derive(Deserialize)]
+struct Crs {
+    properties: CrsName,
+}
+
+#[derive(Deserialize)]
+struct CrsName {
+    name: String,
+}
+
+/// Reads a list of objects.
+struct Members<'a>(&'a mut Shapes);
+
+impl<'de> DeserializeSeed<'de> for Members<'_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        deserializer.deserialize_seq(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Members<'_> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a list of objects of GeoJSON")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
+        while seq.next_element_seed(Member(self.0))?.is_some() {}
+        Ok(())
+    }
+}
+
+/// How deep lists are nested: a point is a list of numbers, a ring one of points, a polygon one of rings.
+const POINT: usize = 1;
+const RING: usize = 2;
+const POLYGON: usize = 3;
+
+/// Reads coordinates, whose lists may be nested to any depth of these.
+struct Nest<'a> {
+    shapes: &'a mut Shapes,
+    depth: usize,
+}
+
+/// A number, or a list of lists so deep; `None` for an empty one, which is a list of anything.
+enum Nested {
+    Number(f64),
+    List(Option<usize>),
+}
+
+impl Nested {
+    fn level(self) -> Option<usize> {
+        match self {
+            Self::Number(_) => Some(0),
+            Self::List(level) => level,
+        }
+    }
+}
+
+impl<'de> DeserializeSeed<'de> for Nest<'_> {
+    type Value = Nested;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Nested, D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Nest<'_> {
+    type Value = Nested;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("coordinates: numbers in lists")
+    }
+
+    fn visit_f64<E: Error>(self, number: f64) -> Result<Nested, E> {
+        Ok(Nested::Number(number))
+    }
+
+    fn visit_i64<E: Error>(self, number: i64) -> Result<Nested, E> {
+        Ok(Nested::Number(number as f64))
+    }
+
+    fn visit_u64<E: Error>(self, number: u64) -> Result<Nested, E> {
+        Ok(Nested::Number(number as f64))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Nested, A::Error> {
+        let Self { shapes, depth } = self;
+        if depth > POLYGON {
+            return Err(A::Error::custom("coordinates are lists in lists, at most four deep"));
+        }
+        let (mut inner, mut numbers, mut count) = (None, DVec2::ZERO, 0);
+        while let Some(item) = seq.next_element_seed(Nest { shapes, depth: depth + 1 })? {
+            if let Nested::Number(number) = item
+                && count < 2
+            {
+                numbers[count] = number;
+            }
+            count += 1;
+            let level = item.level();
+            if level.is_some() && inner.is_some() && level != inner {
+                return Err(A::Error::custom("coordinates are lists in lists, all equally deep"));
+            }
+            inner = inner.or(level);
+        }
+        let Some(inner) = inner else { return Ok(Nested::List(None)) };
+        match inner + 1 {
+            POINT if count < 2 => return Err(A::Error::custom("a point has two coordinates, or three")),
+            POINT => shapes.points.push(numbers),
+            RING => shapes.ring_ends.push(shapes.points.len()),
+            POLYGON => shapes.polygon_ends.push(shapes.ring_ends.len()),
+            _ => {}
+        }
+        Ok(Nested::List(Some(inner + 1)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MOST: u16 = 4096;
+
+    fn rows(text: &str, cell_m: f64) -> Vec<String> {
+        let (_, occupied, _) = parse(text, cell_m, MOST).expect("GeoJSON").expect("a field");
+        let row = |row: usize| occupied.row(row).iter().map(|&cell| if cell { '#' } else { '.' }).collect();
+        (0..occupied.rows()).rev().map(row).collect()
+    }
+
+    fn metres(geometry: &str) -> String {
+        format!(
+            r#"{{"type": "Feature", "crs": {{"type": "name", "properties": {{"name": "urn:ogc:def:crs:EPSG::32632"}}}},
+            "properties": {{"type": "Polygon", "coordinates": [1]}}, "geometry": {geometry}}}"#
+        )
+    }
+
+    #[test]
+    fn cells_whose_centres_are_inside_are_bushes_and_holes_are_not() {
+        let ring = r#"{"coordinates": [[[0,0],[25,0],[25,25],[0,25],[0,0]], [[10,10],[15,10],[15,15],[10,15]]], "type": "Polygon"}"#;
+        assert_eq!(rows(&metres(ring), 5.0), ["#####", "#####", "##.##", "#####", "#####"]);
+        let triangle = r#"{"type": "Polygon", "coordinates": [[[100,0,7],[120,0,7],[100,20,7]]]}"#;
+        assert_eq!(rows(&metres(triangle), 5.0), ["....", "#...", "##..", "###."]);
+    }
+
+    #[test]
+    fn polygons_that_overlap_are_both_bushes_and_points_are_passed_over() {
+        let several = r#"{"type": "GeometryCollection", "geometries": [
+            {"type": "Point", "coordinates": [-900, 4]},
+            {"type": "LineString", "coordinates": [[-900, 4], [5, 6]]},
+            {"type": "MultiPolygon", "coordinates": [[[[0,0],[20,0],[20,10],[0,10]]], [[[10,0],[30,0],[30,10],[10,10]]]]},
+            {"type": "MultiPolygon", "coordinates": []}]}"#;
+        assert_eq!(rows(&metres(several), 10.0), ["###"]);
+        let (_, _, left_out) = parse(&metres(several), 10.0, MOST).expect("GeoJSON").expect("a field");
+        assert_eq!(left_out, 2);
+    }
+
+    #[test]
+    fn degrees_are_projected_about_their_middle() {
+        // 0.001 degrees of latitude are 111.195 m, of longitude at 60 degrees half as much.
+        let text = r#"{"type": "FeatureCollection", "features": [{"type": "Feature", "geometry": null}, {"type": "Feature",
+            "geometry": {"type": "Polygon", "coordinates": [[[10,59.9995],[10.001,59.9995],[10.001,60.0005],[10,60.0005]]]}}]}"#;
+        let (frame, occupied, left_out) = parse(text, 10.0, MOST).expect("GeoJSON").expect("a field");
+        assert_eq!(left_out, 0, "a feature without geometry is nothing");
+        assert_eq!((frame.cols, frame.rows), (6, 12));
+        assert_eq!(occupied.values().iter().filter(|&&cell| cell).count(), 6 * 11);
+    }
+
+    #[test]
+    fn what_is_no_field_is_refused() {
+        let fault = |text: &str| parse(text, 1.0, MOST).expect("GeoJSON").expect_err("no field");
+        assert_eq!(fault(r#"{"type": "Point", "coordinates": [1, 2]}"#), MapFault::NoPolygon);
+        assert_eq!(fault(r#"{"type": "FeatureCollection", "features": []}"#), MapFault::NoPolygon);
+        let wide = r#"{"type": "Polygon", "coordinates": [[[0,0],[9000,0],[0,10]]]}"#;
+        assert!(matches!(fault(wide), MapFault::TooWide { most: 4096, .. }));
+        for wrong in [
+            r#"{"type": "Polygon", "coordinates": [[1, 2], [3, 4]]}"#,
+            r#"{"type": "Polygon", "coordinates": [[[1], [3, 4]]]}"#,
+            r#"{"type": "Polygon", "coordinates": [[[1, 2], 3]]}"#,
+            r#"{"type": "Polygon", "coordinates": [[[[[1, 2]]]]]}"#,
+            r#"{"type": "Polygon", "coordinates": "here"}"#,
+            r#"{"type": "Polygon", "coordinates": []} 1"#,
+        ] {
+            assert!(parse(wrong, 1.0, MOST).is_err(), "{wrong}");
+        }
+        assert!(!is_geojson(r#"{"n": 3, "cells_cr": []}"#) && !is_geojson(r#"{"type": "map"}"#));
+    }
+}

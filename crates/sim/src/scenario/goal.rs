@@ -1,0 +1,119 @@
+//! Who chooses where agents go: names of policies, as scenarios write them.
+//!
+//! A built-in rule is of one kind of agents; any other name is that of a policy that the scenario has a table
+//! `[policy.NAME]` of.
+
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::{Deserialize, Serialize};
+
+use super::check::{Check, TablePath};
+use super::program::Programs;
+use wildfire_planning::PlannerName;
+
+/// Describes what the policy of this name chooses, and where that comes from.
+pub fn describe_choice(name: &PlannerName, policies: &Programs) -> String {
+    match policies.get(name) {
+        Some(program) if !program.command.is_empty() => format!(
+            "what the policy `{name}` chooses (a program that only runs where it is trusted: {})",
+            program.command.join(" ")
+        ),
+        _ => format!("what the policy `{name}` chooses, which is handed in by whoever runs the scenario,"),
+    }
+}
+
+macro_rules! goals {
+    ($(#[$doc:meta])* $Goal:ident; $($(#[$about:meta])* $Rule:ident, $name:literal;)+) => {
+        $(#[$doc])*
+        #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+        #[serde(from = "PlannerName", into = "String")]
+        pub enum $Goal {
+            $($(#[$about])* $Rule,)+
+            /// A policy that is not built in, by its name.
+            Policy(PlannerName),
+        }
+
+        impl $Goal {
+            /// The names of the built-in rules.
+            pub const BUILT_IN: [&'static str; [$($name),+].len()] = [$($name),+];
+
+            /// Returns the name that scenarios and tables write.
+            pub fn name(&self) -> &str {
+                match self {
+                    $(Self::$Rule => $name,)+
+                    Self::Policy(name) => name.name(),
+                }
+            }
+
+            /// Says whether a built-in rule has this name.
+            pub fn is_built_in(name: &str) -> bool {
+                Self::BUILT_IN.contains(&name)
+            }
+
+            /// Refuses the name of a policy that has no table.
+            pub(super) fn check(&self, table: &TablePath, policies: &Programs) -> Check {
+                let Self::Policy(name) = self else { return Ok(()) };
+                if policies.contains_key(name) {
+                    return Ok(());
+                }
+                let known = Self::BUILT_IN.into_iter().chain(policies.keys().map(PlannerName::name));
+                table.refuse_name("goal", "policy", name.name(), known.map(str::to_owned).collect())
+            }
+        }
+
+        impl From<PlannerName> for $Goal {
+            fn from(name: PlannerName) -> Self {
+                match name.name() {
+                    $($name => Self::$Rule,)+
+                    _ => Self::Policy(name),
+                }
+            }
+        }
+
+        impl From<$Goal> for String {
+            fn from(goal: $Goal) -> Self {
+                goal.name().to_owned()
+            }
+        }
+
+        impl JsonSchema for $Goal {
+            fn inline_schema() -> bool {
+                true
+            }
+
+            fn schema_name() -> Cow<'static, str> {
+                stringify!($Goal).into()
+            }
+
+            fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+                json_schema!({ "anyOf": [{ "enum": Self::BUILT_IN }, PlannerName::json_schema(generator)] })
+            }
+        }
+    };
+}
+
+goals! {
+    /// Chooses the burning cell that a truck goes for. Distances run from its body's centre to the cell's; ties go to the
+    /// lower cell index.
+    TruckGoal;
+    NearestBurning, "nearest-burning";
+    /// The fire that is nearest by drive, as the planner finds.
+    NearestByDrive, "nearest-by-drive";
+    /// The fire that has burned longest.
+    Oldest, "oldest";
+    /// The nearest fire of the largest group of burning cells that touch, sides or corners.
+    LargestCluster, "largest-cluster";
+}
+
+goals! {
+    /// Chooses the intact cell that a Wumpus goes for.
+    WumpusGoal;
+    RandomIntact, "random-intact";
+    NearestIntact, "nearest-intact";
+    FarthestFromTruck, "farthest-from-truck";
+    /// The cell with most to burn in reach of its fire, per metre of way.
+    Densest, "densest";
+    /// The same, kept apart from other Wumpuses, their goals and trucks.
+    DensestApart, "densest-apart";
+}

@@ -1,0 +1,249 @@
+//! The ground and the weather of a scenario in sentences, for `wildfire check`: what grows, how steep it is, how fast it
+//! would burn, and what looks odd.
+
+use super::field::percent;
+use super::weather::describe_wind;
+use super::{FireModelName, LandscapeSettings, Scenario, Terrain};
+use wildfire_base::geometry::{DVec2, ops};
+use wildfire_fire::fuel::FuelModel;
+use wildfire_fire::surface::{
+    FuelBed, FuelMoisture, SurfaceFire, SurfaceOptions, twenty_foot_wind, unsheltered_adjustment,
+};
+use wildfire_fire::{Landscape, Relief, Weather};
+
+/// Fuels that are described one by one; the rest is summed up.
+const SHOWN_FUELS: usize = 6;
+
+/// Fuels whose fire is described.
+const SHOWN_FIRES: usize = 4;
+
+/// Changes of the weather that are listed.
+const SHOWN_CHANGES: usize = 6;
+
+/// The steepest ground that a landscape has more than a few cells of, degrees.
+const STEEP_DEG: f64 = 50.0;
+
+/// A fuel that covers less of the field than this is not worth a warning.
+const RARE: f64 = 0.01;
+
+/// A fuel and the cells that it covers.
+struct FuelShare {
+    model: &'static FuelModel,
+    cells: usize,
+}
+
+/// Counts the cells of each fuel, the most common one first.
+fn fuel_shares(landscape: &Landscape) -> Vec<FuelShare> {
+    let mut counts = [0_usize; 256];
+    landscape.fuel.iter().for_each(|&number| counts[usize::from(number)] += 1);
+    let known =
+        |(number, &cells): (usize, &usize)| Some(FuelShare { model: FuelModel::by_number(number as u8)?, cells });
+    let mut shares: Vec<_> = counts.iter().enumerate().filter_map(known).filter(|share| share.cells > 0).collect();
+    shares.sort_by_key(|share| (std::cmp::Reverse(share.cells), share.model.number));
+    shares
+}
+
+/// Describes what the landscape of a field is: fuels by their share, slopes, what blocks the way, where it is.
+pub fn describe_ground(scenario: &Scenario, terrain: &Terrain) -> Vec<String> {
+    let Some(landscape) = &terrain.landscape else { return Vec::new() };
+    let cells = landscape.fuel.len() as f64;
+    let shares = fuel_shares(landscape);
+    let mut listed: Vec<String> = shares
+        .iter()
+        .take(SHOWN_FUELS)
+        .map(|FuelShare { model, cells: own }| {
+            let burns = if model.burns() { "" } else { ", does not burn" };
+            format!("{} ({}{burns}) {} %", model.code, model.name, percent(*own as f64 / cells))
+        })
+        .collect();
+    if shares.len() > SHOWN_FUELS {
+        let rest: usize = shares[SHOWN_FUELS..].iter().map(|share| share.cells).sum();
+        listed.push(format!("{} others {} %", shares.len() - SHOWN_FUELS, percent(rest as f64 / cells)));
+    }
+    let empty = landscape.fuel.iter().filter(|&&number| number == 0).count();
+    if empty > 0 {
+        listed.push(format!("nothing {} %", percent(empty as f64 / cells)));
+    }
+    let mut lines = vec![format!("Fuels by their share: {}.", listed.join(", ")), describe_relief(landscape)];
+    let blocked = terrain.blocked.len();
+    if blocked > 0 {
+        let usual = LandscapeSettings::default();
+        let blocks = &scenario.landscape.as_ref().unwrap_or(&usual).blocks;
+        let codes: Vec<String> = blocks.iter().map(ToString::to_string).collect();
+        let share = percent(blocked as f64 / cells);
+        lines.push(format!(
+            "{blocked} cells, {share} %, hold {}: trucks and Wumpuses cannot cross them.",
+            codes.join(" or ")
+        ));
+    }
+    if let Some(layers) = scenario.layers().filter(|layers| layers.gives() != (false, false)) {
+        let system = if layers.crs.is_some() { "the coordinate system of its files" } else { "metres" };
+        lines.push(format!("Its south-west corner is at ({}, {}) in {system}.", layers.west_m, layers.south_m));
+    }
+    lines
+}
+
+fn slope_deg(landscape: &Landscape, index: usize) -> f64 {
+    ops::atan(landscape.gradient(landscape.frame.cell(index)).length()).to_degrees()
+}
+
+fn describe_relief(landscape: &Landscape) -> String {
+    let tenths = |number: f64| (10.0 * number).round() / 10.0;
+    let heights = match &landscape.relief {
+        Relief::Plane(gradient) if *gradient == DVec2::ZERO => return "The ground is level.".into(),
+        Relief::Plane(gradient) => {
+            let toward = ops::atan2(gradient.y, gradient.x).to_degrees().round() + 0.0;
+            let slope = tenths(ops::atan(gradient.length()).to_degrees());
+            return format!("The ground is a plane that rises by {slope} degrees toward {toward} deg.");
+        }
+        Relief::Elevation(heights) => {
+            let (least, most) =
+                heights.iter().fold((f32::MAX, f32::MIN), |(l, m), &height| (l.min(height), m.max(height)));
+            format!("Elevations from {} to {} m; slopes", tenths(least.into()), tenths(most.into()))
+        }
+        Relief::Gradient(_) => "Slopes".into(),
+    };
+    let count = landscape.fuel.len();
+    let (mut most, mut sum) = (0.0_f64, 0.0);
+    for index in 0..count {
+        let slope = slope_deg(landscape, index);
+        most = most.max(slope);
+        sum += slope;
+    }
+    format!("{heights} up to {} degrees, {} on average.", tenths(most), tenths(sum / count as f64))
+}
+
+/// Describes the weather of a scenario, wind in both conventions.
+pub fn describe_weather(scenario: &Scenario) -> Vec<String> {
+    let mut lines: Vec<String> = scenario
+        .wind
+        .iter()
+        .take(SHOWN_CHANGES)
+        .map(|change| format!("From {} s: {}.", change.at_s, describe_wind(change.speed_mps, change.toward_deg)))
+        .collect();
+    if scenario.wind.len() > SHOWN_CHANGES {
+        lines.push(format!("{} more changes of the wind follow.", scenario.wind.len() - SHOWN_CHANGES));
+    }
+    if scenario.wind.first().is_none_or(|change| change.at_s > 0.0) {
+        lines.insert(0, "From 0 s: calm.".into());
+    }
+    if let Some(settings) = &scenario.fire.rothermel {
+        lines.push(format!("Moisture: {}.", describe_moisture(&settings.moisture)));
+    }
+    let Some(settings) = &scenario.weather else { return lines };
+    for change in settings.moisture.iter().take(SHOWN_CHANGES) {
+        let moisture =
+            FuelMoisture { d1: change.d1, d10: change.d10, d100: change.d100, herb: change.herb, woody: change.woody };
+        lines.push(format!("Moisture from {} s: {}.", change.at_s, describe_moisture(&moisture)));
+    }
+    if !settings.rows.is_empty() {
+        lines.push(format!(
+            "Each run draws one of {} rows of weather instead, the same for a seed.",
+            settings.rows.len()
+        ));
+    } else if settings.is_uncertain() {
+        lines.push(format!(
+            "Each run draws its own, the same for a seed: speeds with a deviation of {} m/s, directions of {} deg, dead \
+             moistures of {} %.",
+            settings.speed_sd_mps,
+            settings.toward_sd_deg,
+            percent(settings.moisture_sd)
+        ));
+    }
+    lines
+}
+
+fn describe_moisture(moisture: &FuelMoisture) -> String {
+    let FuelMoisture { d1, d10, d100, herb, woody } = *moisture;
+    let [d1, d10, d100, herb, woody] = [d1, d10, d100, herb, woody].map(percent);
+    format!("dead fuel {d1}, {d10}, {d100} % (1, 10, 100 h), live herbs {herb} %, live wood {woody} %")
+}
+
+/// The fire of a fuel on level ground in one interval of the weather.
+fn fire_of(model: &'static FuelModel, weather: &Weather, interval: usize, options: &SurfaceOptions) -> SurfaceFire {
+    let interval = &weather.intervals()[interval];
+    let bed = FuelBed::new(model, &interval.moisture, options.curing);
+    let speed = interval.wind_mps.length();
+    let adjusted =
+        if speed > 0.0 { twenty_foot_wind(speed) / speed * unsheltered_adjustment(model.depth_ft) } else { 0.0 };
+    bed.behavior(interval.wind_mps * adjusted, DVec2::ZERO, options)
+}
+
+/// Describes how fast the main fuels burn on level ground in the first weather of a run.
+pub fn describe_fires(scenario: &Scenario, terrain: &Terrain, weather: &Weather) -> Vec<String> {
+    let Some((landscape, settings)) = terrain.landscape.as_ref().zip(scenario.fire.rothermel.as_ref()) else {
+        return Vec::new();
+    };
+    if scenario.fire.model != FireModelName::Rothermel {
+        return Vec::new();
+    }
+    let options = settings.options();
+    let digits = |number: f64| if number < 9.95 { format!("{number:.1}") } else { format!("{number:.0}") };
+    let burning = fuel_shares(landscape).into_iter().filter(|share| share.model.burns());
+    let line = |share: FuelShare| {
+        let fire = fire_of(share.model, weather, 0, &options);
+        if fire.rate_mps == 0.0 {
+            return format!("{}: does not burn, it is too moist.", share.model.code);
+        }
+        let intensity = fire.intensity_kw_m(fire.rate_mps);
+        format!(
+            "{}: its head goes {} m/min with flames of {} m ({intensity:.0} kW/m), its back {} m/min.",
+            share.model.code,
+            digits(60.0 * fire.rate_mps),
+            digits(wildfire_fire::surface::flame_length_m(intensity)),
+            digits(60.0 * fire.back_rate_mps())
+        )
+    };
+    burning.take(SHOWN_FIRES).map(line).collect()
+}
+
+/// Adds warnings about a ground and its weather.
+pub fn warn_of_ground(scenario: &Scenario, terrain: &Terrain, weather: &Weather, found: &mut Vec<String>) {
+    let Some(landscape) = &terrain.landscape else { return };
+    let cells = landscape.fuel.len();
+    if let Some(settings) = &scenario.fire.rothermel
+        && scenario.fire.model == FireModelName::Rothermel
+    {
+        warn_of_moisture(landscape, weather, &settings.options(), found);
+    }
+    let steep = (0..cells).filter(|&index| slope_deg(landscape, index) > STEEP_DEG).count();
+    if steep as f64 > RARE * cells as f64 {
+        let share = percent(steep as f64 / cells as f64);
+        found.push(format!(
+            "{share} % of the cells are steeper than {STEEP_DEG} degrees: elevations may be in feet, or slopes in percent."
+        ));
+    }
+    let burning = landscape.fuel.iter().filter(|&&number| FuelModel::by_number(number).is_some_and(FuelModel::burns));
+    let between = burning.count().saturating_sub(terrain.bushes.len());
+    if between == 0 {
+        found.push("Nothing burns between the bushes: fire spreads among those that touch each other only.".into());
+    }
+    let Some(features) = &scenario.landscape else { return };
+    let cell_m = landscape.frame.cell_m;
+    let narrow_roads = features.roads.iter().filter(|road| road.width_m < cell_m).count();
+    if narrow_roads > 0 {
+        let roads = if narrow_roads == 1 { "A road is".to_owned() } else { format!("{narrow_roads} roads are") };
+        found.push(format!(
+            "{roads} narrower than a cell of {cell_m} m, and drawn a cell wide: less cannot be expressed."
+        ));
+    }
+    if features.river.as_ref().is_some_and(|river| river.width_m < cell_m) {
+        found.push(format!("The river is narrower than a cell of {cell_m} m, and drawn a cell wide."));
+    }
+}
+
+/// Adds a warning for each fuel that is too moist to burn, and since when.
+fn warn_of_moisture(landscape: &Landscape, weather: &Weather, options: &SurfaceOptions, found: &mut Vec<String>) {
+    let burning = fuel_shares(landscape).into_iter().filter(|share| share.model.burns());
+    for share in burning.filter(|share| share.cells as f64 > RARE * landscape.fuel.len() as f64) {
+        let intervals = weather.intervals();
+        let moist = (0..intervals.len()).find(|&at| fire_of(share.model, weather, at, options).rate_mps == 0.0);
+        if let Some(at) = moist {
+            let since = intervals[at].from.as_seconds();
+            let code = share.model.code;
+            found.push(format!(
+                "{code} does not burn from {since} s on: its moisture is above that of extinction, and fire in it goes out."
+            ));
+        }
+    }
+}

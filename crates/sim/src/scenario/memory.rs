@@ -1,0 +1,297 @@
+//! The memory that a run takes, estimated from its scenario alone, and the memory that it may take.
+//!
+//! What a run needs in any case is added up before anything is allocated: [`MemoryEstimate`]. The bound of each part is
+//! beside the code that takes the memory. Searches, floods, curves and the timeline grow as the run goes on, in most
+//! runs far less than they could; they are counted as they do, by a [`MemoryMeter`] that allows what the limit leaves.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::agents::{AgentList, AgentsMemory, FieldMeasures, MemoryPart};
+use super::{PlannerName, Problem, Scenario, Unimog, landscape};
+use wildfire_base::geometry::Cell;
+use wildfire_fire::FireField;
+use wildfire_planning::collision::ClearanceField;
+use wildfire_planning::count_convex_corners;
+use wildfire_planning::memory::{Growing, MemoryMeter};
+
+/// Bytes that the program takes before it runs anything, and that small things take in every run.
+const PROGRAM_BYTES: u64 = 24_000_000;
+
+/// The most convex corners of a tetromino.
+const CORNERS_OF_A_PIECE: u64 = 6;
+
+/// The limit of the memory that a run may take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct MemoryLimit {
+    pub bytes: u64,
+}
+
+impl Default for MemoryLimit {
+    fn default() -> Self {
+        Self { bytes: 2_000_000_000 }
+    }
+}
+
+impl fmt::Display for MemoryLimit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&bytes_text(self.bytes))
+    }
+}
+
+/// Units of sizes and their bytes, without the `B` at their end.
+const UNITS: [(&str, u64); 8] = [
+    ("k", 1000),
+    ("m", 1_000_000),
+    ("g", 1_000_000_000),
+    ("t", 1_000_000_000_000),
+    ("ki", 1 << 10),
+    ("mi", 1 << 20),
+    ("gi", 1 << 30),
+    ("ti", 1 << 40),
+];
+
+impl FromStr for MemoryLimit {
+    type Err = String;
+
+    /// Reads a number and its unit, such as `2GB`, `1.5 GiB` or `4G`, which is 4 GB.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = || "expected a size with its unit, from 1MB to 1000TB, such as 2GB, 512MiB or 4G".to_owned();
+        let end = text.find(|letter: char| !letter.is_ascii_digit() && letter != '.').unwrap_or(text.len());
+        let (number, unit) = text.split_at(end);
+        let unit = unit.trim_start().to_ascii_lowercase();
+        let unit = unit.strip_suffix('b').unwrap_or(&unit);
+        let bytes_of_one =
+            UNITS.iter().find(|(name, _)| *name == unit).map(|&(_, bytes)| bytes).ok_or_else(expected)?;
+        let number = number.parse::<f64>().map_err(|_| expected())?;
+        let bytes = number * bytes_of_one as f64;
+        if (1e6..=1e15).contains(&bytes) { Ok(Self { bytes: bytes as u64 }) } else { Err(expected()) }
+    }
+}
+
+/// Writes a number of bytes for people: three digits and a unit.
+pub fn bytes_text(bytes: u64) -> String {
+    let (divisor, unit) = match bytes {
+        0..1_000 => return format!("{bytes} B"),
+        1_000..999_500 => (1e3, "kB"),
+        999_500..999_500_000 => (1e6, "MB"),
+        999_500_000..999_500_000_000 => (1e9, "GB"),
+        _ => (1e12, "TB"),
+    };
+    let number = bytes as f64 / divisor;
+    let digits = if number < 9.995 { 2 } else { usize::from(number < 99.95) };
+    let text = format!("{number:.digits$}");
+    let short = if digits > 0 { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    format!("{short} {unit}")
+}
+
+/// An upper bound of the memory that a run takes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MemoryEstimate {
+    /// The memory that it needs in any case.
+    pub parts: Vec<MemoryPart>,
+    /// Bytes of the parts that grow and are counted as they do: floods of trucks that plan by nothing else.
+    counted: u64,
+    /// Bytes that searches, floods and curves can add in the worst case; the timeline comes on top of it.
+    pub grows: u64,
+}
+
+/// The reason why a run does not take place or ends early: memory.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum MemoryExceeded {
+    #[error(
+        "it would take up to {} of memory, {} of that for {}; the limit is {limit}, and --memory sets another",
+        bytes_text(*.needed), bytes_text(.largest.bytes), .largest.name
+    )]
+    Needed { needed: u64, largest: MemoryPart, limit: MemoryLimit },
+    #[error(
+        "it came to the limit of memory, {limit}: beside {} that it needs in any case, {} are held for {kind}; --memory sets \
+         another limit",
+        bytes_text(*.needed), bytes_text(*.bytes)
+    )]
+    Grown { needed: u64, kind: Growing, bytes: u64, limit: MemoryLimit },
+}
+
+impl MemoryEstimate {
+    /// Adds up what a run of a scenario that was checked takes.
+    pub fn new(scenario: &Scenario) -> Self {
+        let frame = scenario.field.frame();
+        let (bushes, corners) = match &scenario.field.given {
+            Some(given) => {
+                let bushes = given.occupied.values().iter().filter(|&&occupied| occupied).count();
+                (bushes as u64, count_convex_corners(&given.occupied))
+            }
+            None => {
+                let pieces = u64::from(scenario.field.wanted_pieces());
+                (4 * pieces, CORNERS_OF_A_PIECE * pieces)
+            }
+        };
+        let field = FieldMeasures { frame, bushes, corners };
+        let [terrain, laying] = field.terrain();
+        let ground = landscape::most_bytes(scenario, &frame);
+        let burns = if ground > 0 { frame.cell_count() as u64 } else { bushes };
+        let fires = FireField::most_bytes(&frame, burns) + scenario.fire.most_bytes(&frame, burns) + ground;
+        let own = [("the program", PROGRAM_BYTES), ("the field and its fires", terrain + fires)];
+        let agents = scenario.kinds().map(|agents| agents.memory(&field, scenario.duration_s));
+        Self::add_up(own, laying, agents)
+    }
+
+    /// Adds up what planning the drives of a problem takes, by these planners one after the other.
+    pub fn from_problem(problem: &Problem, planners: &[PlannerName]) -> Self {
+        let terrain = &problem.terrain;
+        let (bushes, corners) = (terrain.bushes.len() as u64, count_convex_corners(&terrain.occupied));
+        let field = FieldMeasures { frame: terrain.frame, bushes, corners };
+        let [held, laying] = field.terrain();
+        let own = [("the program", PROGRAM_BYTES), ("the field", held)];
+        let by_planner = planners.iter().map(|planner| {
+            let truck = Unimog { planner: planner.clone(), ..problem.truck.clone() };
+            Self::add_up(own, laying, [vec![truck].memory(&field, 0.0)])
+        });
+        by_planner.max_by_key(Self::needed).unwrap_or_else(|| Self::add_up(own, laying, []))
+    }
+
+    /// Adds up the parts that belong to no agent, and those of agents. `laying` is needed for a while before agents are
+    /// made.
+    fn add_up(own: [(&str, u64); 2], laying: u64, agents: impl IntoIterator<Item = AgentsMemory>) -> Self {
+        let mut parts = own.map(|(name, bytes)| MemoryPart::new(name, bytes)).to_vec();
+        let (mut making, mut counted, mut grows) = (laying, 0, 0);
+        for of_kind in agents {
+            parts.extend(of_kind.parts);
+            making = making.max(of_kind.making);
+            counted += of_kind.counted;
+            grows += of_kind.grows;
+        }
+        parts.push(MemoryPart::new("what is only needed while field and planners are made", making));
+        parts.retain(|part| part.bytes > 0);
+        Self { parts, counted, grows }
+    }
+
+    /// Adds up the bytes that the run needs in any case, at most.
+    pub fn needed(&self) -> u64 {
+        self.parts.iter().map(|part| part.bytes).sum()
+    }
+
+    /// Creates a meter for what grows, which allows what is left of the limit.
+    ///
+    /// # Errors
+    /// Fails if not even what the run needs in any case is within the limit.
+    pub fn meter(&self, limit: MemoryLimit) -> Result<MemoryMeter, MemoryExceeded> {
+        let needed = self.needed();
+        if needed <= limit.bytes {
+            return Ok(MemoryMeter::new(limit.bytes - (needed - self.counted)));
+        }
+        let largest = self.parts.iter().max_by_key(|part| part.bytes).expect("the program is a part");
+        Err(MemoryExceeded::Needed { needed, largest: largest.clone(), limit })
+    }
+
+    /// Returns the error of a run in which a meter of this estimate has refused memory.
+    pub fn overrun(&self, meter: &MemoryMeter, limit: MemoryLimit) -> Option<MemoryExceeded> {
+        let needed = self.needed() - self.counted;
+        meter.overrun().map(|(kind, bytes)| MemoryExceeded::Grown { needed, kind, bytes, limit })
+    }
+}
+
+impl FieldMeasures {
+    /// Returns the bytes of bushes and clearance, and the bytes on top of that while they are computed.
+    fn terrain(&self) -> [u64; 2] {
+        let [clearance, working_out] = ClearanceField::bytes(&self.frame);
+        let cells = self.frame.cell_count() as u64;
+        // Bushes are in the terrain, in the timeline, and in the order in which ignitions light them.
+        let held = cells * size_of::<bool>() as u64 + 3 * self.bushes * size_of::<Cell>() as u64;
+        // While pieces are laid: which cells are closed, beside those that are occupied.
+        [held + clearance, working_out.max(2 * cells)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::{BUILT_IN, TruckPlannerKind, load};
+
+    fn estimate(source: &str, changes: &[&str]) -> MemoryEstimate {
+        let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
+        MemoryEstimate::new(&load(source, &changes).expect("this scenario is right"))
+    }
+
+    #[test]
+    fn sizes_have_units_of_thousands_or_of_1024() {
+        let bytes = |text: &str| text.parse::<MemoryLimit>().map(|limit| limit.bytes);
+        for (text, expected) in [
+            ("2GB", 2_000_000_000),
+            ("4G", 4_000_000_000),
+            ("1.5 gb", 1_500_000_000),
+            ("512MiB", 512 << 20),
+            ("4Gi", 4 << 30),
+            ("1000kB", 1_000_000),
+            ("2TiB", 2 << 40),
+        ] {
+            assert_eq!(bytes(text), Ok(expected), "{text}");
+        }
+        for text in [
+            "", "2", "GB", "2XB", "-2GB", "+2GB", "2,5GB", "1..5GB", "0GB", "999kB", "2000TB", "1e3MB", "2GBB", "nanGB",
+        ] {
+            assert!(bytes(text).expect_err(text).contains("such as 2GB, 512MiB or 4G"), "{text}");
+        }
+    }
+
+    #[test]
+    fn bytes_are_written_with_three_digits() {
+        for (bytes, text) in [
+            (0, "0 B"),
+            (999, "999 B"),
+            (1_000, "1 kB"),
+            (999_499, "999 kB"),
+            (999_500, "1 MB"),
+            (12_345_678, "12.3 MB"),
+            (2_000_000_000, "2 GB"),
+            (1 << 30, "1.07 GB"),
+            (3_200_000_000_000, "3.2 TB"),
+        ] {
+            assert_eq!(bytes_text(bytes), text);
+        }
+    }
+
+    #[test]
+    fn built_in_scenarios_stay_far_below_the_limit() {
+        for (name, _) in BUILT_IN {
+            let estimate = estimate(name, &[]);
+            let most = match *name {
+                // Four trucks on 40,000 cells of ground; twenty trucks on 160,000.
+                "landscape" | "brigade" => 120_000_000,
+                // Four million cells.
+                "county" => 600_000_000,
+                _ => 60_000_000,
+            };
+            assert!(estimate.needed() < most, "{name}: {estimate:?}");
+            assert!(estimate.meter(MemoryLimit::default()).is_ok(), "{name}");
+        }
+    }
+
+    #[test]
+    fn every_planners_own_settings_count_and_no_others() {
+        let of =
+            |planner: &str, change: &str| estimate("contest", &[&format!("unimog.planner={planner}"), change]).needed();
+        let plain = |planner: &str| of(planner, "unimog.speed_mps=8");
+        for (change, planner) in
+            [("unimog.prm_rs.samples=100000", "prm-rs"), ("unimog.prm.samples=100000", "prm+primitives")]
+        {
+            for kind in TruckPlannerKind::ALL {
+                let grows = of(kind.name(), change) > plain(kind.name()) + 10_000_000;
+                assert_eq!(grows, kind.name() == planner, "{change} for {kind}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_exceeds_the_limit_is_refused_with_its_largest_part() {
+        let estimate = estimate("contest", &["unimog.prm_rs.samples=100000", "unimog.prm_rs.neighbours=100"]);
+        let tight = MemoryLimit { bytes: estimate.needed() - 1 };
+        let refusal = estimate.meter(tight).expect_err("a byte is missing").to_string();
+        assert!(refusal.contains("for the planner of a truck (prm-rs)"), "{refusal}");
+        assert!(estimate.meter(MemoryLimit { bytes: estimate.needed() }).is_ok());
+    }
+}

@@ -1,0 +1,290 @@
+//! Scenarios, which users write: field, fire, agents, score; with defaults, checks and terrain generation.
+//!
+//! [`load`] turns a name or a path into a [`Scenario`] that is complete and checked: it reads the TOML text, makes the
+//! changes of the command line, fills in the defaults, reads the map if the field is given, and refuses what cannot be
+//! simulated, with the place of the fault. [`Terrain::from_scenario`] gives the field of a run, [`explain()`] puts a
+//! scenario into sentences.
+//!
+//! Each kind of agent, and the rules of fire, have a file with everything that a scenario says about them; what it says
+//! about planners is beside the planners, in [`wildfire_planning::registry`].
+//!
+//! Every default is the value of the built-in scenario `contest-1`. Lengths are metres, times seconds, in the world
+//! frame of [`wildfire_base::geometry`]. The format is described in `scenarios/README.md`.
+
+mod agents;
+mod alexandridis;
+mod built_in;
+mod change;
+mod check;
+mod copies;
+mod dispatch;
+mod error;
+mod explain;
+mod features;
+mod field;
+mod fire;
+mod fuel_image;
+mod fuel_name;
+mod geojson;
+mod given;
+mod goal;
+mod ground_report;
+mod json_location;
+mod landscape;
+mod layers;
+mod load;
+mod memory;
+mod path;
+mod problem;
+mod program;
+mod rothermel;
+mod rules;
+mod source;
+mod starts;
+mod terrain;
+mod tetromino;
+mod traffic;
+mod truck_starts;
+mod unimog;
+mod warnings;
+mod water;
+mod weather;
+mod weather_csv;
+mod wind;
+mod wording;
+mod wumpus;
+
+pub use agents::MemoryPart;
+pub use alexandridis::AlexandridisSettings;
+pub use built_in::BUILT_IN;
+pub use dispatch::{Dispatch, DispatchPolicy, IdleRule, Sight, SightOfField};
+pub use error::{Fault, MapFault, ScenarioError, SourceLocation, nearest_name};
+pub use explain::explain;
+pub use features::{Hill, Patches, River, Road, Runs};
+pub use field::{Field, MAX_COVERAGE, MapTolerance, Overlaps};
+pub use fire::{Fire, FireModelName, SpreadFrom};
+pub use fuel_name::FuelName;
+pub use given::{GivenField, MAX_CELLS_A_SIDE, MapError};
+pub use goal::{TruckGoal, WumpusGoal};
+pub use landscape::LandscapeSettings;
+pub use layers::{GivenLayers, LayerKind, LayerReader, Weights};
+pub use load::{LoadedScenario, load};
+pub use memory::{MemoryEstimate, MemoryExceeded, MemoryLimit, bytes_text};
+pub use path::{FieldPath, PathStep};
+pub use problem::{MAX_GOALS, Problem};
+pub use program::{Program, Programs, UsedProgram};
+pub use rothermel::RothermelSettings;
+pub use rules::{Extinguishes, Ignition, IgnitionCells, IgnitionDensity, Score, Suppression};
+pub use source::{MAX_MAP_BYTES, MAX_SCENARIO_BYTES, ScenarioText, can_be_read_again, first_too_deep, toml_value};
+pub use terrain::{Terrain, TerrainError};
+pub use tetromino::Shape;
+pub use traffic::{Detours, TrafficRules};
+pub use truck_starts::{TRUCK_MARGIN_M, free_start};
+pub use unimog::{Limits, PlannerContext, Rescue, Retarget, StartPose, Unimog};
+pub use warnings::{doubts_of_map, warnings_of_map};
+pub use water::{Water, WaterPlace};
+pub use weather::{MoistureChange, WeatherSettings, weather};
+pub use weather_csv::WeatherSample;
+pub use wind::WindChange;
+pub use wumpus::{Escape, StepCost, StepTime, Wumpus, WumpusHeuristic, WumpusPlanner, WumpusPotential};
+
+use std::path::PathBuf;
+
+use agents::AgentList;
+use check::{Check, TablePath, check_name};
+use program::check_programs;
+use rules::check_ignitions;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use weather::check_wind;
+
+use wildfire_base::geometry::DVec2;
+use wildfire_base::input_file::list_of_at_most;
+use wildfire_base::ranges::number_text;
+pub use wildfire_planning::{
+    ClearanceTo, HybridSettings, LatticeSettings, MotionCost, PlannerName, PrimitiveSettings, PrmRsSettings,
+    PrmSettings, RoadmapGoal, RoadmapSearch, SafetyForm, SafetyMap, SafetySettings, TruckPlannerKind,
+};
+
+/// The most agents of a kind.
+const MAX_AGENTS: usize = 1000;
+
+/// The most stops of all trucks in a run in which a cell can burn again and again; each adds to the timeline.
+const MAX_STOPS: f64 = 1e6;
+
+/// Builds the JSON Schema of scenario files.
+pub fn schema() -> schemars::Schema {
+    let mut schema = schemars::schema_for!(Scenario);
+    // Files may say how many agents an entry is; once they are loaded each agent has an entry.
+    for (kind, agent) in [("Wumpus", "Wumpuses"), ("Unimog", "trucks")] {
+        let count = schemars::json_schema!({
+            "description": format!("The number of {agent} that the entry is. The first starts where it says, the others \
+                                    at places that are drawn, the same in every run."),
+            "type": "integer",
+            "minimum": 0,
+            "maximum": copies::MOST_COPIES,
+            "default": 1,
+        });
+        let properties = schema.pointer_mut(&format!("/$defs/{kind}/properties"));
+        let properties = properties.and_then(serde_json::Value::as_object_mut).expect("agents are tables");
+        properties.insert("count".into(), count.to_value());
+    }
+    schema
+}
+
+/// A contest: where, under which rules, between whom, for how long.
+///
+/// The limits on lists here only keep other files from filling the memory; [`Self::check`] sets lower ones.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Scenario {
+    /// What tables call the scenario.
+    #[serde(default)]
+    pub name: String,
+    /// When a run ends, at the latest.
+    #[serde(default = "defaults::duration_s")]
+    pub duration_s: f64,
+    /// The field and its bushes.
+    #[serde(default)]
+    pub field: Field,
+    /// How fire behaves.
+    #[serde(default)]
+    pub fire: Fire,
+    /// How trucks put fires out.
+    #[serde(default)]
+    pub suppression: Suppression,
+    /// Points for both sides.
+    #[serde(default)]
+    pub score: Score,
+    /// The arsonists.
+    #[serde(deserialize_with = "list_of_at_most::<2_000, _, _>")]
+    pub wumpus: Vec<Wumpus>,
+    /// The fire trucks.
+    #[serde(deserialize_with = "list_of_at_most::<2_000, _, _>")]
+    pub unimog: Vec<Unimog>,
+    /// How the trucks are sent to fires, all together; without it each follows its `goal`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dispatch: Option<Dispatch>,
+    /// What a dispatched team sees; without it everything but the Wumpuses.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sight: Option<Sight>,
+    /// What trucks do about others that are in their way.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub traffic: Option<TrafficRules>,
+    /// The tanks of trucks; without it water does not matter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub water: Option<Water>,
+    /// Bushes that catch fire by themselves.
+    #[serde(default, deserialize_with = "list_of_at_most::<100_000, _, _>")]
+    pub ignition: Vec<Ignition>,
+    /// Changes of the wind, in order of time; before the first one the air is calm.
+    #[serde(default, deserialize_with = "list_of_at_most::<100_000, _, _>", skip_serializing_if = "Vec::is_empty")]
+    pub wind: Vec<WindChange>,
+    /// Changes of the wind in a CSV file, `t_s,speed_mps,from_deg` with compass azimuths, instead of `[[wind]]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wind_file: Option<PathBuf>,
+    /// Moisture in the course of a run, and how uncertain the weather is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub weather: Option<WeatherSettings>,
+    /// A landscape that is drawn or generated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub landscape: Option<LandscapeSettings>,
+    /// Planners that are not built in, by their names.
+    #[serde(default, skip_serializing_if = "Programs::is_empty")]
+    pub planner: Programs,
+    /// Policies that are not built in, by their names.
+    #[serde(default, skip_serializing_if = "Programs::is_empty")]
+    pub policy: Programs,
+}
+
+impl Scenario {
+    /// Checks a scenario that does not come from [`load`] as that would: ranges that bound time, bodies that are
+    /// possible, starts inside the field. Memory is bounded by [`MemoryEstimate`].
+    ///
+    /// # Errors
+    /// Returns the first value that is refused.
+    pub fn check(&self) -> Result<(), Fault> {
+        self.check_values().map_err(|refusal| refusal.fault())
+    }
+
+    /// Checks every value that serde cannot; `scenarios/README.md` documents the limits.
+    fn check_values(&self) -> Check {
+        check_name("name", &self.name)?;
+        let top = TablePath::named("");
+        top.number("duration_s", self.duration_s, 0.001..=1e6)?;
+        self.field.check(&top.inner("field"))?;
+        let frame = self.field.frame();
+        self.fire.check_tables(&top.inner("fire"), &frame)?;
+        check_wind(&self.wind)?;
+        self.weather.as_ref().map_or(Ok(()), |weather| weather.check(&top.inner("weather"), &frame))?;
+        self.landscape.as_ref().map_or(Ok(()), |landscape| landscape.check(&top.inner("landscape"), &frame))?;
+        top.inner("suppression").settings(&self.suppression, &frame)?;
+        self.check_stops()?;
+        top.inner("score").settings(&self.score, &frame)?;
+        self.dispatch.as_ref().map_or(Ok(()), |dispatch| top.inner("dispatch").settings(dispatch, &frame))?;
+        self.sight.as_ref().map_or(Ok(()), |sight| top.inner("sight").settings(sight, &frame))?;
+        self.check_nearest_by_drive()?;
+        self.traffic.as_ref().map_or(Ok(()), |traffic| top.inner("traffic").settings(traffic, &frame))?;
+        self.water.as_ref().map_or(Ok(()), |water| water.check(&top.inner("water"), &frame))?;
+        check_programs("planner", &self.planner, |name| name.built_in().is_some())?;
+        check_programs("policy", &self.policy, |name| {
+            TruckGoal::is_built_in(name.name()) || WumpusGoal::is_built_in(name.name())
+        })?;
+        for agents in self.kinds() {
+            top.count(agents.key(), agents.len(), MAX_AGENTS)?;
+        }
+        self.kinds().iter().try_for_each(|agents| agents.check(self))?;
+        check_ignitions(&self.ignition, &frame)
+    }
+
+    /// Returns the layers that files give, with their place on earth.
+    pub fn layers(&self) -> Option<&GivenLayers> {
+        self.landscape.as_ref().and_then(|landscape| landscape.given.as_ref())
+    }
+
+    /// Refuses rules that know other fires than a planner that looks for the nearest.
+    fn check_nearest_by_drive(&self) -> Check {
+        let Some(dispatch) = self.dispatch.as_ref().filter(|it| it.policy == DispatchPolicy::NearestByDrive) else {
+            return Ok(());
+        };
+        if dispatch.idle == IdleRule::Regions {
+            let expected = "`stay` or `centroids` with the policy `nearest-by-drive`";
+            return TablePath::named("dispatch").refuse("idle", dispatch.idle.to_string(), expected.into());
+        }
+        match &self.sight {
+            Some(sight) if sight.field == SightOfField::Radius => {
+                let expected = "`everything` or `burning` with the policy `nearest-by-drive`";
+                TablePath::named("sight").refuse("field", "radius".into(), expected.into())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Bounds the work of fires that can be put out again and again.
+    fn check_stops(&self) -> Check {
+        let dwell_s = self.suppression.dwell_s;
+        let stops = self.unimog.len() as f64 * self.duration_s / dwell_s;
+        if self.fire.relight && stops > MAX_STOPS {
+            let expected =
+                format!("with `fire.relight`, time for at most {MAX_STOPS:e} stops of all trucks in the run");
+            return TablePath::named("suppression").refuse("dwell_s", number_text(dwell_s), expected);
+        }
+        Ok(())
+    }
+
+    /// Lists the body centres of all agents at their starts, Wumpuses first.
+    pub fn start_centres(&self) -> impl Iterator<Item = DVec2> + '_ {
+        self.kinds().into_iter().flat_map(AgentList::starts).map(|start| start.centre)
+    }
+
+    /// Lists the kinds of agents, each with its agents; the only place that does.
+    fn kinds(&self) -> [&dyn AgentList; 2] {
+        [&self.wumpus, &self.unimog]
+    }
+}
+
+mod defaults {
+    pub fn duration_s() -> f64 {
+        3600.0
+    }
+}

@@ -1,0 +1,262 @@
+//! Planners and policies that are not built in, as scenarios write them: tables `[planner.NAME]` and `[policy.NAME]`.
+//!
+//! A table with a `command` says how to start a program. One without says that the planner or policy of this name is
+//! registered from Rust or from Python; its `settings` are passed on all the same, and a
+//! batch of Python notes the hash of its code. Reading a scenario never starts anything.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Read};
+use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use sha2::{Digest, Sha256};
+
+use super::Scenario;
+use super::check::{Check, TablePath};
+use wildfire_base::input_file::list_of_at_most;
+use wildfire_base::or_none;
+use wildfire_planning::PlannerName;
+use wildfire_planning::registry::Charge;
+
+/// The tables by the names that they give.
+pub type Programs = BTreeMap<PlannerName, Program>;
+
+/// The most tables of a scenario.
+const MAX_PROGRAMS: usize = 100;
+
+/// The most words of a command, and files of a table.
+const MAX_WORDS: usize = 1000;
+
+/// A planner or a policy that is not built in.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Program {
+    /// The program and its arguments; no shell is run. The program is found by `PATH`, or, if it has a slash, from the
+    /// scenario's folder, which is also the program's working folder.
+    #[serde(deserialize_with = "list_of_at_most::<MAX_WORDS, _, _>")]
+    pub command: Vec<String>,
+    /// The folder that takes the place of the scenario's, for the command and its files; relative to the scenario's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub folder: Option<PathBuf>,
+    /// Files whose contents belong to a batch's plan; those that `command` names always do.
+    #[serde(deserialize_with = "list_of_at_most::<MAX_WORDS, _, _>")]
+    pub files: Vec<PathBuf>,
+    /// Handed on as they are.
+    pub settings: Map<String, Value>,
+    /// Seconds from a start until it is ready, building included: of wall clock, and where `query_cpu_s` is set of CPU time
+    /// too.
+    pub start_limit_s: f64,
+    /// Wall clock of a query.
+    pub query_limit_s: f64,
+    /// CPU seconds of its whole process group in a query; `"none"`: no limit.
+    #[serde(with = "or_none")]
+    #[schemars(with = "or_none::NumberOrNone")]
+    pub query_cpu_s: Option<f64>,
+    /// Of its process group.
+    pub memory_limit_mb: u32,
+    /// Simulated planning time for each expansion that an answer reports.
+    pub seconds_per_expansion: f64,
+    /// Expansions that each query of a planner counts for at least, whatever the answer reports.
+    pub expansions_per_query: u32,
+    /// Failed attempts to start it again that a run bears; after one more, all later queries fail as crashed. A query that
+    /// times out, crashes or has a bad answer costs that query alone.
+    pub restarts: u32,
+    /// One process for all runs of a worker instead of one for each run.
+    pub reuse: bool,
+    /// The folder in which it works, as loading finds it; empty for the current one.
+    #[serde(skip_serializing_if = "is_empty")]
+    #[schemars(skip)]
+    pub works_in: PathBuf,
+    /// The files that belong to it with the SHA-256 of their contents, as loading finds them; of registered code, its
+    /// hash or its version.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    #[schemars(skip)]
+    pub sha256: BTreeMap<String, String>,
+}
+
+/// Fields of a table that loading fills in.
+pub(super) const FILLED_IN: [&str; 2] = ["sha256", "works_in"];
+
+fn is_empty(path: &Path) -> bool {
+    path.as_os_str().is_empty()
+}
+
+impl Default for Program {
+    fn default() -> Self {
+        Self {
+            command: Vec::new(),
+            folder: None,
+            files: Vec::new(),
+            settings: Map::new(),
+            start_limit_s: 30.0,
+            query_limit_s: 10.0,
+            query_cpu_s: None,
+            memory_limit_mb: 2048,
+            seconds_per_expansion: 0.0,
+            expansions_per_query: 0,
+            restarts: 3,
+            reuse: false,
+            works_in: PathBuf::new(),
+            sha256: BTreeMap::new(),
+        }
+    }
+}
+
+impl Program {
+    /// Returns the simulated time that its expansions cost.
+    pub fn charge(&self) -> Charge {
+        Charge { roadmap_s: self.seconds_per_expansion, local_s: self.seconds_per_expansion }
+    }
+
+    /// Returns its command as a line that a shell would read.
+    pub fn command_line(&self) -> String {
+        let quoted = |word: &String| {
+            let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "-_./=:,+@%".contains(letter);
+            let is_whole = !word.is_empty() && word.chars().all(is_plain);
+            if is_whole { word.clone() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+        };
+        self.command.iter().map(quoted).collect::<Vec<_>>().join(" ")
+    }
+
+    /// Fills in where it works, given the scenario's folder, and the hashes of the files that belong to it.
+    ///
+    /// # Errors
+    /// If one of [`Self::files`] cannot be read: its place in the list, and why.
+    pub(super) fn fill_in(&mut self, folder: &Path) -> Result<(), (usize, io::Error)> {
+        self.works_in = self.folder.as_ref().map_or_else(|| folder.to_owned(), |own| folder.join(own));
+        self.sha256 = self.hashes()?;
+        Ok(())
+    }
+
+    /// Computes the hashes of the files that belong to it, as they are now.
+    fn hashes(&self) -> Result<BTreeMap<String, String>, (usize, io::Error)> {
+        let mut hashes = BTreeMap::new();
+        if self.command.is_empty() {
+            return Ok(hashes);
+        }
+        for word in &self.command {
+            // A program without a slash is found by PATH.
+            let is_named = self.command.first() != Some(word) || word.contains('/');
+            if let (true, Ok(Some(hash))) = (is_named, hash_of(&self.works_in.join(word))) {
+                hashes.insert(word.clone(), hash);
+            }
+        }
+        for (index, file) in self.files.iter().enumerate() {
+            let hash = hash_of(&self.works_in.join(file)).map_err(|error| (index, error))?;
+            let hash = hash.ok_or_else(|| (index, io::Error::new(ErrorKind::InvalidInput, "it is no file")))?;
+            hashes.insert(file.display().to_string(), hash);
+        }
+        Ok(hashes)
+    }
+
+    /// Lists in words the files that are no longer what they were when the scenario was loaded.
+    fn changed_files(&self) -> Vec<String> {
+        if self.command.is_empty() {
+            return Vec::new();
+        }
+        let changed = self.sha256.iter().filter_map(|(name, before)| match hash_of(&self.works_in.join(name)) {
+            Ok(Some(now)) if now == *before => None,
+            Ok(Some(_)) => Some(format!("{name} has other contents")),
+            Ok(None) => Some(format!("{name} is no file")),
+            Err(error) => Some(format!("{name}: {error}")),
+        });
+        changed.collect()
+    }
+
+    /// Describes it in a sentence; `kind` is planner or policy.
+    pub(super) fn describe(&self, kind: &str, name: &PlannerName) -> String {
+        if self.command.is_empty() {
+            format!("Its {kind} `{name}` is handed in by whoever runs the scenario.")
+        } else {
+            format!("Its {kind} `{name}` is a program that only runs where it is trusted: {}.", self.command_line())
+        }
+    }
+}
+
+/// Returns the SHA-256 of a file's contents in hexadecimal; `None` of what is no file.
+fn hash_of(path: &Path) -> io::Result<Option<String>> {
+    // To open a pipe would be to wait for whoever writes to it.
+    if !fs::metadata(path)?.is_file() {
+        return Ok(None);
+    }
+    let mut file = File::open(path)?;
+    let mut hash = Sha256::new();
+    let mut bytes = vec![0; 1 << 16];
+    loop {
+        match file.read(&mut bytes) {
+            Ok(0) => break,
+            Ok(count) => hash.update(&bytes[..count]),
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(Some(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()))
+}
+
+/// A program that a scenario starts.
+#[derive(Clone, Copy, Debug)]
+pub struct UsedProgram<'a> {
+    /// `planner` or `policy`.
+    pub kind: &'static str,
+    pub name: &'a PlannerName,
+    pub table: &'a Program,
+}
+
+impl Scenario {
+    /// Lists the programs that a run of it starts.
+    pub fn used_programs(&self) -> Vec<UsedProgram<'_>> {
+        let planners = self.planner.iter().filter(|(name, _)| self.unimog.iter().any(|truck| truck.planner == **name));
+        let policies = self.policy.iter().filter(|(name, _)| self.has_follower(name));
+        let planners = planners.map(|(name, table)| UsedProgram { kind: "planner", name, table });
+        let policies = policies.map(|(name, table)| UsedProgram { kind: "policy", name, table });
+        planners.chain(policies).filter(|used| !used.table.command.is_empty()).collect()
+    }
+
+    /// Says whether an agent follows the policy of this name.
+    pub(super) fn has_follower(&self, policy: &PlannerName) -> bool {
+        let trucks = self.unimog.iter().any(|truck| truck.goal.name() == policy.name());
+        trucks || self.wumpus.iter().any(|wumpus| wumpus.goal.name() == policy.name())
+    }
+
+    /// Takes over the hashes of registered code from another one; no file has them.
+    pub fn take_over_code(&mut self, other: &Self) {
+        for (own, others) in [(&mut self.planner, &other.planner), (&mut self.policy, &other.policy)] {
+            for (name, table) in own.iter_mut().filter(|(_, table)| table.command.is_empty()) {
+                table.sha256 = others.get(name).map_or_else(BTreeMap::new, |other| other.sha256.clone());
+            }
+        }
+    }
+
+    /// Lists in words the files of its programs that are no longer what they were when it was loaded.
+    pub fn changed_program_files(&self) -> Vec<String> {
+        let tables = self.planner.values().chain(self.policy.values());
+        tables.flat_map(Program::changed_files).collect()
+    }
+}
+
+/// Checks the tables of one kind, `planner` or `policy`, some of whose names are taken.
+pub(super) fn check_programs(kind: &str, programs: &Programs, is_built_in: impl Fn(&PlannerName) -> bool) -> Check {
+    let all = TablePath::named(kind);
+    TablePath::named("").count(kind, programs.len(), MAX_PROGRAMS)?;
+    for (name, program) in programs {
+        if is_built_in(name) {
+            let expected = format!("a name of its own: this one is a built-in {kind}'s");
+            return all.refuse(name.name(), "a table".into(), expected);
+        }
+        let table = all.inner(name.name());
+        if program.command.first().is_some_and(String::is_empty) {
+            return table.refuse("command", "a list that begins with an empty text".into(), "a program's name".into());
+        }
+        table.number("start_limit_s", program.start_limit_s, 0.01..=3600.0)?;
+        table.number("query_limit_s", program.query_limit_s, 0.01..=3600.0)?;
+        table.optional("query_cpu_s", program.query_cpu_s, 0.001..=3600.0)?;
+        table.number("memory_limit_mb", program.memory_limit_mb.into(), 1.0..=1e6)?;
+        table.number("seconds_per_expansion", program.seconds_per_expansion, 0.0..=1000.0)?;
+        table.number("expansions_per_query", program.expansions_per_query.into(), 0.0..=1e6)?;
+        table.number("restarts", program.restarts.into(), 0.0..=1000.0)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,87 @@
+//! Fire by Rothermel's equations in a scenario: what grows, how moist it is, and choices on which programs differ.
+
+use std::path::PathBuf;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::fuel_name::FuelName;
+use wildfire_base::geometry::FieldFrame;
+use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+use wildfire_fire::models::Neighbours;
+use wildfire_fire::surface::{Combine, Curing, FuelMoisture, LengthToWidth, SurfaceOptions, WindLimit};
+
+/// The fire model `rothermel`: a front that goes through all that burns.
+///
+/// Angles are degrees counter-clockwise from east, as everywhere in scenarios; files of slope and aspect have compass
+/// azimuths.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct RothermelSettings {
+    /// The fuel between the bushes: code or number of a fuel model, or `"none"`.
+    pub ground: FuelName,
+    /// The fuel of the bushes.
+    pub bushes: FuelName,
+    /// A raster of numbers of fuel models, for all cells without a bush, instead of `ground`.
+    pub fuel_map: Option<PathBuf>,
+    /// A raster of elevations in metres.
+    pub elevation: Option<PathBuf>,
+    /// Rasters of the slope in degrees and of the azimuth that it faces, instead of `elevation`.
+    pub slope: Option<PathBuf>,
+    pub aspect: Option<PathBuf>,
+    /// The slope of the whole field where there is no raster, and the direction uphill.
+    pub slope_deg: f64,
+    pub uphill_deg: f64,
+    /// Moistures of the fuel, as fractions of its dry weight.
+    pub moisture: FuelMoisture,
+    pub curing: Curing,
+    pub combine: Combine,
+    pub wind_limit: WindLimit,
+    pub length_to_width: LengthToWidth,
+    /// Cells around each cell that fire goes to in a straight line: 8, 16 or 32.
+    pub neighbours: Neighbours,
+    /// For how long a stop of a truck wets the cells in its reach that do not burn; 0: not at all.
+    pub wet_s: f64,
+    /// Lets Wumpuses light ground as well as bushes.
+    pub lights_ground: bool,
+}
+
+impl Default for RothermelSettings {
+    fn default() -> Self {
+        let SurfaceOptions { curing, combine, wind_limit, length_to_width } = SurfaceOptions::default();
+        Self {
+            ground: FuelName::known("GR2"),
+            bushes: FuelName::known("SH5"),
+            fuel_map: None,
+            elevation: None,
+            slope: None,
+            aspect: None,
+            slope_deg: 0.0,
+            uphill_deg: 0.0,
+            moisture: FuelMoisture::default(),
+            curing,
+            combine,
+            wind_limit,
+            length_to_width,
+            neighbours: Neighbours::ThirtyTwo,
+            wet_s: 120.0,
+            lights_ground: false,
+        }
+    }
+}
+
+impl RothermelSettings {
+    /// Returns the choices as the equations take them.
+    pub fn options(&self) -> SurfaceOptions {
+        let Self { curing, combine, wind_limit, length_to_width, .. } = *self;
+        SurfaceOptions { curing, combine, wind_limit, length_to_width }
+    }
+}
+
+impl SettingsTable for RothermelSettings {
+    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
+        check_range("slope_deg", self.slope_deg, 0.0..=60.0)?;
+        check_range("uphill_deg", self.uphill_deg, -360.0..=360.0)?;
+        check_range("wet_s", self.wet_s, 0.0..=1e6)
+    }
+}

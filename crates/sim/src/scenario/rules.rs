@@ -1,0 +1,262 @@
+//! The other rules of a scenario: suppression, scores, and what ignites by itself.
+
+use std::borrow::Cow;
+use std::path::PathBuf;
+
+use rand::RngExt;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::{Deserialize, Serialize};
+
+use super::check::{Check, TablePath};
+use super::layers::Weights;
+use super::path::PathStep;
+use wildfire_base::geometry::{Cell, FieldFrame, ops};
+use wildfire_base::or_none;
+use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+use wildfire_base::rng;
+
+/// The most `[[ignition]]` entries, and the most cells that they name in all.
+const MAX_IGNITIONS: usize = 10_000;
+
+/// Rules by which a truck puts fires out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Suppression {
+    /// From the truck's body centre to the cell's centre, inclusive; `"none"`: no rule of distance.
+    #[serde(with = "or_none")]
+    #[schemars(with = "or_none::NumberOrNone")]
+    pub reach_m: Option<f64>,
+    /// Time that the truck must stand still for it, uninterrupted.
+    pub dwell_s: f64,
+    pub extinguishes: Extinguishes,
+}
+
+impl Default for Suppression {
+    fn default() -> Self {
+        Self { reach_m: Some(10.0), dwell_s: 5.0, extinguishes: Extinguishes::One }
+    }
+}
+
+impl Suppression {
+    pub(super) fn describe(&self) -> String {
+        let reach = self.reach_m.map_or("wherever its drive ends".into(), |m| {
+            format!("with its body's centre within {m} m of the bush's centre")
+        });
+        let effect = match self.extinguishes {
+            Extinguishes::One => "one bush",
+            Extinguishes::AllInReach => "all that burns in reach",
+        };
+        format!("A truck that stands {} s {reach} puts out {effect}.", self.dwell_s)
+    }
+}
+
+impl SettingsTable for Suppression {
+    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
+        self.reach_m.map_or(Ok(()), |reach_m| check_range("reach_m", reach_m, 0.0..=1e6))?;
+        check_range("dwell_s", self.dwell_s, 0.1..=1e6)
+    }
+}
+
+/// Selects what one stop puts out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Extinguishes {
+    One,
+    /// Everything that burns in reach when the dwell ends.
+    AllInReach,
+}
+
+/// Points per cell.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Score {
+    /// To the Wumpuses, for every cell that catches fire, by spread too.
+    pub wumpus_ignited: f64,
+    pub wumpus_burned_out: f64,
+    pub truck_extinguished: f64,
+}
+
+impl Default for Score {
+    fn default() -> Self {
+        Self { wumpus_ignited: 1.0, wumpus_burned_out: 1.0, truck_extinguished: 2.0 }
+    }
+}
+
+impl Score {
+    pub(super) fn describe(&self) -> String {
+        format!(
+            "Wumpuses: {} for a bush that catches fire, {} for one that burns out. Trucks: {} for one put out.",
+            self.wumpus_ignited, self.wumpus_burned_out, self.truck_extinguished
+        )
+    }
+}
+
+impl SettingsTable for Score {
+    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
+        check_range("wumpus_ignited", self.wumpus_ignited, -1e6..=1e6)?;
+        check_range("wumpus_burned_out", self.wumpus_burned_out, -1e6..=1e6)?;
+        check_range("truck_extinguished", self.truck_extinguished, -1e6..=1e6)
+    }
+}
+
+/// Cells that catch fire by themselves at a given time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "IgnitionEntry", into = "IgnitionEntry")]
+pub struct Ignition {
+    pub at_s: f64,
+    pub cells: IgnitionCells,
+}
+
+/// The cells that an [`Ignition`] lights.
+#[derive(Clone, Debug, PartialEq)]
+pub enum IgnitionCells {
+    /// These cells, where they are intact bushes.
+    Cells(Vec<Cell>),
+    /// This number of bush cells, drawn from the stream `ignition`.
+    Random(u32),
+    Density(Box<IgnitionDensity>),
+}
+
+/// A number of cells, drawn by weights that a raster gives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IgnitionDensity {
+    pub file: PathBuf,
+    pub count: u32,
+    /// What the file says; loading fills it in.
+    pub weights: Option<Weights>,
+}
+
+impl IgnitionDensity {
+    /// Returns all cells with a weight in the order in which they are drawn in the run with this seed.
+    ///
+    /// The least of `-ln(u) / weight` comes first, u being drawn for every cell: each time one of those left, in proportion
+    /// to the weights (Efraimidis and Spirakis, "Weighted random sampling with a reservoir", Information Processing Letters
+    /// 97, 2006). `number` is that of the entry, which has a stream of its own.
+    pub fn order(&self, frame: &FieldFrame, seed: u64, number: usize) -> Vec<Cell> {
+        let weights = self.weights.as_ref().and_then(|weights| weights.by_cell(frame)).unwrap_or_default();
+        let mut rng = rng::stream(seed, &format!("ignition/density/{number}"));
+        let key = |weight: f32| -ops::ln(1.0 - rng.random::<f64>()) / f64::from(weight);
+        let keys: Vec<f64> = weights.iter().copied().map(key).collect();
+        let mut order: Vec<usize> = (0..weights.len()).filter(|&index| weights[index] > 0.0).collect();
+        order.sort_by(|&one, &other| keys[one].total_cmp(&keys[other]).then(one.cmp(&other)));
+        order.into_iter().map(|index| frame.cell(index)).collect()
+    }
+}
+
+impl JsonSchema for Ignition {
+    fn schema_name() -> Cow<'static, str> {
+        "Ignition".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        IgnitionEntry::json_schema(generator)
+    }
+}
+
+/// An `[[ignition]]` as it is written: flat, so that a wrong value keeps its place.
+#[derive(Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct IgnitionEntry {
+    at_s: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<Vec<(u16, u16)>>")]
+    cells: Option<Vec<Cell>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    random: Option<u32>,
+    /// A raster of weights, by which the `random` cells are drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    density: Option<PathBuf>,
+    /// What the file at `density` says. Loading fills it in.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(skip)]
+    weights: Option<Weights>,
+}
+
+impl TryFrom<IgnitionEntry> for Ignition {
+    type Error = &'static str;
+
+    fn try_from(entry: IgnitionEntry) -> Result<Self, Self::Error> {
+        if entry.weights.is_some() && entry.density.is_none() {
+            return Err("`weights` is unknown; a raster of weights is `density`");
+        }
+        let cells = match (entry.cells, entry.random, entry.density) {
+            (Some(cells), None, None) => IgnitionCells::Cells(cells),
+            (None, Some(count), None) => IgnitionCells::Random(count),
+            (None, Some(count), Some(file)) => {
+                IgnitionCells::Density(Box::new(IgnitionDensity { file, count, weights: entry.weights }))
+            }
+            (None, None, Some(_)) => return Err("`density` needs `random` beside it: how many cells it lights"),
+            _ => return Err("an ignition needs either `cells` or `random`"),
+        };
+        Ok(Self { at_s: entry.at_s, cells })
+    }
+}
+
+impl From<Ignition> for IgnitionEntry {
+    fn from(ignition: Ignition) -> Self {
+        let mut entry = Self { at_s: ignition.at_s, cells: None, random: None, density: None, weights: None };
+        match ignition.cells {
+            IgnitionCells::Cells(cells) => entry.cells = Some(cells),
+            IgnitionCells::Random(count) => entry.random = Some(count),
+            IgnitionCells::Density(density) => {
+                let IgnitionDensity { file, count, weights } = *density;
+                (entry.random, entry.density, entry.weights) = (Some(count), Some(file), weights);
+            }
+        }
+        entry
+    }
+}
+
+/// Checks all entries of `[[ignition]]`.
+pub(super) fn check_ignitions(ignitions: &[Ignition], frame: &FieldFrame) -> Check {
+    let top = TablePath::named("");
+    top.count("ignition", ignitions.len(), MAX_IGNITIONS)?;
+    let mut named = 0;
+    for (number, ignition) in ignitions.iter().enumerate() {
+        let table = TablePath::entry("ignition", number);
+        table.number("at_s", ignition.at_s, 0.0..=1e6)?;
+        match &ignition.cells {
+            IgnitionCells::Random(count) => {
+                table.number("random", (*count).into(), 1.0..=frame.cell_count() as f64)?;
+            }
+            IgnitionCells::Density(density) => {
+                table.number("random", density.count.into(), 1.0..=frame.cell_count() as f64)?;
+                if density.weights.as_ref().is_some_and(|weights| weights.by_cell(frame).is_none()) {
+                    return table.refuse("density", "damaged".into(), "a weight for each cell of the field".into());
+                }
+            }
+            IgnitionCells::Cells(cells) => {
+                named += cells.len();
+                top.count("ignition", named, MAX_IGNITIONS)?;
+                let outside = cells.iter().position(|cell| cell.col >= frame.cols || cell.row >= frame.rows);
+                if let Some(index) = outside {
+                    let expected =
+                        format!("a cell of the field of {} x {} cells, counted from 0", frame.cols, frame.rows);
+                    return table.inner("cells").refuse_step(
+                        PathStep::Index(index),
+                        cells[index].to_string(),
+                        expected,
+                    );
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Sums up all entries of `[[ignition]]`; there is one at least.
+pub(super) fn describe_ignitions(ignitions: &[Ignition]) -> String {
+    let (mut random, mut named, mut drawn) = (0_u64, 0, 0_u64);
+    for ignition in ignitions {
+        match &ignition.cells {
+            IgnitionCells::Random(count) => random += u64::from(*count),
+            IgnitionCells::Cells(cells) => named += cells.len(),
+            IgnitionCells::Density(density) => drawn += u64::from(density.count),
+        }
+    }
+    let times = ignitions.iter().map(|ignition| ignition.at_s);
+    let (first, last) = (times.clone().fold(f64::INFINITY, f64::min), times.fold(0.0, f64::max));
+    let count = ignitions.len();
+    let by_density = if drawn > 0 { format!(", and {drawn} drawn from maps of weights") } else { String::new() };
+    format!("{count} from {first} s to {last} s: {random} random bushes and {named} named cells{by_density}.")
+}

@@ -1,0 +1,672 @@
+//! Fire trucks in a scenario: their settings, ranges, description, warnings and memory.
+
+use std::borrow::Cow;
+use std::f64::consts::PI;
+use std::fmt;
+use std::sync::Arc;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{Error, Unexpected, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::Value;
+
+use super::agents::{
+    AgentList, AgentsMemory, BlockedStarts, FieldMeasures, SHOWN_ALIKE, SHOWN_SEED, ScenarioField, SketchedStart,
+};
+use super::check::{Check, ROUNDING_M, TablePath};
+use super::goal::{TruckGoal, describe_choice};
+use super::program::{Program, Programs};
+use super::truck_starts::first_without_place;
+use super::{MemoryPart, Scenario};
+use wildfire_base::geometry::{DVec2, FieldFrame, Pose, ops};
+use wildfire_base::or_none;
+use wildfire_base::rng;
+use wildfire_base::trajectory::SpeedLimits;
+use wildfire_base::vehicle::Dimensions;
+use wildfire_planning::collision::CollisionChecker;
+use wildfire_planning::memory::{MemoryMeter, PlannerMemory};
+use wildfire_planning::reachability::Reachability;
+use wildfire_planning::registry::{BuiltInPlanner, Charge, RoadmapSize};
+use wildfire_planning::{
+    BuildReport, DriveCost, HybridSettings, LatticeSettings, MakeError, PlannerName, Planners, PrimitiveSettings,
+    PrmRsSettings, PrmSettings, RoadmapGoal, SafetySettings, Site, TruckPlanner, TruckPlannerKind,
+    TruckPlannerSettings, is_hardly_connected,
+};
+
+/// The largest steering angle, degrees: beyond it front wheels push the truck sideways rather than turn it.
+const MAX_STEERING_DEG: f64 = 60.0;
+
+/// Sideways acceleration that a laden truck can take on loose ground, m/s2; about 0.4 g.
+const LATERAL_GRIP_MPS2: f64 = 4.0;
+
+/// The number of neighbours that points of a plane have on average where the largest component of those that are joined
+/// begins to span it (M. D. Penrose, "Random geometric graphs", 2003, section 10.6: 4.51). On a field bushes cut lines off
+/// besides.
+const PERCOLATION_DEGREE: f64 = 4.5;
+
+/// The most milestones times neighbours, over all roadmaps, that [`warn_of_roadmaps`] builds: a tenth of a second.
+const MAX_EDGES_TRIED: f64 = 2e5;
+
+/// A fire truck.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Unimog {
+    pub start: StartPose,
+    pub vehicle: Dimensions,
+    pub speed_mps: f64,
+    pub reverse_speed_mps: f64,
+    pub limits: Limits,
+    /// What drives are compared by: their length, or the time that they take.
+    pub cost: DriveCost,
+    pub goal: TruckGoal,
+    pub retarget: Retarget,
+    #[schemars(schema_with = "planner_schema")]
+    pub planner: PlannerName,
+    pub rescue: Rescue,
+    /// Least simulated planning time of each expansion of its planner, whichever that is.
+    pub seconds_per_expansion: f64,
+    pub prm: PrmSettings,
+    pub primitives: PrimitiveSettings,
+    pub prm_rs: PrmRsSettings,
+    pub hybrid: HybridSettings,
+    pub lattice: LatticeSettings,
+    pub safety: SafetySettings,
+}
+
+impl Default for Unimog {
+    fn default() -> Self {
+        Self {
+            start: StartPose::default(),
+            vehicle: Dimensions::default(),
+            speed_mps: 8.0,
+            reverse_speed_mps: 8.0,
+            limits: Limits::default(),
+            cost: DriveCost::default(),
+            goal: TruckGoal::NearestBurning,
+            retarget: Retarget::Never,
+            planner: TruckPlannerKind::PrmRs.into(),
+            rescue: Rescue::Auto,
+            seconds_per_expansion: 0.0,
+            prm: PrmSettings::default(),
+            primitives: PrimitiveSettings::default(),
+            prm_rs: PrmRsSettings::default(),
+            hybrid: HybridSettings::default(),
+            lattice: LatticeSettings::default(),
+            safety: SafetySettings::default(),
+        }
+    }
+}
+
+impl Unimog {
+    /// Makes its planner for a field as the run of a seed does.
+    ///
+    /// # Errors
+    /// If nobody of its name is among the planners of the context, or it cannot be built.
+    pub fn make_planner(&self, context: &PlannerContext<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> {
+        let &PlannerContext { truck, seed, checker, memory, planners, programs } = context;
+        let own = programs.get(&self.planner).map(|program| Value::Object(program.settings.clone()));
+        planners.make(
+            &self.planner,
+            &Site {
+                truck,
+                body: &self.vehicle,
+                limits: &self.speed_limits(),
+                cost: self.cost,
+                checker,
+                own: own.as_ref().unwrap_or(&Value::Null),
+                stream: &|name: &str| rng::stream(seed, &format!("truck/{truck}/{name}")),
+                memory,
+                settings: &self.planner_settings(),
+            },
+        )
+    }
+
+    /// Makes its planner alone, as that of a run's first truck: a built-in one, without a limit of memory.
+    ///
+    /// # Errors
+    /// If it is not built in.
+    pub fn build_planner(&self, checker: &CollisionChecker, seed: u64) -> Result<Box<dyn TruckPlanner>, MakeError> {
+        self.make_planner(&PlannerContext {
+            truck: 0,
+            seed,
+            checker,
+            memory: &MemoryMeter::unlimited(),
+            planners: &Planners::default(),
+            programs: &Programs::new(),
+        })
+    }
+
+    /// Returns the simulated time that its planner's expansions cost: what the planner's own tables ask for, and no less
+    /// than the truck's [`Self::seconds_per_expansion`].
+    pub fn planning_charge(&self, programs: &Programs) -> Charge {
+        let own = match self.planner.built_in() {
+            Some(kind) => Some(kind.maker().charge(&self.planner_settings())),
+            None => programs.get(&self.planner).map(Program::charge),
+        };
+        let least = self.seconds_per_expansion;
+        own.map_or(Charge { roadmap_s: least, local_s: least }, |Charge { roadmap_s, local_s }| Charge {
+            roadmap_s: roadmap_s.max(least),
+            local_s: local_s.max(least),
+        })
+    }
+
+    /// Says whether goals that its planner fails on are driven by the reachability flood.
+    pub fn is_rescued(&self) -> bool {
+        match self.rescue {
+            Rescue::Auto => self.planner.built_in().is_some(),
+            Rescue::Always => true,
+            Rescue::Never => false,
+        }
+    }
+
+    /// Returns what makes its planner, if that is built in.
+    fn built_in(&self) -> Option<&'static dyn BuiltInPlanner> {
+        self.planner.built_in().map(TruckPlannerKind::maker)
+    }
+
+    /// Returns the tables of planners' settings.
+    pub fn planner_settings(&self) -> TruckPlannerSettings<'_> {
+        TruckPlannerSettings {
+            prm: &self.prm,
+            primitives: &self.primitives,
+            prm_rs: &self.prm_rs,
+            hybrid: &self.hybrid,
+            lattice: &self.lattice,
+            safety: &self.safety,
+        }
+    }
+
+    /// Returns its limits of speed and of acceleration.
+    pub fn speed_limits(&self) -> SpeedLimits {
+        SpeedLimits {
+            forward_mps: self.speed_mps,
+            reverse_mps: self.reverse_speed_mps,
+            acceleration_mps2: self.limits.acceleration_mps2,
+            braking_mps2: self.limits.braking_mps2,
+            lateral_mps2: self.limits.lateral_mps2,
+            steering: self.vehicle.steering_limits(),
+        }
+    }
+
+    /// Returns the centre of its body at the start.
+    pub fn start_centre(&self) -> DVec2 {
+        self.vehicle.body_centre(self.start.pose())
+    }
+}
+
+/// Describes the names of planners: the built-in ones, or any other that is known.
+fn planner_schema(generator: &mut SchemaGenerator) -> Schema {
+    let built_in = TruckPlannerKind::ALL.map(TruckPlannerKind::name);
+    json_schema!({ "anyOf": [{ "enum": built_in }, generator.subschema_for::<PlannerName>()] })
+}
+
+/// What a truck's planner is made from, besides the truck itself.
+#[derive(Clone, Copy)]
+pub struct PlannerContext<'a> {
+    /// Its number among the trucks.
+    pub truck: u16,
+    pub seed: u64,
+    pub checker: &'a CollisionChecker,
+    /// Built-in planners report to it what they hold as they grow.
+    pub memory: &'a MemoryMeter,
+    pub planners: &'a Planners,
+    /// The scenario's tables of planners.
+    pub programs: &'a Programs,
+}
+
+/// Says whether a truck drives by the reachability flood to fires that its planner fails on: `"auto"`, true or false.
+/// `"auto"` is true for built-in planners and false for others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rescue {
+    #[default]
+    Auto,
+    Always,
+    Never,
+}
+
+impl Serialize for Rescue {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Auto => serializer.serialize_str("auto"),
+            Self::Always => serializer.serialize_bool(true),
+            Self::Never => serializer.serialize_bool(false),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Rescue {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct AutoOrBool;
+
+        impl Visitor<'_> for AutoOrBool {
+            type Value = Rescue;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("\"auto\", true or false")
+            }
+
+            fn visit_bool<E: Error>(self, always: bool) -> Result<Rescue, E> {
+                Ok(if always { Rescue::Always } else { Rescue::Never })
+            }
+
+            fn visit_str<E: Error>(self, word: &str) -> Result<Rescue, E> {
+                if word == "auto" { Ok(Rescue::Auto) } else { Err(E::invalid_value(Unexpected::Str(word), &self)) }
+            }
+        }
+        deserializer.deserialize_any(AutoOrBool)
+    }
+}
+
+impl JsonSchema for Rescue {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "Rescue".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "anyOf": [{ "const": "auto" }, { "type": "boolean" }] })
+    }
+}
+
+/// Pose of the rear axle at the start.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct StartPose {
+    pub x_m: f64,
+    pub y_m: f64,
+    pub heading_deg: f64,
+}
+
+impl Default for StartPose {
+    fn default() -> Self {
+        Self { x_m: 50.0, y_m: 50.0, heading_deg: 0.0 }
+    }
+}
+
+impl StartPose {
+    pub fn pose(&self) -> Pose {
+        Pose::new(self.x_m, self.y_m, self.heading_deg.to_radians())
+    }
+}
+
+/// Limits of acceleration in m/s2; `"none"`: speed changes at once.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Limits {
+    #[serde(with = "or_none")]
+    #[schemars(with = "or_none::NumberOrNone")]
+    pub acceleration_mps2: Option<f64>,
+    #[serde(with = "or_none")]
+    #[schemars(with = "or_none::NumberOrNone")]
+    pub braking_mps2: Option<f64>,
+    #[serde(with = "or_none")]
+    #[schemars(with = "or_none::NumberOrNone")]
+    pub lateral_mps2: Option<f64>,
+}
+
+/// Says when a truck that is driving chooses its goal anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Retarget {
+    Never,
+    /// Whenever a bush ignites.
+    OnEvent,
+}
+
+impl AgentList for Vec<Unimog> {
+    fn key(&self) -> &'static str {
+        "unimog"
+    }
+
+    fn title(&self) -> &'static str {
+        "Trucks"
+    }
+
+    fn len(&self) -> usize {
+        self.len()
+    }
+
+    fn starts(&self) -> Vec<SketchedStart> {
+        let start = |truck: &Unimog| {
+            let place = truck.start.pose().position();
+            SketchedStart { centre: truck.start_centre(), place, letter: 'U' }
+        };
+        self.iter().map(start).collect()
+    }
+
+    fn check(&self, scenario: &Scenario) -> Check {
+        let frame = scenario.field.frame();
+        let mut numbered = self.iter().enumerate();
+        numbered.try_for_each(|(number, truck)| {
+            let table = TablePath::entry(self.key(), number);
+            check_planner_name(&table, &truck.planner, &scenario.planner)?;
+            truck.goal.check(&table, &scenario.policy)?;
+            // Each fire that begins would cost a plan, only to learn which fire is the nearest.
+            if truck.goal == TruckGoal::NearestByDrive && truck.retarget == Retarget::OnEvent {
+                return table.refuse("retarget", "on-event".into(), "`never` with the goal `nearest-by-drive`".into());
+            }
+            check_unimog(&table, truck, &frame)
+        })
+    }
+
+    fn describe(&self, scenario: &Scenario) -> Vec<String> {
+        self.iter().map(|truck| describe_truck(truck, scenario)).collect()
+    }
+
+    fn warn(&self, scenario: &Scenario, found: &mut Vec<String>) {
+        for (number, truck) in first_of_their_kind(self) {
+            warn_of_truck(number, truck, found);
+            if scenario.suppression.reach_m.is_none() && truck.prm.goal == RoadmapGoal::InReach {
+                found.push(format!(
+                    "Truck {number} extinguishes from where it stands and never drives: with `suppression.reach_m` \
+                     \"none\" every fire is in reach; `prm.goal` \"nearest-milestone\" would make it drive."
+                ));
+            }
+        }
+        warn_of_shared_starts(self, found);
+    }
+
+    fn blocked_starts(&self, field: &ScenarioField<'_>) -> BlockedStarts {
+        let is_blocked = |truck: &Unimog| {
+            let checker = CollisionChecker::new(Arc::clone(&field.clearance), truck.vehicle);
+            !checker.pose_is_free(truck.start.pose(), 0.0)
+        };
+        let wanted = self.iter().map(|truck| (truck.vehicle, truck.start.pose()));
+        let without_place = first_without_place(wanted, &field.clearance);
+        let placed = &self[..without_place.unwrap_or(self.len())];
+        let moved = placed.iter().enumerate().filter(|(_, truck)| is_blocked(truck));
+        BlockedStarts {
+            moved: moved.map(|(number, _)| format!("truck {number}")).collect(),
+            without_place: without_place.map(|number| format!("Truck {number}")),
+        }
+    }
+
+    fn warn_of_field(&self, field: &ScenarioField<'_>, found: &mut Vec<String>) {
+        warn_of_roadmaps(self, field, found);
+    }
+
+    /// Adds up what trucks take, those of one planner together.
+    fn memory(&self, field: &FieldMeasures, _: f64) -> AgentsMemory {
+        // What planners that are not built in take is theirs.
+        let memory = |truck: &Unimog| {
+            let planner = truck.planner.built_in()?;
+            Some((planner, planner.maker().memory(&field.frame, field.corners, &truck.planner_settings())))
+        };
+        let trucks: Vec<(TruckPlannerKind, PlannerMemory)> = self.iter().filter_map(memory).collect();
+        let mut parts = Vec::new();
+        for kind in TruckPlannerKind::ALL {
+            let own = || trucks.iter().filter(|(planner, _)| *planner == kind).map(|(_, memory)| memory);
+            let name = |what: &str| match own().count() {
+                1 => format!("{what} of a truck ({kind})"),
+                count => format!("{what}s of {count} trucks ({kind})"),
+            };
+            parts.push(MemoryPart::new(name("the planner"), own().map(|memory| memory.held).sum()));
+            parts.push(MemoryPart::new(name("the flood"), own().map(|memory| memory.floods).sum()));
+        }
+        let of_all = |of: fn(&PlannerMemory) -> u64| trucks.iter().map(move |(_, memory)| of(memory));
+        AgentsMemory {
+            parts,
+            // They are made one after the other.
+            making: of_all(|memory| memory.making).max().unwrap_or(0),
+            counted: of_all(|memory| memory.floods).sum(),
+            grows: of_all(|memory| memory.grows).sum::<u64>()
+                + self.len() as u64 * Reachability::most_bytes(&field.frame),
+        }
+    }
+}
+
+fn check_unimog(table: &TablePath, unimog: &Unimog, frame: &FieldFrame) -> Check {
+    check_vehicle(&table.inner("vehicle"), &unimog.vehicle)?;
+    table.number("speed_mps", unimog.speed_mps, 0.001..=1000.0)?;
+    table.number("reverse_speed_mps", unimog.reverse_speed_mps, 0.001..=1000.0)?;
+    table.number("seconds_per_expansion", unimog.seconds_per_expansion, 0.0..=1e6)?;
+    let limits = table.inner("limits");
+    limits.optional("acceleration_mps2", unimog.limits.acceleration_mps2, 0.001..=1000.0)?;
+    limits.optional("braking_mps2", unimog.limits.braking_mps2, 0.001..=1000.0)?;
+    limits.optional("lateral_mps2", unimog.limits.lateral_mps2, 0.001..=1000.0)?;
+    check_planner_settings(table, unimog, frame)?;
+    table.inner("start").number("heading_deg", unimog.start.heading_deg, -360.0..=360.0)?;
+    table.inside("start", &unimog.vehicle.footprint(unimog.start.pose()).corners(), frame)
+}
+
+fn check_planner_name(table: &TablePath, planner: &PlannerName, programs: &Programs) -> Check {
+    if planner.built_in().is_some() || programs.contains_key(planner) {
+        return Ok(());
+    }
+    let own = programs.keys().map(PlannerName::name);
+    let known = TruckPlannerKind::ALL.map(TruckPlannerKind::name).into_iter().chain(own);
+    table.refuse_name("planner", "planner", planner.name(), known.map(str::to_owned).collect())
+}
+
+/// Checks that the first truck's planners can work on a field that may not be the one of their scenario.
+pub fn check_planners(unimog: &Unimog, frame: &FieldFrame) -> Check {
+    check_planner_settings(&TablePath::named("unimog"), unimog, frame)
+}
+
+fn check_planner_settings(table: &TablePath, unimog: &Unimog, frame: &FieldFrame) -> Check {
+    unimog.planner_settings().tables().try_for_each(|own| table.inner(own.name).settings(own.settings, frame))
+}
+
+/// Checks that a body is possible, and that its steering reaches its turning radius.
+pub fn check_vehicle(table: &TablePath, body: &Dimensions) -> Check {
+    table.number("length_m", body.length_m, 0.1..=100.0)?;
+    table.number("width_m", body.width_m, 0.1..=100.0)?;
+    table.number("rear_overhang_m", body.rear_overhang_m, 0.0..=body.length_m)?;
+    table.number("wheelbase_m", body.wheelbase_m, 0.1..=body.length_m)?;
+    if body.rear_overhang_m + body.wheelbase_m > body.length_m + ROUNDING_M {
+        let room = body.length_m - body.rear_overhang_m;
+        let expected = format!("a front axle under the body, at most {room} m ahead of the rear axle");
+        return table.refuse("wheelbase_m", body.wheelbase_m.to_string(), expected);
+    }
+    table.number("turning_radius_m", body.turning_radius_m, 0.1..=10_000.0)?;
+    if body.turning_radius_m < 0.5 * body.width_m {
+        let expected = "a centre of turning outside the body, at least half the width away".into();
+        return table.refuse("turning_radius_m", body.turning_radius_m.to_string(), expected);
+    }
+    if body.max_steering_rad().to_degrees() > MAX_STEERING_DEG {
+        let least_m = body.wheelbase_m / ops::tan(MAX_STEERING_DEG.to_radians());
+        let expected = format!("at least {least_m:.3}, which steering by {MAX_STEERING_DEG} degrees gives");
+        return table.refuse("turning_radius_m", body.turning_radius_m.to_string(), expected);
+    }
+    table.optional("steering_rate_deg_s", body.steering_rate_deg_s, 1.0..=1000.0)
+}
+
+/// Describes what a truck is and does.
+fn describe_truck(truck: &Unimog, scenario: &Scenario) -> String {
+    let body = &truck.vehicle;
+    let goal = describe_goal(truck, scenario);
+    format!(
+        "starts with its rear axle at ({}, {}) m, heading {} degrees. {} x {} m, wheelbase {} m, turning radius {} m \
+         (steering to {:.1} degrees). {} m/s forward, {} m/s in reverse; {}. {}{} {goal} {}{}",
+        truck.start.x_m,
+        truck.start.y_m,
+        truck.start.heading_deg,
+        body.length_m,
+        body.width_m,
+        body.wheelbase_m,
+        body.turning_radius_m,
+        body.max_steering_rad().to_degrees(),
+        truck.speed_mps,
+        truck.reverse_speed_mps,
+        describe_limits(truck),
+        describe_turning(truck),
+        describe_steering(body),
+        describe_planner(truck, &scenario.planner),
+        describe_cost(truck)
+    )
+}
+
+/// Describes what a truck goes for, in a sentence.
+fn describe_goal(truck: &Unimog, scenario: &Scenario) -> String {
+    if scenario.dispatch.is_some() {
+        return "It goes where it is dispatched.".into();
+    }
+    let goal = match &truck.goal {
+        TruckGoal::NearestBurning => "the nearest fire".to_owned(),
+        TruckGoal::NearestByDrive => "the fire that is nearest by drive".to_owned(),
+        TruckGoal::Oldest => "the oldest fire".to_owned(),
+        TruckGoal::LargestCluster => "the nearest fire of the largest burning group".to_owned(),
+        TruckGoal::Policy(name) => describe_choice(name, &scenario.policy),
+    };
+    let retarget = match truck.retarget {
+        Retarget::Never => "keeps it until it is out",
+        Retarget::OnEvent => "thinks again whenever something ignites",
+    };
+    format!("It goes for {goal} and {retarget}.")
+}
+
+/// Describes its planner, and what happens to goals that it fails on where that is not the usual thing.
+fn describe_planner(truck: &Unimog, programs: &Programs) -> String {
+    let planner = match truck.built_in() {
+        Some(maker) => maker.describe(&truck.planner_settings()),
+        None => {
+            programs.get(&truck.planner).map_or(String::new(), |program| program.describe("planner", &truck.planner))
+        }
+    };
+    let asked = Unimog { seconds_per_expansion: 0.0, ..truck.clone() }.planning_charge(programs);
+    let planner = match truck.seconds_per_expansion {
+        least if least > asked.local_s || least > asked.roadmap_s && asked.roadmap_s > 0.0 => {
+            format!("{planner} Every expansion takes at least {least} s of simulated time.")
+        }
+        _ => planner,
+    };
+    match (truck.is_rescued(), truck.rescue) {
+        (true, Rescue::Auto) => planner,
+        (true, _) => format!("{planner} Fires that it fails on are driven to by the reachability flood."),
+        (false, _) => format!("{planner} Fires that it fails on are left alone: nobody else plans for it."),
+    }
+}
+
+/// Describes what its drives are compared by, where that is not the usual thing.
+fn describe_cost(truck: &Unimog) -> &'static str {
+    match (truck.cost, truck.built_in()) {
+        (DriveCost::Time, Some(planner)) if planner.knows_time() => {
+            " Drives are compared by the time that they take, with no other price of a change of direction."
+        }
+        _ => "",
+    }
+}
+
+fn describe_limits(truck: &Unimog) -> String {
+    let limit = |name: &str, limit: Option<f64>| limit.map(|mps2| format!("{name} {mps2} m/s2"));
+    let set: Vec<String> = [
+        limit("acceleration", truck.limits.acceleration_mps2),
+        limit("braking", truck.limits.braking_mps2),
+        limit("to the side", truck.limits.lateral_mps2),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    if set.is_empty() { "speed changes at once".into() } else { set.join(", ") }
+}
+
+/// Describes how its front wheels turn, where that takes time.
+fn describe_steering(body: &Dimensions) -> String {
+    let turning = |rate: f64| {
+        let lock_s = body.max_steering_rad().to_degrees() / rate;
+        format!(" Its front wheels turn by {rate} degrees a second, from straight to their end in {lock_s:.1} s.")
+    };
+    body.steering_rate_deg_s.map_or(String::new(), turning)
+}
+
+/// Describes what its speed means in its tightest turns: speed squared over radius.
+fn describe_turning(truck: &Unimog) -> String {
+    let (speed, radius_m) = (truck.speed_mps.max(truck.reverse_speed_mps), truck.vehicle.turning_radius_m);
+    let lateral = speed * speed / radius_m;
+    let fact = format!("On its circle of {radius_m} m, {speed} m/s is {lateral:.1} m/s2 to the side");
+    match truck.limits.lateral_mps2 {
+        Some(limit) if limit < lateral => {
+            format!("{fact}; {limit} m/s2 allows {:.1} m/s there.", (limit * radius_m).sqrt())
+        }
+        _ => format!("{fact}."),
+    }
+}
+
+/// Returns the trucks that are warned of, each with its number: of those that differ in their starts alone, the first few.
+fn first_of_their_kind(trucks: &[Unimog]) -> impl Iterator<Item = (usize, &Unimog)> {
+    trucks.iter().enumerate().filter(|&(number, truck)| {
+        let is_like = |other: &&Unimog| Unimog { start: truck.start, ..(*other).clone() } == *truck;
+        trucks[..number].iter().filter(is_like).count() < SHOWN_ALIKE
+    })
+}
+
+fn warn_of_truck(number: usize, unimog: &Unimog, found: &mut Vec<String>) {
+    let (speed, radius_m) = (unimog.speed_mps.max(unimog.reverse_speed_mps), unimog.vehicle.turning_radius_m);
+    let lateral = speed * speed / radius_m;
+    if unimog.limits.lateral_mps2.is_none() && lateral > LATERAL_GRIP_MPS2 {
+        found.push(format!(
+            "Truck {number} drives {speed} m/s on its circle of {radius_m} m: {lateral:.1} m/s2 to the side, more than \
+             the {LATERAL_GRIP_MPS2} m/s2 that loose ground holds; `limits.lateral_mps2` would slow it in curves."
+        ));
+    }
+    let (planner, settings) = (unimog.built_in(), unimog.planner_settings());
+    let used = planner.map_or(&[][..], BuiltInPlanner::tables);
+    for table in settings.tables().filter(|table| !table.is_default && !used.contains(&table.name)) {
+        found.push(format!("The `{}` of truck {number} does nothing: its planner does not use it.", table.name));
+    }
+    if unimog.cost == DriveCost::Time && planner.is_some_and(|own| !own.knows_time()) {
+        found.push(format!(
+            "`cost = \"time\"` of truck {number} does nothing: {} compares drives by its own costs.",
+            unimog.planner
+        ));
+    }
+    found.extend(planner.and_then(|own| own.warning(&settings, &unimog.vehicle, &format!("truck {number}"))));
+}
+
+fn warn_of_shared_starts(trucks: &[Unimog], found: &mut Vec<String>) {
+    for (second, truck) in trucks.iter().enumerate() {
+        for (first, other) in trucks[..second].iter().enumerate() {
+            if (truck.start_centre() - other.start_centre()).length() < truck.vehicle.length_m {
+                found.push(format!("Trucks {first} and {second} start on top of each other."));
+            }
+        }
+    }
+}
+
+/// Warns of roadmaps that lead almost nowhere: those that are quickly built are built, of others it is estimated.
+fn warn_of_roadmaps(trucks: &[Unimog], field: &ScenarioField<'_>, found: &mut Vec<String>) {
+    let terrain = field.terrain;
+    let mut edges = 0.0;
+    for (number, unimog) in first_of_their_kind(trucks) {
+        let Some(maker) = unimog.built_in() else { continue };
+        let size = maker.roadmap_size(&unimog.planner_settings(), &terrain.frame, terrain.bushes.len());
+        let Some(RoadmapSize { milestones, neighbours, max_edge_m }) = size else { continue };
+        edges += milestones as f64 * f64::from(neighbours);
+        if edges > MAX_EDGES_TRIED {
+            let area_m2 = terrain.frame.width_m() * terrain.frame.height_m();
+            let others = milestones as f64 / area_m2 * PI * max_edge_m * max_edge_m;
+            if others < PERCOLATION_DEGREE {
+                found.push(format!(
+                    "The roadmap of truck {number} will fall apart: a milestone has {others:.1} others within \
+                     `max_edge_m`, {max_edge_m} m, on average, and below {PERCOLATION_DEGREE} no component spans the \
+                     field. More samples mend it, or `samples_per_hectare`."
+                ));
+            }
+            continue;
+        }
+        let checker = CollisionChecker::new(Arc::clone(&field.clearance), unimog.vehicle);
+        let context = PlannerContext {
+            truck: number as u16,
+            seed: SHOWN_SEED,
+            checker: &checker,
+            memory: &MemoryMeter::unlimited(),
+            planners: &Planners::default(),
+            programs: &Programs::new(),
+        };
+        let Ok(planner) = unimog.make_planner(&context) else { continue };
+        let BuildReport { samples, components, .. } = planner.build_report();
+        if samples == 0 {
+            found.push(format!("On the field of seed {SHOWN_SEED} the roadmap of truck {number} has no milestones."));
+        } else if is_hardly_connected(samples, components) {
+            let apart_m = (terrain.frame.width_m() * terrain.frame.height_m() / f64::from(samples)).sqrt();
+            found.push(format!(
+                "On the field of seed {SHOWN_SEED} the roadmap of truck {number} is hardly connected: {samples} milestones \
+                 in {components} components. They are some {apart_m:.0} m apart, and no edge is longer than \
+                 `max_edge_m`, {max_edge_m} m."
+            ));
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! Warnings: values of a scenario that are allowed and yet probably not meant.
+
+use std::sync::Arc;
+
+use super::agents::{BlockedStarts, SHOWN_SEED, ScenarioField};
+use super::dispatch::warn_of_team;
+use super::ground_report::warn_of_ground;
+use super::{FireModelName, IgnitionCells, Scenario, Terrain, weather};
+use wildfire_planning::collision::ClearanceField;
+
+/// Collects the warnings about a scenario, and about the field of the seed that is shown if it has one.
+pub fn warnings(scenario: &Scenario, terrain: Option<&Terrain>) -> Vec<String> {
+    let mut found: Vec<String> = doubts_of_map(scenario).map(str::to_owned).collect();
+    warn_of_rules(scenario, &mut found);
+    warn_of_team(scenario, &mut found);
+    warn_of_ignitions(scenario, terrain, &mut found);
+    for agents in scenario.kinds() {
+        agents.warn(scenario, &mut found);
+    }
+    let of_water = |field: Option<&ScenarioField<'_>>, found: &mut Vec<String>| {
+        scenario.water.iter().for_each(|water| water.warn(scenario, field, found));
+    };
+    if let Some(terrain) = terrain {
+        warn_of_ground(scenario, terrain, &weather(scenario, SHOWN_SEED), &mut found);
+        let clearance = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
+        let field = ScenarioField { terrain, clearance };
+        let starts = blocked_starts(scenario, &field);
+        if !starts.moved.is_empty() {
+            found.push(format!("Starts in a bush, moved to the nearest free place: {}.", starts.moved.join(", ")));
+        }
+        found.extend(grave_warnings(&field, starts.without_place));
+        for agents in scenario.kinds() {
+            agents.warn_of_field(&field, &mut found);
+        }
+        of_water(Some(&field), &mut found);
+    } else {
+        of_water(None, &mut found);
+    }
+    found
+}
+
+/// Returns what of the file of a map may have been misread or was left out.
+pub fn doubts_of_map(scenario: &Scenario) -> impl Iterator<Item = &str> {
+    scenario.field.given.iter().flat_map(|given| given.doubts.iter().map(String::as_str))
+}
+
+/// Collects the warnings about a scenario with a map without which nobody should begin: that nothing can burn, and that an
+/// agent has no place.
+pub fn warnings_of_map(scenario: &Scenario) -> Vec<String> {
+    let Ok(terrain) = Terrain::from_scenario(scenario, SHOWN_SEED) else { return Vec::new() };
+    let clearance = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
+    let field = ScenarioField { terrain: &terrain, clearance };
+    grave_warnings(&field, blocked_starts(scenario, &field).without_place)
+}
+
+fn grave_warnings(field: &ScenarioField<'_>, without_place: Option<String>) -> Vec<String> {
+    let is_bare = field.terrain.bushes.is_empty() && field.terrain.landscape.is_none();
+    let bare = is_bare.then(|| "Nothing can burn: the field has no bushes.".to_owned());
+    let without_place = without_place.map(|agent| {
+        format!("{agent} cannot start: no free place was found for it on this field, so that no run takes place.")
+    });
+    bare.into_iter().chain(without_place).collect()
+}
+
+/// The agents of all kinds that cannot start where they should, trucks first.
+fn blocked_starts(scenario: &Scenario, field: &ScenarioField<'_>) -> BlockedStarts {
+    let mut all = BlockedStarts::default();
+    for agents in scenario.kinds().iter().rev() {
+        let BlockedStarts { moved, without_place } = agents.blocked_starts(field);
+        all.moved.extend(moved);
+        // Wumpuses are the first that a run puts on the field.
+        all.without_place = without_place.or(all.without_place);
+    }
+    all
+}
+
+fn warn_of_rules(scenario: &Scenario, found: &mut Vec<String>) {
+    if scenario.wumpus.is_empty() && scenario.ignition.is_empty() {
+        found.push("Nothing ever burns: there is no Wumpus and no [[ignition]].".into());
+    }
+    scenario.fire.warn(&scenario.field.frame(), found);
+    if scenario.fire.model == FireModelName::Radius {
+        let tables = [("landscape", scenario.landscape.is_some()), ("weather", scenario.weather.is_some())];
+        for (table, _) in tables.iter().filter(|(_, is_given)| *is_given) {
+            found.push(format!("The table `{table}` does nothing: fire of the model `radius` knows bushes only."));
+        }
+        if !scenario.wind.is_empty() {
+            found.push("The wind does nothing: fire of the model `radius` has none.".into());
+        }
+    }
+}
+
+fn warn_of_ignitions(scenario: &Scenario, terrain: Option<&Terrain>, found: &mut Vec<String>) {
+    let late = scenario.ignition.iter().filter(|ignition| ignition.at_s > scenario.duration_s).count();
+    if late > 0 {
+        found.push(format!("{late} of the ignitions come after the end of the run."));
+    }
+    let (Some(terrain), Some(_)) = (terrain, &scenario.field.given) else { return };
+    let named = scenario.ignition.iter().filter_map(|ignition| match &ignition.cells {
+        IgnitionCells::Cells(cells) => Some(cells),
+        IgnitionCells::Random(_) | IgnitionCells::Density(_) => None,
+    });
+    let bare = named.flatten().filter(|cell| !terrain.occupied[(cell.row.into(), cell.col.into())]).count();
+    if bare > 0 {
+        found.push(format!("{bare} of the cells that an ignition names are no bushes of the map."));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::agents::SHOWN_ALIKE;
+    use crate::scenario::{GivenField, StartPose, load};
+
+    fn warned(source: &str, changes: &[&str]) -> String {
+        let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
+        let scenario = load(source, &changes).expect("this scenario is right");
+        let terrain = Terrain::from_scenario(&scenario, 1).ok();
+        warnings(&scenario, terrain.as_ref()).join("\n")
+    }
+
+    #[test]
+    fn what_is_probably_not_meant_is_reported() {
+        for (source, changes, words) in [
+            ("contest", vec![], "8 m/s on its circle of 13 m: 4.9 m/s2 to the side"),
+            ("contest", vec!["fire.burn_out_s=10"], "burns out after 10 s, before it would spread at 10 s"),
+            ("contest", vec!["fire.spread_radius_m=4.9"], "no two cells are within 4.9 m"),
+            ("contest", vec!["wumpus=[]"], "Nothing ever burns"),
+            ("unimog-alone", vec!["duration_s=3400"], "1 of the ignitions come after"),
+            ("fleet", vec!["unimog.start.x_m=100", "unimog.start.y_m=100"], "Trucks 0 and 1 start on top"),
+            ("report-2024", vec!["unimog.prm.clearance_m=1"], "keeps 1 m clear"),
+            (
+                "contest",
+                vec!["wumpus.planner=wavefront", "wumpus.heuristic_weight=2"],
+                "The `heuristic` and `heuristic_weight` of Wumpus 0 do nothing",
+            ),
+            ("report-2024", vec!["unimog.hybrid.step_m=2"], "The `hybrid` of truck 0 does nothing"),
+            (
+                "contest",
+                vec!["unimog.planner=hybrid-astar", "unimog.safety.map=cost"],
+                "The `safety` of truck 0 does nothing",
+            ),
+            ("local-minima", vec!["wumpus.safety.map=cost"], "The `safety` of Wumpus 0 does nothing"),
+            ("fleet", vec!["wumpus.1.potential.q=3"], "The `potential` of Wumpus 1 does nothing"),
+            (
+                "report-2024",
+                vec!["field.size_m=2500", "unimog.prm.samples=500"],
+                "truck 0 is hardly connected: 500 milestones in 499 components. They are some 112 m apart",
+            ),
+            (
+                "report-2024",
+                vec!["field.size_m=2500", "unimog.prm.samples=25000", "unimog.prm.max_edge_m=10"],
+                "The roadmap of truck 0 will fall apart: a milestone has 1.3 others within `max_edge_m`, 10 m",
+            ),
+            ("contest", vec!["unimog.prm_rs.samples=0", "unimog.prm_rs.corner_places=0"], "truck 0 has no milestones"),
+            (
+                "contest",
+                vec!["wumpus.reach_m=4.9"],
+                "Wumpus 0 can light none of the 248 bushes: no bush's centre is within `reach_m`, 4.9 m, of a place to \
+                 which its own can walk; the nearest is 5.000 m away.",
+            ),
+            (
+                "contest",
+                vec!["wumpus.lattice_m=1", "wumpus.reach_m=2.4"],
+                "`reach_m`, 2.4 m, of a place to which its own can walk; the nearest is 4.000 m away.",
+            ),
+            ("fleet", vec!["suppression.reach_m=none"], "Truck 2 extinguishes from where it stands and never drives"),
+        ] {
+            let found = warned(source, &changes);
+            assert!(found.contains(words), "{source} {changes:?}: {found}");
+        }
+    }
+
+    #[test]
+    fn starts_in_a_bush_and_ignitions_beside_one_are_reported() {
+        let mut scenario = load("smoke", &["ignition=[{ at_s = 1, cells = [[4, 0], [5, 0]] }]".into()]).unwrap();
+        let south_edge = format!("{}\n{}", ".".repeat(20), "....#.".to_owned() + &"#".repeat(14));
+        let given = GivenField::parse(&south_edge, 5.0).unwrap();
+        scenario.field.given = Some(given);
+        scenario.unimog[0].start = StartPose { x_m: 60.0, y_m: 4.0, heading_deg: 0.0 };
+        scenario.wumpus[0].start_m = [18.5, 2.5];
+        let of = |scenario: &Scenario| warnings(scenario, Terrain::from_scenario(scenario, 1).ok().as_ref()).join("\n");
+        let found = of(&scenario);
+        assert!(found.contains("moved to the nearest free place: truck 0."), "{found}");
+        assert!(found.contains("1 of the cells that an ignition names are no bushes"), "{found}");
+        scenario.wumpus[0].start_m = [18.6, 2.5];
+        assert!(of(&scenario).contains("truck 0, Wumpus 0"));
+    }
+
+    #[test]
+    fn bare_fields_and_agents_without_a_place_are_reported() {
+        let of = |rows: [&str; 20], cell_m: f64| {
+            let mut scenario = load("smoke", &[]).unwrap();
+            scenario.field.given = Some(GivenField::parse(&rows.join("\n"), cell_m).unwrap());
+            scenario.unimog[0].start = StartPose { x_m: 20.0, y_m: 20.0, heading_deg: 0.0 };
+            (scenario.wumpus[0].start_m, scenario.wumpus[0].size_m) = ([12.5, 12.5], 1.0);
+            let found = warnings(&scenario, Terrain::from_scenario(&scenario, 1).ok().as_ref()).join("\n");
+            assert!(warnings_of_map(&scenario).iter().all(|warning| found.contains(warning)), "{found}");
+            found
+        };
+        assert!(of(["...................."; 20], 5.0).contains("Nothing can burn: the field has no bushes."));
+        let stripes = of(["#.#.#.#.#.#.#.#.#.#."; 20], 2.0);
+        assert!(stripes.contains("Truck 0 cannot start: no free place was found for it on this field"), "{stripes}");
+        assert!(!stripes.contains("moved to the nearest free place: truck 0"), "{stripes}");
+        let full = of(["####################"; 20], 5.0);
+        assert!(full.contains("Wumpus 0 cannot start"), "{full}");
+    }
+
+    #[test]
+    fn of_agents_that_are_alike_the_first_few_are_warned_of() {
+        let sparse = ["field.size_m=2500", "unimog.prm.samples=100", "unimog.count=5"];
+        let found = warned("report-2024", &sparse);
+        assert_eq!(found.matches("is hardly connected").count(), SHOWN_ALIKE, "{found}");
+        assert_eq!(found.matches("to the side").count(), SHOWN_ALIKE, "{found}");
+    }
+
+    #[test]
+    fn a_scenario_without_oddities_has_no_warnings() {
+        assert_eq!(warned("wumpus-alone", &[]), "");
+        assert_eq!(warned("fleet", &[]), "");
+        assert!(!warned("original-2024", &[]).contains("never drives"), "there trucks drive to the nearest milestone");
+        let dense = ["field.size_m=2500", "unimog.planner=prm+primitives", "unimog.prm.samples_per_hectare=80"];
+        assert!(!warned("contest", &dense).contains("roadmap"), "it is as dense as on a small field");
+    }
+}

@@ -1,0 +1,191 @@
+//! Water as a rule: each truck has a tank, every stop takes of it, and it is filled where there is water.
+
+use std::sync::Arc;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::agents::ScenarioField;
+use super::check::{Check, TablePath};
+use super::{Scenario, Unimog};
+use wildfire_base::geometry::{DVec2, FieldFrame, Pose};
+use wildfire_base::input_file::list_of_at_most;
+use wildfire_base::ranges::number_text;
+use wildfire_base::time::SimTime;
+use wildfire_base::vehicle::Dimensions;
+use wildfire_planning::collision::CollisionChecker;
+
+/// The most places with water.
+const MAX_PLACES: usize = 1000;
+
+/// The tanks of trucks, and where they are filled. By default a tank and a pump as fire trucks have them, and a stop that
+/// empties a twentieth of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Water {
+    /// What a tank holds, litres; it is full at the start.
+    pub tank_l: f64,
+    /// What a stop at a fire takes, litres; it is taken when the stop begins.
+    pub stop_l: f64,
+    /// How fast a tank is filled, litres per second.
+    pub fill_lps: f64,
+    /// How near to a place with water the middle of a truck has to be, metres.
+    pub reach_m: f64,
+    /// Where there is water; without any, at the starts of all trucks.
+    #[serde(deserialize_with = "list_of_at_most::<2_000, _, _>")]
+    pub place: Vec<WaterPlace>,
+}
+
+impl Default for Water {
+    fn default() -> Self {
+        Self { tank_l: 2000.0, stop_l: 100.0, fill_lps: 20.0, reach_m: 10.0, place: Vec::new() }
+    }
+}
+
+/// A place with water: a hydrant, a pond.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct WaterPlace {
+    pub x_m: f64,
+    pub y_m: f64,
+}
+
+impl Water {
+    pub(super) fn check(&self, table: &TablePath, frame: &FieldFrame) -> Check {
+        table.number("tank_l", self.tank_l, 0.001..=1e6)?;
+        table.number("stop_l", self.stop_l, 0.001..=1e6)?;
+        if self.stop_l > self.tank_l {
+            let expected = format!("at most `tank_l`, {}", number_text(self.tank_l));
+            return table.refuse("stop_l", number_text(self.stop_l), expected);
+        }
+        table.number("fill_lps", self.fill_lps, 0.001..=1e6)?;
+        table.number("reach_m", self.reach_m, 1.0..=1000.0)?;
+        table.count("place", self.place.len(), MAX_PLACES)?;
+        self.place.iter().enumerate().try_for_each(|(number, place)| {
+            let entry = table.inner("place").item(number);
+            entry.number("x_m", place.x_m, 0.0..=frame.width_m())?;
+            entry.number("y_m", place.y_m, 0.0..=frame.height_m())
+        })
+    }
+
+    /// Returns the stops that a full tank suffices for.
+    pub fn full_tank(&self) -> u32 {
+        (self.tank_l / self.stop_l) as u32
+    }
+
+    /// Returns how long it takes to fill up what one stop takes.
+    pub fn fill_per_stop(&self) -> SimTime {
+        SimTime::from_seconds(self.stop_l / self.fill_lps)
+    }
+
+    /// Lists where there is water, in metres in the frame of the field.
+    pub fn places(&self, scenario: &Scenario) -> Vec<DVec2> {
+        if self.place.is_empty() {
+            return scenario.unimog.iter().map(Unimog::start_centre).collect();
+        }
+        self.place.iter().map(|place| DVec2::new(place.x_m, place.y_m)).collect()
+    }
+
+    pub(super) fn describe(&self) -> String {
+        let (tank, stop, reach) = (self.tank_l, self.stop_l, self.reach_m);
+        let fill = self.fill_per_stop().as_seconds() * f64::from(self.full_tank());
+        let places = match self.place.len() {
+            0 => "the starts of the trucks".to_owned(),
+            1 => "one place".to_owned(),
+            count => format!("{count} places"),
+        };
+        format!(
+            "A truck carries {tank} l of water and takes {stop} l for a stop, so it can stop {} times; within {reach} m of \
+             {places} it fills its tank, an empty one in {fill} s.",
+            self.full_tank(),
+        )
+    }
+
+    /// Warns of places that no truck gets near enough to.
+    pub(super) fn warn(&self, scenario: &Scenario, field: Option<&ScenarioField<'_>>, found: &mut Vec<String>) {
+        let Some(truck) = scenario.unimog.first() else {
+            found.push("The table `water` does nothing: there are no trucks.".into());
+            return;
+        };
+        let Some(field) = field else { return };
+        let checker = CollisionChecker::new(Arc::clone(&field.clearance), truck.vehicle);
+        for (number, place) in self.place.iter().enumerate() {
+            if !has_room(&checker, &truck.vehicle, DVec2::new(place.x_m, place.y_m), self.reach_m) {
+                let WaterPlace { x_m, y_m } = place;
+                found.push(format!(
+                    "`water.place.{number}`: no truck finds room within {} m of ({x_m}, {y_m}).",
+                    self.reach_m
+                ));
+            }
+        }
+    }
+}
+
+/// Says whether a truck can stand with the middle of its body near a place: places a metre apart, sixteen headings.
+fn has_room(checker: &CollisionChecker, body: &Dimensions, place: DVec2, reach_m: f64) -> bool {
+    const HEADINGS: u32 = 16;
+    let steps = reach_m.min(20.0).floor() as i32;
+    (0..HEADINGS).any(|turn| {
+        let heading = std::f64::consts::TAU * f64::from(turn) / f64::from(HEADINGS);
+        let offset = body.body_centre(Pose::new(0.0, 0.0, heading));
+        (-steps..=steps).any(|east| {
+            (-steps..=steps).any(|north| {
+                let from_place = DVec2::new(f64::from(east), f64::from(north));
+                let axle = place + from_place - offset;
+                from_place.length() <= reach_m && checker.pose_is_free(Pose::new(axle.x, axle.y, heading), 0.0)
+            })
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::{LoadedScenario, MemoryLimit, explain, load};
+
+    fn scenario(changes: &[&str]) -> Result<Scenario, String> {
+        let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
+        load("contest", &changes).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_tank_suffices_for_whole_stops() {
+        assert_eq!(scenario(&[]).expect("this is right").water, None);
+        let changes = ["water.tank_l=500", "water.stop_l=120", "water.fill_lps=10"];
+        let scenario = scenario(&changes).expect("this is right");
+        let water = scenario.water.as_ref().expect("there is water");
+        assert_eq!((water.full_tank(), water.fill_per_stop()), (4, SimTime::from_seconds(12.0)));
+        assert_eq!(water.places(&scenario), [scenario.unimog[0].start_centre()]);
+    }
+
+    #[test]
+    fn values_that_no_tank_has_are_refused() {
+        for (change, words) in [
+            ("water.stop_l=2001", "water.stop_l"),
+            ("water.fill_lps=0", "water.fill_lps"),
+            ("water.place=[{x_m=-1,y_m=5}]", "water.place.0.x_m"),
+            ("water.place=[{x_m=1,y_m=5},{x_m=5,y_m=500}]", "water.place.1.y_m"),
+        ] {
+            let message = scenario(&[change]).expect_err("this is wrong");
+            assert!(message.contains(words), "{change}: {message}");
+        }
+    }
+
+    #[test]
+    fn water_is_explained_and_warned_of() {
+        let text = |changes: &[&str]| {
+            let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
+            let loaded = LoadedScenario::open("contest", &changes).expect("this scenario is right");
+            let text = explain(&loaded, MemoryLimit::default()).to_text();
+            text.split_whitespace().collect::<Vec<_>>().join(" ")
+        };
+        let explained = text(&["water.tank_l=1000"]);
+        assert!(explained.contains("so it can stop 10 times"), "{explained}");
+        assert!(explained.contains("an empty one in 50 s"), "{explained}");
+        assert!(!text(&[]).contains("of water"));
+        assert!(text(&["water.tank_l=1000", "unimog=[]"]).contains("The table `water` does nothing"));
+        let close = "water.place=[{x_m=0,y_m=0}]";
+        assert!(text(&[close, "water.reach_m=1"]).contains("no truck finds room within 1 m of (0, 0)"));
+        assert!(!text(&[close]).contains("no truck finds room"));
+    }
+}

@@ -1,0 +1,553 @@
+//! Wumpuses in a scenario: their settings, ranges, description, warnings and memory.
+
+use std::iter;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::agents::{
+    AgentList, AgentsMemory, BlockedStarts, FieldMeasures, SHOWN_ALIKE, SHOWN_SEED, ScenarioField, SketchedStart,
+};
+use super::check::{Check, TablePath};
+use super::goal::{WumpusGoal, describe_choice};
+use super::program::Programs;
+use super::{MemoryPart, Scenario, Terrain};
+use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
+use wildfire_base::or_none;
+use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range, number_text};
+use wildfire_grid::potential::{Attraction, Repulsion, RepulsionDistance};
+use wildfire_planning::registry::describe_charge;
+use wildfire_planning::walk::{Estimate, LatticeShape, PotentialSettings, WalkLattice, WalkMethod, WalkPlanner};
+use wildfire_planning::{SafetyMap, SafetySettings};
+
+/// The most points of a Wumpus's lattice: their numbers have to fit into 32 bits. Memory allows far fewer.
+const MAX_LATTICE_POINTS: f64 = 4e9;
+
+/// The most goals that Wumpuses may try in vain: all bushes from every point that they have time to reach. A try takes
+/// about 250 bytes of the timeline; runs stay far below the bound, because a Wumpus on which all goals fail stays where
+/// it is.
+const MAX_TRIES: f64 = 2.5e7;
+
+/// The most points of all lattices on which is looked for what can be lit, and for free places: a fifth of a second.
+const MAX_POINTS_LOOKED_AT: f64 = 5e6;
+
+/// Points of a walk that a Wumpus's memory is estimated for; a walk across the largest field has as many.
+const MAX_POINTS_OF_WALKS: f64 = 2e4;
+
+/// The memory that a Wumpus takes beside its walk.
+const BYTES_OF_A_WUMPUS: u64 = 20_000;
+
+/// The most pairs of a bush and a place near it that the search for the nearest place looks at.
+const MAX_LOOKS: f64 = 1e7;
+
+/// An arsonist on a lattice.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Wumpus {
+    /// x, y of its centre.
+    pub start_m: [f64; 2],
+    /// Side of its square body.
+    pub size_m: f64,
+    pub speed_mps: f64,
+    /// From a lattice point to the centre of the cell that it lights, inclusive.
+    pub reach_m: f64,
+    pub goal: WumpusGoal,
+    /// Keep a goal that is no longer intact.
+    pub keep_goal: bool,
+    /// Spacing of its lattice, anchored at its start; `"none"`: the cell centres.
+    #[serde(with = "or_none")]
+    #[schemars(with = "or_none::NumberOrNone")]
+    pub lattice_m: Option<f64>,
+    pub planner: WumpusPlanner,
+    pub step_cost: StepCost,
+    pub step_time: StepTime,
+    pub heuristic: WumpusHeuristic,
+    /// 1 finds shortest paths; more is greedier.
+    pub heuristic_weight: f64,
+    /// Simulated planning time charged, during which it stands still.
+    pub seconds_per_expansion: f64,
+    pub potential: WumpusPotential,
+    pub safety: SafetySettings,
+}
+
+impl Default for Wumpus {
+    fn default() -> Self {
+        Self {
+            start_m: [202.5, 202.5],
+            size_m: 3.0,
+            speed_mps: 2.0,
+            reach_m: 6.25,
+            goal: WumpusGoal::RandomIntact,
+            keep_goal: false,
+            lattice_m: None,
+            planner: WumpusPlanner::Astar,
+            step_cost: StepCost::Metres,
+            step_time: StepTime::Distance,
+            heuristic: WumpusHeuristic::Octile,
+            heuristic_weight: 1.0,
+            seconds_per_expansion: 0.0,
+            potential: WumpusPotential::default(),
+            safety: SafetySettings::default(),
+        }
+    }
+}
+
+impl Wumpus {
+    /// Returns the centre of its body at the start.
+    pub fn start_centre(&self) -> DVec2 {
+        DVec2::from(self.start_m)
+    }
+
+    /// Returns the lattice that it walks on.
+    pub fn lattice_shape(&self, frame: &FieldFrame) -> LatticeShape {
+        let (anchor, step_m) = match self.lattice_m {
+            Some(step_m) => (self.start_centre(), step_m),
+            None => (frame.centre(Cell::default()), frame.cell_m),
+        };
+        LatticeShape { anchor, step_m, size_m: self.size_m }
+    }
+
+    /// Returns the method by which its planner finds walks.
+    pub fn walk_method(&self) -> WalkMethod {
+        match self.planner {
+            WumpusPlanner::Astar => WalkMethod::Astar {
+                estimate: match self.heuristic {
+                    WumpusHeuristic::Octile => Estimate::Octile,
+                    WumpusHeuristic::ParentEuclidean => Estimate::ParentEuclidean,
+                },
+                weight: self.heuristic_weight,
+            },
+            WumpusPlanner::Wavefront => WalkMethod::Wavefront,
+            WumpusPlanner::Potential => {
+                let potential = &self.potential;
+                WalkMethod::Potential(PotentialSettings {
+                    attraction: Attraction::Squared { zeta: potential.zeta },
+                    scale: potential.scale,
+                    repulsion: Repulsion { q: potential.q, eta: potential.eta, distance: RepulsionDistance::Brushfire },
+                    escapes: potential.escape == Escape::Wavefront,
+                })
+            }
+        }
+    }
+
+    /// Says whether it gives a goal up in a local minimum, and may so try many goals in vain.
+    fn gives_up_in_minima(&self) -> bool {
+        self.planner == WumpusPlanner::Potential && self.potential.escape == Escape::None
+    }
+
+    /// Returns the parts of the ground on which it walks, which Wumpuses share whose parts are equal.
+    fn ground(&self, frame: &FieldFrame) -> WalkGround {
+        WalkGround {
+            shape: self.lattice_shape(frame),
+            method: self.walk_method(),
+            step_cost: self.step_cost,
+            safety: self.safety.clone(),
+            reach_m: self.reach_m,
+        }
+    }
+
+    /// Bounds the memory that it alone takes in a run of this length.
+    fn most_bytes(&self, field: &FieldMeasures, duration_s: f64) -> u64 {
+        let shape = self.lattice_shape(&field.frame);
+        let points = WalkLattice::point_count(&field.frame, &shape);
+        // Its place in the order of bushes, its walk as it is worked out and taken, and its own small things.
+        let own = 3 * points.min(MAX_POINTS_OF_WALKS) as u64 * size_of::<usize>() as u64 + BYTES_OF_A_WUMPUS;
+        // Goals that it failed on, by the point it tried from: entries of a tree whose nodes may be half empty.
+        let places = points.min(duration_s * self.speed_mps / shape.step_m + 1.0);
+        let bytes_of_failures = field.bushes as f64 * places * 3.0 * size_of::<(usize, Cell)>() as f64;
+        let failed = if self.gives_up_in_minima() { bytes_of_failures } else { 0.0 };
+        own + failed as u64
+    }
+}
+
+/// What Wumpuses of equal bodies and rules share.
+struct WalkGround {
+    shape: LatticeShape,
+    method: WalkMethod,
+    step_cost: StepCost,
+    safety: SafetySettings,
+    reach_m: f64,
+}
+
+impl WalkGround {
+    fn has_lattice_of(&self, other: &Self) -> bool {
+        self.shape == other.shape
+    }
+
+    fn has_planner_of(&self, other: &Self) -> bool {
+        let rules = |ground: &Self| (ground.method, ground.step_cost);
+        self.has_lattice_of(other) && rules(self) == rules(other) && self.safety == other.safety
+    }
+
+    fn has_targets_of(&self, other: &Self) -> bool {
+        self.has_lattice_of(other) && self.reach_m == other.reach_m
+    }
+
+    /// Bounds the bytes of each part, if it is not shared: lattice, planner, targets.
+    fn bytes(&self, field: &FieldMeasures) -> [u64; 3] {
+        let points = WalkLattice::point_count(&field.frame, &self.shape) as u64;
+        let has_factors = self.safety.map != SafetyMap::None;
+        // Which connected part each point belongs to.
+        let lattice = WalkLattice::most_bytes(&field.frame, points) + points * size_of::<u32>() as u64;
+        let planner = WalkPlanner::most_bytes(points, &self.method, has_factors);
+        // Targets, and what is walled in, in lists that double; of what can be reached from two parts there are two.
+        let targets = 4 * field.bushes * size_of::<Cell>() as u64;
+        [lattice, planner, targets]
+    }
+}
+
+/// The planner by which a Wumpus finds its way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum WumpusPlanner {
+    Astar,
+    /// Down the exact cost-to-go, from one sweep over all of the lattice for every goal.
+    Wavefront,
+    /// Down the gradient of a potential field, into local minima too.
+    Potential,
+}
+
+/// The potential field of a Wumpus whose planner is `potential`; distances are lattice steps.
+///
+/// Numbers have the defaults of `wildfire map total`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct WumpusPotential {
+    /// Factor of half the squared distance that attracts; it only matters without a scale.
+    pub zeta: f64,
+    /// The greatest attraction on the lattice; `"none"`: as `zeta` makes it.
+    #[serde(with = "or_none")]
+    #[schemars(with = "or_none::NumberOrNone")]
+    pub scale: Option<f64>,
+    /// The distance within which bushes repel, and the distance from its goal within which none does.
+    pub q: f64,
+    /// Strength of repulsion.
+    pub eta: f64,
+    pub escape: Escape,
+}
+
+impl Default for WumpusPotential {
+    fn default() -> Self {
+        Self { zeta: 1.0, scale: Some(10.0), q: 5.0, eta: 15.0, escape: Escape::Wavefront }
+    }
+}
+
+/// Says what a Wumpus does in a local minimum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Escape {
+    /// It goes on down the exact cost-to-go.
+    Wavefront,
+    /// It gives the goal up there.
+    None,
+}
+
+/// The cost of a lattice step in the search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum StepCost {
+    Metres,
+    /// Every step 1, diagonals too.
+    Moves,
+}
+
+/// The time that a lattice step takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum StepTime {
+    /// Its length at the Wumpus's speed.
+    Distance,
+    /// Every step as long as an orthogonal one, diagonals too.
+    Uniform,
+}
+
+/// The estimate of the cost-to-go in the Wumpus's search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum WumpusHeuristic {
+    /// Length of the shortest lattice path on an empty field; admissible.
+    Octile,
+    /// Straight line from the node's parent, in metres whatever a step costs, as the original program has it.
+    ParentEuclidean,
+}
+
+impl AgentList for Vec<Wumpus> {
+    fn key(&self) -> &'static str {
+        "wumpus"
+    }
+
+    fn title(&self) -> &'static str {
+        "Wumpuses"
+    }
+
+    fn len(&self) -> usize {
+        self.len()
+    }
+
+    fn starts(&self) -> Vec<SketchedStart> {
+        let start = |wumpus: &Wumpus| {
+            let centre = wumpus.start_centre();
+            SketchedStart { centre, place: centre, letter: 'W' }
+        };
+        self.iter().map(start).collect()
+    }
+
+    fn check(&self, scenario: &Scenario) -> Check {
+        let frame = scenario.field.frame();
+        let bushes = 4.0 * f64::from(scenario.field.wanted_pieces());
+        let mut tries = 0.0;
+        for (number, wumpus) in self.iter().enumerate() {
+            let table = TablePath::entry(self.key(), number);
+            check_wumpus(&table, wumpus, &frame)?;
+            wumpus.goal.check(&table, &scenario.policy)?;
+            let pitch_m = wumpus.lattice_m.unwrap_or(frame.cell_m);
+            let own_points = (frame.width_m() / pitch_m).max(1.0) * (frame.height_m() / pitch_m).max(1.0);
+            if own_points > MAX_LATTICE_POINTS {
+                let expected = format!(
+                    "a lattice of at most {MAX_LATTICE_POINTS:e} points; on this field it would have {own_points:.2e}"
+                );
+                return table.refuse("lattice_m", number_text(pitch_m), expected);
+            }
+            if wumpus.gives_up_in_minima() {
+                tries += bushes * own_points.min(scenario.duration_s * wumpus.speed_mps / pitch_m);
+            }
+            if tries > MAX_TRIES {
+                let expected = format!(
+                    "\"wavefront\", where bushes times the steps of a run are more than {MAX_TRIES:e}, over all \
+                     Wumpuses"
+                );
+                return table.inner("potential").refuse("escape", "\"none\"".into(), expected);
+            }
+        }
+        Ok(())
+    }
+
+    fn describe(&self, scenario: &Scenario) -> Vec<String> {
+        self.iter().map(|wumpus| describe_wumpus(wumpus, &scenario.policy)).collect()
+    }
+
+    fn warn(&self, _: &Scenario, found: &mut Vec<String>) {
+        for (number, wumpus) in self.iter().enumerate() {
+            let is_like = |other: &Wumpus| Wumpus { start_m: wumpus.start_m, ..other.clone() } == *wumpus;
+            if self[..number].iter().filter(|other| is_like(other)).count() < SHOWN_ALIKE {
+                warn_of_wumpus(number, wumpus, found);
+            }
+        }
+    }
+
+    fn blocked_starts(&self, field: &ScenarioField<'_>) -> BlockedStarts {
+        let terrain = field.terrain;
+        let has_place = |wumpus: &Wumpus, shape: LatticeShape| {
+            let is_large = WalkLattice::point_count(&terrain.frame, &shape) > MAX_POINTS_LOOKED_AT;
+            let lattice = || WalkLattice::new(terrain.frame, &terrain.occupied, shape);
+            is_large || lattice().nearest_free(wumpus.start_centre()).is_some()
+        };
+        let is_blocked = |wumpus: &Wumpus| !square_is_free(terrain, wumpus.start_centre(), wumpus.size_m);
+        let mut starts = BlockedStarts::default();
+        let mut with_places: Vec<LatticeShape> = Vec::new();
+        for (number, wumpus) in self.iter().enumerate().filter(|(_, wumpus)| is_blocked(wumpus)) {
+            let shape = wumpus.lattice_shape(&terrain.frame);
+            if !with_places.contains(&shape) {
+                if !has_place(wumpus, shape) {
+                    starts.without_place = Some(format!("Wumpus {number}"));
+                    break;
+                }
+                with_places.push(shape);
+            }
+            starts.moved.push(format!("Wumpus {number}"));
+        }
+        starts
+    }
+
+    fn warn_of_field(&self, field: &ScenarioField<'_>, found: &mut Vec<String>) {
+        warn_of_idle_wumpuses(self, field.terrain, found);
+    }
+
+    fn memory(&self, field: &FieldMeasures, duration_s: f64) -> AgentsMemory {
+        let grounds: Vec<WalkGround> = self.iter().map(|wumpus| wumpus.ground(&field.frame)).collect();
+        let is_first = |number: usize, is_shared: fn(&WalkGround, &WalkGround) -> bool| {
+            !grounds[..number].iter().any(|before| is_shared(&grounds[number], before))
+        };
+        let mut shared = [0, 0, 0];
+        for (number, ground) in grounds.iter().enumerate() {
+            let sharing = [WalkGround::has_lattice_of, WalkGround::has_planner_of, WalkGround::has_targets_of];
+            for ((sum, bytes), is_shared) in shared.iter_mut().zip(ground.bytes(field)).zip(sharing) {
+                *sum += if is_first(number, is_shared) { bytes } else { 0 };
+            }
+        }
+        let own = self.iter().map(|wumpus| wumpus.most_bytes(field, duration_s)).sum();
+        let [lattices, planners, targets] = shared;
+        let parts = [
+            ("the lattices of Wumpuses", lattices),
+            ("the planners of Wumpuses", planners),
+            ("what Wumpuses can light", targets),
+            ("the Wumpuses", own),
+        ];
+        let parts = parts.map(|(name, bytes)| MemoryPart::new(name, bytes)).to_vec();
+        AgentsMemory { parts, ..AgentsMemory::default() }
+    }
+}
+
+fn check_wumpus(table: &TablePath, wumpus: &Wumpus, frame: &FieldFrame) -> Check {
+    table.number("size_m", wumpus.size_m, 0.01..=100.0)?;
+    table.number("speed_mps", wumpus.speed_mps, 0.001..=1000.0)?;
+    table.number("reach_m", wumpus.reach_m, 0.0..=1e6)?;
+    table.optional("lattice_m", wumpus.lattice_m, 0.01..=1000.0)?;
+    table.number("heuristic_weight", wumpus.heuristic_weight, 0.0..=1000.0)?;
+    table.number("seconds_per_expansion", wumpus.seconds_per_expansion, 0.0..=1e6)?;
+    table.inner("potential").settings(&wumpus.potential, frame)?;
+    table.inner("safety").settings(&wumpus.safety, frame)?;
+    let centre = wumpus.start_centre();
+    let corners = [(1.0, 1.0), (-1.0, -1.0)].map(|(x, y)| centre + 0.5 * wumpus.size_m * DVec2::new(x, y));
+    table.inside("start_m", &corners, frame)
+}
+
+impl SettingsTable for WumpusPotential {
+    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
+        check_range("zeta", self.zeta, 0.0..=1e6)?;
+        self.scale.map_or(Ok(()), |scale| check_range("scale", scale, 0.0..=1e6))?;
+        check_range("q", self.q, 0.1..=1000.0)?;
+        check_range("eta", self.eta, 0.0..=1e6)
+    }
+}
+
+/// Describes what a Wumpus is and does.
+fn describe_wumpus(wumpus: &Wumpus, policies: &Programs) -> String {
+    let goal = match &wumpus.goal {
+        WumpusGoal::RandomIntact => "a random intact bush".to_owned(),
+        WumpusGoal::NearestIntact => "the nearest intact bush".to_owned(),
+        WumpusGoal::FarthestFromTruck => "the intact bush farthest from all trucks".to_owned(),
+        WumpusGoal::Densest => "the bush with most to burn around it, for the way".to_owned(),
+        WumpusGoal::DensestApart => {
+            "the bush with most to burn around it, for the way, away from other Wumpuses and trucks".to_owned()
+        }
+        WumpusGoal::Policy(name) => describe_choice(name, policies),
+    };
+    let keep = if wumpus.keep_goal { "which it never gives up" } else { "which it drops when it is no longer intact" };
+    let lattice = wumpus.lattice_m.map_or("cell centres".into(), |m| format!("a lattice of {m} m from its start on"));
+    let diagonals = match wumpus.step_time {
+        StepTime::Distance => "",
+        StepTime::Uniform => " (diagonal steps take no longer)",
+    };
+    let (method, details) = describe_walking(wumpus);
+    format!(
+        "starts at ({}, {}) m, a square of {} m, {} m/s{diagonals}. It goes for {goal}, {keep}, and lights it from \
+         within {} m of its centre. {} over {lattice}{}; {}.{}",
+        wumpus.start_m[0],
+        wumpus.start_m[1],
+        wumpus.size_m,
+        wumpus.speed_mps,
+        wumpus.reach_m,
+        method,
+        details,
+        describe_charge(wumpus.seconds_per_expansion),
+        wumpus.safety.describe()
+    )
+}
+
+/// Describes how a Wumpus finds its way, in words that go before and after those for the lattice that it walks on.
+fn describe_walking(wumpus: &Wumpus) -> (&'static str, String) {
+    let cost = match wumpus.step_cost {
+        StepCost::Metres => "cost in metres",
+        StepCost::Moves => "cost in moves",
+    };
+    let heuristic = match wumpus.heuristic {
+        WumpusHeuristic::Octile => "octile distance",
+        WumpusHeuristic::ParentEuclidean => "straight line from the parent",
+    };
+    let potential = &wumpus.potential;
+    let escape = match potential.escape {
+        Escape::Wavefront => format!("goes on down the exact cost-to-go, {cost}"),
+        Escape::None => "gives the goal up".into(),
+    };
+    match wumpus.planner {
+        WumpusPlanner::Astar => {
+            ("A*", format!(", {cost}, {} times the {heuristic} as estimate", wumpus.heuristic_weight))
+        }
+        WumpusPlanner::Wavefront => ("A wavefront's exact cost-to-go", format!(", {cost}")),
+        WumpusPlanner::Potential => (
+            "Gradient descent on a potential field",
+            format!(
+                ": attraction {}, repulsion of strength {} within {} steps; in a local minimum it {escape}",
+                potential.scale.map_or(format!("by zeta {}", potential.zeta), |scale| format!("up to {scale}")),
+                potential.eta,
+                potential.q
+            ),
+        ),
+    }
+}
+
+/// Warns of settings of planners that the Wumpus does not use.
+fn warn_of_wumpus(number: usize, wumpus: &Wumpus, found: &mut Vec<String>) {
+    let usual = Wumpus::default();
+    let heuristic = (wumpus.heuristic, wumpus.heuristic_weight) != (usual.heuristic, usual.heuristic_weight);
+    if heuristic && wumpus.planner != WumpusPlanner::Astar {
+        found.push(format!(
+            "The `heuristic` and `heuristic_weight` of Wumpus {number} do nothing: only the planner \"astar\" uses them."
+        ));
+    }
+    let goes_by_cost = wumpus.planner != WumpusPlanner::Potential || wumpus.potential.escape == Escape::Wavefront;
+    if wumpus.safety.map != SafetyMap::None && !goes_by_cost {
+        found.push(format!(
+            "The `safety` of Wumpus {number} does nothing: descent on a potential field goes by no cost but in its escape."
+        ));
+    }
+    if wumpus.potential != WumpusPotential::default() && wumpus.planner != WumpusPlanner::Potential {
+        found.push(format!("The `potential` of Wumpus {number} does nothing: only the planner \"potential\" uses it."));
+    }
+}
+
+/// Warns of Wumpuses that can come nowhere within reach of a bush's centre.
+fn warn_of_idle_wumpuses(wumpuses: &[Wumpus], terrain: &Terrain, found: &mut Vec<String>) {
+    let mut points = 0.0;
+    let mut known: Option<(LatticeShape, WalkLattice)> = None;
+    for (number, wumpus) in wumpuses.iter().enumerate() {
+        let shape = wumpus.lattice_shape(&terrain.frame);
+        if known.as_ref().is_none_or(|(known, _)| *known != shape) {
+            points += WalkLattice::point_count(&terrain.frame, &shape);
+            if points > MAX_POINTS_LOOKED_AT {
+                return;
+            }
+            known = Some((shape, WalkLattice::new(terrain.frame, &terrain.occupied, shape)));
+        }
+        let Some((_, lattice)) = &known else { continue };
+        let Some(start) = lattice.nearest_free(wumpus.start_centre()) else { continue };
+        // Most often a bush is near, and nobody has to know all that can be reached.
+        let bushes = &terrain.bushes;
+        let is_beside = |&cell: &Cell| lattice.points_of_reach(cell, wumpus.reach_m).any(|point| point == start);
+        if bushes.iter().any(is_beside) {
+            continue;
+        }
+        let reached = lattice.reachable_from(start);
+        let stands = |cell, reach_m| lattice.points_of_reach(cell, reach_m).filter(|&point| reached[point]);
+        if bushes.is_empty() || bushes.iter().any(|&cell| stands(cell, wumpus.reach_m).next().is_some()) {
+            continue;
+        }
+        let nearest = |within_m: f64| {
+            let metres = |cell| {
+                let centre = lattice.centre(cell);
+                stands(cell, within_m).map(|point| lattice.position(point).distance(centre)).reduce(f64::min)
+            };
+            bushes.iter().filter_map(|&cell| metres(cell)).reduce(f64::min)
+        };
+        // Farther and farther away, as long as that is quick: most often the nearest place is a cell or two away.
+        let is_quick = |within_m: &f64| {
+            let across = 2.0 * within_m / lattice.step_m() + 1.0;
+            bushes.len() as f64 * across * across <= MAX_LOOKS
+        };
+        let farther = iter::successors(Some(terrain.frame.cell_m), |metres| Some(2.0 * metres));
+        let least_m = farther.take_while(is_quick).find_map(nearest);
+        found.push(format!(
+            "On the field of seed {SHOWN_SEED} Wumpus {number} can light none of the {} bushes: no bush's centre is within \
+             `reach_m`, {} m, of a place to which its own can walk{}.",
+            bushes.len(),
+            wumpus.reach_m,
+            least_m.map_or(String::new(), |least_m| format!("; the nearest is {least_m:.3} m away"))
+        ));
+    }
+}
+
+fn square_is_free(terrain: &Terrain, centre: DVec2, size_m: f64) -> bool {
+    let touching = 0.5 * (size_m + terrain.frame.cell_m);
+    terrain.bushes.iter().all(|&bush| (terrain.frame.centre(bush) - centre).abs().max_element() >= touching)
+}

@@ -1,0 +1,45 @@
+//! One pass over the world: the order of its systems, and what makes an ambiguous order an error.
+//!
+//! Ranks decide what happens first at one instant ([`Rank`](super::queue::Rank)); a system acts only on what is next in
+//! the queue. A pass therefore may do little, and the instant is over when nothing more is due at it.
+
+use bevy_app::prelude::*;
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
+
+/// The schedule of one pass.
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Pass;
+
+/// What the systems of a pass are about, in their order.
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub enum SimSystems {
+    /// Bushes ignite, burn out and are extinguished, until an agent hears of what concerns it.
+    Fire,
+    /// Agents who heard of something look again.
+    Wake,
+    Wumpus,
+    Truck,
+    /// Trucks that block one another.
+    Traffic,
+    End,
+}
+
+/// The order of the sets, on one thread.
+#[derive(Debug)]
+pub struct SchedulePlugin;
+
+impl Plugin for SchedulePlugin {
+    fn build(&self, app: &mut App) {
+        app.init_schedule(Pass);
+        app.edit_schedule(Pass, |schedule| {
+            schedule.set_executor(SingleThreadedExecutor::new());
+            schedule.set_build_settings(ScheduleBuildSettings {
+                ambiguity_detection: LogLevel::Error,
+                ..ScheduleBuildSettings::default()
+            });
+        });
+        use SimSystems::{End, Fire, Traffic, Truck, Wake, Wumpus};
+        app.configure_sets(Pass, (Fire, Wake, Wumpus, Truck, Traffic, End).chain());
+    }
+}

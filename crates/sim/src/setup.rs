@@ -1,0 +1,195 @@
+//! From a scenario and a seed to the world at time 0.
+
+use std::sync::{Arc, LazyLock};
+
+use bevy_ecs::prelude::*;
+use rand::seq::SliceRandom;
+use serde_json::Value;
+
+use crate::scenario::{self, Extinguishes, Ignition, IgnitionCells, Scenario, Terrain};
+use wildfire_base::geometry::Cell;
+use wildfire_base::rng;
+use wildfire_base::time::SimTime;
+use wildfire_base::time::cpu::CpuStopwatch;
+use wildfire_fire::FireField;
+use wildfire_fire::models::Radius;
+use wildfire_planning::collision::ClearanceField;
+use wildfire_planning::memory::MemoryMeter;
+use wildfire_timeline::{AgentId, AgentStart, Rules, Setting, SpreadSetting, WaterRules};
+
+use super::agent::{Arena, Roster};
+use super::fire::{Fires, Ignitions, ScheduledIgnition};
+use super::policies::{Following, NamedPolicy, Policies, PolicySite, RuleSite, dispatch};
+use super::queue::{Due, SimClock, SimQueue};
+use super::recorder::{CpuLog, Recorder};
+use super::run::{RunCost, RunError, RunOptions};
+use super::walk_grounds::WalkGrounds;
+use super::{truck, wumpus};
+
+/// Puts everything into the world and everybody at the start, with the first decisions due. Returns what the timeline
+/// says of it, and what it cost.
+pub fn fill(
+    world: &mut World,
+    scenario: &Scenario,
+    seed: u64,
+    memory: &MemoryMeter,
+    options: &RunOptions,
+) -> Result<(Setting, RunCost), RunError> {
+    let (planners, known_policies) = options.entrants_of(scenario)?;
+    let mut cost = RunCost::default();
+    let mut stopwatch = CpuStopwatch::start();
+    let terrain = Terrain::from_scenario(scenario, seed)?;
+    cost.terrain = stopwatch.lap();
+    let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
+    cost.clearance_field = stopwatch.lap();
+
+    let spread = spread_setting(scenario, seed, &terrain);
+    world.insert_resource(Fires {
+        field: FireField::new(terrain.frame, &terrain.bushes, scenario.fire.relight).with_ground(terrain.with_fuel()),
+        model: match &spread {
+            Some(spread) => spread.model(seed),
+            None => Box::new(Radius::new(&terrain.frame, scenario.fire.rules())),
+        },
+    });
+    world.insert_resource(ignitions(scenario, &terrain, seed));
+    let mut queue = SimQueue::default();
+    for (number, ignition) in scenario.ignition.iter().enumerate() {
+        queue.push(SimTime::from_seconds(ignition.at_s), Due::Scheduled(number));
+    }
+    queue.push(SimTime::from_seconds(scenario.duration_s), Due::End);
+    world.insert_resource(queue);
+    world.insert_resource(Recorder::new(memory, options.records_searches));
+    world.init_resource::<SimClock>();
+    world.init_resource::<CpuLog>();
+    world.init_resource::<Roster>();
+    world.insert_resource(policies(scenario, seed, &terrain, &known_policies)?);
+
+    let water = water_rules(scenario).map(Arc::new);
+    let arena = Arena { scenario, seed, field: &field, water: &water, memory, planners: &planners };
+    let mut starts = Vec::new();
+    let mut grounds = WalkGrounds::new(&terrain, terrain.lightable(scenario.fire.lights_ground()));
+    for (number, settings) in scenario.wumpus.iter().enumerate() {
+        starts.push(wumpus::spawn(world, &mut grounds, number as u16, settings)?);
+    }
+    world.insert_resource(grounds.into_planners());
+    for (number, settings) in scenario.unimog.iter().enumerate() {
+        starts.push(truck::spawn(world, &arena, number as u16, settings)?);
+    }
+    Ok((setting(scenario, seed, &terrain, starts, spread), cost))
+}
+
+/// Makes the policies of a run: one for all agents of a name.
+fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies) -> Result<Following, RunError> {
+    let wumpuses = scenario.wumpus.iter().map(|wumpus| NamedPolicy::from(&wumpus.goal));
+    let trucks = scenario.unimog.iter().map(|truck| NamedPolicy::from(&truck.goal));
+    let ids = (0..).map(AgentId::wumpus).zip(wumpuses).chain((0..).map(AgentId::unimog).zip(trucks));
+    let (agents, named): (Vec<AgentId>, Vec<NamedPolicy>) = ids.unzip();
+    let lightable = terrain.lightable(scenario.fire.lights_ground());
+    let spread_m = scenario.fire.spread_radius_m;
+    let rule_site = RuleSite { frame: &terrain.frame, lightable: &lightable, spread_m, seed };
+    let mut following = Following::default();
+    let of_team = dispatch::policy_of(scenario, terrain, water_rules(scenario));
+    let is_dispatched = |agent: &usize| of_team.is_some() && agents[*agent].role.suppresses();
+    for (first, policy) in named.iter().enumerate() {
+        let is_meant = |agent: &usize| named[*agent] == *policy && !is_dispatched(agent);
+        if !is_meant(&first) || (0..first).any(|agent| is_meant(&agent)) {
+            continue;
+        }
+        let plays: Vec<AgentId> = (0..agents.len()).filter(is_meant).map(|agent| agents[agent]).collect();
+        let made = match *policy {
+            NamedPolicy::BuiltIn(rule) => rule.make(&rule_site),
+            NamedPolicy::Own(name) => {
+                let own = scenario.policy.get(name).map(|program| Value::Object(program.settings.clone()));
+                let site = PolicySite {
+                    name,
+                    scenario: &scenario.name,
+                    seed,
+                    duration: SimTime::from_seconds(scenario.duration_s),
+                    frame: terrain.frame,
+                    bushes: &terrain.bushes,
+                    agents: &agents,
+                    plays: &plays,
+                    own: own.as_ref().unwrap_or(&Value::Null),
+                    stream: &|stream: &str| rng::stream(seed, &format!("policy/{name}/{stream}")),
+                };
+                let mut stopwatch = CpuStopwatch::start();
+                let made = known.make(&site).map_err(|reason| RunError::NoPolicy { name: name.clone(), reason })?;
+                following.add_own(&plays, name, made, stopwatch.lap());
+                continue;
+            }
+        };
+        following.add_for(&plays, made);
+    }
+    if let Some(of_team) = of_team {
+        let trucks: Vec<AgentId> = agents.iter().copied().filter(|agent| agent.role.suppresses()).collect();
+        following.add_for(&trucks, of_team);
+    }
+    Ok(following)
+}
+
+/// Returns the rules of water of a run, where there are any.
+pub fn water_rules(scenario: &Scenario) -> Option<WaterRules> {
+    let water = scenario.water.as_ref()?;
+    let places = water.places(scenario);
+    let (full_tank, fill_per_stop, reach_m) = (water.full_tank(), water.fill_per_stop(), water.reach_m);
+    (!places.is_empty()).then_some(WaterRules { full_tank, fill_per_stop, reach_m, places })
+}
+
+/// Returns how fire goes over the ground of a run, where it does.
+fn spread_setting(scenario: &Scenario, seed: u64, terrain: &Terrain) -> Option<SpreadSetting> {
+    let (landscape, weather) = (terrain.landscape.clone()?, Arc::new(scenario::weather(scenario, seed)));
+    if let Some(rules) = scenario.fire.rothermel_rules(seed) {
+        return Some(SpreadSetting::Rothermel { landscape, weather, rules });
+    }
+    let rules = scenario.fire.alexandridis_rules()?;
+    Some(SpreadSetting::Alexandridis { landscape, weather, rules })
+}
+
+fn setting(
+    scenario: &Scenario,
+    seed: u64,
+    terrain: &Terrain,
+    agents: Vec<AgentStart>,
+    spread: Option<SpreadSetting>,
+) -> Setting {
+    Setting {
+        scenario: scenario.name.clone(),
+        seed,
+        program_version: env!("CARGO_PKG_VERSION").into(),
+        frame: terrain.frame,
+        bushes: terrain.bushes.clone(),
+        blocked: terrain.blocked.clone(),
+        spread,
+        water: water_rules(scenario),
+        agents,
+        rules: Rules {
+            duration: SimTime::from_seconds(scenario.duration_s),
+            suppression_reach_m: scenario.suppression.reach_m,
+            suppression_dwell: SimTime::from_seconds(scenario.suppression.dwell_s),
+            extinguishes_all: Some(scenario.suppression.extinguishes == Extinguishes::AllInReach),
+            fire: scenario.fire.recorded_rules(),
+            relight: scenario.fire.relight,
+            score_wumpus_ignited: scenario.score.wumpus_ignited,
+            score_wumpus_burned_out: scenario.score.wumpus_burned_out,
+            score_truck_extinguished: scenario.score.truck_extinguished,
+        },
+    }
+}
+
+fn ignitions(scenario: &Scenario, terrain: &Terrain, seed: u64) -> Ignitions {
+    let permutation = LazyLock::new(|| -> Arc<[Cell]> {
+        let mut cells = terrain.lightable(scenario.fire.lights_ground() || terrain.bushes.is_empty());
+        cells.shuffle(&mut rng::stream(seed, "ignition"));
+        cells.into()
+    });
+    let scheduled = |(number, entry): (usize, &Ignition)| match &entry.cells {
+        IgnitionCells::Cells(cells) => ScheduledIgnition::Named(cells.clone()),
+        IgnitionCells::Random(count) => ScheduledIgnition::FirstOf { order: permutation.clone(), count: *count },
+        IgnitionCells::Density(density) => {
+            let order = density.order(&terrain.frame, seed, number).into();
+            ScheduledIgnition::FirstOf { order, count: density.count }
+        }
+    };
+    let entries: Vec<_> = scenario.ignition.iter().enumerate().map(scheduled).collect();
+    Ignitions { pending: entries.len(), entries }
+}

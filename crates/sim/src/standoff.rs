@@ -1,0 +1,114 @@
+//! Deadlocks: a truck cannot set out because others that will not leave by themselves stand in the way.
+//!
+//! Trucks that wait are served in the order of their numbers: all that stand on the way of the first drive aside, and it
+//! sets out after them. So of two that face each other the one with the larger number gives way, and one that has nothing
+//! to do gives way to all. Either all that are in the way can leave, or nobody moves and the next truck is served. Every
+//! deadlock that is broken sends a truck on its way to a fire.
+
+use bevy_app::prelude::*;
+use bevy_ecs::prelude::*;
+
+use wildfire_base::time::SimTime;
+use wildfire_base::trajectory::Trajectory;
+use wildfire_planning::collision::{MovingBody, first_conflict};
+use wildfire_planning::find_yield_pose;
+use wildfire_timeline::AgentId;
+
+use super::queue::{AgentEvent, Wake};
+use super::schedule::{Pass, SimSystems};
+use super::traffic::{MARGIN_M, Reservation, Traffic};
+use super::truck::{Fleet, Truck};
+
+/// Trucks that block one another find a way.
+#[derive(Debug)]
+pub struct TrafficPlugin;
+
+impl Plugin for TrafficPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(Pass, break_deadlocks.in_set(SimSystems::Traffic));
+    }
+}
+
+/// Breaks the deadlocks of trucks that began to wait, or looked again in vain, at this instant.
+fn break_deadlocks(mut fleet: Fleet) {
+    let mut waiting: Vec<(AgentId, Wake)> = Vec::new();
+    while let Some(wake) = fleet.take(AgentEvent::Standoff) {
+        waiting.extend(fleet.id_of(wake.agent).map(|id| (id, wake)));
+    }
+    waiting.sort_by_key(|&(id, _)| id);
+    for (_, wake) in waiting {
+        let is_valid = fleet.trucks.get(wake.agent).is_ok_and(|(agent, _)| agent.revision == wake.revision);
+        if is_valid && let Some(way_out) = WayOut::for_truck(&fleet, wake.agent) {
+            way_out.carry_out(&mut fleet);
+        }
+    }
+}
+
+/// Who drives where, so that one truck can set out.
+struct WayOut {
+    first: Entity,
+    leg: Trajectory,
+    making_way: Vec<(Entity, Trajectory)>,
+}
+
+impl WayOut {
+    /// Finds a way out for a truck; `None` if it is not blocked by trucks that stand idle, or one of them cannot leave.
+    fn for_truck(fleet: &Fleet, first: Entity) -> Option<Self> {
+        let now = fleet.now();
+        let (_, truck) = fleet.trucks.get(first).ok()?;
+        let wanted = &truck.blocked.first()?.drive;
+        let wish = Trajectory::from_path(&wanted.path, now + truck.charge(&wanted.effort), truck.speed);
+        let mut reservations = fleet.reservations();
+        let in_the_way: Vec<Entity> =
+            Traffic::new(&reservations, first).standing_on(&truck.body, &wish).map(|other| other.entity).collect();
+        // The largest number first: it is served last, so it has the least to lose.
+        let places = (0..reservations.len()).rev().filter(|&place| in_the_way.contains(&reservations[place].entity));
+        let places: Vec<usize> = places.collect();
+        // Whoever will leave by itself is waited for.
+        if places.is_empty() || !places.iter().all(|&place| reservations[place].is_idle) {
+            return None;
+        }
+        let mut making_way = Vec::new();
+        for place in places {
+            let entity = reservations[place].entity;
+            let (_, other) = fleet.trucks.get(entity).ok()?;
+            let passing = MovingBody { body: &truck.body, trajectory: &wish };
+            let way = way_aside(other, &reservations, place, passing, now)?;
+            // The next one to leave finds this one where it goes.
+            reservations[place].set_leg(way.clone());
+            making_way.push((entity, way));
+        }
+        let leg = Traffic::new(&reservations, first).departure_within(SimTime::MAX, &truck.body, &wish).ok()?;
+        Some(Self { first, leg, making_way })
+    }
+
+    fn carry_out(self, fleet: &mut Fleet) {
+        let Some(to) = fleet.id_of(self.first) else { return };
+        for (entity, way) in self.making_way {
+            fleet.give_way(entity, to, way);
+        }
+        let Ok((_, mut truck)) = fleet.trucks.get_mut(self.first) else { return };
+        let drive = std::mem::take(&mut truck.blocked).swap_remove(0).drive;
+        fleet.set_out(self.first, drive, self.leg);
+        fleet.wake_blocked(self.first);
+    }
+}
+
+/// Returns a leg of the truck at `place` to the nearest place that leaves the way of a passing one free.
+fn way_aside(
+    truck: &Truck,
+    reservations: &[Reservation],
+    place: usize,
+    passing: MovingBody<'_>,
+    now: SimTime,
+) -> Option<Trajectory> {
+    let own = &reservations[place];
+    let traffic = Traffic::new(reservations, own.entity);
+    let leaves_free = |pose| {
+        let stand = Trajectory::new(now, pose, Vec::new());
+        let stand = MovingBody { body: &own.body, trajectory: &stand };
+        first_conflict(passing, stand, now, MARGIN_M).is_none()
+    };
+    let path = find_yield_pose(&traffic.with_others_standing(&truck.checker), own.leg().end(), leaves_free)?;
+    traffic.departure(&own.body, &Trajectory::from_path(&path, now, truck.speed)).ok()
+}

@@ -1,0 +1,410 @@
+//! A truck's decision: it asks its policy for a fire until it can set out for one, has to wait for other trucks, or finds
+//! nothing more to go for.
+
+use std::time::Duration;
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
+use glam::DVec2;
+
+use super::drive::{Blocked, Outset};
+use super::{Drive, Fleet, Truck};
+use crate::agent::{Activity, Agent};
+use crate::fire::Fires;
+use crate::policies::{Asking, Choice, Following, Follows, Inquiry};
+use crate::queue::AgentEvent;
+use crate::recorder::CpuLog;
+use crate::scenario::Detours;
+use crate::traffic::Traffic;
+use wildfire_base::geometry::Cell;
+use wildfire_base::time::SimTime;
+use wildfire_base::trajectory::{Piece, Trajectory};
+use wildfire_base::vehicle::Path;
+use wildfire_fire::FireField;
+use wildfire_planning::{Effort, FoundBy};
+use wildfire_timeline::{AgentFact, RestReason};
+
+/// Of its options a truck that goes to the nearest by drive looks at this number of the nearest in a straight line.
+const MOST_GOALS: usize = 6;
+
+/// A decision that is not yet made.
+#[derive(Clone, Debug)]
+pub struct Deliberation {
+    /// Of the agent that began it.
+    revision: u32,
+    /// What it was doing.
+    activity: Activity,
+    /// The drives that were blocked when it decided last; it has not moved since.
+    before: Vec<Blocked>,
+    /// The drives that are blocked now, best first.
+    pub blocked: Vec<Blocked>,
+    /// Effort of plans that other trucks were in the way of.
+    spent: Effort,
+    /// What the agent's plans had cost before.
+    cpu: Duration,
+    /// Planning time of its team that it waits for before it sets out.
+    pub delay: SimTime,
+}
+
+/// What comes of a choice.
+pub enum Conclusion {
+    SetsOut(Drive, Trajectory),
+    Relocates(Relocation),
+    /// Planning time is charged for a plan that failed.
+    Thinks,
+    /// Others are in its way; never empty.
+    Waits(Vec<Blocked>),
+    Rests(RestReason),
+    /// Its policy wants it to stay where it is, until something wakes it or until this time.
+    Stays(Option<SimTime>),
+    /// It fills its tank until then.
+    Refills(SimTime),
+}
+
+/// A drive to a place where a truck is to wait.
+#[derive(Debug)]
+pub struct Relocation {
+    pub place: DVec2,
+    pub leg: Trajectory,
+    pub effort: Effort,
+    pub found_by: FoundBy,
+}
+
+/// How a decision has ended.
+pub struct Concluded {
+    /// Whether it set out, or plans on.
+    pub has_new_plans: bool,
+    /// What it did before the decision, and does now.
+    pub was: Activity,
+    pub is: Activity,
+}
+
+/// What decisions are made with, besides the trucks and the fires.
+#[derive(SystemParam)]
+pub struct DecisionBooks<'w, 's> {
+    pub following: ResMut<'w, Following>,
+    pub cpu_log: ResMut<'w, CpuLog>,
+    pub followers: Query<'w, 's, &'static Follows, With<Truck>>,
+    pub others: Query<'w, 's, &'static Agent, Without<Truck>>,
+}
+
+impl Truck {
+    /// Lists what a truck may go for of the burning cells that no other truck has as its goal.
+    fn options(&self, agent: &Agent, unclaimed: impl Iterator<Item = Cell> + Clone) -> Vec<Cell> {
+        if agent.stops_left == Some(0) {
+            return Vec::new();
+        }
+        if agent.goal.is_some() {
+            // The goal may itself be one that the planner had failed on and the flood reached.
+            return unclaimed.filter(|cell| agent.goal == Some(*cell) || !self.failed_goals.contains(cell)).collect();
+        }
+        let begun = self.deliberation.as_ref().filter(|begun| begun.revision == agent.revision);
+        let blocked = begun.map_or(&[][..], |begun| &begun.blocked);
+        if blocked.len() >= self.traffic.goals as usize {
+            return Vec::new();
+        }
+        let is_blocked = |cell: &Cell| blocked.iter().any(|blocked| blocked.drive.goal == *cell);
+        let untried: Vec<Cell> =
+            unclaimed.clone().filter(|cell| !self.failed_goals.contains(cell) && !is_blocked(cell)).collect();
+        if !untried.is_empty() || !blocked.is_empty() || !self.is_rescued {
+            return untried;
+        }
+        // Only goals that failed are left: those that the flood reaches can be driven to all the same.
+        unclaimed.filter(|cell| !self.out_of_reach.contains(cell)).collect()
+    }
+}
+
+/// Returns the path of a leg as it was driven.
+fn driven(trajectory: &Trajectory) -> Option<Path> {
+    let segments: Vec<_> = trajectory.pieces().iter().filter_map(Piece::segment).collect();
+    (!segments.is_empty()).then(|| Path { start: trajectory.start(), segments })
+}
+
+/// Lets a truck set out on a drive, round those that are in its way if need be. Returns `None` if they stay in its way; the
+/// drive is kept then, and another goal is to be tried.
+fn depart_or_wait(
+    agent: &mut Agent,
+    truck: &mut Truck,
+    drive: Drive,
+    outset: Outset<'_>,
+    begun: &mut Deliberation,
+) -> Option<Conclusion> {
+    let by_flood = drive.is_by_flood();
+    match truck.depart(drive, outset) {
+        Ok((drive, leg)) => Some(Conclusion::SetsOut(drive, leg)),
+        Err(blocked) if by_flood => Some(Conclusion::Waits(vec![blocked])),
+        Err(blocked) => {
+            // Looking for a way round is expensive: once for every truck that is in the way.
+            let is_new = !begun.before.iter().any(|before| before.reason() == blocked.reason());
+            let detour = if truck.traffic.detours == Detours::Each && is_new {
+                truck.replan_around(&blocked.drive, outset, &mut agent.cost)
+            } else {
+                None
+            };
+            if detour.is_none() {
+                begun.blocked.push(blocked);
+            }
+            detour.map(|(drive, leg)| Conclusion::SetsOut(drive, leg))
+        }
+    }
+}
+
+impl Fleet<'_, '_> {
+    /// Lists what burns and is the goal of none but some trucks.
+    fn unclaimed(&self, except: &[Entity], fires: &FireField) -> Vec<Cell> {
+        let claimed = self.claimed(except);
+        fires.burning().filter(|cell| !claimed.contains(cell)).collect()
+    }
+
+    /// Lists what a truck may go for; the goals of `askers`, it among them, are nobody's.
+    pub fn options(&self, entity: Entity, askers: &[Entity], fires: &FireField) -> Vec<Cell> {
+        let Ok((agent, truck)) = self.trucks.get(entity) else { return Vec::new() };
+        truck.options(agent, self.unclaimed(askers, fires).into_iter())
+    }
+
+    /// Begins a decision, unless it has begun.
+    pub fn deliberate(&mut self, entity: Entity, fires: &FireField) {
+        let now = self.now();
+        let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else { return };
+        if truck.deliberation.as_ref().is_some_and(|begun| begun.revision == agent.revision) {
+            return;
+        }
+        truck.failed_goals.retain(|&cell| fires.is_burning(cell));
+        if agent.goal.is_none() {
+            truck.tracks.record(driven(&agent.trajectory));
+            agent.trajectory = Trajectory::new(now, agent.trajectory.pose_at(now), Vec::new());
+        }
+        let before = std::mem::take(&mut truck.blocked);
+        let (blocked, spent, cpu) = (Vec::new(), Effort::default(), agent.cost.total());
+        let (revision, activity) = (agent.revision, agent.activity);
+        let delay = SimTime::ZERO;
+        truck.deliberation = Some(Deliberation { revision, activity, before, blocked, spent, cpu, delay });
+    }
+
+    /// Carries out what the policy of a truck chose. If that fails it is asked again, with what it learned in mind.
+    fn act(&mut self, entity: Entity, choice: Choice, fires: &FireField, cpu_log: &mut CpuLog) {
+        self.deliberate(entity, fires);
+        let options = self.options(entity, &[entity], fires);
+        let goal = match choice {
+            Choice::Go(cell) if options.contains(&cell) => Some(cell),
+            _ => None,
+        };
+        let Ok((agent, _)) = self.trucks.get(entity) else { return };
+        if agent.goal.is_some() {
+            self.keep_or_drop_goal(entity, goal, options.is_empty());
+            return;
+        }
+        let conclusion = match goal {
+            Some(goal) => self.try_goal(entity, goal, fires),
+            None if choice == Choice::GoToNearest && !options.is_empty() => self.try_nearest(entity, &options, fires),
+            None if choice == Choice::Refill || self.is_out_of_water(entity) => Some(self.refill(entity, fires)),
+            None if options.is_empty() => Some(self.stop_looking(entity, fires)),
+            None => Some(Conclusion::Stays(choice.until())),
+        };
+        let concluded = conclusion.and_then(|conclusion| self.conclude(entity, conclusion, cpu_log));
+        if concluded.is_some_and(|concluded| concluded.has_new_plans || concluded.is != concluded.was) {
+            self.wake_blocked(entity);
+        }
+    }
+
+    /// Ends the decision of a truck that is under way to a goal; `best` is where its policy would go now.
+    fn keep_or_drop_goal(&mut self, entity: Entity, best: Option<Cell>, has_no_options: bool) {
+        let Ok((agent, mut truck)) = self.trucks.get_mut(entity) else { return };
+        truck.deliberation = None;
+        let is_better = best.is_some() && best != agent.goal;
+        if is_better || has_no_options {
+            self.drop_goal(entity);
+            self.wake_resting(entity);
+        }
+    }
+
+    /// Plans a drive to a goal and sets out for it. Returns `None` if that fails and another goal is to be tried.
+    pub fn try_goal(&mut self, entity: Entity, goal: Cell, fires: &FireField) -> Option<Conclusion> {
+        let (now, reservations) = (self.now(), self.reservations());
+        let (mut agent, mut truck) = self.trucks.get_mut(entity).ok()?;
+        let (agent, truck) = (&mut *agent, &mut *truck);
+        let mut begun = truck.deliberation.take()?;
+        let traffic = Traffic::new(&reservations, entity);
+        let (pose, delay) = (agent.trajectory.start(), begun.delay);
+        let outset = Outset { now, pose, frame: fires.frame(), traffic, delay };
+        let by_flood = truck.failed_goals.contains(&goal);
+        let known = begun.before.iter().map(|blocked| &blocked.drive);
+        let known = known.filter(|drive| drive.is_by_flood() == by_flood).find(|drive| drive.goal == goal);
+        let drive = if let Some(known) = known {
+            Some(known.clone())
+        } else if by_flood {
+            let drive = truck.plan_by_flood(goal, outset, &mut agent.cost);
+            if drive.is_none() {
+                truck.out_of_reach.push(goal);
+                self.recorder.record_agent(now, agent.id, AgentFact::OutOfReach { cells: vec![goal] });
+            }
+            drive
+        } else {
+            match truck.plan(goal, outset, &mut begun.spent, &mut agent.cost, &mut self.recorder) {
+                Ok(drive) => Some(drive),
+                Err((reason, effort)) => {
+                    let until = now + truck.charge(&effort);
+                    truck.failed_goals.push(goal);
+                    agent.answer(now, AgentFact::PlanFailed { goal, reason, effort, until }, &mut self.recorder);
+                    if until > now {
+                        truck.deliberation = Some(begun);
+                        agent.wait_until(entity, until, &mut self.queue);
+                        return Some(Conclusion::Thinks);
+                    }
+                    None
+                }
+            }
+        };
+        let conclusion = drive.and_then(|drive| depart_or_wait(agent, truck, drive, outset, &mut begun));
+        truck.deliberation = Some(begun);
+        conclusion
+    }
+
+    /// Plans a drive to the option that is the nearest by drive and sets out for it. Returns `None` if that fails and another
+    /// goal is to be tried.
+    pub fn try_nearest(&mut self, entity: Entity, options: &[Cell], fires: &FireField) -> Option<Conclusion> {
+        let (now, reservations) = (self.now(), self.reservations());
+        let (mut agent, mut truck) = self.trucks.get_mut(entity).ok()?;
+        let (agent, truck) = (&mut *agent, &mut *truck);
+        let (pose, frame) = (agent.trajectory.start(), fires.frame());
+        let from = truck.body.body_centre(pose);
+        let squared_m = |cell: &Cell| (frame.centre(*cell) - from).length_squared();
+        // By cell index, so that of equally near ones the first counts.
+        let mut nearest = options.to_vec();
+        nearest.sort_by(|a, b| squared_m(a).total_cmp(&squared_m(b)));
+        let first = *nearest.first()?;
+        nearest.truncate(MOST_GOALS);
+        nearest.retain(|cell| !truck.failed_goals.contains(cell));
+        if nearest.len() > 1 && truck.reach_m.is_finite() {
+            let mut begun = truck.deliberation.take()?;
+            let traffic = Traffic::new(&reservations, entity);
+            let outset = Outset { now, pose, frame, traffic, delay: begun.delay };
+            let drive = truck.plan_to_nearest(&nearest, outset, &mut begun.spent, &mut agent.cost, &mut self.recorder);
+            let has_drive = drive.is_some();
+            let conclusion = drive.and_then(|drive| depart_or_wait(agent, truck, drive, outset, &mut begun));
+            truck.deliberation = Some(begun);
+            if has_drive {
+                return conclusion;
+            }
+        }
+        self.try_goal(entity, first, fires)
+    }
+
+    /// Nothing is left to try: the truck looks for a way round those in its way, waits for them, or rests.
+    pub fn stop_looking(&mut self, entity: Entity, fires: &FireField) -> Conclusion {
+        let nothing_burns = self.unclaimed(&[entity], fires).is_empty();
+        let (now, reservations) = (self.now(), self.reservations());
+        let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else {
+            return Conclusion::Rests(RestReason::NothingBurns);
+        };
+        let rests = match (nothing_burns, truck.is_rescued) {
+            (true, _) => RestReason::NothingBurns,
+            (false, true) => RestReason::NothingReachable,
+            (false, false) => RestReason::NoPlan,
+        };
+        let begun = truck.deliberation.as_mut();
+        let (blocked, before, delay) = begun.map_or_else(Default::default, |begun| {
+            (std::mem::take(&mut begun.blocked), begun.before.first().map(Blocked::reason), begun.delay)
+        });
+        let Some(first) = blocked.first() else { return Conclusion::Rests(rests) };
+        if truck.traffic.detours == Detours::First && before != Some(first.reason()) {
+            let traffic = Traffic::new(&reservations, entity);
+            let (pose, frame) = (agent.trajectory.start(), fires.frame());
+            let outset = Outset { now, pose, frame, traffic, delay };
+            if let Some((drive, leg)) = truck.replan_around(&first.drive, outset, &mut agent.cost) {
+                return Conclusion::SetsOut(drive, leg);
+            }
+        }
+        Conclusion::Waits(blocked)
+    }
+
+    /// Ends a decision, unless there is none.
+    pub fn conclude(&mut self, entity: Entity, conclusion: Conclusion, cpu_log: &mut CpuLog) -> Option<Concluded> {
+        let now = self.now();
+        let (mut agent, mut truck) = self.trucks.get_mut(entity).ok()?;
+        let begun = truck.deliberation.take()?;
+        cpu_log.add(now, agent.id, agent.cost.total() - begun.cpu);
+        let has_new_plans =
+            matches!(conclusion, Conclusion::SetsOut(..) | Conclusion::Relocates(_) | Conclusion::Thinks);
+        match conclusion {
+            Conclusion::SetsOut(drive, leg) => self.set_out(entity, drive, leg),
+            Conclusion::Relocates(Relocation { place, leg, effort, found_by }) => {
+                truck.tracks.set_out(0.0);
+                let (x_m, y_m) = (place.x, place.y);
+                let fact = AgentFact::Relocated { x_m, y_m, trajectory: leg.clone(), effort, found_by };
+                agent.answer(now, fact, &mut self.recorder);
+                agent.relocate(entity, place, leg, &mut self.queue);
+            }
+            Conclusion::Thinks => {}
+            Conclusion::Rests(reason) => agent.rest(now, reason, &mut self.recorder),
+            Conclusion::Stays(until) => agent.wait(entity, now, until, &mut self.queue, &mut self.recorder),
+            Conclusion::Refills(until) => {
+                let full_tank = truck.water.as_ref().map_or(0, |water| water.full_tank);
+                self.recorder.record_agent(now, agent.id, AgentFact::Refilling { until });
+                agent.refill(entity, full_tank, until, &mut self.queue);
+            }
+            Conclusion::Waits(blocked) => {
+                let (goal, by) = blocked[0].reason();
+                if begun.before.first().map(Blocked::reason) != Some((goal, by)) {
+                    self.recorder.record_agent(now, agent.id, AgentFact::Blocked { goal, by });
+                }
+                agent.revision += 1;
+                agent.activity = Activity::Blocked;
+                truck.blocked = blocked;
+                self.queue.push_for(now, AgentEvent::Standoff, agent.wake(entity));
+            }
+        }
+        let (agent, _) = self.trucks.get(entity).ok()?;
+        Some(Concluded { has_new_plans, was: begun.activity, is: agent.activity })
+    }
+}
+
+/// Trucks whose turn it is go where their policies say, keep the goals that they have, wait for other trucks, or rest.
+pub fn decide(mut fleet: Fleet, fires: Res<Fires>, mut books: DecisionBooks) {
+    let (now, fires) = (fleet.now(), &fires.field);
+    while let Some(wake) = fleet.queue.next_for(now, AgentEvent::Decision, |entity| fleet.trucks.contains(entity)) {
+        let (Ok((agent, _)), Ok(&policy)) = (fleet.trucks.get(wake.agent), books.followers.get(wake.agent)) else {
+            return;
+        };
+        // Something may have ignited just as it arrived.
+        if agent.revision != wake.revision || agent.activity == Activity::Suppressing {
+            fleet.queue.drop_next();
+            continue;
+        }
+        if matches!(books.following.asking(policy), Asking::Team { .. }) {
+            if !fleet.decide_for_team(policy, fires, &mut books) {
+                return;
+            }
+            continue;
+        }
+        fleet.deliberate(wake.agent, fires);
+        let choices = if fleet.options(wake.agent, &[wake.agent], fires).is_empty() {
+            vec![(wake.agent, Choice::Wait)]
+        } else {
+            let mut asked = Vec::new();
+            for due in fleet.queue.decisions(now) {
+                let Ok((agent, _)) = fleet.trucks.get(due.agent) else { continue };
+                let is_meant = agent.revision == due.revision && agent.activity != Activity::Suppressing;
+                let who = (agent.id, due.agent);
+                if is_meant && books.followers.get(due.agent) == Ok(&policy) && !asked.contains(&who) {
+                    asked.push(who);
+                }
+            }
+            let trucks = fleet.trucks.iter().map(|(agent, _)| agent.view(now));
+            let agents = trucks.chain(books.others.iter().map(|agent| agent.view(now))).collect();
+            let inquiry = Inquiry { now, fires, agents, asked };
+            books.following.ask(policy, inquiry, &|entity: Entity| fleet.options(entity, &[entity], fires))
+        };
+        if choices.is_empty() {
+            return;
+        }
+        for (entity, choice) in choices {
+            let has_goal = fleet.trucks.get(entity).is_ok_and(|(agent, _)| agent.goal.is_some());
+            if has_goal && entity == wake.agent {
+                // It may be called several times at one instant without changing its mind.
+                fleet.queue.drop_next();
+            }
+            fleet.act(entity, choice, fires, &mut books.cpu_log);
+        }
+    }
+}

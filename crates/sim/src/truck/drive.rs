@@ -1,0 +1,216 @@
+//! How a truck gets to a goal: by its planner, by what the reachability flood knows, or round the trucks in its way.
+
+use super::Truck;
+use crate::recorder::Recorder;
+use crate::run::AgentCost;
+use crate::traffic::Traffic;
+use wildfire_base::geometry::{Cell, FieldFrame, Pose};
+use wildfire_base::time::SimTime;
+use wildfire_base::time::cpu::CpuStopwatch;
+use wildfire_base::trajectory::Trajectory;
+use wildfire_base::vehicle::Path;
+use wildfire_planning::{
+    CpuSource, Effort, FoundBy, GoalDisc, Plan, PlanFailure, QueryMonitor, plan_to_nearest, replan_around,
+};
+use wildfire_timeline::AgentId;
+
+/// Legs that a truck backs out of a pocket before it goes all the way back to its start.
+const BACKED_OUT_LEGS: usize = 8;
+
+/// Where a scenario has no rule of distance, the flood still drives this near to the fire: the contest's reach.
+const REACH_WITHOUT_RULE_M: f64 = 10.0;
+
+/// A drive that is planned, except for its time.
+#[derive(Clone, Debug)]
+pub struct Drive {
+    pub goal: Cell,
+    pub path: Path,
+    /// Metres of the path that lead back over the truck's tracks.
+    pub back_m: f64,
+    pub effort: Effort,
+    pub found_by: FoundBy,
+}
+
+impl Drive {
+    /// Returns true if the planner had failed on the goal, and the reachability flood led to the drive.
+    pub fn is_by_flood(&self) -> bool {
+        self.found_by.is_after_failure()
+    }
+}
+
+/// A drive that another truck is in the way of.
+#[derive(Clone, Debug)]
+pub struct Blocked {
+    pub drive: Drive,
+    pub by: AgentId,
+}
+
+impl Blocked {
+    /// Returns where it would go, and who is in the way.
+    pub fn reason(&self) -> (Cell, AgentId) {
+        (self.drive.goal, self.by)
+    }
+}
+
+/// Where a truck that plans stands, and on what.
+#[derive(Clone, Copy, Debug)]
+pub struct Outset<'a> {
+    pub now: SimTime,
+    pub pose: Pose,
+    pub frame: &'a FieldFrame,
+    pub traffic: Traffic<'a>,
+    /// Planning time of its team that it waits for before it sets out.
+    pub delay: SimTime,
+}
+
+impl Truck {
+    fn disc(&self, frame: &FieldFrame, cell: Cell) -> GoalDisc {
+        GoalDisc { centre: frame.centre(cell), radius_m: self.reach_m }
+    }
+
+    /// Plans a drive to a goal, or says why there is none and what that took.
+    ///
+    /// `spent` is the effort so far of this decision's plans that other trucks were in the way of; it is passed on.
+    pub fn plan(
+        &mut self,
+        goal: Cell,
+        outset: Outset<'_>,
+        spent: &mut Effort,
+        cost: &mut AgentCost,
+        recorder: &mut Recorder,
+    ) -> Result<Drive, (PlanFailure, Effort)> {
+        let disc = self.disc(outset.frame, goal);
+        let (path, found_by) = self.query(disc, outset, spent, cost, recorder)?;
+        Ok(Drive { goal, path, back_m: 0.0, effort: *spent, found_by })
+    }
+
+    /// Plans a drive to whichever of some goals is the nearest by drive, on the same terms. `None` if there is no way to any.
+    pub fn plan_to_nearest(
+        &mut self,
+        goals: &[Cell],
+        outset: Outset<'_>,
+        spent: &mut Effort,
+        cost: &mut AgentCost,
+        recorder: &mut Recorder,
+    ) -> Option<Drive> {
+        let discs: Vec<GoalDisc> = goals.iter().map(|&goal| self.disc(outset.frame, goal)).collect();
+        let mut monitor = QueryMonitor::new(recorder.records_searches);
+        let (index, plan) = plan_to_nearest(self.planner.as_mut(), &self.body, outset.pose, &discs, &mut monitor)?;
+        let (path, found_by) = settle(plan, monitor, outset.now, spent, cost, recorder).ok()?;
+        Some(Drive { goal: goals[index], path, back_m: 0.0, effort: *spent, found_by })
+    }
+
+    /// Asks the planner for a path to a disc, on the same terms.
+    pub fn query(
+        &mut self,
+        disc: GoalDisc,
+        outset: Outset<'_>,
+        spent: &mut Effort,
+        cost: &mut AgentCost,
+        recorder: &mut Recorder,
+    ) -> Result<(Path, FoundBy), (PlanFailure, Effort)> {
+        let mut monitor = QueryMonitor::new(recorder.records_searches);
+        let plan = self.planner.plan_observed(outset.pose, disc.into(), &mut monitor);
+        settle(plan, monitor, outset.now, spent, cost, recorder).map_err(|reason| (reason, std::mem::take(spent)))
+    }
+
+    /// Finds a drive to a goal that the planner failed on; `None` if the reachability flood does not get there.
+    pub fn plan_by_flood(&mut self, goal: Cell, outset: Outset<'_>, cost: &mut AgentCost) -> Option<Drive> {
+        let mut stopwatch = CpuStopwatch::start();
+        let drive = self.find_by_flood(goal, outset, cost);
+        cost.reachability += stopwatch.lap();
+        drive
+    }
+
+    fn find_by_flood(&mut self, goal: Cell, outset: Outset<'_>, cost: &mut AgentCost) -> Option<Drive> {
+        let Outset { pose, frame, .. } = outset;
+        let disc = self.disc(frame, goal);
+        let near = if disc.radius_m.is_finite() { disc } else { GoalDisc { radius_m: REACH_WITHOUT_RULE_M, ..disc } };
+        if !self.reachability.reaches(near) {
+            return None;
+        }
+        let mut effort = Effort::default();
+        let (path, expansions) = self.reachability.search(pose, near);
+        effort.local_expansions += expansions;
+        if let Some(path) = path {
+            return Some(Drive { goal, path, back_m: 0.0, effort, found_by: FoundBy::Reachability });
+        }
+        // Where it cannot turn it came in another way: back along its own tracks to where one of the last legs began, and
+        // planned from there. The planner keeps to the scenario's rule, so it may end farther away where there is none.
+        for legs in 1..=self.tracks.legs().min(BACKED_OUT_LEGS) {
+            let plan = self.planner.plan(self.tracks.start_of_last(legs), disc.into());
+            effort += plan.effort;
+            // What this thread did is in the time of the whole.
+            if let Some(cpu) = plan.cpu.filter(|cpu| cpu.source != CpuSource::Thread) {
+                cost.add_query(cpu);
+            }
+            if let Ok(path) = plan.path {
+                let (path, back_m) = self.tracks.lead_back(pose, legs, path);
+                return Some(Drive { goal, path, back_m, effort, found_by: FoundBy::BackingOut });
+            }
+        }
+        let path = self.reachability.path_to(near)?;
+        let (path, back_m) = self.tracks.lead_back(pose, self.tracks.legs(), path);
+        Some(Drive { goal, path, back_m, effort, found_by: FoundBy::WayHome })
+    }
+
+    /// Returns the drive with its leg, as soon as the other trucks allow.
+    pub fn depart(&self, drive: Drive, outset: Outset<'_>) -> Result<(Drive, Trajectory), Blocked> {
+        let ready = outset.now + outset.delay + self.charge(&drive.effort);
+        let leg = Trajectory::from_path(&drive.path, ready, self.speed);
+        match outset.traffic.departure(&self.body, &leg) {
+            Ok(leg) => Ok((drive, leg)),
+            Err(by) => Err(Blocked { drive, by }),
+        }
+    }
+
+    /// Finds a drive to the same goal round the trucks that are in the way.
+    pub fn replan_around(
+        &mut self,
+        blocked: &Drive,
+        outset: Outset<'_>,
+        cost: &mut AgentCost,
+    ) -> Option<(Drive, Trajectory)> {
+        let disc = self.disc(outset.frame, blocked.goal);
+        if disc.radius_m.is_infinite() {
+            return None;
+        }
+        let mut stopwatch = CpuStopwatch::start();
+        let leg = Trajectory::from_path(&blocked.path, SimTime::ZERO, self.speed);
+        let free_m = outset.traffic.free_m(&self.body, &leg)?;
+        let (path, spent) =
+            replan_around(&outset.traffic.with_others_standing(&self.checker), &blocked.path, free_m, disc);
+        cost.local_search += stopwatch.lap();
+        let mut effort = blocked.effort;
+        effort += spent;
+        self.depart(Drive { path: path?, effort, ..blocked.clone() }, outset).ok()
+    }
+}
+
+/// Books what a query took, and returns the path that it found.
+fn settle(
+    plan: Plan,
+    monitor: QueryMonitor,
+    now: SimTime,
+    spent: &mut Effort,
+    cost: &mut AgentCost,
+    recorder: &mut Recorder,
+) -> Result<(Path, FoundBy), PlanFailure> {
+    let (time, searched) = monitor.finish();
+    match plan.cpu {
+        Some(cpu) => cost.add_query(cpu),
+        None => {
+            cost.roadmap_search += time.roadmap;
+            cost.local_search += time.local;
+        }
+    }
+    *spent += plan.effort;
+    recorder.record_searches(now, cost.agent, searched);
+    match plan.path {
+        Ok(path) => Ok((path, plan.found_by.expect("a plan with a path says what found it"))),
+        Err(reason) => {
+            recorder.note_failure(now, cost.agent, reason, plan.message.as_deref());
+            Err(reason)
+        }
+    }
+}

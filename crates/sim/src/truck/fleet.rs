@@ -1,0 +1,213 @@
+//! The trucks together: what their systems work on, and how a change of one concerns the others.
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
+use glam::DVec2;
+
+use super::{Drive, Truck};
+use crate::agent::{Activity, Agent, Roster};
+use crate::fire::Fires;
+use crate::queue::{AgentEvent, CellEvent, Due, SimClock, SimQueue, Wake};
+use crate::recorder::Recorder;
+use crate::traffic::{Reservation, Traffic};
+use wildfire_base::geometry::{Cell, FieldFrame};
+use wildfire_base::time::SimTime;
+use wildfire_base::trajectory::Trajectory;
+use wildfire_timeline::{AgentFact, AgentId};
+
+/// All trucks, and the books in which they write.
+#[derive(SystemParam)]
+pub struct Fleet<'w, 's> {
+    clock: Res<'w, SimClock>,
+    roster: Res<'w, Roster>,
+    pub queue: ResMut<'w, SimQueue>,
+    pub recorder: ResMut<'w, Recorder>,
+    pub trucks: Query<'w, 's, (&'static mut Agent, &'static mut Truck)>,
+}
+
+impl Fleet<'_, '_> {
+    pub fn now(&self) -> SimTime {
+        self.clock.0
+    }
+
+    /// Takes the next entry if it is due now, is this event, and is for a truck.
+    pub fn take(&mut self, event: AgentEvent) -> Option<Wake> {
+        self.queue.take_for(self.clock.0, event, |entity| self.trucks.contains(entity))
+    }
+
+    pub fn id_of(&self, entity: Entity) -> Option<AgentId> {
+        self.trucks.get(entity).ok().map(|(agent, _)| agent.id)
+    }
+
+    /// Lists the goals of all trucks but some.
+    pub fn claimed(&self, except: &[Entity]) -> Vec<Cell> {
+        let others = self.roster.0.iter().filter(|entity| !except.contains(entity));
+        others.filter_map(|&entity| self.trucks.get(entity).ok()?.0.goal).collect()
+    }
+
+    /// Lists where all trucks are and will be; nothing of a truck alone, because nobody is there whom it concerns.
+    pub fn reservations(&self) -> Vec<Reservation> {
+        let trucks = self.roster.0.iter().filter_map(|&entity| {
+            let (agent, truck) = self.trucks.get(entity).ok()?;
+            let is_idle = matches!(agent.activity, Activity::Resting(_) | Activity::Blocked);
+            Some(Reservation::new((entity, agent.id), truck.body, agent.trajectory.clone(), is_idle))
+        });
+        if self.trucks.iter().len() > 1 { trucks.collect() } else { Vec::new() }
+    }
+
+    /// A fire has become free: trucks that rest or are blocked look again.
+    pub fn wake_resting(&mut self, except: Entity) {
+        self.wake_trucks(except, |activity| matches!(activity, Activity::Resting(_) | Activity::Blocked));
+    }
+
+    /// A truck has changed its way, or stands for longer: those that are blocked look again.
+    pub fn wake_blocked(&mut self, except: Entity) {
+        self.wake_trucks(except, |activity| activity == Activity::Blocked);
+    }
+
+    fn wake_trucks(&mut self, except: Entity, are_woken: impl Fn(Activity) -> bool) {
+        for &entity in self.roster.0.iter().filter(|&&entity| entity != except) {
+            let Ok((mut agent, _)) = self.trucks.get_mut(entity) else { continue };
+            if are_woken(agent.activity) {
+                agent.reconsider(entity, self.clock.0, &mut self.queue);
+            }
+        }
+    }
+
+    /// Sends a truck on a drive.
+    pub fn set_out(&mut self, entity: Entity, drive: Drive, leg: Trajectory) {
+        let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else { return };
+        let Drive { goal, effort, back_m, found_by, .. } = drive;
+        truck.tracks.set_out(back_m);
+        let found_by = Some(found_by);
+        let fact = AgentFact::Planned { goal, trajectory: leg.clone(), effort, found_by };
+        agent.answer(self.clock.0, fact, &mut self.recorder);
+        agent.set_out(entity, self.clock.0, (goal, leg), AgentEvent::Arrival, &mut self.queue);
+    }
+
+    /// Lets a truck without a goal drive aside for another one.
+    pub fn give_way(&mut self, entity: Entity, to: AgentId, way: Trajectory) {
+        let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else { return };
+        truck.blocked.clear();
+        let fact = AgentFact::GaveWay { to, trajectory: way.clone() };
+        self.recorder.record_agent(self.clock.0, agent.id, fact);
+        (agent.activity, agent.post) = (Activity::Moving, None);
+        agent.trajectory = way;
+        let arrives = agent.trajectory.end_time();
+        agent.reconsider(entity, arrives, &mut self.queue);
+    }
+
+    /// Lets a truck on its way to a place stop where it is in nobody's way.
+    pub fn halt(&mut self, entity: Entity) {
+        let reservations = self.reservations();
+        let Ok((mut agent, truck)) = self.trucks.get_mut(entity) else { return };
+        let traffic = Traffic::new(&reservations, entity);
+        let cut = traffic.stopping(&truck.body, &agent.trajectory, self.clock.0, &truck.speed);
+        agent.halt(entity, self.clock.0, cut, &mut self.queue, &mut self.recorder);
+    }
+
+    /// Lets a truck drop its goal and stop where it is in nobody's way.
+    pub fn drop_goal(&mut self, entity: Entity) {
+        let reservations = self.reservations();
+        let Ok((mut agent, truck)) = self.trucks.get_mut(entity) else { return };
+        let traffic = Traffic::new(&reservations, entity);
+        let cut = traffic.stopping(&truck.body, &agent.trajectory, self.clock.0, &truck.speed);
+        agent.drop_goal(entity, self.clock.0, cut, &mut self.queue, &mut self.recorder);
+    }
+}
+
+/// Trucks whose fire is over decide anew: where they stand, or where they come to stand.
+pub fn lose_goal(mut fleet: Fleet) {
+    while let Some(wake) = fleet.take(AgentEvent::GoalLost) {
+        let Ok((mut agent, _)) = fleet.trucks.get_mut(wake.agent) else { continue };
+        if agent.activity != Activity::Suppressing {
+            fleet.drop_goal(wake.agent);
+            fleet.wake_blocked(wake.agent);
+        } else if let Some(cell) = agent.goal.take() {
+            fleet.recorder.record_agent(fleet.clock.0, agent.id, AgentFact::SuppressionEnded { cell });
+            agent.activity = Activity::Idle;
+            agent.reconsider(wake.agent, fleet.clock.0, &mut fleet.queue);
+        }
+    }
+}
+
+/// A stop whose dwell ends now.
+struct Stop {
+    by: AgentId,
+    goal: Cell,
+    /// Where the truck's body centre is, and how far it reaches around it.
+    centre: DVec2,
+    reach_m: f64,
+    extinguishes_all: bool,
+    wets: Option<SimTime>,
+}
+
+impl Stop {
+    fn is_in_reach(&self, frame: &FieldFrame, cell: Cell) -> bool {
+        (frame.centre(cell) - self.centre).length() <= self.reach_m
+    }
+
+    /// Iterates by index over the cells in reach, at most the whole field.
+    fn cells_in_reach<'a>(&'a self, frame: &'a FieldFrame) -> impl Iterator<Item = Cell> + 'a {
+        let index = |m: f64, cells: u16| (m / frame.cell_m).clamp(0.0, f64::from(cells) - 1.0) as u16;
+        let (low, high) = (self.centre - self.reach_m, self.centre + self.reach_m);
+        let rows = index(low.y, frame.rows)..=index(high.y, frame.rows);
+        let cols = index(low.x, frame.cols)..=index(high.x, frame.cols);
+        let cells = rows.flat_map(move |row| cols.clone().map(move |col| Cell { col, row }));
+        cells.filter(|&cell| self.is_in_reach(frame, cell))
+    }
+}
+
+/// Dwells that end put fires out. All that end at one instant count, even if one of them takes another's fire.
+pub fn end_dwell(mut fleet: Fleet, fires: Res<Fires>) {
+    let now = fleet.now();
+    let mut stops = Vec::new();
+    while let Some(wake) = fleet.take(AgentEvent::DwellEnd) {
+        let Ok((mut agent, truck)) = fleet.trucks.get_mut(wake.agent) else { continue };
+        if agent.revision != wake.revision {
+            continue;
+        }
+        let goal = agent.goal.take().expect("a truck that suppresses has a goal");
+        agent.activity = Activity::Idle;
+        agent.reconsider(wake.agent, now, &mut fleet.queue);
+        let centre = truck.body.body_centre(agent.trajectory.end());
+        let Truck { reach_m, extinguishes_all, wets, .. } = *truck;
+        stops.push(Stop { by: agent.id, goal, centre, reach_m, extinguishes_all, wets });
+    }
+    let (field, frame) = (&fires.field, fires.field.frame());
+    for stop in &stops {
+        let (by, goal) = (stop.by, stop.goal);
+        let mut put_out = vec![goal];
+        if stop.extinguishes_all {
+            let others = field.burning().filter(|&cell| cell != goal && stop.is_in_reach(frame, cell));
+            put_out.extend(others);
+        }
+        for cell in put_out {
+            fleet.queue.push(now, Due::Cell(CellEvent::Extinguish { cell, by }));
+        }
+    }
+    // What was burning when the water came is put out at best, and what is put out is wet for good.
+    for stop in &stops {
+        let Some(wets) = stop.wets else { continue };
+        for cell in stop.cells_in_reach(frame).filter(|&cell| !field.is_burning(cell)) {
+            fleet.queue.push(now, Due::Cell(CellEvent::Wet { cell, until: now + wets, by: stop.by }));
+        }
+    }
+}
+
+/// Trucks that arrived begin to suppress.
+pub fn arrive(mut fleet: Fleet) {
+    let now = fleet.now();
+    while let Some(wake) = fleet.take(AgentEvent::Arrival) {
+        let Ok((mut agent, truck)) = fleet.trucks.get_mut(wake.agent) else { continue };
+        if agent.revision != wake.revision {
+            continue;
+        }
+        agent.activity = Activity::Suppressing;
+        let cell = agent.goal.expect("a truck drives to a goal");
+        fleet.recorder.record_agent(now, agent.id, AgentFact::Suppressing { cell });
+        agent.busy_until = now + truck.dwell;
+        agent.stops_left = agent.stops_left.map(|stops| stops.saturating_sub(1));
+        fleet.queue.push_for(now + truck.dwell, AgentEvent::DwellEnd, agent.wake(wake.agent));
+    }
+}

@@ -1,0 +1,93 @@
+//! The fire truck: the drive to a fire, and the dwell that puts it out.
+//!
+//! A goal whose plan fails is set aside while it burns. If the scenario lets the truck be rescued, it is tried again when
+//! nothing else is left: then the reachability flood answers, and where
+//! it says yes the truck gets there: by a large lattice search from where it stands, by backing out the way it came
+//! until its planner finds a path, or, if both fail, back along all its tracks to its start and from there by the
+//! flood's own path.
+
+mod decision;
+mod drive;
+mod fleet;
+mod spawn;
+mod team;
+mod tracks;
+mod water;
+
+use std::sync::Arc;
+
+use bevy_app::prelude::*;
+use bevy_ecs::prelude::*;
+
+use crate::scenario::TrafficRules;
+use wildfire_base::geometry::Cell;
+use wildfire_base::time::SimTime;
+use wildfire_base::trajectory::SpeedLimits;
+use wildfire_base::vehicle::Dimensions;
+use wildfire_planning::collision::CollisionChecker;
+use wildfire_planning::reachability::Reachability;
+use wildfire_planning::registry::Charge;
+use wildfire_planning::{Effort, TruckPlanner};
+use wildfire_timeline::WaterRules;
+
+pub use drive::{Blocked, Drive};
+pub use fleet::Fleet;
+pub use spawn::spawn;
+
+use super::schedule::{Pass, SimSystems};
+use decision::Deliberation;
+use team::ClosedPost;
+use tracks::Tracks;
+
+/// Trucks drive and put fires out.
+#[derive(Debug)]
+pub struct TruckPlugin;
+
+impl Plugin for TruckPlugin {
+    fn build(&self, app: &mut App) {
+        let systems = (fleet::lose_goal, fleet::end_dwell, fleet::arrive, decision::decide);
+        app.add_systems(Pass, systems.chain().in_set(SimSystems::Truck));
+    }
+}
+
+/// A truck's rules, its planners, and what it knows.
+#[derive(Component)]
+pub struct Truck {
+    pub body: Dimensions,
+    pub speed: SpeedLimits,
+    /// Infinite where the scenario has no rule of distance.
+    reach_m: f64,
+    dwell: SimTime,
+    extinguishes_all: bool,
+    /// For how long a stop wets what does not burn in reach, if it does.
+    wets: Option<SimTime>,
+    charge: Charge,
+    planner: Box<dyn TruckPlanner>,
+    /// Whether goals that the planner failed on are driven by what the flood knows.
+    is_rescued: bool,
+    reachability: Reachability,
+    /// Goals that the planner failed on, while they burn.
+    failed_goals: Vec<Cell>,
+    /// Goals that the flood does not reach.
+    out_of_reach: Vec<Cell>,
+    tracks: Tracks,
+    pub checker: CollisionChecker,
+    /// What it tries before it waits for others.
+    traffic: TrafficRules,
+    /// What it would do if other trucks were not in the way, best first. Plans are kept, because it stands where it is.
+    pub blocked: Vec<Blocked>,
+    deliberation: Option<Deliberation>,
+    /// The rules of water, if there are any.
+    water: Option<Arc<WaterRules>>,
+    /// Places that it found no way to.
+    closed_posts: Vec<ClosedPost>,
+}
+
+impl Truck {
+    /// Returns the planning time that is charged.
+    pub fn charge(&self, effort: &Effort) -> SimTime {
+        let Charge { roadmap_s, local_s } = self.charge;
+        let seconds = roadmap_s * f64::from(effort.roadmap_expansions) + local_s * f64::from(effort.local_expansions);
+        SimTime::from_seconds(seconds)
+    }
+}

@@ -1,0 +1,91 @@
+//! A truck at its start.
+
+use std::sync::Arc;
+
+use bevy_ecs::prelude::*;
+
+use super::Truck;
+use super::tracks::Tracks;
+use crate::agent::{Agent, Arena, enlist};
+use crate::policies::Following;
+use crate::recorder::Recorder;
+use crate::run::{AgentCost, RunError};
+use crate::scenario::{self, Extinguishes, PlannerContext, Retarget, free_start};
+use crate::wake::WokenBy;
+use wildfire_base::time::SimTime;
+use wildfire_planning::collision::CollisionChecker;
+use wildfire_planning::reachability::Reachability;
+use wildfire_planning::{BuildReport, QueryMonitor};
+use wildfire_timeline::{AgentFact, AgentId, AgentStart, Body};
+
+/// Puts a truck on the free pose that is nearest to its start and builds its planner.
+pub fn spawn(
+    world: &mut World,
+    arena: &Arena<'_>,
+    number: u16,
+    settings: &scenario::Unimog,
+) -> Result<AgentStart, RunError> {
+    let (id, suppression) = (AgentId::unimog(number), &arena.scenario.suppression);
+    let parked: Vec<_> = world
+        .query::<(&Agent, &Truck)>()
+        .iter(world)
+        .map(|(agent, truck)| (truck.body, agent.trajectory.start()))
+        .collect();
+    let checker = CollisionChecker::new(Arc::clone(arena.field), settings.vehicle);
+    let wanted = settings.start.pose();
+    let start = free_start((&settings.vehicle, wanted), arena.field, &checker, &parked)
+        .ok_or(RunError::NoFreeStart { agent: id })?;
+    if start != wanted {
+        world.resource_mut::<Recorder>().record_agent(SimTime::ZERO, id, AgentFact::StartMoved { from: wanted });
+    }
+    let context = PlannerContext {
+        truck: number,
+        seed: arena.seed,
+        checker: &checker,
+        memory: arena.memory,
+        planners: arena.planners,
+        programs: &arena.scenario.planner,
+    };
+    let no_planner = |reason| RunError::NoPlanner { agent: id, name: settings.planner.clone(), reason };
+    let mut planner = settings.make_planner(&context).map_err(no_planner)?;
+    let report = planner.build_report();
+    let BuildReport { samples, edges, components, .. } = report;
+    let mut recorder = world.resource_mut::<Recorder>();
+    if samples > 0 {
+        recorder.record_agent(SimTime::ZERO, id, AgentFact::RoadmapBuilt { samples, edges, components });
+    }
+    if recorder.records_searches {
+        let mut monitor = QueryMonitor::new(true);
+        planner.show_roadmap(&mut monitor);
+        recorder.record_searches(SimTime::ZERO, id, monitor.finish().1);
+    }
+    let truck = Truck {
+        body: settings.vehicle,
+        speed: settings.speed_limits(),
+        reach_m: suppression.reach_m.unwrap_or(f64::INFINITY),
+        dwell: SimTime::from_seconds(suppression.dwell_s),
+        extinguishes_all: suppression.extinguishes == Extinguishes::AllInReach,
+        wets: arena.scenario.fire.wet(),
+        charge: settings.planning_charge(&arena.scenario.planner),
+        planner,
+        is_rescued: settings.is_rescued(),
+        reachability: Reachability::new(&checker, arena.memory, start),
+        failed_goals: Vec::new(),
+        out_of_reach: Vec::new(),
+        tracks: Tracks::default(),
+        checker,
+        traffic: arena.scenario.traffic.clone().unwrap_or_default(),
+        blocked: Vec::new(),
+        deliberation: None,
+        water: arena.water.clone(),
+        closed_posts: Vec::new(),
+    };
+    let following = world.resource::<Following>();
+    let follows = following.policy_of(id);
+    let woken_by = WokenBy::truck(following.asking(follows), settings.retarget == Retarget::OnEvent);
+    let mut agent = Agent::standing(id, Body::Truck(settings.vehicle), start);
+    agent.stops_left = arena.water.as_ref().map(|water| water.full_tank);
+    let BuildReport { sampling, connecting, starting, elsewhere, .. } = report;
+    agent.cost = AgentCost { sampling, connecting, starting, elsewhere, ..agent.cost };
+    Ok(enlist(world, agent, settings.speed_limits(), (truck, woken_by, follows)))
+}

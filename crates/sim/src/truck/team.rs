@@ -1,0 +1,270 @@
+//! Decisions of a team: its policy chooses for all trucks that are asked at one instant, and they carry it out together.
+//!
+//! First those that are under way and are to go elsewhere stop, so that what they went for is free; then those that stand
+//! set out, smaller numbers first. Whoever stops at once, and whoever finds no way to what was chosen, is asked again at the
+//! same instant. That comes to an end: a truck that has set out is not asked again before a fire begins or ends, each
+//! plan that fails rules a goal out, and a truck that comes to wait wakes nobody unless it was under way before.
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+use super::decision::{Conclusion, DecisionBooks, Relocation};
+use super::drive::Outset;
+use super::{Fleet, Truck};
+use crate::agent::{Activity, Agent};
+use crate::policies::dispatch::AS_GOOD_M;
+use crate::policies::{Choice, Follows, Inquiry};
+use crate::traffic::Traffic;
+use wildfire_base::geometry::Pose;
+use wildfire_base::time::SimTime;
+use wildfire_base::time::cpu::CpuStopwatch;
+use wildfire_base::trajectory::Trajectory;
+use wildfire_fire::FireField;
+use wildfire_planning::{Effort, GoalDisc};
+use wildfire_timeline::{AgentFact, AgentId};
+
+/// How near to its place a truck that is sent there comes, in metres: that of the middle of its body.
+const POST_RADIUS_M: f64 = 10.0;
+
+/// How long a truck does not try again to set out for a place that others are in the way to.
+const PATIENCE: SimTime = SimTime::from_nanos(10_000_000_000);
+
+/// A place that a truck found no way to.
+#[derive(Clone, Copy, Debug)]
+pub struct ClosedPost {
+    from: Pose,
+    to: DVec2,
+    /// It is not tried again from there before this time.
+    until: SimTime,
+}
+
+impl Agent {
+    /// Returns true if it is under way to a fire, or to a place where it is to wait.
+    fn may_be_called_off(&self, now: SimTime) -> bool {
+        self.is_under_way() || self.is_relocating(now)
+    }
+}
+
+/// Trucks whose decisions are due.
+struct Called {
+    /// By number.
+    asked: Vec<(AgentId, Entity)>,
+    /// Those of them that are under way.
+    moving: Vec<Entity>,
+}
+
+impl Called {
+    fn entities(&self) -> Vec<Entity> {
+        self.asked.iter().map(|&(_, entity)| entity).collect()
+    }
+}
+
+impl Fleet<'_, '_> {
+    /// Decides for the trucks of a team whose decisions are due; returns false if the answer comes later.
+    pub fn decide_for_team(&mut self, policy: Follows, fires: &FireField, books: &mut DecisionBooks<'_, '_>) -> bool {
+        let mut called = self.called(policy, books);
+        if called.asked.is_empty() {
+            self.queue.drop_next();
+            return true;
+        }
+        let mut changed = Vec::new();
+        let all = called.entities();
+        for &entity in all.iter().filter(|entity| !called.moving.contains(entity)) {
+            self.deliberate(entity, fires);
+        }
+        // Where others are in the way to all that is left, there is nothing to choose.
+        for &entity in &all {
+            if self.has_blocked_drives(entity) && self.options(entity, &all, fires).is_empty() {
+                let conclusion = self.stop_looking(entity, fires);
+                changed.extend(self.conclude_in_team(entity, conclusion, books).then_some(entity));
+                called.asked.retain(|&(_, other)| other != entity);
+            }
+        }
+        if !called.asked.is_empty() {
+            let orders = self.ask_team(policy, &called, fires, books);
+            if orders.is_empty() {
+                return false;
+            }
+            for &(entity, choice) in orders.iter().filter(|(entity, _)| called.moving.contains(entity)) {
+                changed.extend(self.call_off(entity, choice).then_some(entity));
+            }
+            for &(entity, choice) in orders.iter().filter(|(entity, _)| !called.moving.contains(entity)) {
+                if let Some(conclusion) = self.carry_out(entity, choice, fires) {
+                    changed.extend(self.conclude_in_team(entity, conclusion, books).then_some(entity));
+                }
+            }
+        }
+        // Only now, so that nobody forgets meanwhile what was in its way. A change is none of the own truck's.
+        match changed[..] {
+            [] => {}
+            [only] => self.wake_blocked(only),
+            _ => self.wake_blocked(Entity::PLACEHOLDER),
+        }
+        true
+    }
+
+    /// Lists the trucks of a policy that decide now.
+    fn called(&self, policy: Follows, books: &DecisionBooks<'_, '_>) -> Called {
+        let now = self.now();
+        let mut called = Called { asked: Vec::new(), moving: Vec::new() };
+        for due in self.queue.decisions(now) {
+            let Ok((agent, _)) = self.trucks.get(due.agent) else { continue };
+            let is_meant = agent.revision == due.revision && books.followers.get(due.agent) == Ok(&policy);
+            let stands = agent.goal.is_none() && agent.stands(now);
+            let is_called_off = agent.is_called && agent.may_be_called_off(now);
+            let who = (agent.id, due.agent);
+            if is_meant && (stands || is_called_off) && !called.asked.contains(&who) {
+                called.asked.push(who);
+                called.moving.extend((!stands).then_some(due.agent));
+            }
+        }
+        called.asked.sort_by_key(|&(id, _)| id);
+        called
+    }
+
+    /// Returns what the policy chooses for all that are called, by number; whom it leaves out waits. Nobody is in it if the
+    /// answer comes later.
+    fn ask_team(
+        &mut self,
+        policy: Follows,
+        called: &Called,
+        fires: &FireField,
+        books: &mut DecisionBooks<'_, '_>,
+    ) -> Vec<(Entity, Choice)> {
+        let now = self.now();
+        let trucks = self.trucks.iter().map(|(agent, _)| agent.view(now));
+        let agents = trucks.chain(books.others.iter().map(|agent| agent.view(now))).collect();
+        let inquiry = Inquiry { now, fires, agents, asked: called.asked.clone() };
+        let all = called.entities();
+        let mut stopwatch = CpuStopwatch::start();
+        let choices = books.following.ask(policy, inquiry, &|entity| self.options(entity, &all, fires));
+        books.following.team_cpu += stopwatch.lap();
+        let delay = books.following.charge(policy);
+        if choices.is_empty() {
+            return Vec::new();
+        }
+        for &entity in &all {
+            let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else { continue };
+            agent.is_called = false;
+            if let Some(begun) = &mut truck.deliberation {
+                begun.delay = delay;
+            }
+        }
+        let choice_of =
+            |entity| choices.iter().find(|&&(other, _)| other == entity).map_or(Choice::Wait, |&(_, it)| it);
+        all.into_iter().map(|entity| (entity, choice_of(entity))).collect()
+    }
+
+    /// Lets a truck that is under way stop if it is to go elsewhere; returns true if so.
+    fn call_off(&mut self, entity: Entity, choice: Choice) -> bool {
+        let Ok((agent, _)) = self.trucks.get(entity) else { return false };
+        match (agent.goal, agent.post, choice) {
+            (Some(goal), _, Choice::Go(cell)) if cell != goal => self.drop_goal(entity),
+            (Some(_), _, Choice::Move(_) | Choice::Refill) => self.drop_goal(entity),
+            // It is on its way to water.
+            (None, ..) if agent.stops_left == Some(0) => return false,
+            (None, _, Choice::Go(_) | Choice::GoToNearest) => self.halt(entity),
+            (None, Some(post), Choice::Move(place)) if (place - post).length() > AS_GOOD_M => self.halt(entity),
+            _ => return false,
+        }
+        true
+    }
+
+    /// Lets a truck that stands do what was chosen for it. Returns `None` if that fails and it is to be asked again.
+    fn carry_out(&mut self, entity: Entity, choice: Choice, fires: &FireField) -> Option<Conclusion> {
+        let options = self.options(entity, &[entity], fires);
+        match choice {
+            _ if self.is_out_of_water(entity) => Some(self.refill(entity, fires)),
+            Choice::Go(_) | Choice::GoToNearest if choice.is_one_of(&options) => {
+                let conclusion = match choice {
+                    Choice::Go(cell) => self.try_goal(entity, cell, fires),
+                    _ => self.try_nearest(entity, &options, fires),
+                };
+                if conclusion.is_none()
+                    && let Ok((mut agent, _)) = self.trucks.get_mut(entity)
+                {
+                    // If it rests after all, that is a fact of its own after the plan that failed.
+                    agent.activity = Activity::Idle;
+                }
+                conclusion
+            }
+            _ if options.is_empty() && !matches!(choice, Choice::Move(_) | Choice::Refill)
+                || self.has_blocked_drives(entity) =>
+            {
+                Some(self.stop_looking(entity, fires))
+            }
+            Choice::Move(place) => Some(self.relocate(entity, place, fires)),
+            Choice::Refill => Some(self.refill(entity, fires)),
+            _ => Some(Conclusion::Stays(choice.until())),
+        }
+    }
+
+    fn has_blocked_drives(&self, entity: Entity) -> bool {
+        let begun = self.trucks.get(entity).ok().and_then(|(_, truck)| truck.deliberation.as_ref());
+        begun.is_some_and(|begun| !begun.blocked.is_empty())
+    }
+
+    /// Ends a decision; returns true if trucks that are blocked have something new to look at.
+    fn conclude_in_team(&mut self, entity: Entity, conclusion: Conclusion, books: &mut DecisionBooks<'_, '_>) -> bool {
+        let Some(concluded) = self.conclude(entity, conclusion, &mut books.cpu_log) else { return false };
+        // One that was blocked and rests now, or the other way round, stands where it stood. If that woke others, two could
+        // wake each other for ever.
+        let waited = |activity| matches!(activity, Activity::Resting(_) | Activity::Blocked);
+        concluded.has_new_plans || waited(concluded.is) && !waited(concluded.was)
+    }
+
+    /// Sends a truck to a place where it is to wait.
+    fn relocate(&mut self, entity: Entity, place: DVec2, fires: &FireField) -> Conclusion {
+        let Ok((mut agent, truck)) = self.trucks.get_mut(entity) else { return Conclusion::Stays(None) };
+        if (truck.body.body_centre(agent.trajectory.start()) - place).length() <= AS_GOOD_M {
+            agent.post = Some(place);
+            return Conclusion::Stays(None);
+        }
+        self.drive_to(entity, GoalDisc { centre: place, radius_m: POST_RADIUS_M }, fires)
+    }
+
+    /// Plans a truck's drive to a place without a fire. It stays where it is if it finds no way or others are in it.
+    pub fn drive_to(&mut self, entity: Entity, disc: GoalDisc, fires: &FireField) -> Conclusion {
+        let (now, reservations) = (self.now(), self.reservations());
+        let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else { return Conclusion::Stays(None) };
+        let (agent, truck) = (&mut *agent, &mut *truck);
+        let pose = agent.trajectory.start();
+        if truck.closed_until(pose, disc.centre, now).is_some() {
+            return Conclusion::Stays(None);
+        }
+        truck.closed_posts.retain(|closed| closed.from == pose && closed.until > now);
+        let place = disc.centre;
+        let delay = truck.deliberation.as_ref().map_or(SimTime::ZERO, |begun| begun.delay);
+        let traffic = Traffic::new(&reservations, entity);
+        let outset = Outset { now, pose, frame: fires.frame(), traffic, delay };
+        let mut spent = Effort::default();
+        let found = truck.query(disc, outset, &mut spent, &mut agent.cost, &mut self.recorder);
+        let (reason, effort, until, tried_again) = match found {
+            Ok((path, found_by)) => {
+                let ready = now + delay + truck.charge(&spent);
+                match traffic.departure(&truck.body, &Trajectory::from_path(&path, ready, truck.speed)) {
+                    Ok(leg) => return Conclusion::Relocates(Relocation { place, leg, effort: spent, found_by }),
+                    Err(_) => (None, spent, now, now + PATIENCE),
+                }
+            }
+            Err((reason, effort)) => (Some(reason), effort, now + truck.charge(&effort), SimTime::MAX),
+        };
+        truck.closed_posts.push(ClosedPost { from: pose, to: place, until: tried_again });
+        let (x_m, y_m) = (place.x, place.y);
+        let failed = AgentFact::RelocationFailed { x_m, y_m, reason, effort, until };
+        agent.answer(now, failed, &mut self.recorder);
+        if until == now {
+            return Conclusion::Stays(None);
+        }
+        agent.wait_until(entity, until, &mut self.queue);
+        Conclusion::Thinks
+    }
+}
+
+impl Truck {
+    /// Returns until when a truck does not try again to get from where it stands to a place, if it has tried.
+    pub fn closed_until(&self, from: Pose, to: DVec2, now: SimTime) -> Option<SimTime> {
+        let is_meant = |closed: &&ClosedPost| closed.from == from && (closed.to - to).length() <= AS_GOOD_M;
+        self.closed_posts.iter().filter(is_meant).map(|closed| closed.until).filter(|&until| until > now).max()
+    }
+}

@@ -1,0 +1,183 @@
+//! Who hears of what: changes of the fire wake the agents whom they concern.
+
+use bevy_app::prelude::*;
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
+
+use wildfire_base::geometry::Cell;
+use wildfire_base::time::SimTime;
+use wildfire_fire::{FireChange, FireField};
+use wildfire_timeline::RestReason;
+
+use super::agent::{Activity, Agent, Roster};
+use super::policies::Asking;
+use super::queue::{AgentEvent, Due, SimClock, SimQueue};
+use super::schedule::{Pass, SimSystems};
+
+/// Agents are woken, and those without a kind of their own to ask look again.
+#[derive(Debug)]
+pub struct WakePlugin;
+
+impl Plugin for WakePlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(Pass, (drop_void_events, look_again, finish_planning).chain().in_set(SimSystems::Wake));
+    }
+}
+
+/// What wakes an agent.
+#[derive(Component, Clone, Debug)]
+pub struct WokenBy(pub Vec<Trigger>);
+
+impl WokenBy {
+    /// Returns what wakes a truck whose policy is asked so, and that reconsiders its goal or not whenever something ignites.
+    pub fn truck(asking: Asking, reconsiders: bool) -> Self {
+        let triggers = match asking {
+            Asking::Team { replans } => vec![Trigger::GoalBurnsNoMore, Trigger::ChangeForTeam { replans }],
+            Asking::Each => {
+                let standing = [Trigger::IgnitionWhileFree, Trigger::FireOverWhileBlocked, Trigger::ChangeWhileWaiting];
+                let under_way = reconsiders.then_some(Trigger::IgnitionUnderWay);
+                [Trigger::GoalBurnsNoMore].into_iter().chain(standing).chain(under_way).collect()
+            }
+        };
+        Self(triggers)
+    }
+
+    /// Returns true if the agent is woken as one of a team.
+    pub fn is_in_team(&self) -> bool {
+        self.0.iter().any(|trigger| matches!(trigger, Trigger::ChangeForTeam { .. }))
+    }
+}
+
+/// A reason to wake an agent: a change of a bush, and what the agent is about when it happens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trigger {
+    GoalIgnited,
+    GoalBurnsNoMore,
+    IgnitionWhileFree,
+    IgnitionUnderWay,
+    FireOverWhileBlocked,
+    /// A fire is over, and its bush can be lit again.
+    FuelWhileResting,
+    ChangeWhileWaiting,
+    /// Of a truck in a team: whatever it is about, unless it suppresses or comes to a stop.
+    ChangeForTeam {
+        /// True if trucks that are under way to a fire are asked too.
+        replans: bool,
+    },
+}
+
+/// What there is to hear of a change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum News {
+    Ignition(Cell),
+    FireOver(Cell),
+    /// It cannot be lit as long as it is wet.
+    Water(Cell),
+    Fuel,
+}
+
+impl News {
+    /// First comes what happened, then what it makes possible.
+    fn of_change(change: FireChange, fires: &FireField) -> impl Iterator<Item = Self> {
+        let (first, then) = match change {
+            FireChange::Ignited { cell, .. } => (Some(Self::Ignition(cell)), None),
+            FireChange::Extinguished { cell } | FireChange::BurnedOut { cell } => {
+                (Some(Self::FireOver(cell)), fires.can_burn(cell).then_some(Self::Fuel))
+            }
+            FireChange::Wetted { cell, .. } => (Some(Self::Water(cell)), None),
+            FireChange::Dried { cell } => (None, fires.can_burn(cell).then_some(Self::Fuel)),
+        };
+        first.into_iter().chain(then)
+    }
+}
+
+impl Trigger {
+    /// Returns what the agent is to do about the news, if they wake it.
+    fn wakes(self, agent: &Agent, news: News, now: SimTime) -> Option<AgentEvent> {
+        let (is_woken, event) = match (self, news) {
+            (Self::GoalIgnited, News::Ignition(cell) | News::Water(cell))
+            | (Self::GoalBurnsNoMore, News::FireOver(cell)) => (agent.goal == Some(cell), AgentEvent::GoalLost),
+            (Self::IgnitionWhileFree, News::Ignition(_)) => (agent.is_free(), AgentEvent::LookAgain),
+            (Self::IgnitionUnderWay, News::Ignition(_)) => (agent.is_under_way(), AgentEvent::LookAgain),
+            (Self::FireOverWhileBlocked, News::FireOver(_)) => {
+                (agent.activity == Activity::Blocked, AgentEvent::LookAgain)
+            }
+            (Self::FuelWhileResting, News::Fuel) => {
+                (matches!(agent.activity, Activity::Resting(_)), AgentEvent::LookAgain)
+            }
+            (Self::ChangeWhileWaiting, News::Ignition(_) | News::FireOver(_)) => {
+                (agent.activity == Activity::Resting(RestReason::Chosen), AgentEvent::LookAgain)
+            }
+            (Self::ChangeForTeam { replans }, News::Ignition(_) | News::FireOver(_)) => {
+                let is_woken = agent.is_free() || agent.is_relocating(now) || replans && agent.is_under_way();
+                (is_woken, AgentEvent::LookAgain)
+            }
+            _ => return None,
+        };
+        is_woken.then_some(event)
+    }
+}
+
+/// All who hear of changes.
+#[derive(SystemParam)]
+pub struct Listeners<'w, 's> {
+    roster: Res<'w, Roster>,
+    agents: Query<'w, 's, (&'static Agent, &'static WokenBy)>,
+}
+
+impl Listeners<'_, '_> {
+    /// Wakes whom a change concerns, in the order of their names; returns false if that is nobody.
+    pub fn hear_of(&self, change: FireChange, now: SimTime, fires: &FireField, queue: &mut SimQueue) -> bool {
+        let mut is_heard = false;
+        for news in News::of_change(change, fires) {
+            for &entity in &self.roster.0 {
+                let Ok((agent, WokenBy(triggers))) = self.agents.get(entity) else { continue };
+                if let Some(event) = triggers.iter().find_map(|trigger| trigger.wakes(agent, news, now)) {
+                    queue.push_for(now, event, agent.wake(entity));
+                    is_heard = true;
+                }
+            }
+        }
+        is_heard
+    }
+}
+
+/// Drops what is next as long as it is for an agent that has changed its mind, or is no longer there.
+fn drop_void_events(clock: Res<SimClock>, mut queue: ResMut<SimQueue>, agents: Query<&Agent>) {
+    while let Some(&Due::Agent(_, wake)) = queue.next(clock.0) {
+        if agents.get(wake.agent).is_ok_and(|agent| agent.revision == wake.revision) {
+            return;
+        }
+        queue.drop_next();
+    }
+}
+
+/// Lets agents that were woken decide again: who stands begins anew, who is under way goes on meanwhile.
+fn look_again(clock: Res<SimClock>, mut queue: ResMut<SimQueue>, mut agents: Query<&mut Agent>) {
+    while let Some(wake) = queue.take_for(clock.0, AgentEvent::LookAgain, |_| true) {
+        match agents.get_mut(wake.agent) {
+            Ok(mut agent) if agent.is_free() => agent.reconsider(wake.agent, clock.0, &mut queue),
+            Ok(mut agent) => {
+                agent.is_called = true;
+                queue.push_for(clock.0, AgentEvent::Decision, agent.wake(wake.agent));
+            }
+            Err(_) => {}
+        }
+    }
+}
+
+/// Charged planning time is over: the agent moves, or decides again if its plan had failed or it filled its tank.
+fn finish_planning(clock: Res<SimClock>, mut queue: ResMut<SimQueue>, mut agents: Query<&mut Agent>) {
+    while let Some(wake) = queue.take_for(clock.0, AgentEvent::PlanningDone, |_| true) {
+        let Ok(mut agent) = agents.get_mut(wake.agent) else { continue };
+        if agent.revision != wake.revision {
+            continue;
+        }
+        if agent.goal.is_some() {
+            agent.activity = Activity::Moving;
+        } else {
+            agent.activity = Activity::Idle;
+            agent.reconsider(wake.agent, clock.0, &mut queue);
+        }
+    }
+}

@@ -1,0 +1,290 @@
+//! The facts of a run: what can happen in it.
+//!
+//! A new kind of fact is a variant here, a record in [`super::file`], a row in [`super::export`], and the place in the
+//! simulation that appends it; readers that it does not concern pass over it.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::AgentId;
+use wildfire_base::geometry::{Cell, Pose};
+use wildfire_base::query::{Effort, FoundBy, PlanFailure, SearchGraph, SearchPhase};
+use wildfire_base::time::SimTime;
+use wildfire_base::trajectory::Trajectory;
+
+/// The cause of an ignition, with its parent: who lit the cell, or which fire spread to it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// The agent that lit it.
+    Lit(AgentId),
+    /// The burning cell that it caught fire from. Where several burning cells reach it, that is the one whose spread
+    /// comes due first; of those due at one instant, the one that was scheduled first, which is the one that itself
+    /// caught fire earlier. Recordings of every format hold it.
+    Spread(Cell),
+    /// The burning cell whose ember came down here.
+    Spotted(Cell),
+    /// An `[[ignition]]` of the scenario.
+    Scheduled,
+}
+
+/// Why an agent rests.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RestReason {
+    /// A Wumpus with no intact cell left that it can approach; it rests for the rest of the run.
+    NothingLeftToLight,
+    /// A truck while no cell burns that is not another truck's.
+    NothingBurns,
+    /// A truck while all that burns cannot be reached from where it can go.
+    NothingReachable,
+    /// A Wumpus that descends into a local minimum from where it stands, whichever cell it goes for.
+    LocalMinima,
+    /// A truck whose planner failed on all that burns, where nobody else plans for it.
+    NoPlan,
+    /// Its policy wants it to wait though there is something to go for; it stands, and is not stuck.
+    Chosen,
+    /// A truck whose tank does not suffice for a stop, and that finds no way to water from where it stands.
+    NoWater,
+}
+
+impl fmt::Display for RestReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NothingLeftToLight => "nothing left to light",
+            Self::NothingBurns => "nothing burns that is not another truck's",
+            Self::NothingReachable => "nothing reachable",
+            Self::LocalMinima => "local minima wherever it goes",
+            Self::NoPlan => "no plan for anything that burns",
+            Self::Chosen => "its policy lets it wait",
+            Self::NoWater => "no way to water",
+        })
+    }
+}
+
+/// Why a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum EndReason {
+    Duration,
+    /// Nothing burned, nothing was to be lit.
+    NothingLeft,
+}
+
+impl fmt::Display for EndReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Duration => "duration",
+            Self::NothingLeft => "nothing left",
+        })
+    }
+}
+
+/// One thing that happened.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Fact {
+    /// An agent did this, or its planner found it.
+    Agent(AgentId, AgentFact),
+    /// The state of a bush changed.
+    Fire(FireFact),
+    /// The run is over.
+    Ended { reason: EndReason },
+}
+
+/// A change of the state of a bush.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FireFact {
+    /// It catches fire.
+    Ignited { cell: Cell, cause: Cause },
+    /// Its fire ends by itself.
+    BurnedOut { cell: Cell },
+    /// A truck puts it out.
+    Extinguished { cell: Cell, by: AgentId },
+}
+
+/// A change of a cell of ground, or water on any cell.
+///
+/// Ground burns in far greater numbers than bushes, and what follows from an ignition by the rules alone is not recorded:
+/// when it burns out, and when something wet is dry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GroundEvent {
+    pub time: SimTime,
+    pub cell: Cell,
+    pub fact: GroundFact,
+}
+
+impl GroundEvent {
+    /// The agent that did this, if any: it lit the cell, put it out, or wetted it.
+    pub fn agent(&self) -> Option<AgentId> {
+        match self.fact {
+            GroundFact::Ignited(Cause::Lit(by)) | GroundFact::Extinguished { by } | GroundFact::Wetted { by, .. } => {
+                Some(by)
+            }
+            GroundFact::Ignited(_) => None,
+        }
+    }
+}
+
+/// A change of a cell of ground.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GroundFact {
+    /// It catches fire.
+    Ignited(Cause),
+    /// A truck puts it out.
+    Extinguished { by: AgentId },
+    /// A truck wets the cell, bush or ground, so that it cannot burn before `until`.
+    Wetted { until: SimTime, by: AgentId },
+}
+
+/// A thing that an agent did or that its planner found.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AgentFact {
+    /// A blocked start was moved to the nearest free place before the run began.
+    StartMoved { from: Pose },
+    /// A truck's planner was built, and its roadmap with it.
+    RoadmapBuilt {
+        /// Milestones of the roadmap.
+        samples: u32,
+        edges: u32,
+        /// Connected components.
+        components: u32,
+    },
+    /// Cells that this agent can never act on: no lattice point to light them from, or, for a truck, no pose that the
+    /// reachability flood connects to its start.
+    OutOfReach { cells: Vec<Cell> },
+    /// The agent, standing where `trajectory` begins, chose a goal and knows how to get there; while planning time is
+    /// charged it stands until `trajectory.start_time()`. A truck that already stands in reach has a trajectory without
+    /// pieces; one that lets another truck pass first begins with a wait.
+    ///
+    /// `found_by` is `None` for a Wumpus's walk, and for a truck's plan in a recording older than format 5, which does
+    /// not say. If such a recording says that the flood led to a plan, it is [`FoundBy::Reachability`], even where the
+    /// plan was one of those that come after the flood.
+    Planned { goal: Cell, trajectory: Trajectory, effort: Effort, found_by: Option<FoundBy> },
+    /// The graph that a search looked at, where that was to be recorded. The roadmap itself comes right after its
+    /// `RoadmapBuilt`. The phases of a plan come in turn, right before what it led to, which is a `Planned`, a
+    /// `PlanFailed`, with the `LocalMinimum` that goes before them, or, where another truck was in the way, the next
+    /// plan or a `Blocked`.
+    /// Detours round other trucks and plans that the reachability flood led to are not recorded.
+    Searched { phase: SearchPhase, graph: SearchGraph },
+    /// A plan for a goal failed. Planning time is charged until `until`, which is the time of this fact where planning
+    /// costs none; it does not stop an agent that is under way.
+    PlanFailed { goal: Cell, reason: PlanFailure, effort: Effort, until: SimTime },
+    /// The agent drops its goal. `trajectory` is the leg as it is really driven: the same start, cut short, standing
+    /// from its `end_time()` on; without pieces if the agent had not set out. A truck stops where it is in nobody's
+    /// way, which may be later than it could.
+    Dropped { goal: Cell, trajectory: Trajectory },
+    /// A truck arrived and suppresses.
+    Suppressing { cell: Cell },
+    /// A suppression ended early because its cell stopped burning.
+    SuppressionEnded { cell: Cell },
+    /// It stands and has nothing to do, for this reason.
+    Rested { reason: RestReason },
+    /// The descent of a Wumpus for a goal meets a local minimum at this place. A `Planned` follows if its walk leads
+    /// there and escapes; if the Wumpus stands there and gives the goal up, a `PlanFailed`.
+    LocalMinimum { goal: Cell, x_m: f64, y_m: f64 },
+    /// A truck stands because another one is in the way to all that it could go for: `by` is in the way to `goal`, its
+    /// first choice. It waits until something of the others changes.
+    Blocked { goal: Cell, by: AgentId },
+    /// A truck that had no goal, or was blocked itself, drives aside so that `to` can set out: a deadlock is broken.
+    GaveWay { to: AgentId, trajectory: Trajectory },
+    /// A truck without a fire to go for sets out for a place where its policy wants it to wait, or where there is water, in
+    /// metres in the frame of the field; its leg ends near there. It may be called off on the way.
+    Relocated { x_m: f64, y_m: f64, trajectory: Trajectory, effort: Effort, found_by: FoundBy },
+    /// A truck on its way to such a place is called off. `trajectory` is the leg as it is really driven, as that of
+    /// [`Self::Dropped`].
+    Halted { trajectory: Trajectory },
+    /// A truck stays where it is because there is no way to the place where its policy wants it to wait, or, without a
+    /// reason, because other trucks are in the way. Planning time is charged until `until`.
+    RelocationFailed { x_m: f64, y_m: f64, reason: Option<PlanFailure>, effort: Effort, until: SimTime },
+    /// A truck that stands at water fills its tank; it is full from now on, but the truck is busy until then.
+    Refilling { until: SimTime },
+}
+
+/// A fact and its time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// When it happened.
+    pub time: SimTime,
+    /// The thing that happened.
+    pub fact: Fact,
+}
+
+impl Fact {
+    /// The agent that did this, if any: an agent also lights and extinguishes.
+    pub fn agent(&self) -> Option<AgentId> {
+        match *self {
+            Self::Agent(agent, _)
+            | Self::Fire(
+                FireFact::Ignited { cause: Cause::Lit(agent), .. } | FireFact::Extinguished { by: agent, .. },
+            ) => Some(agent),
+            Self::Fire(_) | Self::Ended { .. } => None,
+        }
+    }
+
+    /// The leg that begins, or is cut short, with this fact.
+    pub fn trajectory(&self) -> Option<&Trajectory> {
+        match self {
+            Self::Agent(_, fact) => fact.trajectory(),
+            Self::Fire(_) | Self::Ended { .. } => None,
+        }
+    }
+
+    /// The bush that catches fire with this fact, and the cause.
+    pub fn ignition(&self) -> Option<(Cell, Cause)> {
+        if let Self::Fire(FireFact::Ignited { cell, cause }) = *self { Some((cell, cause)) } else { None }
+    }
+
+    /// The one cell that this concerns: what changed, or the agent's goal.
+    pub fn cell(&self) -> Option<Cell> {
+        match self {
+            Self::Agent(_, fact) => fact.cell(),
+            Self::Fire(fact) => Some(fact.cell()),
+            Self::Ended { .. } => None,
+        }
+    }
+}
+
+impl Cause {
+    /// Returns the burning cell that the fire came from, if it came from one.
+    pub fn parent(self) -> Option<Cell> {
+        match self {
+            Self::Spread(from) | Self::Spotted(from) => Some(from),
+            Self::Lit(_) | Self::Scheduled => None,
+        }
+    }
+}
+
+impl FireFact {
+    /// The cell that changed.
+    pub fn cell(&self) -> Cell {
+        match *self {
+            Self::Ignited { cell, .. } | Self::BurnedOut { cell } | Self::Extinguished { cell, .. } => cell,
+        }
+    }
+}
+
+impl AgentFact {
+    /// The leg that begins, or is cut short, with this fact.
+    pub fn trajectory(&self) -> Option<&Trajectory> {
+        match self {
+            Self::Planned { trajectory, .. }
+            | Self::Dropped { trajectory, .. }
+            | Self::GaveWay { trajectory, .. }
+            | Self::Relocated { trajectory, .. }
+            | Self::Halted { trajectory } => Some(trajectory),
+            _ => None,
+        }
+    }
+
+    /// The agent's goal, or the cell that it suppresses.
+    pub fn cell(&self) -> Option<Cell> {
+        match *self {
+            Self::Planned { goal: cell, .. }
+            | Self::PlanFailed { goal: cell, .. }
+            | Self::Dropped { goal: cell, .. }
+            | Self::LocalMinimum { goal: cell, .. }
+            | Self::Blocked { goal: cell, .. }
+            | Self::Suppressing { cell }
+            | Self::SuppressionEnded { cell } => Some(cell),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,301 @@
+//! What fire runs over and by which rules, as recordings of format 7 hold it: see [`super::setting`].
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::check::{MAX_WEATHER, limit};
+use super::columns::{read_surface, write_surface};
+use super::setting::{cells, steps};
+use super::{FileError, append, take};
+use crate::{Setting, SpreadSetting};
+use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
+use wildfire_base::time::SimTime;
+use wildfire_fire::embers::{EmberSettings, Embers};
+use wildfire_fire::models::{AlexandridisRules, Density, Neighbours, RothermelRules, Vegetation};
+use wildfire_fire::surface::{Combine, Curing, FuelMoisture, LengthToWidth, SurfaceOptions, WindLimit};
+use wildfire_fire::{Landscape, Relief, Weather, WeatherInterval};
+
+const NO_LANDSCAPE: FileError = FileError::Damaged("its landscape does not fit its field");
+const NO_WORD: FileError = FileError::Damaged("a choice of its fire is unknown");
+
+/// The part of a setting that formats hold since the seventh.
+#[derive(Default, Serialize, Deserialize)]
+pub struct GroundSetting {
+    /// Index of each blocked cell without a bush, less that of the one before it.
+    blocked_steps: Vec<u32>,
+    spread: Option<SpreadRecord>,
+}
+
+#[derive(Serialize, Deserialize)]
+enum SpreadRecord {
+    Rothermel { landscape: LandscapeRecord, weather: Vec<IntervalRecord>, rules: RothermelRecord },
+    Alexandridis { landscape: LandscapeRecord, weather: Vec<IntervalRecord>, rules: AlexandridisRecord },
+}
+
+#[derive(Serialize, Deserialize)]
+struct LandscapeRecord {
+    /// Fuel models and how many cells in turn have them, by cell index.
+    fuels: Vec<u8>,
+    runs: Vec<u8>,
+    relief: ReliefRecord,
+}
+
+#[derive(Serialize, Deserialize)]
+enum ReliefRecord {
+    /// East and north.
+    Plane([f64; 2]),
+    Elevation(SurfaceRecord),
+    Gradient {
+        east: SurfaceRecord,
+        north: SurfaceRecord,
+    },
+}
+
+/// A number for each cell.
+#[derive(Serialize, Deserialize)]
+struct SurfaceRecord {
+    lengths: Vec<u8>,
+    bits: Vec<u8>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct IntervalRecord {
+    from_ns: u64,
+    /// East and north.
+    wind_mps: [f64; 2],
+    /// Of dead fuel of 1, 10 and 100 hours, of herbs, of wood.
+    moistures: [f64; 5],
+}
+
+#[derive(Serialize, Deserialize)]
+struct RothermelRecord {
+    /// Places in the lists below: curing, sum of wind and slope, wind limit, length to width.
+    choices: [u8; 4],
+    neighbours: u8,
+    wet_ns: u64,
+    burn_out_ns: Option<u64>,
+    embers: Option<EmberRecord>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct EmberRecord {
+    seed: u64,
+    /// In the order of the settings' table.
+    settings: [f64; 9],
+}
+
+#[derive(Serialize, Deserialize)]
+struct AlexandridisRecord {
+    /// p0, c1 and c2 of the wind, a of the slope.
+    numbers: [f64; 4],
+    /// Places in the lists below: vegetation, density.
+    choices: [u8; 2],
+    step_ns: u64,
+}
+
+// Words are written as their places in these lists, which only grow at the end.
+const CURINGS: [Curing; 2] = [Curing::Exact, Curing::Behave];
+const COMBINES: [Combine; 2] = [Combine::Plane, Combine::Flat];
+const WIND_LIMITS: [WindLimit; 3] = [WindLimit::None, WindLimit::Rothermel1972, WindLimit::Andrews2013];
+const LENGTHS_TO_WIDTHS: [LengthToWidth; 2] = [LengthToWidth::Anderson1983, LengthToWidth::Linear];
+
+const VEGETATIONS: [Vegetation; 3] = [Vegetation::Agricultural, Vegetation::Thickets, Vegetation::Pine];
+const DENSITIES: [Density; 3] = [Density::Sparse, Density::Normal, Density::Dense];
+
+fn place_of<T: PartialEq>(words: &[T], word: T) -> u8 {
+    words.iter().position(|known| *known == word).expect("all words are listed") as u8
+}
+
+fn word_at<T: Copy>(words: &[T], place: u8) -> Result<T, FileError> {
+    words.get(usize::from(place)).copied().ok_or(NO_WORD)
+}
+
+impl From<&Setting> for GroundSetting {
+    fn from(setting: &Setting) -> Self {
+        let spread = setting.spread.as_ref().map(|spread| match spread {
+            SpreadSetting::Rothermel { landscape, weather, rules } => SpreadRecord::Rothermel {
+                landscape: LandscapeRecord::from(&**landscape),
+                weather: weather.intervals().iter().map(IntervalRecord::from).collect(),
+                rules: RothermelRecord::from(rules),
+            },
+            SpreadSetting::Alexandridis { landscape, weather, rules } => SpreadRecord::Alexandridis {
+                landscape: LandscapeRecord::from(&**landscape),
+                weather: weather.intervals().iter().map(IntervalRecord::from).collect(),
+                rules: AlexandridisRecord::from(rules),
+            },
+        });
+        Self { blocked_steps: steps(setting.frame, &setting.blocked), spread }
+    }
+}
+
+impl GroundSetting {
+    /// Returns the cells that are blocked without a bush.
+    pub fn blocked(&self, frame: FieldFrame) -> Result<Vec<Cell>, FileError> {
+        cells(frame, &self.blocked_steps)
+    }
+
+    /// Returns how fire goes over ground on this field; values are still to be checked.
+    pub fn spread(&self, frame: FieldFrame) -> Result<Option<SpreadSetting>, FileError> {
+        let spread = |record: &SpreadRecord| match record {
+            SpreadRecord::Rothermel { landscape, weather, rules } => Ok(SpreadSetting::Rothermel {
+                landscape: Arc::new(landscape.landscape(frame)?),
+                weather: Arc::new(weather_of(weather)?),
+                rules: rules.rules()?,
+            }),
+            SpreadRecord::Alexandridis { landscape, weather, rules } => Ok(SpreadSetting::Alexandridis {
+                landscape: Arc::new(landscape.landscape(frame)?),
+                weather: Arc::new(weather_of(weather)?),
+                rules: rules.rules()?,
+            }),
+        };
+        self.spread.as_ref().map(spread).transpose()
+    }
+}
+
+impl From<&Landscape> for LandscapeRecord {
+    fn from(landscape: &Landscape) -> Self {
+        let (mut fuels, mut runs) = (Vec::new(), Vec::new());
+        for run in landscape.fuel.chunk_by(|one, other| one == other) {
+            fuels.push(run[0]);
+            append(&mut runs, &(run.len() as u32));
+        }
+        let cols = usize::from(landscape.frame.cols);
+        let relief = match &landscape.relief {
+            Relief::Plane(gradient) => ReliefRecord::Plane(gradient.to_array()),
+            Relief::Elevation(heights) => ReliefRecord::Elevation(SurfaceRecord::new(cols, heights.iter().copied())),
+            Relief::Gradient(gradients) => {
+                let [east, north] = [0, 1].map(|axis| gradients.iter().map(move |gradient| gradient[axis]));
+                ReliefRecord::Gradient { east: SurfaceRecord::new(cols, east), north: SurfaceRecord::new(cols, north) }
+            }
+        };
+        Self { fuels, runs, relief }
+    }
+}
+
+impl LandscapeRecord {
+    fn landscape(&self, frame: FieldFrame) -> Result<Landscape, FileError> {
+        let mut runs = &self.runs[..];
+        let mut fuel = Vec::with_capacity(frame.cell_count());
+        for &number in &self.fuels {
+            let length = take::<u32>(&mut runs)? as usize;
+            if length > frame.cell_count() - fuel.len() {
+                return Err(NO_LANDSCAPE);
+            }
+            fuel.resize(fuel.len() + length, number);
+        }
+        if fuel.len() != frame.cell_count() || !runs.is_empty() {
+            return Err(NO_LANDSCAPE);
+        }
+        let relief = match &self.relief {
+            &ReliefRecord::Plane([east, north]) => Relief::Plane(DVec2::new(east, north)),
+            ReliefRecord::Elevation(heights) => Relief::Elevation(heights.numbers(frame)?),
+            ReliefRecord::Gradient { east, north } => {
+                let (east, north) = (east.numbers(frame)?, north.numbers(frame)?);
+                Relief::Gradient(east.into_iter().zip(north).map(|(east, north)| [east, north]).collect())
+            }
+        };
+        Ok(Landscape { frame, fuel, relief })
+    }
+}
+
+impl SurfaceRecord {
+    fn new(cols: usize, numbers: impl ExactSizeIterator<Item = f32>) -> Self {
+        let (lengths, bits) = write_surface(cols, numbers);
+        Self { lengths, bits }
+    }
+
+    fn numbers(&self, frame: FieldFrame) -> Result<Vec<f32>, FileError> {
+        read_surface(frame.cols.into(), frame.cell_count(), &self.lengths, &self.bits)
+    }
+}
+
+impl From<&WeatherInterval> for IntervalRecord {
+    fn from(&WeatherInterval { from, wind_mps, moisture }: &WeatherInterval) -> Self {
+        let FuelMoisture { d1, d10, d100, herb, woody } = moisture;
+        Self { from_ns: from.as_nanos(), wind_mps: wind_mps.to_array(), moistures: [d1, d10, d100, herb, woody] }
+    }
+}
+
+fn weather_of(records: &[IntervalRecord]) -> Result<Weather, FileError> {
+    limit("intervals of weather", records.len(), MAX_WEATHER)?;
+    let interval = |record: &IntervalRecord| {
+        let [d1, d10, d100, herb, woody] = record.moistures;
+        WeatherInterval {
+            from: SimTime::from_nanos(record.from_ns),
+            wind_mps: DVec2::from_array(record.wind_mps),
+            moisture: FuelMoisture { d1, d10, d100, herb, woody },
+        }
+    };
+    let intervals = records.iter().map(interval).collect();
+    Weather::new(intervals).map_err(|error| FileError::Impossible(error.to_string()))
+}
+
+impl From<&RothermelRules> for RothermelRecord {
+    fn from(&RothermelRules { options, neighbours, wet, burn_out, embers }: &RothermelRules) -> Self {
+        let SurfaceOptions { curing, combine, wind_limit, length_to_width } = options;
+        Self {
+            choices: [
+                place_of(&CURINGS, curing),
+                place_of(&COMBINES, combine),
+                place_of(&WIND_LIMITS, wind_limit),
+                place_of(&LENGTHS_TO_WIDTHS, length_to_width),
+            ],
+            neighbours: neighbours.into(),
+            wet_ns: wet.as_nanos(),
+            burn_out_ns: burn_out.map(SimTime::as_nanos),
+            embers: embers.map(EmberRecord::from),
+        }
+    }
+}
+
+impl From<&AlexandridisRules> for AlexandridisRecord {
+    fn from(rules: &AlexandridisRules) -> Self {
+        let AlexandridisRules { p0, wind_c1, wind_c2, slope_a, vegetation, density, step } = *rules;
+        Self {
+            numbers: [p0, wind_c1, wind_c2, slope_a],
+            choices: [place_of(&VEGETATIONS, vegetation), place_of(&DENSITIES, density)],
+            step_ns: step.as_nanos(),
+        }
+    }
+}
+
+impl AlexandridisRecord {
+    fn rules(&self) -> Result<AlexandridisRules, FileError> {
+        let ([p0, wind_c1, wind_c2, slope_a], [vegetation, density]) = (self.numbers, self.choices);
+        let (vegetation, density) = (word_at(&VEGETATIONS, vegetation)?, word_at(&DENSITIES, density)?);
+        let step = SimTime::from_nanos(self.step_ns);
+        Ok(AlexandridisRules { p0, wind_c1, wind_c2, slope_a, vegetation, density, step })
+    }
+}
+
+impl From<Embers> for EmberRecord {
+    fn from(Embers { settings, seed }: Embers) -> Self {
+        let EmberSettings { per_mj, i_min_kw_m, d0, a, b, k, cross_sd_m, p_ign, delay_s } = settings;
+        Self { seed, settings: [per_mj, i_min_kw_m, d0, a, b, k, cross_sd_m, p_ign, delay_s] }
+    }
+}
+
+impl EmberRecord {
+    fn embers(&self) -> Embers {
+        let [per_mj, i_min_kw_m, d0, a, b, k, cross_sd_m, p_ign, delay_s] = self.settings;
+        let settings = EmberSettings { per_mj, i_min_kw_m, d0, a, b, k, cross_sd_m, p_ign, delay_s };
+        Embers { settings, seed: self.seed }
+    }
+}
+
+impl RothermelRecord {
+    fn rules(&self) -> Result<RothermelRules, FileError> {
+        let [curing, combine, wind_limit, length_to_width] = self.choices;
+        let options = SurfaceOptions {
+            curing: word_at(&CURINGS, curing)?,
+            combine: word_at(&COMBINES, combine)?,
+            wind_limit: word_at(&WIND_LIMITS, wind_limit)?,
+            length_to_width: word_at(&LENGTHS_TO_WIDTHS, length_to_width)?,
+        };
+        let neighbours = Neighbours::try_from(self.neighbours).map_err(|_| NO_WORD)?;
+        let (wet, burn_out) = (SimTime::from_nanos(self.wet_ns), self.burn_out_ns.map(SimTime::from_nanos));
+        let embers = self.embers.as_ref().map(EmberRecord::embers);
+        Ok(RothermelRules { options, neighbours, wet, burn_out, embers })
+    }
+}

@@ -1,0 +1,66 @@
+#![doc = include_str!("../README.md")]
+//!
+//! What happened in a run: facts in order of time, the state at any time, the outcome, the file.
+//!
+//! The simulation appends facts; windows, pictures, tables and audits read them and nothing else. The facts of one
+//! instant stand in the order in which they happened, and a state or a count at a time is that after all of its facts.
+
+mod agent_id;
+mod burn_map;
+mod clairvoyant;
+mod cpu;
+pub mod export;
+mod fact;
+pub mod file;
+mod index;
+mod outcome;
+mod progress;
+mod replay;
+#[doc(hidden)]
+pub mod sample;
+mod setting;
+mod water;
+
+pub use agent_id::{AgentId, Role};
+pub use burn_map::{BurnMap, FireBehavior};
+pub use cpu::{CpuHistory, CpuSample};
+pub use fact::{AgentFact, Cause, EndReason, Event, Fact, FireFact, GroundEvent, GroundFact, RestReason};
+pub use index::{
+    AgentStats, Burning, BushCounts, FollowedLeg, GroundCounts, GroundIndex, RunIndex, SpreadMoment, Wetting,
+};
+pub use outcome::{AgentOutcome, FLOCK_M, GroundOutcome, Outcome, Winner};
+pub use progress::Activity;
+pub use replay::{AgentState, Replay, State};
+pub use setting::{AgentStart, Body, FlamingTimes, Rules, Setting, SpreadSetting};
+pub use water::WaterRules;
+
+use wildfire_base::time::SimTime;
+pub use wildfire_fire::{BushState, BushStateKind};
+
+/// A finished run: the setting, and the facts in the order in which they happened.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Timeline {
+    /// Field, agents and rules.
+    pub setting: Setting,
+    /// Facts with their times, in the order in which they happened.
+    pub events: Vec<Event>,
+    /// What became of the ground, in order of time; none where only bushes burn.
+    pub ground: Vec<GroundEvent>,
+}
+
+impl Timeline {
+    /// When the run ended: the time of its `Ended` fact, or its duration where there is none.
+    pub fn end_time(&self) -> SimTime {
+        let ended = self.events.iter().rev().find(|event| matches!(event.fact, Fact::Ended { .. }));
+        ended.map_or(self.setting.rules.duration, |event| event.time)
+    }
+
+    /// The state after all events at `time`; beyond the end, the state at the end.
+    ///
+    /// Costs a replay from the start, some tens of nanoseconds a fact. To go through a run in order keep a [`Replay`].
+    pub fn state_at(&self, time: SimTime) -> State {
+        let mut replay = Replay::new(self);
+        replay.seek(time);
+        replay.state()
+    }
+}
