@@ -1,4 +1,4 @@
-"""One planner in Rust, in Python and as a program gives the same outcomes: `tests/same_planner.rs` has written them."""
+"""One planner in Rust, in Python and as a program gives the same outcomes: `tests/contest/same_planner.rs` has written them."""
 
 from __future__ import annotations
 

@@ -2,7 +2,6 @@
 
 mod audit;
 #[cfg(unix)]
-#[cfg(unix)]
 mod batch_cluster;
 mod batch_folder;
 mod batch_kill;
@@ -19,8 +18,10 @@ mod errors;
 mod export;
 mod files_named;
 mod fire;
+mod front_page;
 mod guide;
 mod judge;
+mod layers;
 mod map_answers;
 mod map_errors;
 mod map_files;
@@ -35,6 +36,7 @@ mod plan_benchmark;
 mod plan_guide;
 mod plan_ompl;
 mod rank;
+mod readme;
 mod render;
 mod report;
 #[cfg(target_os = "linux")]

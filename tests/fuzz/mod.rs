@@ -167,7 +167,7 @@ impl Summary {
 #[derive(Clone, Copy)]
 pub struct Fuzzer {
     pub name: &'static str,
-    /// The test as cargo is asked for it: `--test fuzz_parsers`.
+    /// The program of tests that it is part of, as an option of cargo: `--test contest`.
     pub target: &'static str,
     pub law: fn(&mut Case<'_>) -> Law,
 }

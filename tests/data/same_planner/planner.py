@@ -1,4 +1,4 @@
-"""The planner of `tests/same_planner.rs`, as a class of Python and as a program: `python3 planner.py`.
+"""The planner of `tests/contest/same_planner.rs`, as a class of Python and as a program: `python3 planner.py`.
 
 Drives the shortest curve to the first place about the goal whose cell, and all cells around it, are bare.
 """

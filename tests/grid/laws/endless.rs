@@ -8,7 +8,7 @@ use wildfire::grid::potential::{Attraction, Repulsion, RepulsionDistance, attrac
 use wildfire::grid::wavefront::{descend_wavefront, wavefront};
 use wildfire::grid::{BadPlace, Connectivity, Grid, Place, Route, TieOrder};
 
-use crate::problems::{WAYS, map, potential};
+use super::problems::{WAYS, map, potential};
 
 /// What every function says of a map between two places, so that each has had its chance to loop for ever.
 fn everything(

@@ -9,7 +9,7 @@
 //! | `sh measured`, `text measured` | is not run; its section says when and at which commit it was measured |
 //! | `toml my.toml`, or another name of a file | is the content of that file |
 //!
-//! CPU times in a `text` block are not compared, see [`comparable`]. `WILDFIRE_REWRITE_DOCS=1 cargo test --test readme`
+//! CPU times in a `text` block are not compared, see [`comparable`]. `WILDFIRE_REWRITE_DOCS=1 cargo test --test cli readme`
 //! writes all answers and pictures that are not what the program gives into the pages.
 
 use std::collections::BTreeSet;
@@ -208,7 +208,8 @@ fn hold(page: &str, largest_picture: usize) {
     if rewriting() {
         fs::write(root().join(page), lines.join("\n") + "\n").expect("the page can be written");
     } else {
-        let how = "`WILDFIRE_REWRITE_DOCS=1 cargo test --test readme` writes what the program says now into the pages";
+        let how =
+            "`WILDFIRE_REWRITE_DOCS=1 cargo test --test cli readme` writes what the program says now into the pages";
         assert!(different.is_empty(), "{}\n\n{how}", different.join("\n\n"));
     }
 }
@@ -415,7 +416,7 @@ fn every_built_in_scenario_is_named() {
 
 #[test]
 fn citation_names_this_version() {
-    let citation = include_str!("../CITATION.cff");
+    let citation = include_str!("../../CITATION.cff");
     assert!(citation.contains(concat!("\nversion: ", env!("CARGO_PKG_VERSION"), "\n")));
 }
 

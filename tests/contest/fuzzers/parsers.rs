@@ -4,40 +4,32 @@
 //! a text. Whatever is accepted is the same when it is written and read again. Checksums and hashes are right, so that
 //! what they cover is reached.
 //!
-//! Arguments of the command line and the tables that its commands read have a fuzzer in `src/cli/fuzz.rs`.
-//! `fuzz/mod.rs` says which variables of the environment ask for more cases, or for one.
+//! Arguments of the command line and the tables that its commands read have a fuzzer in `src/cli/command_lines.rs`.
+//! `tests/fuzz/mod.rs` says which variables of the environment ask for more cases, or for one.
 
-#[path = "fuzz/batches.rs"]
-mod batches;
-#[expect(clippy::print_stdout, reason = "says how much was tried, and which case broke a law")]
-mod fuzz;
-#[path = "fuzz/grammar.rs"]
-mod grammar;
-#[path = "fuzz/maps.rs"]
-mod maps;
-#[path = "fuzz/phrases.rs"]
-mod phrases;
-#[path = "fuzz/recordings.rs"]
-mod recordings;
-
-use std::fs;
 use std::panic;
+use std::process::Command;
 use std::str::FromStr;
 use std::sync::LazyLock;
+use std::{env, fs};
 
 use wildfire::batch::{MAX_RUNS, Record, Seeds, Slice};
 use wildfire::scenario::{BUILT_IN, LoadedScenario, MemoryLimit, TruckPlannerKind, explain};
 use wildfire::untrusted::{spreadsheet_cell, text_of_cell, visible};
 
-use fuzz::text::mutated;
-use fuzz::{Case, Fuzzer, Law, below, one_of};
-use grammar::{Grammar, MAP, refusal_names_its_place};
-use maps::said;
+use super::fuzz::text::mutated;
+use super::fuzz::{Case, Fuzzer, Law, below, one_of};
+use super::grammar::{Grammar, MAP, refusal_names_its_place};
+use super::maps::said;
+use super::{batches, maps, phrases, recordings};
 
 /// The number of cases that are run where nobody asks for more.
 const CASES: u64 = 10_000;
 
-/// The most memory that this program may have taken, in kilobytes: reading a recording may take most of it.
+/// The name of the test, by which it starts itself.
+const TEST: &str = "fuzzers::parsers::parsers_take_anything";
+
+/// The most memory that the fuzzer may have taken, in kilobytes: reading a recording may take most of it.
 const MOST_MEMORY_KB: u64 = 1 << 20;
 
 /// Feeds a case to a parser, and looks whether a law is broken.
@@ -68,7 +60,14 @@ static GRAMMAR: LazyLock<Grammar> = LazyLock::new(Grammar::new);
 
 #[test]
 fn parsers_take_anything() {
-    let tally = Fuzzer { name: "parsers", target: "--test fuzz_parsers", law: parser_takes_it }.run(CASES);
+    // Its memory is counted, and tests beside it take some too: where it was not asked for, it has a process of its own.
+    if !env::args().skip(1).any(|filter| TEST.contains(&filter)) {
+        let tests = env::current_exe().expect("this program has a path");
+        let output = Command::new(tests).args([TEST, "--nocapture"]).output().expect("it can be started");
+        println!("{}", String::from_utf8_lossy(&output.stdout));
+        return assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    let tally = Fuzzer { name: "parsers", target: "--test contest", law: parser_takes_it }.run(CASES);
     let cases: u64 = PARSERS.iter().filter_map(|(_, name, _)| tally.get(*name)).sum();
     for (_, name, _) in PARSERS {
         assert!(cases < CASES || tally.contains_key(*name), "no case was about {name}");
@@ -88,10 +87,10 @@ fn broken_law_is_told_of_a_small_case() {
         assert!(draws.iter().all(|&draw| draw < 200), "a number is large");
         Ok(())
     };
-    let told = panic::catch_unwind(|| Fuzzer { name: "broken_law", target: "--test fuzz_parsers", law }.run(1));
+    let told = panic::catch_unwind(|| Fuzzer { name: "broken_law", target: "--test contest", law }.run(1));
     let told = told.expect_err("the law is broken");
     let report = told.downcast_ref::<String>().expect("a report");
-    assert!(report.contains("it panics: a number is large (tests/fuzz_parsers.rs:"), "{report}");
+    assert!(report.contains("it panics: a number is large (tests/contest/fuzzers/parsers.rs:"), "{report}");
     assert!(report.contains("again: WILDFIRE_FUZZ_CASE="), "{report}");
     let small = report.lines().skip_while(|line| !line.starts_with("made smaller")).nth(1).expect("an input");
     let numbers: Vec<&str> = small.split(';').filter(|number| !matches!(*number, "0" | "")).collect();

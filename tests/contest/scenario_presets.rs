@@ -43,7 +43,7 @@ fn every_scenario_file_is_built_in() {
 
 #[test]
 fn the_documentation_of_the_format_names_every_field_with_its_default() {
-    let sections: Vec<&str> = include_str!("../scenarios/README.md").split("\n## ").collect();
+    let sections: Vec<&str> = include_str!("../../scenarios/README.md").split("\n## ").collect();
     for (path, default) in LoadedScenario::open("contest-1", &[]).expect("contest-1 loads").values() {
         let steps: Vec<&str> = path.split('.').filter(|step| step.parse::<u32>().is_err()).collect();
         let (header, field) = match steps.split_first().expect("a path has steps") {
@@ -95,12 +95,13 @@ fn both_contests_spell_out_every_value_and_those_of_the_first_are_the_defaults()
 #[test]
 fn contest_names_what_it_does_not_share_with_the_first() {
     let values = |name| LoadedScenario::open(name, &[]).expect("it loads").values();
-    let said =
-        include_str!("../scenarios/contest.toml").lines().filter(|line| line.contains("# contest-1: ")).map(|line| {
+    let said = include_str!("../../scenarios/contest.toml").lines().filter(|line| line.contains("# contest-1: ")).map(
+        |line| {
             let (value, first) = line.split_once('#').expect("it has a comment");
             let (key, value) = value.split_once('=').expect("it is a value");
             [key, value, first.trim_start_matches(" contest-1:")].map(|text| text.trim().trim_matches('"').to_owned())
-        });
+        },
+    );
     let both = values("contest").into_iter().zip(values("contest-1"));
     let differ = both.filter(|(new, old)| new != old && new.0 != "name").map(|((path, new), (_, old))| {
         let key = path.rsplit('.').next().expect("a path has steps").to_owned();

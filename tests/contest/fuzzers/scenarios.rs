@@ -5,12 +5,7 @@
 //! with less time and smaller searches where the whole would take too long: nothing panics, the audit finds no violation,
 //! the recording comes back bit for bit, there is an outcome, and time that is cut into slices changes nothing.
 //!
-//! `fuzz/mod.rs` says which variables of the environment ask for more cases, or for one.
-
-#[expect(clippy::print_stdout, reason = "says how much was tried, and which case broke a law")]
-mod fuzz;
-#[path = "fuzz/grammar.rs"]
-mod grammar;
+//! `tests/fuzz/mod.rs` says which variables of the environment ask for more cases, or for one.
 
 use std::sync::LazyLock;
 
@@ -20,8 +15,8 @@ use wildfire::sim::{self, Run, RunError, Simulation};
 use wildfire::time::SimTime;
 use wildfire::timeline::{Outcome, Timeline, file};
 
-use fuzz::{Case, Fuzzer, Law, below, one_of, text};
-use grammar::{Grammar, MAP, refusal_names_its_place};
+use super::fuzz::{Case, Fuzzer, Law, below, one_of, text};
+use super::grammar::{Grammar, MAP, refusal_names_its_place};
 
 /// The number of cases that are run where nobody asks for more.
 const CASES: u64 = 300;
@@ -47,7 +42,7 @@ static GRAMMAR: LazyLock<Grammar> = LazyLock::new(Grammar::new);
 
 #[test]
 fn scenarios_by_grammar_and_mutation_keep_the_rules() {
-    let fuzzer = Fuzzer { name: "scenarios", target: "--test fuzz_scenarios", law: scenario_keeps_the_rules };
+    let fuzzer = Fuzzer { name: "scenarios", target: "--test contest", law: scenario_keeps_the_rules };
     let tally = fuzzer.run(CASES);
     let count = |sort: &str| tally.get(sort).copied().unwrap_or_default();
     let all: u64 = ["refused", "ran", "did not begin", "too large to be run"].into_iter().map(count).sum();

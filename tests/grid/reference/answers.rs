@@ -10,8 +10,8 @@ use wildfire::grid::potential::{Attraction, Repulsion, attraction, repulsion, to
 use wildfire::grid::wavefront::{UNREACHED, descend_wavefront, wavefront};
 use wildfire::grid::{BadPlace, Connectivity, CornerCutting, Grid, Place, Route, TieOrder};
 
-use crate::case::Case;
-use crate::compare::is_close;
+use super::case::Case;
+use super::compare::is_close;
 
 pub enum Answer {
     Integers(Grid<u32>),

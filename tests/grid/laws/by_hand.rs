@@ -5,7 +5,7 @@ use wildfire::grid::octile::shortest_path;
 use wildfire::grid::wavefront::wavefront;
 use wildfire::grid::{Connectivity, Route};
 
-use crate::problems::{WAYS, Way, map};
+use super::problems::{WAYS, Way, map};
 
 #[test]
 fn a_small_map_has_the_values_reckoned_by_hand() {

@@ -8,7 +8,7 @@ use wildfire::grid::sampling::{
 use wildfire::grid::segment::{GridPoint, is_free_segment, line_length};
 use wildfire::grid::{BadPlace, Connectivity, CornerCutting, Grid, Place, Route};
 
-use crate::problems::{WAYS, Way, assert_is_walk, free_places, lengths_by_petgraph, map, random_problem};
+use super::problems::{WAYS, Way, assert_is_walk, free_places, lengths_by_petgraph, map, random_problem};
 
 const CORNERS: [CornerCutting; 2] = [CornerCutting::Allowed, CornerCutting::Forbidden];
 

@@ -11,8 +11,8 @@ use tempfile::TempDir;
 use wildfire::grid::{BadPlace, Grid, Place, occupancy};
 use wildfire::map_files;
 
-use crate::answers::{self, Answer};
-use crate::compare::{self, Tally};
+use super::answers::{self, Answer};
+use super::compare::{self, Tally};
 
 pub struct Case {
     folder: PathBuf,
@@ -60,7 +60,7 @@ impl Case {
 
     /// Names of the files without the suffix of compression.
     fn file_names(&self) -> BTreeSet<String> {
-        let paths = crate::entries(&self.folder);
+        let paths = super::entries(&self.folder);
         let name = |path: &PathBuf| path.file_name().expect("files have names").to_string_lossy().into_owned();
         paths.iter().map(|path| name(path).trim_end_matches(".gz").to_owned()).collect()
     }

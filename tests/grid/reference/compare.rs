@@ -6,7 +6,7 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 use wildfire::grid::Grid;
 
-use crate::answers::Answer;
+use super::answers::Answer;
 
 /// How many files were compared.
 #[derive(Default)]
