@@ -1,7 +1,7 @@
 //! The facts of a run as recordings hold them.
 //!
 //! A fact is the number of its kind and its fields, as varints, in which agents and bushes are places in the setting's
-//! lists, and cells without a bush, since format 7, count on after the bushes by their index; then what does not fit a varint: a leg, a list of cells, a graph. Times are differences and numbers of legs
+//! lists, and cells without a bush count on after the bushes by their index; then what does not fit a varint: a leg, a list of cells, a graph. Times are differences and numbers of legs
 //! are streams of their own. What can be computed again is left out.
 //!
 //! Numbers of kinds are never given twice. A new kind takes the next one, in [`FactWriter`] and in [`FactReader`].
@@ -10,7 +10,7 @@ use super::FileError;
 use super::check::{MAX_CELLS_OUT_OF_REACH, MAX_PIECES, MAX_SEARCH_EDGES, MAX_SEARCH_PLACES, limit};
 use super::graphs::{append_graph, take_graph};
 use super::numbers::{NumberReader, NumberWriter};
-use super::{WITH_GROUND, append, take};
+use super::{append, take};
 use crate::{AgentFact, AgentId, Cause, EndReason, Event, Fact, FireFact, RestReason, Setting};
 use wildfire_base::geometry::{Cell, Pose};
 use wildfire_base::query::{Effort, FoundBy, PlanFailure, SearchGraph, SearchPhase};
@@ -101,9 +101,6 @@ const FOUND_BY: [Option<FoundBy>; 9] = [
     Some(FoundBy::BackingOut),
     Some(FoundBy::WayHome),
 ];
-/// Up to format 4 it is only known whether the flood led to the plan.
-const FOUND_BY_FLOOD: [Option<FoundBy>; 2] = [None, Some(FoundBy::Reachability)];
-
 pub const NO_SUCH_BUSH: FileError = FileError::Damaged("it refers to a bush that it does not hold");
 pub const NO_SUCH_AGENT: FileError = FileError::Damaged("it refers to an agent that it does not hold");
 const NO_SUCH_LEG: FileError = FileError::Damaged("it refers to a leg that it does not hold");
@@ -350,7 +347,6 @@ fn pieces_equal(a: &Piece, b: &Piece) -> bool {
 
 /// Reads facts, whatever the bytes say.
 pub struct FactReader<'a> {
-    format: u16,
     setting: &'a Setting,
     now: SimTime,
     delays: &'a [u8],
@@ -367,14 +363,12 @@ pub struct FactReader<'a> {
 
 impl<'a> FactReader<'a> {
     pub fn new(
-        format: u16,
         setting: &'a Setting,
         delays: &'a [u8],
         records: &'a [u8],
         numbers: NumberReader<'a>,
     ) -> Self {
         Self {
-            format,
             setting,
             now: SimTime::ZERO,
             delays,
@@ -463,8 +457,7 @@ impl<'a> FactReader<'a> {
             }
             kind::PLANNED => {
                 let (goal, effort) = (self.cell()?, self.effort()?);
-                let words = if self.format < 5 { &FOUND_BY_FLOOD[..] } else { &FOUND_BY };
-                let found_by = word_of(words, self.number()?)?;
+                let found_by = word_of(&FOUND_BY, self.number()?)?;
                 AgentFact::Planned { goal, trajectory: self.leg(place)?, effort, found_by }
             }
             kind::PLAN_FAILED => {
@@ -532,7 +525,7 @@ impl<'a> FactReader<'a> {
         let number = number as usize;
         let ground = |index: usize| {
             let cell = (index < frame.cell_count()).then(|| frame.cell(index));
-            cell.filter(|&cell| self.format >= WITH_GROUND && self.setting.bush_index(cell).is_none())
+            cell.filter(|&cell| self.setting.bush_index(cell).is_none())
         };
         let bush = bushes.get(number).copied();
         bush.or_else(|| ground(number - bushes.len())).ok_or(NO_SUCH_BUSH)

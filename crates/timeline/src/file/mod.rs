@@ -9,7 +9,7 @@
 //! | .. | payload: a compact form of the timeline, deflated (RFC 1951) |
 //!
 //! Numbers in the header are unsigned and little-endian. What is read back equals what was written bit for bit. The
-//! payload is the setting, the streams that the facts are written to, and what later formats know of the setting. It
+//! payload is the setting, the streams that the facts are written to, and a second part of the setting. It
 //! leaves out what the closed forms of [`wildfire_base::trajectory`] give again, the start of a leg that begins where the last
 //! one ended above all: a change of their arithmetic is a new version of the format.
 //!
@@ -44,22 +44,11 @@ use super::{Timeline, WaterRules};
 use wildfire_base::input_file;
 use wildfire_base::whole_file::write_whole;
 
-/// Version of the format that is written; older ones are read too.
+/// Version of the format. Whatever changes what bytes mean gives it a new number.
 ///
-/// Since version 2 there are local minima, since version 3 the limits of every agent's speed, the rules of fire,
-/// whether a stop puts out one fire or all in reach, and trucks that wait for each other, since version 4 what searches
-/// looked at, since version 5 what found each plan, and fires that spread at one instant are one record; since version 6
-/// there are the failures of planners that are not built in, and trucks that rest because of them or by choice; since
-/// version 7 there is fire on the ground: what it runs over, its rules, its log, and cells of ground as goals; since
-/// version 8 trucks drive to places where they wait, since version 9 they have tanks.
+/// Only this one is read: before the first release nobody is promised more, and the same scenario and seed give the same
+/// run again.
 pub const FORMAT: u16 = 9;
-
-/// The first format with a [`Supplement`].
-const SUPPLEMENTED: u16 = 3;
-/// The first format with ground.
-const WITH_GROUND: u16 = 7;
-/// The first format with water.
-const WITH_WATER: u16 = 9;
 
 /// The bytes that every recording begins with.
 pub const MAGIC: &[u8; 8] = b"WILDFIRE";
@@ -80,8 +69,13 @@ pub enum FileError {
     Io(#[from] io::Error),
     #[error("not a wildfire recording")]
     NotARecording,
-    #[error("written by a newer wildfire: format {found}, this program reads up to {FORMAT}")]
+    #[error("written by a newer wildfire: format {found}, this program reads format {FORMAT}")]
     Newer { found: u16 },
+    #[error(
+        "written by an older wildfire: format {found}, this program reads format {FORMAT}; \
+         its scenario and seed give the same run again"
+    )]
+    Older { found: u16 },
     #[error("cut short: {found} of {expected} bytes are there")]
     Truncated { expected: u64, found: u64 },
     #[error("damaged: {0}")]
@@ -145,10 +139,10 @@ pub fn encode(timeline: &Timeline) -> Result<Vec<u8>, FileError> {
 
 /// The timeline of a recording's bytes.
 pub fn decode(bytes: &[u8]) -> Result<Timeline, FileError> {
-    let (format, payload) = checked_payload(bytes)?;
+    let payload = checked_payload(bytes)?;
     let compact = inflate::decompress_to_vec_with_limit(payload, MAX_PAYLOAD_BYTES)
         .map_err(|_| FileError::Damaged("its payload does not inflate"))?;
-    let timeline = decode_payload(format, &compact)?;
+    let timeline = decode_payload(&compact)?;
     check::check(&timeline)?;
     Ok(timeline)
 }
@@ -188,19 +182,16 @@ fn encode_payload(timeline: &Timeline) -> Vec<u8> {
     bytes
 }
 
-/// The timeline of an inflated payload of this format; its values are still to be checked.
-fn decode_payload(format: u16, mut bytes: &[u8]) -> Result<Timeline, FileError> {
+/// The timeline of an inflated payload; its values are still to be checked.
+fn decode_payload(mut bytes: &[u8]) -> Result<Timeline, FileError> {
     let setting: SettingRecord = take(&mut bytes)?;
     let streams: Streams<'_> = take(&mut bytes)?;
     let count = streams.facts as usize;
     check::limit("facts", count, check::MAX_FACTS)?;
-    let supplement = if format < SUPPLEMENTED { Supplement::default() } else { take(&mut bytes)? };
-    let (ground_setting, log) = if format < WITH_GROUND {
-        (GroundSetting::default(), None)
-    } else {
-        (take(&mut bytes)?, take::<Option<GroundRecord<'_>>>(&mut bytes)?)
-    };
-    let water: Option<WaterRecord> = if format < WITH_WATER { None } else { take(&mut bytes)? };
+    let supplement: Supplement = take(&mut bytes)?;
+    let ground_setting: GroundSetting = take(&mut bytes)?;
+    let log: Option<GroundRecord<'_>> = take(&mut bytes)?;
+    let water: Option<WaterRecord> = take(&mut bytes)?;
     if !bytes.is_empty() {
         return Err(FileError::Damaged("more follows than its setting and its facts"));
     }
@@ -209,7 +200,7 @@ fn decode_payload(format: u16, mut bytes: &[u8]) -> Result<Timeline, FileError> 
     setting.spread = ground_setting.spread(setting.frame)?;
     setting.water = water.map(WaterRules::from);
     let numbers = NumberReader::new(&streams.recurring_numbers, &streams.single_numbers, streams.number_references);
-    let events = FactReader::new(format, &setting, streams.delays, streams.records, numbers).read(count)?;
+    let events = FactReader::new(&setting, streams.delays, streams.records, numbers).read(count)?;
     let ground = log.map_or(Ok(Vec::new()), |log| log.read(&setting))?;
     Ok(Timeline { setting, events, ground })
 }
@@ -228,8 +219,8 @@ fn take<'a, T: Deserialize<'a>>(bytes: &mut &'a [u8]) -> Result<T, FileError> {
     Ok(value)
 }
 
-/// The format of a recording and its payload, still deflated.
-fn checked_payload(bytes: &[u8]) -> Result<(u16, &[u8]), FileError> {
+/// The payload of a recording, still deflated.
+fn checked_payload(bytes: &[u8]) -> Result<&[u8], FileError> {
     let known = bytes.len().min(MAGIC.len());
     if bytes[..known] != MAGIC[..known] {
         return Err(FileError::NotARecording);
@@ -237,11 +228,12 @@ fn checked_payload(bytes: &[u8]) -> Result<(u16, &[u8]), FileError> {
     let Some((header, payload)) = bytes.split_at_checked(HEADER_BYTES) else {
         return Err(FileError::Truncated { expected: HEADER_BYTES as u64, found: bytes.len() as u64 });
     };
-    let format = match u16::from_le_bytes([header[8], header[9]]) {
+    match u16::from_le_bytes([header[8], header[9]]) {
         0 => return Err(FileError::NotARecording),
         found if found > FORMAT => return Err(FileError::Newer { found }),
-        format => format,
-    };
+        found if found < FORMAT => return Err(FileError::Older { found }),
+        _ => {}
+    }
     let word = |at: usize| u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]);
     let expected = word(10) as usize;
     if payload.len() < expected {
@@ -254,7 +246,7 @@ fn checked_payload(bytes: &[u8]) -> Result<(u16, &[u8]), FileError> {
     if crc32fast::hash(payload) != word(14) {
         return Err(FileError::Damaged("its checksum does not fit its bytes"));
     }
-    Ok((format, payload))
+    Ok(payload)
 }
 
 #[cfg(test)]
@@ -365,39 +357,14 @@ mod tests {
         }
     }
 
-    /// A run of each older format, as the program of that format recorded it.
-    const OLDER: [(u16, &[u8]); 4] = [
-        (1, include_bytes!("../../../../tests/data/recordings/format-1.wildfire")),
-        (2, include_bytes!("../../../../tests/data/recordings/format-2.wildfire")),
-        (3, include_bytes!("../../../../tests/data/recordings/format-3.wildfire")),
-        (4, include_bytes!("../../../../tests/data/recordings/format-4.wildfire")),
-    ];
-
     #[test]
     fn the_format_is_frozen() {
-        // Another checksum means another format: give it a number and keep reading this one.
+        // Another checksum means another format: give it a number.
         let digest = |timeline: &Timeline| {
             let payload = encode_payload(timeline);
             (payload.len(), crc32fast::hash(&payload))
         };
         assert_eq!(digest(&sample::by_hand()), (671, 521_907_210));
-    }
-
-    #[test]
-    fn recordings_of_older_formats_are_read_and_leave_open_what_they_do_not_say() {
-        for (format, bytes) in OLDER {
-            assert_eq!(bytes[8..10], format.to_le_bytes());
-            let timeline = decode(bytes).expect("older formats are read");
-            let knows_limits = timeline.setting.agents.iter().all(|agent| agent.limits.is_some());
-            let rules = &timeline.setting.rules;
-            let known = [knows_limits, rules.fire.is_some(), rules.extinguishes_all.is_some()];
-            assert_eq!(known, [format >= 3; 3], "format {format}");
-            assert!(timeline.events.iter().all(|event| match event.fact {
-                Fact::Agent(_, AgentFact::Planned { found_by, .. }) => found_by.is_none(),
-                _ => true,
-            }));
-            assert_comes_back(&timeline);
-        }
     }
 
     #[test]
@@ -469,23 +436,18 @@ mod tests {
 
     #[test]
     fn a_payload_damaged_under_a_fitting_checksum_is_no_panic() {
-        let today =
+        let payloads =
             [sample::by_hand(), sample::searched(), sample::spreading(), sample::on_ground(), sample::on_ground()]
                 .map(|timeline| encode_payload(&timeline));
-        let inflated = |bytes: &[u8]| inflate::decompress_to_vec(&bytes[HEADER_BYTES..]).expect("it was deflated");
-        let older = OLDER.map(|(format, bytes)| (format, inflated(bytes)));
-        let payloads: Vec<_> = today.into_iter().map(|payload| (FORMAT, payload)).chain(older).collect();
         let mut rng = rng::stream(2, "timeline/file/tests");
         let mut refused = 0;
         for number in 0..20_000 {
-            let (format, mut damaged) = payloads[number % payloads.len()].clone();
+            let mut damaged = payloads[number % payloads.len()].clone();
             for _ in 0..rng.random_range(1..4) {
                 let at = rng.random_range(0..damaged.len());
                 damaged[at] = rng.random();
             }
-            let mut bytes = sealed(&deflate::compress_to_vec(&damaged, 1));
-            bytes[8..10].copy_from_slice(&format.to_le_bytes());
-            match decode(&bytes) {
+            match decode(&sealed(&deflate::compress_to_vec(&damaged, 1))) {
                 Ok(other) => {
                     Outcome::new(&other);
                     encode(&other).expect("what was read can be written");
@@ -537,11 +499,16 @@ mod tests {
     }
 
     #[test]
-    fn foreign_and_newer_files_are_named() {
+    fn foreign_newer_and_older_files_are_named() {
         let mut bytes = encode(&sample::by_hand()).expect("it is a possible run");
-        bytes[8..10].copy_from_slice(&(FORMAT + 1).to_le_bytes());
-        let newer = decode(&bytes).expect_err("the format is unknown");
-        assert_eq!(newer.to_string(), "written by a newer wildfire: format 10, this program reads up to 9");
+        let mut refusal = |format: u16| {
+            bytes[8..10].copy_from_slice(&format.to_le_bytes());
+            decode(&bytes).expect_err("the format is unknown").to_string()
+        };
+        assert_eq!(refusal(FORMAT + 1), "written by a newer wildfire: format 10, this program reads format 9");
+        let older = "written by an older wildfire: format 8, this program reads format 9; its scenario and seed give the same \
+                     run again";
+        assert_eq!(refusal(FORMAT - 1), older);
         let foreign = decode(b"\x89PNG\r\n\x1a\n and so on").expect_err("it is a picture");
         assert_eq!(foreign.to_string(), "not a wildfire recording");
     }

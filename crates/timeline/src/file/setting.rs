@@ -16,7 +16,7 @@ use wildfire_base::trajectory::SpeedLimits;
 use wildfire_base::vehicle::Dimensions;
 use wildfire_fire::FireRules;
 
-/// The part of a setting that all formats hold.
+/// The first part of a setting.
 #[derive(Serialize, Deserialize)]
 pub struct SettingRecord {
     scenario: String,
@@ -79,8 +79,8 @@ struct RulesRecord {
     score_truck_extinguished: f64,
 }
 
-/// The part of a setting that formats hold since the third.
-#[derive(Default, Serialize, Deserialize)]
+/// The part of a setting behind the facts.
+#[derive(Serialize, Deserialize)]
 pub struct Supplement {
     /// In the order of the agents; none are there where nothing is known of any.
     limits: Vec<Option<LimitsRecord>>,
@@ -97,7 +97,7 @@ struct LimitsRecord {
     lateral_mps2: Option<f64>,
 }
 
-/// The tanks of trucks, which formats hold since the ninth.
+/// The tanks of trucks.
 #[derive(Serialize, Deserialize)]
 pub struct WaterRecord {
     full_tank: u32,
@@ -123,9 +123,8 @@ impl From<WaterRecord> for WaterRules {
 }
 
 /// The model of fire with its numbers.
-#[derive(Clone, Copy, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Serialize, Deserialize)]
 enum FireRecord {
-    #[default]
     Unknown,
     Radius {
         spread_delay_ns: u64,

@@ -1,4 +1,4 @@
-//! What fire runs over and by which rules, as recordings of format 7 hold it: see [`super::setting`].
+//! What fire runs over and by which rules, as recordings hold it: see [`super::setting`].
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ use wildfire_fire::{Landscape, Relief, Weather, WeatherInterval};
 const NO_LANDSCAPE: FileError = FileError::Damaged("its landscape does not fit its field");
 const NO_WORD: FileError = FileError::Damaged("a choice of its fire is unknown");
 
-/// The part of a setting that formats hold since the seventh.
+/// The part of a setting that says what fire on the ground does.
 #[derive(Default, Serialize, Deserialize)]
 pub struct GroundSetting {
     /// Index of each blocked cell without a bush, less that of the one before it.
