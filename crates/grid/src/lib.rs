@@ -12,6 +12,7 @@ pub mod descent;
 pub mod distance;
 pub mod drawn;
 pub mod layered_queue;
+#[cfg(feature = "files")]
 pub mod map_files;
 pub mod occupancy;
 pub mod octile;
