@@ -33,11 +33,11 @@ impl Plugin for TrafficPlugin {
 fn break_deadlocks(mut fleet: Fleet) {
     let mut waiting: Vec<(AgentId, Wake)> = Vec::new();
     while let Some(wake) = fleet.take(AgentEvent::Standoff) {
-        waiting.extend(fleet.id_of(wake.agent).map(|id| (id, wake)));
+        waiting.push((fleet.id_of(wake.agent), wake));
     }
     waiting.sort_by_key(|&(id, _)| id);
     for (_, wake) in waiting {
-        let is_valid = fleet.trucks.get(wake.agent).is_ok_and(|(agent, _)| agent.revision == wake.revision);
+        let is_valid = fleet.trucks.one(wake.agent).0.revision == wake.revision;
         if is_valid && let Some(way_out) = WayOut::for_truck(&fleet, wake.agent) {
             way_out.carry_out(&mut fleet);
         }
@@ -55,7 +55,7 @@ impl WayOut {
     /// Finds a way out for a truck; `None` if it is not blocked by trucks that stand idle, or one of them cannot leave.
     fn for_truck(fleet: &Fleet, first: Entity) -> Option<Self> {
         let now = fleet.now();
-        let (_, truck) = fleet.trucks.get(first).ok()?;
+        let (_, truck) = fleet.trucks.one(first);
         let wanted = &truck.blocked.first()?.drive;
         let wish = Trajectory::from_path(&wanted.path, now + truck.charge(&wanted.effort), truck.speed);
         let mut reservations = fleet.reservations();
@@ -71,7 +71,7 @@ impl WayOut {
         let mut making_way = Vec::new();
         for place in places {
             let entity = reservations[place].entity;
-            let (_, other) = fleet.trucks.get(entity).ok()?;
+            let (_, other) = fleet.trucks.one(entity);
             let passing = MovingBody { body: &truck.body, trajectory: &wish };
             let way = way_aside(other, &reservations, place, passing, now)?;
             // The next one to leave finds this one where it goes.
@@ -83,11 +83,11 @@ impl WayOut {
     }
 
     fn carry_out(self, fleet: &mut Fleet) {
-        let Some(to) = fleet.id_of(self.first) else { return };
+        let to = fleet.id_of(self.first);
         for (entity, way) in self.making_way {
             fleet.give_way(entity, to, way);
         }
-        let Ok((_, mut truck)) = fleet.trucks.get_mut(self.first) else { return };
+        let (_, mut truck) = fleet.trucks.one_mut(self.first);
         let drive = std::mem::take(&mut truck.blocked).swap_remove(0).drive;
         fleet.set_out(self.first, drive, self.leg);
         fleet.wake_blocked(self.first);

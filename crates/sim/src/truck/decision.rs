@@ -158,14 +158,14 @@ impl Fleet<'_, '_> {
 
     /// Lists what a truck may go for; the goals of `askers`, it among them, are nobody's.
     pub fn options(&self, entity: Entity, askers: &[Entity], fires: &FireField) -> Vec<Cell> {
-        let Ok((agent, truck)) = self.trucks.get(entity) else { return Vec::new() };
+        let (agent, truck) = self.trucks.one(entity);
         truck.options(agent, self.unclaimed(askers, fires).into_iter())
     }
 
     /// Begins a decision, unless it has begun.
     pub fn deliberate(&mut self, entity: Entity, fires: &FireField) {
         let now = self.now();
-        let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else { return };
+        let (mut agent, mut truck) = self.trucks.one_mut(entity);
         if truck.deliberation.as_ref().is_some_and(|begun| begun.revision == agent.revision) {
             return;
         }
@@ -189,7 +189,7 @@ impl Fleet<'_, '_> {
             Choice::Go(cell) if options.contains(&cell) => Some(cell),
             _ => None,
         };
-        let Ok((agent, _)) = self.trucks.get(entity) else { return };
+        let (agent, _) = self.trucks.one(entity);
         if agent.goal.is_some() {
             self.keep_or_drop_goal(entity, goal, options.is_empty());
             return;
@@ -209,7 +209,7 @@ impl Fleet<'_, '_> {
 
     /// Ends the decision of a truck that is under way to a goal; `best` is where its policy would go now.
     fn keep_or_drop_goal(&mut self, entity: Entity, best: Option<Cell>, has_no_options: bool) {
-        let Ok((agent, mut truck)) = self.trucks.get_mut(entity) else { return };
+        let (agent, mut truck) = self.trucks.one_mut(entity);
         truck.deliberation = None;
         let is_better = best.is_some() && best != agent.goal;
         if is_better || has_no_options {
@@ -221,7 +221,7 @@ impl Fleet<'_, '_> {
     /// Plans a drive to a goal and sets out for it. Returns `None` if that fails and another goal is to be tried.
     pub fn try_goal(&mut self, entity: Entity, goal: Cell, fires: &FireField) -> Option<Conclusion> {
         let (now, reservations) = (self.now(), self.reservations());
-        let (mut agent, mut truck) = self.trucks.get_mut(entity).ok()?;
+        let (mut agent, mut truck) = self.trucks.one_mut(entity);
         let (agent, truck) = (&mut *agent, &mut *truck);
         let mut begun = truck.deliberation.take()?;
         let traffic = Traffic::new(&reservations, entity);
@@ -264,7 +264,7 @@ impl Fleet<'_, '_> {
     /// goal is to be tried.
     pub fn try_nearest(&mut self, entity: Entity, options: &[Cell], fires: &FireField) -> Option<Conclusion> {
         let (now, reservations) = (self.now(), self.reservations());
-        let (mut agent, mut truck) = self.trucks.get_mut(entity).ok()?;
+        let (mut agent, mut truck) = self.trucks.one_mut(entity);
         let (agent, truck) = (&mut *agent, &mut *truck);
         let (pose, frame) = (agent.trajectory.start(), fires.frame());
         let from = truck.body.body_centre(pose);
@@ -294,9 +294,7 @@ impl Fleet<'_, '_> {
     pub fn stop_looking(&mut self, entity: Entity, fires: &FireField) -> Conclusion {
         let nothing_burns = self.unclaimed(&[entity], fires).is_empty();
         let (now, reservations) = (self.now(), self.reservations());
-        let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else {
-            return Conclusion::Rests(RestReason::NothingBurns);
-        };
+        let (mut agent, mut truck) = self.trucks.one_mut(entity);
         let rests = match (nothing_burns, truck.is_rescued) {
             (true, _) => RestReason::NothingBurns,
             (false, true) => RestReason::NothingReachable,
@@ -321,7 +319,7 @@ impl Fleet<'_, '_> {
     /// Ends a decision, unless there is none.
     pub fn conclude(&mut self, entity: Entity, conclusion: Conclusion, cpu_log: &mut CpuLog) -> Option<Concluded> {
         let now = self.now();
-        let (mut agent, mut truck) = self.trucks.get_mut(entity).ok()?;
+        let (mut agent, mut truck) = self.trucks.one_mut(entity);
         let begun = truck.deliberation.take()?;
         cpu_log.add(now, agent.id, agent.cost.total() - begun.cpu);
         let has_new_plans =
@@ -354,7 +352,7 @@ impl Fleet<'_, '_> {
                 self.queue.push_for(now, AgentEvent::Standoff, agent.wake(entity));
             }
         }
-        let (agent, _) = self.trucks.get(entity).ok()?;
+        let (agent, _) = self.trucks.one(entity);
         Some(Concluded { has_new_plans, was: begun.activity, is: agent.activity })
     }
 }
@@ -363,9 +361,8 @@ impl Fleet<'_, '_> {
 pub fn decide(mut fleet: Fleet, fires: Res<Fires>, mut books: DecisionBooks) {
     let (now, fires) = (fleet.now(), &fires.field);
     while let Some(wake) = fleet.queue.next_for(now, AgentEvent::Decision, |entity| fleet.trucks.contains(entity)) {
-        let (Ok((agent, _)), Ok(&policy)) = (fleet.trucks.get(wake.agent), books.followers.get(wake.agent)) else {
-            return;
-        };
+        let (agent, _) = fleet.trucks.one(wake.agent);
+        let policy = *books.followers.get(wake.agent).expect("every truck follows a policy");
         // Something may have ignited just as it arrived.
         if agent.revision != wake.revision || agent.activity == Activity::Suppressing {
             fleet.queue.drop_next();
@@ -382,15 +379,15 @@ pub fn decide(mut fleet: Fleet, fires: Res<Fires>, mut books: DecisionBooks) {
             vec![(wake.agent, Choice::Wait)]
         } else {
             let mut asked = Vec::new();
-            for due in fleet.queue.decisions(now) {
-                let Ok((agent, _)) = fleet.trucks.get(due.agent) else { continue };
+            for due in fleet.queue.decisions(now).filter(|due| fleet.trucks.contains(due.agent)) {
+                let (agent, _) = fleet.trucks.one(due.agent);
                 let is_meant = agent.revision == due.revision && agent.activity != Activity::Suppressing;
                 let who = (agent.id, due.agent);
                 if is_meant && books.followers.get(due.agent) == Ok(&policy) && !asked.contains(&who) {
                     asked.push(who);
                 }
             }
-            let trucks = fleet.trucks.iter().map(|(agent, _)| agent.view(now));
+            let trucks = fleet.trucks.agents().map(|agent| agent.view(now));
             let agents = trucks.chain(books.others.iter().map(|agent| agent.view(now))).collect();
             let inquiry = Inquiry { now, fires, agents, asked };
             books.following.ask(policy, inquiry, &|entity: Entity| fleet.options(entity, &[entity], fires))
@@ -399,7 +396,7 @@ pub fn decide(mut fleet: Fleet, fires: Res<Fires>, mut books: DecisionBooks) {
             return;
         }
         for (entity, choice) in choices {
-            let has_goal = fleet.trucks.get(entity).is_ok_and(|(agent, _)| agent.goal.is_some());
+            let has_goal = fleet.trucks.one(entity).0.goal.is_some();
             if has_goal && entity == wake.agent {
                 // It may be called several times at one instant without changing its mind.
                 fleet.queue.drop_next();

@@ -15,6 +15,33 @@ use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::Trajectory;
 use wildfire_timeline::{AgentFact, AgentId};
 
+/// The trucks among the agents.
+#[derive(SystemParam)]
+pub struct Trucks<'w, 's>(Query<'w, 's, (&'static mut Agent, &'static mut Truck)>);
+
+impl Trucks<'_, '_> {
+    pub fn contains(&self, agent: Entity) -> bool {
+        self.0.contains(agent)
+    }
+
+    pub fn count(&self) -> usize {
+        self.0.iter().len()
+    }
+
+    pub fn agents(&self) -> impl Iterator<Item = &Agent> {
+        self.0.iter().map(|(agent, _)| agent)
+    }
+
+    /// Returns a truck by its entity. What is no truck here has no business with trucks: a fault of the program.
+    pub fn one(&self, truck: Entity) -> (&Agent, &Truck) {
+        self.0.get(truck).expect("the entity is a truck")
+    }
+
+    pub fn one_mut(&mut self, truck: Entity) -> (Mut<'_, Agent>, Mut<'_, Truck>) {
+        self.0.get_mut(truck).expect("the entity is a truck")
+    }
+}
+
 /// All trucks, and the books in which they write.
 #[derive(SystemParam)]
 pub struct Fleet<'w, 's> {
@@ -22,7 +49,7 @@ pub struct Fleet<'w, 's> {
     roster: Res<'w, Roster>,
     pub queue: ResMut<'w, SimQueue>,
     pub recorder: ResMut<'w, Recorder>,
-    pub trucks: Query<'w, 's, (&'static mut Agent, &'static mut Truck)>,
+    pub trucks: Trucks<'w, 's>,
 }
 
 impl Fleet<'_, '_> {
@@ -35,24 +62,29 @@ impl Fleet<'_, '_> {
         self.queue.take_for(self.clock.0, event, |entity| self.trucks.contains(entity))
     }
 
-    pub fn id_of(&self, entity: Entity) -> Option<AgentId> {
-        self.trucks.get(entity).ok().map(|(agent, _)| agent.id)
+    /// All trucks, in the order of the agents.
+    fn entities(&self) -> impl Iterator<Item = Entity> {
+        self.roster.0.iter().copied().filter(|&agent| self.trucks.contains(agent))
+    }
+
+    pub fn id_of(&self, entity: Entity) -> AgentId {
+        self.trucks.one(entity).0.id
     }
 
     /// Lists the goals of all trucks but some.
     pub fn claimed(&self, except: &[Entity]) -> Vec<Cell> {
-        let others = self.roster.0.iter().filter(|entity| !except.contains(entity));
-        others.filter_map(|&entity| self.trucks.get(entity).ok()?.0.goal).collect()
+        let others = self.entities().filter(|entity| !except.contains(entity));
+        others.filter_map(|entity| self.trucks.one(entity).0.goal).collect()
     }
 
     /// Lists where all trucks are and will be; nothing of a truck alone, because nobody is there whom it concerns.
     pub fn reservations(&self) -> Vec<Reservation> {
-        let trucks = self.roster.0.iter().filter_map(|&entity| {
-            let (agent, truck) = self.trucks.get(entity).ok()?;
+        let trucks = self.entities().map(|entity| {
+            let (agent, truck) = self.trucks.one(entity);
             let is_idle = matches!(agent.activity, Activity::Resting(_) | Activity::Blocked);
-            Some(Reservation::new((entity, agent.id), truck.body, agent.trajectory.clone(), is_idle))
+            Reservation::new((entity, agent.id), truck.body, agent.trajectory.clone(), is_idle)
         });
-        if self.trucks.iter().len() > 1 { trucks.collect() } else { Vec::new() }
+        if self.trucks.count() > 1 { trucks.collect() } else { Vec::new() }
     }
 
     /// A fire has become free: trucks that rest or are blocked look again.
@@ -66,8 +98,9 @@ impl Fleet<'_, '_> {
     }
 
     fn wake_trucks(&mut self, except: Entity, are_woken: impl Fn(Activity) -> bool) {
-        for &entity in self.roster.0.iter().filter(|&&entity| entity != except) {
-            let Ok((mut agent, _)) = self.trucks.get_mut(entity) else { continue };
+        let others: Vec<Entity> = self.entities().filter(|&entity| entity != except).collect();
+        for entity in others {
+            let (mut agent, _) = self.trucks.one_mut(entity);
             if are_woken(agent.activity) {
                 agent.reconsider(entity, self.clock.0, &mut self.queue);
             }
@@ -76,7 +109,7 @@ impl Fleet<'_, '_> {
 
     /// Sends a truck on a drive.
     pub fn set_out(&mut self, entity: Entity, drive: Drive, leg: Trajectory) {
-        let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else { return };
+        let (mut agent, mut truck) = self.trucks.one_mut(entity);
         let Drive { goal, effort, back_m, found_by, .. } = drive;
         truck.tracks.set_out(back_m);
         let found_by = Some(found_by);
@@ -87,7 +120,7 @@ impl Fleet<'_, '_> {
 
     /// Lets a truck without a goal drive aside for another one.
     pub fn give_way(&mut self, entity: Entity, to: AgentId, way: Trajectory) {
-        let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else { return };
+        let (mut agent, mut truck) = self.trucks.one_mut(entity);
         truck.blocked.clear();
         let fact = AgentFact::GaveWay { to, trajectory: way.clone() };
         self.recorder.record_agent(self.clock.0, agent.id, fact);
@@ -100,7 +133,7 @@ impl Fleet<'_, '_> {
     /// Lets a truck on its way to a place stop where it is in nobody's way.
     pub fn halt(&mut self, entity: Entity) {
         let reservations = self.reservations();
-        let Ok((mut agent, truck)) = self.trucks.get_mut(entity) else { return };
+        let (mut agent, truck) = self.trucks.one_mut(entity);
         let traffic = Traffic::new(&reservations, entity);
         let cut = traffic.stopping(&truck.body, &agent.trajectory, self.clock.0, &truck.speed);
         agent.halt(entity, self.clock.0, cut, &mut self.queue, &mut self.recorder);
@@ -109,7 +142,7 @@ impl Fleet<'_, '_> {
     /// Lets a truck drop its goal and stop where it is in nobody's way.
     pub fn drop_goal(&mut self, entity: Entity) {
         let reservations = self.reservations();
-        let Ok((mut agent, truck)) = self.trucks.get_mut(entity) else { return };
+        let (mut agent, truck) = self.trucks.one_mut(entity);
         let traffic = Traffic::new(&reservations, entity);
         let cut = traffic.stopping(&truck.body, &agent.trajectory, self.clock.0, &truck.speed);
         agent.drop_goal(entity, self.clock.0, cut, &mut self.queue, &mut self.recorder);
@@ -119,7 +152,7 @@ impl Fleet<'_, '_> {
 /// Trucks whose fire is over decide anew: where they stand, or where they come to stand.
 pub fn lose_goal(mut fleet: Fleet) {
     while let Some(wake) = fleet.take(AgentEvent::GoalLost) {
-        let Ok((mut agent, _)) = fleet.trucks.get_mut(wake.agent) else { continue };
+        let (mut agent, _) = fleet.trucks.one_mut(wake.agent);
         if agent.activity != Activity::Suppressing {
             fleet.drop_goal(wake.agent);
             fleet.wake_blocked(wake.agent);
@@ -163,7 +196,7 @@ pub fn end_dwell(mut fleet: Fleet, fires: Res<Fires>) {
     let now = fleet.now();
     let mut stops = Vec::new();
     while let Some(wake) = fleet.take(AgentEvent::DwellEnd) {
-        let Ok((mut agent, truck)) = fleet.trucks.get_mut(wake.agent) else { continue };
+        let (mut agent, truck) = fleet.trucks.one_mut(wake.agent);
         if agent.revision != wake.revision {
             continue;
         }
@@ -199,7 +232,7 @@ pub fn end_dwell(mut fleet: Fleet, fires: Res<Fires>) {
 pub fn arrive(mut fleet: Fleet) {
     let now = fleet.now();
     while let Some(wake) = fleet.take(AgentEvent::Arrival) {
-        let Ok((mut agent, truck)) = fleet.trucks.get_mut(wake.agent) else { continue };
+        let (mut agent, truck) = fleet.trucks.one_mut(wake.agent);
         if agent.revision != wake.revision {
             continue;
         }

@@ -107,8 +107,8 @@ impl Fleet<'_, '_> {
     fn called(&self, policy: Follows, books: &DecisionBooks<'_, '_>) -> Called {
         let now = self.now();
         let mut called = Called { asked: Vec::new(), moving: Vec::new() };
-        for due in self.queue.decisions(now) {
-            let Ok((agent, _)) = self.trucks.get(due.agent) else { continue };
+        for due in self.queue.decisions(now).filter(|due| self.trucks.contains(due.agent)) {
+            let (agent, _) = self.trucks.one(due.agent);
             let is_meant = agent.revision == due.revision && books.followers.get(due.agent) == Ok(&policy);
             let stands = agent.goal.is_none() && agent.stands(now);
             let is_called_off = agent.is_called && agent.may_be_called_off(now);
@@ -132,7 +132,7 @@ impl Fleet<'_, '_> {
         books: &mut DecisionBooks<'_, '_>,
     ) -> Vec<(Entity, Choice)> {
         let now = self.now();
-        let trucks = self.trucks.iter().map(|(agent, _)| agent.view(now));
+        let trucks = self.trucks.agents().map(|agent| agent.view(now));
         let agents = trucks.chain(books.others.iter().map(|agent| agent.view(now))).collect();
         let inquiry = Inquiry { now, fires, agents, asked: called.asked.clone() };
         let all = called.entities();
@@ -144,7 +144,7 @@ impl Fleet<'_, '_> {
             return Vec::new();
         }
         for &entity in &all {
-            let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else { continue };
+            let (mut agent, mut truck) = self.trucks.one_mut(entity);
             agent.is_called = false;
             if let Some(begun) = &mut truck.deliberation {
                 begun.delay = delay;
@@ -157,7 +157,7 @@ impl Fleet<'_, '_> {
 
     /// Lets a truck that is under way stop if it is to go elsewhere; returns true if so.
     fn call_off(&mut self, entity: Entity, choice: Choice) -> bool {
-        let Ok((agent, _)) = self.trucks.get(entity) else { return false };
+        let (agent, _) = self.trucks.one(entity);
         match (agent.goal, agent.post, choice) {
             (Some(goal), _, Choice::Go(cell)) if cell != goal => self.drop_goal(entity),
             (Some(_), _, Choice::Move(_) | Choice::Refill) => self.drop_goal(entity),
@@ -180,11 +180,9 @@ impl Fleet<'_, '_> {
                     Choice::Go(cell) => self.try_goal(entity, cell, fires),
                     _ => self.try_nearest(entity, &options, fires),
                 };
-                if conclusion.is_none()
-                    && let Ok((mut agent, _)) = self.trucks.get_mut(entity)
-                {
+                if conclusion.is_none() {
                     // If it rests after all, that is a fact of its own after the plan that failed.
-                    agent.activity = Activity::Idle;
+                    self.trucks.one_mut(entity).0.activity = Activity::Idle;
                 }
                 conclusion
             }
@@ -200,7 +198,7 @@ impl Fleet<'_, '_> {
     }
 
     fn has_blocked_drives(&self, entity: Entity) -> bool {
-        let begun = self.trucks.get(entity).ok().and_then(|(_, truck)| truck.deliberation.as_ref());
+        let begun = self.trucks.one(entity).1.deliberation.as_ref();
         begun.is_some_and(|begun| !begun.blocked.is_empty())
     }
 
@@ -215,7 +213,7 @@ impl Fleet<'_, '_> {
 
     /// Sends a truck to a place where it is to wait.
     fn relocate(&mut self, entity: Entity, place: DVec2, fires: &FireField) -> Conclusion {
-        let Ok((mut agent, truck)) = self.trucks.get_mut(entity) else { return Conclusion::Stays(None) };
+        let (mut agent, truck) = self.trucks.one_mut(entity);
         if (truck.body.body_centre(agent.trajectory.start()) - place).length() <= AS_GOOD_M {
             agent.post = Some(place);
             return Conclusion::Stays(None);
@@ -226,7 +224,7 @@ impl Fleet<'_, '_> {
     /// Plans a truck's drive to a place without a fire. It stays where it is if it finds no way or others are in it.
     pub fn drive_to(&mut self, entity: Entity, disc: GoalDisc, fires: &FireField) -> Conclusion {
         let (now, reservations) = (self.now(), self.reservations());
-        let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else { return Conclusion::Stays(None) };
+        let (mut agent, mut truck) = self.trucks.one_mut(entity);
         let (agent, truck) = (&mut *agent, &mut *truck);
         let pose = agent.trajectory.start();
         if truck.closed_until(pose, disc.centre, now).is_some() {

@@ -21,13 +21,13 @@ const WELL_IN_REACH: f64 = 0.9;
 impl Fleet<'_, '_> {
     /// Says whether a truck has too little water for another stop.
     pub fn is_out_of_water(&self, entity: Entity) -> bool {
-        self.trucks.get(entity).is_ok_and(|(agent, _)| agent.stops_left == Some(0))
+        self.trucks.one(entity).0.stops_left == Some(0)
     }
 
     /// Lets a truck that stands fill its tank, or sends it to the nearest water to which it finds a way.
     pub fn refill(&mut self, entity: Entity, fires: &FireField) -> Conclusion {
         let now = self.now();
-        let Ok((agent, truck)) = self.trucks.get(entity) else { return Conclusion::Stays(None) };
+        let (agent, truck) = self.trucks.one(entity);
         let (Some(water), Some(stops_left)) = (&truck.water, agent.stops_left) else { return Conclusion::Stays(None) };
         if stops_left == water.full_tank {
             return Conclusion::Stays(None);
@@ -46,7 +46,7 @@ impl Fleet<'_, '_> {
             }
         }
         // It tries again where others were in the way, and at once where it has not tried yet.
-        let Ok((_, truck)) = self.trucks.get(entity) else { return Conclusion::Stays(None) };
+        let (_, truck) = self.trucks.one(entity);
         let tried_again = places.iter().map(|&place| truck.closed_until(pose, place, now).unwrap_or(now)).min();
         match tried_again.filter(|&until| until != SimTime::MAX) {
             Some(until) => Conclusion::Stays(Some(until)),
