@@ -26,7 +26,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     // Settings of planners that are not built in are handed on as JSON.
     ("planning", &["glam", "kiddo", "petgraph", "serde_json"]),
     ("fire", &["glam"]),
-    // A scenario's errors know their place in the file, which is what a miette diagnostic is.
+    // A scenario's errors know their place in the file and show it.
     (
         "scenario",
         &[
@@ -39,7 +39,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "serde_path_to_error",
             "sha2",
             "strsim",
-            "miette",
+            "annotate_snippets",
         ],
     ),
     ("timeline", &["glam", "csv", "crc32fast", "miniz_oxide", "postcard", "serde_json"]),
@@ -71,6 +71,8 @@ const LAYERS: &[(&str, &[&str])] = &[
     (
         "cli",
         &[
+            "annotate_snippets",
+            "anstream",
             "chrono",
             "clap",
             "clap_complete",
@@ -78,9 +80,9 @@ const LAYERS: &[(&str, &[&str])] = &[
             "csv",
             "glam",
             "indicatif",
-            "miette",
             "serde_json",
             "signal_hook",
+            "terminal_size",
             "toml",
         ],
     ),
