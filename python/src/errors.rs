@@ -16,7 +16,7 @@ pub fn error(sentence: impl ToString) -> PyErr {
 
 /// Makes the error of a scenario that is refused, with its place, and with what the command line advises.
 pub fn scenario_error(refusal: &scenario::ScenarioError) -> PyErr {
-    let advice = miette::Diagnostic::help(refusal).map(|help| help.to_string());
+    let advice = refusal.fault.advice();
     let location = refusal.location.as_ref();
     let place = location.map(ToString::to_string);
     let sentence = match &place {

@@ -5,14 +5,14 @@ use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-use miette::{Diagnostic, Report};
-use thiserror::Error;
+use annotate_snippets::{Level, Renderer};
+use terminal_size::{Width, terminal_size_of};
 
 use crate::cli::next_command::help_on_unfinished;
 use wildfire_base::untrusted::visible;
 use wildfire_batch::{AuditsError, BatchError, FinishedError, JournalError, PlanError, RequestError, TableError};
 use wildfire_grid::map_files::{self, MapError};
-use wildfire_sim::scenario::{Fault, ScenarioError};
+use wildfire_sim::scenario::{Fault, ScenarioError, SourceLocation};
 use wildfire_timeline::export::ExportError;
 
 /// The program's exit codes; those of its arguments' own errors are clap's, which are the same.
@@ -25,20 +25,16 @@ pub mod exit {
     pub const INTERRUPTED: u8 = 130;
 }
 
-/// An error for people, and the exit code that goes with it.
+/// The width of what is shown where it goes to no terminal, as of clap's messages.
+const USUAL_WIDTH: usize = 100;
+
+/// An error for people, and the exit code that goes with it; no character of its texts acts on a terminal.
 #[derive(Debug)]
 pub struct CliError {
-    report: Report,
-    code: u8,
-}
-
-/// A sentence, and what to do about it; no character in them acts on a terminal.
-#[derive(Debug, Error, Diagnostic)]
-#[error("{sentence}")]
-struct Message {
     sentence: String,
-    #[help]
+    location: Option<SourceLocation>,
     help: Option<String>,
+    code: u8,
 }
 
 impl CliError {
@@ -113,25 +109,28 @@ impl CliError {
 
     fn new(sentence: impl fmt::Display, help: Option<&str>, code: u8) -> Self {
         let sentence = visible(&sentence.to_string()).into_owned();
-        let message = Message { sentence, help: help.map(|help| visible(help).into_owned()) };
-        Self { report: message.into(), code }
+        Self { sentence, location: None, help: help.map(|help| visible(help).into_owned()), code }
     }
 
     /// Says first what it is about.
     pub fn about(self, what: &str) -> Self {
-        let help = self.report.help().map(|help| help.to_string());
-        Self::new(format_args!("{what}: {}", self.sentence()), help.as_deref(), self.code)
+        Self { sentence: format!("{}: {}", visible(what), self.sentence), ..self }
     }
 
-    /// The message without help and without its colours.
+    /// The message without place, help and colours.
     pub fn sentence(&self) -> String {
-        self.report.to_string()
+        self.sentence.clone()
     }
 
     /// Prints the error to stderr and returns the exit code.
     pub fn print(self) -> ExitCode {
+        let report = Level::ERROR
+            .primary_title(self.sentence)
+            .elements(self.location.as_ref().map(SourceLocation::snippet))
+            .elements(self.help.map(|help| Level::HELP.message(help)));
+        let width = terminal_size_of(io::stderr()).map_or(USUAL_WIDTH, |(Width(width), _)| width.into());
         // When even stderr is closed, the exit code is all that is left to say.
-        let _ = writeln!(io::stderr(), "{:?}", self.report);
+        let _ = writeln!(anstream::stderr(), "{}", Renderer::styled().term_width(width).render(&[report]));
         ExitCode::from(self.code)
     }
 }
@@ -168,7 +167,8 @@ impl From<Box<ScenarioError>> for CliError {
             Fault::Unreadable { kind, .. } => code_of_input(kind),
             _ => exit::BAD_INPUT,
         };
-        Self { report: Report::new(*error), code }
+        let help = error.fault.advice();
+        Self { location: error.location, ..Self::new(error.fault, help.as_deref(), code) }
     }
 }
 

@@ -273,8 +273,7 @@ fn names_that_nobody_has_are_refused_with_the_place_and_the_nearest() {
     let refused = |changes: &[&str]| {
         let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
         let error = scenario::load("contest", &changes).expect_err("it is refused");
-        let help = miette::Diagnostic::help(error.as_ref()).map(|help| help.to_string());
-        (error.to_string(), help.unwrap_or_default())
+        (error.to_string(), error.fault.advice().unwrap_or_default())
     };
     let (sentence, help) = refused(&["planner.rrt.command=[\"rrt\"]", "unimog.planner=rtt"]);
     assert_eq!(sentence, "`unimog.planner` is `rtt`, and no planner of this name is known");

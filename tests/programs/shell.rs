@@ -45,9 +45,9 @@ impl Shell {
     pub fn refuse(&self, arguments: &[&str], words: &[&str]) {
         let before = self.entries();
         let said = String::from_utf8_lossy(&self.run(arguments, &[2]).stderr).into_owned();
-        let flat: Vec<&str> = said.split(|c: char| c.is_whitespace() || c == '│').filter(|it| !it.is_empty()).collect();
+        let flat = said.split_whitespace().collect::<Vec<_>>().join(" ");
         for word in words {
-            assert!(flat.join(" ").contains(word), "`{word}` is missing:\n{said}");
+            assert!(flat.contains(word), "`{word}` is missing:\n{said}");
         }
         assert_eq!(self.entries(), before, "{arguments:?} wrote something");
     }

@@ -1,27 +1,23 @@
 //! Errors of scenarios: what is wrong, and where.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::io::ErrorKind;
 use std::ops::Range;
 
-use miette::{
-    Diagnostic, LabeledSpan, MietteError, MietteSpanContents, NamedSource, SourceCode, SourceSpan, SpanContents,
-};
+use annotate_snippets::{Annotation, AnnotationKind, Snippet};
 use thiserror::Error;
 
 use super::built_in::BUILT_IN;
-use wildfire_base::untrusted::{visible, visible_lines};
+use wildfire_base::untrusted::visible;
 
-/// The longest line that is shown whole, in bytes.
-const LONGEST_LINE: usize = 400;
-
-/// Bytes of a longer line that are shown on either side of a fault, and most of the fault itself.
-const SHOWN_OF_LONG_LINES: usize = 60;
+/// Bytes of a line that may be shown from a fault on: a scenario may be one line of megabytes.
+const SHOWN_OF_LONG_LINES: usize = 120;
 
 /// The reason why a scenario is refused, with its location.
 ///
 /// Its text is one sentence without the location; control characters are escaped. [`ScenarioError::location`] gives
-/// file, line and column; as a [`miette::Diagnostic`] it shows the line itself.
+/// file, line and column, and [`SourceLocation::snippet`] the line itself.
 #[derive(Debug, Error)]
 #[error("{}", visible(&fault.to_string()))]
 pub struct ScenarioError {
@@ -94,13 +90,13 @@ pub enum MapFault {
 }
 
 /// A span of a file, or of an option of the command line.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct SourceLocation {
-    /// The source as it is shown, with control characters escaped; `span` refers to that text.
-    source: NamedSource<String>,
+    /// The name as it is shown, with control characters escaped.
+    name: String,
+    text: String,
+    /// Lies within `text`, between its characters.
     span: Range<usize>,
-    /// Line and column of the first byte in the text as it was written.
-    line_and_column: (usize, usize),
 }
 
 impl Fault {
@@ -164,103 +160,52 @@ impl SourceLocation {
     pub(super) fn new(name: &str, text: &str, span: Range<usize>) -> Self {
         let start = text.floor_char_boundary(span.start);
         let end = text.floor_char_boundary(span.end).max(start);
-        let [before, span_text, after] = [&text[..start], &text[start..end], &text[end..]];
-        let shown = [before, span_text, after].map(visible_lines);
-        let shown_start = shown[0].len();
-        Self {
-            span: shown_start..shown_start + shown[1].len(),
-            source: NamedSource::new(visible(name), shown.concat()),
-            line_and_column: line_and_column_after(before),
-        }
+        Self { name: visible(name).into_owned(), text: text.to_owned(), span: start..end }
     }
 
     /// Returns line and column of the first byte, both from 1; columns count characters.
     pub fn line_and_column(&self) -> (usize, usize) {
-        self.line_and_column
+        let before = &self.text[..self.span.start];
+        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+        let line = 1 + before.bytes().filter(|&byte| byte == b'\n').count();
+        (line, 1 + before[line_start..].chars().count())
     }
 
     /// Says whether this is a place in the given text.
     pub fn is_in(&self, text: &str) -> bool {
-        *self.source.inner() == visible_lines(text)
+        self.text == text
     }
 
-    /// Returns the part of the span that is shown: no more than its first line, and of a long line the beginning.
-    fn shown(&self) -> Range<usize> {
-        let text = self.source.inner();
-        let span_text = &text[self.span.clone()];
-        let line = span_text.lines().next().unwrap_or_default();
-        let most = if span_text.len() > LONGEST_LINE { SHOWN_OF_LONG_LINES } else { LONGEST_LINE };
-        self.span.start..self.span.start + line.floor_char_boundary(most)
-    }
-
-    /// Returns the bytes around the shown part that fit beside it, on its line only.
-    fn window(&self) -> Range<usize> {
-        let text = self.source.inner();
-        let shown = self.shown();
-        let line_start = text[..shown.start].rfind('\n').map_or(0, |at| at + 1);
-        let line_end = text[shown.end..].find('\n').map_or(text.len(), |at| shown.end + at);
-        let start = text.ceil_char_boundary(shown.start.saturating_sub(SHOWN_OF_LONG_LINES)).max(line_start);
-        let end = text.floor_char_boundary((shown.end + SHOWN_OF_LONG_LINES).min(line_end));
-        start..end
-    }
-
-    /// Returns the text of the span.
-    pub fn excerpt(&self) -> &str {
-        self.source.inner().get(self.span.clone()).unwrap_or_default()
+    /// Returns what is shown below a message: the place, and its line with the span marked as far as it is on that line.
+    pub fn snippet(&self) -> Snippet<'_, Annotation<'_>> {
+        let (before, after) = self.text.split_at(self.span.start);
+        let before = &before[before.rfind('\n').map_or(0, |at| at + 1)..];
+        let after = after.lines().next().unwrap_or_default();
+        let after = &after[..after.floor_char_boundary(SHOWN_OF_LONG_LINES)];
+        let (marked, after) = after.split_at(self.span.len().min(after.len()));
+        let [before, marked, after] = [before, marked, after].map(|part| part.replace(acts_on_terminal, "\u{fffd}"));
+        let mark = AnnotationKind::Primary.span(before.len()..before.len() + marked.len());
+        let line = before + &marked + &after;
+        Snippet::source(line).path(&self.name).line_start(self.line_and_column().0).annotation(mark)
     }
 }
 
-fn line_and_column_after(text: &str) -> (usize, usize) {
-    let line_start = text.rfind('\n').map_or(0, |at| at + 1);
-    let line = 1 + text.bytes().filter(|&byte| byte == b'\n').count();
-    (line, 1 + text[line_start..].chars().count())
+/// Says whether a snippet has to show another character; tabs it shows as blanks.
+fn acts_on_terminal(letter: char) -> bool {
+    letter != '\t' && matches!(visible(letter.encode_utf8(&mut [0; 4])), Cow::Owned(_))
 }
 
 impl fmt::Display for SourceLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (line, column) = self.line_and_column();
-        write!(f, "{}:{line}:{column}", self.source.name())
+        write!(f, "{}:{line}:{column}", self.name)
     }
 }
 
-/// A scenario may be a single line of megabytes; a message shows only what surrounds the fault.
-impl SourceCode for SourceLocation {
-    fn read_span<'a>(
-        &'a self,
-        span: &SourceSpan,
-        lines_before: usize,
-        lines_after: usize,
-    ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
-        let whole = self.source.read_span(span, lines_before, lines_after)?;
-        if whole.data().split(|&byte| byte == b'\n').all(|line| line.len() <= LONGEST_LINE) {
-            return Ok(whole);
-        }
-        let window = self.window();
-        let (line, column) = self.line_and_column();
-        let before = self.source.inner()[window.start..self.span.start].chars().count().min(column - 1);
-        Ok(Box::new(MietteSpanContents::new_named(
-            self.source.name().to_owned(),
-            &self.source.inner().as_bytes()[window.clone()],
-            (window.start, window.len()).into(),
-            line - 1,
-            column - 1 - before,
-            1,
-        )))
-    }
-}
-
-impl Diagnostic for ScenarioError {
-    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        self.fault.advice().map(|advice| Box::new(advice) as Box<dyn fmt::Display>)
-    }
-
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.location.as_ref().map(|place| place as &dyn SourceCode)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let place = self.location.as_ref()?;
-        Some(Box::new(std::iter::once(LabeledSpan::new_with_span(Some("here".into()), place.shown()))))
+/// The place alone: the text may have megabytes.
+impl fmt::Debug for SourceLocation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 
@@ -286,16 +231,64 @@ fn did_you_mean(nearest: Option<&str>) -> String {
 
 #[cfg(test)]
 mod tests {
+    use annotate_snippets::{Level, Renderer};
+
     use super::*;
+
+    fn shown(name: &str, text: &str, span: Range<usize>) -> String {
+        let place = SourceLocation::new(name, text, span);
+        Renderer::plain().term_width(60).render(&[Level::ERROR.primary_title("wrong").element(place.snippet())])
+    }
+
+    /// What is shown of a text in the file `f`.
+    fn shown_of(text: &str, span: Range<usize>) -> String {
+        let shown = shown("f", text, span);
+        let (head, picture) = shown.split_once("f:").expect("the place is shown");
+        assert_eq!(head, "error: wrong\n --> ");
+        picture.replace("\n  |\n", "\n")
+    }
+
+    #[test]
+    fn the_line_is_shown_with_a_mark_wherever_it_is() {
+        for (text, span, picture) in [
+            ("a = 1\nb = -3\nc = 1\n", 10..12, "2:5\n2 | b = -3\n  |     ^^"),
+            ("", 0..0, "1:1\n1 |\n  | ^"),
+            ("a = [\n", 6..6, "2:1\n2 |\n  | ^"),
+            ("a = [", 5..9, "1:6\n1 | a = [\n  |      ^"),
+            ("a = [\n1,\n2]\n", 4..12, "1:5\n1 | a = [\n  |     ^"),
+            ("a = 1\r\nb = [\r\nc = 3\r\n", 11..12, "2:5\n2 | b = [\n  |     ^"),
+            ("a = 1\r\n", 5..7, "1:6\n1 | a = 1\n  |      ^"),
+            ("\ta = 1", 1..2, "1:2\n1 |     a = 1\n  |     ^"),
+            ("é = \"模型\" # \u{1f525}", 6..12, "1:6\n1 | é = \"模型\" # \u{1f525}\n  |      ^^^^"),
+            ("é = \"模型\"", 7..8, "1:6\n1 | é = \"模型\"\n  |      ^"),
+        ] {
+            assert_eq!(shown_of(text, span), picture, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn of_a_long_line_only_what_is_around_the_fault_is_shown() {
+        for letter in ["x", "模", "\t", "\u{85}", "e\u{301}"] {
+            let text = letter.repeat(100_000);
+            for at in [0, text.len() / 2, text.len()] {
+                for len in [0, 1, 50, text.len()] {
+                    let picture = shown_of(&text, at..at + len);
+                    assert!(picture.len() < 2000 && picture.contains('^'), "{letter:?} {at} {len}: {picture}");
+                }
+            }
+        }
+        let ascii = "x".repeat(100_000);
+        assert!(shown_of(&ascii, 5000..5003).lines().all(|line| line.len() <= 60));
+    }
 
     #[test]
     fn a_location_is_that_in_the_text_and_shows_no_control_characters() {
         let text = "x = 1\n\u{1b}[2J\u{202e}y = \u{7}z\n";
-        let place = SourceLocation::new("a\u{1b}b", text, text.find('\u{7}').expect("it is there")..text.len() - 1);
-        assert_eq!((place.line_and_column(), place.excerpt()), ((2, 10), "\\u0007z"));
-        assert_eq!(place.to_string(), "a\\u001bb:2:10");
-        let shown = place.read_span(&place.shown().into(), 1, 0).expect("the span_text is in the text");
-        assert_eq!(shown.data(), b"x = 1\n\\u001b[2J\\u202ey = \\u0007z");
+        let span = text.find('\u{7}').expect("it is there")..text.len() - 1;
+        let place = SourceLocation::new("a\u{1b}b", text, span.clone());
+        assert_eq!((place.line_and_column(), place.to_string()), ((2, 10), "a\\u001bb:2:10".to_owned()));
+        let picture = "error: wrong\n --> a\\u001bb:2:10\n  |\n2 | \u{fffd}[2J\u{fffd}y = \u{fffd}z\n  |          ^^";
+        assert_eq!(shown("a\u{1b}b", text, span), picture);
     }
 
     #[test]
