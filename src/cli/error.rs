@@ -236,8 +236,7 @@ impl From<BatchError> for CliError {
                 Some("undo the change to go on with this batch, or begin a new one")
             }
             BatchError::Journal(JournalError::NoLock { .. }) => Some(
-                "this file system has no such lock: --lock file takes a file for a lock, --lock none takes none, for whoever \
-                 sees to it that nobody else works there",
+                "this file system has no such lock: with --lock none, make sure that no other process works on this slice",
             ),
             BatchError::Journal(JournalError::Damaged { .. }) => {
                 Some("delete that line and all behind it to run those runs again")

@@ -122,35 +122,6 @@ fn second_writer_without_a_lock_is_found_and_nothing_is_lost() {
     assert_like_the_whole(scratch.path());
 }
 
-#[test]
-fn lock_file_keeps_others_out_and_goes_with_its_process() {
-    let scratch = tempfile::tempdir().expect("a scratch folder");
-    let path = scratch.path();
-    let mut first = join(path, 1, 2, keeping(Lock::File)).expect("it is free");
-    match join(path, 1, 2, keeping(Lock::File)).map(drop) {
-        Err(BatchError::Journal(JournalError::Locked { owner: Some(owner), .. })) => {
-            assert!(owner.contains(&std::process::id().to_string()), "{owner}");
-        }
-        other => panic!("{other:?}"),
-    }
-    let mut second = join(path, 2, 2, keeping(Lock::File)).expect("it is another slice");
-    let folder = || existing(path).with_keeping(keeping(Lock::File));
-    let status = batch_status(&folder()).expect("it is readable");
-    assert!(status.slices.iter().all(|(_, state)| state.is_running));
-    work_off(&mut first).expect("the disk is fine");
-    work_off(&mut second).expect("the disk is fine");
-    let refusal = merge(&folder(), &RealDisk, &AtomicBool::new(false)).expect_err("they are not over");
-    assert!(refusal.to_string().contains("another process is working on"), "{refusal}");
-    drop((first, second));
-    assert!(
-        fs::read_dir(path)
-            .expect("it is there")
-            .all(|entry| { !entry.expect("readable").file_name().to_string_lossy().ends_with(".lock") })
-    );
-    merge(&folder(), &RealDisk, &AtomicBool::new(false)).expect("all runs are there");
-    assert_like_the_whole(path);
-}
-
 /// Journals of slices in a folder of their own on a local disk.
 fn local(path: &Path) -> JournalKeeping {
     JournalKeeping { local_folder: Some(path.to_owned()), sync_every: Duration::ZERO, ..JournalKeeping::default() }

@@ -104,7 +104,7 @@ fn merge_waits_for_slices_that_others_are_working_on() {
 fn unknown_ways_to_keep_a_journal_are_refused() {
     let story = Story::begin();
     let batch = |option: &'static str| ["batch", "smoke", "--out", "out", option];
-    refuse(&story, &batch("--lock=lockf"), &["expected `flock`, `file` or `none`"]);
+    refuse(&story, &batch("--lock=lockf"), &["expected `flock` or `none`"]);
     refuse(&story, &batch("--sync-every=-1"), &["expected seconds from 0 to 3600"]);
     refuse(&story, &batch("--target-minutes=5"), &["--slurm"]);
     refuse(&story, &["batch", "--resume", "out", "--slurm"], &["--slurm"]);
@@ -112,10 +112,10 @@ fn unknown_ways_to_keep_a_journal_are_refused() {
 }
 
 #[test]
-fn lock_files_and_local_journals_leave_the_folder_as_others_do() {
+fn local_journals_leave_the_folder_as_others_do() {
     let story = tiny();
     story.tell(&["batch", "tiny.toml", "--seeds", "1..60", "--out", "whole"]).expect_code(0);
-    let options = ["--lock", "file", "--journal-dir", "disk", "--sync-every", "10"];
+    let options = ["--journal-dir", "disk", "--sync-every", "10"];
     let batch = ["batch", "tiny.toml", "--seeds", "1..60", "--out", "out"];
     story.tell(&[batch.as_slice(), &options].concat()).expect_code(0);
     assert_like_the_whole(&story, "out");
@@ -132,7 +132,7 @@ fn lock_files_and_local_journals_leave_the_folder_as_others_do() {
 /// A file system that refuses `flock`, as far as this program can tell.
 #[test]
 #[cfg(target_os = "linux")]
-fn file_system_without_flock_is_named_and_a_lock_file_helps() {
+fn file_system_without_flock_is_named_and_no_lock_helps() {
     let story = tiny();
     story.file("shim.c", "#include <errno.h>\nint flock(int f, int o) { errno = ENOSYS; return -1; }\n");
     let mut compiler = Command::new("cc");
@@ -149,16 +149,16 @@ fn file_system_without_flock_is_named_and_a_lock_file_helps() {
     let slice = |number: &'static str, lock: &'static str| {
         tell(&["batch", "tiny.toml", "--seeds", "1..60", "--out", "out", "--shard", number, "--lock", lock])
     };
-    let hint = ["Function not implemented", "--lock file", "--lock none"];
+    let hint = ["Function not implemented", "--lock none"];
     slice("1/2", "flock").expect_code(3).expect_complaint(&hint);
     for number in ["1/2", "2/2"] {
-        slice(number, "file").expect_code(0);
+        slice(number, "none").expect_code(0);
     }
     for command in ["status", "merge"] {
         tell(&[command, "out"]).expect_code(3).expect_complaint(&hint);
     }
-    let status = tell(&["status", "out", "--lock", "file"]).expect_code(0).stdout;
-    assert!(status.contains("Write the tables with: wildfire merge out --lock file"), "{status}");
+    let status = tell(&["status", "out", "--lock", "none"]).expect_code(0).stdout;
+    assert!(status.contains("Write the tables with: wildfire merge out --lock none"), "{status}");
     tell(&["merge", "out", "--lock", "none"]).expect_code(0);
     story.tell(&["batch", "tiny.toml", "--seeds", "1..60", "--out", "whole"]).expect_code(0);
     assert_like_the_whole(&story, "out");
@@ -182,7 +182,7 @@ fn script_for_slurm_submits_itself_runs_every_slice_and_merges_them() {
     story.tell(&["batch", "plan.toml", "--seeds", "1..30", "--out", "whole"]).expect_code(0);
     let before = story.entries();
     let asked = ["batch", "plan.toml", "--seeds", "1..30", "--slurm", "--max-tasks", "4", "--target-minutes", "0.01"];
-    let options = ["--out", "my runs", "--lock", "file", "--journal-dir", "$LOCAL/disk", "--jobs", "2"];
+    let options = ["--out", "my runs", "--lock", "none", "--journal-dir", "$LOCAL/disk", "--jobs", "2"];
     let script = story.tell(&[asked.as_slice(), &options].concat()).expect_code(0).stdout;
     assert_eq!(story.entries(), before, "it prints, and writes nothing");
     let array = script.lines().find_map(|line| line.strip_prefix("#SBATCH --array=1-")).expect("it is an array");

@@ -11,8 +11,8 @@ use wildfire_batch::{JournalKeeping, Lock, shell_word};
 /// How journals are locked.
 #[derive(Clone, Debug, Args)]
 pub struct LockArguments {
-    /// How two processes are kept from one slice: `flock`, the system's lock; `file`, a file beside the journal, where the
-    /// system's is refused; `none`.
+    /// How two processes are kept from one slice: `flock`, the system's lock, or `none`, where the system's is refused and
+    /// the scheduler keeps them apart.
     #[arg(help_heading = "Shared file systems", long, value_name = "HOW", default_value_t)]
     lock: Lock,
 }

@@ -1,3 +1,5 @@
+//! Cells of a field, and where they lie in the world.
+
 use std::fmt;
 
 use glam::DVec2;

@@ -1,3 +1,5 @@
+//! Poses and rectangles in the world.
+
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 

@@ -1,3 +1,5 @@
+//! Paths of the rear axle: segments of constant curvature in a row.
+
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::{Pose, ops};

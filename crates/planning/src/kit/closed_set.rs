@@ -1,3 +1,5 @@
+//! The closed set of searches over poses.
+
 use std::f64::consts::{PI, TAU};
 
 use wildfire_base::geometry::{FieldFrame, Pose};

@@ -1,3 +1,5 @@
+//! A* over the lattice of a Wumpus.
+
 use glam::DVec2;
 
 use crate::{PlanningObserver, SearchPhase};

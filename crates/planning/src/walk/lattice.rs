@@ -1,3 +1,5 @@
+//! The lattice that a Wumpus walks on: the points where its body has room, and the steps between them.
+
 use std::f64::consts::SQRT_2;
 
 use glam::DVec2;

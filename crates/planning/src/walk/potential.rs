@@ -1,3 +1,5 @@
+//! Potential fields for a Wumpus: attraction of the goal, repulsion of bushes (Khatib 1986).
+
 use wildfire_grid::brushfire::brushfire;
 use wildfire_grid::potential::{self, Attraction, Repulsion};
 use wildfire_grid::{Connectivity, Grid, Place};

@@ -1,3 +1,5 @@
+//! The walk down a wavefront from the goal.
+
 use glam::DVec2;
 
 use crate::{PlanningObserver, SearchPhase};

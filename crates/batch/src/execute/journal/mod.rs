@@ -23,8 +23,6 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::execute::lock::LockFileError;
-
 /// A reason for which a journal cannot be read or continued.
 #[derive(Debug, Error)]
 pub enum JournalError {
@@ -41,26 +39,14 @@ pub enum JournalError {
         path.display()
     )]
     Rewritten { path: PathBuf, run: u64 },
-    #[error("another process is working on {}{}", path.display(), words_of(.owner.as_deref()))]
-    Locked { path: PathBuf, owner: Option<String> },
+    #[error("another process is working on {}", path.display())]
+    Locked { path: PathBuf },
     #[error("cannot lock {}: {source}", path.display())]
     NoLock { path: PathBuf, source: io::Error },
-}
-
-fn words_of(owner: Option<&str>) -> String {
-    owner.map_or(String::new(), |owner| format!(": {owner}"))
 }
 
 impl JournalError {
     fn unreadable(path: &Path, source: io::Error) -> Self {
         Self::Unreadable { path: path.to_owned(), source }
-    }
-
-    fn from_lock_file(journal: &Path, error: LockFileError) -> Self {
-        let path = journal.to_owned();
-        match error {
-            LockFileError::Held(owner) => Self::Locked { path, owner: Some(owner) },
-            LockFileError::Io(source) => Self::NoLock { path, source },
-        }
     }
 }

@@ -8,7 +8,6 @@ use std::time::Duration;
 use super::index::RowReader;
 use super::line::{Head, encode};
 use super::{JournalError, JournalIndex};
-use crate::execute::lock::{LockFile, has_live_lock_file};
 use crate::execute::{Append, BatchError, Disk, Lock, OutputFolder, RunRow, Status};
 use crate::plan::{BatchPlan, Slice};
 use wildfire_base::time::wall::WallStopwatch;
@@ -25,7 +24,6 @@ pub struct OpenJournal {
     index: JournalIndex,
     /// The place of a journal that is written elsewhere.
     home: Option<Home>,
-    lock_file: Option<LockFile>,
     sync_every: Duration,
     /// Since the first line that is not on the disk yet.
     unsynced: Option<WallStopwatch>,
@@ -44,7 +42,6 @@ struct Home {
 pub struct LockedJournal {
     path: PathBuf,
     file: File,
-    lock_file: Option<LockFile>,
     sync_every: Duration,
     local_folder: Option<PathBuf>,
 }
@@ -54,16 +51,12 @@ impl LockedJournal {
     pub fn take(folder: &OutputFolder, slice: Slice) -> Result<Self, BatchError> {
         let path = folder.journal(slice);
         let keeping = folder.keeping();
-        let lock_file = match keeping.lock {
-            Lock::File => Some(LockFile::take(&path).map_err(|error| JournalError::from_lock_file(&path, error))?),
-            Lock::Flock | Lock::None => None,
-        };
         let file = open_to_append(&path).map_err(|source| BatchError::unwritable(&path, source))?;
         if keeping.lock == Lock::Flock {
             lock_by_system(&path, file.try_lock())?;
         }
         let (sync_every, local_folder) = (keeping.sync_every, keeping.local_folder.clone());
-        Ok(Self { path, file, lock_file, sync_every, local_folder })
+        Ok(Self { path, file, sync_every, local_folder })
     }
 
     /// Removes all lines.
@@ -80,7 +73,7 @@ impl LockedJournal {
             (_, false) => Ok(()),
         };
         drop_torn(&index, &self.path, &self.file)?;
-        let Self { mut path, mut file, lock_file, sync_every, local_folder } = self;
+        let Self { mut path, mut file, sync_every, local_folder } = self;
         let writer_of = |path: &Path, file: &File| {
             file.try_clone().map(|file| disk.journal(file)).map_err(|source| BatchError::unwritable(path, source))
         };
@@ -99,7 +92,7 @@ impl LockedJournal {
         }
         let writer = writer_of(&path, &file)?;
         let is_empty = index.end().0 == 0;
-        let mut journal = OpenJournal { path, file, writer, index, home, lock_file, sync_every, unsynced: None };
+        let mut journal = OpenJournal { path, file, writer, index, home, sync_every, unsynced: None };
         if is_empty {
             let head = encode(&Head::new(&sha256, slice));
             journal.write(&head)?;
@@ -121,7 +114,7 @@ fn open_to_append(path: &Path) -> io::Result<File> {
 fn lock_by_system(path: &Path, locked: Result<(), TryLockError>) -> Result<(), JournalError> {
     match locked {
         Ok(()) => Ok(()),
-        Err(TryLockError::WouldBlock) => Err(JournalError::Locked { path: path.to_owned(), owner: None }),
+        Err(TryLockError::WouldBlock) => Err(JournalError::Locked { path: path.to_owned() }),
         Err(TryLockError::Error(source)) => Err(JournalError::NoLock { path: path.to_owned(), source }),
     }
 }
@@ -134,7 +127,7 @@ fn copy_to(folder: &Path, local_path: &Path, mut home: &File) -> Result<File, Ba
     let mut local = open_to_append(local_path).map_err(unwritable)?;
     // Locks of local disks work; where they do not, the journal's own lock has to do.
     if matches!(local.try_lock(), Err(TryLockError::WouldBlock)) {
-        return Err(JournalError::Locked { path: local_path.to_owned(), owner: None }.into());
+        return Err(JournalError::Locked { path: local_path.to_owned() }.into());
     }
     let rewind = |mut file: &File| file.seek(SeekFrom::Start(0)).map_err(unwritable);
     let length = rewind(home).and_then(|_| home.metadata().map_err(unwritable))?.len();
@@ -227,9 +220,6 @@ impl OpenJournal {
     /// Refuses a journal that was removed, replaced or changed: lines written to it would be lost without a word. A second
     /// process that writes to it is found by this, too.
     fn expect_unchanged(&mut self) -> Result<(), JournalError> {
-        if let Some(lock_file) = &mut self.lock_file {
-            lock_file.beat().map_err(|error| JournalError::from_lock_file(&self.path, error))?;
-        }
         let unreadable = |source| JournalError::unreadable(&self.path, source);
         let changed = |change: String| Err(JournalError::Changed { path: self.path.clone(), change });
         let own = self.file.metadata().map_err(unreadable)?;
@@ -283,12 +273,8 @@ fn is_same_file(_: &Metadata, _: &Metadata) -> bool {
 pub fn open_to_read(path: &Path, lock: Lock) -> Result<File, JournalError> {
     let unreadable = |source| JournalError::unreadable(path, source);
     let file = File::open(path).map_err(unreadable)?;
-    match lock {
-        Lock::Flock => lock_by_system(path, file.try_lock_shared())?,
-        Lock::File if has_live_lock_file(path).map_err(unreadable)? => {
-            return Err(JournalError::Locked { path: path.to_owned(), owner: None });
-        }
-        Lock::File | Lock::None => {}
+    if lock == Lock::Flock {
+        lock_by_system(path, file.try_lock_shared())?;
     }
     Ok(file)
 }

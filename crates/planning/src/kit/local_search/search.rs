@@ -1,3 +1,5 @@
+//! The local search: A* with motion primitives along the waypoints of a route.
+
 use std::sync::Arc;
 
 use glam::DVec2;

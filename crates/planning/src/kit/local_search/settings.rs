@@ -1,3 +1,5 @@
+//! Settings of the local search.
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,3 +1,5 @@
+//! Finds the places near a point, among places that are added one after the other.
+
 use glam::DVec2;
 
 use wildfire_base::geometry::FieldFrame;

@@ -1,3 +1,5 @@
+//! The roadmap of `prm-rs`: poses joined by Reeds-Shepp curves, either made before the first query or grown by queries.
+
 use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 

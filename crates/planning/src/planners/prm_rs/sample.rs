@@ -1,3 +1,5 @@
+//! Samples the poses of the roadmap: in the open, along bushes, and at corners that stick out of them.
+
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 use glam::DVec2;

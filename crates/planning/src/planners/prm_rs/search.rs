@@ -1,3 +1,5 @@
+//! Searches the roadmap for one query, together with motions about the start.
+
 use glam::DVec2;
 
 use crate::collision::CollisionChecker;
