@@ -8,12 +8,11 @@ use std::cmp::Ordering;
 use super::collected::{Values, mean_of};
 use super::labels::Labels;
 use super::quantities::{BURNED_AREA, BUSHES, PLANNING, Quantity, RESPONSE, SAVED};
-use super::words;
 use crate::comparison::{Contrast, JudgedContrast, Metric, NumberPair, Verdict, judge, listed};
 use crate::plan::BatchPlan;
 use crate::stats::Series;
 use wildfire_base::document::number::{rounded, two_digits};
-use wildfire_picture::charts::{Estimate, ForestChart, ForestRow, Language, Titles};
+use wildfire_picture::charts::{Estimate, ForestChart, ForestRow, Titles};
 
 /// The most rows of a chart of differences that is not over a key.
 const MOST_ROWS: usize = 60;
@@ -214,26 +213,24 @@ impl Compared {
     }
 
     /// Returns the words of a chart of differences from the best, which are along the y axis.
-    pub fn titles(&self, language: Language) -> Titles {
+    pub fn titles(&self) -> Titles {
         let quantity = self.aim.quantity;
-        let axis = if self.is_in_bushes { words::BUSHES_PER_RUN } else { quantity.axis() };
+        let axis = if self.is_in_bushes { "bushes per run" } else { quantity.axis() };
         Titles {
-            title: words::DIFFERENCE_FROM.filled(language, &[&quantity.title(language), &self.best]),
-            note: words::ARE_DIFFERENCES.in_language(language).into(),
+            title: format!("{}, difference from {}", quantity.title(), self.best),
+            note: "Marks are mean differences paired by seed, whiskers their 95 % intervals.".into(),
             x: String::new(),
-            y: axis.in_language(language).into(),
-            language,
+            y: axis.into(),
         }
     }
 
     /// Draws a row for each of the others, and for each stratum where that makes a difference.
-    pub fn forest(&self, language: Language) -> ForestChart {
+    pub fn forest(&self) -> ForestChart {
         let row = |name: &String, judged: &JudgedContrast| {
             let Estimate { value, interval } = estimate(judged);
             let decimals = interval.map_or(2, |(low, high)| two_digits(0.5 * (high - low)).min(6));
-            let number = |value: f64| language.number(&rounded(value, decimals));
-            let ends =
-                |(low, high)| words::WITH_INTERVAL.filled(language, &[&number(value), &number(low), &number(high)]);
+            let number = |value: f64| rounded(value, decimals);
+            let ends = |(low, high)| format!("{} ({} to {})", number(value), number(low), number(high));
             let words = interval.map_or_else(|| number(value), ends);
             let is_told_apart = judged.verdict == Verdict::Difference;
             ForestRow { name: name.clone(), difference: Some(Estimate { value, interval }), words, is_told_apart }
@@ -243,8 +240,8 @@ impl Compared {
             let strata = strata.map(|(index, judged)| row(&self.strata[*index], judged));
             other.judged.iter().map(|judged| row(&other.name, judged)).chain(strata)
         });
-        let Titles { y, .. } = self.titles(language);
-        let titles = Titles { x: y, y: String::new(), ..self.titles(language) };
+        let Titles { title, note, y, .. } = self.titles();
+        let titles = Titles { title, note, x: y, y: String::new() };
         ForestChart { titles, rows: rows.take(MOST_ROWS).collect() }
     }
 }

@@ -1,20 +1,21 @@
 //! The columns of runs that a report shows, and how.
 
 use super::ReportError;
-use super::words;
 use crate::table::{RUN_COLUMNS, RunColumn, RunRecord, Unit, is_measured, run_column};
 use wildfire_base::untrusted::visible_start;
-use wildfire_picture::charts::{Language, Words};
 use wildfire_sim::scenario::nearest_name;
 
 const OBSTACLES: usize = run_column("obstacles");
+
+/// The axis of states.
+pub const SHARE_OF_OBSTACLES: &str = "share of obstacles";
 
 /// A number of every run that is done: that of a column, or the sum of two, in the unit in which charts show it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Quantity {
     column: usize,
     /// The column that is added, and the name of the sum.
-    added: Option<(usize, Words)>,
+    added: Option<(usize, &'static str)>,
 }
 
 /// The ends of a run.
@@ -39,7 +40,7 @@ pub const CUSTOM_PLANNERS: [Quantity; 2] = [quantity("cpu_custom_start_s"), quan
 
 /// The bushes that did not burn: the share of all.
 pub const SAVED: Quantity =
-    Quantity { column: run_column("intact"), added: Some((run_column("extinguished"), words::SAVED)) };
+    Quantity { column: run_column("intact"), added: Some((run_column("extinguished"), "Saved")) };
 
 /// All bushes of a field, as a number.
 pub const BUSHES: Quantity = quantity("obstacles");
@@ -56,13 +57,6 @@ pub static MEASURES: [Quantity; 4] = [RESPONSE, quantity("truck_distance_m"), qu
 
 const fn quantity(column: &str) -> Quantity {
     Quantity { column: run_column(column), added: None }
-}
-
-/// Which quantities the charts of a report show, and in which language.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ChartChoice {
-    pub quantities: ChosenQuantities,
-    pub language: Language,
 }
 
 /// The quantities that a report shows.
@@ -135,19 +129,17 @@ impl Quantity {
 
     /// Returns the name of its column; of a sum that of the sum.
     pub fn column(self) -> String {
-        self.added.map_or_else(|| self.about().name.to_owned(), |(_, name)| name.english.to_lowercase())
+        self.added.map_or_else(|| self.about().name.to_owned(), |(_, name)| name.to_lowercase())
     }
 
-    pub fn label(self, language: Language) -> &'static str {
-        self.added.map_or_else(|| words::name_of(self.about(), language), |(_, name)| name.in_language(language))
+    pub fn label(self) -> &'static str {
+        self.added.map_or(self.about().title, |(_, name)| name)
     }
 
     /// Returns its name outside of a chart of several.
-    pub fn title(self, language: Language) -> String {
-        match self.is_share_of_bushes() {
-            true => words::AT_THE_END_OF_A_RUN.filled(language, &[self.label(language)]),
-            false => self.label(language).into(),
-        }
+    pub fn title(self) -> String {
+        let when = if self.is_share_of_bushes() { " at the end of a run" } else { "" };
+        format!("{}{when}", self.label())
     }
 
     fn is_share_of_bushes(self) -> bool {
@@ -172,19 +164,19 @@ impl Quantity {
     }
 
     /// Returns what an axis is called that shows it, with the unit.
-    pub fn axis(self) -> Words {
+    pub fn axis(self) -> &'static str {
         match self.about().unit {
-            Unit::Cells if self.is_share_of_bushes() => words::SHARE_OF_OBSTACLES,
-            Unit::Cells => words::CELLS,
-            Unit::Metres => words::METRES,
-            Unit::Seconds if self.about().name.starts_with("cpu_") => words::CPU_TIME,
-            Unit::Seconds if is_measured(self.about().name) => words::MILLISECONDS,
-            Unit::Seconds => words::SECONDS,
-            Unit::CellSeconds => words::CELL_SECONDS,
-            Unit::Hectares => words::HECTARES,
-            Unit::Points => words::POINTS,
-            Unit::Share => words::SHARE,
-            Unit::None => words::NUMBER,
+            Unit::Cells if self.is_share_of_bushes() => SHARE_OF_OBSTACLES,
+            Unit::Cells => "cells",
+            Unit::Metres => "distance (m)",
+            Unit::Seconds if self.about().name.starts_with("cpu_") => "CPU time (ms)",
+            Unit::Seconds if is_measured(self.about().name) => "time (ms)",
+            Unit::Seconds => "time (s)",
+            Unit::CellSeconds => "cells \u{d7} time (s)",
+            Unit::Hectares => "area (ha)",
+            Unit::Points => "points",
+            Unit::Share => "share",
+            Unit::None => "number",
         }
     }
 }
@@ -212,17 +204,25 @@ pub fn key_axis(key: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
+
+    #[test]
+    fn every_column_of_numbers_has_a_title_of_its_own() {
+        let titles: BTreeSet<&str> =
+            RUN_COLUMNS.iter().map(|column| column.title).filter(|it| !it.is_empty()).collect();
+        assert_eq!(titles.len(), RUN_COLUMNS.iter().filter(|column| column.holds_numbers()).count());
+        assert!(RUN_COLUMNS.iter().all(|column| column.holds_numbers() != column.title.is_empty()));
+    }
 
     #[test]
     fn axes_have_units_where_there_is_one() {
         let columns = (0..RUN_COLUMNS.len()).filter(|&column| RUN_COLUMNS[column].holds_numbers());
         for quantity in columns.map(|column| Quantity { column, added: None }).chain([SAVED]) {
-            let Words { english, german } = quantity.axis();
+            let axis = quantity.axis();
             let has_unit = !matches!(quantity.about().unit, Unit::Cells | Unit::Share | Unit::Points | Unit::None);
-            let is_right =
-                [english, german].iter().all(|axis| axis.ends_with(')') == has_unit && !axis.contains("(1)"));
-            assert!(is_right, "{}: {english}, {german}", quantity.column());
+            assert!(axis.ends_with(')') == has_unit && !axis.contains("(1)"), "{}: {axis}", quantity.column());
         }
         for (key, axis) in [
             ("fire.burn_out_s", "fire.burn_out_s (s)"),
