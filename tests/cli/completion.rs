@@ -76,7 +76,6 @@ fn bash_offers_files_where_a_scenario_may_be_one_and_options_as_before() {
     assert!(["contest", "condition.toml"].iter().all(|name| both.iter().any(|word| word == name)), "{both:?}");
     assert_eq!(offered(&story, "wildfire run --rec"), ["--record-searches"]);
     assert!(offered(&story, "wildfire re").contains(&"report".to_owned()));
-    assert!(offered(&story, "wildfire report --language ").contains(&"de".to_owned()));
     assert!(offered(&story, "wildfire run --set nothing.like=").is_empty());
 }
 

@@ -1,4 +1,4 @@
-//! What goes into papers: tables as LaTeX, charts of chosen columns and in German, and what made the numbers.
+//! What goes into papers: tables as LaTeX, charts of chosen columns, and what made the numbers.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -25,12 +25,6 @@ fn charts(story: &Story, ending: &str) -> BTreeSet<String> {
     let entries = fs::read_dir(story.path("a/charts")).expect("the folder is there");
     let names = entries.map(|entry| entry.expect("readable").file_name().to_string_lossy().into_owned());
     names.filter_map(|name| name.strip_suffix(ending).map(str::to_owned)).collect()
-}
-
-/// The texts of a chart, in the order in which they are drawn.
-fn texts(svg: &str) -> Vec<String> {
-    let ends = svg.lines().filter_map(|line| line.strip_suffix("</text>"));
-    ends.filter_map(|line| line.rsplit_once('>')).map(|(_, text)| text.to_owned()).collect()
 }
 
 #[test]
@@ -161,51 +155,7 @@ fn columns_that_charts_cannot_show_are_refused_with_near_names() {
     refuse(&story, &["report", "a", "--metric", "winner"], &["`winner`", "holds no numbers"]);
     refuse(&story, &["report", "a", "--metric", "seed"], &["`seed`", "holds no numbers"]);
     refuse(&story, &["report", "a", "--metric", "a\u{1b}[2J"], &["a\\u001b[2J"]);
-    refuse(&story, &["report", "a", "--language", "fr"], &["fr", "en", "de"]);
     assert!(!story.path("a/charts").exists(), "nothing was drawn");
-}
-
-#[test]
-fn german_charts_have_no_english_word_and_commas_in_their_numbers() {
-    let story = story();
-    let names = "intact,truck_distance_m,cpu_run_s,burned_ratio,truck_cusps,burning_cell_s,ended_s,truck_score,regret";
-    for metric in [&[][..], &["--metric", names]] {
-        // Charts of an earlier report stay, in whatever language they are.
-        let _ = fs::remove_dir_all(story.path("a/charts"));
-        story.tell(&[&["report", "a", "--pgf"], metric].concat()).expect_code(0);
-        let english: Vec<_> = charts(&story, ".svg").into_iter().collect();
-        let read = |ending: &str| {
-            english.iter().map(|name| story.read(&format!("a/charts/{name}{ending}"))).collect::<Vec<_>>()
-        };
-        let before: Vec<Vec<String>> = read(".svg").iter().map(|svg| texts(svg)).collect();
-        let data: Vec<_> =
-            charts(&story, ".csv").iter().map(|name| story.read(&format!("a/charts/{name}.csv"))).collect();
-        story.tell(&[&["report", "a", "--pgf", "--language", "de"], metric].concat()).expect_code(0);
-        assert_eq!(english, charts(&story, ".svg").into_iter().collect::<Vec<_>>(), "the same charts");
-        let after: Vec<Vec<String>> = read(".svg").iter().map(|svg| texts(svg)).collect();
-        let same: Vec<_> =
-            charts(&story, ".csv").iter().map(|name| story.read(&format!("a/charts/{name}.csv"))).collect();
-        assert!(data == same, "data are for programs");
-        let mut commas = 0;
-        for (english, german) in before.iter().zip(&after) {
-            let is_number =
-                |text: &&String| text.chars().all(|letter| letter.is_ascii_digit() || "+.,-e".contains(letter));
-            let numbers: Vec<String> = english.iter().filter(is_number).map(|text| text.replace('.', ",")).collect();
-            assert_eq!(numbers, german.iter().filter(is_number).cloned().collect::<Vec<_>>());
-            commas += numbers.iter().filter(|number| number.contains(',')).count();
-            // Names of agents, and of what the user varies.
-            let is_name = |text: &str| {
-                text == "Wumpus"
-                    || ["prm-rs", "hybrid-astar", "field.coverage"].iter().any(|name| text.starts_with(name))
-            };
-            for word in english.iter().filter(|text| !is_number(text) && !is_name(text)) {
-                assert!(!german.contains(word), "{word} is English: {german:?}");
-            }
-        }
-        assert!(commas > 10, "{commas} commas");
-        assert!(read(".pgf").concat().contains("Fehlerbalken"), "PGF has the words too");
-    }
-    assert!(story.read("a/report.html").contains(">Means</h2>"), "the page stays English");
 }
 
 #[test]

@@ -51,11 +51,11 @@ pub use plan::{
     SliceError, Sweep, SweepError, Value, Variant, plan_schema, planner_of, rules_schema, shell_word,
 };
 pub use report::{
-    AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, ChartChoice, ChartData, ChosenQuantities, Facet,
-    FacetSeries, Failures, FieldPicture, LISTED_VIOLATIONS, ListedViolation, MOST_PANELS, Merged, NotableRun,
-    PaperCharts, ReportError, ReportParts, RunObject, SHOWN_RUNS, Tables, Tally, VariantReport, WrittenReport,
-    audit_all, merge, notable_runs, notes, read_report, read_rows, runs_with_pages, word_facets, write_chart,
-    write_chart_data, write_paper_chart, write_report,
+    AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, ChartData, ChosenQuantities, Facet, FacetSeries,
+    Failures, FieldPicture, LISTED_VIOLATIONS, ListedViolation, MOST_PANELS, Merged, NotableRun, PaperCharts,
+    ReportError, ReportParts, RunObject, SHOWN_RUNS, Tables, Tally, VariantReport, WrittenReport, audit_all, merge,
+    notable_runs, notes, read_report, read_rows, runs_with_pages, word_facets, write_chart, write_chart_data,
+    write_paper_chart, write_report,
 };
 pub use table::{
     AGENT_COLUMNS, AgentColumn, AgentRow, CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, CallColumn, Column, FileColumn,

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde::Serialize;
 
 use super::answer::{BatchAnswer, ReportAnswer, ShownTables};
@@ -26,11 +26,10 @@ use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::time::SimTime;
 use wildfire_base::time::wall::WallStopwatch;
 use wildfire_batch::{
-    BatchError, BatchPlan, ChartChoice, ChosenQuantities, FieldPicture, FinishedBatch, JournalError, MissingRuns,
-    NotableRun, OutputFolder, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts, Slice, SliceState, Survey,
-    batch_status, limit_threads, notable_runs, runs_with_pages, shell_word, write_report,
+    BatchError, BatchPlan, ChosenQuantities, FieldPicture, FinishedBatch, JournalError, MissingRuns, NotableRun,
+    OutputFolder, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts, Slice, SliceState, Survey, batch_status,
+    limit_threads, notable_runs, runs_with_pages, shell_word, write_report,
 };
-use wildfire_picture::charts::Language;
 use wildfire_picture::film::{FrameRequest, RunView, ViewOptions, still};
 
 #[derive(Debug, Args)]
@@ -49,7 +48,7 @@ pub struct StatusArguments {
 Examples:
   wildfire report runs/contest
   wildfire report runs/contest --pages
-  wildfire report runs/contest --pdf --width-mm 88 --language de
+  wildfire report runs/contest --pdf --width-mm 88
   wildfire report runs/contest --metric truck_distance_m,truck_cusps --tex > tables.tex
 
 PDF has the letters of charts as outlines of the program's own font, Arimo; in PGF they are
@@ -70,31 +69,10 @@ pub struct ReportArguments {
     pub rows: bool,
     #[command(flatten)]
     pub paper: PaperArguments,
-    /// The language of the words in charts, and of their decimal numbers; the page stays English.
-    #[arg(help_heading = "Papers", long, value_name = "LANGUAGE", value_enum, default_value = "en")]
-    pub language: LanguageArgument,
     #[command(flatten)]
     pub programs: ProgramArguments,
     #[command(flatten)]
     pub form: FormArguments,
-}
-
-/// A language by its code of two letters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum LanguageArgument {
-    /// English.
-    En,
-    /// German, with a comma in numbers.
-    De,
-}
-
-impl From<LanguageArgument> for Language {
-    fn from(argument: LanguageArgument) -> Self {
-        match argument {
-            LanguageArgument::En => Self::English,
-            LanguageArgument::De => Self::German,
-        }
-    }
 }
 
 #[derive(Debug, Args)]
@@ -288,17 +266,16 @@ fn ranges_of(numbers: &[u64]) -> String {
 pub fn report(arguments: &ReportArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let paper = arguments.paper.charts()?;
     let quantities = ChosenQuantities::new(&arguments.metric).map_err(report_error)?;
-    let choice = ChartChoice { quantities, language: arguments.language.into() };
     let batch = FinishedBatch::open(&arguments.folder)?;
     // Pages of an earlier report are linked again.
     let playing = if arguments.pages { notable_runs(&batch) } else { runs_with_pages(&batch) }.map_err(report_error)?;
     let views = if arguments.pages { write_pages(&batch, &playing, context)? } else { Vec::new() };
     let field = median_field(&batch, &playing, &views, context)?;
-    let parts = ReportParts { playing: &playing, field, choice: &choice, paper };
+    let parts = ReportParts { playing: &playing, field, quantities: &quantities, paper };
     let written = write_report(&batch, &parts).map_err(report_error)?;
     terminal::note_unknown_letters([written.unknown_letters.as_str()], context.quiet);
     if !arguments.form.is_text() {
-        let shown = ShownTables { columns: &choice.quantities.places(), rows: arguments.rows };
+        let shown = ShownTables { columns: &quantities.places(), rows: arguments.rows };
         let answer = ReportAnswer::new(batch.plan(), batch.folder(), &written, &shown);
         terminal::print(&arguments.form.render(&answer))?;
         return Ok(ExitCode::SUCCESS);
@@ -306,7 +283,7 @@ pub fn report(arguments: &ReportArguments, context: &CommandContext) -> Result<E
     let (page, charts) = (written.page.display(), written.charts_folder.display());
     let forms = arguments.paper.forms();
     let mut document = Document::new(format!("{page}, and {} charts as {forms} in {charts}", written.charts.len()));
-    document = document.with(written.tables.column_tables(&choice.quantities.places()));
+    document = document.with(written.tables.column_tables(&quantities.places()));
     document.add_list(written.refused);
     terminal::print(&document.to_text())?;
     Ok(ExitCode::SUCCESS)

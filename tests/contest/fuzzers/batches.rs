@@ -8,9 +8,9 @@ use std::sync::{Arc, LazyLock};
 
 use wildfire::batch::comparison::{Selection, compare};
 use wildfire::batch::{
-    Append, Batch, BatchPlan, BatchRequest, ChartChoice, Disk, FinishedBatch, JournalIndex, OutputFolder, PLAN_FILE,
-    PLAN_TEMPLATE, PaperCharts, PlanError, RUNS_FILE, ReportParts, STATES_PARQUET, Slice, Sweep, Whole, batch_status,
-    merge, run_column, write_report,
+    Append, Batch, BatchPlan, BatchRequest, ChosenQuantities, Disk, FinishedBatch, JournalIndex, OutputFolder,
+    PLAN_FILE, PLAN_TEMPLATE, PaperCharts, PlanError, RUNS_FILE, ReportParts, STATES_PARQUET, Slice, Sweep, Whole,
+    batch_status, merge, run_column, write_report,
 };
 use wildfire::picture::charts::PaperSize;
 use wildfire::scenario::ScenarioText;
@@ -320,8 +320,8 @@ pub fn report(case: &mut Case<'_>) -> Law {
     let batch = FinishedBatch::open(case.folder).map_err(|error| error.to_string())?;
     let size = PaperSize { width_mm: 88.0, font_pt: 8.0 };
     let paper = PaperCharts { size, pdf: true, pgf: true };
-    let choice = ChartChoice::default();
-    match write_report(&batch, &ReportParts { playing: &[], field: None, choice: &choice, paper }) {
+    let quantities = ChosenQuantities::default();
+    match write_report(&batch, &ReportParts { playing: &[], field: None, quantities: &quantities, paper }) {
         Ok(_) => {
             case.count("reports written");
             Ok(())

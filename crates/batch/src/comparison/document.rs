@@ -6,7 +6,7 @@ use crate::comparison::{
 use wildfire_base::document::number::{optional, probability, rounded, two_digits};
 use wildfire_base::document::{Block, Document, Figure, Table};
 use wildfire_base::untrusted::visible_start;
-use wildfire_picture::charts::{Estimate, ForestChart, ForestRow, Language, SCREEN_WIDTH, Titles};
+use wildfire_picture::charts::{Estimate, ForestChart, ForestRow, SCREEN_WIDTH, Titles};
 
 const LEGEND: &str = "\
 Differences are of means over pairs, with 95 % intervals; p is adjusted by Holm's method over all that is shown, and so \
@@ -128,7 +128,7 @@ fn forest(against: &AgainstA) -> Block {
             let [low, high] = ends.map(|end| rounded(end, decimals));
             format!(" ({low} to {high})")
         });
-        let unit = match metric.unit().symbol() {
+        let unit = match metric.unit.symbol() {
             "" | "1" => String::new(),
             symbol => format!(" {symbol}"),
         };
@@ -149,7 +149,6 @@ fn forest(against: &AgainstA) -> Block {
         note: "All in per cent of A's mean; at the right in their own units. Filled: evidence of a difference.".into(),
         x: format!("{letter} less A (% of A's mean)"),
         y: String::new(),
-        language: Language::English,
     };
     let chart = ForestChart { titles, rows: against.judged.iter().map(row).collect() };
     Block::Figure(Figure { svg: chart.draw(SCREEN_WIDTH).to_svg(), file: None, more_files: Vec::new() })

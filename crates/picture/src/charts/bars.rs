@@ -132,7 +132,7 @@ impl BarChart {
                     let top = draw_bar(drawing, plot, scale, series.style, bar, (left, left + width));
                     if has_numbers {
                         let at = (left + width / 2.0, top - 5.0);
-                        drawing.number(&short_number(bar.value), at, Align::Centre, LABEL, INK);
+                        drawing.text(&short_number(bar.value), at, Align::Centre, LABEL, INK);
                     }
                 }
             }

@@ -342,7 +342,6 @@ mod tests {
                 note: "Marks are means, whiskers their 95 % intervals.".into(),
                 x: "field.coverage".into(),
                 y: "share of obstacles".into(),
-                ..Titles::default()
             };
             let panel = |name: &&str| CurvePanel { name: (*name).to_owned(), curves: curves.clone() };
             CurveChart { titles, spread: Spread::Whiskers, panels: names.iter().map(panel).collect() }

@@ -3,7 +3,6 @@
 use std::fmt::Write;
 
 use crate::canvas::{Canvas, Point};
-use crate::charts::language::Language;
 use crate::colours::{FAINT_INK, INK, NOTE_INK, PAPER, Rgb};
 use crate::png::Picture;
 use crate::text::{Align, draw_text};
@@ -16,7 +15,6 @@ pub struct Drawing {
     pub width: f32,
     pub height: f32,
     pub(super) title: String,
-    pub(super) language: Language,
     pub(super) marks: Vec<DrawingMark>,
 }
 
@@ -33,13 +31,7 @@ pub enum DrawingMark {
 
 impl Drawing {
     pub fn new(width: f32, height: f32, title: &str) -> Self {
-        Self { width, height, title: title.into(), language: Language::default(), marks: Vec::new() }
-    }
-
-    /// Returns the same sheet for numbers in this language.
-    #[must_use]
-    pub fn in_language(self, language: Language) -> Self {
-        Self { language, ..self }
+        Self { width, height, title: title.into(), marks: Vec::new() }
     }
 
     /// All lines of text on it.
@@ -68,11 +60,6 @@ impl Drawing {
 
     pub fn text(&mut self, text: &str, at: Point, align: Align, height: f32, colour: Rgb) {
         self.marks.push(DrawingMark::Text { text: text.into(), at, align, height, colour });
-    }
-
-    /// Adds a number, as the language of the sheet writes it.
-    pub fn number(&mut self, number: &str, at: Point, align: Align, height: f32, colour: Rgb) {
-        self.text(&self.language.number(number), at, align, height, colour);
     }
 }
 

@@ -11,7 +11,6 @@ mod boxes;
 mod curves;
 mod drawing;
 mod forest;
-mod language;
 mod paper;
 mod sheet;
 mod strips;
@@ -22,7 +21,6 @@ pub use boxes::{BoxChart, BoxPanel, BoxSeries};
 pub use curves::{Curve, CurveChart, CurvePanel, Spread};
 pub use drawing::Drawing;
 pub use forest::{ForestChart, ForestRow};
-pub use language::{Language, Words};
 pub use paper::PaperSize;
 pub use sheet::SCREEN_WIDTH;
 pub use strips::{Strip, StripChart, StripPanel};
@@ -37,8 +35,6 @@ pub struct Titles {
     /// Names of the axes, with units.
     pub x: String,
     pub y: String,
-    /// The language of these words and of the chart's numbers.
-    pub language: Language,
 }
 
 /// A value and the interval about it, in the units of its axis.

@@ -2,7 +2,6 @@
 
 use crate::charts::Titles;
 use crate::charts::drawing::Drawing;
-use crate::charts::language::ONE_OF_SEVERAL;
 use crate::charts::style::Style;
 use crate::colours::{FAINT_INK, INK, NOTE_INK};
 use crate::marks::to_f32;
@@ -142,9 +141,11 @@ pub fn distinct<'a>(series: impl Iterator<Item = (Style, &'a str)>) -> Vec<(Styl
 
 /// The titles of one of several sheets.
 pub fn numbered(titles: &Titles, index: usize, sheets: usize) -> Titles {
-    let (number, of) = ((index + 1).to_string(), sheets.to_string());
-    let several = || ONE_OF_SEVERAL.filled(titles.language, &[&titles.title, &number, &of]);
-    Titles { title: if sheets > 1 { several() } else { titles.title.clone() }, ..titles.clone() }
+    let title = match sheets {
+        0 | 1 => titles.title.clone(),
+        _ => format!("{} ({} of {sheets})", titles.title, index + 1),
+    };
+    Titles { title, ..titles.clone() }
 }
 
 /// Draws the name of a panel above it, if it has one; `left` is the room to the left of the panel.
@@ -227,8 +228,7 @@ impl SheetLayout<'_> {
         let plot =
             Plot { left: margin + self.left, top, right: self.width - margin - self.right, bottom: top + self.height };
         let below = LINE + 6.0 + if self.titles.x.is_empty() { 0.0 } else { x.len() as f32 * line_height };
-        let mut drawing = Drawing::new(self.width, plot.bottom + below + margin, &self.titles.title)
-            .in_language(self.titles.language);
+        let mut drawing = Drawing::new(self.width, plot.bottom + below + margin, &self.titles.title);
         let below_each_other = |top: f32, index: usize| top + index as f32 * line_height;
         let is_text = |(_, line): &(usize, &String)| !line.is_empty();
         for (index, line) in title.iter().enumerate().filter(is_text) {
@@ -396,7 +396,7 @@ impl Plot {
         for tick in ticks(scale.low, scale.high, most_ticks(self.bottom - self.top, TICK_ROOM[1]), 0.0) {
             let y = self.y(scale, tick.value);
             drawing.line(vec![(self.left, y), (self.right, y)], 1.0, FAINT_INK);
-            drawing.number(&tick.label, (self.left - 7.0, y + LABEL / 2.0), Align::Right, LABEL, INK);
+            drawing.text(&tick.label, (self.left - 7.0, y + LABEL / 2.0), Align::Right, LABEL, INK);
         }
     }
 
@@ -427,7 +427,7 @@ impl Plot {
         let x = self.x(scale, tick.value);
         drawing.line(vec![(x, self.top), (x, self.bottom)], 1.0, FAINT_INK);
         if !tick.label.is_empty() {
-            drawing.number(&tick.label, (x, self.bottom + 9.0 + LABEL), Align::Centre, LABEL, INK);
+            drawing.text(&tick.label, (x, self.bottom + 9.0 + LABEL), Align::Centre, LABEL, INK);
         }
     }
 
@@ -436,7 +436,7 @@ impl Plot {
         for tick in log_ticks(scale.low, scale.high, most_ticks(self.right - self.left, TICK_ROOM[0])) {
             let x = self.x(scale, tick.value);
             drawing.line(vec![(x, self.top), (x, self.bottom)], 1.0, FAINT_INK);
-            drawing.number(&tick.label, (x, self.bottom + 9.0 + LABEL), Align::Centre, LABEL, INK);
+            drawing.text(&tick.label, (x, self.bottom + 9.0 + LABEL), Align::Centre, LABEL, INK);
         }
     }
 

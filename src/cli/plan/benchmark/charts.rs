@@ -5,7 +5,7 @@ use wildfire_batch::{
     word_facets,
 };
 use wildfire_picture::charts::{
-    BoxChart, BoxPanel, BoxSeries, Curve, CurveChart, CurvePanel, Drawing, Estimate, Language, Spread, Titles,
+    BoxChart, BoxPanel, BoxSeries, Curve, CurveChart, CurvePanel, Drawing, Estimate, Spread, Titles,
 };
 
 /// A sheet of a chart and the name of its files, without an ending.
@@ -105,7 +105,6 @@ fn boxes(queries: &DriveTable, groups: &[PlannerSummary], measure: &Measure) -> 
             note: "Boxes: the middle half, with the median; lines: values within 1.5 boxes; points: all others.".into(),
             x: measure.axis.into(),
             y: String::new(),
-            language: Language::English,
         },
         is_logarithmic: measure.is_logarithmic,
         panels,
@@ -141,7 +140,6 @@ impl Over<'_> {
             note: note.into(),
             x: key.clone(),
             y: axis.into(),
-            language: Language::English,
         };
         let percent = |estimate: Estimate| scaled(estimate, 100.0);
         let note = "Marks are shares of queries, whiskers Wilson's 95 % intervals.";

@@ -4,7 +4,7 @@ use crate::comparison::{Better, Contrast, EntryAudit, RankedEntry, RankedPair, R
 use wildfire_base::document::number::{count, optional, percent, probability, rounded, two_digits};
 use wildfire_base::document::{Block, Document, Figure, Table};
 use wildfire_base::untrusted::visible_start;
-use wildfire_picture::charts::{Estimate, ForestChart, ForestRow, Language, SCREEN_WIDTH, Titles};
+use wildfire_picture::charts::{Estimate, ForestChart, ForestRow, SCREEN_WIDTH, Titles};
 
 /// The most pairs that are all shown; of more, each entry with the next one.
 const MOST_PAIRS: usize = 15;
@@ -134,14 +134,13 @@ fn forest(ranking: &Ranking) -> Block {
             is_told_apart: pair.is_told_apart(),
         })
     });
-    let symbol = ranking.metric.unit().symbol();
+    let symbol = ranking.metric.unit.symbol();
     let (metric, unit) = (visible_start(&ranking.metric.name), if symbol.is_empty() { "1" } else { symbol });
     let titles = Titles {
         title: format!("Less {}, with 95 % intervals", name(&ranking.entries[0])),
         note: "Differences from the first, paired by seed. Filled: told apart from it.".into(),
         x: format!("{metric}, less the first's ({unit})"),
         y: String::new(),
-        language: Language::English,
     };
     let chart = ForestChart { titles, rows: rows.take(MOST_DRAWN).collect() };
     Block::Figure(Figure { svg: chart.draw(SCREEN_WIDTH).to_svg(), file: None, more_files: Vec::new() })

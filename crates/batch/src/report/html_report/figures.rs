@@ -2,19 +2,20 @@
 
 use super::chart_files::ChartData;
 use super::collected::{Collected, Values};
-use super::compared::{AIMS, Compared};
+use super::compared::Compared;
 use super::facets::{Facet, FacetSeries, MOST_PANELS, variant_facets};
 use super::labels::Labels;
 use super::over_time::StateCurves;
-use super::quantities::{BURNED_AREA, CPU_PARTS, CUSTOM_PLANNERS, ChartChoice, Quantity, SAVED, STATES};
+use super::quantities::{
+    BURNED_AREA, CPU_PARTS, CUSTOM_PLANNERS, ChosenQuantities, Quantity, SAVED, SHARE_OF_OBSTACLES, STATES,
+};
 use super::sweeps::{SweepChart, interval_note, main_curves, main_differences, sweep_charts};
-use super::words;
 use crate::plan::BatchPlan;
 use crate::stats::quantile;
 use wildfire_base::document::number::short;
 use wildfire_picture::charts::{
-    BarChart, BarPanel, BarSeries, Curve, CurveChart, CurvePanel, Drawing, Language, STYLES, Spread, Strip, StripChart,
-    StripPanel, Style, Titles, Words,
+    BarChart, BarPanel, BarSeries, Curve, CurveChart, CurvePanel, Drawing, STYLES, Spread, Strip, StripChart,
+    StripPanel, Style, Titles,
 };
 
 /// The part of the report that a chart belongs to.
@@ -62,21 +63,20 @@ pub struct FigureSource<'a> {
 impl FigureSource<'_> {
     /// Draws the figures of all variants on sheets of this width, in units. The picture under the answer is left out where
     /// columns were asked for.
-    pub fn draw(&self, choice: &ChartChoice, width: f32) -> Figures {
+    pub fn draw(&self, chosen: &ChosenQuantities, width: f32) -> Figures {
         let Self { plan, collected, states } = *self;
-        let language = choice.language;
         let mut figures = Figures::default();
         let panels = variant_facets(plan);
-        if plan.variants.len() > 1 && choice.quantities.asked().is_empty() {
-            self.add_answer(&mut figures, &panels, language, width);
+        if plan.variants.len() > 1 && chosen.asked().is_empty() {
+            self.add_answer(&mut figures, &panels, width);
         }
         if figures.admits("states, CPU time and distributions of the variants", panels.len()) {
-            for shown in means(choice) {
-                let chart = shown.bars(language, &panels, &collected.variants);
+            for shown in means(chosen) {
+                let chart = shown.bars(&panels, &collected.variants);
                 figures.add(Section::Means, chart.draw(width), ChartData::new(&shown.file, chart.rows()));
             }
-            for quantity in choice.quantities.of_runs() {
-                match distribution(quantity, language, &panels, &collected.variants) {
+            for quantity in chosen.of_runs() {
+                match distribution(quantity, &panels, &collected.variants) {
                     Ok(chart) => {
                         let file = format!("distribution-{}", quantity.column());
                         figures.add(Section::Distributions, chart.draw(width), ChartData::new(&file, chart.rows()));
@@ -85,8 +85,8 @@ impl FigureSource<'_> {
                 }
             }
         }
-        figures.add_over_time(plan, states.unwrap_or(&[]), choice, width);
-        for SweepChart { file, what, chart } in sweep_charts(plan, &collected.variants, choice) {
+        figures.add_over_time(plan, states.unwrap_or(&[]), chosen, width);
+        for SweepChart { file, what, chart } in sweep_charts(plan, &collected.variants, chosen) {
             if figures.admits(&what, chart.panels.len()) {
                 figures.add(Section::Sweeps, chart.draw(width), ChartData::new(&file, chart.rows()));
             }
@@ -96,27 +96,26 @@ impl FigureSource<'_> {
 
     /// Adds what the answer says: the differences of planners from the best, over a key that is swept over numbers, or of
     /// whatever is compared. Where variants are the values of such a key, their means over it.
-    fn add_answer(&self, figures: &mut Figures, panels: &[Facet], language: Language, width: f32) {
+    fn add_answer(&self, figures: &mut Figures, panels: &[Facet], width: f32) {
         let variants = &self.collected.variants;
         let quantity = main_quantity(variants);
-        let aim = AIMS.iter().find(|aim| aim.quantity == quantity);
-        let compared = aim.and_then(|aim| Compared::new(aim, self.plan, variants));
-        let differences = compared.as_ref().and_then(|it| main_differences(self.plan, it, language));
-        let curves = || main_curves(self.plan, variants, quantity, language);
+        let compared = Compared::new(quantity, self.plan, variants);
+        let differences = compared.as_ref().and_then(|it| main_differences(self.plan, it));
+        let curves = || main_curves(self.plan, variants, quantity);
         let are_planners = compared.as_ref().is_some_and(|it| it.are_planners);
         if let Some(chart) = differences.or_else(|| if are_planners { None } else { curves() }) {
             if figures.admits("the answer", chart.panels.len()) {
                 figures.add(Section::Answer, chart.draw(width), ChartData::new("answer", chart.rows()));
             }
         } else if let Some(compared) = compared {
-            let chart = compared.forest(language);
+            let chart = compared.forest();
             figures.add(Section::Answer, vec![chart.draw(width)], ChartData::new("answer", chart.rows()));
         } else if figures.admits("the answer", panels.len()) {
-            let (drawn, data) = match distribution(quantity, language, panels, variants) {
+            let (drawn, data) = match distribution(quantity, panels, variants) {
                 Ok(chart) => (chart.draw(width), ChartData::new("answer", chart.rows())),
                 Err(_) => {
-                    let shown = MeansChart::new("answer", quantity.title(language), vec![quantity]);
-                    let chart = shown.bars(language, panels, variants);
+                    let shown = MeansChart::new("answer", quantity.title(), vec![quantity]);
+                    let chart = shown.bars(panels, variants);
                     (chart.draw(width), ChartData::new("answer", chart.rows()))
                 }
             };
@@ -147,8 +146,8 @@ impl Figures {
     }
 
     /// Adds the states of each variant over time: a chart for each of a few variants, a panel for each of many.
-    fn add_over_time(&mut self, plan: &BatchPlan, states: &[StateCurves], choice: &ChartChoice, width: f32) {
-        let (shown, language) = (choice.quantities.among(&STATES), choice.language);
+    fn add_over_time(&mut self, plan: &BatchPlan, states: &[StateCurves], chosen: &ChosenQuantities, width: f32) {
+        let shown = chosen.among(&STATES);
         if shown.is_empty() || !states.iter().any(StateCurves::is_there) {
             return;
         }
@@ -159,19 +158,19 @@ impl Figures {
             .enumerate()
             .map(|(variant, curves)| {
                 let label = labels.label(variant, &all);
-                let name = if curves.is_there() { label } else { words::NO_RUN_IS_DONE.filled(language, &[&label]) };
-                CurvePanel { name, curves: state_curves(curves, &shown, language) }
+                let name = if curves.is_there() { label } else { format!("{label} (no run is done)") };
+                CurvePanel { name, curves: state_curves(curves, &shown) }
             })
             .collect();
         if panels.len() <= STYLES.len() {
             for (index, panel) in panels.into_iter().enumerate() {
                 let (title, file) = (format!(": {}", panel.name), format!("over-time-{}", index + 1));
                 let alone = CurvePanel { name: String::new(), ..panel };
-                let chart = over_time(&title, vec![alone], language);
+                let chart = over_time(&title, vec![alone]);
                 self.add(Section::OverTime, chart.draw(width), ChartData::new(&file, chart.rows()));
             }
         } else if self.admits("states over time", panels.len()) {
-            let chart = over_time("", panels, language);
+            let chart = over_time("", panels);
             self.add(Section::OverTime, chart.draw(width), ChartData::new("over-time", chart.rows()));
         }
     }
@@ -187,18 +186,18 @@ struct MeansChart {
 }
 
 /// Lists the charts of means. A quantity that was asked for and goes with no other has a chart of its own.
-fn means(choice: &ChartChoice) -> Vec<MeansChart> {
-    let language = choice.language;
-    let together: [(&str, Words, &[Quantity]); 2] =
-        [("states", words::STATES_AT_THE_END, &STATES), ("cpu-time", words::CPU_TIME_BY_PART, &CPU_PARTS)];
-    let together = together.into_iter().map(|(file, title, all)| {
-        MeansChart::new(file, title.in_language(language).to_owned(), choice.quantities.among(all))
-    });
+fn means(chosen: &ChosenQuantities) -> Vec<MeansChart> {
+    let together = [
+        MeansChart::new("states", "Obstacle states at the end".into(), chosen.among(&STATES)),
+        MeansChart::new("cpu-time", "CPU time of a run by part".into(), chosen.among(&CPU_PARTS)),
+    ];
     let is_alone = |quantity: &&Quantity| !STATES.contains(quantity) && !CPU_PARTS.contains(quantity);
-    let alone = choice.quantities.asked().iter().filter(is_alone).map(|&quantity| {
-        MeansChart::new(&format!("mean-{}", quantity.column()), quantity.title(language), vec![quantity])
-    });
-    together.chain(alone).filter(|chart| !chart.quantities.is_empty()).collect()
+    let alone = chosen
+        .asked()
+        .iter()
+        .filter(is_alone)
+        .map(|&quantity| MeansChart::new(&format!("mean-{}", quantity.column()), quantity.title(), vec![quantity]));
+    together.into_iter().chain(alone).filter(|chart| !chart.quantities.is_empty()).collect()
 }
 
 impl MeansChart {
@@ -206,7 +205,7 @@ impl MeansChart {
         Self { file: file.to_owned(), title, quantities }
     }
 
-    fn bars(&self, language: Language, panels: &[Facet], values: &[Values]) -> BarChart {
+    fn bars(&self, panels: &[Facet], values: &[Values]) -> BarChart {
         let is_used = |quantity: Quantity| {
             let mut series = panels.iter().flat_map(|panel| &panel.series);
             !CUSTOM_PLANNERS.contains(&quantity)
@@ -221,12 +220,11 @@ impl MeansChart {
         BarChart {
             titles: Titles {
                 title: self.title.clone(),
-                note: interval_note(words::BARS, language),
+                note: interval_note("Bars"),
                 x: String::new(),
-                y: quantities.first().map_or("", |quantity| quantity.axis().in_language(language)).into(),
-                language,
+                y: quantities.first().map_or("", |quantity| quantity.axis()).into(),
             },
-            groups: quantities.iter().map(|quantity| quantity.label(language).to_owned()).collect(),
+            groups: quantities.iter().map(|quantity| quantity.label().to_owned()).collect(),
             panels: panels
                 .iter()
                 .map(|panel| BarPanel {
@@ -248,12 +246,7 @@ pub fn main_quantity(variants: &[Values]) -> Quantity {
 const ALMOST_ALL: f64 = 0.95;
 
 /// Returns the distributions; where each of them is one value, or nearly, a sentence of the page that says so.
-fn distribution(
-    quantity: Quantity,
-    language: Language,
-    panels: &[Facet],
-    values: &[Values],
-) -> Result<StripChart, String> {
+fn distribution(quantity: Quantity, panels: &[Facet], values: &[Values]) -> Result<StripChart, String> {
     let strip = |series: &FacetSeries| strip(series, values[series.variants[0]].numbers(quantity));
     let panels: Vec<StripPanel> = panels
         .iter()
@@ -269,11 +262,10 @@ fn distribution(
     }
     Ok(StripChart {
         titles: Titles {
-            title: quantity.title(language),
-            note: words::COLUMNS_COUNT_RUNS.in_language(language).into(),
-            x: quantity.axis().in_language(language).into(),
-            y: words::NUMBER_OF_RUNS.in_language(language).into(),
-            language,
+            title: quantity.title(),
+            note: "Columns count runs; the highest has its number. Below: median, middle half, middle 90 %.".into(),
+            x: quantity.axis().into(),
+            y: "number of runs".into(),
         },
         panels,
     })
@@ -286,7 +278,7 @@ fn commonest(ascending: &[f64]) -> (f64, usize) {
 }
 
 fn constant_words(quantity: Quantity, strips: &[&Strip], commonest: &[(f64, usize)]) -> String {
-    let (title, axis) = (quantity.title(Language::English), quantity.axis().english);
+    let (title, unit) = (quantity.title(), quantity.unit());
     let with_runs = || strips.iter().zip(commonest).filter(|(strip, _)| !strip.values.is_empty());
     let all: usize = with_runs().map(|(strip, _)| strip.values.len()).sum();
     let Some((_, &(value, _))) = with_runs().next() else {
@@ -295,8 +287,7 @@ fn constant_words(quantity: Quantity, strips: &[&Strip], commonest: &[(f64, usiz
     if with_runs().any(|(_, (other, _))| *other != value) {
         return format!("{title}: no distributions, since (almost) all runs of a variant have the same value.");
     }
-    let unit = axis.rsplit_once(" (").map_or("", |(_, unit)| unit.trim_end_matches(')'));
-    let value = if unit == "1" { short(value) } else { format!("{} {unit}", short(value)) };
+    let value = format!("{} {unit}", short(value));
     let same: usize = with_runs().map(|(_, (_, count))| count).sum();
     match all - same {
         0 => format!("{title}: no distribution, since it is {value} in all {all} runs."),
@@ -316,9 +307,9 @@ fn state_styles() -> [Style; STATES.len()] {
     [STYLES[2], STYLES[1], STYLES[6], STYLES[0]]
 }
 
-fn state_curves(curves: &StateCurves, shown: &[Quantity], language: Language) -> Vec<Curve> {
+fn state_curves(curves: &StateCurves, shown: &[Quantity]) -> Vec<Curve> {
     let curve = |((state, style), points): ((&Quantity, Style), &Vec<_>)| Curve {
-        name: state.label(language).into(),
+        name: state.label().into(),
         style,
         points: points.clone(),
     };
@@ -329,8 +320,8 @@ fn state_curves(curves: &StateCurves, shown: &[Quantity], language: Language) ->
 /// The curves of intact obstacles are left out where no other curve or band is higher than this.
 const LEAST_OF_HEIGHT: f64 = 0.2;
 
-fn over_time(of: &str, mut panels: Vec<CurvePanel>, language: Language) -> CurveChart {
-    let intact = STATES[0].label(language);
+fn over_time(of: &str, mut panels: Vec<CurvePanel>) -> CurveChart {
+    let intact = STATES[0].label();
     let others = panels.iter().flat_map(|panel| &panel.curves).filter(|curve| curve.name != intact);
     let ends = others
         .flat_map(|curve| &curve.points)
@@ -338,17 +329,15 @@ fn over_time(of: &str, mut panels: Vec<CurvePanel>, language: Language) -> Curve
     let highest = ends.fold(0.0, f64::max);
     let is_dwarfed = highest > 0.0 && highest <= LEAST_OF_HEIGHT;
     let has_left_out = is_dwarfed && panels.iter().flat_map(|panel| &panel.curves).any(|curve| curve.name == intact);
-    let share = words::SHARE_OF_OBSTACLES.in_language(language);
     if has_left_out {
         panels.iter_mut().for_each(|panel| panel.curves.retain(|curve| curve.name != intact));
     }
     CurveChart {
         titles: Titles {
-            title: format!("{}{of}", words::STATES_OVER_TIME.in_language(language)),
-            note: words::LINES_ARE_MEANS.in_language(language).into(),
-            x: words::SIMULATED_SECONDS.in_language(language).into(),
-            y: if has_left_out { words::INTACT_LEFT_OUT.filled(language, &[share]) } else { share.into() },
-            language,
+            title: format!("Obstacle states over time{of}"),
+            note: "Lines are means, bands the middle 80 % of runs.".into(),
+            x: "simulated time (s)".into(),
+            y: format!("{SHARE_OF_OBSTACLES}{}", if has_left_out { ", intact left out" } else { "" }),
         },
         spread: Spread::Bands,
         panels,
@@ -365,7 +354,7 @@ mod tests {
     fn panel(shares: [f64; STATES.len()]) -> CurvePanel {
         let estimate = |value: f64| Estimate { value, interval: Some((0.9 * value, 1.1 * value)) };
         let curves = shares.map(|share| vec![(0.0, estimate(share)), (60.0, estimate(share))]);
-        CurvePanel { name: String::new(), curves: state_curves(&StateCurves(curves), &STATES, Language::English) }
+        CurvePanel { name: String::new(), curves: state_curves(&StateCurves(curves), &STATES) }
     }
 
     #[test]
@@ -379,7 +368,7 @@ mod tests {
             let commonest: Vec<_> = strips.iter().map(|strip| commonest(&strip.values)).collect();
             constant_words(MEASURES[2], &strips, &commonest)
         };
-        let title = MEASURES[2].title(Language::English);
+        let title = MEASURES[2].title();
         assert_eq!(said(&[strip(vec![0.0; 4])]), format!("{title}: no distribution, since it is 0 s in all 4 runs."));
         let nearly = strip([vec![0.0; 20], vec![7.5]].concat());
         assert_eq!(
@@ -400,7 +389,7 @@ mod tests {
             (vec![panel(calm), panel(wild)], 4),
             (vec![panel([1.0, 0.0, 0.0, 0.0])], 4),
         ] {
-            let chart = over_time("", panels, Language::English);
+            let chart = over_time("", panels);
             assert!(chart.panels.iter().all(|panel| panel.curves.len() == expected), "{:?}", chart.panels);
             assert_eq!(chart.titles.y.contains("intact left out"), expected == 3);
         }

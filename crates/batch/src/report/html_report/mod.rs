@@ -16,7 +16,6 @@ mod over_time;
 mod page;
 mod quantities;
 mod sweeps;
-mod words;
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -28,7 +27,7 @@ use thiserror::Error;
 pub use chart_files::{ChartData, write_chart, write_chart_data, write_paper_chart};
 pub use facets::{Facet, FacetSeries, MOST_PANELS, word_facets};
 pub use notable::{NotableRun, notable_runs, runs_with_pages};
-pub use quantities::{ChartChoice, ChosenQuantities};
+pub use quantities::ChosenQuantities;
 
 use crate::execute::{BatchError, CHARTS_FOLDER, Machine, Machines, REPORT_FILE};
 use crate::plan::BatchPlan;
@@ -39,7 +38,7 @@ use collected::Collected;
 use figures::{Figure, FigureSource, Figures};
 use over_time::StateCurves;
 use page::{Origin, Page};
-use wildfire_picture::charts::{Language, PaperSize, SCREEN_WIDTH};
+use wildfire_picture::charts::{PaperSize, SCREEN_WIDTH};
 use wildfire_picture::unknown_letters;
 
 /// The files of a report that was written.
@@ -69,7 +68,7 @@ pub struct ReportParts<'a> {
     pub playing: &'a [NotableRun],
     /// The field at the end of the median run, where the batch is of one variant and has that run.
     pub field: Option<FieldPicture>,
-    pub choice: &'a ChartChoice,
+    pub quantities: &'a ChosenQuantities,
     pub paper: PaperCharts,
 }
 
@@ -110,33 +109,30 @@ fn likely(nearest: Option<&str>) -> String {
     nearest.map_or_else(String::new, |nearest| format!(" (did you mean `{nearest}`?)"))
 }
 
-/// Reads a batch that is over, and writes `report.html` and a folder of charts beside its tables. The words of the page are
-/// English, and so is what files of data say, whatever language the charts have.
+/// Reads a batch that is over, and writes `report.html` and a folder of charts beside its tables.
 pub fn write_report(batch: &FinishedBatch, parts: &ReportParts<'_>) -> Result<WrittenReport, ReportError> {
-    let ReportParts { choice, paper, .. } = parts;
+    let ReportParts { quantities, paper, .. } = parts;
     let folder = batch.folder();
     let rows = batch.rows()?.ok_or_else(|| ReportError::Unfinished { folder: folder.to_owned() })?;
-    let collected = Collected::read(batch.plan(), rows, &choice.quantities)?;
+    let collected = Collected::read(batch.plan(), rows, quantities)?;
     let states = StateCurves::read(folder, batch.plan())?;
     let origin = Origin::read(folder)?;
     let source = FigureSource { plan: batch.plan(), collected: &collected, states: states.as_deref() };
-    let figures = source.draw(choice, SCREEN_WIDTH);
-    let english = ChartChoice { language: Language::English, ..(*choice).clone() };
-    let data = if **choice == english { None } else { Some(source.draw(&english, SCREEN_WIDTH).data) };
+    let figures = source.draw(quantities, SCREEN_WIDTH);
     let charts_folder = folder.join(CHARTS_FOLDER);
     fs::create_dir_all(&charts_folder).map_err(|source| unwritable(&charts_folder, source))?;
     for figure in &figures.drawn {
         write_chart(&charts_folder, &figure.file, &figure.drawing)?;
     }
-    for data in data.as_ref().unwrap_or(&figures.data) {
+    for data in &figures.data {
         write_chart_data(&charts_folder, data)?;
     }
     if paper.pdf || paper.pgf {
         let write = |figure: &Figure| write_paper_chart(&charts_folder, &figure.file, &figure.drawing, paper);
-        source.draw(choice, paper.size.units()).drawn.iter().try_for_each(write)?;
+        source.draw(quantities, paper.size.units()).drawn.iter().try_for_each(write)?;
     }
     let page = folder.join(REPORT_FILE);
-    let narrow = source.draw(choice, PHONE.units());
+    let narrow = source.draw(quantities, PHONE.units());
     let contents = Page { batch, collected: &collected, figures: &figures, narrow: &narrow, parts, origin: &origin };
     write_whole(&page, contents.to_document().to_html().as_bytes())?;
     let Figures { drawn, refused, .. } = figures;

@@ -66,7 +66,7 @@ impl Page<'_> {
             ("Overview", summary(plan, collected, figures)),
             ("Runs to play", runs_to_play(plan, parts.playing)),
             ("Means", charts.of(Section::Means)),
-            ("Columns that were asked for", collected.report.column_tables(&parts.choice.quantities.places())),
+            ("Columns that were asked for", collected.report.column_tables(&parts.quantities.places())),
             ("Tables", tables(collected)),
             ("Fleets", fleets(collected)),
             ("Distributions", charts.of(Section::Distributions).into_iter().chain(constant).collect()),

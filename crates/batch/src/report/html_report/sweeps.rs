@@ -3,11 +3,10 @@
 use super::collected::Values;
 use super::compared::Compared;
 use super::facets::{Facet, FacetSeries, facets_over};
-use super::quantities::{ChartChoice, Quantity, key_axis};
-use super::words;
+use super::quantities::{ChosenQuantities, Quantity, key_axis};
 use crate::execute::file_name_of;
 use crate::plan::{BatchPlan, Value};
-use wildfire_picture::charts::{Curve, CurveChart, CurvePanel, Language, Spread, Titles, Words};
+use wildfire_picture::charts::{Curve, CurveChart, CurvePanel, Spread, Titles};
 
 /// A chart over a swept key, with the name of its files, and what it shows.
 pub struct SweepChart {
@@ -18,12 +17,12 @@ pub struct SweepChart {
 
 /// Returns a chart for every quantity over each key that is swept over numbers; other differences make curves and
 /// panels.
-pub fn sweep_charts(plan: &BatchPlan, values: &[Values], choice: &ChartChoice) -> Vec<SweepChart> {
+pub fn sweep_charts(plan: &BatchPlan, values: &[Values], chosen: &ChosenQuantities) -> Vec<SweepChart> {
     let mut charts = Vec::new();
     for (key, name) in plan.swept_keys.iter().enumerate() {
         let Some(places) = places(plan, key) else { continue };
-        for quantity in choice.quantities.of_runs() {
-            let chart = curves_over(plan, values, (key, &places), quantity, choice.language);
+        for quantity in chosen.of_runs() {
+            let chart = curves_over(plan, values, (key, &places), quantity);
             // Where nothing ever happened, such as agents that were never stuck, there is nothing to see.
             let mut points = chart.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
             if points.any(|(_, estimate)| estimate.value != 0.0) {
@@ -36,13 +35,13 @@ pub fn sweep_charts(plan: &BatchPlan, values: &[Values], choice: &ChartChoice) -
 }
 
 /// Returns the means of a quantity over the key that takes most numbers; `None` if no key is swept over numbers.
-pub fn main_curves(plan: &BatchPlan, values: &[Values], quantity: Quantity, language: Language) -> Option<CurveChart> {
+pub fn main_curves(plan: &BatchPlan, values: &[Values], quantity: Quantity) -> Option<CurveChart> {
     let (key, places) = main_key(plan)?;
-    Some(curves_over(plan, values, (key, &places), quantity, language))
+    Some(curves_over(plan, values, (key, &places), quantity))
 }
 
 /// Returns the differences of planners from the best over the same key; `None` without one.
-pub fn main_differences(plan: &BatchPlan, compared: &Compared, language: Language) -> Option<CurveChart> {
+pub fn main_differences(plan: &BatchPlan, compared: &Compared) -> Option<CurveChart> {
     let (key, places) = main_key(plan).filter(|_| compared.are_planners && compared.strata.len() > 1)?;
     let curve = |series: FacetSeries| {
         let point = |&variant: &usize| Some((places[variant], compared.difference_of(variant)?));
@@ -54,8 +53,8 @@ pub fn main_differences(plan: &BatchPlan, compared: &Compared, language: Languag
         |panel: Facet| CurvePanel { name: panel.name, curves: panel.series.into_iter().filter_map(curve).collect() };
     let panels = facets_over(plan, key).into_iter().map(panel).collect();
     let name = &plan.swept_keys[key];
-    let titles = compared.titles(language);
-    let titles = Titles { x: key_axis(name), title: words::BY_KEY.filled(language, &[&titles.title, name]), ..titles };
+    let titles = compared.titles();
+    let titles = Titles { x: key_axis(name), title: format!("{}, by {name}", titles.title), ..titles };
     Some(CurveChart { titles, spread: Spread::Differences, panels })
 }
 
@@ -79,13 +78,7 @@ fn places(plan: &BatchPlan, key: usize) -> Option<Vec<f64>> {
     places.iter().any(|place| *place != places[0]).then_some(places)
 }
 
-fn curves_over(
-    plan: &BatchPlan,
-    values: &[Values],
-    (key, places): (usize, &[f64]),
-    quantity: Quantity,
-    language: Language,
-) -> CurveChart {
+fn curves_over(plan: &BatchPlan, values: &[Values], (key, places): (usize, &[f64]), quantity: Quantity) -> CurveChart {
     let curve = |series: FacetSeries| {
         let point = |&variant: &usize| Some((places[variant], values[variant].mean(quantity)?));
         let mut points: Vec<_> = series.variants.iter().filter_map(point).collect();
@@ -96,18 +89,17 @@ fn curves_over(
     let panels: Vec<CurvePanel> = facets_over(plan, key).into_iter().map(panel).collect();
     let name = &plan.swept_keys[key];
     let titles = Titles {
-        title: words::BY_KEY.filled(language, &[&quantity.title(language), name]),
-        note: interval_note(words::MARKS, language),
+        title: format!("{}, by {name}", quantity.title()),
+        note: interval_note("Marks"),
         x: key_axis(name),
-        y: quantity.axis().in_language(language).into(),
-        language,
+        y: quantity.axis().into(),
     };
     CurveChart { titles, spread: Spread::Whiskers, panels }
 }
 
 /// Says what marks and whiskers are.
-pub fn interval_note(marks: Words, language: Language) -> String {
-    words::ARE_MEANS.filled(language, &[marks.in_language(language)])
+pub fn interval_note(marks: &str) -> String {
+    format!("{marks} are means, whiskers their 95 % intervals.")
 }
 
 fn number(value: &Value) -> Option<f64> {
