@@ -7,7 +7,6 @@ mod automaton;
 mod automaton_arguments;
 mod behavior;
 mod conditions;
-mod direction;
 mod lone;
 mod options;
 mod spread;
@@ -43,3 +42,11 @@ pub fn run(command: &FireCommand, quiet: bool) -> Result<ExitCode, CliError> {
     }
     Ok(ExitCode::SUCCESS)
 }
+
+/// Serialises members of a JSON object in their order.
+macro_rules! members {
+    ($object:expr, { $($name:ident: $value:expr),* $(,)? }) => {
+        $($object.serialize_entry(stringify!($name), &$value)?;)*
+    };
+}
+use members;
