@@ -4,10 +4,11 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args, ValueEnum};
+use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-use super::conditions;
-use super::direction::Direction;
+use super::conditions::{self, Conditions, DIRECTION_COLUMNS, Direction, FIRE_COLUMNS};
+use super::members;
 use super::options::{ChoiceArguments, SlopeArguments, Wind, azimuth, fuel, moisture, wind};
 use crate::cli::error::CliError;
 use crate::cli::output_files::{Files, Format};
@@ -101,6 +102,12 @@ pub struct BehaviorArguments {
     pub form: FormArguments,
 }
 
+impl BehaviorArguments {
+    fn azimuths(&self) -> &[f64] {
+        self.azimuths.as_ref().map_or(&[], |azimuths| &azimuths.0)
+    }
+}
+
 /// The height at which a wind is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum WindHeight {
@@ -167,8 +174,7 @@ pub fn run(arguments: &BehaviorArguments, quiet: bool) -> Result<(), CliError> {
 
 fn write_fires(input: &Path, csv: &Path, arguments: &BehaviorArguments, quiet: bool) -> Result<(), CliError> {
     Files { inputs: vec![input], outputs: vec![(Format::Csv, csv)], ..Files::default() }.check()?;
-    let azimuths = arguments.azimuths.as_ref().map_or(&[][..], |azimuths| &azimuths.0);
-    let [rows, without_fire] = conditions::write_fires(input, csv, &arguments.choices.options(), azimuths)?;
+    let [rows, without_fire] = conditions::write_fires(input, csv, &arguments.choices.options(), arguments.azimuths())?;
     if !quiet && !is_standard_stream(csv) {
         let out = if without_fire == 0 { String::new() } else { format!("; in {without_fire} of them fire goes out") };
         terminal::note(&format!("wrote {}: conditions of {rows} fires{out}", csv.display()));
@@ -177,50 +183,40 @@ fn write_fires(input: &Path, csv: &Path, arguments: &BehaviorArguments, quiet: b
 }
 
 /// A fire under one set of conditions.
-struct BehaviorReport {
-    model: &'static FuelModel,
-    moisture: FuelMoisture,
-    wind_midflame_mps: f64,
-    wind_from_deg: f64,
-    slope: SlopeArguments,
+struct BehaviorReport<'a> {
+    conditions: Conditions,
     options: SurfaceOptions,
     bed: FuelBed,
     fire: SurfaceFire,
-    directions: Vec<Direction>,
+    azimuths: &'a [f64],
 }
 
-impl BehaviorReport {
-    fn new(model: &'static FuelModel, arguments: &BehaviorArguments) -> Self {
+impl<'a> BehaviorReport<'a> {
+    fn new(model: &'static FuelModel, arguments: &'a BehaviorArguments) -> Self {
         let options = arguments.choices.options();
-        let bed = FuelBed::new(model, &arguments.moisture, options.curing);
-        let wind_midflame_mps = arguments.wind.speed_mps * arguments.wind_height.factor(model);
-        let wind_from_deg = arguments.wind.from_deg.or(arguments.wind_from).unwrap_or(USUAL_WIND_FROM_DEG);
-        let wind = compass::unit_from(wind_from_deg) * wind_midflame_mps;
-        let fire = bed.behavior(wind, arguments.slope.gradient(), &options);
-        let azimuths = arguments.azimuths.iter().flat_map(|azimuths| &azimuths.0);
-        Self {
+        let conditions = Conditions {
             model,
             moisture: arguments.moisture,
-            wind_midflame_mps,
-            wind_from_deg,
+            wind_midflame_mps: arguments.wind.speed_mps * arguments.wind_height.factor(model),
+            wind_from_deg: arguments.wind.from_deg.or(arguments.wind_from).unwrap_or(USUAL_WIND_FROM_DEG),
             slope: arguments.slope,
-            options,
-            bed,
-            fire,
-            directions: azimuths.map(|&azimuth| Direction::new(&fire, azimuth)).collect(),
-        }
+        };
+        let (bed, fire) = conditions.burn(&options);
+        Self { conditions, options, bed, fire, azimuths: arguments.azimuths() }
     }
 
     fn conditions(&self) -> Vec<String> {
-        let FuelMoisture { d1, d10, d100, herb, woody } = self.moisture;
+        let Conditions { moisture, wind_midflame_mps, wind_from_deg, slope, .. } = &self.conditions;
+        let FuelMoisture { d1, d10, d100, herb, woody } = moisture;
         let [d1, d10, d100, herb, woody] = [d1, d10, d100, herb, woody].map(|part| short(100.0 * part));
-        let wind = match self.wind_midflame_mps {
+        let wind = match *wind_midflame_mps {
             0.0 => "No wind".to_owned(),
-            speed => format!("Wind of {} m/s at the flames, from {}", short(speed), short(self.wind_from_deg)),
+            speed => format!("Wind of {} m/s at the flames, from {}", short(speed), short(*wind_from_deg)),
         };
-        let slope = match self.slope.slope {
+        let uphill_deg = compass::azimuth_deg(slope.gradient());
+        let slope = match slope.slope {
             0.0 => "level ground".to_owned(),
-            slope => format!("slope of {} %, uphill to {}", short(100.0 * slope), short(self.uphill_deg())),
+            slope => format!("slope of {} %, uphill to {}", short(100.0 * slope), short(uphill_deg)),
         };
         vec![
             format!("{wind}; {slope}"),
@@ -228,13 +224,9 @@ impl BehaviorReport {
         ]
     }
 
-    fn uphill_deg(&self) -> f64 {
-        compass::azimuth_deg(self.slope.gradient())
-    }
-
     /// Says why nothing burns, or what its numbers leave out.
     fn remarks(&self) -> Vec<String> {
-        if !self.model.burns() {
+        if !self.conditions.model.burns() {
             return vec!["Nothing burns: there is no fuel".to_owned()];
         }
         let states = [("dead", self.bed.dead), ("live", self.bed.live)];
@@ -258,9 +250,9 @@ impl BehaviorReport {
     }
 }
 
-impl From<&BehaviorReport> for Document {
+impl From<&BehaviorReport<'_>> for Document {
     fn from(report: &BehaviorReport) -> Self {
-        let BehaviorReport { model, fire, .. } = report;
+        let BehaviorReport { conditions: Conditions { model, .. }, fire, azimuths, .. } = report;
         let title = format!("{} ({}): {}", model.code, model.number, model.name.to_lowercase());
         let mut document = Self::new(title);
         document.add_list(report.conditions());
@@ -295,8 +287,8 @@ impl From<&BehaviorReport> for Document {
                 rounded(fire.heat_kj_m2(), 0)
             ),
         ]);
-        if !report.directions.is_empty() {
-            document.add(Block::Table(directions_table(&report.directions)));
+        if !azimuths.is_empty() {
+            document.add(Block::Table(directions_table(fire, azimuths)));
             document.add(Block::Text(
                 "Front: the rate of a piece of the front that faces there. Ray: the rate along a line from the \
                  ignition, in the slope and on the map."
@@ -307,52 +299,13 @@ impl From<&BehaviorReport> for Document {
     }
 }
 
-fn directions_table(directions: &[Direction]) -> Table {
-    let row = |direction: &Direction| {
-        let Direction { azimuth_of_deg, front_normal_m_min, ray_m_min, ray_horizontal_m_min } = *direction;
-        let rates = [front_normal_m_min, ray_m_min, ray_horizontal_m_min].map(|rate| rounded(rate, 3));
-        [vec![short(azimuth_of_deg)], rates.to_vec()].concat()
+fn directions_table(fire: &SurfaceFire, azimuths: &[f64]) -> Table {
+    let row = |&azimuth: &f64| {
+        let [_, rates @ ..] = DIRECTION_COLUMNS.map(|(_, value)| rounded(value(fire, azimuth), 3));
+        [vec![short(azimuth)], rates.to_vec()].concat()
     };
     let headings = ["Azimuth", "Front\nm/min", "Ray\nm/min", "On the map\nm/min"];
-    Table { text_columns: 0, ..Table::new(&headings, directions.iter().map(row).collect()) }
-}
-
-/// The members in their order; the names are those of the columns of tables.
-#[derive(Serialize)]
-struct BehaviorObject<'a> {
-    program_version: &'static str,
-    fuel: &'static str,
-    number: u8,
-    m_1h: f64,
-    m_10h: f64,
-    m_100h: f64,
-    m_live_herb: f64,
-    m_live_woody: f64,
-    wind_midflame_mps: f64,
-    wind_from_deg: f64,
-    slope_rise_run: f64,
-    aspect_deg: f64,
-    options: SurfaceOptions,
-    /// Whether a fire spreads; if not, all rates are zero.
-    burns: bool,
-    r0_m_min: f64,
-    i0_kw_m: f64,
-    r_m_min: f64,
-    azimuth_deg: f64,
-    intensity_kw_m: f64,
-    flame_m: f64,
-    length_to_width: f64,
-    eccentricity: f64,
-    back_m_min: f64,
-    effective_wind_mps: f64,
-    wind_is_limited: bool,
-    reaction_intensity_kw_m2: f64,
-    residence_s: f64,
-    heat_kj_m2: f64,
-    dead: Option<StateObject>,
-    live: Option<StateObject>,
-    remarks: Vec<String>,
-    directions: &'a [Direction],
+    Table { text_columns: 0, ..Table::new(&headings, azimuths.iter().map(row).collect()) }
 }
 
 #[derive(Serialize)]
@@ -361,34 +314,34 @@ struct StateObject {
     extinction: f64,
 }
 
-impl Serialize for BehaviorReport {
+impl Serialize for BehaviorReport<'_> {
+    /// Serialises the members in their order; the names are those of the columns of tables.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let fire = &self.fire;
-        let intensity_kw_m = fire.intensity_kw_m(fire.rate_mps);
+        let Self { conditions: Conditions { model, moisture, wind_midflame_mps, wind_from_deg, slope }, fire, .. } =
+            self;
         let state = |FuelState { moisture, extinction }| StateObject { moisture, extinction };
-        let object = BehaviorObject {
+        let mut object = serializer.serialize_map(None)?;
+        members!(object, {
             program_version: PROGRAM_VERSION,
-            fuel: self.model.code,
-            number: self.model.number,
-            m_1h: self.moisture.d1,
-            m_10h: self.moisture.d10,
-            m_100h: self.moisture.d100,
-            m_live_herb: self.moisture.herb,
-            m_live_woody: self.moisture.woody,
-            wind_midflame_mps: self.wind_midflame_mps,
-            wind_from_deg: self.wind_from_deg,
-            slope_rise_run: self.slope.slope,
-            aspect_deg: self.slope.aspect,
+            fuel: model.code,
+            number: model.number,
+            m_1h: moisture.d1,
+            m_10h: moisture.d10,
+            m_100h: moisture.d100,
+            m_live_herb: moisture.herb,
+            m_live_woody: moisture.woody,
+            wind_midflame_mps: wind_midflame_mps,
+            wind_from_deg: wind_from_deg,
+            slope_rise_run: slope.slope,
+            aspect_deg: slope.aspect,
             options: self.options,
+            // If not, all rates are zero.
             burns: self.bed.burns(),
-            r0_m_min: fire.r0_mps * 60.0,
-            i0_kw_m: fire.intensity_kw_m(fire.r0_mps),
-            r_m_min: fire.rate_mps * 60.0,
-            azimuth_deg: compass::azimuth_deg(fire.heading.truncate()),
-            intensity_kw_m,
-            flame_m: flame_length_m(intensity_kw_m),
-            length_to_width: fire.length_to_width,
-            eccentricity: fire.eccentricity,
+        });
+        for (name, value) in FIRE_COLUMNS {
+            object.serialize_entry(name, &value(fire))?;
+        }
+        members!(object, {
             back_m_min: fire.back_rate_mps() * 60.0,
             effective_wind_mps: fire.effective_wind_mps,
             wind_is_limited: fire.wind_is_limited,
@@ -398,9 +351,9 @@ impl Serialize for BehaviorReport {
             dead: self.bed.dead.map(state),
             live: self.bed.live.map(state),
             remarks: self.remarks(),
-            directions: &self.directions,
-        };
-        object.serialize(serializer)
+            directions: self.azimuths.iter().map(|&azimuth| Direction { fire, azimuth }).collect::<Vec<_>>(),
+        });
+        object.end()
     }
 }
 

@@ -1,4 +1,5 @@
-//! Fire behavior row by row: a table of conditions in, the same with the fire's numbers out.
+//! Conditions of a fire, the columns of what follows from them, and tables: conditions in, the same with the fire's numbers
+//! out.
 //!
 //! Numbers are the shortest decimals that read back as the same `f64`. A row is read, written and forgotten before the
 //! next.
@@ -6,20 +7,73 @@
 use std::io::{self, Write};
 use std::path::Path;
 
+use serde::{Serialize, Serializer};
+
 use crate::cli::error::CliError;
-use crate::cli::fire::direction::Direction;
-use crate::cli::fire::options::{AZIMUTHS_DEG, DEAD_MOISTURES, LIVE_MOISTURES, SLOPES, WINDS_MPS, no_such_fuel};
+use crate::cli::fire::options::{
+    AZIMUTHS_DEG, DEAD_MOISTURES, LIVE_MOISTURES, SLOPES, SlopeArguments, WINDS_MPS, no_such_fuel,
+};
 use crate::cli::number_table::{Column, Columns, NumberTable};
 use wildfire_base::geometry::compass;
 use wildfire_base::whole_file::WholeFile;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::surface::{FuelBed, FuelMoisture, SurfaceFire, SurfaceOptions, WindLimit, flame_length_m};
 
-/// Columns that are written after all that are there.
-const ADDED: [&str; 8] =
-    ["r0_m_min", "i0_kw_m", "r_m_min", "azimuth_deg", "intensity_kw_m", "flame_m", "length_to_width", "eccentricity"];
-/// Columns that are written after these where azimuths are asked for.
-const OF_AZIMUTH: [&str; 4] = ["azimuth_of_deg", "front_normal_m_min", "ray_m_min", "ray_horizontal_m_min"];
+/// What a fire depends on beside the choices of options.
+#[derive(Clone, Copy, Debug)]
+pub struct Conditions {
+    pub model: &'static FuelModel,
+    pub moisture: FuelMoisture,
+    pub wind_midflame_mps: f64,
+    pub wind_from_deg: f64,
+    pub slope: SlopeArguments,
+}
+
+impl Conditions {
+    /// Returns the fuel as it burns, and the fire.
+    pub fn burn(&self, options: &SurfaceOptions) -> (FuelBed, SurfaceFire) {
+        let bed = FuelBed::new(self.model, &self.moisture, options.curing);
+        let wind = compass::unit_from(self.wind_from_deg) * self.wind_midflame_mps;
+        let fire = bed.behavior(wind, self.slope.gradient(), options);
+        (bed, fire)
+    }
+}
+
+/// A column of a fire, and one of a fire over an azimuth.
+type FireColumn = (&'static str, fn(&SurfaceFire) -> f64);
+type DirectionColumn = (&'static str, fn(&SurfaceFire, f64) -> f64);
+
+pub const FIRE_COLUMNS: [FireColumn; 8] = [
+    ("r0_m_min", |fire| fire.r0_mps * 60.0),
+    ("i0_kw_m", |fire| fire.intensity_kw_m(fire.r0_mps)),
+    ("r_m_min", |fire| fire.rate_mps * 60.0),
+    ("azimuth_deg", |fire| compass::azimuth_deg(fire.heading.truncate())),
+    ("intensity_kw_m", |fire| fire.intensity_kw_m(fire.rate_mps)),
+    ("flame_m", |fire| flame_length_m(fire.intensity_kw_m(fire.rate_mps))),
+    ("length_to_width", |fire| fire.length_to_width),
+    ("eccentricity", |fire| fire.eccentricity),
+];
+
+/// The azimuth; the rate of a piece of the front that faces there, normal to itself;
+/// the rate along a ray from the ignition, in the plane of the slope and on the map.
+pub const DIRECTION_COLUMNS: [DirectionColumn; 4] = [
+    ("azimuth_of_deg", |_, azimuth| azimuth),
+    ("front_normal_m_min", |fire, azimuth| fire.front_normal_rate_mps(compass::unit_toward(azimuth)) * 60.0),
+    ("ray_m_min", |fire, azimuth| fire.ray_rate_mps(compass::unit_toward(azimuth)) * 60.0),
+    ("ray_horizontal_m_min", |fire, azimuth| 60.0 / fire.ellipse().travel_s(compass::unit_toward(azimuth))),
+];
+
+/// A fire over one azimuth, which is serialised under the names of its columns.
+pub struct Direction<'a> {
+    pub fire: &'a SurfaceFire,
+    pub azimuth: f64,
+}
+
+impl Serialize for Direction<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(DIRECTION_COLUMNS.map(|(name, value)| (name, value(self.fire, self.azimuth))))
+    }
+}
 
 /// The places of two columns among those that are read.
 const NUMBER: usize = 0;
@@ -34,22 +88,22 @@ pub fn write_fires(
     azimuths: &[f64],
 ) -> Result<[u64; 2], CliError> {
     let unwritable = |error: io::Error| CliError::unwritable(output, &error);
-    let added: Vec<&'static str> =
-        ADDED.into_iter().chain(OF_AZIMUTH.into_iter().filter(|_| !azimuths.is_empty())).collect();
+    let mut added = FIRE_COLUMNS.map(|(name, _)| name).to_vec();
+    if !azimuths.is_empty() {
+        added.extend(DIRECTION_COLUMNS.map(|(name, _)| name));
+    }
     let mut conditions = NumberTable::open(input, columns(&added))?;
     let mut table = WholeFile::create(output).map_err(unwritable)?;
     write_row(&mut table, conditions.row(), format_args!("{}", added.join(","))).map_err(unwritable)?;
     let [mut rows, mut without_fire] = [0; 2];
     while let Some(numbers) = conditions.next()? {
         let fire = fire(&conditions, &numbers, options)?;
-        let values = head_values(&fire).map(|value| value.to_string()).join(",");
+        let values = FIRE_COLUMNS.map(|(_, value)| value(&fire).to_string()).join(",");
         if azimuths.is_empty() {
             write_row(&mut table, conditions.row(), format_args!("{values}")).map_err(unwritable)?;
         }
         for &azimuth in azimuths {
-            let Direction { azimuth_of_deg, front_normal_m_min, ray_m_min, ray_horizontal_m_min } =
-                Direction::new(&fire, azimuth);
-            let of_azimuth = format!("{azimuth_of_deg},{front_normal_m_min},{ray_m_min},{ray_horizontal_m_min}");
+            let of_azimuth = DIRECTION_COLUMNS.map(|(_, value)| value(&fire, azimuth).to_string()).join(",");
             write_row(&mut table, conditions.row(), format_args!("{values},{of_azimuth}")).map_err(unwritable)?;
         }
         rows += 1;
@@ -86,7 +140,7 @@ fn columns<'a>(added: &'a [&'static str]) -> Columns<'a, 11> {
 }
 
 fn fire(table: &NumberTable<11>, numbers: &[f64; 11], options: &SurfaceOptions) -> Result<SurfaceFire, CliError> {
-    let [number, d1, d10, d100, herb, woody, wind_mps, wind_from, slope, aspect, wind_limit] = *numbers;
+    let [number, d1, d10, d100, herb, woody, wind_midflame_mps, wind_from_deg, slope, aspect, wind_limit] = *numbers;
     let model = FuelModel::by_number(number as u8).filter(|_| number.fract() == 0.0);
     let model = model.ok_or_else(|| table.refuse(NUMBER, no_such_fuel(&number.trunc().to_string())))?;
     let wind_limit = match wind_limit {
@@ -96,23 +150,12 @@ fn fire(table: &NumberTable<11>, numbers: &[f64; 11], options: &SurfaceOptions) 
         absent if absent.is_nan() => options.wind_limit,
         _ => return Err(table.refuse(WIND_LIMIT, "1 (rothermel-1972) or 0 (none)".to_owned())),
     };
-    let options = SurfaceOptions { wind_limit, ..*options };
-    let bed = FuelBed::new(model, &FuelMoisture { d1, d10, d100, herb, woody }, options.curing);
-    let wind = compass::unit_from(wind_from) * wind_mps;
-    Ok(bed.behavior(wind, compass::unit_from(aspect) * slope, &options))
-}
-
-/// The values of [`ADDED`].
-fn head_values(fire: &SurfaceFire) -> [f64; ADDED.len()] {
-    let intensity = fire.intensity_kw_m(fire.rate_mps);
-    [
-        fire.r0_mps * 60.0,
-        fire.intensity_kw_m(fire.r0_mps),
-        fire.rate_mps * 60.0,
-        compass::azimuth_deg(fire.heading.truncate()),
-        intensity,
-        flame_length_m(intensity),
-        fire.length_to_width,
-        fire.eccentricity,
-    ]
+    let conditions = Conditions {
+        model,
+        moisture: FuelMoisture { d1, d10, d100, herb, woody },
+        wind_midflame_mps,
+        wind_from_deg,
+        slope: SlopeArguments { slope, aspect },
+    };
+    Ok(conditions.burn(&SurfaceOptions { wind_limit, ..*options }).1)
 }

@@ -3,22 +3,17 @@
 //! Every direction on these command lines and in their files is a compass azimuth, and winds are named by where they come
 //! from, as in weather reports.
 
-mod automaton;
-mod automaton_arguments;
 mod behavior;
 mod conditions;
-mod direction;
-mod lone;
 mod options;
 mod spread;
-mod spread_report;
 
 use std::process::ExitCode;
 
 use clap::Subcommand;
 
 use behavior::BehaviorArguments;
-use spread::{ModelName, SpreadArguments};
+use spread::SpreadArguments;
 
 use crate::cli::error::CliError;
 
@@ -33,13 +28,15 @@ pub enum FireCommand {
 pub fn run(command: &FireCommand, quiet: bool) -> Result<ExitCode, CliError> {
     match command {
         FireCommand::Behavior(arguments) => behavior::run(arguments, quiet)?,
-        FireCommand::Spread(arguments) => {
-            arguments.check_model()?;
-            match arguments.model {
-                ModelName::Rothermel => lone::run(arguments, quiet)?,
-                ModelName::Alexandridis => automaton::run(arguments, quiet)?,
-            }
-        }
+        FireCommand::Spread(arguments) => spread::run(arguments, quiet)?,
     }
     Ok(ExitCode::SUCCESS)
 }
+
+/// Serialises members of a JSON object in their order.
+macro_rules! members {
+    ($object:expr, { $($name:ident: $value:expr),* $(,)? }) => {
+        $($object.serialize_entry(stringify!($name), &$value)?;)*
+    };
+}
+use members;

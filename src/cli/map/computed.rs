@@ -71,11 +71,10 @@ impl BadQuestion {
 }
 
 impl Computed {
-    /// Values alone, and the time that they took.
-    pub fn timed(title: &str, value_name: &'static str, values: impl FnOnce() -> Values) -> Self {
-        let (values, cpu_map) = timed(values);
+    /// Values alone, and the CPU time that they took.
+    pub fn new(title: impl Into<String>, value_name: &'static str, (values, cpu_map): (Values, Duration)) -> Self {
         Self {
-            title: title.to_owned(),
+            title: title.into(),
             value_name,
             values,
             bare: Bare::None,
@@ -96,8 +95,8 @@ pub fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     (result, stopwatch.lap())
 }
 
-pub fn title_with_neighbours(name: &str, neighbours: Neighbours) -> String {
-    format!("{name}, {} neighbours", u8::from(neighbours))
+pub fn title_with_neighbours(name: &str, Neighbours(number): Neighbours) -> String {
+    format!("{name}, {number} neighbours")
 }
 
 /// Accepts maps that a search has room for.
@@ -115,6 +114,17 @@ pub fn check_inside(which: &'static str, occupied: &Grid<bool>, place: Place) ->
         Err(BadQuestion::End { problem: BadPlace::Occupied { .. }, .. }) => Ok(()),
         checked => checked,
     }
+}
+
+/// Accepts a goal on a free cell, a start on the map, and a map that there is room for.
+pub fn check_problem(
+    command: &'static str,
+    occupied: &Grid<bool>,
+    (start, goal): (Place, Place),
+) -> Result<(), BadQuestion> {
+    check_size(command, occupied)?;
+    check_free("goal", occupied, goal)?;
+    check_inside("start", occupied, start)
 }
 
 /// A map of values.

@@ -1,42 +1,217 @@
-//! What trees and roadmaps of points answer.
+//! Trees and roadmaps of points: their parameters, and what they answer.
 
-use std::time::Duration;
+use std::path::PathBuf;
+use std::sync::OnceLock;
 
-use crate::cli::map::computed::{BadQuestion, Bare, Computed, Values, Walk, WalkResult, Way, timed};
-use crate::cli::map::search_args::{PrmArguments, RrtArguments, RrtStarArguments};
-use crate::cli::map::searches::check_problem;
+use clap::Args;
+use serde::{Serialize, Serializer};
+
+use crate::cli::map::commands::ArgumentGroup;
+use crate::cli::map::computed::{BadQuestion, Bare, Computed, Values, Walk, WalkResult, Way, check_problem, timed};
+use crate::cli::map::options::{PathArguments, parse_number};
 use crate::cli::map::traces::GraphTrace;
-use wildfire_grid::sampling::{PointGraph, PointRoute, TreeKind, grow_tree, probabilistic_roadmap};
+use crate::cli::numbers;
+use crate::cli::output_files::Format;
+use wildfire_grid::parameter::BadParameter;
+use wildfire_grid::sampling::{
+    PointGraph, PointRoute, PrmSettings, RrtSettings, TreeKind, grow_tree, probabilistic_roadmap,
+};
 use wildfire_grid::segment::GridPoint;
 use wildfire_grid::{Grid, Place};
 
-pub fn rrt(occupied: &Grid<bool>, arguments: &RrtArguments) -> Result<Computed, BadQuestion> {
-    let (ends, settings) = (arguments.ends.places(), arguments.growth.settings(occupied, None));
-    check_problem("rrt", occupied, ends)?;
-    let found = timed(|| grow_tree(occupied, ends, TreeKind::Rrt, &settings).expect("both ends are on the map"));
-    Ok(answer(occupied, "RRT", ends, found))
+/// Files that only trees and roadmaps are written to.
+#[derive(Debug, Default, Args)]
+pub struct GraphFiles {
+    /// Write the edges in the order in which they came, as order,from_row,from_col,to_row,to_col.
+    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    pub edges: Option<PathBuf>,
+    /// Draw the tree or the roadmap as it grew, as an animation.
+    #[arg(help_heading = "Output", long, value_name = "FILE.gif")]
+    pub gif: Option<PathBuf>,
 }
 
-pub fn rrt_star(occupied: &Grid<bool>, arguments: &RrtStarArguments) -> Result<Computed, BadQuestion> {
-    let (ends, settings) = (arguments.ends.places(), arguments.growth.settings(occupied, Some(&arguments.near)));
-    check_problem("rrt-star", occupied, ends)?;
-    let found = timed(|| grow_tree(occupied, ends, TreeKind::RrtStar, &settings).expect("both ends are on the map"));
-    Ok(answer(occupied, "RRT*", ends, found))
+/// How a tree grows.
+#[derive(Debug, Args, Serialize)]
+pub struct Growth {
+    /// The number that decides all draws.
+    #[arg(short, long, default_value_t = 1)]
+    pub seed: u64,
+    /// Points that are drawn at most, from 1 to 100000.
+    #[arg(long, default_value_t = 5000, allow_hyphen_values = true, value_parser = parse_count)]
+    pub samples: u32,
+    /// The longest edge in cells; `auto` is a twentieth of the map's longer side, at least 5.
+    #[arg(long, value_name = "CELLS|auto", default_value = "auto", allow_hyphen_values = true, value_parser = parse_step)]
+    pub step: TreeStep,
+    /// The chance that the goal is drawn in place of a point.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.05, allow_hyphen_values = true, value_parser = parse_number)]
+    pub goal_bias: f64,
 }
 
-pub fn roadmap(occupied: &Grid<bool>, arguments: &PrmArguments) -> Result<Computed, BadQuestion> {
-    let ends = arguments.ends.places();
-    check_problem("prm", occupied, ends)?;
-    let search = || probabilistic_roadmap(occupied, ends, &arguments.settings());
-    Ok(answer(occupied, "PRM", ends, timed(|| search().expect("both ends are on the map"))))
+/// Which points are neighbours.
+#[derive(Debug, Args, Serialize)]
+pub struct Near {
+    /// How many nearest points are neighbours, from 1 to 1000 [default: 2e ln n of n points].
+    #[arg(long, value_name = "K", allow_hyphen_values = true, value_parser = parse_count)]
+    pub neighbours: Option<u32>,
+    /// The distance in cells within which points are neighbours [default: no limit].
+    #[arg(long, value_name = "CELLS", allow_hyphen_values = true, value_parser = parse_number)]
+    pub radius: Option<f64>,
 }
 
-fn answer(
+#[derive(Debug, Args, Serialize)]
+pub struct RrtStarParameters {
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub growth: Growth,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub near: Near,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct PrmParameters {
+    /// The number that decides all draws.
+    #[arg(short, long, default_value_t = 1)]
+    pub seed: u64,
+    /// Points that are drawn, from 1 to 100000; those in obstacles are left out.
+    #[arg(long, default_value_t = 500, allow_hyphen_values = true, value_parser = parse_count)]
+    pub samples: u32,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub near: Near,
+}
+
+/// The longest edge of a tree: as it was given, or as a map suggests, from when it is known.
+#[derive(Clone, Debug, Default)]
+pub struct TreeStep {
+    given: Option<f64>,
+    of_map: OnceLock<f64>,
+}
+
+impl TreeStep {
+    /// On maps of up to 100 cells.
+    const LEAST: f64 = 5.0;
+    /// Edges that span the longer side.
+    const EDGES_ACROSS: f64 = 20.0;
+
+    pub fn given(&self) -> Option<f64> {
+        self.given
+    }
+
+    /// Returns the step on a map of which the longer side has so many cells.
+    fn on_side(&self, longer: usize) -> f64 {
+        let of_map = || (longer as f64 / Self::EDGES_ACROSS).max(Self::LEAST);
+        self.given.unwrap_or_else(|| *self.of_map.get_or_init(of_map))
+    }
+}
+
+impl Serialize for TreeStep {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.given.or_else(|| self.of_map.get().copied()).serialize(serializer)
+    }
+}
+
+impl Growth {
+    fn check_with(&self, near: Option<&Near>) -> Result<(), BadParameter> {
+        self.settings_of_step(self.step.given.unwrap_or(TreeStep::LEAST), near).check()
+    }
+
+    /// The settings of a tree on a map; RRT has no neighbours.
+    fn settings(&self, occupied: &Grid<bool>, near: Option<&Near>) -> RrtSettings {
+        self.settings_of_step(self.step.on_side(occupied.rows().max(occupied.cols())), near)
+    }
+
+    fn settings_of_step(&self, step: f64, near: Option<&Near>) -> RrtSettings {
+        RrtSettings {
+            seed: self.seed,
+            samples: self.samples,
+            step,
+            goal_bias: self.goal_bias,
+            neighbours: near.and_then(|near| near.neighbours),
+            radius: near.and_then(|near| near.radius),
+        }
+    }
+}
+
+impl PrmParameters {
+    fn settings(&self) -> PrmSettings {
+        let Near { neighbours, radius } = self.near;
+        PrmSettings { seed: self.seed, samples: self.samples, neighbours, radius }
+    }
+}
+
+impl ArgumentGroup for GraphFiles {
+    fn more_files(&self) -> [(Format, &Option<PathBuf>); 2] {
+        [(Format::Csv, &self.edges), (Format::Gif, &self.gif)]
+    }
+}
+
+impl ArgumentGroup for Growth {
+    fn check(&self) -> Result<(), BadParameter> {
+        self.check_with(None)
+    }
+}
+
+impl ArgumentGroup for RrtStarParameters {
+    fn check(&self) -> Result<(), BadParameter> {
+        self.growth.check_with(Some(&self.near))
+    }
+}
+
+impl ArgumentGroup for PrmParameters {
+    fn check(&self) -> Result<(), BadParameter> {
+        self.settings().check()
+    }
+}
+
+pub fn parse_count(text: &str) -> Result<u32, String> {
+    numbers::parse(text).ok_or_else(|| "expected a whole number".to_owned())
+}
+
+pub fn parse_step(text: &str) -> Result<TreeStep, String> {
+    let given = match text {
+        "auto" => None,
+        _ => Some(numbers::parse(text).ok_or_else(|| "expected a number of cells, or `auto`".to_owned())?),
+    };
+    Ok(TreeStep { given, ..TreeStep::default() })
+}
+
+/// Arguments of a search.
+pub type Search<P> = PathArguments<GraphFiles, P>;
+
+pub fn rrt(occupied: &Grid<bool>, Search { ends, parameters, .. }: &Search<Growth>) -> Result<Computed, BadQuestion> {
+    let (ends, settings) = (ends.places(), parameters.settings(occupied, None));
+    let found = answer(occupied, "rrt", ends, || grow_tree(occupied, ends, TreeKind::Rrt, &settings))?;
+    Ok(Computed { title: "RRT".to_owned(), ..found })
+}
+
+pub fn rrt_star(
     occupied: &Grid<bool>,
-    name: &str,
+    Search { ends, parameters: RrtStarParameters { growth, near }, .. }: &Search<RrtStarParameters>,
+) -> Result<Computed, BadQuestion> {
+    let (ends, settings) = (ends.places(), growth.settings(occupied, Some(near)));
+    let found = answer(occupied, "rrt-star", ends, || grow_tree(occupied, ends, TreeKind::RrtStar, &settings))?;
+    Ok(Computed { title: "RRT*".to_owned(), ..found })
+}
+
+pub fn roadmap(
+    occupied: &Grid<bool>,
+    Search { ends, parameters, .. }: &Search<PrmParameters>,
+) -> Result<Computed, BadQuestion> {
+    let (ends, settings) = (ends.places(), parameters.settings());
+    let found = answer(occupied, "prm", ends, || probabilistic_roadmap(occupied, ends, &settings))?;
+    Ok(Computed { title: "PRM".to_owned(), ..found })
+}
+
+/// Returns what was found, still without a title.
+fn answer<E: std::fmt::Debug>(
+    occupied: &Grid<bool>,
+    command: &'static str,
     (start, goal): (Place, Place),
-    (graph, cpu_map): (PointGraph, Duration),
-) -> Computed {
+    search: impl FnOnce() -> Result<PointGraph, E>,
+) -> Result<Computed, BadQuestion> {
+    check_problem(command, occupied, (start, goal))?;
+    let (graph, cpu_map) = timed(|| search().expect("both ends are on the map"));
     let mut least = Grid::filled(occupied.rows(), occupied.cols(), f64::INFINITY);
     for (point, &cost) in graph.points.iter().zip(&graph.costs) {
         let cell = point.cell();
@@ -57,12 +232,28 @@ fn answer(
         minimum: None,
     };
     let trace = GraphTrace { cost: graph.cost, samples: graph.samples, vertices: graph.points.len(), edges };
-    Computed {
+    Ok(Computed {
         bare: Bare::Infinite("no point"),
         goal: Some(goal),
         walk: Some(Walk { start, goal, way }),
         graph: Some(trace),
-        cpu_map,
-        ..Computed::timed(name, "cost from start", || Values::Reals(least))
+        ..Computed::new("", "cost from start", (Values::Reals(least), cpu_map))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_grow_with_the_map_unless_they_are_given() {
+        for (text, longer, expected) in
+            [("auto", 30, 5.0), ("auto", 100, 5.0), ("auto", 4000, 200.0), ("7.5", 4000, 7.5)]
+        {
+            let step = parse_step(text).expect("a step");
+            assert_eq!(step.on_side(longer), expected, "{text} of {longer}");
+            assert_eq!(serde_json::to_value(&step).expect("a number"), serde_json::json!(expected));
+        }
+        assert!(parse_step("far").is_err_and(|expected| expected.contains("`auto`")));
     }
 }

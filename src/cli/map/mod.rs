@@ -1,13 +1,12 @@
 //! `wildfire map`: the grid maps of the reports, from files to numbers, pictures and paths.
 
-mod args;
-mod compute;
+mod commands;
 mod computed;
+mod fields;
 mod graphs;
 mod options;
 mod page;
 mod report;
-mod search_args;
 mod searches;
 mod timing;
 mod traces;
@@ -16,18 +15,31 @@ use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 
-pub use args::MapCommand;
+use clap::Subcommand;
+
 pub use options::{NO_IMAGE, parse_tolerance};
 
-use args::Computation;
+use commands::Computation;
 use computed::BadQuestion;
+use page::PageArguments;
 use report::{MapReport, with_scene, write_film};
+use timing::TimingArguments;
 
 use crate::cli::error::CliError;
 use crate::cli::output_files::{self, Files, Words};
 use crate::cli::terminal;
 use wildfire_grid::map_files::write_path;
 use wildfire_picture::{MapScene, Picture, draw_map, draw_overlay, draw_surface};
+
+#[derive(Debug, Subcommand)]
+pub enum MapCommand {
+    #[command(flatten)]
+    Compute(Computation),
+    /// CPU time of brushfire and wavefront on maps, as a table.
+    Timing(TimingArguments),
+    /// All maps and searches of one problem, as a page for a report.
+    Report(PageArguments),
+}
 
 pub fn run(command: &MapCommand, quiet: bool) -> Result<ExitCode, CliError> {
     match command {
@@ -39,11 +51,11 @@ pub fn run(command: &MapCommand, quiet: bool) -> Result<ExitCode, CliError> {
 }
 
 fn compute_and_report(computation: &Computation, quiet: bool) -> Result<(), CliError> {
-    computation.check_parameters().map_err(|problem| CliError::bad_input(problem, None))?;
+    computation.parameters().check().map_err(|problem| CliError::bad_input(problem, None))?;
     let words = check_files(computation)?;
     let (input, output) = (&computation.files().input, &computation.files().output);
     let (map, cpu_read) = input.reading.read(&input.map)?;
-    let computed = compute::compute(computation, &map.occupied).map_err(|problem| refused(&input.map, &problem))?;
+    let computed = computation.compute(&map.occupied).map_err(|problem| refused(&input.map, &problem))?;
     let report = MapReport::new(computation, &map, &computed, cpu_read);
     if output.form.json && !quiet {
         report.sentences().iter().for_each(|sentence| terminal::note(sentence));
@@ -62,14 +74,14 @@ fn refused(map: &Path, problem: &BadQuestion) -> CliError {
 /// Checks what can be checked before anything is computed, and returns where the words go.
 fn check_files(computation: &Computation) -> Result<Words, CliError> {
     let files = computation.files();
-    if files.output.path.is_some() && !computation.has_start() {
+    if files.output.path.is_some() && !computation.parameters().has_start() {
         let help = "wavefront, descend, voronoi and all searches find paths, from --start";
         return Err(CliError::bad_input("--path without a start: there is no path to write", Some(help)));
     }
     let inputs = vec![files.input.map.as_path()];
     Files { inputs, form: files.output.form, ..Files::default() }
         .writing(files.output.files())
-        .writing(computation.more_files())
+        .writing(computation.parameters().more_files())
         .check()
 }
 
@@ -80,7 +92,7 @@ fn write_files(report: &MapReport, quiet: bool) -> Result<(), CliError> {
     // Pictures carry the map, so that they can be read as one.
     let draw =
         |draw: &dyn Fn(&MapScene) -> Picture, path: &Path| with_scene(report, draw).with_map(occupied).write_png(path);
-    let [(_, table), (_, film)] = report.computation.more_files();
+    let [(_, table), (_, film)] = report.computation.parameters().more_files();
     output_files::write_all(
         &[
             (output.csv.as_deref(), &|path| values.write_csv(path)),
@@ -144,12 +156,12 @@ mod tests {
         let Some(Command::Map { command: MapCommand::Compute(command) }) = parsed(case, "map", words)? else {
             return Ok(());
         };
-        if let Err(refusal) = command.check_parameters() {
+        if let Err(refusal) = command.parameters().check() {
             return said(&refusal.to_string());
         }
         case.count("parameters accepted");
         let map = MapFile::from_cells(occupied);
-        let computed = match compute::compute(&command, &map.occupied) {
+        let computed = match command.compute(&map.occupied) {
             Ok(computed) => computed,
             Err(refusal) => return said(&refusal.to_string()),
         };

@@ -3,18 +3,51 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use clap::{ArgGroup, Args, ValueEnum};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{ArgGroup, Args};
 use serde::Serialize;
 
 use crate::cli::error::CliError;
+use crate::cli::map::commands::ArgumentGroup;
 use crate::cli::numbers;
 use crate::cli::output_files::Format;
 use crate::cli::report::FormArguments;
 use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_grid::map_files::{self, MAX_CELLS, MAX_SIDE, MapError, MapFile, Reading, Tolerance};
 use wildfire_grid::parameter::BadParameter;
-use wildfire_grid::{Connectivity, CornerCutting, Place, TieOrder, occupancy, potential};
+use wildfire_grid::{Connectivity, CornerCutting, Place, occupancy};
 use wildfire_picture::ColourMap;
+
+/// Makes the values of options from their names, `Name { Value, Value }`; with `for Type` they are values of that type of
+/// an algorithm.
+macro_rules! choices {
+    ($name:ident { $($value:ident),* } $($more:tt)*) => {
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
+        #[serde(rename_all = "kebab-case")]
+        pub enum $name {
+            $($value),*
+        }
+
+        choices! { $($more)* }
+    };
+    ($name:ident for $of_algorithm:ty { $($value:ident),* } $($more:tt)*) => {
+        choices! { $name { $($value),* } $($more)* }
+
+        impl From<$name> for $of_algorithm {
+            fn from(name: $name) -> Self {
+                match name {
+                    $($name::$value => Self::$value),*
+                }
+            }
+        }
+    };
+    () => {};
+}
+pub(super) use choices;
+
+choices! {
+    Colours for ColourMap { Viridis, Jet }
+}
 
 /// The map to read.
 #[derive(Debug, Args)]
@@ -147,7 +180,13 @@ pub struct FileArguments {
 #[derive(Debug, Args, Serialize)]
 pub struct NeighbourArguments {
     /// Neighbours of a cell: the 4 that share a side, or the 8 that share a side or a corner.
-    #[arg(long = "neighbours", alias = "connectivity", value_enum, value_name = "4|8", default_value = "8")]
+    #[arg(
+        long = "neighbours",
+        alias = "connectivity",
+        value_name = "4|8",
+        default_value = "8",
+        value_parser = neighbours(&["4", "8"])
+    )]
     pub connectivity: Neighbours,
 }
 
@@ -158,6 +197,23 @@ pub struct GoalArguments {
     pub goal: Place,
 }
 
+/// Where a search begins and ends.
+#[derive(Debug, Args, Serialize)]
+pub struct EndArguments {
+    /// The cell in which the path begins.
+    #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse_place)]
+    pub start: Place,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub goal: GoalArguments,
+}
+
+impl EndArguments {
+    pub fn places(&self) -> (Place, Place) {
+        (self.start, self.goal.goal)
+    }
+}
+
 #[derive(Debug, Args, Serialize)]
 pub struct CornerArguments {
     /// Allow a diagonal step only where both cells beside it are free.
@@ -165,135 +221,42 @@ pub struct CornerArguments {
     pub no_corner_cutting: bool,
 }
 
+/// Files of a search, its ends, and the parameters of its algorithm.
 #[derive(Debug, Args, Serialize)]
-pub struct FieldArguments {
+pub struct PathArguments<F: Args, P: Args> {
+    #[command(flatten)]
+    #[serde(skip)]
+    pub more_files: F,
     #[command(flatten)]
     #[serde(flatten)]
-    pub goal: GoalArguments,
+    pub ends: EndArguments,
     #[command(flatten)]
     #[serde(flatten)]
-    pub attraction: AttractionOptions,
-    #[command(flatten)]
-    #[serde(flatten)]
-    pub neighbours: NeighbourArguments,
-    #[command(flatten)]
-    #[serde(flatten)]
-    pub repulsion: RepulsionOptions,
+    pub parameters: P,
 }
 
-#[derive(Debug, Args, Serialize)]
-pub struct AttractionOptions {
-    /// zeta / 2 x the square of the Euclidean distance from the goal, or the city-block distance.
-    #[arg(long, value_enum, value_name = "NAME", default_value = "d2")]
-    pub distance: Distance,
-    /// Strength of the attraction `d2`; it shows with `--scale none` only.
-    #[arg(long, default_value_t = 1.0, allow_hyphen_values = true, value_parser = parse_number)]
-    pub zeta: f64,
-    /// The largest attraction, to which all are scaled, or `none`.
-    #[arg(long, value_name = "S|none", default_value = "10", allow_hyphen_values = true, value_parser = parse_scale)]
-    pub scale: Scale,
-}
+impl<F: Args + ArgumentGroup, P: Args + ArgumentGroup> ArgumentGroup for PathArguments<F, P> {
+    fn check(&self) -> Result<(), BadParameter> {
+        self.parameters.check()
+    }
 
-#[derive(Debug, Args, Serialize)]
-pub struct RepulsionOptions {
-    /// The brushfire value beyond which there is no repulsion.
-    #[arg(long, default_value_t = 5.0, allow_hyphen_values = true, value_parser = parse_number)]
-    pub q: f64,
-    /// Strength of the repulsion.
-    #[arg(long, default_value_t = 15.0, allow_hyphen_values = true, value_parser = parse_number)]
-    pub eta: f64,
-    /// Take the distance itself, one less than the brushfire value, as textbooks do: obstacles become infinitely high.
-    #[arg(long)]
-    pub true_distance: bool,
-}
+    fn has_start(&self) -> bool {
+        true
+    }
 
-/// The greatest attraction; `None` leaves it as it is.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(transparent)]
-pub struct Scale(pub Option<f64>);
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(into = "u8")]
-pub enum Neighbours {
-    #[value(name = "4")]
-    Four,
-    #[value(name = "8")]
-    Eight,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Convention {
-    ObstacleOne,
-    ObstacleZero,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Form {
-    Literal,
-    Continuous,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Order {
-    CrossFirst,
-    WestFirst,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Distance {
-    D2,
-    Manhattan,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Escape {
-    Wavefront,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Colours {
-    Viridis,
-    Jet,
-}
-
-impl From<Neighbours> for u8 {
-    fn from(neighbours: Neighbours) -> Self {
-        match neighbours {
-            Neighbours::Four => 4,
-            Neighbours::Eight => 8,
-        }
+    fn more_files(&self) -> [(Format, &Option<PathBuf>); 2] {
+        self.more_files.more_files()
     }
 }
+
+/// Number of neighbours of a cell, 4 or 8.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(transparent)]
+pub struct Neighbours(pub u8);
 
 impl From<Neighbours> for Connectivity {
-    fn from(neighbours: Neighbours) -> Self {
-        match neighbours {
-            Neighbours::Four => Self::Four,
-            Neighbours::Eight => Self::Eight,
-        }
-    }
-}
-
-impl From<Order> for TieOrder {
-    fn from(order: Order) -> Self {
-        match order {
-            Order::CrossFirst => Self::CrossFirst,
-            Order::WestFirst => Self::WestFirst,
-        }
-    }
-}
-
-impl From<Colours> for ColourMap {
-    fn from(colours: Colours) -> Self {
-        match colours {
-            Colours::Viridis => Self::Viridis,
-            Colours::Jet => Self::Jet,
-        }
+    fn from(Neighbours(number): Neighbours) -> Self {
+        if number == 4 { Self::Four } else { Self::Eight }
     }
 }
 
@@ -303,43 +266,17 @@ impl CornerArguments {
     }
 }
 
-impl AttractionOptions {
-    pub fn check(&self) -> Result<(), BadParameter> {
-        self.kind().check(self.scale.0)
-    }
-
-    pub fn kind(&self) -> potential::Attraction {
-        match self.distance {
-            Distance::D2 => potential::Attraction::Squared { zeta: self.zeta },
-            Distance::Manhattan => potential::Attraction::Manhattan,
-        }
-    }
-}
-
-impl FieldArguments {
-    pub fn check(&self) -> Result<(), BadParameter> {
-        self.attraction.check()?;
-        self.repulsion.law().check()
-    }
-}
-
-impl RepulsionOptions {
-    pub fn law(&self) -> potential::Repulsion {
-        let distance = if self.true_distance {
-            potential::RepulsionDistance::True
-        } else {
-            potential::RepulsionDistance::Brushfire
-        };
-        potential::Repulsion { q: self.q, eta: self.eta, distance }
-    }
-}
-
 // Values of options from text; an error is what was expected. The ranges of parameters are their algorithms' business.
 
 pub fn parse_place(text: &str) -> Result<Place, String> {
     let whole = |text: &str| numbers::parse(text.trim());
     let numbers = text.split_once(',').and_then(|(row, col)| Some((whole(row)?, whole(col)?)));
     numbers.ok_or_else(|| "expected ROW,COLUMN, two whole numbers counted from 0, such as 3,17".to_owned())
+}
+
+/// Reads one of these numbers of neighbours.
+pub fn neighbours(numbers: &'static [&'static str]) -> impl TypedValueParser<Value = Neighbours> {
+    PossibleValuesParser::new(numbers).map(|number| Neighbours(number.parse().expect("these are numbers")))
 }
 
 pub fn parse_tolerance(text: &str) -> Result<Tolerance, String> {
@@ -363,22 +300,8 @@ fn parse_edge(text: &str) -> Result<usize, String> {
     numbers::parse_within(text, &(0..=MAX_SIDE), "a number of rows and columns")
 }
 
-pub fn parse_distance(text: &str) -> Result<u16, String> {
-    numbers::parse(text).ok_or_else(|| format!("expected a distance in cells, a whole number from 1 to {}", u16::MAX))
-}
-
 pub fn parse_number(text: &str) -> Result<f64, String> {
     numbers::parse(text).ok_or_else(|| "expected a number".to_owned())
-}
-
-fn parse_scale(text: &str) -> Result<Scale, String> {
-    match text {
-        "none" => Ok(Scale(None)),
-        _ => {
-            let scale = numbers::parse(text).map(|scale| Scale(Some(scale)));
-            scale.ok_or_else(|| "expected a number or `none`".to_owned())
-        }
-    }
 }
 
 #[cfg(test)]
@@ -396,9 +319,6 @@ mod tests {
 
     #[test]
     fn text_that_is_no_value_is_refused_with_what_was_expected() {
-        assert_eq!(parse_scale("none"), Ok(Scale(None)));
-        assert_eq!(parse_scale("2.5"), Ok(Scale(Some(2.5))));
-        assert!(parse_scale("all").is_err_and(|expected| expected.contains("`none`")));
         assert_eq!(parse_tolerance("255"), Ok(Tolerance::Grey(255)));
         assert_eq!(parse_tolerance("auto"), Ok(Tolerance::Auto));
         assert!(parse_tolerance("256").is_err_and(|expected| expected.contains("0 to 255")));
@@ -407,6 +327,5 @@ mod tests {
             assert!(parse_size(wrong).is_err_and(|expected| expected.contains("COLSxROWS")), "{wrong}");
         }
         assert!(parse_edge("32767").is_ok() && parse_edge("32768").is_err() && parse_edge("-1").is_err());
-        assert!(parse_distance("12").is_ok() && parse_distance("1.5").is_err() && parse_distance("65536").is_err());
     }
 }

@@ -3,17 +3,18 @@
 use std::ffi::OsString;
 use std::fs;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use clap::Parser;
+use clap::{Args, Parser};
 
 use crate::cli::error::CliError;
-use crate::cli::map::args::{Computation, MapCommand, PageArguments};
-use crate::cli::map::compute::compute;
+use crate::cli::map::commands::Computation;
 use crate::cli::map::computed::{Computed, Value, WalkResult};
-use crate::cli::map::refused;
+use crate::cli::map::graphs::{TreeStep, parse_count, parse_step};
+use crate::cli::map::options::{CornerArguments, EndArguments, NeighbourArguments, ReadingArguments};
 use crate::cli::map::report::{MapReport, with_scene};
+use crate::cli::map::{MapCommand, refused};
 use crate::cli::output_files;
 use crate::cli::terminal;
 use wildfire_base::document::number::{count, rounded};
@@ -23,6 +24,41 @@ use wildfire_base::whole_file::{WholeFile, write_whole};
 use wildfire_batch::{PROGRAM_VERSION, shell_word};
 use wildfire_grid::map_files::MapFile;
 use wildfire_picture::draw_small_map;
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+The folder is made if need be; it gets report.html, which needs no other file, and \
+searches.csv. Theta* and jump point search have 8 neighbours whatever is asked for. \
+CPU times are of one run each.
+
+Example:
+  wildfire map report assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
+    --out lab")]
+pub struct PageArguments {
+    /// A map of any kind.
+    #[arg(value_name = "MAP")]
+    pub map: PathBuf,
+    #[command(flatten)]
+    pub reading: ReadingArguments,
+    #[command(flatten)]
+    pub ends: EndArguments,
+    #[command(flatten)]
+    pub neighbours: NeighbourArguments,
+    #[command(flatten)]
+    pub corners: CornerArguments,
+    /// The number that decides what trees and roadmaps draw.
+    #[arg(short, long, default_value_t = 1)]
+    pub seed: u64,
+    /// Points that trees draw at most, from 1 to 100000 [default: 5000].
+    #[arg(long, allow_hyphen_values = true, value_parser = parse_count)]
+    pub samples: Option<u32>,
+    /// The longest edge of trees in cells; `auto` is a twentieth of the map's longer side, at least 5.
+    #[arg(long, value_name = "CELLS|auto", default_value = "auto", allow_hyphen_values = true, value_parser = parse_step)]
+    pub step: TreeStep,
+    /// The folder to write to.
+    #[arg(short, long, value_name = "FOLDER")]
+    pub out: PathBuf,
+}
 
 const PAGE: &str = "report.html";
 const SEARCHES: &str = "searches.csv";
@@ -51,8 +87,8 @@ pub fn run(arguments: &PageArguments, quiet: bool) -> Result<(), CliError> {
         let Ok(OneCommand { command: MapCommand::Compute(computation) }) = OneCommand::try_parse_from(&words) else {
             unreachable!("{words:?} is a command");
         };
-        computation.check_parameters().map_err(|problem| CliError::bad_input(problem, None))?;
-        let computed = compute(&computation, &map.occupied).map_err(|problem| refused(&arguments.map, &problem))?;
+        computation.parameters().check().map_err(|problem| CliError::bad_input(problem, None))?;
+        let computed = computation.compute(&map.occupied).map_err(|problem| refused(&arguments.map, &problem))?;
         parts.push(Part { words, computation, computed });
     }
     if !quiet {
@@ -93,7 +129,7 @@ fn commands(arguments: &PageArguments) -> Vec<Vec<OsString>> {
     let (start, goal) = arguments.ends.places();
     let goal = format!("--goal {}", place(goal));
     let ends = format!("{goal} --start {}", place(start));
-    let neighbours = format!("--neighbours {}", u8::from(arguments.neighbours.connectivity));
+    let neighbours = format!("--neighbours {}", arguments.neighbours.connectivity.0);
     let corners = if arguments.corners.no_corner_cutting { "--no-corner-cutting" } else { "" };
     let mut growth = format!("--seed {}", arguments.seed);
     growth.extend(arguments.samples.map(|samples| format!(" --samples {samples}")));

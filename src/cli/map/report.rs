@@ -7,8 +7,9 @@ use std::time::Duration;
 use serde::{Serialize, Serializer};
 use serde_json::Value as Json;
 
-use crate::cli::map::args::{Computation, CostArguments};
+use crate::cli::map::commands::Computation;
 use crate::cli::map::computed::{Bare, Computed, Value, Walk, WalkResult};
+use crate::cli::map::fields::CostArguments;
 use crate::cli::map::options::NO_IMAGE;
 use crate::cli::map::traces::{GraphTrace, SearchTrace};
 use wildfire_base::document::number::{count, percent, rounded};
@@ -44,16 +45,6 @@ impl<'a> MapReport<'a> {
 
     pub fn cells(&self) -> usize {
         self.map.occupied.values().len()
-    }
-
-    /// The grey value up to which pixels are occupied, of an image.
-    pub fn tolerance(&self) -> Option<u8> {
-        self.map.tolerance
-    }
-
-    /// Share of the pixels that are near the tolerance, of an image.
-    pub fn near_tolerance(&self) -> Option<f64> {
-        self.map.share_near()
     }
 
     /// The cells of the way; `None` if there is no way or no start.
@@ -177,8 +168,8 @@ impl Serialize for MapReport<'_> {
             cells: self.cells(),
             occupied,
             no_obstacle: occupied == 0,
-            tolerance: self.tolerance(),
-            near_tolerance: self.near_tolerance(),
+            tolerance: self.map.tolerance,
+            near_tolerance: self.map.share_near(),
             remove_edges: self.computation.files().input.reading.remove_edges,
             computation: self.computation,
             maximum: computed.values.max(),
@@ -216,7 +207,7 @@ impl From<&MapReport<'_>> for Document {
         lines.push(largest_value(report));
         lines.extend(report.sentences());
         lines.push(cpu(report));
-        let more_files = report.computation.more_files();
+        let more_files = report.computation.parameters().more_files();
         let has_files =
             report.computation.files().output.has_files() || more_files.iter().any(|(_, file)| file.is_some());
         let values = values(report).filter(|_| !has_files);
@@ -235,7 +226,7 @@ fn size(report: &MapReport) -> String {
 
 /// Says how much of an image the tolerance hardly separates.
 fn near_tolerance(report: &MapReport) -> Option<String> {
-    let (percent, tolerance) = (percent(report.near_tolerance()?), report.tolerance()?);
+    let (percent, tolerance) = (percent(report.map.share_near()?), report.map.tolerance?);
     Some(format!("Tolerance {tolerance}: {percent} % of the pixels within {NEAR_TOLERANCE} grey levels of it"))
 }
 
@@ -294,8 +285,8 @@ pub fn with_scene<T>(report: &MapReport, draw: impl FnOnce(&MapScene) -> T) -> T
         free_name: matches!(report.computation, Computation::Occupancy(_)).then_some("free"),
         ..bare
     };
-    let Computation::Cost(arguments) = report.computation else { return draw(&scene) };
-    let in_safety_zone = safety_zone(&report.map.occupied, arguments);
+    let Computation::Cost(question) = report.computation else { return draw(&scene) };
+    let in_safety_zone = safety_zone(&report.map.occupied, &question.parameters);
     let zone = |place| match computed.values.at(place).as_f64() {
         _ if in_safety_zone[place] => 0,
         cost if cost > 0.0 => 1,

@@ -1,19 +1,105 @@
-//! What the searches on cells answer, and the diagram that a path keeps to.
+//! Searches on cells and the diagram that a path keeps to: their parameters, and what they answer.
 
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+
+use crate::cli::map::commands::ArgumentGroup;
 use crate::cli::map::computed::{
-    BadQuestion, Bare, Computed, Values, Walk, Way, check_free, check_inside, check_size, timed, title_with_neighbours,
+    BadQuestion, Bare, Computed, Values, Walk, check_problem, check_size, timed, title_with_neighbours,
 };
-use crate::cli::map::search_args::{EightSearchArguments, SearchArguments, VoronoiArguments};
+use crate::cli::map::options::{
+    CornerArguments, NeighbourArguments, Neighbours, PathArguments, choices, neighbours, parse_place,
+};
 use crate::cli::map::traces::SearchTrace;
+use crate::cli::output_files::Format;
 use wildfire_base::document::number::count;
 use wildfire_grid::path_search::{PathSearch, SearchOrder, jump_point_search, search_best_first, theta_star};
 use wildfire_grid::segment::line_length;
-use wildfire_grid::voronoi::{path_along, voronoi};
+use wildfire_grid::voronoi::{Sites, path_along, voronoi};
 use wildfire_grid::{CornerCutting, Grid, Place};
+
+/// Files that only searches write.
+#[derive(Debug, Default, Args)]
+pub struct SearchFiles {
+    /// Write the cells in the order in which they were expanded, as order,row,col,cost.
+    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    pub expansions: Option<PathBuf>,
+    /// Draw the search as it went on, as an animation.
+    #[arg(help_heading = "Output", long, value_name = "FILE.gif")]
+    pub gif: Option<PathBuf>,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct SearchParameters {
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub neighbours: NeighbourArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub corners: CornerArguments,
+}
+
+/// Parameters of searches that have 8 neighbours always.
+#[derive(Debug, Args, Serialize)]
+pub struct EightSearchParameters {
+    /// Neighbours of a cell: this search has 8, those that share a side or a corner.
+    #[arg(
+        long = "neighbours",
+        alias = "connectivity",
+        value_name = "8",
+        default_value = "8",
+        value_parser = neighbours(&["8"])
+    )]
+    pub connectivity: Neighbours,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub corners: CornerArguments,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct VoronoiArguments {
+    /// What counts as one obstacle: connected components and each wall, or cells that are seen 60 degrees apart.
+    #[arg(long, value_enum, value_name = "NAME", default_value = "obstacles")]
+    pub sites: SiteKind,
+    /// The cell in which a path along the diagram begins.
+    #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse_place, requires = "goal")]
+    pub start: Option<Place>,
+    /// The cell in which it ends.
+    #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse_place, requires = "start")]
+    pub goal: Option<Place>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub corners: CornerArguments,
+}
+
+choices! {
+    SiteKind for Sites { Obstacles, Cells }
+}
+
+impl ArgumentGroup for SearchFiles {
+    fn more_files(&self) -> [(Format, &Option<PathBuf>); 2] {
+        [(Format::Csv, &self.expansions), (Format::Gif, &self.gif)]
+    }
+}
+
+impl ArgumentGroup for SearchParameters {}
+
+impl ArgumentGroup for EightSearchParameters {}
+
+impl ArgumentGroup for VoronoiArguments {
+    fn has_start(&self) -> bool {
+        self.start.is_some()
+    }
+}
+
+/// Arguments of a search.
+pub type Search<P> = PathArguments<SearchFiles, P>;
 
 pub fn best_first(
     occupied: &Grid<bool>,
-    arguments: &SearchArguments,
+    Search { ends, parameters, .. }: &Search<SearchParameters>,
     order: SearchOrder,
 ) -> Result<Computed, BadQuestion> {
     let (name, command) = match order {
@@ -21,75 +107,54 @@ pub fn best_first(
         SearchOrder::Dijkstra => ("Dijkstra's search", "dijkstra"),
         SearchOrder::Greedy => ("Greedy search", "greedy"),
     };
-    let (ends, neighbours, corners) =
-        (arguments.ends.places(), arguments.neighbours.connectivity, arguments.corners.rule());
+    let (ends, neighbours, corners) = (ends.places(), parameters.neighbours.connectivity, parameters.corners.rule());
     let search = || search_best_first(occupied, ends, order, neighbours.into(), corners);
     let title = with_corners(title_with_neighbours(name, neighbours), corners);
-    answer(occupied, &Question { title, command, ends, is_any_angle: false }, search)
+    Ok(Computed { title, ..answer(occupied, command, ends, search)? })
 }
 
-pub fn any_angle(occupied: &Grid<bool>, arguments: &EightSearchArguments) -> Result<Computed, BadQuestion> {
-    let (ends, corners) = (arguments.ends.places(), arguments.corners.rule());
-    let title = with_corners("Theta*, 8 neighbours".to_owned(), corners);
-    let question = Question { title, command: "theta", ends, is_any_angle: true };
-    answer(occupied, &question, || theta_star(occupied, ends, corners))
+pub fn any_angle(
+    occupied: &Grid<bool>,
+    Search { ends, parameters, .. }: &Search<EightSearchParameters>,
+) -> Result<Computed, BadQuestion> {
+    let (ends, corners) = (ends.places(), parameters.corners.rule());
+    let mut found = answer(occupied, "theta", ends, || theta_star(occupied, ends, corners))?;
+    if let Some(Walk { way, .. }) = &mut found.walk {
+        way.is_any_angle = true;
+        way.length = line_length(&way.cells);
+    }
+    Ok(Computed { title: with_corners("Theta*, 8 neighbours".to_owned(), corners), ..found })
 }
 
-pub fn jumps(occupied: &Grid<bool>, arguments: &EightSearchArguments) -> Result<Computed, BadQuestion> {
-    let (ends, corners) = (arguments.ends.places(), arguments.corners.rule());
-    let title = with_corners("Jump point search, 8 neighbours".to_owned(), corners);
-    let question = Question { title, command: "jps", ends, is_any_angle: false };
-    answer(occupied, &question, || jump_point_search(occupied, ends, corners))
+pub fn jumps(
+    occupied: &Grid<bool>,
+    Search { ends, parameters, .. }: &Search<EightSearchParameters>,
+) -> Result<Computed, BadQuestion> {
+    let (ends, corners) = (ends.places(), parameters.corners.rule());
+    let found = answer(occupied, "jps", ends, || jump_point_search(occupied, ends, corners))?;
+    Ok(Computed { title: with_corners("Jump point search, 8 neighbours".to_owned(), corners), ..found })
 }
 
 fn with_corners(title: String, corners: CornerCutting) -> String {
     if corners == CornerCutting::Forbidden { format!("{title}, no corner cutting") } else { title }
 }
 
-/// What a search was asked.
-struct Question {
-    title: String,
-    command: &'static str,
-    ends: (Place, Place),
-    is_any_angle: bool,
-}
-
-/// Accepts a goal on a free cell, a start on the map, and a map that there is room for.
-pub fn check_problem(
-    command: &'static str,
-    occupied: &Grid<bool>,
-    (start, goal): (Place, Place),
-) -> Result<(), BadQuestion> {
-    check_size(command, occupied)?;
-    check_free("goal", occupied, goal)?;
-    check_inside("start", occupied, start)
-}
-
+/// Returns what a search found, still without a title.
 fn answer<E: std::fmt::Debug>(
     occupied: &Grid<bool>,
-    question: &Question,
+    command: &'static str,
+    (start, goal): (Place, Place),
     search: impl FnOnce() -> Result<PathSearch, E>,
 ) -> Result<Computed, BadQuestion> {
-    let (start, goal) = question.ends;
-    check_problem(question.command, occupied, question.ends)?;
+    check_problem(command, occupied, (start, goal))?;
     let (found, cpu_map) = timed(|| search().expect("both ends are on the map"));
-    let mut way = Way::from(found.route);
-    if question.is_any_angle {
-        way.is_any_angle = true;
-        way.length = line_length(&way.cells);
-    }
+    let PathSearch { route, cost, expanded, touched, swept, costs } = found;
     Ok(Computed {
         bare: Bare::Infinite("not reached"),
         goal: Some(goal),
-        walk: Some(Walk { start, goal, way }),
-        search: Some(SearchTrace {
-            cost: found.cost,
-            expanded: found.expanded,
-            touched: found.touched,
-            swept: found.swept,
-        }),
-        cpu_map,
-        ..Computed::timed(&question.title, "cost from start", || Values::Reals(found.costs))
+        walk: Some(Walk { start, goal, way: route.into() }),
+        search: Some(SearchTrace { cost, expanded, touched, swept }),
+        ..Computed::new("", "cost from start", (Values::Reals(costs), cpu_map))
     })
 }
 
@@ -114,12 +179,7 @@ pub fn diagram(occupied: &Grid<bool>, arguments: &VoronoiArguments) -> Result<Co
         *value = if is_on { *value } else { 0.0 };
     }
     let title = with_corners(format!("Voronoi diagram, {}", count(found.sites, "site")), corners);
-    Ok(Computed {
-        bare: Bare::Zero("off the diagram"),
-        goal: ends.map(|(_, goal)| goal),
-        walk,
-        cpu_map,
-        cpu_path,
-        ..Computed::timed(&title, "clearance in cells", || Values::Reals(values))
-    })
+    let (bare, goal) = (Bare::Zero("off the diagram"), ends.map(|(_, goal)| goal));
+    let computed = Computed::new(title, "clearance in cells", (Values::Reals(values), cpu_map));
+    Ok(Computed { bare, goal, walk, cpu_path, ..computed })
 }

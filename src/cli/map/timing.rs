@@ -1,12 +1,14 @@
 //! `wildfire map timing`: what brushfire and wavefront cost on maps.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use clap::Args;
 use serde::Serialize;
 
 use crate::cli::error::CliError;
-use crate::cli::map::args::TimingArguments;
+use crate::cli::map::options::ReadingArguments;
+use crate::cli::report::FormArguments;
 use crate::cli::terminal;
 use wildfire_base::document::number::optional;
 use wildfire_base::document::{Block, Document, Table};
@@ -15,6 +17,24 @@ use wildfire_batch::PROGRAM_VERSION;
 use wildfire_grid::brushfire::brushfire_into;
 use wildfire_grid::wavefront::wavefront_into;
 use wildfire_grid::{Connectivity, CornerCutting, Grid, Place};
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Both with 8 neighbours. The goal of the wavefront is the free cell nearest the \
+map's centre. Each figure is the median of at least five repetitions and at least \
+0.2 s of CPU time of one thread, into memory that is warm; reading is not in it.
+
+Example:
+  wildfire map timing assets/maps/*.png")]
+pub struct TimingArguments {
+    /// Maps of any kind.
+    #[arg(value_name = "MAP", required = true)]
+    pub maps: Vec<PathBuf>,
+    #[command(flatten)]
+    pub reading: ReadingArguments,
+    #[command(flatten)]
+    pub form: FormArguments,
+}
 
 /// The least repetitions, and the least CPU time, that a median is taken over.
 const MIN_REPETITIONS: usize = 5;

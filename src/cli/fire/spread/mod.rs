@@ -1,27 +1,28 @@
 //! `wildfire fire spread`: a fire on a landscape, without agents: when it reaches which cell.
 
+mod automaton;
+mod automaton_arguments;
+mod ground;
+mod report;
+mod rothermel;
+
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::automaton_arguments::AutomatonArguments;
-use super::options::{
-    ChoiceArguments, MOST_SECONDS, SlopeArguments, WindStep, WindSteps, cell, moisture, no_such_fuel, wind_steps,
-};
+use automaton_arguments::AutomatonArguments;
+
+use super::options::{ChoiceArguments, MOST_SECONDS, SlopeArguments, WindStep, WindSteps, cell, moisture, wind_steps};
 use crate::cli::error::CliError;
 use crate::cli::numbers;
-use crate::cli::output_files::Format;
 use crate::cli::report::FormArguments;
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
-use wildfire_fire::fuel::FuelModel;
-use wildfire_fire::lone::LoneFire;
 use wildfire_fire::models::Neighbours;
 use wildfire_fire::surface::FuelMoisture;
-use wildfire_fire::{Landscape, Relief, Weather, WeatherInterval};
-use wildfire_grid::map_files::raster::GeoKeys;
-use wildfire_sim::scenario::{LayerKind, LayerReader, MemoryLimit, bytes_text};
+use wildfire_fire::{Weather, WeatherInterval};
+use wildfire_sim::scenario::MemoryLimit;
 
 /// The ranges of sides of a field in cells, of sides of cells in metres, and of times in seconds.
 const SIDES: RangeInclusive<u16> = 1..=4000;
@@ -55,7 +56,7 @@ Examples:
 pub struct SpreadArguments {
     /// The rule by which fire goes on.
     #[arg(long, value_enum, value_name = "NAME", default_value = "rothermel")]
-    pub model: ModelName,
+    model: ModelName,
     /// The code or number of a fuel model, or a raster of numbers: ESRI ASCII (.asc) or GeoTIFF (.tif).
     #[arg(long, value_name = "NAME|FILE")]
     pub fuel: Option<String>,
@@ -114,7 +115,7 @@ pub struct SpreadArguments {
 
 /// The models by their names in scenarios.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ModelName {
+enum ModelName {
     /// A front at the rates of Rothermel's equations.
     Rothermel,
     /// The automaton of Alexandridis and others, 2008.
@@ -154,95 +155,23 @@ fn ignition(text: &str) -> Result<LitCell, String> {
     Ok(LitCell { cell, seconds })
 }
 
-/// A landscape with its place in the coordinate system of its files.
-pub struct Ground {
-    pub landscape: Landscape,
-    pub west_m: f64,
-    pub south_m: f64,
-    pub crs: Option<GeoKeys>,
+pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
+    arguments.check_model()?;
+    match arguments.model {
+        ModelName::Rothermel => rothermel::run(arguments, quiet),
+        ModelName::Alexandridis => automaton::run(arguments, quiet),
+    }
 }
 
 impl SpreadArguments {
-    /// The fuel model of the whole field, or the raster of fuel models.
-    pub fn fuel(&self) -> Result<Result<&'static FuelModel, &Path>, CliError> {
-        let Some(name) = &self.fuel else {
-            let help = "such as --fuel GR2; wildfire fire behavior --list-fuels prints all fuel models";
-            return Err(CliError::bad_input("--fuel is missing: what burns?", Some(help)));
-        };
-        if let Some(model) = FuelModel::by_name(name.trim()) {
-            return Ok(Ok(model));
-        }
-        let path = Path::new(name);
-        if path.extension().is_some() || path.exists() {
-            return Ok(Err(path));
-        }
-        let expected = no_such_fuel(name);
-        let sentence = format!("--fuel {name}: expected {expected}, or a raster (.asc, .tif)");
-        Err(CliError::bad_input(sentence, Some("wildfire fire behavior --list-fuels prints all fuel models")))
-    }
-
-    pub fn rasters(&self) -> Result<Vec<(LayerKind, &Path)>, CliError> {
-        let fuel = self.fuel()?.err().map(|path| (LayerKind::Fuel, path));
-        Ok(fuel.into_iter().chain(self.elevation.as_deref().map(|path| (LayerKind::Elevation, path))).collect())
-    }
-
-    /// Refuses a field on which a fire takes more memory than it may.
-    fn check_memory(&self, frame: &FieldFrame) -> Result<(), CliError> {
-        let (needed, limit) = (LoneFire::most_bytes(frame), self.memory.unwrap_or_default());
-        if needed <= limit.bytes {
-            return Ok(());
-        }
-        let sentence = format!(
-            "a fire on {} rows and {} columns would take up to {} of memory; the limit is {limit}",
-            frame.rows,
-            frame.cols,
-            bytes_text(needed)
-        );
-        let help =
-            "--memory sets another limit; gdal_translate -srcwin COL ROW COLS ROWS in.tif out.tif cuts a part out";
-        Err(CliError::bad_input(sentence, Some(help)))
-    }
-
-    pub fn ground(&self) -> Result<Ground, CliError> {
-        let refused = |sentence: String| CliError::bad_input(sentence, None);
-        let mut layers = LayerReader::default();
-        for (kind, path) in self.rasters()? {
-            layers.read(kind, path).map_err(refused)?;
-        }
-        let plane = || Relief::Plane(self.slope.gradient());
-        let Some(layers) = layers.finish() else {
-            let model = self.fuel()?.expect("there is no raster");
-            self.check_memory(&self.frame())?;
-            let landscape = Landscape::uniform(self.frame(), model.number);
-            let landscape = Landscape { relief: plane(), ..landscape };
-            return Ok(Ground { landscape, west_m: 0.0, south_m: 0.0, crs: None });
-        };
-        let frame = layers.frame;
-        self.check_memory(&frame)?;
-        let given = [self.rows.map(f64::from), self.cols.map(f64::from), self.cell];
-        let own = [frame.rows.into(), frame.cols.into(), frame.cell_m];
-        for ((name, given), own) in ["--rows", "--cols", "--cell"].into_iter().zip(given).zip(own) {
-            if given.is_some_and(|given| given != own) {
-                return Err(refused(format!("{name} is {}, expected {own} as in the raster", given.unwrap_or(own))));
-            }
-        }
-        let fuel = layers.fuel().unwrap_or_else(|| {
-            let number = self.fuel().ok().and_then(Result::ok).map_or(0, |model| model.number);
-            vec![number; frame.cell_count()]
-        });
-        let relief = layers.relief().unwrap_or_else(plane);
-        let (west_m, south_m) = (layers.west_m, layers.south_m);
-        Ok(Ground { landscape: Landscape { frame, fuel, relief }, west_m, south_m, crs: layers.crs })
-    }
-
     /// The field, where no raster gives it.
-    pub fn frame(&self) -> FieldFrame {
+    fn frame(&self) -> FieldFrame {
         let [rows, cols] = [self.rows, self.cols].map(|side| side.unwrap_or(USUAL_SIDE));
         FieldFrame { cols, rows, cell_m: self.cell.unwrap_or(USUAL_CELL_M) }
     }
 
     /// Returns the cells that are lit, the one in the middle if none is named, with their seconds.
-    pub fn lit(&self, frame: FieldFrame) -> Result<Vec<LitCell>, CliError> {
+    fn lit(&self, frame: FieldFrame) -> Result<Vec<LitCell>, CliError> {
         if self.ignite.is_empty() {
             return Ok(vec![LitCell { cell: Cell { col: frame.cols / 2, row: frame.rows / 2 }, seconds: 0.0 }]);
         }
@@ -255,39 +184,13 @@ impl SpreadArguments {
         }
     }
 
-    /// Returns the field of the automaton and the cells that are lit on it.
-    pub fn field(&self) -> Result<(FieldFrame, Vec<Cell>), CliError> {
-        let frame = self.frame();
-        let lit = self.lit(frame)?;
-        if let Some(late) = lit.iter().find(|lit| lit.seconds > 0.0) {
-            let Cell { col, row } = late.cell;
-            let sentence = format!("--ignite {row},{col}@{}: the automaton is lit at 0 s only", late.seconds);
-            return Err(CliError::bad_input(sentence, None));
-        }
-        Ok((frame, lit.into_iter().map(|lit| lit.cell).collect()))
-    }
-
-    /// Returns what is lit when, if it burns.
-    pub fn ignitions(&self, landscape: &Landscape) -> Result<Vec<(SimTime, Cell)>, CliError> {
-        let ignition = |lit: LitCell| {
-            let fuel = landscape.fuel_number(lit.cell);
-            if FuelModel::by_number(fuel).is_some_and(FuelModel::burns) {
-                return Ok((SimTime::from_seconds(lit.seconds), lit.cell));
-            }
-            let Cell { col, row } = lit.cell;
-            let sentence = format!("--ignite {row},{col}: nothing burns there, its fuel is {fuel}");
-            Err(CliError::bad_input(sentence, Some("rows count from the south, from 0")))
-        };
-        self.lit(landscape.frame)?.into_iter().map(ignition).collect()
-    }
-
     /// Returns the winds, none if none were given.
-    pub fn winds(&self) -> Vec<WindStep> {
+    fn winds(&self) -> Vec<WindStep> {
         let calm = WindStep { from: SimTime::ZERO, speed_mps: 0.0, from_deg: 0.0 };
         self.wind.as_ref().map_or_else(|| vec![calm], |wind| wind.0.clone())
     }
 
-    pub fn weather(&self) -> Weather {
+    fn weather(&self) -> Weather {
         let interval =
             |step: WindStep| WeatherInterval { from: step.from, wind_mps: step.wind_mps(), moisture: self.moisture };
         let intervals = self.winds().into_iter().map(interval).collect();
@@ -295,7 +198,7 @@ impl SpreadArguments {
     }
 
     /// Refuses options of the other model.
-    pub fn check_model(&self) -> Result<(), CliError> {
+    fn check_model(&self) -> Result<(), CliError> {
         let (given, model) = match self.model {
             ModelName::Rothermel => {
                 let AutomatonArguments { areas, steps, .. } = &self.automaton;
@@ -310,15 +213,6 @@ impl SpreadArguments {
         match given.iter().find(|(_, is_given)| *is_given) {
             Some((name, _)) => Err(CliError::bad_input(format!("{name} is an option of --model {model}"), None)),
             None => Ok(()),
-        }
-    }
-
-    pub fn arrival_format(&self) -> Format {
-        let ending = self.arrival.as_deref().and_then(Path::extension).unwrap_or_default().to_ascii_lowercase();
-        match ending.to_str() {
-            Some("tif" | "tiff") => Format::Tif,
-            Some("npy") => Format::Npy,
-            _ => Format::Asc,
         }
     }
 }

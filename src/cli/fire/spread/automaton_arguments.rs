@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::options::{MOST_SECONDS, SlopeArguments, azimuth, choice};
 use crate::cli::args::{parse_jobs, parse_seed};
+use crate::cli::fire::options::{MOST_SECONDS, SlopeArguments, azimuth, choice};
 use crate::cli::numbers;
 use wildfire_base::geometry::ops;
 use wildfire_base::time::SimTime;

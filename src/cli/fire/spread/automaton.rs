@@ -6,23 +6,23 @@ use std::path::Path;
 use std::sync::Arc;
 use std::thread;
 
+use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use super::automaton_arguments::AutomatonArguments;
-use super::options::WindStep;
-use super::spread::SpreadArguments;
+use super::{LitCell, SpreadArguments};
 use crate::cli::error::CliError;
+use crate::cli::fire::members;
+use crate::cli::fire::options::WindStep;
 use crate::cli::output_files::{self, Files, Format};
 use wildfire_base::document::number::{count, rounded, short};
 use wildfire_base::document::{Document, Table};
 use wildfire_base::geometry::{Cell, FieldFrame, compass, ops};
-use wildfire_base::time::SimTime;
 use wildfire_base::whole_file::WholeFile;
 use wildfire_batch::PROGRAM_VERSION;
 use wildfire_batch::stats::{Series, quantile};
-use wildfire_fire::models::{Alexandridis, AlexandridisRules, Density, Vegetation};
-use wildfire_fire::surface::FuelMoisture;
-use wildfire_fire::{FireField, Landscape, Relief, Weather, WeatherInterval};
+use wildfire_fire::models::{Alexandridis, AlexandridisRules};
+use wildfire_fire::{FireField, Landscape, Relief};
 
 /// What became of one fire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,11 +34,20 @@ struct Burned {
 pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     let files = Files { form: arguments.form, ..Files::default() };
     let words = files.writing([(Format::Csv, &arguments.automaton.areas)]).check()?;
-    let (frame, lit) = arguments.field()?;
-    let report = AutomatonReport::new(arguments, frame, lit);
+    let frame = arguments.frame();
+    let report = AutomatonReport::new(arguments, frame, lit_at_start(arguments, frame)?);
     let printed = words.print(&arguments.form.render(&report));
     let areas = arguments.automaton.areas.as_deref();
     printed.and(output_files::write_all(&[(areas, &|path| write_areas(path, &report.fires))], quiet))
+}
+
+fn lit_at_start(arguments: &SpreadArguments, frame: FieldFrame) -> Result<Vec<Cell>, CliError> {
+    let at_start = |lit: LitCell| {
+        let LitCell { cell: cell @ Cell { col, row }, seconds } = lit;
+        let sentence = || format!("--ignite {row},{col}@{seconds}: the automaton is lit at 0 s only");
+        if seconds > 0.0 { Err(CliError::bad_input(sentence(), None)) } else { Ok(cell) }
+    };
+    arguments.lit(frame)?.into_iter().map(at_start).collect()
 }
 
 fn write_areas(path: &Path, fires: &[Burned]) -> io::Result<()> {
@@ -68,7 +77,7 @@ impl<'a> AutomatonReport<'a> {
         let uphill = compass::unit_toward(uphill_deg) * ops::tan(slope_deg.to_radians());
         let fuel = 102;
         let landscape = Landscape { relief: Relief::Plane(uphill), ..Landscape::uniform(frame, fuel) };
-        let automaton = Alexandridis::new(Arc::new(landscape), Arc::new(weather(arguments)), rules, seed);
+        let automaton = Alexandridis::new(Arc::new(landscape), Arc::new(arguments.weather()), rules, seed);
         let fires = burn_all(&automaton, &frame, &lit, &arguments.automaton);
         Self { arguments, rules, frame, lit, fires }
     }
@@ -78,18 +87,6 @@ impl<'a> AutomatonReport<'a> {
         areas.sort_unstable_by(f64::total_cmp);
         areas
     }
-}
-
-fn weather(arguments: &SpreadArguments) -> Weather {
-    let calm = [WindStep { from: SimTime::ZERO, speed_mps: 0.0, from_deg: 0.0 }];
-    let steps = arguments.wind.as_ref().map_or(&calm[..], |wind| &wind.0);
-    let interval = |step: &WindStep| WeatherInterval {
-        from: step.from,
-        wind_mps: step.wind_mps(),
-        // The automaton knows no moisture.
-        moisture: FuelMoisture::default(),
-    };
-    Weather::new(steps.iter().map(interval).collect()).expect("winds begin at 0 and rise in time")
 }
 
 /// Burns all fires on a few threads, in the order of their seeds whatever thread has burned which.
@@ -160,36 +157,6 @@ impl From<&AutomatonReport<'_>> for Document {
     }
 }
 
-/// The members in their order.
-#[derive(Serialize)]
-struct AutomatonObject {
-    program_version: &'static str,
-    model: &'static str,
-    rows: u16,
-    cols: u16,
-    cell_m: f64,
-    p0: f64,
-    wind_c1: f64,
-    wind_c2: f64,
-    slope_a: f64,
-    vegetation: Vegetation,
-    density: Density,
-    slope_deg: f64,
-    uphill_deg: f64,
-    step_s: f64,
-    steps: Option<u32>,
-    runs: u32,
-    seed: u64,
-    wind: Vec<WindObject>,
-    /// Row from the south and column of each cell that was lit.
-    lit: Vec<[u16; 2]>,
-    area_mean: Option<f64>,
-    area_sd: Option<f64>,
-    area_sem: Option<f64>,
-    area_quantiles: Vec<QuantileObject>,
-    last_step_mean: Option<f64>,
-}
-
 #[derive(Serialize)]
 struct WindObject {
     at_s: f64,
@@ -204,46 +171,47 @@ struct QuantileObject {
 }
 
 impl Serialize for AutomatonReport<'_> {
+    /// Serialises the members in their order.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let arguments = &self.arguments.automaton;
-        let AlexandridisRules { p0, wind_c1, wind_c2, slope_a, vegetation, density, step } = self.rules;
         let areas = self.areas();
         let series = Series::from_values(&areas);
         let last_steps: Vec<f64> = self.fires.iter().map(|fire| f64::from(fire.last_step)).collect();
         let [slope_deg, uphill_deg] = arguments.slope_and_uphill_deg(&self.arguments.slope);
         let wind = self.arguments.wind.iter().flat_map(|wind| &wind.0);
-        let object = AutomatonObject {
+        let wind = wind.map(|&WindStep { from, speed_mps, from_deg }| WindObject {
+            at_s: from.as_seconds(),
+            speed_mps,
+            from_deg,
+        });
+        let mut object = serializer.serialize_map(None)?;
+        members!(object, {
             program_version: PROGRAM_VERSION,
             model: "alexandridis",
             rows: self.frame.rows,
             cols: self.frame.cols,
             cell_m: self.frame.cell_m,
-            p0,
-            wind_c1,
-            wind_c2,
-            slope_a,
-            vegetation,
-            density,
-            slope_deg,
-            uphill_deg,
-            step_s: step.as_seconds(),
+            p0: self.rules.p0,
+            wind_c1: self.rules.wind_c1,
+            wind_c2: self.rules.wind_c2,
+            slope_a: self.rules.slope_a,
+            vegetation: self.rules.vegetation,
+            density: self.rules.density,
+            slope_deg: slope_deg,
+            uphill_deg: uphill_deg,
+            step_s: self.rules.step.as_seconds(),
             steps: arguments.steps,
             runs: arguments.runs,
             seed: arguments.seed,
-            wind: wind
-                .map(|&WindStep { from, speed_mps, from_deg }| WindObject {
-                    at_s: from.as_seconds(),
-                    speed_mps,
-                    from_deg,
-                })
-                .collect(),
-            lit: self.lit.iter().map(|cell| [cell.row, cell.col]).collect(),
+            wind: wind.collect::<Vec<_>>(),
+            // Row from the south and column of each cell that was lit.
+            lit: self.lit.iter().map(|cell| [cell.row, cell.col]).collect::<Vec<_>>(),
             area_mean: series.mean(),
             area_sd: series.standard_deviation(),
             area_sem: series.standard_error(),
-            area_quantiles: SHARES.map(|share| QuantileObject { share, area: quantile(&areas, share) }).into(),
+            area_quantiles: SHARES.map(|share| QuantileObject { share, area: quantile(&areas, share) }),
             last_step_mean: Series::from_values(&last_steps).mean(),
-        };
-        object.serialize(serializer)
+        });
+        object.end()
     }
 }

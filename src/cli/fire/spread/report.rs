@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use super::spread::SpreadArguments;
+use super::SpreadArguments;
 use wildfire_base::document::number::{count, percent, rounded, short};
 use wildfire_base::document::{Document, Table};
 use wildfire_base::geometry::{Cell, compass};

@@ -3,13 +3,16 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::spread::SpreadArguments;
-use super::spread_report::SpreadReport;
+use super::ground::GroundSources;
+use super::report::SpreadReport;
+use super::{LitCell, SpreadArguments};
 use crate::cli::error::CliError;
 use crate::cli::output_files::{self, Files, Format};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
 use wildfire_base::time::cpu::CpuStopwatch;
+use wildfire_fire::Landscape;
+use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::lone::LoneFire;
 use wildfire_fire::models::RothermelRules;
 use wildfire_grid::Grid;
@@ -22,15 +25,14 @@ const NOT_BURNED: f32 = -9999.0;
 
 /// Lets a fire spread by Rothermel's equations.
 pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
-    let files = Files {
-        inputs: arguments.rasters()?.into_iter().map(|(_, path)| path).collect(),
-        form: arguments.form,
-        ..Files::default()
-    };
-    let format = arguments.arrival_format();
-    let words = files.writing([(format, &arguments.arrival), (Format::Png, &arguments.png)]).check()?;
-    let ground = arguments.ground()?;
-    let ignitions = arguments.ignitions(&ground.landscape)?;
+    let sources = GroundSources::new(arguments)?;
+    let inputs = sources.rasters.iter().map(|&(_, path)| path).collect();
+    let format = arrival_format(arguments);
+    let words = Files { inputs, form: arguments.form, ..Files::default() }
+        .writing([(format, &arguments.arrival), (Format::Png, &arguments.png)])
+        .check()?;
+    let ground = sources.read(arguments)?;
+    let ignitions = ignitions(arguments, &ground.landscape)?;
     let weather = arguments.weather();
     let rules = RothermelRules {
         options: arguments.choices.options(),
@@ -85,6 +87,29 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
         quiet,
     );
     printed.and(written)
+}
+
+fn arrival_format(arguments: &SpreadArguments) -> Format {
+    let ending = arguments.arrival.as_deref().and_then(Path::extension).unwrap_or_default().to_ascii_lowercase();
+    match ending.to_str() {
+        Some("tif" | "tiff") => Format::Tif,
+        Some("npy") => Format::Npy,
+        _ => Format::Asc,
+    }
+}
+
+/// Returns what is lit when, if it burns.
+fn ignitions(arguments: &SpreadArguments, landscape: &Landscape) -> Result<Vec<(SimTime, Cell)>, CliError> {
+    let ignition = |lit: LitCell| {
+        let fuel = landscape.fuel_number(lit.cell);
+        if FuelModel::by_number(fuel).is_some_and(FuelModel::burns) {
+            return Ok((SimTime::from_seconds(lit.seconds), lit.cell));
+        }
+        let Cell { col, row } = lit.cell;
+        let sentence = format!("--ignite {row},{col}: nothing burns there, its fuel is {fuel}");
+        Err(CliError::bad_input(sentence, Some("rows count from the south, from 0")))
+    };
+    arguments.lit(landscape.frame)?.into_iter().map(ignition).collect()
 }
 
 /// The values with the north row first.

@@ -1,0 +1,94 @@
+//! The ground that a fire spreads on: from rasters, or alike everywhere.
+
+use std::path::Path;
+
+use super::SpreadArguments;
+use crate::cli::error::CliError;
+use crate::cli::fire::options::no_such_fuel;
+use wildfire_base::geometry::FieldFrame;
+use wildfire_fire::fuel::FuelModel;
+use wildfire_fire::lone::LoneFire;
+use wildfire_fire::{Landscape, Relief};
+use wildfire_grid::map_files::raster::GeoKeys;
+use wildfire_sim::scenario::{GivenLayers, LayerKind, LayerReader, bytes_text};
+
+/// Where the ground is read from.
+pub struct GroundSources<'a> {
+    /// The fuel that is everywhere, where no raster has fuels.
+    fuel: u8,
+    pub rasters: Vec<(LayerKind, &'a Path)>,
+}
+
+/// A landscape with its place in the coordinate system of its files.
+pub struct Ground {
+    pub landscape: Landscape,
+    pub west_m: f64,
+    pub south_m: f64,
+    pub crs: Option<GeoKeys>,
+}
+
+impl<'a> GroundSources<'a> {
+    pub fn new(arguments: &'a SpreadArguments) -> Result<Self, CliError> {
+        let Some(name) = &arguments.fuel else {
+            let help = "such as --fuel GR2; wildfire fire behavior --list-fuels prints all fuel models";
+            return Err(CliError::bad_input("--fuel is missing: what burns?", Some(help)));
+        };
+        let elevation = arguments.elevation.as_deref().map(|path| (LayerKind::Elevation, path));
+        if let Some(model) = FuelModel::by_name(name.trim()) {
+            return Ok(Self { fuel: model.number, rasters: Vec::from_iter(elevation) });
+        }
+        let path = Path::new(name);
+        if path.extension().is_some() || path.exists() {
+            let rasters = [(LayerKind::Fuel, path)].into_iter().chain(elevation).collect();
+            return Ok(Self { fuel: 0, rasters });
+        }
+        let expected = no_such_fuel(name);
+        let sentence = format!("--fuel {name}: expected {expected}, or a raster (.asc, .tif)");
+        Err(CliError::bad_input(sentence, Some("wildfire fire behavior --list-fuels prints all fuel models")))
+    }
+
+    /// Reads the rasters, whose sides and cells must be those that were given.
+    pub fn read(&self, arguments: &SpreadArguments) -> Result<Ground, CliError> {
+        let refused = |sentence: String| CliError::bad_input(sentence, None);
+        let mut layers = LayerReader::default();
+        for &(kind, path) in &self.rasters {
+            layers.read(kind, path).map_err(refused)?;
+        }
+        let layers = layers.finish();
+        let frame = layers.as_ref().map_or_else(|| arguments.frame(), |layers| layers.frame);
+        check_memory(&frame, arguments)?;
+        let given = [arguments.rows.map(f64::from), arguments.cols.map(f64::from), arguments.cell];
+        let own = [frame.rows.into(), frame.cols.into(), frame.cell_m];
+        for ((name, given), own) in ["--rows", "--cols", "--cell"].into_iter().zip(given).zip(own) {
+            if let Some(given) = given.filter(|&given| given != own) {
+                return Err(refused(format!("{name} is {given}, expected {own} as in the raster")));
+            }
+        }
+        let fuel = layers.as_ref().and_then(GivenLayers::fuel);
+        let relief = layers.as_ref().and_then(GivenLayers::relief);
+        let landscape = Landscape {
+            frame,
+            fuel: fuel.unwrap_or_else(|| vec![self.fuel; frame.cell_count()]),
+            relief: relief.unwrap_or_else(|| Relief::Plane(arguments.slope.gradient())),
+        };
+        let (west_m, south_m, crs) =
+            layers.map_or((0.0, 0.0, None), |layers| (layers.west_m, layers.south_m, layers.crs));
+        Ok(Ground { landscape, west_m, south_m, crs })
+    }
+}
+
+/// Refuses a field on which a fire takes more memory than it may.
+fn check_memory(frame: &FieldFrame, arguments: &SpreadArguments) -> Result<(), CliError> {
+    let (needed, limit) = (LoneFire::most_bytes(frame), arguments.memory.unwrap_or_default());
+    if needed <= limit.bytes {
+        return Ok(());
+    }
+    let sentence = format!(
+        "a fire on {} rows and {} columns would take up to {} of memory; the limit is {limit}",
+        frame.rows,
+        frame.cols,
+        bytes_text(needed)
+    );
+    let help = "--memory sets another limit; gdal_translate -srcwin COL ROW COLS ROWS in.tif out.tif cuts a part out";
+    Err(CliError::bad_input(sentence, Some(help)))
+}

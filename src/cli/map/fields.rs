@@ -1,0 +1,430 @@
+//! Maps of values: their parameters, and computing them.
+
+use clap::Args;
+use serde::Serialize;
+
+use crate::cli::map::commands::ArgumentGroup;
+use crate::cli::map::computed::{
+    BadQuestion, Bare, Computed, Values, Walk, Way, check_free, check_inside, timed, title_with_neighbours,
+};
+use crate::cli::map::options::{
+    CornerArguments, GoalArguments, NeighbourArguments, choices, parse_number, parse_place,
+};
+use crate::cli::numbers;
+use wildfire_grid::brushfire;
+use wildfire_grid::cost_map::{self, cost_map};
+use wildfire_grid::descent::{descend, descend_or_escape};
+use wildfire_grid::distance::euclidean_distances;
+use wildfire_grid::octile::shortest_path;
+use wildfire_grid::parameter::BadParameter;
+use wildfire_grid::wavefront::{UNREACHED, descend_wavefront, wavefront};
+use wildfire_grid::{Connectivity, Grid, Place, TieOrder, potential};
+
+#[derive(Debug, Args, Serialize)]
+pub struct NoParameters {}
+
+#[derive(Debug, Args, Serialize)]
+pub struct BrushfireArguments {
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub neighbours: NeighbourArguments,
+    /// The value of obstacles: 1 (free cells 1 + distance), or 0 (free cells the distance).
+    #[arg(long, value_enum, value_name = "NAME", default_value = "obstacle-one")]
+    pub convention: Convention,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct CostArguments {
+    /// The outer zone as the formula of its source has it, with a jump, or as its text promises, without.
+    #[arg(long, value_enum, value_name = "NAME", default_value = "literal")]
+    pub form: Form,
+    /// Cost of obstacles.
+    #[arg(long, value_name = "COST", default_value_t = 1000.0, allow_hyphen_values = true, value_parser = parse_number)]
+    pub max_cost: f64,
+    /// Cost in the safety zone beside an obstacle, at distance 0.
+    #[arg(long, value_name = "COST", default_value_t = 800.0, allow_hyphen_values = true, value_parser = parse_number)]
+    pub safety_max: f64,
+    /// Cost at the outer edge of the safety zone.
+    #[arg(long, value_name = "COST", default_value_t = 500.0, allow_hyphen_values = true, value_parser = parse_number)]
+    pub safety_min: f64,
+    /// Width of the safety zone in cells, at least 1.
+    #[arg(long, value_name = "CELLS", default_value_t = 12, allow_hyphen_values = true, value_parser = parse_distance)]
+    pub safety_distance: u16,
+    /// The cost that each further cell takes off, beyond the safety zone.
+    #[arg(long, value_name = "COST", default_value_t = 15.0, allow_hyphen_values = true, value_parser = parse_number)]
+    pub cost_rate: f64,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct WavefrontArguments {
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub goal: GoalArguments,
+    /// The cell in which a path begins.
+    #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse_place)]
+    pub start: Option<Place>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub neighbours: NeighbourArguments,
+    /// The order in which a path tries neighbours that are equally good: S N E W SE SW NE NW, or W N E S NW NE SE SW.
+    #[arg(
+        long,
+        value_enum,
+        value_name = "NAME",
+        default_value = "cross-first",
+        requires = "start",
+        conflicts_with = "shortest"
+    )]
+    pub tie_order: Order,
+    /// The shortest path, a diagonal step counting the square root of 2, instead of one with the fewest steps.
+    #[arg(long, requires = "start")]
+    pub shortest: bool,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub corners: CornerArguments,
+    /// Divide the values by the largest and multiply them by S.
+    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = parse_number)]
+    pub scale: Option<f64>,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct AttractionArguments {
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub goal: GoalArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub attraction: AttractionOptions,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct RepulsionArguments {
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub neighbours: NeighbourArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub repulsion: RepulsionOptions,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct FieldArguments {
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub goal: GoalArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub attraction: AttractionOptions,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub neighbours: NeighbourArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub repulsion: RepulsionOptions,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct DescendArguments {
+    /// The cell in which the descent begins.
+    #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse_place)]
+    pub start: Place,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub field: FieldArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub corners: CornerArguments,
+    /// The way out of a local minimum: the wavefront's path to the goal.
+    #[arg(long, value_enum, value_name = "NAME")]
+    pub escape: Option<Escape>,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct AttractionOptions {
+    /// zeta / 2 x the square of the Euclidean distance from the goal, or the city-block distance.
+    #[arg(long, value_enum, value_name = "NAME", default_value = "d2")]
+    pub distance: Distance,
+    /// Strength of the attraction `d2`; it shows with `--scale none` only.
+    #[arg(long, default_value_t = 1.0, allow_hyphen_values = true, value_parser = parse_number)]
+    pub zeta: f64,
+    /// The largest attraction, to which all are scaled, or `none`.
+    #[arg(long, value_name = "S|none", default_value = "10", allow_hyphen_values = true, value_parser = parse_scale)]
+    pub scale: Scale,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct RepulsionOptions {
+    /// The brushfire value beyond which there is no repulsion.
+    #[arg(long, default_value_t = 5.0, allow_hyphen_values = true, value_parser = parse_number)]
+    pub q: f64,
+    /// Strength of the repulsion.
+    #[arg(long, default_value_t = 15.0, allow_hyphen_values = true, value_parser = parse_number)]
+    pub eta: f64,
+    /// Take the distance itself, one less than the brushfire value, as textbooks do: obstacles become infinitely high.
+    #[arg(long)]
+    pub true_distance: bool,
+}
+
+choices! {
+    Convention { ObstacleOne, ObstacleZero }
+    Distance { D2, Manhattan }
+    Escape { Wavefront }
+    Form for cost_map::Form { Literal, Continuous }
+    Order for TieOrder { CrossFirst, WestFirst }
+}
+
+/// The greatest attraction; `None` leaves it as it is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct Scale(pub Option<f64>);
+
+impl ArgumentGroup for NoParameters {}
+
+impl ArgumentGroup for BrushfireArguments {}
+
+impl ArgumentGroup for CostArguments {
+    /// Accepts what the zones accept. Of costs that do not go together, one may be left to its default: options are named.
+    fn check(&self) -> Result<(), BadParameter> {
+        let unfit = |name, expected, found| BadParameter { name, expected, found };
+        self.zones().check().map_err(|problem| {
+            if self.safety_max > self.max_cost {
+                let name = "--safety-max, the cost at the inner edge of the safety zone,";
+                unfit(name, "at most --max-cost, the largest cost", self.safety_max)
+            } else if self.safety_min > self.safety_max {
+                let name = "--safety-min, the cost at the outer edge of the safety zone,";
+                unfit(name, "at most --safety-max, that at its inner edge", self.safety_min)
+            } else {
+                problem
+            }
+        })
+    }
+}
+
+impl CostArguments {
+    pub fn zones(&self) -> cost_map::TwoZones {
+        cost_map::TwoZones {
+            form: self.form.into(),
+            max_cost: self.max_cost,
+            safety_max: self.safety_max,
+            safety_min: self.safety_min,
+            safety_distance: self.safety_distance,
+            cost_rate: self.cost_rate,
+        }
+    }
+}
+
+impl ArgumentGroup for WavefrontArguments {
+    fn check(&self) -> Result<(), BadParameter> {
+        self.scale.map_or(Ok(()), |scale| BadParameter::unless_positive("the scale", scale))
+    }
+
+    fn has_start(&self) -> bool {
+        self.start.is_some()
+    }
+}
+
+impl ArgumentGroup for AttractionArguments {
+    fn check(&self) -> Result<(), BadParameter> {
+        self.attraction.check()
+    }
+}
+
+impl ArgumentGroup for RepulsionArguments {
+    fn check(&self) -> Result<(), BadParameter> {
+        self.repulsion.law().check()
+    }
+}
+
+impl ArgumentGroup for FieldArguments {
+    fn check(&self) -> Result<(), BadParameter> {
+        self.attraction.check()?;
+        self.repulsion.law().check()
+    }
+}
+
+impl ArgumentGroup for DescendArguments {
+    fn check(&self) -> Result<(), BadParameter> {
+        self.field.check()
+    }
+
+    fn has_start(&self) -> bool {
+        true
+    }
+}
+
+impl AttractionOptions {
+    pub fn check(&self) -> Result<(), BadParameter> {
+        self.kind().check(self.scale.0)
+    }
+
+    pub fn kind(&self) -> potential::Attraction {
+        match self.distance {
+            Distance::D2 => potential::Attraction::Squared { zeta: self.zeta },
+            Distance::Manhattan => potential::Attraction::Manhattan,
+        }
+    }
+}
+
+impl RepulsionOptions {
+    pub fn law(&self) -> potential::Repulsion {
+        let distance = if self.true_distance {
+            potential::RepulsionDistance::True
+        } else {
+            potential::RepulsionDistance::Brushfire
+        };
+        potential::Repulsion { q: self.q, eta: self.eta, distance }
+    }
+}
+
+fn parse_distance(text: &str) -> Result<u16, String> {
+    numbers::parse(text).ok_or_else(|| format!("expected a distance in cells, a whole number from 1 to {}", u16::MAX))
+}
+
+fn parse_scale(text: &str) -> Result<Scale, String> {
+    match text {
+        "none" => Ok(Scale(None)),
+        _ => {
+            let scale = numbers::parse(text).map(|scale| Scale(Some(scale)));
+            scale.ok_or_else(|| "expected a number or `none`".to_owned())
+        }
+    }
+}
+
+pub fn occupancy(occupied: &Grid<bool>, _: &NoParameters) -> Result<Computed, BadQuestion> {
+    Ok(Computed::new("Occupancy", "occupied", timed(|| Values::Flags(occupied.clone()))))
+}
+
+pub fn brushfire(occupied: &Grid<bool>, arguments: &BrushfireArguments) -> Result<Computed, BadQuestion> {
+    let neighbours = arguments.neighbours.connectivity;
+    let (value_name, less) = match arguments.convention {
+        Convention::ObstacleOne => ("distance + 1", 0),
+        Convention::ObstacleZero => ("distance", 1),
+    };
+    let values = timed(|| {
+        let mut values = brushfire_or_zero(occupied, neighbours.into());
+        values.values_mut().iter_mut().for_each(|value| *value = value.saturating_sub(less));
+        Values::Distances(values)
+    });
+    Ok(Computed::new(title_with_neighbours("Brushfire", neighbours), value_name, values))
+}
+
+/// The brushfire map, 0 everywhere without obstacles.
+fn brushfire_or_zero(occupied: &Grid<bool>, connectivity: Connectivity) -> Grid<u16> {
+    let none = || Grid::filled(occupied.rows(), occupied.cols(), 0);
+    brushfire::brushfire(occupied, connectivity).unwrap_or_else(none)
+}
+
+pub fn euclidean(occupied: &Grid<bool>, _: &NoParameters) -> Result<Computed, BadQuestion> {
+    let none = || Grid::filled(occupied.rows(), occupied.cols(), 0.0);
+    let values = timed(|| Values::Reals(euclidean_distances(occupied).unwrap_or_else(none)));
+    Ok(Computed::new("Euclidean distance", "distance in cells", values))
+}
+
+pub fn cost(occupied: &Grid<bool>, arguments: &CostArguments) -> Result<Computed, BadQuestion> {
+    let costs = || cost_map(&brushfire_or_zero(occupied, Connectivity::Four), &arguments.zones());
+    Ok(Computed::new("Cost map", "cost", timed(|| Values::Reals(costs()))))
+}
+
+pub fn wave(occupied: &Grid<bool>, arguments: &WavefrontArguments) -> Result<Computed, BadQuestion> {
+    let (goal, neighbours) = (arguments.goal.goal, arguments.neighbours.connectivity);
+    let (connectivity, corners) = (neighbours.into(), arguments.corners.rule());
+    check_free("goal", occupied, goal)?;
+    if let Some(start) = arguments.start {
+        check_inside("start", occupied, start)?;
+    }
+    let wave = || wavefront(occupied, goal, connectivity, corners).expect("the goal is free");
+    let (steps, cpu_map) = timed(wave);
+    let walk = arguments.start.map(|start| {
+        timed(|| {
+            let route = if arguments.shortest {
+                shortest_path(occupied, start, goal, connectivity, corners).expect("both ends are on the map")
+            } else {
+                descend_wavefront(&steps, start, connectivity, corners, arguments.tie_order.into())
+            };
+            Walk { start, goal, way: route.into() }
+        })
+    });
+    let (walk, cpu_path) = walk.unzip();
+    let unreached = Some(steps.values().iter().filter(|&&value| value == UNREACHED).count());
+    let (value_name, values) = match arguments.scale {
+        Some(scale) => ("scaled value", Values::Reals(scaled(&steps, scale))),
+        None => ("steps + 2", Values::Steps(steps)),
+    };
+    let bare = Bare::Zero("unreached");
+    let title = title_with_neighbours("Wavefront", neighbours);
+    let computed = Computed::new(title, value_name, (values, cpu_map));
+    Ok(Computed { bare, unreached, goal: Some(goal), walk, cpu_path, ..computed })
+}
+
+/// All values divided by the largest, times `scale`.
+fn scaled(values: &Grid<u32>, scale: f64) -> Grid<f64> {
+    let max = f64::from(values.values().iter().copied().max().unwrap_or(1));
+    let reals = values.values().iter().map(|&value| f64::from(value) / max * scale).collect();
+    Grid::from_values(values.rows(), values.cols(), reals)
+}
+
+pub fn attraction(occupied: &Grid<bool>, arguments: &AttractionArguments) -> Result<Computed, BadQuestion> {
+    let goal = arguments.goal.goal;
+    check_inside("goal", occupied, goal)?;
+    let values = timed(|| Values::Reals(attraction_field(occupied, goal, &arguments.attraction)));
+    Ok(Computed { goal: Some(goal), ..Computed::new("Attraction", "potential", values) })
+}
+
+fn attraction_field(occupied: &Grid<bool>, goal: Place, options: &AttractionOptions) -> Grid<f64> {
+    potential::attraction(occupied.rows(), occupied.cols(), goal, options.kind(), options.scale.0)
+}
+
+pub fn repulsion(occupied: &Grid<bool>, arguments: &RepulsionArguments) -> Result<Computed, BadQuestion> {
+    let neighbours = arguments.neighbours.connectivity;
+    let field = || potential::repulsion(&brushfire_or_zero(occupied, neighbours.into()), &arguments.repulsion.law());
+    let title = title_with_neighbours("Repulsion", neighbours);
+    Ok(Computed::new(title, "potential", timed(|| Values::Reals(field()))))
+}
+
+pub fn total(occupied: &Grid<bool>, arguments: &FieldArguments) -> Result<Computed, BadQuestion> {
+    let goal = arguments.goal.goal;
+    check_inside("goal", occupied, goal)?;
+    let title = title_with_neighbours("Total potential", arguments.neighbours.connectivity);
+    let values = timed(|| Values::Reals(total_field(occupied, arguments)));
+    Ok(Computed { goal: Some(goal), ..Computed::new(title, "potential", values) })
+}
+
+fn total_field(occupied: &Grid<bool>, arguments: &FieldArguments) -> Grid<f64> {
+    let brushfire = brushfire_or_zero(occupied, arguments.neighbours.connectivity.into());
+    let attraction = attraction_field(occupied, arguments.goal.goal, &arguments.attraction);
+    potential::total(attraction, &brushfire, &arguments.repulsion.law())
+}
+
+pub fn descent(occupied: &Grid<bool>, arguments: &DescendArguments) -> Result<Computed, BadQuestion> {
+    let (start, goal) = (arguments.start, arguments.field.goal.goal);
+    let neighbours = arguments.field.neighbours.connectivity;
+    let (connectivity, corners) = (neighbours.into(), arguments.corners.rule());
+    check_free("goal", occupied, goal)?;
+    check_inside("start", occupied, start)?;
+    let (field, cpu_map) = timed(|| total_field(occupied, &arguments.field));
+    let (walk, cpu_path) = timed(|| {
+        let way = match arguments.escape {
+            None => descend(&field, occupied, start, goal, connectivity, corners).map(Way::from),
+            Some(Escape::Wavefront) => {
+                descend_or_escape(&field, occupied, start, goal, connectivity, corners).map(Way::from)
+            }
+        };
+        Walk { start, goal, way: way.expect("both ends are on the map") }
+    });
+    let title = title_with_neighbours("Gradient descent", neighbours);
+    let computed = Computed::new(title, "potential", (Values::Reals(field), cpu_map));
+    Ok(Computed { goal: Some(goal), walk: Some(walk), cpu_path: Some(cpu_path), ..computed })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_that_is_no_value_is_refused_with_what_was_expected() {
+        assert_eq!(parse_scale("none"), Ok(Scale(None)));
+        assert_eq!(parse_scale("2.5"), Ok(Scale(Some(2.5))));
+        assert!(parse_scale("all").is_err_and(|expected| expected.contains("`none`")));
+        assert!(parse_distance("12").is_ok() && parse_distance("1.5").is_err() && parse_distance("65536").is_err());
+    }
+}
