@@ -362,12 +362,7 @@ pub struct FactReader<'a> {
 }
 
 impl<'a> FactReader<'a> {
-    pub fn new(
-        setting: &'a Setting,
-        delays: &'a [u8],
-        records: &'a [u8],
-        numbers: NumberReader<'a>,
-    ) -> Self {
+    pub fn new(setting: &'a Setting, delays: &'a [u8], records: &'a [u8], numbers: NumberReader<'a>) -> Self {
         Self {
             setting,
             now: SimTime::ZERO,
