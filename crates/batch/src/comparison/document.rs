@@ -128,7 +128,7 @@ fn forest(against: &AgainstA) -> Block {
             let [low, high] = ends.map(|end| rounded(end, decimals));
             format!(" ({low} to {high})")
         });
-        let unit = match metric.unit().symbol() {
+        let unit = match metric.unit.symbol() {
             "" | "1" => String::new(),
             symbol => format!(" {symbol}"),
         };

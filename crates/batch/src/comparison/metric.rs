@@ -2,7 +2,8 @@
 
 use crate::comparison::error::ComparisonError;
 use crate::comparison::runs_table::Field;
-use crate::table::{Phrase, RUN_COLUMNS, TableReader, Unit};
+use crate::table::Better::{self, Higher, Lower};
+use crate::table::{Column, Kind, Phrase, RUN_COLUMNS, TableReader, Unit, about, columns};
 use wildfire_base::untrusted::visible_start;
 use wildfire_sim::scenario::nearest_name;
 
@@ -11,6 +12,10 @@ use wildfire_sim::scenario::nearest_name;
 pub struct Metric {
     pub name: String,
     pub kind: MetricKind,
+    /// [`Unit::None`] of counts, and of columns that are not the program's own.
+    pub unit: Unit,
+    /// The side of the better values, from where the trucks stand; `None` if it is not known.
+    pub better: Option<Better>,
     pub phrase: Option<Phrase>,
 }
 
@@ -29,93 +34,29 @@ pub enum MetricKind {
 const DEFAULTS: &[&str] =
     &["saved", "truck_won", "all_out_s", "mean_response_s", "burning_cell_s", "cpu_unimog_total_s"];
 
-/// The side on which a metric's better values are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Better {
-    Higher,
-    Lower,
-}
-
-/// The metrics and columns of which a higher value is better for the trucks.
-const HIGHER_IS_BETTER: &[&str] =
-    &["saved", "truck_won", "intact", "extinguished", "intact_ratio", "extinguished_ratio", "truck_score"];
-
-/// Those of which a lower value is, besides columns that begin like these.
-const LOWER_IS_BETTER: &[&str] = &[
-    "burned",
-    "wumpus_won",
-    "all_out_s",
-    "burning",
-    "burned_out",
-    "burned_ratio",
-    "caught_by_spread",
-    "burning_cell_s",
-    "peak_burning",
-    "mean_response_s",
-    "wumpus_score",
-    "regret",
-    "truck_stuck_s",
-    "truck_lattice_plans",
-    "truck_planning_s",
-    "truck_standing_s",
-    "truck_longest_idle_s",
-    "truck_cusps",
-    "truck_distance_m",
-    "truck_wasted_drives",
-    "truck_waiting_s",
-    "truck_deadlocks",
-    "truck_roadmap_expansions",
-    "truck_local_expansions",
-];
-const LOWER_IS_BETTER_FROM: &[&str] = &["truck_failed_", "cpu_", "wall_"];
-
 /// A metric that is not just a column.
-pub struct NamedMetric {
-    pub name: &'static str,
-    unit: Unit,
-    find: Find,
-    phrase: Phrase,
-}
-
-enum Find {
-    Sum([&'static str; 2]),
-    Winner(&'static str),
-    Time { event: &'static str, end: &'static str, begun: &'static str },
-}
+pub type NamedMetric = Column<fn(()) -> MetricKind>;
 
 /// The metrics that are not just columns.
-pub static NAMED_METRICS: [NamedMetric; 5] = [
-    NamedMetric {
-        name: "saved",
-        unit: Unit::Cells,
-        find: Find::Sum(["intact", "extinguished"]),
-        phrase: Phrase::new("saves", "more obstacles per run", "fewer obstacles per run"),
-    },
-    NamedMetric {
-        name: "burned",
-        unit: Unit::Cells,
-        find: Find::Sum(["burning", "burned_out"]),
-        phrase: Phrase::new("loses", "more obstacles per run", "fewer obstacles per run"),
-    },
-    NamedMetric {
-        name: "truck_won",
-        unit: Unit::Share,
-        find: Find::Winner("unimog"),
-        phrase: Phrase::new("wins for the truck", "more runs of a hundred", "fewer runs of a hundred").in_hundreds(),
-    },
-    NamedMetric {
-        name: "wumpus_won",
-        unit: Unit::Share,
-        find: Find::Winner("wumpus"),
-        phrase: Phrase::new("wins for the Wumpus", "more runs of a hundred", "fewer runs of a hundred").in_hundreds(),
-    },
-    NamedMetric {
-        name: "all_out_s",
-        unit: Unit::Seconds,
-        find: Find::Time { event: "all_out_s", end: "ended_s", begun: "first_fire_s" },
-        phrase: Phrase::new("has all fires out", "s later", "s sooner"),
-    },
-];
+#[rustfmt::skip]
+pub const NAMED_METRICS: &[NamedMetric] = columns! { NamedMetric, _run;
+    saved: Count Cells "bush cells that did not burn, or were put out" = sum(&["intact", "extinguished"]), title("Saved"),
+        better(Higher), phrase("saves", "more obstacles per run", "fewer obstacles per run"),
+        aim("saved the most bushes", ["saved", " of the bushes"], "points more");
+    burned: Count Cells "bush cells that burn or have burned out" = sum(&["burning", "burned_out"]), better(Lower),
+        phrase("loses", "more obstacles per run", "fewer obstacles per run");
+    truck_won: Flag Share "whether the trucks won" = MetricKind::Answer { column: "winner", yes: "unimog" },
+        better(Higher), phrase("wins for the truck", "more runs of a hundred", "fewer runs of a hundred"), in_hundreds();
+    wumpus_won: Flag Share "whether the Wumpuses won" = MetricKind::Answer { column: "winner", yes: "wumpus" },
+        better(Lower), phrase("wins for the Wumpus", "more runs of a hundred", "fewer runs of a hundred"), in_hundreds();
+    all_out_s: optional Real Seconds "end of the last fire of a bush; the end of the run, if one burned then"
+        = MetricKind::Time { event: "all_out_s", end: "ended_s", begun: "first_fire_s" }, better(Lower),
+        phrase("has all fires out", "s later", "s sooner");
+};
+
+fn sum(columns: &[&str]) -> MetricKind {
+    MetricKind::Sum(columns.iter().map(|&column| column.to_owned()).collect())
+}
 
 impl Metric {
     /// Returns the metrics of these names, or the usual ones that the tables have columns for; each once.
@@ -141,35 +82,20 @@ impl Metric {
 
     /// Returns the metric of this name: one of [`NAMED_METRICS`], or a column.
     pub fn from_name(name: &str) -> Self {
-        let Some(metric) = NAMED_METRICS.iter().find(|metric| metric.name == name) else {
-            let column = RUN_COLUMNS.iter().find(|column| column.name == name);
-            let kind = MetricKind::Sum(vec![name.to_owned()]);
-            return Self { name: name.to_owned(), kind, phrase: column.and_then(|column| column.phrase) };
-        };
-        let kind = match metric.find {
-            Find::Sum(columns) => MetricKind::Sum(columns.map(str::to_owned).to_vec()),
-            Find::Winner(yes) => MetricKind::Answer { column: "winner", yes },
-            Find::Time { event, end, begun } => MetricKind::Time { event, end, begun },
-        };
-        Self { name: name.to_owned(), kind, phrase: Some(metric.phrase) }
-    }
-
-    /// Returns the side of the better values, from where the trucks stand; `None` if the metric does not say it.
-    pub fn better(&self) -> Option<Better> {
-        let name = self.name.as_str();
-        match () {
-            () if HIGHER_IS_BETTER.contains(&name) => Some(Better::Higher),
-            () if LOWER_IS_BETTER.contains(&name) => Some(Better::Lower),
-            () if LOWER_IS_BETTER_FROM.iter().any(|start| name.starts_with(start)) => Some(Better::Lower),
-            () => None,
+        let named = NAMED_METRICS.iter().find(|metric| metric.name == name);
+        let named = named.map(|metric| (metric.without_value(), (metric.value)(())));
+        let column = || RUN_COLUMNS.iter().find(|column| column.name == name);
+        match named.or_else(|| column().map(|column| (column.without_value(), sum(&[name])))) {
+            Some((Column { unit, better, phrase, .. }, kind)) => {
+                Self { name: name.to_owned(), kind, unit, better, phrase }
+            }
+            None => Self::unknown(name.to_owned(), sum(&[name])),
         }
     }
 
-    /// Returns the unit of its values; [`Unit::None`] of counts, and of columns that are not the program's own.
-    pub fn unit(&self) -> Unit {
-        let named = NAMED_METRICS.iter().find(|metric| metric.name == self.name).map(|metric| metric.unit);
-        let of_column = || RUN_COLUMNS.iter().find(|column| column.name == self.name).map(|column| column.unit);
-        named.or_else(of_column).unwrap_or(Unit::None)
+    /// Makes a metric of which nothing but its name is known.
+    pub fn unknown(name: String, kind: MetricKind) -> Self {
+        Self { name, kind, unit: Unit::None, better: None, phrase: None }
     }
 
     fn columns(&self) -> Vec<&str> {

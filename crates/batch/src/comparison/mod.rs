@@ -33,10 +33,11 @@ mod words;
 
 use std::path::PathBuf;
 
+pub use crate::table::Better;
 pub(super) use contrast::contrast_of_pairs;
 pub use contrast::{ByStratum, Contrast, CutOff, Method, NumberPair};
 pub use error::ComparisonError;
-pub use metric::{Better, Metric, MetricKind, NAMED_METRICS};
+pub use metric::{Metric, MetricKind, NAMED_METRICS, NamedMetric};
 pub use pairs::{Pairs, Stratum};
 pub use published::{BesideReport, PublishedState, PublishedTime};
 pub use ranking::{

@@ -61,9 +61,10 @@ pub fn listed(words: &[String]) -> String {
 mod tests {
     use super::*;
 
-    const SAVES: Option<Phrase> = Some(Phrase::new("saves", "more obstacles per run", "fewer obstacles per run"));
+    const SAVES: Option<Phrase> =
+        Some(Phrase { verb: "saves", more: ["more obstacles per run", "fewer obstacles per run"], scale: 1.0 });
     const WINS: Option<Phrase> =
-        Some(Phrase::new("wins for the truck", "more runs of a hundred", "fewer runs of a hundred").in_hundreds());
+        Some(Phrase { verb: "wins", more: ["more runs of a hundred", "fewer runs of a hundred"], scale: 100.0 });
 
     #[test]
     fn differences_are_said_in_the_direction_they_have() {
@@ -85,7 +86,7 @@ mod tests {
     fn rates_are_said_in_hundreds() {
         let interval = Some(Interval { low: -0.2, high: -0.05 });
         let said = sentence("truck_won", WINS, 'B', -0.125, interval);
-        assert_eq!(said, "B wins for the truck 12.5 fewer runs of a hundred, 95 % interval 5.0 to 20.0");
+        assert_eq!(said, "B wins 12.5 fewer runs of a hundred, 95 % interval 5.0 to 20.0");
     }
 
     #[test]

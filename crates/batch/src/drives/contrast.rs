@@ -67,7 +67,7 @@ fn contrasts(planner: &str, against: &str, rows: &[DriveQuery]) -> Vec<DriveCont
         by_goal(planner).into_iter().filter_map(|(goal, row)| Some([*theirs.get(&goal)?, row])).collect();
     let contrast = |metric: &'static str, heading, kind, numbers: &[[f64; 2]]| {
         // The name tells the random stream of its bootstrap.
-        let asked = Metric { name: format!("{planner}/{against}/{metric}"), kind, phrase: None };
+        let asked = Metric::unknown(format!("{planner}/{against}/{metric}"), kind);
         let Contrast { pairs, means, difference, interval, p_value, .. } = contrast_of_pairs(&asked, 'B', numbers)?;
         Some(DriveContrast {
             planner: planner.to_owned(),

@@ -85,9 +85,9 @@ pub const DRIVE_COLUMNS: &[DriveColumn] = columns! { DriveColumn, query;
     planner: Text None "planner that was asked, or that computed the path" = query.planner.to_string();
     success: Flag None "whether a path reaches the goal and the audit accepts it" = query.solved().is_some();
     reason: optional Text None "why the goal was not reached" = query.failure.map(|failure| failure.to_string());
-    cpu_build_s: optional Real Seconds "CPU time: clearance field and the planner's preparation"
+    cpu_build_s: optional Real CpuSeconds "CPU time: clearance field and the planner's preparation"
         = query.cost.map(|cost| cost.cpu_build_s);
-    cpu_query_s: optional Real Seconds "CPU time: the query" = query.cost.map(|cost| cost.cpu_query_s);
+    cpu_query_s: optional Real CpuSeconds "CPU time: the query" = query.cost.map(|cost| cost.cpu_query_s);
     length_m: optional Real Metres "length of the path" = query.figures.map(|path| path.length_m);
     lower_bound_ratio: optional Real None "length over a lower bound on the length of any path"
         = query.figures.and_then(|path| path.lower_bound_ratio);

@@ -32,6 +32,10 @@ pub enum Unit {
     /// From 0 to 1.
     Share,
     Seconds,
+    /// Seconds that the planners took; charts show them in milliseconds.
+    CpuSeconds,
+    /// Seconds that passed; charts show them in milliseconds too.
+    WallSeconds,
     /// Seconds of a burning cell.
     CellSeconds,
     Metres,
@@ -47,11 +51,32 @@ impl Unit {
             Self::Cells => "cells",
             Self::Hectares => "ha",
             Self::Share => "1",
-            Self::Seconds => "s",
+            Self::Seconds | Self::CpuSeconds | Self::WallSeconds => "s",
             Self::CellSeconds => "cells s",
             Self::Metres => "m",
             Self::Points => "points",
         }
+    }
+
+    /// Returns what charts call an axis of such numbers, with the unit in which they show them.
+    pub fn axis(self) -> &'static str {
+        match self {
+            Self::None => "number",
+            Self::Cells => "cells",
+            Self::Hectares => "area (ha)",
+            Self::Share => "share",
+            Self::Seconds => "time (s)",
+            Self::CpuSeconds => "CPU time (ms)",
+            Self::WallSeconds => "time (ms)",
+            Self::CellSeconds => "cells \u{d7} time (s)",
+            Self::Metres => "distance (m)",
+            Self::Points => "points",
+        }
+    }
+
+    /// Returns the factor from the numbers of files to those of charts.
+    pub fn chart_factor(self) -> f64 {
+        if let Self::CpuSeconds | Self::WallSeconds = self { 1e3 } else { 1.0 }
     }
 }
 
@@ -66,18 +91,45 @@ pub struct Column<F> {
     pub is_required: bool,
     /// The name that charts give it; empty of a column that they cannot show.
     pub title: &'static str,
+    /// The side of the better values, from where the trucks stand; `None` if it has none.
+    pub better: Option<Better>,
     /// The words for a difference between two batches.
     pub phrase: Option<Phrase>,
+    /// The words for the best in it, of a column in which reports compare variants.
+    pub aim: Option<Aim>,
     pub value: F,
 }
 
 impl<F: Copy> Column<F> {
-    pub(super) const fn with_title(self, title: &'static str) -> Self {
+    pub(crate) const fn title(self, title: &'static str) -> Self {
         Self { title, ..self }
     }
 
-    pub(super) const fn with_phrase(self, phrase: Phrase) -> Self {
-        Self { phrase: Some(phrase), ..self }
+    pub(crate) const fn better(self, better: Better) -> Self {
+        Self { better: Some(better), ..self }
+    }
+
+    /// `more` and `less` follow the amount of a difference above zero, and of one below.
+    pub(crate) const fn phrase(self, verb: &'static str, more: &'static str, less: &'static str) -> Self {
+        Self { phrase: Some(Phrase { verb, more: [more, less], scale: 1.0 }), ..self }
+    }
+
+    /// Gives the amount of a rate as runs of a hundred.
+    pub(crate) const fn in_hundreds(self) -> Self {
+        match self.phrase {
+            Some(phrase) => Self { phrase: Some(Phrase { scale: 100.0, ..phrase }), ..self },
+            None => self,
+        }
+    }
+
+    pub(crate) const fn aim(self, best: &'static str, equal: [&'static str; 2], than: &'static str) -> Self {
+        Self { aim: Some(Aim { best, equal, than }), ..self }
+    }
+
+    /// Returns all of it but how its value is found.
+    pub fn without_value(&self) -> Column<()> {
+        let Self { name, words, unit, kind, is_required, title, better, phrase, aim, .. } = *self;
+        Column { name, words, unit, kind, is_required, title, better, phrase, aim, value: () }
     }
 
     /// Says whether it holds numbers that are measured or counted, not words and not names such as seeds.
@@ -136,13 +188,20 @@ pub struct Phrase {
     pub scale: f64,
 }
 
-impl Phrase {
-    pub const fn new(verb: &'static str, more: &'static str, less: &'static str) -> Self {
-        Self { verb, more: [more, less], scale: 1.0 }
-    }
+/// The side on which a metric's better values are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Better {
+    Higher,
+    Lower,
+}
 
-    /// Gives the amount of a rate as runs of a hundred.
-    pub const fn in_hundreds(self) -> Self {
-        Self { scale: 100.0, ..self }
-    }
+/// Words for the best of some variants.
+#[derive(Clone, Copy, Debug)]
+pub struct Aim {
+    /// The deed of the best: `saved the most bushes`.
+    pub best: &'static str,
+    /// The deed of equals, before and after the amount.
+    pub equal: [&'static str; 2],
+    /// The words after the difference of the best from another: `points more`.
+    pub than: &'static str,
 }

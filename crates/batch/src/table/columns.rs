@@ -1,6 +1,8 @@
 //! The columns of all tables of a batch. A line here is all that a column needs: its name, `optional` if a row may have
-//! no value, its kind and unit, what it means, and how it is found. CSV and Parquet files, the data dictionary, the
-//! metrics of comparisons and the charts of reports have them from here.
+//! no value, its kind and unit, what it means, and how it is found. Columns of numbers of `runs.csv` have a `title` in
+//! charts; some say which side is `better`, how a difference is put in a `phrase`, and what the best in them did, which is
+//! the `aim` of a report. CSV and Parquet files, the data dictionary, the metrics of comparisons and the charts of reports
+//! have all this from here.
 //!
 //! Outcome columns come first. They are equal bit for bit whenever a seed is run again; every column that may differ
 //! begins with `cpu_` or `wall_`, and is after them. A number is written with the fewest digits that read back as the
@@ -8,7 +10,8 @@
 
 use crate::execute::{CpuSplit, PlannerCall, RunResult, RunRow, StateCount};
 use crate::plan::{RunLabel, Value};
-use crate::table::column::{Column, Kind, Phrase, Unit};
+use crate::table::column::Better::{Higher, Lower};
+use crate::table::column::{Column, Kind, Unit};
 use wildfire_sim::{AgentCost, PolicyTally, RunCost};
 use wildfire_timeline::{AgentOutcome, GroundOutcome, Outcome, Winner};
 
@@ -130,7 +133,8 @@ macro_rules! columns {
             let (is_required, kind, unit) = about!($($about)+);
             let name = stringify!($name);
             let column: $Column = Column {
-                name, words: $words, unit, kind, is_required, title: "", phrase: None, value: |$row| $value.into(),
+                name, words: $words, unit, kind, is_required, title: "", better: None, phrase: None, aim: None,
+                value: |$row| $value.into(),
             };
             column$(.$extra($($argument),*))*
         }),+]
@@ -164,205 +168,206 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     status: Text None "done, failed or panicked" = row.status.to_string();
     message: optional Text None "why a run is not done, or what its planners and policies had to say about failures"
         = unless_empty(&row.message);
-    obstacles: optional Count Cells "bush cells of the field" = outcome(row, |o| o.obstacles), with_title("Bush cells");
-    intact: optional Count Cells "bush cells that never burned, at the end"
-        = outcome(row, |o| o.intact), with_title("Intact");
-    burning: optional Count Cells "bush cells that burn at the end" = outcome(row, |o| o.burning), with_title("Burning");
-    burned_out: optional Count Cells "bush cells that burned out" = outcome(row, |o| o.burned_out), with_title("Burned out");
-    extinguished: optional Count Cells "bush cells that were put out"
-        = outcome(row, |o| o.extinguished), with_title("Extinguished"),
-        with_phrase(Phrase::new("extinguishes", "more obstacles per run", "fewer obstacles per run"));
+    obstacles: optional Count Cells "bush cells of the field" = outcome(row, |o| o.obstacles), title("Bush cells");
+    intact: optional Count Cells "bush cells that never burned, at the end" = outcome(row, |o| o.intact),
+        title("Intact"), better(Higher);
+    burning: optional Count Cells "bush cells that burn at the end" = outcome(row, |o| o.burning), title("Burning"),
+        better(Lower);
+    burned_out: optional Count Cells "bush cells that burned out" = outcome(row, |o| o.burned_out), title("Burned out"),
+        better(Lower);
+    extinguished: optional Count Cells "bush cells that were put out" = outcome(row, |o| o.extinguished),
+        title("Extinguished"), better(Higher),
+        phrase("extinguishes", "more obstacles per run", "fewer obstacles per run");
     intact_ratio: optional Real Share "share of all bush cells" = outcome(row, Outcome::intact_ratio),
-        with_title("Share intact");
+        title("Share intact"), better(Higher);
     burned_ratio: optional Real Share "share of all bush cells that burn or have burned out"
-        = outcome(row, Outcome::burned_ratio), with_title("Share burned");
+        = outcome(row, Outcome::burned_ratio), title("Share burned"), better(Lower);
     extinguished_ratio: optional Real Share "share of all bush cells" = outcome(row, Outcome::extinguished_ratio),
-        with_title("Share extinguished");
+        title("Share extinguished"), better(Higher);
     lit_by_wumpus: optional Count Cells "ignitions of bushes by Wumpuses; one that is lit again counts again"
-        = outcome(row, |o| o.lit_by_wumpus), with_title("Lit by Wumpuses");
+        = outcome(row, |o| o.lit_by_wumpus), title("Lit by Wumpuses");
     caught_by_spread: optional Count Cells "ignitions of bushes by spread" = outcome(row, |o| o.caught_by_spread),
-        with_title("Caught by spread");
+        title("Caught by spread"), better(Lower);
     truck_stuck_s: optional Real Seconds
         "time in which trucks did nothing though there was a fire that they could reach"
-        = outcome(row, |o| o.truck_stuck_s), with_title("Time that trucks were stuck");
+        = outcome(row, |o| o.truck_stuck_s), title("Time that trucks were stuck"), better(Lower);
     wumpus_stuck_s: optional Real Seconds
         "time in which Wumpuses did nothing though there was something that they could light"
-        = outcome(row, |o| o.wumpus_stuck_s), with_title("Time that Wumpuses were stuck");
+        = outcome(row, |o| o.wumpus_stuck_s), title("Time that Wumpuses were stuck");
     lit_by_schedule: optional Count Cells "ignitions of bushes by the scenario" = outcome(row, |o| o.lit_by_schedule),
-        with_title("Lit by the scenario");
-    ended_s: optional Real Seconds "simulated time at the end" = outcome(row, |o| o.ended_s),
-        with_title("End of the run");
+        title("Lit by the scenario");
+    ended_s: optional Real Seconds "simulated time at the end" = outcome(row, |o| o.ended_s), title("End of the run");
     burning_cell_s: optional Real CellSeconds "number of burning bush cells integrated over time"
-        = outcome(row, |o| o.burning_cell_s), with_title("Burning cells over time"),
-        with_phrase(Phrase::new(
-            "has", "more seconds of a burning cell per run", "fewer seconds of a burning cell per run",
-        ));
+        = outcome(row, |o| o.burning_cell_s), title("Burning cells over time"), better(Lower),
+        phrase("has", "more seconds of a burning cell per run", "fewer seconds of a burning cell per run");
     peak_burning: optional Count Cells "most bush cells that burned at once" = outcome(row, |o| o.peak_burning),
-        with_title("Most bushes that burned at once");
+        title("Most bushes that burned at once"), better(Lower);
     mean_response_s: optional Real Seconds "from ignition to extinction, mean over the extinctions of bushes"
-        = outcome(row, |o| o.mean_response_s), with_title("Time from ignition to extinction"),
-        with_phrase(Phrase::new("puts a fire out", "s later", "s sooner"));
+        = outcome(row, |o| o.mean_response_s), title("Time from ignition to extinction"), better(Lower),
+        phrase("puts a fire out", "s later", "s sooner"),
+        aim("put fires out soonest", ["put fires out after", ""], "s sooner");
     first_fire_s: optional Real Seconds "time of the first ignition of a bush" = outcome(row, |o| o.first_fire_s),
-        with_title("First fire");
+        title("First fire");
     all_out_s: optional Real Seconds "end of the last fire of a bush, if none burned at the end"
-        = outcome(row, |o| o.all_out_s), with_title("End of the last fire");
+        = outcome(row, |o| o.all_out_s), title("End of the last fire");
     wumpus_score: optional Real Points "points of the Wumpuses by the scenario's rules"
-        = outcome(row, |o| o.wumpus_score), with_title("Points of the Wumpuses");
+        = outcome(row, |o| o.wumpus_score), title("Points of the Wumpuses"), better(Lower);
     truck_score: optional Real Points "points of the trucks by the scenario's rules" = outcome(row, |o| o.truck_score),
-        with_title("Points of the trucks");
+        title("Points of the trucks"), better(Higher);
     winner: optional Text None "wumpus, unimog or tie" = outcome(row, winner);
     least_burned: optional Count Cells "bush cells that would burn whatever the trucks did, at least"
-        = outcome(row, |o| o.least_burned), with_title("Least that would burn");
+        = outcome(row, |o| o.least_burned), title("Least that would burn");
     regret: optional Count Cells "bush cells burned that trucks which know what will be lit might have saved, at most"
-        = outcome(row, Outcome::regret), with_title("Regret");
+        = outcome(row, Outcome::regret), title("Regret"), better(Lower);
     truck_plans: optional Count None "queries of trucks for a plan, failed ones included"
-        = trucks_count(row, |a| a.plans.into()), with_title("Queries of trucks");
+        = trucks_count(row, |a| a.plans.into()), title("Queries of trucks");
     truck_failed_start_blocked: optional Count None "failed queries: the truck's own pose is not free"
-        = trucks_count(row, |a| a.failures[0].into()), with_title("Failed queries: start blocked");
+        = trucks_count(row, |a| a.failures[0].into()), title("Failed queries: start blocked"), better(Lower);
     truck_failed_goal_blocked: optional Count None "failed queries: no free place from which the goal could be reached"
-        = trucks_count(row, |a| a.failures[1].into()), with_title("Failed queries: goal blocked");
+        = trucks_count(row, |a| a.failures[1].into()), title("Failed queries: goal blocked"), better(Lower);
     truck_failed_disconnected: optional Count None "failed queries: start and goal are not connected"
-        = trucks_count(row, |a| a.failures[2].into()), with_title("Failed queries: not connected");
+        = trucks_count(row, |a| a.failures[2].into()), title("Failed queries: not connected"), better(Lower);
     truck_failed_budget_spent: optional Count None "failed queries: the budget of expansions ran out"
-        = trucks_count(row, |a| a.failures[3].into()), with_title("Failed queries: budget spent");
+        = trucks_count(row, |a| a.failures[3].into()), title("Failed queries: budget spent"), better(Lower);
     truck_failed_timed_out: optional Count None "failed queries: a planner that is not built in did not answer in time"
-        = trucks_count(row, |a| a.failures[5].into()), with_title("Failed queries: timed out");
+        = trucks_count(row, |a| a.failures[5].into()), title("Failed queries: timed out"), better(Lower);
     truck_failed_crashed: optional Count None "failed queries: a planner that is not built in ended or failed"
-        = trucks_count(row, |a| a.failures[6].into()), with_title("Failed queries: crashed");
+        = trucks_count(row, |a| a.failures[6].into()), title("Failed queries: crashed"), better(Lower);
     truck_failed_bad_answer: optional Count None "failed queries: an answer that is no path, or must not be driven"
-        = trucks_count(row, |a| a.failures[7].into()), with_title("Failed queries: bad answer");
+        = trucks_count(row, |a| a.failures[7].into()), title("Failed queries: bad answer"), better(Lower);
     truck_lattice_plans: optional Count None "plans that the reachability flood found after the planner had failed"
-        = trucks_count(row, |a| a.lattice_plans.into()), with_title("Plans that the flood found");
+        = trucks_count(row, |a| a.lattice_plans.into()), title("Plans that the flood found"), better(Lower);
     truck_roadmap_samples: optional Count None "milestones of the roadmaps"
-        = trucks_count(row, |a| a.roadmap_samples.into()), with_title("Milestones of the roadmaps");
+        = trucks_count(row, |a| a.roadmap_samples.into()), title("Milestones of the roadmaps");
     truck_roadmap_edges: optional Count None "edges of the roadmaps" = trucks_count(row, |a| a.roadmap_edges.into()),
-        with_title("Edges of the roadmaps");
-    truck_roadmap_components: optional Count None "connected components of the roadmaps; 0 where they were not counted, as planners do that join them late"
-        = trucks_count(row, |a| a.roadmap_components.into()), with_title("Components of the roadmaps");
+        title("Edges of the roadmaps");
+    truck_roadmap_components: optional Count None
+        "connected components of the roadmaps; 0 where they were not counted, as planners do that join them late"
+        = trucks_count(row, |a| a.roadmap_components.into()), title("Components of the roadmaps");
     truck_roadmap_expansions: optional Count None "nodes expanded in the roadmaps"
-        = trucks_count(row, |a| a.roadmap_expansions), with_title("Nodes expanded in roadmaps");
+        = trucks_count(row, |a| a.roadmap_expansions), title("Nodes expanded in roadmaps"), better(Lower);
     truck_local_expansions: optional Count None "nodes expanded in local searches"
-        = trucks_count(row, |a| a.local_expansions), with_title("Nodes expanded in local searches");
-    truck_distance_m: optional Real Metres "way driven"
-        = trucks(row, |a| a.distance_m), with_title("Distance driven by the trucks");
+        = trucks_count(row, |a| a.local_expansions), title("Nodes expanded in local searches"), better(Lower);
+    truck_distance_m: optional Real Metres "way driven" = trucks(row, |a| a.distance_m),
+        title("Distance driven by the trucks"), better(Lower);
     truck_driving_s: optional Real Seconds "time spent driving" = trucks(row, |a| a.driving_s),
-        with_title("Time that trucks drove");
+        title("Time that trucks drove");
     truck_planning_s: optional Real Seconds "planning time that the scenario charges" = trucks(row, |a| a.planning_s),
-        with_title("Time that trucks planned");
+        title("Time that trucks planned"), better(Lower);
     truck_suppressing_s: optional Real Seconds "time spent on putting fires out" = trucks(row, |a| a.suppressing_s),
-        with_title("Time that trucks put fires out");
+        title("Time that trucks put fires out");
     truck_standing_s: optional Real Seconds "time spent on none of these" = trucks(row, |a| a.standing_s),
-        with_title("Time that trucks stood");
+        title("Time that trucks stood"), better(Lower);
     truck_longest_idle_s: optional Real Seconds "longest time in which a truck stood while something burned"
-        = trucks_longest(row, |a| a.longest_idle_s), with_title("Longest stand of a truck");
+        = trucks_longest(row, |a| a.longest_idle_s), title("Longest stand of a truck"), better(Lower);
     truck_cusps: optional Count None "changes between forward and reverse" = trucks_count(row, |a| a.cusps.into()),
-        with_title("Changes of driving direction");
+        title("Changes of driving direction"), better(Lower);
     truck_wasted_drives: optional Count None "drives that ended without an extinction"
-        = trucks_count(row, |a| a.wasted_drives.into()), with_title("Wasted drives");
+        = trucks_count(row, |a| a.wasted_drives.into()), title("Wasted drives"), better(Lower);
     truck_waiting_s: optional Real Seconds "time spent on waiting for other trucks" = trucks(row, |a| a.waiting_s),
-        with_title("Time that trucks waited");
+        title("Time that trucks waited"), better(Lower);
     truck_deadlocks: optional Count None "deadlocks of trucks that were broken"
-        = trucks_count(row, |a| a.deadlocks.into()), with_title("Deadlocks of trucks");
+        = trucks_count(row, |a| a.deadlocks.into()), title("Deadlocks of trucks"), better(Lower);
     wumpus_plans: optional Count None "queries of Wumpuses for a plan, failed ones included"
-        = wumpuses_count(row, |a| a.plans.into()), with_title("Queries of Wumpuses");
+        = wumpuses_count(row, |a| a.plans.into()), title("Queries of Wumpuses");
     wumpus_failed_plans: optional Count None "failed queries of Wumpuses"
-        = wumpuses_count(row, |a| a.failures.iter().copied().map(u64::from).sum()),
-        with_title("Failed queries of Wumpuses");
+        = wumpuses_count(row, |a| a.failures.iter().copied().map(u64::from).sum()), title("Failed queries of Wumpuses");
     wumpus_local_minima: optional Count None "local minima that descents on a potential field met"
-        = wumpuses_count(row, |a| a.local_minima.into()), with_title("Local minima of Wumpuses");
+        = wumpuses_count(row, |a| a.local_minima.into()), title("Local minima of Wumpuses");
     wumpus_expansions: optional Count None "nodes expanded by Wumpuses"
-        = wumpuses_count(row, |a| a.roadmap_expansions + a.local_expansions), with_title("Nodes expanded by Wumpuses");
+        = wumpuses_count(row, |a| a.roadmap_expansions + a.local_expansions), title("Nodes expanded by Wumpuses");
     wumpus_distance_m: optional Real Metres "way walked" = wumpuses(row, |a| a.distance_m),
-        with_title("Distance walked by the Wumpuses");
+        title("Distance walked by the Wumpuses");
     wumpus_walking_s: optional Real Seconds "time spent walking" = wumpuses(row, |a| a.driving_s),
-        with_title("Time that Wumpuses walked");
+        title("Time that Wumpuses walked");
     wumpus_planning_s: optional Real Seconds "planning time that the scenario charges"
-        = wumpuses(row, |a| a.planning_s), with_title("Time that Wumpuses planned");
+        = wumpuses(row, |a| a.planning_s), title("Time that Wumpuses planned");
     wumpus_standing_s: optional Real Seconds "time spent standing" = wumpuses(row, |a| a.standing_s),
-        with_title("Time that Wumpuses stood");
+        title("Time that Wumpuses stood");
     wumpus_longest_idle_s: optional Real Seconds "longest time in which a Wumpus stood while something could be lit"
-        = wumpuses_longest(row, |a| a.longest_idle_s), with_title("Longest stand of a Wumpus");
+        = wumpuses_longest(row, |a| a.longest_idle_s), title("Longest stand of a Wumpus");
     ground_cells: optional Count Cells "cells of ground that can burn; this and what follows only where ground burns"
-        = ground(row, |g| g.cells), with_title("Cells of ground");
+        = ground(row, |g| g.cells), title("Cells of ground");
     ground_burned: optional Count Cells "cells of ground that caught fire" = ground(row, |g| g.burned),
-        with_title("Ground burned");
-    ground_extinguished: optional Count Cells "cells of ground that trucks put out"
-        = ground(row, |g| g.extinguished), with_title("Ground extinguished");
+        title("Ground burned");
+    ground_extinguished: optional Count Cells "cells of ground that trucks put out" = ground(row, |g| g.extinguished),
+        title("Ground extinguished");
     ground_peak_burning: optional Count Cells "most cells of ground that burned at once"
-        = ground(row, |g| g.peak_burning), with_title("Most ground that burned at once");
+        = ground(row, |g| g.peak_burning), title("Most ground that burned at once");
     spotted: optional Count Cells "ignitions by embers, of bushes and of ground" = ground(row, |g| g.spotted),
-        with_title("Ignitions by embers");
-    burned_ha: optional Real Hectares "area of all bushes and ground that caught fire"
-        = ground(row, |g| g.burned_ha), with_title("Burned area"),
-        with_phrase(Phrase::new("burns", "more hectares per run", "fewer hectares per run"));
+        title("Ignitions by embers");
+    burned_ha: optional Real Hectares "area of all bushes and ground that caught fire" = ground(row, |g| g.burned_ha),
+        title("Burned area"), phrase("burns", "more hectares per run", "fewer hectares per run"),
+        aim("lost the least area", ["lost", " of area"], "ha less");
     reached_edge_s: optional Real Seconds "when a cell at the border, bush or ground, first caught fire, if one did"
-        = ground(row, |g| g.reached_edge_s), with_title("When fire reached the border");
+        = ground(row, |g| g.reached_edge_s), title("When fire reached the border");
     truck_idle_s: optional Real Seconds
         "time in which trucks had nothing to go for, or their policy wanted them to wait or be elsewhere"
-        = trucks(row, |a| a.idle_s), with_title("Time that trucks were idle");
+        = trucks(row, |a| a.idle_s), title("Time that trucks were idle");
     truck_relocations: optional Count None "drives of trucks to places where they wait, or to water"
-        = trucks_count(row, |a| a.relocations.into()), with_title("Relocations of trucks");
-    truck_refills: optional Count None "times that trucks filled their tanks"
-        = trucks_count(row, |a| a.refills.into()), with_title("Refills of tanks");
+        = trucks_count(row, |a| a.relocations.into()), title("Relocations of trucks");
+    truck_refills: optional Count None "times that trucks filled their tanks" = trucks_count(row, |a| a.refills.into()),
+        title("Refills of tanks");
     truck_refilling_s: optional Real Seconds "time that this took" = trucks(row, |a| a.refilling_s),
-        with_title("Time that refills took");
+        title("Time that refills took");
     truck_hopeless_drives: optional Count None
         "wasted drives whose fire had to burn out before the truck could have put it out"
-        = trucks_count(row, |a| a.hopeless_drives.into()), with_title("Hopeless drives");
+        = trucks_count(row, |a| a.hopeless_drives.into()), title("Hopeless drives");
     truck_goals: optional Count None "plans of trucks that led to a fire" = trucks_count(row, |a| a.goals.into()),
-        with_title("Goals of trucks");
+        title("Goals of trucks");
     truck_flock_ratio: optional Real Share
         "share of these goals that had another truck's goal within 60 m; none without goals"
-        = row.result.as_ref().and_then(flock_ratio), with_title("Flock ratio");
-    policy_asked: optional Count None "asks of policies that are not built in; this and what follows only where there are any"
-        = asks(row, |a| a.asked), with_title("Asks of custom policies");
-    policy_failed_timed_out: optional Count None "failed asks: no answer in time"
-        = asks(row, |a| a.timed_out), with_title("Failed asks: timed out");
-    policy_failed_crashed: optional Count None "failed asks: the policy ended or failed"
-        = asks(row, |a| a.crashed), with_title("Failed asks: crashed");
+        = row.result.as_ref().and_then(flock_ratio), title("Flock ratio");
+    policy_asked: optional Count None
+        "asks of policies that are not built in; this and what follows only where there are any"
+        = asks(row, |a| a.asked), title("Asks of custom policies");
+    policy_failed_timed_out: optional Count None "failed asks: no answer in time" = asks(row, |a| a.timed_out),
+        title("Failed asks: timed out");
+    policy_failed_crashed: optional Count None "failed asks: the policy ended or failed" = asks(row, |a| a.crashed),
+        title("Failed asks: crashed");
     policy_failed_bad_answer: optional Count None "failed asks: an answer of no known form"
-        = asks(row, |a| a.bad_answer), with_title("Failed asks: bad answer");
+        = asks(row, |a| a.bad_answer), title("Failed asks: bad answer");
     policy_illegal: optional Count None "asks answered with what was no option of the agent, which waited then"
-        = asks(row, |a| a.illegal), with_title("Asks with an illegal answer");
-    cpu_sampling_s: optional Real Seconds "CPU time: drawing the roadmaps' samples"
-        = cpu(row, |c| c.sampling_s), with_title("Sampling");
-    cpu_map_generation_s: optional Real Seconds "CPU time: connecting them"
-        = cpu(row, |c| c.map_generation_s), with_title("Connecting");
-    cpu_roadmap_search_s: optional Real Seconds "CPU time: queries to the roadmaps"
-        = cpu(row, |c| c.roadmap_search_s), with_title("Roadmap search");
-    cpu_local_search_s: optional Real Seconds "CPU time: local searches of trucks"
-        = cpu(row, |c| c.local_search_s), with_title("Local search");
-    cpu_prm_total_s: optional Real Seconds "CPU time: clearance field, sampling, map generation and roadmap search"
-        = cpu(row, CpuSplit::prm_total_s), with_title("CPU time of the roadmap planner");
-    cpu_unimog_total_s: optional Real Seconds "CPU time: all planning of the trucks"
-        = cpu(row, CpuSplit::unimog_total_s), with_title("CPU time of the trucks' planning"),
-        with_phrase(Phrase::new(
-            "has the truck's planners take", "more CPU seconds per run", "fewer CPU seconds per run",
-        ));
-    cpu_wumpus_s: optional Real Seconds "CPU time: all planning of the Wumpuses"
-        = cpu(row, |c| c.wumpus_s), with_title("Wumpus");
-    cpu_clearance_field_s: optional Real Seconds "CPU time: distance field for collision checks"
-        = cpu(row, |c| c.clearance_field_s), with_title("Clearance field");
-    cpu_reachability_s: optional Real Seconds "CPU time: reachability floods and the searches in them"
-        = cpu(row, |c| c.reachability_s), with_title("Reachability");
-    cpu_dispatch_s: optional Real Seconds "CPU time: decisions of the policy that dispatches the trucks"
-        = cpu(row, |c| c.dispatch_s), with_title("Dispatch");
-    cpu_custom_start_s: optional Real Seconds
+        = asks(row, |a| a.illegal), title("Asks with an illegal answer");
+    cpu_sampling_s: optional Real CpuSeconds "CPU time: drawing the roadmaps' samples" = cpu(row, |c| c.sampling_s),
+        title("Sampling"), better(Lower);
+    cpu_map_generation_s: optional Real CpuSeconds "CPU time: connecting them" = cpu(row, |c| c.map_generation_s),
+        title("Connecting"), better(Lower);
+    cpu_roadmap_search_s: optional Real CpuSeconds "CPU time: queries to the roadmaps"
+        = cpu(row, |c| c.roadmap_search_s), title("Roadmap search"), better(Lower);
+    cpu_local_search_s: optional Real CpuSeconds "CPU time: local searches of trucks" = cpu(row, |c| c.local_search_s),
+        title("Local search"), better(Lower);
+    cpu_prm_total_s: optional Real CpuSeconds "CPU time: clearance field, sampling, map generation and roadmap search"
+        = cpu(row, CpuSplit::prm_total_s), title("CPU time of the roadmap planner"), better(Lower);
+    cpu_unimog_total_s: optional Real CpuSeconds "CPU time: all planning of the trucks"
+        = cpu(row, CpuSplit::unimog_total_s), title("CPU time of the trucks' planning"), better(Lower),
+        phrase("has the truck's planners take", "more CPU seconds per run", "fewer CPU seconds per run"),
+        aim("planned in the least CPU time", ["planned in", " of CPU time"], "ms less");
+    cpu_wumpus_s: optional Real CpuSeconds "CPU time: all planning of the Wumpuses" = cpu(row, |c| c.wumpus_s),
+        title("Wumpus"), better(Lower);
+    cpu_clearance_field_s: optional Real CpuSeconds "CPU time: distance field for collision checks"
+        = cpu(row, |c| c.clearance_field_s), title("Clearance field"), better(Lower);
+    cpu_reachability_s: optional Real CpuSeconds "CPU time: reachability floods and the searches in them"
+        = cpu(row, |c| c.reachability_s), title("Reachability"), better(Lower);
+    cpu_dispatch_s: optional Real CpuSeconds "CPU time: decisions of the policy that dispatches the trucks"
+        = cpu(row, |c| c.dispatch_s), title("Dispatch"), better(Lower);
+    cpu_custom_start_s: optional Real CpuSeconds
         "CPU time: making the trucks' planners that are not built in, with every start of their programs"
-        = cpu(row, |c| c.custom_start_s), with_title("Custom planner: start");
-    cpu_custom_queries_s: optional Real Seconds "CPU time: queries to the trucks' planners that are not built in"
-        = cpu(row, |c| c.custom_queries_s), with_title("Custom planner: queries");
-    cpu_policy_s: optional Real Seconds
-        "CPU time: policies that are not built in, with every start of their programs"
-        = cpu(row, |c| c.policy_s), with_title("Custom policies");
-    cpu_terrain_s: optional Real Seconds "CPU time: drawing the field" = cpu(row, |c| c.terrain_s),
-        with_title("Drawing the field");
-    cpu_run_s: optional Real Seconds "CPU time: the whole run" = cpu(row, |c| c.run_s),
-        with_title("CPU time of the run");
+        = cpu(row, |c| c.custom_start_s), title("Custom planner: start"), better(Lower);
+    cpu_custom_queries_s: optional Real CpuSeconds "CPU time: queries to the trucks' planners that are not built in"
+        = cpu(row, |c| c.custom_queries_s), title("Custom planner: queries"), better(Lower);
+    cpu_policy_s: optional Real CpuSeconds
+        "CPU time: policies that are not built in, with every start of their programs" = cpu(row, |c| c.policy_s),
+        title("Custom policies"), better(Lower);
+    cpu_terrain_s: optional Real CpuSeconds "CPU time: drawing the field" = cpu(row, |c| c.terrain_s),
+        title("Drawing the field"), better(Lower);
+    cpu_run_s: optional Real CpuSeconds "CPU time: the whole run" = cpu(row, |c| c.run_s), title("CPU time of the run"),
+        better(Lower);
     cpu_source: optional Text None
         "who measured queries of planners that are not built in: thread, process, reported; the least trusted of them"
         = row.result.as_ref().and_then(|result| cpu_source(&result.cost));
-    wall_run_s: Real Seconds "real time: the whole run" = row.wall.as_secs_f64(), with_title("Real time of the run");
+    wall_run_s: Real WallSeconds "real time: the whole run" = row.wall.as_secs_f64(), title("Real time of the run"),
+        better(Lower);
 };
 
 /// The columns of `agents.csv`, in their order.
@@ -392,7 +397,8 @@ pub const AGENT_COLUMNS: &[AgentColumn] = columns! { AgentColumn, row;
     local_minima: Count None "local minima that descents on a potential field met" = row.outcome.local_minima;
     roadmap_samples: Count None "milestones of the roadmap" = row.outcome.roadmap_samples;
     roadmap_edges: Count None "edges of the roadmap" = row.outcome.roadmap_edges;
-    roadmap_components: Count None "connected components of the roadmap; 0 if they were not counted" = row.outcome.roadmap_components;
+    roadmap_components: Count None "connected components of the roadmap; 0 if they were not counted"
+        = row.outcome.roadmap_components;
     roadmap_expansions: Count None "nodes expanded in the roadmap" = row.outcome.roadmap_expansions;
     local_expansions: Count None "nodes expanded in local searches" = row.outcome.local_expansions;
     distance_m: Real Metres "way driven or walked" = row.outcome.distance_m;
@@ -408,8 +414,7 @@ pub const AGENT_COLUMNS: &[AgentColumn] = columns! { AgentColumn, row;
     wasted_drives: Count None "drives that ended without an extinction" = row.outcome.wasted_drives;
     waiting_s: Real Seconds "time spent on waiting for other trucks" = row.outcome.waiting_s;
     deadlocks: Count None "deadlocks that this agent broke" = row.outcome.deadlocks;
-    idle_s: Real Seconds
-        "time in which a truck had nothing to go for, or its policy wanted it to wait or be elsewhere"
+    idle_s: Real Seconds "time in which a truck had nothing to go for, or its policy wanted it to wait or be elsewhere"
         = row.outcome.idle_s;
     relocations: Count None "drives of a truck to places where it waits, or to water" = row.outcome.relocations;
     refills: Count None "times that a truck filled its tank" = row.outcome.refills;
@@ -418,20 +423,20 @@ pub const AGENT_COLUMNS: &[AgentColumn] = columns! { AgentColumn, row;
         = row.outcome.hopeless_drives;
     goals: Count None "plans of a truck that led to a fire" = row.outcome.goals;
     flocked_goals: Count None "those of them that had another truck's goal within 60 m" = row.outcome.flocked_goals;
-    cpu_sampling_s: optional Real Seconds "CPU time: drawing the roadmap's samples"
+    cpu_sampling_s: optional Real CpuSeconds "CPU time: drawing the roadmap's samples"
         = row.cost.map(|cost| cost.sampling.as_secs_f64());
-    cpu_map_generation_s: optional Real Seconds "CPU time: connecting them"
+    cpu_map_generation_s: optional Real CpuSeconds "CPU time: connecting them"
         = row.cost.map(|cost| cost.connecting.as_secs_f64());
-    cpu_roadmap_search_s: optional Real Seconds "CPU time: queries to the roadmap"
+    cpu_roadmap_search_s: optional Real CpuSeconds "CPU time: queries to the roadmap"
         = row.cost.map(|cost| cost.roadmap_search.as_secs_f64());
-    cpu_local_search_s: optional Real Seconds "CPU time: local searches"
+    cpu_local_search_s: optional Real CpuSeconds "CPU time: local searches"
         = row.cost.map(|cost| cost.local_search.as_secs_f64());
-    cpu_reachability_s: optional Real Seconds "CPU time: reachability floods and the searches in them"
+    cpu_reachability_s: optional Real CpuSeconds "CPU time: reachability floods and the searches in them"
         = row.cost.map(|cost| cost.reachability.as_secs_f64());
-    cpu_custom_start_s: optional Real Seconds
+    cpu_custom_start_s: optional Real CpuSeconds
         "CPU time: making a planner that is not built in, with every start of its program"
         = row.cost.map(|cost| cost.starting.as_secs_f64());
-    cpu_custom_queries_s: optional Real Seconds "CPU time: queries to a planner that is not built in"
+    cpu_custom_queries_s: optional Real CpuSeconds "CPU time: queries to a planner that is not built in"
         = row.cost.map(|cost| cost.queries.as_secs_f64());
     cpu_source: optional Text None
         "who measured queries of a planner that is not built in: thread, process, reported; the least trusted of them"
@@ -460,7 +465,7 @@ pub const CALL_COLUMNS: &[CallColumn] = columns! { CallColumn, call;
     found_by: optional Text None
         "what found the plan of a truck: straight, roadmap, search, relaxed, lattice, reachability, backing-out or way-home"
         = call.answer.ok().and_then(|plan| plan.found_by).map(|found_by| found_by.to_string());
-    cpu_query_s: optional Real Seconds "CPU time of the query: of the agent's planning since its query before"
+    cpu_query_s: optional Real CpuSeconds "CPU time of the query: of the agent's planning since its query before"
         = call.cpu.map(|cpu| cpu.as_secs_f64());
 };
 
@@ -476,9 +481,14 @@ pub const STATE_COLUMNS: &[StateColumn] = columns! { StateColumn, state;
 
 /// Returns the index of a column of [`RUN_COLUMNS`]; a name that is not there is an error when the program is compiled.
 pub const fn run_column(name: &str) -> usize {
+    place(RUN_COLUMNS, name)
+}
+
+/// Returns the index of a column, in the same way.
+pub const fn place<F>(columns: &[Column<F>], name: &str) -> usize {
     let mut index = 0;
-    while index < RUN_COLUMNS.len() {
-        if is_same(RUN_COLUMNS[index].name.as_bytes(), name.as_bytes()) {
+    while index < columns.len() {
+        if is_same(columns[index].name.as_bytes(), name.as_bytes()) {
             return index;
         }
         index += 1;

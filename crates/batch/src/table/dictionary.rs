@@ -89,6 +89,8 @@ mod tests {
         for column in all.iter().flatten() {
             let expected = match column.name.rsplit('_').next() {
                 _ if column.name == "burning_cell_s" => Unit::CellSeconds,
+                Some("s") if column.name.starts_with("cpu_") => Unit::CpuSeconds,
+                Some("s") if column.name.starts_with("wall_") => Unit::WallSeconds,
                 Some("s") => Unit::Seconds,
                 Some("m") => Unit::Metres,
                 Some("ratio") => Unit::Share,

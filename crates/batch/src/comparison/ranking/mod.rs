@@ -26,7 +26,7 @@ pub use error::RankingError;
 pub use groups::MAX_ENTRIES;
 
 use crate::comparison::contrast::{NumberPair, lifetime, number_of};
-use crate::comparison::metric::{Better, Metric, MetricKind};
+use crate::comparison::metric::{Metric, MetricKind};
 use crate::comparison::runs_table::{self, RunsTable};
 use crate::comparison::settings::{KnownSettings, seed_words};
 use crate::comparison::sides::Selection;
@@ -35,6 +35,7 @@ use crate::comparison::{Contrast, LEVEL, adjusted};
 use crate::plan::Freedom;
 pub use crate::plan::USUALLY_FREE;
 use crate::stats::Series;
+use crate::table::Better;
 use crate::table::QueryTally;
 use entries::{Admission, Entries, EntryRuns};
 use groups::ToldApart;
@@ -164,7 +165,7 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
     let files = paths.iter().map(|path| runs_table::open(path)).collect::<Result<Vec<_>, _>>()?;
     let name = request.metric.clone().unwrap_or_else(|| USUAL_METRIC.into());
     let metric = Metric::choose(&[name], &files)?.remove(0);
-    let better = request.better.or_else(|| metric.better());
+    let better = request.better.or(metric.better);
     let better = better.ok_or_else(|| RankingError::WhichIsBetter { metric: metric.name.clone() })?;
     let of_metric = metric.fields();
     let tables =

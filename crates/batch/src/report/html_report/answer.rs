@@ -5,9 +5,9 @@
 use std::cmp::Ordering;
 
 use super::collected::{Collected, Values, mean_of};
-use super::compared::{AIMS, Compared, Other};
+use super::compared::{Compared, Other};
 use super::figures::main_quantity;
-use super::quantities::{BURNED_AREA, BUSHES, SAVED};
+use super::quantities::{BURNED_AREA, BUSHES, SAVED, aims};
 use crate::comparison::{listed, p_words};
 use crate::plan::{BatchPlan, planner_of};
 use crate::report::tally::Tally;
@@ -32,8 +32,7 @@ impl Answer {
             return Self { sentence, more: Vec::new() };
         }
         let main = main_quantity(&collected.variants);
-        let aims = AIMS.iter().filter(|aim| aim.quantity == main || ![SAVED, BURNED_AREA].contains(&aim.quantity));
-        let of_aims = aims.filter_map(|aim| Compared::new(aim, plan, &collected.variants));
+        let of_aims = aims(main).filter_map(|quantity| Compared::new(quantity, plan, &collected.variants));
         let mut sentences: Vec<String> = of_aims.map(|found| compared(&found)).collect();
         let tallies = variants.iter().map(|variant| &variant.tally);
         let (done, not_done, stuck) = tallies.fold((0, 0, 0), |(done, not_done, stuck), tally| {
@@ -101,7 +100,7 @@ fn stuck_words(stuck: u64, done: u64) -> String {
 
 /// Says which is best and whether that is more than chance.
 fn compared(compared: &Compared) -> String {
-    let Compared { aim, best, best_mean, others, strata, by, .. } = compared;
+    let Compared { quantity, aim, best, best_mean, others, strata, by, .. } = compared;
     let (next, last) = (&others[0], &others[others.len() - 1]);
     let count = others.len() + 1;
     let kind = if compared.are_planners { "planners" } else { "variants" };
@@ -111,7 +110,8 @@ fn compared(compared: &Compared) -> String {
         several if by.contains(' ') => format!(", averaged over {several} combinations of {by}"),
         several => format!(", averaged over {several} values of {by}"),
     };
-    let amount = amount(best_mean, aim.unit, aim.scale);
+    let (unit, factor) = quantity.in_words();
+    let amount = amount(best_mean, unit, factor);
     if others.iter().all(|other| compared.better_by(other).value == 0.0 && !compared.is_told_apart(other)) {
         let all = if others.len() > 1 { format!("all {count} {kind}") } else { format!("both {kind}") };
         let [verb, of_what] = aim.equal;

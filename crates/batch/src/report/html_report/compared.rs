@@ -7,78 +7,21 @@ use std::cmp::Ordering;
 
 use super::collected::{Values, mean_of};
 use super::labels::Labels;
-use super::quantities::{BURNED_AREA, BUSHES, PLANNING, Quantity, RESPONSE, SAVED};
+use super::quantities::{BUSHES, Quantity, SAVED};
 use crate::comparison::{Contrast, JudgedContrast, Metric, NumberPair, Verdict, judge, listed};
 use crate::plan::BatchPlan;
 use crate::stats::Series;
+use crate::table::{Aim, Better};
 use wildfire_base::document::number::{rounded, two_digits};
 use wildfire_picture::charts::{Estimate, ForestChart, ForestRow, Titles};
 
 /// The most rows of a chart of differences that is not over a key.
 const MOST_ROWS: usize = 60;
 
-/// Something that variants are compared in, with its words.
-pub struct Aim {
-    pub quantity: Quantity,
-    is_higher_better: bool,
-    /// The metric of comparisons whose differences have the same size.
-    metric: &'static str,
-    /// The deed of the best: `saved the most bushes`.
-    pub best: &'static str,
-    /// The deed of equals, before and after the amount.
-    pub equal: [&'static str; 2],
-    /// The words after the difference of the best from another: `points more`.
-    than: &'static str,
-    pub unit: &'static str,
-    pub scale: f64,
-}
-
-pub static AIMS: [Aim; 4] = [
-    Aim {
-        quantity: SAVED,
-        is_higher_better: true,
-        metric: "burned_ratio",
-        best: "saved the most bushes",
-        equal: ["saved", " of the bushes"],
-        than: "points more",
-        unit: "%",
-        scale: 100.0,
-    },
-    Aim {
-        quantity: BURNED_AREA,
-        is_higher_better: false,
-        metric: "burned_ha",
-        best: "lost the least area",
-        equal: ["lost", " of area"],
-        than: "ha less",
-        unit: "ha",
-        scale: 1.0,
-    },
-    Aim {
-        quantity: RESPONSE,
-        is_higher_better: false,
-        metric: "mean_response_s",
-        best: "put fires out soonest",
-        equal: ["put fires out after", ""],
-        than: "s sooner",
-        unit: "s",
-        scale: 1.0,
-    },
-    Aim {
-        quantity: PLANNING,
-        is_higher_better: false,
-        metric: "cpu_unimog_total_s",
-        best: "planned in the least CPU time",
-        equal: ["planned in", " of CPU time"],
-        than: "ms less",
-        unit: "ms",
-        scale: 1.0,
-    },
-];
-
 /// The best of a batch and the others.
 pub struct Compared {
-    pub aim: &'static Aim,
+    pub quantity: Quantity,
+    pub aim: Aim,
     /// True if differences are in bushes: all have the same fields.
     is_in_bushes: bool,
     pub are_planners: bool,
@@ -109,17 +52,18 @@ struct Group {
 }
 
 impl Compared {
-    /// Finds the best; `None` unless two have numbers.
-    pub fn new(aim: &'static Aim, plan: &BatchPlan, variants: &[Values]) -> Option<Self> {
+    /// Finds the best; `None` unless two have numbers, and the quantity an aim.
+    pub fn new(quantity: Quantity, plan: &BatchPlan, variants: &[Values]) -> Option<Self> {
+        let aim = quantity.about().aim?;
         let labels = Labels::new(plan);
         let planners = labels.crossed_planners();
         let own = planners.clone().unwrap_or_else(|| labels.besides(&[]));
         let rest = planners.as_ref().map_or_else(Vec::new, |planners| labels.besides(planners));
         let strata = labels.distinct(&rest);
         let label = |variant: usize| (labels.label(variant, &own), labels.label(variant, &rest));
-        let is_in_bushes = aim.quantity == SAVED && are_on_equal_fields(&labels, &rest, variants);
+        let is_in_bushes = quantity == SAVED && are_on_equal_fields(&labels, &rest, variants);
         let numbers = |variant: usize| {
-            let (of_seeds, bushes) = (variants[variant].of_seeds(aim.quantity), variants[variant].of_seeds(BUSHES));
+            let (of_seeds, bushes) = (variants[variant].of_seeds(quantity), variants[variant].of_seeds(BUSHES));
             let number = move |(&number, &bushes)| if is_in_bushes { f64::round(number * bushes) } else { number };
             of_seeds.iter().zip(bushes).map(number)
         };
@@ -133,13 +77,15 @@ impl Compared {
         };
         let mut groups: Vec<Group> = labels.distinct(&own).into_iter().filter_map(group).collect();
         // Of equal ones the first in the plan.
-        let sign = if aim.is_higher_better { -1.0 } else { 1.0 };
+        let sign = if is_higher_better(quantity) { -1.0 } else { 1.0 };
         groups.sort_by(|one, other| (sign * one.mean).total_cmp(&(sign * other.mean)));
         if groups.len() < 2 {
             return None;
         }
         let best = groups.remove(0);
         let by = if strata.len() > 1 { listed(&labels.heads(&rest, plan)) } else { String::new() };
+        // One whose differences have the same size.
+        let metric = if quantity == SAVED && !is_in_bushes { "burned_ratio" } else { quantity.column() };
         let contrast = |other: &Group| {
             let mut pairs = Vec::new();
             for (stratum, (&ours, &theirs)) in best.variants.iter().zip(&other.variants).enumerate() {
@@ -151,11 +97,7 @@ impl Compared {
                 }));
             }
             pairs.retain(|pair| pair.numbers.iter().all(|number| number.is_finite()));
-            Contrast::from_numbers(
-                &Metric::from_name(if is_in_bushes { "saved" } else { aim.metric }),
-                pairs,
-                (strata.len() > 1).then(|| by.clone()),
-            )
+            Contrast::from_numbers(&Metric::from_name(metric), pairs, (strata.len() > 1).then(|| by.clone()))
         };
         let contrasts: Vec<_> = groups.iter().map(contrast).collect();
         let mut judged = judge(contrasts.iter().flatten().cloned().collect()).into_iter();
@@ -165,21 +107,21 @@ impl Compared {
             judged: contrast.and_then(|_| judged.next()),
         });
         let others: Vec<Other> = others.collect();
-        let best_mean = mean_by_seed(aim.quantity, &best, variants)?;
+        let best_mean = mean_by_seed(quantity, &best, variants)?;
         let are_planners = planners.is_some();
-        Some(Self { aim, is_in_bushes, are_planners, by, strata, best: best.name, best_mean, others })
+        Some(Self { quantity, aim, is_in_bushes, are_planners, by, strata, best: best.name, best_mean, others })
     }
 
     /// Returns the words for how the best differs from another, and the factor of such a difference in them.
     pub fn than(&self) -> (&'static str, f64) {
-        if self.is_in_bushes { ("more bushes per run", 1.0) } else { (self.aim.than, self.aim.scale) }
+        if self.is_in_bushes { ("more bushes per run", 1.0) } else { (self.aim.than, self.quantity.in_words().1) }
     }
 
     /// Returns how much better the best is than another.
     pub fn better_by(&self, other: &Other) -> Estimate {
         let Some(judged) = &other.judged else { return Estimate { value: 0.0, interval: None } };
         let Estimate { value, interval } = estimate(judged);
-        match self.aim.is_higher_better {
+        match is_higher_better(self.quantity) {
             true => Estimate { value: -value, interval: interval.map(|(low, high)| (-high, -low)) },
             false => Estimate { value, interval },
         }
@@ -198,7 +140,7 @@ impl Compared {
     fn side(&self, judged: &JudgedContrast) -> Ordering {
         let side = judged.contrast.difference.total_cmp(&0.0);
         match judged.verdict {
-            Verdict::Difference if self.aim.is_higher_better => side.reverse(),
+            Verdict::Difference if is_higher_better(self.quantity) => side.reverse(),
             Verdict::Difference => side,
             _ => Ordering::Equal,
         }
@@ -214,10 +156,9 @@ impl Compared {
 
     /// Returns the words of a chart of differences from the best, which are along the y axis.
     pub fn titles(&self) -> Titles {
-        let quantity = self.aim.quantity;
-        let axis = if self.is_in_bushes { "bushes per run" } else { quantity.axis() };
+        let axis = if self.is_in_bushes { "bushes per run" } else { self.quantity.axis() };
         Titles {
-            title: format!("{}, difference from {}", quantity.title(), self.best),
+            title: format!("{}, difference from {}", self.quantity.title(), self.best),
             note: "Marks are mean differences paired by seed, whiskers their 95 % intervals.".into(),
             x: String::new(),
             y: axis.into(),
@@ -244,6 +185,11 @@ impl Compared {
         let titles = Titles { title, note, x: y, y: String::new() };
         ForestChart { titles, rows: rows.take(MOST_ROWS).collect() }
     }
+}
+
+/// What does not say its better side, such as the burned area, is something lost.
+fn is_higher_better(quantity: Quantity) -> bool {
+    quantity.about().better == Some(Better::Higher)
 }
 
 /// Says whether the variants of a stratum have the same number of bushes with each seed.

@@ -2,7 +2,7 @@
 
 use super::chart_files::ChartData;
 use super::collected::{Collected, Values};
-use super::compared::{AIMS, Compared};
+use super::compared::Compared;
 use super::facets::{Facet, FacetSeries, MOST_PANELS, variant_facets};
 use super::labels::Labels;
 use super::over_time::StateCurves;
@@ -99,8 +99,7 @@ impl FigureSource<'_> {
     fn add_answer(&self, figures: &mut Figures, panels: &[Facet], width: f32) {
         let variants = &self.collected.variants;
         let quantity = main_quantity(variants);
-        let aim = AIMS.iter().find(|aim| aim.quantity == quantity);
-        let compared = aim.and_then(|aim| Compared::new(aim, self.plan, variants));
+        let compared = Compared::new(quantity, self.plan, variants);
         let differences = compared.as_ref().and_then(|it| main_differences(self.plan, it));
         let curves = || main_curves(self.plan, variants, quantity);
         let are_planners = compared.as_ref().is_some_and(|it| it.are_planners);
@@ -279,7 +278,7 @@ fn commonest(ascending: &[f64]) -> (f64, usize) {
 }
 
 fn constant_words(quantity: Quantity, strips: &[&Strip], commonest: &[(f64, usize)]) -> String {
-    let (title, axis) = (quantity.title(), quantity.axis());
+    let (title, unit) = (quantity.title(), quantity.unit());
     let with_runs = || strips.iter().zip(commonest).filter(|(strip, _)| !strip.values.is_empty());
     let all: usize = with_runs().map(|(strip, _)| strip.values.len()).sum();
     let Some((_, &(value, _))) = with_runs().next() else {
@@ -288,8 +287,7 @@ fn constant_words(quantity: Quantity, strips: &[&Strip], commonest: &[(f64, usiz
     if with_runs().any(|(_, (other, _))| *other != value) {
         return format!("{title}: no distributions, since (almost) all runs of a variant have the same value.");
     }
-    let unit = axis.rsplit_once(" (").map_or("", |(_, unit)| unit.trim_end_matches(')'));
-    let value = if unit == "1" { short(value) } else { format!("{} {unit}", short(value)) };
+    let value = format!("{} {unit}", short(value));
     let same: usize = with_runs().map(|(_, (_, count))| count).sum();
     match all - same {
         0 => format!("{title}: no distribution, since it is {value} in all {all} runs."),

@@ -1,11 +1,13 @@
 //! The columns of runs that a report shows, and how.
 
 use super::ReportError;
-use crate::table::{RUN_COLUMNS, RunColumn, RunRecord, Unit, is_measured, run_column};
+use crate::comparison::{NAMED_METRICS, NamedMetric};
+use crate::table::{Column, RUN_COLUMNS, RunRecord, place, run_column};
 use wildfire_base::untrusted::visible_start;
 use wildfire_sim::scenario::nearest_name;
 
 const OBSTACLES: usize = run_column("obstacles");
+const SAVED_METRIC: &NamedMetric = &NAMED_METRICS[place(NAMED_METRICS, "saved")];
 
 /// The axis of states.
 pub const SHARE_OF_OBSTACLES: &str = "share of obstacles";
@@ -14,8 +16,8 @@ pub const SHARE_OF_OBSTACLES: &str = "share of obstacles";
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Quantity {
     column: usize,
-    /// The column that is added, and the name of the sum.
-    added: Option<(usize, &'static str)>,
+    /// The column that is added: the sum is the metric `saved`.
+    added: Option<usize>,
 }
 
 /// The ends of a run.
@@ -39,8 +41,7 @@ pub static CPU_PARTS: [Quantity; 9] = [
 pub const CUSTOM_PLANNERS: [Quantity; 2] = [quantity("cpu_custom_start_s"), quantity("cpu_custom_queries_s")];
 
 /// The bushes that did not burn: the share of all.
-pub const SAVED: Quantity =
-    Quantity { column: run_column("intact"), added: Some((run_column("extinguished"), "Saved")) };
+pub const SAVED: Quantity = Quantity { column: run_column("intact"), added: Some(run_column("extinguished")) };
 
 /// All bushes of a field, as a number.
 pub const BUSHES: Quantity = quantity("obstacles");
@@ -48,12 +49,20 @@ pub const BUSHES: Quantity = quantity("obstacles");
 /// Where bushes are few or none: what burned of them and of ground.
 pub const BURNED_AREA: Quantity = quantity("burned_ha");
 
-/// The time that fires had, and the planners' time.
-pub const RESPONSE: Quantity = quantity("mean_response_s");
-pub const PLANNING: Quantity = quantity("cpu_unimog_total_s");
-
 /// Further quantities that differ from run to run.
-pub static MEASURES: [Quantity; 4] = [RESPONSE, quantity("truck_distance_m"), quantity("truck_stuck_s"), PLANNING];
+pub static MEASURES: [Quantity; 4] = [
+    quantity("mean_response_s"),
+    quantity("truck_distance_m"),
+    quantity("truck_stuck_s"),
+    quantity("cpu_unimog_total_s"),
+];
+
+/// Returns what variants are compared in: the main quantity, and whatever else has an aim.
+pub fn aims(main: Quantity) -> impl Iterator<Item = Quantity> {
+    let columns = (0..RUN_COLUMNS.len()).map(|column| Quantity { column, added: None });
+    let others = columns.filter(|quantity| quantity.about().aim.is_some() && *quantity != BURNED_AREA);
+    [main].into_iter().chain(others)
+}
 
 const fn quantity(column: &str) -> Quantity {
     Quantity { column: run_column(column), added: None }
@@ -107,8 +116,10 @@ impl ChosenQuantities {
     /// Returns everything that is kept of a run: what the answer needs, and what is shown.
     pub fn kept(&self) -> Vec<Quantity> {
         let mut kept: Vec<Quantity> = STATES.iter().chain(&CPU_PARTS).chain(&MEASURES).copied().collect();
-        kept.extend([SAVED, BUSHES, BURNED_AREA]);
-        kept.extend(self.asked.iter().filter(|asked| !kept.contains(asked)).copied().collect::<Vec<_>>());
+        kept.extend([BUSHES, BURNED_AREA]);
+        for quantity in aims(SAVED).chain(self.asked.iter().copied()) {
+            kept.extend((!kept.contains(&quantity)).then_some(quantity));
+        }
         kept
     }
 }
@@ -123,17 +134,21 @@ fn column_of_numbers(name: &str) -> Result<usize, ReportError> {
 }
 
 impl Quantity {
-    fn about(self) -> &'static RunColumn {
-        &RUN_COLUMNS[self.column]
+    /// Returns all that the table of columns says of it.
+    pub fn about(self) -> Column<()> {
+        match self.added {
+            Some(_) => SAVED_METRIC.without_value(),
+            None => RUN_COLUMNS[self.column].without_value(),
+        }
     }
 
     /// Returns the name of its column; of a sum that of the sum.
-    pub fn column(self) -> String {
-        self.added.map_or_else(|| self.about().name.to_owned(), |(_, name)| name.to_lowercase())
+    pub fn column(self) -> &'static str {
+        self.about().name
     }
 
     pub fn label(self) -> &'static str {
-        self.added.map_or(self.about().title, |(_, name)| name)
+        self.about().title
     }
 
     /// Returns its name outside of a chart of several.
@@ -149,13 +164,11 @@ impl Quantity {
     /// Returns the number of a run; `None` where the run has none. States and their sum are shown as shares of all bushes, CPU
     /// times in milliseconds.
     pub fn number(self, run: &RunRecord) -> Option<f64> {
-        let added = self.added.map_or(Some(0.0), |(column, _)| run.number(column))?;
-        let number = run.number(self.column)? + added;
-        match self.about().unit {
-            _ if self.is_share_of_bushes() => Some(number / run.number(OBSTACLES).filter(|&bushes| bushes > 0.0)?),
-            Unit::Seconds if is_measured(self.about().name) => Some(number * 1e3),
-            _ => Some(number),
+        let number = run.number(self.column)? + self.added.map_or(Some(0.0), |column| run.number(column))?;
+        if self.is_share_of_bushes() {
+            return Some(number / run.number(OBSTACLES).filter(|&bushes| bushes > 0.0)?);
         }
+        Some(number * RUN_COLUMNS[self.column].unit.chart_factor())
     }
 
     /// Returns the least and the greatest value that it can have.
@@ -165,19 +178,17 @@ impl Quantity {
 
     /// Returns what an axis is called that shows it, with the unit.
     pub fn axis(self) -> &'static str {
-        match self.about().unit {
-            Unit::Cells if self.is_share_of_bushes() => SHARE_OF_OBSTACLES,
-            Unit::Cells => "cells",
-            Unit::Metres => "distance (m)",
-            Unit::Seconds if self.about().name.starts_with("cpu_") => "CPU time (ms)",
-            Unit::Seconds if is_measured(self.about().name) => "time (ms)",
-            Unit::Seconds => "time (s)",
-            Unit::CellSeconds => "cells \u{d7} time (s)",
-            Unit::Hectares => "area (ha)",
-            Unit::Points => "points",
-            Unit::Share => "share",
-            Unit::None => "number",
-        }
+        if self.is_share_of_bushes() { SHARE_OF_OBSTACLES } else { self.about().unit.axis() }
+    }
+
+    /// Returns the unit in which sentences give it, and the factor of its numbers in them.
+    pub fn in_words(self) -> (&'static str, f64) {
+        if self.range() == (0.0, 1.0) { ("%", 100.0) } else { (self.unit(), 1.0) }
+    }
+
+    /// Returns the unit of its axis; empty of none.
+    pub fn unit(self) -> &'static str {
+        self.axis().rsplit_once(" (").map_or("", |(_, unit)| unit.trim_end_matches(')'))
     }
 }
 
@@ -217,13 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn axes_have_units_where_there_is_one() {
-        let columns = (0..RUN_COLUMNS.len()).filter(|&column| RUN_COLUMNS[column].holds_numbers());
-        for quantity in columns.map(|column| Quantity { column, added: None }).chain([SAVED]) {
-            let axis = quantity.axis();
-            let has_unit = !matches!(quantity.about().unit, Unit::Cells | Unit::Share | Unit::Points | Unit::None);
-            assert!(axis.ends_with(')') == has_unit && !axis.contains("(1)"), "{}: {axis}", quantity.column());
-        }
+    fn axes_of_keys_have_the_unit_that_the_key_ends_with() {
         for (key, axis) in [
             ("fire.burn_out_s", "fire.burn_out_s (s)"),
             ("unimog.speed_mps", "unimog.speed_mps (m/s)"),
