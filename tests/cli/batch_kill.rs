@@ -15,11 +15,6 @@ const TINY: &str = "duration_s = 60.0\nunimog = []\n[field]\nsize_m = 50.0\ncove
 
 const SEEDS: &str = "1..2000";
 
-/// Fifty, or as many as the environment asks for.
-fn kills() -> usize {
-    std::env::var("WILDFIRE_KILLS").ok().and_then(|kills| kills.parse().ok()).unwrap_or(50)
-}
-
 #[expect(clippy::disallowed_methods, reason = "a moment at which nothing is known of the program is what is wanted")]
 fn wait(moment: Duration) {
     thread::sleep(moment);
@@ -33,13 +28,24 @@ fn assert_same(one: &Path, other: &Path) {
 
 #[test]
 fn batch_that_is_killed_at_any_moment_loses_nothing_and_runs_nothing_twice() {
+    kill(10);
+}
+
+#[test]
+#[ignore = "tier 2: two hundred kills"]
+fn batch_that_is_killed_two_hundred_times_loses_nothing_and_runs_nothing_twice() {
+    kill(200);
+}
+
+/// Kills a batch this often, and compares what it writes in the end with that of one that was left alone.
+fn kill(kills: usize) {
     let story = Story::begin();
     story.file("tiny.toml", TINY);
     story.tell(&["batch", "tiny.toml", "--seeds", SEEDS, "--out", "whole"]).expect_code(0);
     let mut rng = wildfire::rng::stream(1, "kills");
     let mut unfinished = 0;
     let mut arguments = vec!["batch", "tiny.toml", "--seeds", SEEDS, "--jobs", "2", "--out", "killed"];
-    for _ in 0..kills() {
+    for _ in 0..kills {
         let mut command = story.command(&arguments);
         let mut child =
             command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program can be started");
@@ -54,7 +60,7 @@ fn batch_that_is_killed_at_any_moment_loses_nothing_and_runs_nothing_twice() {
         }
         unfinished += usize::from(!story.path("killed/runs.csv").exists());
     }
-    assert!(unfinished > 5, "it was hardly ever killed before its end");
+    assert!(unfinished > kills / 10, "it was hardly ever killed before its end");
     story.tell(&["batch", "--resume", "killed"]).expect_code(0);
     assert_same(&story.path("killed"), &story.path("whole"));
     let names = |folder: &str| {

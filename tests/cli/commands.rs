@@ -1,6 +1,6 @@
 //! What the commands print that need no simulation.
 
-use crate::story::{Answer, Story, widest};
+use crate::story::{Answer, LARGE, Story, widest};
 use wildfire::scenario::BUILT_IN;
 
 #[test]
@@ -70,8 +70,18 @@ fn built_in_scenarios_are_listed_with_their_purpose() {
 
 #[test]
 fn shown_scenario_is_its_file_and_passes_the_check_as_one() {
+    check_shown(|name| !LARGE.contains(&name));
+}
+
+#[test]
+#[ignore = "tier 2: what a check of a large preset measures takes long"]
+fn shown_large_scenario_is_its_file_and_passes_the_check_as_one() {
+    check_shown(|name| LARGE.contains(&name));
+}
+
+fn check_shown(is_asked_for: fn(&str) -> bool) {
     let story = Story::begin();
-    for (name, text) in BUILT_IN {
+    for (name, text) in BUILT_IN.iter().filter(|(name, _)| is_asked_for(name)) {
         let shown = story.tell(&["scenarios", "--show", name]).expect_code(0).stdout;
         assert_eq!(shown, *text);
         story.file("mine.toml", &shown);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::story::{Story, outcomes, widest};
+use crate::story::{LARGE, Story, outcomes, widest};
 
 /// A field on which no piece finds a place, since nothing may grow near the starts.
 const NO_ROOM: [&str; 2] = ["--set", "field.start_clearance_m=300"];
@@ -203,8 +203,18 @@ fn agents_of_one_side_play_no_contest() {
 
 #[test]
 fn every_built_in_scenario_runs() {
+    run_presets(|name| !LARGE.contains(&name));
+}
+
+#[test]
+#[ignore = "tier 2: a run of each large preset"]
+fn every_large_built_in_scenario_runs() {
+    run_presets(|name| LARGE.contains(&name));
+}
+
+fn run_presets(is_asked_for: fn(&str) -> bool) {
     let story = Story::begin();
-    for (name, _) in wildfire::scenario::BUILT_IN {
+    for (name, _) in wildfire::scenario::BUILT_IN.iter().filter(|(name, _)| is_asked_for(name)) {
         story.tell(&["run", name, "--seed", "5", "--quiet"]).expect_code(0);
     }
 }

@@ -247,7 +247,7 @@ fn rules_charge_every_entry_for_expansions_and_programs_for_queries() {
 #[test]
 fn every_form_says_that_outcomes_depend_on_the_machine_where_a_clock_ended_a_query() {
     let late = SILENT.replace("  id=", "  sleep 60\n  id=");
-    let story = course_with_program(&late, "query_limit_s = 0.1");
+    let story = course_with_program(&late, "query_limit_s = 0.02");
     let out = ["--seeds", "1..2", "--trust", "--out"];
     let batch = |folder: &'static str, entries: &[&'static str], form: &[&'static str]| {
         let rules = ["batch", "--rules", "rules.toml", "--agent"];
@@ -275,7 +275,7 @@ fn every_form_says_that_outcomes_depend_on_the_machine_where_a_clock_ended_a_que
         }
     }
     let run = ["run", "smoke", "--command", "mine=sh silent.sh", "--set", "unimog.planner=mine"];
-    let run = [&run[..], &["--set", "planner.mine.query_limit_s=0.1", "--set", "planner.mine.restarts=0"]].concat();
+    let run = [&run[..], &["--set", "planner.mine.query_limit_s=0.02", "--set", "planner.mine.restarts=0"]].concat();
     for form in [&[][..], &["--json"]] {
         said("run", &story.tell(&[&run[..], form].concat()).expect_code(0).stdout);
     }

@@ -6,6 +6,9 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
+/// Presets of which a run, or a check, takes longer than those of all others together: they are for the second tier.
+pub const LARGE: [&str; 3] = ["brigade", "county", "duel"];
+
 /// A folder of its own for one test.
 pub struct Story {
     folder: TempDir,

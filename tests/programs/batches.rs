@@ -75,9 +75,9 @@ fn run_whose_program_does_not_start_fails_and_others_go_on() {
     );
     shell.file("moody.sh", &format!("{script}\ncat > /dev/null"));
     shell.file("moody.toml", TABLE);
-    shell.run(&["batch", "moody.toml", "--seeds", "1..20", "--out", "out", "--trust"], &[1]);
+    shell.run(&["batch", "moody.toml", "--seeds", "1..8", "--out", "out", "--trust"], &[1]);
     let rows = std::fs::read_to_string(shell.path("out/runs.csv")).expect("it was written");
     let failed = rows.lines().filter(|row| row.contains("odd seed")).count();
-    assert!(failed > 2 && failed < 18, "{rows}");
+    assert!(failed > 2 && failed < 6, "{rows}");
     shell.expect_nobody();
 }

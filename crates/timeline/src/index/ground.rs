@@ -297,24 +297,29 @@ mod tests {
     use super::*;
     use crate::sample::{self, B, seconds};
 
-    /// Finds what the log says of a cell, without an index.
-    fn by_scanning(timeline: &Timeline, cell: Cell, time: SimTime) -> Option<BushState> {
-        let flaming = timeline.setting.spread.as_ref()?.flaming_times();
-        timeline.setting.is_ground(cell).then_some(())?;
-        let mut state = BushState::Intact;
-        for event in timeline.ground.iter().filter(|event| event.cell == cell && event.time <= time) {
+    /// Finds what the log says of every cell, without an index.
+    fn by_scanning(timeline: &Timeline, time: SimTime) -> Vec<Option<BushState>> {
+        let frame = timeline.setting.frame;
+        let flaming = timeline.setting.spread.as_ref().expect("it has ground").flaming_times();
+        let cells = (0..frame.cell_count()).map(|index| frame.cell(index));
+        let mut states: Vec<_> =
+            cells.map(|cell| timeline.setting.is_ground(cell).then_some(BushState::Intact)).collect();
+        for event in timeline.ground.iter().filter(|event| event.time <= time) {
+            let Some(state) = &mut states[frame.index(event.cell)] else { continue };
             match event.fact {
-                GroundFact::Ignited(_) => state = BushState::Burning { since: event.time },
-                GroundFact::Extinguished { .. } => state = BushState::Extinguished,
+                GroundFact::Ignited(_) => *state = BushState::Burning { since: event.time },
+                GroundFact::Extinguished { .. } => *state = BushState::Extinguished,
                 GroundFact::Wetted { .. } => {}
             }
         }
-        if let BushState::Burning { since } = state
-            && flaming.burns_out_at(cell, since).is_some_and(|end| end <= time)
-        {
-            state = BushState::BurnedOut;
+        for (index, state) in states.iter_mut().enumerate() {
+            if let Some(BushState::Burning { since }) = *state
+                && flaming.burns_out_at(frame.cell(index), since).is_some_and(|end| end <= time)
+            {
+                *state = Some(BushState::BurnedOut);
+            }
         }
-        Some(state)
+        states
     }
 
     #[test]
@@ -326,8 +331,8 @@ mod tests {
             let end = timeline.end_time();
             for time in (0..20).map(|part| SimTime::from_nanos(end.as_nanos() / 19 * part)).chain([end]) {
                 let mut counts = GroundCounts::default();
-                for cell in (0..frame.cell_count()).map(|index| frame.cell(index)) {
-                    let state = by_scanning(&timeline, cell, time);
+                for (index, state) in by_scanning(&timeline, time).into_iter().enumerate() {
+                    let cell = frame.cell(index);
                     assert_eq!(ground.state_at(cell, time), state, "{cell} at {time}");
                     counts.cells += u32::from(state.is_some());
                     counts.burning += u32::from(state.is_some_and(BushState::burns));
