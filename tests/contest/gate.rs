@@ -144,6 +144,7 @@ fn no_mutated_path_of_many_passes_that_the_audit_faults() {
     judge_mutated_paths(100_000);
 }
 
+#[expect(clippy::print_stdout, reason = "the test prints what it counted")]
 fn judge_mutated_paths(paths: usize) {
     let sites = [
         DrivenField::new("contest", &[], 1),

@@ -234,6 +234,7 @@ fn no_setting_of_many_leads_to_a_violation() {
     audit_settings(cases(1..=200));
 }
 
+#[expect(clippy::print_stdout, reason = "the test prints what it counted")]
 fn audit_settings(cases: RangeInclusive<u64>) {
     let base = base();
     let settings = settings(&base);
