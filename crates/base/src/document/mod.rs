@@ -5,7 +5,7 @@
 //! [`number`], so that they look the same everywhere.
 //!
 //! ```
-//! use wildfire::document::{Block, Document, Table};
+//! use wildfire_base::document::{Block, Document, Table};
 //!
 //! let table = Table::new(&["Run", "CPU\nms"], vec![vec!["1".into(), "12.5".into()]]);
 //! let document = Document::new("Two <runs>").with([Block::Text("One was slow.".into()), table.into()]);
