@@ -47,7 +47,7 @@ fn scenarios_by_grammar_and_mutation_keep_the_rules() {
     let count = |sort: &str| tally.get(sort).copied().unwrap_or_default();
     let all: u64 = ["refused", "ran", "did not begin", "too large to be run"].into_iter().map(count).sum();
     // A fuzzer whose scenarios are all refused would find nothing.
-    assert!(all < 300 || 2 * count("ran") > all, "{} of {all} ran", count("ran"));
+    assert!(all < 100 || 2 * count("ran") >= all, "{} of {all} ran", count("ran"));
 }
 
 #[test]
