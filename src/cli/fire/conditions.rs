@@ -19,7 +19,7 @@ use wildfire_base::whole_file::WholeFile;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::surface::{FuelBed, FuelMoisture, SurfaceFire, SurfaceOptions, WindLimit, flame_length_m};
 
-/// What a fire depends on beside the choices of options.
+/// The fuel, its moistures, the wind and the slope of a fire; the options of the model are apart.
 #[derive(Clone, Copy, Debug)]
 pub struct Conditions {
     pub model: &'static FuelModel,

@@ -13,7 +13,7 @@ pub enum Lock {
     /// The lock of the operating system.
     #[default]
     Flock,
-    /// Nothing: whoever asks for it sees to it that nobody else works there.
+    /// No lock: the caller makes sure that no other process works on the slice.
     None,
 }
 

@@ -3,7 +3,7 @@
 //! A [`Policy`] is asked about agents that are free, or that may think better of where they go, at one instant, and sees
 //! the state of that instant. It may choose for all of them together, for some, whose choices are carried out before the
 //! rest is asked again, or for nobody: then the world stands still until the choices are
-//! [handed in](crate::Simulation::answer). Planning and driving are not its business; when an agent fails to plan
+//! [given](crate::Simulation::answer). Planning and driving are not its business; when an agent fails to plan
 //! its way to what was chosen, the policy is asked again without that option. Rules that know one agent at a time are
 //! policies by [`OneByOne`].
 //!
