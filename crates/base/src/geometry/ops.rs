@@ -5,15 +5,18 @@
 
 use std::f64::consts::{PI, TAU};
 
+#[inline]
 pub fn sin(angle: f64) -> f64 {
     libm::sin(angle)
 }
 
+#[inline]
 pub fn cos(angle: f64) -> f64 {
     libm::cos(angle)
 }
 
 /// Sine and cosine of one angle, in this order.
+#[inline]
 pub fn sin_cos(angle: f64) -> (f64, f64) {
     libm::sincos(angle)
 }
@@ -26,11 +29,13 @@ pub fn atan(slope: f64) -> f64 {
     libm::atan(slope)
 }
 
+#[inline]
 pub fn atan2(y: f64, x: f64) -> f64 {
     libm::atan2(y, x)
 }
 
 /// Arc cosine; arguments beyond -1 and 1 by rounding are clamped.
+#[inline]
 pub fn acos(cosine: f64) -> f64 {
     libm::acos(cosine.clamp(-1.0, 1.0))
 }
@@ -49,11 +54,13 @@ pub fn pow(base: f64, exponent: f64) -> f64 {
     libm::pow(base, exponent)
 }
 
+#[inline]
 pub fn hypot(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
 }
 
 /// The same direction in (-pi, pi].
+#[inline]
 pub fn wrap_angle(angle: f64) -> f64 {
     if angle > -PI && angle <= PI {
         return angle;

@@ -28,6 +28,7 @@ impl Pose {
     }
 
     /// Unit vector of the heading.
+    #[inline]
     pub fn direction(self) -> DVec2 {
         let (sin, cos) = ops::sin_cos(self.heading);
         DVec2::new(cos, sin)

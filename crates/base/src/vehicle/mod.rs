@@ -60,6 +60,7 @@ impl Dimensions {
     }
 
     /// World position of the body's centre for a pose of the rear axle.
+    #[inline]
     pub fn body_centre(&self, pose: Pose) -> DVec2 {
         pose.position() + pose.direction() * self.centre_offset_m()
     }

@@ -25,6 +25,7 @@ impl Segment {
     }
 
     /// Returns the pose at its end.
+    #[inline]
     pub fn end(&self, start: Pose) -> Pose {
         self.pose_at(start, self.length_m)
     }
