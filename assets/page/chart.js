@@ -25,10 +25,15 @@ function roundStep(least) {
 class Chart {
     constructor(canvas, data, runs) {
         Object.assign(this, { canvas, runs, colours: data.colours, stateColours: data.state_colours });
-        // A run without fire ends at once.
-        this.endNs = Math.max(1, ...runs.map((run) => run.end_ns));
         this.context = canvas.getContext("2d");
         this.kept = ["past", "ahead"].map(() => document.createElement("canvas"));
+        this.takeRuns();
+    }
+
+    // Draws what the runs have become.
+    takeRuns() {
+        // A run without fire ends at once.
+        this.endNs = Math.max(1, ...this.runs.map((run) => run.end_ns));
         this.keptKey = "";
     }
 

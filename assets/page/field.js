@@ -223,6 +223,9 @@ function readySprite(shapes) {
     return shapes.map(([colour, opacity, width, path]) => ({ colour: css(rgb(colour), opacity), width, path: new Path2D(path) }));
 }
 
+// The colour of rings about marked cells.
+const MARKED = "#0072b2";
+
 class FieldPane {
     constructor(canvas, data, run, runIndex) {
         Object.assign(this, { canvas, run, runIndex, data, isDark: null });
@@ -294,6 +297,7 @@ class FieldPane {
         else this.run.agents.forEach((_, index) => this.drawAgent(index));
         if (this.isCrowded) this.drawLabels();
         this.drawSelected();
+        if (view.marked !== null) this.drawMarked();
         if (this.isByShares) this.drawFireMarks(1);
         this.drawLengthBar();
         if (this.run.ground === null) return;
@@ -802,6 +806,29 @@ class FieldPane {
     }
 
     // What is drawn at a place: the nearest agent, if its body is no more than some pixels away, or else a bush.
+    // Rings about cells that a host marked, a bold one about the one that it points at.
+    drawMarked() {
+        const { context, projection, unit, run, view } = this;
+        const { cells, pointedAt } = view.marked;
+        const radius = Math.max(0.5 * projection.cellSide, 4 * unit);
+        context.setTransform(1, 0, 0, 1, 0, 0);
+        for (const cell of cells) {
+            const [x, y] = projection.at(run.cellCentre(cell));
+            context.globalAlpha = cell === pointedAt ? 1 : 0.55;
+            context.lineWidth = (cell === pointedAt ? 3.5 : 1.5) * unit;
+            context.strokeStyle = MARKED;
+            context.beginPath();
+            context.arc(x, y, cell === pointedAt ? 1.6 * radius : radius, 0, 2 * Math.PI);
+            context.stroke();
+        }
+        context.globalAlpha = 1;
+    }
+
+    // The cell at a place of the canvas; null outside the field.
+    cellAt(place) {
+        return this.run.cellAt(this.projection.world(place));
+    }
+
     pick([x, y]) {
         let [best, nearest] = [null, Infinity];
         this.run.agents.forEach((agent, index) => {

@@ -10,16 +10,17 @@ const CLICK = 4;
 // A page that was hidden goes on where it was.
 const LONGEST_FRAME_MS = 250;
 
-async function readData() {
-    const letters = document.getElementById("run-data").textContent;
-    const packed = Uint8Array.from(atob(letters), (letter) => letter.charCodeAt(0));
-    const unpacked = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
-    return new Response(unpacked).json();
+// The bytes that an element of the page carries, packed.
+function unpacked(id) {
+    const packed = Uint8Array.from(atob(document.getElementById(id).textContent), (letter) => letter.charCodeAt(0));
+    return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate")));
 }
 
+// Plays runs. A host may be told where a field is clicked, which it may take for itself, and when all that is known is played.
 class Player {
-    constructor(data) {
+    constructor(data, host = { picks: () => false, reachesEnd: () => {} }) {
         this.data = data;
+        this.host = host;
         this.runs = data.runs.map((run) => new Run(run));
         this.endNs = Math.max(...this.runs.map((run) => run.end_ns));
         this.ns = Math.min(data.time_ns, this.endNs);
@@ -27,7 +28,7 @@ class Player {
         this.isPlaying = false;
         const [x, y, zoom] = data.camera;
         const layers = new Set(data.layers.filter(({ is_on }) => is_on).map(({ name }) => name));
-        this.view = { camera: { x, y, zoom }, zooms: data.zooms, follows: data.follows, layers, selected: data.selected, pixelRatio: 1 };
+        this.view = { camera: { x, y, zoom }, zooms: data.zooms, follows: data.follows, layers, selected: data.selected, marked: null, pixelRatio: 1 };
         this.isStale = true;
         this.pointers = new Map();
         this.makePanes();
@@ -35,8 +36,10 @@ class Player {
         this.makeControls();
         this.makeTimeline();
         this.makeKeys();
-        document.addEventListener("keydown", (event) => this.press(event));
-        matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.redraw());
+        this.listening = new AbortController();
+        const { signal } = this.listening;
+        document.addEventListener("keydown", (event) => this.press(event), { signal });
+        matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.redraw(), { signal });
         this.resizing = new ResizeObserver(() => this.redraw());
         [...this.panes.map(({ canvas }) => canvas), this.chart.canvas].forEach((canvas) => this.resizing.observe(canvas));
         requestAnimationFrame((now) => this.frame(now));
@@ -46,13 +49,39 @@ class Player {
         this.isStale = true;
     }
 
+    // Goes on with more of the same runs.
+    take(data) {
+        this.runs.forEach((run, index) => Object.assign(run, new Run(data.runs[index])));
+        this.endNs = Math.max(...this.runs.map((run) => run.end_ns));
+        this.chart.takeRuns();
+        this.panel.endNs = this.endNs;
+        this.panes.forEach((pane) => (pane.groundKey = ""));
+        if (data.layers.length !== this.data.layers.length) {
+            this.data.layers = data.layers;
+            this.makeLayers();
+        }
+        this.showEnd();
+        this.redraw();
+    }
+
+    // Leaves the page to another player.
+    close() {
+        this.isClosed = true;
+        this.listening.abort();
+        this.resizing.disconnect();
+    }
+
     // Draws what has changed since the last frame.
     frame(now) {
+        if (this.isClosed) return;
         if (this.isPlaying && !this.isScrubbed) {
             const passed = Math.min(now - (this.lastFrame ?? now), LONGEST_FRAME_MS);
             this.ns = Math.min(this.ns + passed * 1e6 * this.speed, this.endNs);
             this.isStale = true;
-            if (this.ns === this.endNs) this.setPlaying(false);
+            if (this.ns === this.endNs) {
+                this.setPlaying(false);
+                this.host.reachesEnd();
+            }
         }
         this.lastFrame = now;
         if (this.isStale) {
@@ -243,7 +272,12 @@ class Player {
             return pane;
         });
         document.getElementById("program").textContent = `wildfire ${[...new Set(this.runs.map(({ program }) => program))].join(", ")}`;
+        this.showEnd();
+    }
+
+    showEnd() {
         document.getElementById("end").textContent = `of ${formatClock(this.endNs)}`;
+        document.getElementById("timeline").setAttribute("aria-valuemax", `${Math.round(this.endNs / NANOS)}`);
     }
 
     // One finger or the mouse moves the field, two fingers and the wheel magnify it, a tap or click selects.
@@ -276,7 +310,9 @@ class Player {
         });
         canvas.addEventListener("pointerup", (event) => {
             const pointer = this.pointers.get(event.pointerId);
-            if (pointer !== undefined && !pointer.isDragged) this.select(pane.pick(place(event)));
+            if (pointer === undefined || pointer.isDragged) return;
+            const at = place(event);
+            if (!this.host.picks(pane, at)) this.select(pane.pick(at));
         });
         for (const end of ["pointerup", "pointercancel"]) {
             canvas.addEventListener(end, (event) => this.pointers.delete(event.pointerId));
@@ -312,6 +348,10 @@ class Player {
         follow.append(...this.followed().map((whom) => Object.assign(element("option", whom ?? "nobody"), { value: whom ?? "" })));
         follow.addEventListener("change", () => this.follow(follow.value === "" ? null : follow.value));
         this.follow(this.view.follows);
+        this.makeLayers();
+    }
+
+    makeLayers() {
         this.layerButtons = this.data.layers.map(({ name, key }) => {
             const button = element("button");
             button.append(element("kbd", key), name);
@@ -319,7 +359,7 @@ class Player {
             button.addEventListener("click", () => this.toggleLayer(name));
             return { name, button };
         });
-        document.getElementById("layers").append(...this.layerButtons.map(({ button }) => button));
+        document.getElementById("layers").replaceChildren(...this.layerButtons.map(({ button }) => button));
         this.showLayers();
     }
 
@@ -332,7 +372,6 @@ class Player {
         const canvas = this.timeline.querySelector("canvas");
         this.chart = new Chart(canvas, this.data, this.runs);
         canvas.style.height = `${this.chart.height}px`;
-        this.timeline.setAttribute("aria-valuemax", `${Math.round(this.endNs / NANOS)}`);
         const scrub = (event) => this.seek(this.chart.timeAt(event.clientX - canvas.getBoundingClientRect().left));
         canvas.addEventListener("pointerdown", (event) => {
             canvas.setPointerCapture(event.pointerId);
@@ -350,7 +389,7 @@ class Player {
     }
 
     press(event) {
-        const isField = event.target instanceof HTMLSelectElement || document.getElementById("keys").open;
+        const isField = event.target.matches?.("select, input, textarea") || document.getElementById("keys").open;
         if (isField || event.ctrlKey || event.metaKey || event.altKey) return;
         // A button that the keyboard came to is pressed by the space bar.
         const isPressed = event.target instanceof HTMLButtonElement && event.target.matches(":focus-visible");
@@ -382,22 +421,3 @@ class Player {
         act();
     }
 }
-
-async function begin() {
-    const message = document.getElementById("message");
-    if (typeof DecompressionStream === "undefined") {
-        message.textContent = "This browser is too old for this page: it cannot unpack the run (DecompressionStream).";
-        return;
-    }
-    try {
-        const data = await readData();
-        document.getElementById("player").hidden = false;
-        window.wildfire = new Player(data);
-        message.hidden = true;
-    } catch (error) {
-        message.textContent = `This page cannot play its run: ${error.message}`;
-        throw error;
-    }
-}
-
-begin();

@@ -29,6 +29,7 @@ mod next_command;
 mod number_table;
 mod numbers;
 mod output_files;
+mod page;
 #[cfg(test)]
 #[path = "../../tests/fuzz/phrases.rs"]
 mod phrases;
@@ -63,6 +64,7 @@ use fire::FireCommand;
 use judge::JudgeArguments;
 use map::MapCommand;
 use map_of::MapOfArguments;
+use page::PageArguments;
 use plan::PlanArguments;
 use play::PlayArguments;
 use rank::RankArguments;
@@ -115,6 +117,8 @@ pub enum Command {
     Run(RunArguments),
     /// Watch a run in a window, or two runs side by side.
     Play(PlayArguments),
+    /// Write a page that computes runs in a browser: watch them, or play the arsonist or the dispatcher.
+    Page(PageArguments),
     /// Draw a run without a screen: a still, a GIF, an MP4.
     Render(RenderArguments),
     /// Write a run for other tools: JSON, NumPy arrays, MCAP for Foxglove, CSV.
@@ -225,6 +229,7 @@ fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode,
         }),
         Command::Run(run) => run::run(run, &context.with_programs(&run.scenario.programs)),
         Command::Play(play) => play::run(play, &context.with_programs(&play.show.programs)),
+        Command::Page(page) => page::run(page, arguments.quiet),
         Command::Render(render) => render::run(render, &context.with_programs(&render.show.programs)),
         Command::Export(export) => export::run(export, &context.with_programs(&export.programs)),
         Command::Batch(batch) => batch::run(batch, &context.with_programs(&batch.programs)),

@@ -13,12 +13,14 @@ use crate::cli::error::CliError;
 use crate::cli::export::write_export;
 use crate::cli::numbers;
 use crate::cli::output_files::{self, Files, Format, Words};
+use crate::cli::page::read_game;
 use crate::cli::report::FormArguments;
 use crate::cli::show::parse_agent;
 use wildfire_base::document::number::{percent, rounded};
 use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::time::wall::WallStopwatch;
 use wildfire_batch::{Failures, RunLabel, RunObject, RunRecord, RunResult, RunRow, Status, file_name_of, notes};
+use wildfire_sim::RunOptions;
 use wildfire_sim::scenario::{self, Scenario};
 use wildfire_timeline::export::{FINEST_STEP_S, Sampling, write_events, write_trace};
 use wildfire_timeline::{AgentId, AgentOutcome, GroundOutcome, Outcome, Role, Timeline, Winner, file};
@@ -38,6 +40,9 @@ pub struct RunArguments {
     /// The seed of everything random in the run.
     #[arg(short, long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
     pub seed: u64,
+    /// Replay a game that was saved from a page, in place of a scenario and a seed.
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["source", "overrides", "seed"])]
+    pub answers: Option<PathBuf>,
     #[command(flatten)]
     pub form: FormArguments,
     /// Write a recording of the run, into this file or folder.
@@ -66,11 +71,30 @@ fn parse_trace_step(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(arguments: &RunArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
-    let scenario = scenario::load(&arguments.scenario.source, &context.with_own_names(&arguments.scenario.overrides))?;
+    let mut options = context.run_options(arguments.record_searches, arguments.memory.limit());
+    let (scenario, seed, replay) = match &arguments.answers {
+        None => {
+            let changes = context.with_own_names(&arguments.scenario.overrides);
+            (scenario::load(&arguments.scenario.source, &changes)?, arguments.seed, None)
+        }
+        Some(path) => {
+            let game = read_game(path)?;
+            let (policies, unanswered) = game.replayed();
+            options.policies = policies;
+            (game.load()?.scenario, game.seed, Some((path, unanswered)))
+        }
+    };
     context.expect_trusted(&scenario)?;
     context.note_doubts([&scenario]);
-    let (outputs, words) = Outputs::checked(arguments, &scenario)?;
-    let (row, timeline) = run_once(&scenario, arguments, context)?;
+    let (outputs, words) = Outputs::checked(arguments, &scenario, seed)?;
+    let (row, timeline) = run_once(&scenario, seed, &options)?;
+    if let Some((path, question)) = replay.and_then(|(path, unanswered)| Some((path, unanswered.take()?))) {
+        let sentence = format!("{}: the game does not go to its end: {question}", path.display());
+        return Err(CliError::bad_input(
+            sentence,
+            Some("a game that was played with another version may not fit this one"),
+        ));
+    }
     let report = RunReport { row };
     // A run that failed is an object too, but says nothing to people besides its error.
     let is_printed = arguments.form.json || report.row.result.is_some();
@@ -84,16 +108,10 @@ pub fn run(arguments: &RunArguments, context: &CommandContext) -> Result<ExitCod
     }
 }
 
-fn run_once(
-    scenario: &Scenario,
-    arguments: &RunArguments,
-    context: &CommandContext,
-) -> Result<(RunRow, Option<Timeline>), CliError> {
-    let seed = arguments.seed;
-    let options = context.run_options(arguments.record_searches, arguments.memory.limit());
+fn run_once(scenario: &Scenario, seed: u64, options: &RunOptions) -> Result<(RunRow, Option<Timeline>), CliError> {
     let stopwatch = WallStopwatch::start();
     // The panic has been printed by then, with a backtrace if one was asked for.
-    let caught = panic::catch_unwind(AssertUnwindSafe(|| wildfire_sim::run_with_options(scenario, seed, &options)));
+    let caught = panic::catch_unwind(AssertUnwindSafe(|| wildfire_sim::run_with_options(scenario, seed, options)));
     let (wall, label) = (stopwatch.elapsed(), RunLabel::from_scenario(scenario, seed));
     match caught.map_err(|_| CliError::run_failed("the run panicked: this is a fault of the program"))? {
         Ok(run) => {
@@ -116,15 +134,15 @@ struct Outputs<'a> {
 
 impl<'a> Outputs<'a> {
     /// Checks what can be checked before the run, and returns where its words go.
-    fn checked(arguments: &'a RunArguments, scenario: &Scenario) -> Result<(Self, Words), CliError> {
+    fn checked(arguments: &'a RunArguments, scenario: &Scenario, seed: u64) -> Result<(Self, Words), CliError> {
         let step_s = arguments.step;
         if !(step_s.is_finite() && step_s >= FINEST_STEP_S) {
             let sentence = format!("--step is {step_s}; expected seconds, at least {FINEST_STEP_S}");
             return Err(CliError::bad_input(sentence, None));
         }
         check_agents(&arguments.agents, scenario)?;
-        let recording = arguments.out.as_deref().map(|path| recording_path(path, scenario, arguments.seed));
-        let inputs = vec![Path::new(&arguments.scenario.source)];
+        let recording = arguments.out.as_deref().map(|path| recording_path(path, scenario, seed));
+        let inputs = vec![arguments.answers.as_deref().unwrap_or(Path::new(&arguments.scenario.source))];
         let files = Files { inputs, form: arguments.form, ..Files::default() }.writing([
             (Format::Recording, &recording),
             (Format::Csv, &arguments.events),

@@ -6,22 +6,14 @@
 //! acted, if there is something new to choose from, or a plan fails, the agents are asked again at the same instant. So
 //! whoever answers as the built-in rule does plays the built-in rule's run, fact by fact.
 
-use super::policies::{AgentView, Choice, Observation, Policy};
+use super::game::Outside;
+use super::policies::{AgentView, Choice};
 use super::{RunError, RunOptions, Simulation};
 use crate::scenario::Scenario;
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
 use wildfire_fire::FireField;
 use wildfire_timeline::{AgentId, Event, Fact, FireFact, Setting, Timeline};
-
-/// Leaves every choice to whoever plays.
-struct Player;
-
-impl Policy for Player {
-    fn choose(&mut self, _: &Observation<'_>, _: &[AgentId]) -> Vec<(AgentId, Choice)> {
-        Vec::new()
-    }
-}
 
 /// An agent that is asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,7 +64,7 @@ impl Episode {
     /// If it cannot take place, or comes to the limit of its memory.
     pub fn new(scenario: &Scenario, seed: u64, options: &RunOptions, played: &[AgentId]) -> Result<Self, RunError> {
         let mut simulation = Simulation::with(scenario, seed, options)?;
-        simulation.follow(played, Box::new(Player));
+        simulation.follow(played, Box::new(Outside));
         let mut episode =
             Self { simulation, asked: Vec::new(), agents: Vec::new(), points: Points::default(), counted: 0 };
         episode.go_on()?;

@@ -15,7 +15,9 @@ mod agent;
 mod end;
 mod episode;
 mod fire;
+pub mod game;
 pub mod policies;
+#[cfg(not(target_family = "wasm"))]
 pub mod programs;
 mod queue;
 mod recorder;

@@ -4,7 +4,24 @@
 
 use std::time::Duration;
 
+#[cfg(not(target_family = "wasm"))]
 use cpu_time::ThreadTime;
+
+/// Where threads have no clocks, nothing takes time.
+#[cfg(target_family = "wasm")]
+#[derive(Clone, Copy, Debug)]
+struct ThreadTime;
+
+#[cfg(target_family = "wasm")]
+impl ThreadTime {
+    fn now() -> Self {
+        Self
+    }
+
+    fn duration_since(self, _: Self) -> Duration {
+        Duration::ZERO
+    }
+}
 
 /// Measures the CPU time that this thread spends from its creation on.
 ///

@@ -45,12 +45,22 @@ impl ScenarioText {
     /// # Errors
     /// Fails if there is none, or it cannot be read, or it is not text, or it has more than [`MAX_SCENARIO_BYTES`].
     pub fn open(source: &str) -> Result<Self, Box<ScenarioError>> {
-        if let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == source) {
-            let (name, stem) = (format!("scenarios/{name}.toml"), (*name).to_owned());
-            let (source, text) = (source.to_owned(), (*text).to_owned());
-            return Ok(Self { source, name, stem, text, folder: PathBuf::new() });
+        if BUILT_IN.iter().any(|(name, _)| *name == source) {
+            return Self::built_in(source);
         }
         Self::from_bytes(source, input_file::read(Path::new(source), MAX_SCENARIO_BYTES))
+    }
+
+    /// Takes a built-in scenario by its exact name.
+    ///
+    /// # Errors
+    /// Fails if there is none.
+    pub fn built_in(source: &str) -> Result<Self, Box<ScenarioError>> {
+        let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == source) else {
+            return Err(not_found(source));
+        };
+        let (name, stem) = (format!("scenarios/{name}.toml"), (*name).to_owned());
+        Ok(Self { source: source.to_owned(), name, stem, text: (*text).to_owned(), folder: PathBuf::new() })
     }
 
     /// Takes the bytes that were read at this path.
@@ -60,16 +70,18 @@ impl ScenarioText {
     pub fn from_bytes(source: &str, bytes: io::Result<Vec<u8>>) -> Result<Self, Box<ScenarioError>> {
         let path = Path::new(source);
         let text = bytes.and_then(within_limits).and_then(input_file::text).map_err(|error| match error.kind() {
-            ErrorKind::NotFound | ErrorKind::NotADirectory => {
-                let nearest = nearest_name(source, BUILT_IN.iter().map(|(name, _)| *name));
-                Fault::NotFound { name: source.to_owned(), nearest }.nowhere()
-            }
+            ErrorKind::NotFound | ErrorKind::NotADirectory => not_found(source),
             _ => unreadable(path, &error).nowhere(),
         })?;
         let stem = path.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         Ok(Self { source: source.to_owned(), name: source.to_owned(), stem, text, folder })
     }
+}
+
+fn not_found(source: &str) -> Box<ScenarioError> {
+    let nearest = nearest_name(source, BUILT_IN.iter().map(|(name, _)| *name));
+    Fault::NotFound { name: source.to_owned(), nearest }.nowhere()
 }
 
 /// Refuses what would take too much memory to be parsed.

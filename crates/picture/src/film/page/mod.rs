@@ -33,7 +33,7 @@ use wildfire_timeline::Setting;
 
 const TEMPLATE: &str = include_str!("../../../assets/page/page.html");
 const STYLE: &str = include_str!("../../../assets/page/page.css");
-/// Each part uses those before it.
+/// What plays runs; each part uses those before it.
 const SCRIPTS: [&str; 6] = [
     include_str!("../../../assets/page/run.js"),
     include_str!("../../../assets/page/field.js"),
@@ -42,6 +42,12 @@ const SCRIPTS: [&str; 6] = [
     include_str!("../../../assets/page/panel.js"),
     include_str!("../../../assets/page/player.js"),
 ];
+/// What begins a page that carries its runs, and one that computes them.
+const RECORDED: &str = include_str!("../../../assets/page/recorded.js");
+const PLAY: &str = include_str!("../../../assets/page/play.js");
+const WORKER: &str = include_str!("../../../assets/page/worker.js");
+const DESK: &str = include_str!("../../../assets/page/desk.html");
+const QUESTION: &str = include_str!("../../../assets/page/question.html");
 
 /// How hard the data are packed, 0 to 10: more takes longer and gains next to nothing.
 const PACKED: u8 = 8;
@@ -104,14 +110,73 @@ pub fn page(request: &FrameRequest) -> String {
     let mut sentences: Vec<String> = request.runs.iter().map(|run| run_sentence(&run.timeline().setting)).collect();
     sentences.dedup();
     let sentence = sentences.join(" ");
-    let data = serde_json::to_vec(&PageData::new(request)).expect("numbers and words are JSON");
+    let data = BASE64.encode(&compress_to_vec_zlib(page_data(request).as_bytes(), PACKED));
+    filled_in(&Filling {
+        title: &title,
+        sentence: &sentence,
+        script: RECORDED,
+        data: &element("run-data", &data),
+        ..Filling::default()
+    })
+}
+
+/// Returns a page that computes runs by a WebAssembly module and lets its reader play; it begins with a game, in JSON.
+pub fn play_page(module: &[u8], game: &str) -> String {
+    let module = BASE64.encode(&compress_to_vec_zlib(module, PACKED));
+    // No text of a game ends the element that it stands in.
+    let data =
+        [element("module", &module), element("worker", WORKER), element("setup-data", &game.replace('<', "\\u003c"))];
+    filled_in(&Filling {
+        title: "wildfire",
+        sentence: "Watch an arsonist and fire trucks, or play one of them: everything is computed in this page.",
+        policy: "script-src 'unsafe-inline' 'wasm-unsafe-eval'; worker-src blob:",
+        desk: DESK,
+        question: QUESTION,
+        script: PLAY,
+        data: &data.concat(),
+    })
+}
+
+/// What differs between pages.
+struct Filling<'a> {
+    title: &'a str,
+    sentence: &'a str,
+    /// What the page may load and run.
+    policy: &'a str,
+    desk: &'a str,
+    question: &'a str,
+    script: &'a str,
+    /// Elements that carry data.
+    data: &'a str,
+}
+
+impl Default for Filling<'_> {
+    fn default() -> Self {
+        let policy = "script-src 'unsafe-inline'";
+        Self { title: "", sentence: "", policy, desk: "", question: "", script: "", data: "" }
+    }
+}
+
+fn filled_in(filling: &Filling<'_>) -> String {
     TEMPLATE
-        .replace("@TITLE@", &escaped_html(&title))
-        .replace("@SENTENCE@", &escaped_html(&sentence))
+        .replace("@POLICY@", filling.policy)
         .replace("@STYLE@", STYLE)
-        .replace("@SCRIPT@", &SCRIPTS.concat())
-        // The last, so that nothing in names is replaced.
-        .replace("@DATA@", &BASE64.encode(&compress_to_vec_zlib(&data, PACKED)))
+        .replace("@DESK@\n", filling.desk)
+        .replace("@QUESTION@\n", filling.question)
+        .replace("@SCRIPT@", &(SCRIPTS.concat() + filling.script))
+        .replace("@TITLE@", &escaped_html(filling.title))
+        .replace("@SENTENCE@", &escaped_html(filling.sentence))
+        // The last, so that nothing in it is replaced.
+        .replace("@DATA@\n", filling.data)
+}
+
+fn element(id: &str, data: &str) -> String {
+    format!("<script type=\"application/octet-stream\" id=\"{id}\">{data}</script>\n")
+}
+
+/// Returns the data of such a page alone, as JSON.
+pub fn page_data(request: &FrameRequest) -> String {
+    serde_json::to_string(&PageData::new(request)).expect("numbers and words are JSON")
 }
 
 impl PageData {

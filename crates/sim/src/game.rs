@@ -1,0 +1,324 @@
+//! Games: runs in which a player decides for one side or both, and the answers that replay them.
+//!
+//! Agents that are played follow a policy called [`PLAYER`], so that recordings name it. While a game is played the policy
+//! leaves every decision to [`Simulation::answer`](crate::Simulation::answer); a [`Game`] that holds all answers gives the
+//! same run without anybody there.
+
+use std::sync::{Arc, Mutex};
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::policies::{Choice, Observation, Policies, Policy, PolicySite};
+use crate::scenario::{LoadedScenario, ScenarioError, ScenarioText};
+use wildfire_base::geometry::Cell;
+use wildfire_base::time::SimTime;
+use wildfire_timeline::{AgentId, Role};
+
+/// The name of the policy of agents that are played.
+pub const PLAYER: &str = "player";
+
+/// The longest file of a game that is read, in bytes.
+pub const MAX_GAME_BYTES: u64 = 8_000_000;
+
+/// The version of the format, which games carry.
+const FORMAT: u32 = 1;
+
+/// A run and what its players answered.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Game {
+    /// The version of the format.
+    wildfire_game: u32,
+    /// The name of a built-in scenario, or the text of another one.
+    pub scenario: GameScenario,
+    /// Changes of the scenario, such as `unimog.planner=prm-rs`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub changes: Vec<String>,
+    pub seed: u64,
+    /// The sides that are played: `wumpus`, `unimog`.
+    pub plays: Vec<Side>,
+    /// In the order in which they were given.
+    #[serde(default)]
+    pub answers: Vec<Answer>,
+}
+
+/// Where a game's scenario comes from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GameScenario {
+    /// A built-in scenario, by name.
+    Name(String),
+    /// The text of a scenario, as a file has it.
+    Text(String),
+}
+
+/// A side of the contest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Side {
+    Wumpus,
+    Unimog,
+}
+
+impl Side {
+    pub fn role(self) -> Role {
+        match self {
+            Self::Wumpus => Role::Wumpus,
+            Self::Unimog => Role::Unimog,
+        }
+    }
+}
+
+/// What a player decided for an agent.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Answer {
+    /// When it was asked, in nanoseconds from the start of the run.
+    pub t_ns: u64,
+    /// The side, and the number of the agent on it.
+    pub side: Side,
+    pub number: u16,
+    pub choice: GameChoice,
+}
+
+/// What an agent is to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GameChoice {
+    /// It goes for this cell: column and row.
+    Go(u16, u16),
+    /// A truck goes for the fire that is nearest by drive.
+    GoToNearest,
+    /// It stays, or keeps its goal, until something happens.
+    Wait,
+}
+
+impl From<GameChoice> for Choice {
+    fn from(choice: GameChoice) -> Self {
+        match choice {
+            GameChoice::Go(col, row) => Self::Go(Cell { col, row }),
+            GameChoice::GoToNearest => Self::GoToNearest,
+            GameChoice::Wait => Self::Wait,
+        }
+    }
+}
+
+impl From<Choice> for GameChoice {
+    /// What games cannot hold is [`Self::Wait`].
+    fn from(choice: Choice) -> Self {
+        match choice {
+            Choice::Go(Cell { col, row }) => Self::Go(col, row),
+            Choice::GoToNearest => Self::GoToNearest,
+            Choice::Move(_) | Choice::Refill | Choice::Wait | Choice::WaitUntil(_) => Self::Wait,
+        }
+    }
+}
+
+impl Answer {
+    /// Returns what the agent, asked at this time, is to do.
+    pub fn new(time: SimTime, agent: AgentId, choice: GameChoice) -> Self {
+        let side = if agent.role.lights() { Side::Wumpus } else { Side::Unimog };
+        Self { t_ns: time.as_nanos(), side, number: agent.number, choice }
+    }
+
+    fn agent(&self) -> AgentId {
+        AgentId { role: self.side.role(), number: self.number }
+    }
+}
+
+/// Why a game cannot be replayed.
+#[derive(Debug, Error)]
+pub enum GameError {
+    #[error("this is no game: {0}")]
+    Malformed(#[from] serde_json::Error),
+    #[error("it is a game of format {found}; expected {FORMAT}")]
+    Format { found: u32 },
+    #[error("it names no side that is played; expected `wumpus` or `unimog`")]
+    NobodyPlays,
+}
+
+impl Game {
+    /// Begins a game without answers.
+    pub fn new(scenario: GameScenario, changes: Vec<String>, seed: u64, plays: Vec<Side>) -> Self {
+        Self { wildfire_game: FORMAT, scenario, changes, seed, plays, answers: Vec::new() }
+    }
+
+    /// Reads the JSON text of a game.
+    ///
+    /// # Errors
+    /// If it is none, is of another format, or nobody plays in it.
+    pub fn from_json(text: &str) -> Result<Self, GameError> {
+        let game: Self = serde_json::from_str(text)?;
+        match game.wildfire_game {
+            FORMAT if game.plays.is_empty() => Err(GameError::NobodyPlays),
+            FORMAT => Ok(game),
+            found => Err(GameError::Format { found }),
+        }
+    }
+
+    /// Loads the scenario, with the played sides following [`PLAYER`].
+    ///
+    /// # Errors
+    /// If it is refused.
+    pub fn load(&self) -> Result<LoadedScenario, Box<ScenarioError>> {
+        let text = self.text()?;
+        let goals = self.plays.iter().map(|side| format!("{}.goal={PLAYER}", side.role().name()));
+        let played = (!self.plays.is_empty()).then(|| format!("policy.{PLAYER}.command=[]"));
+        LoadedScenario::from_text(&text, &self.changes.iter().cloned().chain(played).chain(goals).collect::<Vec<_>>())
+    }
+
+    /// Loads the scenario as it is without players.
+    ///
+    /// # Errors
+    /// If it is refused.
+    pub fn load_unplayed(&self) -> Result<LoadedScenario, Box<ScenarioError>> {
+        LoadedScenario::from_text(&self.text()?, &self.changes)
+    }
+
+    fn text(&self) -> Result<ScenarioText, Box<ScenarioError>> {
+        match &self.scenario {
+            GameScenario::Name(name) => ScenarioText::built_in(name),
+            GameScenario::Text(text) => ScenarioText::from_bytes("scenario.toml", Ok(text.clone().into_bytes())),
+        }
+    }
+
+    /// Returns policies among which [`PLAYER`] gives this game's answers, and where the first question that it has no
+    /// answer to will be told.
+    pub fn replayed(&self) -> (Policies, Unanswered) {
+        let unanswered = Unanswered::default();
+        let (answers, first) = (Arc::new(self.answers.clone()), unanswered.clone());
+        let make = move |_: &PolicySite<'_>| {
+            let (answers, unanswered) = (Arc::clone(&answers), first.clone());
+            Ok(Box::new(Replayed { answers, next: 0, unanswered }) as Box<dyn Policy>)
+        };
+        (Policies::default().with(PLAYER, make).expect("no built-in policy has this name"), unanswered)
+    }
+}
+
+/// Returns policies among which [`PLAYER`] leaves every decision to [`Simulation::answer`](crate::Simulation::answer).
+pub fn played() -> Policies {
+    let make = |_: &PolicySite<'_>| Ok(Box::new(Outside) as Box<dyn Policy>);
+    Policies::default().with(PLAYER, make).expect("no built-in policy has this name")
+}
+
+/// Leaves every decision to somebody outside.
+pub(crate) struct Outside;
+
+impl Policy for Outside {
+    fn choose(&mut self, _: &Observation<'_>, _: &[AgentId]) -> Vec<(AgentId, Choice)> {
+        Vec::new()
+    }
+}
+
+/// The first question that a game has no answer to, in words; agents wait from there on.
+#[derive(Clone, Debug, Default)]
+pub struct Unanswered(Arc<Mutex<Option<String>>>);
+
+impl Unanswered {
+    /// Takes what there is to say, after the run.
+    pub fn take(&self) -> Option<String> {
+        self.0.lock().expect("nobody panics while holding it").take()
+    }
+}
+
+/// Gives the answers of a game.
+struct Replayed {
+    answers: Arc<Vec<Answer>>,
+    next: usize,
+    unanswered: Unanswered,
+}
+
+impl Policy for Replayed {
+    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+        let next = self.answers.get(self.next);
+        if let Some(answer) = next.filter(|next| next.t_ns == seen.now.as_nanos() && asked.contains(&next.agent())) {
+            self.next += 1;
+            return vec![(answer.agent(), answer.choice.into())];
+        }
+        let has = match next {
+            Some(next) => format!("the next answer is that of {} at {} s", next.agent(), next.t_ns as f64 / 1e9),
+            None => format!("there are {} answers", self.next),
+        };
+        let mut first = self.unanswered.0.lock().expect("nobody panics while holding it");
+        first.get_or_insert_with(|| format!("{} is asked at {} s, and {has}", asked[0], seen.now.as_seconds()));
+        asked.iter().map(|&agent| (agent, Choice::Wait)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{RunOptions, Simulation, run_with_options};
+
+    /// Plays a game by a rule of its own and returns it with its timeline.
+    fn play(mut game: Game) -> (Game, wildfire_timeline::Timeline) {
+        let scenario = game.load().expect("it is a scenario").scenario;
+        let options = RunOptions { policies: played(), ..RunOptions::default() };
+        let mut simulation = Simulation::with(&scenario, game.seed, &options).expect("it takes place");
+        let mut turn = 0;
+        while let Some(asked) = simulation.advance_to_question(SimTime::MAX).map(<[_]>::to_vec) {
+            // Not always the first who is asked, and now and then somebody waits.
+            let agent = asked[turn % asked.len()];
+            let cells = simulation.observe(|seen, _| seen.options(agent)).expect("a question waits");
+            let go = |cell: &Cell| GameChoice::Go(cell.col, cell.row);
+            let choice = if turn % 7 == 3 { GameChoice::Wait } else { cells.last().map_or(GameChoice::Wait, go) };
+            game.answers.push(Answer::new(simulation.now(), agent, choice));
+            simulation.answer(vec![(agent, choice.into())]);
+            turn += 1;
+        }
+        (game, simulation.finish().timeline)
+    }
+
+    fn game(scenario: &str, plays: &[Side]) -> Game {
+        let changes = vec!["duration_s=400".to_owned()];
+        Game::new(GameScenario::Name(scenario.to_owned()), changes, 4, plays.to_vec())
+    }
+
+    #[test]
+    fn the_answers_of_a_game_give_its_run() {
+        for (scenario, plays) in
+            [("smoke", &[Side::Wumpus][..]), ("fleet", &[Side::Unimog]), ("fleet", &[Side::Wumpus, Side::Unimog])]
+        {
+            let (game, timeline) = play(game(scenario, plays));
+            assert!(game.answers.len() > 10, "{scenario}: {} answers", game.answers.len());
+            let read = Game::from_json(&serde_json::to_string(&game).expect("it is JSON")).expect("it is a game");
+            assert_eq!(read, game);
+            let (policies, unanswered) = read.replayed();
+            let options = RunOptions { policies, ..RunOptions::default() };
+            let scenario = read.load().expect("it is a scenario").scenario;
+            let run = run_with_options(&scenario, read.seed, &options).expect("it takes place");
+            assert_eq!(unanswered.take(), None);
+            assert_eq!(run.timeline, timeline);
+            assert!(wildfire_audit::audit_timeline(&timeline, Default::default()).violation.is_none());
+        }
+    }
+
+    #[test]
+    fn a_question_without_an_answer_is_told() {
+        let (mut game, _) = play(game("smoke", &[Side::Wumpus]));
+        let count = game.answers.len();
+        game.answers.pop();
+        let (policies, unanswered) = game.replayed();
+        let options = RunOptions { policies, ..RunOptions::default() };
+        let scenario = game.load().expect("it is a scenario").scenario;
+        run_with_options(&scenario, game.seed, &options).expect("it takes place");
+        let told = unanswered.take().expect("an answer is missing");
+        assert!(told.starts_with("wumpus/0 is asked at"), "{told}");
+        assert!(told.ends_with(&format!("and there are {} answers", count - 1)), "{told}");
+    }
+
+    #[test]
+    fn what_is_no_game_is_refused() {
+        for (text, words) in [
+            ("[]", "this is no game"),
+            (r#"{"wildfire_game": 2, "scenario": {"name": "smoke"}, "seed": 1, "plays": ["unimog"]}"#, "format 2"),
+            (r#"{"wildfire_game": 1, "scenario": {"name": "smoke"}, "seed": 1, "plays": []}"#, "no side"),
+            (r#"{"wildfire_game": 1, "scenario": {"name": "smoke"}, "seed": -1, "plays": []}"#, "line 1"),
+        ] {
+            let refusal = Game::from_json(text).expect_err(text).to_string();
+            assert!(refusal.contains(words), "{refusal}");
+        }
+        assert!(game("nowhere", &[Side::Wumpus]).load().is_err());
+    }
+}

@@ -1,0 +1,125 @@
+//! `wildfire page`: a page that computes runs itself, to watch and to play, in one file.
+
+use std::env;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Args, ValueEnum};
+
+use crate::cli::args::parse_seed;
+use crate::cli::error::CliError;
+use crate::cli::output_files::{Files, Format, write_all};
+use wildfire_base::input_file;
+use wildfire_base::whole_file::write_whole;
+use wildfire_picture::film::play_page;
+use wildfire_sim::game::{Game, GameScenario, MAX_GAME_BYTES, Side};
+use wildfire_sim::scenario::{BUILT_IN, ScenarioText};
+
+/// The module's name beside the program, and where a build leaves it as seen from there.
+const MODULES: [&str; 2] = ["wildfire.wasm", "../wasm32-unknown-unknown/web/wildfire_web.wasm"];
+
+/// The largest module that is taken, in bytes.
+const MAX_MODULE_BYTES: u64 = 64_000_000;
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  wildfire page -o play.html
+  wildfire page fleet --seed 7 --side unimog -o dispatcher.html
+  wildfire page --game game.json -o game.html
+
+The page needs the program as a WebAssembly module. It is looked for beside the program; to build it:
+  rustup target add wasm32-unknown-unknown
+  cargo build -p wildfire-web --profile web --target wasm32-unknown-unknown")]
+pub struct PageArguments {
+    /// The scenario that the page begins with: a built-in one, or a file without maps of its own.
+    #[arg(value_name = "SCENARIO", default_value = "contest", conflicts_with = "game")]
+    pub scenario: String,
+    /// The seed that the page begins with.
+    #[arg(short, long, default_value_t = 1, value_parser = parse_seed, conflicts_with = "game")]
+    pub seed: u64,
+    /// A side that the reader plays; may be repeated.
+    #[arg(long = "side", value_enum, value_name = "SIDE", conflicts_with = "game")]
+    pub sides: Vec<PlayedSide>,
+    /// A game that the page goes on with.
+    #[arg(long, value_name = "FILE.json")]
+    pub game: Option<PathBuf>,
+    /// The module, in place of the one beside the program.
+    #[arg(long, value_name = "FILE.wasm")]
+    pub module: Option<PathBuf>,
+    /// Write the page to this file.
+    #[arg(short, long, value_name = "FILE.html")]
+    pub out: PathBuf,
+}
+
+/// A side of the contest, as options name it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PlayedSide {
+    /// The arsonist.
+    Wumpus,
+    /// The dispatcher of the fire trucks.
+    Unimog,
+}
+
+impl From<PlayedSide> for Side {
+    fn from(side: PlayedSide) -> Self {
+        match side {
+            PlayedSide::Wumpus => Self::Wumpus,
+            PlayedSide::Unimog => Self::Unimog,
+        }
+    }
+}
+
+pub fn run(arguments: &PageArguments, quiet: bool) -> Result<ExitCode, CliError> {
+    let game = match &arguments.game {
+        Some(path) => read_game(path)?,
+        None => first_game(arguments)?,
+    };
+    game.load()?;
+    let inputs = arguments.game.iter().chain(&arguments.module).map(PathBuf::as_path).collect();
+    Files { inputs, outputs: vec![(Format::Html, &arguments.out)], ..Files::default() }.check()?;
+    let module = read_module(arguments.module.as_deref())?;
+    let setup = serde_json::to_string(&game).expect("names and numbers are JSON");
+    let page = play_page(&module, &setup);
+    write_all(&[(Some(&arguments.out), &|path| write_whole(path, page.as_bytes()))], quiet)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn first_game(arguments: &PageArguments) -> Result<Game, CliError> {
+    let name = &arguments.scenario;
+    let scenario = if BUILT_IN.iter().any(|(known, _)| known == name) {
+        GameScenario::Name(name.clone())
+    } else {
+        GameScenario::Text(ScenarioText::open(name)?.text)
+    };
+    let mut plays: Vec<Side> = Vec::new();
+    for side in arguments.sides.iter().copied().map(Side::from) {
+        if !plays.contains(&side) {
+            plays.push(side);
+        }
+    }
+    Ok(Game::new(scenario, Vec::new(), arguments.seed, plays))
+}
+
+/// Reads a game that was saved from a page.
+pub fn read_game(path: &Path) -> Result<Game, CliError> {
+    let refuse = |reason: String| CliError::bad_input(format_args!("{}: {reason}", path.display()), None);
+    let text = input_file::read(path, MAX_GAME_BYTES).and_then(input_file::text);
+    let text = text.map_err(|error| refuse(format!("it cannot be read: {error}")))?;
+    Game::from_json(&text).map_err(|error| refuse(error.to_string()))
+}
+
+fn read_module(asked_for: Option<&Path>) -> Result<Vec<u8>, CliError> {
+    let beside = || {
+        let program = env::current_exe().ok()?.canonicalize().ok()?;
+        MODULES.iter().map(|name| program.with_file_name(name)).find(|path| path.is_file())
+    };
+    let Some(path) = asked_for.map(Path::to_owned).or_else(beside) else {
+        let sentence = format!("there is no module beside the program ({}); expected --module FILE.wasm", MODULES[0]);
+        return Err(CliError::bad_input(sentence, Some("`wildfire page --help` says how it is built")));
+    };
+    let refuse = |reason: String| CliError::bad_input(format_args!("{}: {reason}", path.display()), None);
+    let module =
+        input_file::read(&path, MAX_MODULE_BYTES).map_err(|error| refuse(format!("it cannot be read: {error}")))?;
+    if module.starts_with(b"\0asm") { Ok(module) } else { Err(refuse("it is no WebAssembly module".to_owned())) }
+}
