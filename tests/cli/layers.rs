@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The crates, lowest first, with those of ours that each uses.
-const CRATES: [(&str, &[&str]); 10] = [
+const CRATES: [(&str, &[&str]); 11] = [
     ("base", &[]),
     ("grid", &["base"]),
     ("fire", &["base"]),
@@ -20,6 +20,8 @@ const CRATES: [(&str, &[&str]); 10] = [
     ("batch", &["base", "planning", "timeline", "audit", "picture", "sim"]),
     // A window reads timelines; nothing in it can change an outcome.
     ("view", &["base", "picture"]),
+    // A browser has no batches, files and programs.
+    ("web", &["base", "picture", "sim", "timeline"]),
 ];
 
 /// Rooms of `batch`, each with those that it may use: first it is known which runs there are, then they take place, then
