@@ -9,7 +9,7 @@ use petgraph::unionfind::UnionFind;
 use super::PrmRsSettings;
 use crate::collision::CollisionChecker;
 use crate::memory::{BytesAfter, Growing, Held, MemoryMeter};
-use wildfire_base::geometry::{FieldFrame, Pose, ops};
+use wildfire_base::geometry::{Pose, ops};
 use wildfire_base::rng::Xoshiro256PlusPlus;
 use wildfire_base::vehicle::reeds_shepp::PricedCurve;
 use wildfire_base::vehicle::{CurvePrice, ReedsShepp, Segment};
@@ -30,9 +30,9 @@ pub type Level = usize;
 pub const LEVELS: usize = SCHEDULE.len();
 
 /// The number of times that more poses are tried about minor components.
-pub const BRIDGE_ROUNDS: u32 = 2;
+const BRIDGE_ROUNDS: u32 = 2;
 /// The most nodes of minor components that are looked at in a round.
-pub const MAX_MINOR: usize = 100;
+const MAX_MINOR: usize = 100;
 /// Nodes between which the field is tighter than this half way are not joined.
 const HOPELESS_M: f64 = 0.5;
 
@@ -193,25 +193,6 @@ impl Roadmap {
             looked_at: 0,
             memory: memory.holder(Growing::Curves),
         }
-    }
-
-    /// Bounds the bytes that these numbers of nodes and edges take, without the curves, in lists that double.
-    pub fn most_bytes(frame: &FieldFrame, nodes: u64, edges: u64) -> u64 {
-        // A node has a number in a set, a place where its links begin, and a place among those near another.
-        let node = size_of::<Milestone>() + 5 * size_of::<u32>() + size_of::<(f64, u32)>();
-        let edge = size_of::<Edge>() + size_of::<Link>();
-        2 * (nodes * node as u64 + edges * edge as u64) + Places::most_bytes(frame, nodes)
-    }
-
-    /// Bounds the bytes that these numbers of nodes and edges take, without the curves, of a roadmap that grows.
-    pub fn most_bytes_growing(frame: &FieldFrame, nodes: u64, edges: u64) -> u64 {
-        let node = size_of::<Milestone>() + size_of::<Option<(u32, u32)>>();
-        2 * (nodes * node as u64 + edges * size_of::<Edge>() as u64) + Tiles::most_bytes(frame, nodes)
-    }
-
-    /// Bounds the bytes that the curves of this number of edges take, in a list that doubles.
-    pub fn most_bytes_of_curves(edges: u64) -> u64 {
-        2 * edges * size_of::<PricedCurve>() as u64
     }
 
     /// Says whether there is memory for this number of further curves that are worked out.
