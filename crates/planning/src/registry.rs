@@ -28,7 +28,7 @@ use super::gate::Gated;
 use super::kit::drive_cost::DriveCost;
 use super::kit::local_search::PrimitiveSettings;
 use super::kit::safety::SafetySettings;
-use super::memory::{MemoryMeter, PlannerMemory};
+use super::memory::MemoryMeter;
 use super::planners::{hybrid_astar, lattice, prm_primitives, prm_rs};
 use super::smooth_steering::{CurvatureSmoother, SmoothSteering};
 
@@ -44,9 +44,6 @@ pub trait BuiltInPlanner: Sync {
     fn knows_time(&self) -> bool {
         false
     }
-
-    /// Bounds the memory that the planner takes on a field whose bushes have up to this number of convex corners.
-    fn memory(&self, frame: &FieldFrame, corners: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory;
 
     /// Returns the simulated time that its expansions cost.
     fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge;

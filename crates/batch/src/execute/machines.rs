@@ -61,7 +61,7 @@ pub struct Machines {
 
 impl Machine {
     /// The machine of this process, which makes runs on so many threads.
-    fn here(threads: usize) -> Self {
+    pub fn here(threads: usize) -> Self {
         Self {
             cpu: cpu_model().map(|name| shortened(&name)).filter(|name| !name.is_empty()),
             processors: thread::available_parallelism().map_or(1, NonZeroUsize::get),

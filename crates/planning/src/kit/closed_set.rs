@@ -45,12 +45,6 @@ impl ClosedSet {
         size_of::<Slot>() * self.slots.len() * if doubles { 3 } else { 1 }
     }
 
-    /// Bounds the bytes that the table takes while it grows to up to this number of bins.
-    pub fn most_bytes(bins: u64) -> u64 {
-        // At most half full, so up to four times as many slots as bins; twice those while it grows to more.
-        6 * bins.max(FIRST_CAPACITY as u64) * size_of::<Slot>() as u64
-    }
-
     pub fn clear(&mut self) {
         self.used = 0;
         self.generation = self.generation.wrapping_add(1);

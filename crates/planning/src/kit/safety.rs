@@ -149,15 +149,6 @@ impl Safety {
         Some(Self { frame, surcharge })
     }
 
-    /// Returns the bytes that it takes on a field, and bytes on top of that while it is worked out; none if all places cost the
-    /// same.
-    pub fn bytes(frame: &FieldFrame, settings: &SafetySettings) -> [u64; 2] {
-        let cells = frame.cell_count() as u64;
-        let value = if settings.map == SafetyMap::None { 0 } else { size_of::<f64>() as u64 };
-        // The map that nearness is worked out from has values of its own.
-        [cells * value, cells * value]
-    }
-
     /// Returns what a metre at this place costs more than 1; outside the field nothing.
     pub fn surcharge_at(&self, place: DVec2) -> f64 {
         let cell = self.frame.cell_at(place);

@@ -72,8 +72,6 @@ pub struct ScenarioField<'a> {
 pub struct FieldMeasures {
     pub frame: FieldFrame,
     pub bushes: u64,
-    /// Convex corners of bushes.
-    pub corners: u64,
 }
 
 /// Upper bounds of the memory that the agents of a kind take, in bytes.
@@ -81,12 +79,10 @@ pub struct FieldMeasures {
 pub struct AgentsMemory {
     /// The memory that they need in any case; parts of no bytes are left out later.
     pub parts: Vec<MemoryPart>,
-    /// Needed for a while as each is made, on top of that.
-    pub making: u64,
     /// The part of `parts` that grows and is counted as it does.
     pub counted: u64,
-    /// The most that searches, floods and curves can add.
-    pub grows: u64,
+    /// Says whether searches, floods and curves come on top.
+    pub searches: bool,
 }
 
 /// One part of the memory that a run needs.

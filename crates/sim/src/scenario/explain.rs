@@ -127,20 +127,15 @@ fn list_memory(scenario: &Scenario, limit: MemoryLimit) -> Vec<Block> {
     let parts = estimate.parts.iter().filter(|part| part.bytes >= estimate.needed() / 100);
     let term = |part: &MemoryPart| (format!("{:>8}", bytes_text(part.bytes)), part.name.clone());
     let terms = Block::Terms(parts.chain([&needed]).map(term).collect());
-    let sentence = match estimate.grows {
-        _ if estimate.meter(limit).is_err() => {
-            "No run takes place: that is more than the limit, and --memory sets another.".to_owned()
-        }
-        0 => "What the timeline holds comes on top of it; that is counted as it grows, and a run that comes to the \
-              limit fails."
-            .to_owned(),
-        grows => format!(
-            "Searches, floods and curves can add up to {} where drives are hard, and the timeline what it holds; that \
-             is counted as it grows, and a run that comes to the limit fails.",
-            bytes_text(grows)
-        ),
+    let sentence = if estimate.meter(limit).is_err() {
+        "No run takes place: that is more than the limit, and --memory sets another."
+    } else if estimate.has_trucks {
+        "Searches, floods, curves and the timeline come on top of it; they are counted as they grow, and a run that comes \
+         to the limit fails."
+    } else {
+        "What the timeline holds comes on top of it; that is counted as it grows, and a run that comes to the limit fails."
     };
-    vec![terms, Block::Text(sentence)]
+    vec![terms, Block::Text(sentence.to_owned())]
 }
 
 /// The indent of the map of a field.

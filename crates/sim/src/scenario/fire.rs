@@ -12,7 +12,7 @@ use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range, number_text}
 use wildfire_base::time::SimTime;
 use wildfire_fire::FireRules;
 use wildfire_fire::embers::{EmberSettings, Embers};
-use wildfire_fire::models::{AlexandridisRules, Radius, Rothermel, RothermelRules};
+use wildfire_fire::models::{AlexandridisRules, RothermelRules};
 
 /// The most pairs of a burning cell and a piece of a row in its radius.
 const MAX_SPREAD_PAIRS: f64 = 1e9;
@@ -164,16 +164,6 @@ impl Fire {
     /// kind has none of these, and is not checked so.
     pub fn recorded_rules(&self) -> Option<FireRules> {
         (self.model == FireModelName::Radius).then(|| self.rules())
-    }
-
-    /// Bounds the memory that the model takes on a field.
-    pub(super) fn most_bytes(&self, frame: &FieldFrame, with_fuel: u64) -> u64 {
-        match self.model {
-            FireModelName::Radius => Radius::most_bytes(frame, self.spread_radius_m, with_fuel),
-            FireModelName::Rothermel => Rothermel::most_bytes(frame.cell_count() as u64),
-            // It keeps nothing but a few factors.
-            FireModelName::Alexandridis => 0,
-        }
     }
 
     pub(super) fn describe(&self) -> String {

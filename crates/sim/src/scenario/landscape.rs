@@ -143,13 +143,6 @@ pub fn cover(scenario: &Scenario, seed: u64, frame: &FieldFrame) -> Result<Optio
     if settings.features().lay(&mut fuel, frame, seed, &free) { Ok(Some(fuel)) } else { Err(NoRiver) }
 }
 
-/// Bounds the memory of the ground of a run on a field, and of laying it.
-pub fn most_bytes(scenario: &Scenario, frame: &FieldFrame) -> u64 {
-    // The fuel before and after bushes grow on it, a relief, and heights while they are added up.
-    let cell = 2 * size_of::<u8>() + size_of::<[f32; 2]>() + size_of::<f64>();
-    if scenario.fire.model == FireModelName::Radius { 0 } else { (cell * frame.cell_count()) as u64 }
-}
-
 /// Says whether no bush can grow on a fuel: on water, roads and other ground that is known not to burn.
 pub fn is_bare(fuel: u8) -> bool {
     FuelModel::by_number(fuel).is_some_and(|model| !model.burns())

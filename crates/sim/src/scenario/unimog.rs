@@ -24,8 +24,7 @@ use wildfire_base::rng;
 use wildfire_base::trajectory::SpeedLimits;
 use wildfire_base::vehicle::Dimensions;
 use wildfire_planning::collision::CollisionChecker;
-use wildfire_planning::memory::{MemoryMeter, PlannerMemory};
-use wildfire_planning::reachability::Reachability;
+use wildfire_planning::memory::MemoryMeter;
 use wildfire_planning::registry::{BuiltInPlanner, Charge, RoadmapSize};
 use wildfire_planning::{
     BuildReport, DriveCost, HybridSettings, LatticeSettings, MakeError, PlannerName, Planners, PrimitiveSettings,
@@ -393,9 +392,9 @@ impl AgentList for Vec<Unimog> {
         // What planners that are not built in take is theirs.
         let memory = |truck: &Unimog| {
             let planner = truck.planner.built_in()?;
-            Some((planner, planner.maker().memory(&field.frame, field.corners, &truck.planner_settings())))
+            Some((planner, field.truck_planner(planner, &truck.planner_settings())))
         };
-        let trucks: Vec<(TruckPlannerKind, PlannerMemory)> = self.iter().filter_map(memory).collect();
+        let trucks: Vec<(TruckPlannerKind, [u64; 2])> = self.iter().filter_map(memory).collect();
         let mut parts = Vec::new();
         for kind in TruckPlannerKind::ALL {
             let own = || trucks.iter().filter(|(planner, _)| *planner == kind).map(|(_, memory)| memory);
@@ -403,18 +402,11 @@ impl AgentList for Vec<Unimog> {
                 1 => format!("{what} of a truck ({kind})"),
                 count => format!("{what}s of {count} trucks ({kind})"),
             };
-            parts.push(MemoryPart::new(name("the planner"), own().map(|memory| memory.held).sum()));
-            parts.push(MemoryPart::new(name("the flood"), own().map(|memory| memory.floods).sum()));
+            parts.push(MemoryPart::new(name("the planner"), own().map(|[held, _]| held).sum()));
+            parts.push(MemoryPart::new(name("the flood"), own().map(|[_, floods]| floods).sum()));
         }
-        let of_all = |of: fn(&PlannerMemory) -> u64| trucks.iter().map(move |(_, memory)| of(memory));
-        AgentsMemory {
-            parts,
-            // They are made one after the other.
-            making: of_all(|memory| memory.making).max().unwrap_or(0),
-            counted: of_all(|memory| memory.floods).sum(),
-            grows: of_all(|memory| memory.grows).sum::<u64>()
-                + self.len() as u64 * Reachability::most_bytes(&field.frame),
-        }
+        let counted = trucks.iter().map(|(_, [_, floods])| floods).sum();
+        AgentsMemory { parts, counted, searches: !self.is_empty() }
     }
 }
 

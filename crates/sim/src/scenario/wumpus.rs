@@ -17,7 +17,7 @@ use wildfire_base::or_none;
 use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range, number_text};
 use wildfire_grid::potential::{Attraction, Repulsion, RepulsionDistance};
 use wildfire_planning::registry::describe_charge;
-use wildfire_planning::walk::{Estimate, LatticeShape, PotentialSettings, WalkLattice, WalkMethod, WalkPlanner};
+use wildfire_planning::walk::{Estimate, LatticeShape, PotentialSettings, WalkLattice, WalkMethod};
 use wildfire_planning::{SafetyMap, SafetySettings};
 
 /// The most points of a Wumpus's lattice: their numbers have to fit into 32 bits. Memory allows far fewer.
@@ -31,11 +31,9 @@ const MAX_TRIES: f64 = 2.5e7;
 /// The most points of all lattices on which is looked for what can be lit, and for free places: a fifth of a second.
 const MAX_POINTS_LOOKED_AT: f64 = 5e6;
 
-/// Points of a walk that a Wumpus's memory is estimated for; a walk across the largest field has as many.
-const MAX_POINTS_OF_WALKS: f64 = 2e4;
-
-/// The memory that a Wumpus takes beside its walk.
-const BYTES_OF_A_WUMPUS: u64 = 20_000;
+/// The memory that a Wumpus takes alone: its walk as it is computed and taken, of up to 20,000 points, which a walk across
+/// the largest field has, and its small things.
+const BYTES_OF_A_WUMPUS: u64 = 500_000;
 
 /// The most pairs of a bush and a place near it that the search for the nearest place looks at.
 const MAX_LOOKS: f64 = 1e7;
@@ -147,16 +145,16 @@ impl Wumpus {
     }
 
     /// Bounds the memory that it alone takes in a run of this length.
-    fn most_bytes(&self, field: &FieldMeasures, duration_s: f64) -> u64 {
+    fn own_bytes(&self, field: &FieldMeasures, duration_s: f64) -> u64 {
+        if !self.gives_up_in_minima() {
+            return BYTES_OF_A_WUMPUS;
+        }
         let shape = self.lattice_shape(&field.frame);
-        let points = WalkLattice::point_count(&field.frame, &shape);
-        // Its place in the order of bushes, its walk as it is worked out and taken, and its own small things.
-        let own = 3 * points.min(MAX_POINTS_OF_WALKS) as u64 * size_of::<usize>() as u64 + BYTES_OF_A_WUMPUS;
         // Goals that it failed on, by the point it tried from: entries of a tree whose nodes may be half empty.
-        let places = points.min(duration_s * self.speed_mps / shape.step_m + 1.0);
-        let bytes_of_failures = field.bushes as f64 * places * 3.0 * size_of::<(usize, Cell)>() as f64;
-        let failed = if self.gives_up_in_minima() { bytes_of_failures } else { 0.0 };
-        own + failed as u64
+        let places =
+            WalkLattice::point_count(&field.frame, &shape).min(duration_s * self.speed_mps / shape.step_m + 1.0);
+        let failed = field.bushes as f64 * places * 3.0 * size_of::<(usize, Cell)>() as f64;
+        BYTES_OF_A_WUMPUS + failed as u64
     }
 }
 
@@ -181,18 +179,6 @@ impl WalkGround {
 
     fn has_targets_of(&self, other: &Self) -> bool {
         self.has_lattice_of(other) && self.reach_m == other.reach_m
-    }
-
-    /// Bounds the bytes of each part, if it is not shared: lattice, planner, targets.
-    fn bytes(&self, field: &FieldMeasures) -> [u64; 3] {
-        let points = WalkLattice::point_count(&field.frame, &self.shape) as u64;
-        let has_factors = self.safety.map != SafetyMap::None;
-        // Which connected part each point belongs to.
-        let lattice = WalkLattice::most_bytes(&field.frame, points) + points * size_of::<u32>() as u64;
-        let planner = WalkPlanner::most_bytes(points, &self.method, has_factors);
-        // Targets, and what is walled in, in lists that double; of what can be reached from two parts there are two.
-        let targets = 4 * field.bushes * size_of::<Cell>() as u64;
-        [lattice, planner, targets]
     }
 }
 
@@ -370,12 +356,13 @@ impl AgentList for Vec<Wumpus> {
         };
         let mut shared = [0, 0, 0];
         for (number, ground) in grounds.iter().enumerate() {
+            let bytes = field.walk(WalkLattice::point_count(&field.frame, &ground.shape) as u64);
             let sharing = [WalkGround::has_lattice_of, WalkGround::has_planner_of, WalkGround::has_targets_of];
-            for ((sum, bytes), is_shared) in shared.iter_mut().zip(ground.bytes(field)).zip(sharing) {
+            for ((sum, bytes), is_shared) in shared.iter_mut().zip(bytes).zip(sharing) {
                 *sum += if is_first(number, is_shared) { bytes } else { 0 };
             }
         }
-        let own = self.iter().map(|wumpus| wumpus.most_bytes(field, duration_s)).sum();
+        let own = self.iter().map(|wumpus| wumpus.own_bytes(field, duration_s)).sum();
         let [lattices, planners, targets] = shared;
         let parts = [
             ("the lattices of Wumpuses", lattices),

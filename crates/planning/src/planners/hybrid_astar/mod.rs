@@ -13,11 +13,10 @@ use crate::kit::lattice::Lattice;
 use crate::kit::path_improvement::Improvement;
 use crate::kit::relaxed_search::{RelaxedSearch, RelaxedSettings};
 use crate::kit::target::Target;
-use crate::memory::PlannerMemory;
 use crate::observer::{PlanningObserver, PlanningWork, Unobserved};
 use crate::registry::{BuiltInPlanner, Charge, Site, TruckPlannerSettings, describe_charge};
 use crate::{BuildReport, Effort, Goal, GoalDisc, Plan, TruckPlanner};
-use wildfire_base::geometry::{FieldFrame, Pose};
+use wildfire_base::geometry::Pose;
 use wildfire_base::trajectory::SpeedLimits;
 use wildfire_base::vehicle::Path;
 
@@ -101,10 +100,6 @@ impl BuiltInPlanner for Maker {
 
     fn knows_time(&self) -> bool {
         true
-    }
-
-    fn memory(&self, frame: &FieldFrame, _: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
-        RelaxedSearch::memory(frame, settings.hybrid.max_expansions)
     }
 
     fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {

@@ -8,12 +8,11 @@ mod settings;
 
 pub use settings::LatticeSettings;
 
-use crate::kit::floods::{FloodQuery, FloodSearch, Floods, LATTICES};
-use crate::memory::PlannerMemory;
+use crate::kit::floods::{FloodQuery, FloodSearch, LATTICES};
 use crate::observer::{PlanningObserver, PlanningWork, Unobserved};
 use crate::registry::{BuiltInPlanner, Charge, Site, TruckPlannerSettings, describe_charge};
 use crate::{BuildReport, Effort, Found, FoundBy, Goal, Plan, TruckPlanner};
-use wildfire_base::geometry::{FieldFrame, Pose};
+use wildfire_base::geometry::Pose;
 
 /// The planner for one body on one field.
 #[derive(Debug)]
@@ -58,11 +57,6 @@ impl BuiltInPlanner for Maker {
 
     fn tables(&self) -> &'static [&'static str] {
         &["lattice"]
-    }
-
-    fn memory(&self, frame: &FieldFrame, _: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
-        let floods = Floods::most_bytes(frame, LATTICES.len(), settings.lattice.max_expansions);
-        PlannerMemory { floods, ..PlannerMemory::default() }
     }
 
     fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {

@@ -18,7 +18,6 @@ use crate::kit::ends::{explain_failure, free_ends};
 use crate::kit::local_search::LocalSearch;
 use crate::kit::safety::Safety;
 use crate::kit::target::Target;
-use crate::memory::PlannerMemory;
 use crate::observer::{PlanningObserver, PlanningWork, Unobserved};
 use crate::registry::{BuiltInPlanner, Charge, RoadmapSize, Site, TruckPlannerSettings, describe_charge};
 use crate::{BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, Plan, PlanFailure, TruckPlanner};
@@ -185,20 +184,6 @@ impl BuiltInPlanner for Maker {
 
     fn tables(&self) -> &'static [&'static str] {
         &["prm", "primitives", "safety"]
-    }
-
-    fn memory(&self, frame: &FieldFrame, _: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
-        let TruckPlannerSettings { prm, primitives, safety, .. } = *settings;
-        let [roadmap, joining] = Roadmap::most_bytes(frame, prm);
-        let [surcharges, map] = Safety::bytes(frame, safety);
-        let samples = u64::from(prm.samples_on(frame));
-        let edges = samples * u64::from(prm.neighbours);
-        PlannerMemory {
-            held: roadmap + surcharges + RoadmapScratch::most_bytes(samples, edges),
-            making: joining.max(map),
-            floods: 0,
-            grows: LocalSearch::most_bytes(primitives),
-        }
     }
 
     fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {

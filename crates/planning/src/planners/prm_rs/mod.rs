@@ -32,15 +32,14 @@ use crate::kit::milestone_tiles::is_small;
 use crate::kit::path_improvement::{Improvement, PathImprover};
 use crate::kit::relaxed_search::RelaxedSearch;
 use crate::kit::target::Target;
-use crate::memory::{MemoryMeter, PlannerMemory};
+use crate::memory::MemoryMeter;
 use crate::observer::{PlanningObserver, PlanningWork, Unobserved};
 use crate::registry::{BuiltInPlanner, Charge, RoadmapSize, Site, TruckPlannerSettings, describe_charge};
 use crate::{BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, Plan, TruckPlanner};
 use glam::DVec2;
 use rand::Rng;
-use roadmap::{BRIDGE_ROUNDS, MAX_MINOR, Roadmap, RoadmapSite, SCHEDULE};
+use roadmap::{Roadmap, RoadmapSite, SCHEDULE};
 use sample::Sampler;
-pub use sample::count_convex_corners;
 use search::{RoadmapQuery, RoadmapSearch};
 use wildfire_base::geometry::{FieldFrame, Pose};
 use wildfire_base::query::SearchPhase;
@@ -286,27 +285,6 @@ impl BuiltInPlanner for Maker {
 
     fn knows_time(&self) -> bool {
         true
-    }
-
-    fn memory(&self, frame: &FieldFrame, corners: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
-        let prm_rs = settings.prm_rs;
-        let drawn = u64::from(prm_rs.samples_on(frame)) + Sampler::most_corner_samples(corners, prm_rs.corner_places);
-        let nodes = drawn + u64::from(BRIDGE_ROUNDS) * Sampler::most_near(MAX_MINOR as u64);
-        let edges = nodes * u64::from(prm_rs.neighbours);
-        let fallback = RelaxedSearch::memory(frame, settings.hybrid.max_expansions);
-        let at_work = RoadmapSearch::most_bytes_at_work(nodes, edges);
-        if !is_small(frame) {
-            let edges = 2 * edges;
-            let roadmap = Roadmap::most_bytes_growing(frame, nodes, edges) + RoadmapSearch::bytes(nodes);
-            let grows = fallback.grows + roadmap + Roadmap::most_bytes_of_curves(edges) + at_work;
-            return PlannerMemory { grows, ..fallback };
-        }
-        PlannerMemory {
-            held: fallback.held + Roadmap::most_bytes(frame, nodes, edges) + RoadmapSearch::bytes(nodes),
-            making: Sampler::most_bytes(drawn),
-            grows: fallback.grows + Roadmap::most_bytes_of_curves(edges) + at_work,
-            ..fallback
-        }
     }
 
     fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {
