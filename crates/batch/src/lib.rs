@@ -30,9 +30,8 @@ mod table;
 pub use drives::made_up_drives;
 pub use drives::{
     COMPARED, DRIVE_COLUMNS, DRIVE_LEGEND, DriveColumn, DriveContrast, DriveFailure, DriveQuery, DriveTable,
-    INTERVAL_LEGEND, MAX_QUERIES, MEASURES, Measure, PlannerSummary, QueryCost, RowMember, SummaryMember,
-    contrast_table, failure_sentences, interval_tables, queries_words, rows_table, shortened_field, summary_table,
-    violation_sentences,
+    INTERVAL_LEGEND, MAX_QUERIES, MEASURES, Measure, PlannerSummary, QueryCost, contrast_table, failure_sentences,
+    interval_tables, queries_words, rows_table, shortened_field, summary_table, violation_sentences,
 };
 pub use execute::{
     AGENTS_FILE, Append, Batch, BatchError, BatchStatus, CALLS_PARQUET, CHARTS_FOLDER, CpuSplit, Disk, Found,
@@ -42,7 +41,7 @@ pub use execute::{
     StrangeEntry, Survey, TABLES_FILE, Whole, batch_status, file_name_of, limit_threads, with_threads,
 };
 pub use maps::{
-    BatchMaps, BatchQuantity, BatchSide, MapDifference, MapSource, MapsError, MapsOptions, RunMean, map_batches,
+    BatchMaps, BatchQuantity, BatchSide, Losses, MapDifference, MapSource, MapsError, MapsOptions, RunMean, map_batches,
 };
 pub use plan::{
     BatchPlan, BatchRequest, COMMIT, COMPILER, CourseError, CoursePlan, CourseRefusal, CourseRequest, LONG_VERSION,

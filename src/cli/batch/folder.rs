@@ -11,7 +11,7 @@ use std::time::Duration;
 use clap::Args;
 use serde::Serialize;
 
-use super::answer::{BatchAnswer, ReportAnswer, ShownTables};
+use super::answer::{BatchObject, ReportAnswer, ShownTables, summary};
 use super::keeping::LockArguments;
 use super::{exit_code, list, note_leftovers, note_repeated};
 use crate::cli::args::{PaperArguments, ProgramArguments, jobs_or_usual, parse_jobs};
@@ -133,7 +133,8 @@ pub fn merge(arguments: &MergeArguments, quiet: bool) -> Result<ExitCode, CliErr
         note_leftovers(&merged.leftovers);
         note_repeated(merged.repeated);
     }
-    terminal::print(&arguments.form.render(&BatchAnswer::new(&merged.plan, &folder, &merged.report)))?;
+    let object = BatchObject::new(&merged.plan, folder.path(), &merged.report);
+    terminal::print(&arguments.form.render_either(&object, || summary(&merged.plan, &folder, &merged.report)))?;
     Ok(exit_code(merged.report.not_done()))
 }
 
@@ -276,8 +277,9 @@ pub fn report(arguments: &ReportArguments, context: &CommandContext) -> Result<E
     terminal::note_unknown_letters([written.unknown_letters.as_str()], context.quiet);
     if !arguments.form.is_text() {
         let shown = ShownTables { columns: &quantities.places(), rows: arguments.rows };
-        let answer = ReportAnswer::new(batch.plan(), batch.folder(), &written, &shown);
-        terminal::print(&arguments.form.render(&answer))?;
+        let answer = ReportAnswer::new(batch.plan(), batch.folder(), &written);
+        let document = || shown.document(batch.plan(), batch.folder(), &written);
+        terminal::print(&arguments.form.render_either(&answer, document))?;
         return Ok(ExitCode::SUCCESS);
     }
     let (page, charts) = (written.page.display(), written.charts_folder.display());

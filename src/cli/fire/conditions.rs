@@ -7,14 +7,13 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use serde::{Serialize, Serializer};
-
 use crate::cli::error::CliError;
 use crate::cli::fire::options::{
     AZIMUTHS_DEG, DEAD_MOISTURES, LIVE_MOISTURES, SLOPES, SlopeArguments, WINDS_MPS, no_such_fuel,
 };
 use crate::cli::number_table::{Column, Columns, NumberTable};
 use wildfire_base::geometry::compass;
+use wildfire_base::object::Members;
 use wildfire_base::whole_file::WholeFile;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::surface::{FuelBed, FuelMoisture, SurfaceFire, SurfaceOptions, WindLimit, flame_length_m};
@@ -63,16 +62,9 @@ pub const DIRECTION_COLUMNS: [DirectionColumn; 4] = [
     ("ray_horizontal_m_min", |fire, azimuth| 60.0 / fire.ellipse().travel_s(compass::unit_toward(azimuth))),
 ];
 
-/// A fire over one azimuth, which is serialised under the names of its columns.
-pub struct Direction<'a> {
-    pub fire: &'a SurfaceFire,
-    pub azimuth: f64,
-}
-
-impl Serialize for Direction<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(DIRECTION_COLUMNS.map(|(name, value)| (name, value(self.fire, self.azimuth))))
-    }
+/// Returns a fire over one azimuth under the names of its columns.
+pub fn direction(fire: &SurfaceFire, azimuth: f64) -> Members<&'static str, f64> {
+    Members(DIRECTION_COLUMNS.map(|(name, value)| (name, value(fire, azimuth))).into())
 }
 
 /// The places of two columns among those that are read.

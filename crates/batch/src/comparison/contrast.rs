@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use serde::Serialize;
+
 use crate::comparison::metric::{Metric, MetricKind};
 use crate::comparison::pairs::Pairs;
 use crate::comparison::sides::Side;
@@ -66,7 +68,7 @@ impl Method {
 }
 
 /// Times of which some are cut off.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CutOff {
     /// Times beyond this count as this much on both sides: where the first of the waits in vain ended.
     pub horizon: Option<f64>,

@@ -140,6 +140,18 @@ pub enum Verdict {
     Equal,
 }
 
+impl Verdict {
+    /// Returns the name, as objects and tables write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Difference => "difference",
+            Self::NoEvidence => "no-evidence",
+            Self::NotAmongSoMany => "no-evidence-among-several-tests",
+            Self::Equal => "equal",
+        }
+    }
+}
+
 /// Compares batches, given as folders or as their tables of runs: each with the first, or the parts of a single one.
 ///
 /// Without names, the usual metrics are compared.

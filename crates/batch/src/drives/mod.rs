@@ -19,5 +19,5 @@ pub use documents::{
 };
 pub use made_up::made_up_drives;
 pub use query::{DRIVE_COLUMNS, DriveColumn, DriveFailure, DriveQuery, QueryCost};
-pub use summary::{MEASURES, Measure, PlannerSummary, SummaryMember};
-pub use table::{DriveTable, MAX_QUERIES, RowMember};
+pub use summary::{MEASURES, Measure, PlannerSummary};
+pub use table::{DriveTable, MAX_QUERIES};

@@ -5,12 +5,12 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::sync::Arc;
 
-use serde::ser::SerializeMap;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use crate::drives::query::{DRIVE_COLUMNS, DriveFailure, DriveQuery, QueryCost};
 use crate::plan::{MAX_VARIANTS, Setting, Value};
 use crate::table::{Lines, TableError, TableReader};
+use wildfire_base::object::Members;
 use wildfire_base::untrusted::visible_start;
 use wildfire_base::whole_file::WholeFile;
 use wildfire_planning::judge::DriveFigures;
@@ -59,9 +59,16 @@ impl DriveTable {
         self.rows.iter().map(|row| &row.planner).filter(|name| seen.insert(Arc::clone(name))).cloned().collect()
     }
 
-    /// Returns the rows as they are written into JSON.
-    pub fn members(&self) -> Vec<RowMember<'_>> {
-        self.rows.iter().map(|query| RowMember { table: self, query }).collect()
+    /// Returns the rows as they are written into JSON: the seed and the values of the variant if there are any, then
+    /// the columns.
+    pub fn members(&self) -> Vec<impl Serialize> {
+        let member = |query: &DriveQuery| {
+            let seed = query.seed.map(|seed| (SEED.to_owned(), seed.into()));
+            let swept = self.keys.iter().cloned().zip(self.variants[query.variant].iter().cloned());
+            let own = DRIVE_COLUMNS.iter().map(|column| (column.name.to_owned(), (column.value)(query)));
+            Members(seed.into_iter().chain(swept).chain(own).collect())
+        };
+        self.rows.iter().map(member).collect()
     }
 
     /// Writes a row for each query; numbers read back as the same `f64`, and no spreadsheet computes a name.
@@ -91,23 +98,6 @@ impl DriveTable {
     /// If it is none, holds nothing, or more than is kept in memory.
     pub fn read(path: &Path) -> Result<Self, TableError> {
         Reading::open(path)?.finish()
-    }
-}
-
-/// A row as JSON has it: the seed and the values of its variant if there are any, then its columns.
-pub struct RowMember<'a> {
-    table: &'a DriveTable,
-    query: &'a DriveQuery,
-}
-
-impl Serialize for RowMember<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(None)?;
-        self.query.seed.map_or(Ok(()), |seed| map.serialize_entry(SEED, &seed))?;
-        let swept = self.table.keys.iter().zip(&self.table.variants[self.query.variant]);
-        swept.into_iter().try_for_each(|(key, value)| map.serialize_entry(key, value))?;
-        DRIVE_COLUMNS.iter().try_for_each(|column| map.serialize_entry(column.name, &(column.value)(self.query)))?;
-        map.end()
     }
 }
 

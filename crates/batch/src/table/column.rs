@@ -195,6 +195,15 @@ pub enum Better {
     Lower,
 }
 
+impl Better {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Higher => "higher",
+            Self::Lower => "lower",
+        }
+    }
+}
+
 /// Words for the best of some variants.
 #[derive(Clone, Copy, Debug)]
 pub struct Aim {

@@ -1,6 +1,6 @@
 //! A ranking as a document.
 
-use crate::comparison::{Better, Contrast, EntryAudit, RankedEntry, RankedPair, Ranking, p_words};
+use crate::comparison::{Contrast, EntryAudit, RankedEntry, RankedPair, Ranking, p_words};
 use wildfire_base::document::number::{count, optional, percent, probability, rounded, two_digits};
 use wildfire_base::document::{Block, Document, Figure, Table};
 use wildfire_base::untrusted::visible_start;
@@ -24,10 +24,7 @@ different.";
 
 impl From<&Ranking> for Document {
     fn from(ranking: &Ranking) -> Self {
-        let better = match ranking.better {
-            Better::Higher => "higher",
-            Better::Lower => "lower",
-        };
+        let better = ranking.better.name();
         let entries = count_words(ranking.entries.len());
         let mut document =
             Self::new(format!("{entries} by {}, {better} is better", visible_start(&ranking.metric.name)));
