@@ -139,8 +139,7 @@ impl TryFrom<CallFields> for PlannerCall {
 impl From<PlannerCall> for CallFields {
     fn from(call: PlannerCall) -> Self {
         let agent = 2 * u32::from(call.agent.number) + u32::from(call.agent.role.suppresses());
-        let place_of = |failure| PlanFailure::ALL.iter().position(|known| *known == failure);
-        let failure = call.answer.err().map_or(0, |failure| 1 + place_of(failure).expect("all failures are listed"));
+        let failure = call.answer.err().map_or(0, |failure| 1 + failure as usize);
         let plan = call.answer.ok();
         let plan = plan.map(|plan| (plan.length_m, plan.segments, plan.cusps, plan.duration_s, plan.found_by.into()));
         let Effort { roadmap_expansions, local_expansions } = call.effort;
