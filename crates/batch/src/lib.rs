@@ -29,9 +29,11 @@ mod table;
 #[doc(hidden)]
 pub use drives::made_up_drives;
 pub use drives::{
-    COMPARED, DRIVE_COLUMNS, DRIVE_LEGEND, DriveColumn, DriveContrast, DriveFailure, DriveQuery, DriveTable,
-    INTERVAL_LEGEND, MAX_QUERIES, MEASURES, Measure, PlannerSummary, QueryCost, contrast_table, failure_sentences,
-    interval_tables, queries_words, rows_table, shortened_field, summary_table, violation_sentences,
+    Attempt, COMPARED, DRIVE_COLUMNS, DRIVE_LEGEND, DriveColumn, DriveContrast, DriveError, DriveFailure,
+    DriveProblems, DriveQuery, DriveRequest, DriveTable, INTERVAL_LEGEND, MAX_QUERIES, MEASURES, Measure,
+    PlannerSummary, QueryCost, Question, ask_all, asked_planners, attempts, contrast_table, expect_known_planners,
+    failure_sentences, interval_tables, missed, own_names, queries_words, rows_table, shortened_field, summary_table,
+    violation_sentences,
 };
 pub use execute::{
     AGENTS_FILE, Append, Batch, BatchError, BatchStatus, CALLS_PARQUET, CHARTS_FOLDER, CpuSplit, Disk, Found,

@@ -4,14 +4,13 @@ use std::collections::BTreeMap;
 
 use serde::{Serialize, Serializer};
 
-use crate::cli::plan::attempts::Attempt;
 use crate::cli::plan::repeat::Repeat;
 use wildfire_base::document::number::count;
 use wildfire_base::document::{Block, Document};
 use wildfire_base::object;
 use wildfire_base::vehicle::Path;
 use wildfire_batch::{
-    DRIVE_LEGEND, DriveTable, PROGRAM_VERSION, PlannerSummary, failure_sentences, rows_table, shortened_field,
+    Attempt, DRIVE_LEGEND, DriveTable, PROGRAM_VERSION, PlannerSummary, failure_sentences, rows_table, shortened_field,
     summary_table, violation_sentences,
 };
 use wildfire_picture::{DriveScene, DrivenWays, Picture, draw_drives};

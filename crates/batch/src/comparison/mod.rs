@@ -269,7 +269,8 @@ impl TestFamily {
     }
 }
 
-fn adjusted(p_values: impl Iterator<Item = Option<f64>>) -> Vec<Option<f64>> {
+/// Adjusts the p-values of one family by Holm's method.
+pub(crate) fn adjusted(p_values: impl Iterator<Item = Option<f64>>) -> Vec<Option<f64>> {
     let p_values: Vec<_> = p_values.collect();
     let mut adjusted = holm(&p_values.iter().copied().flatten().collect::<Vec<_>>()).into_iter();
     p_values.into_iter().map(|p_value| p_value.and_then(|_| adjusted.next())).collect()

@@ -265,7 +265,7 @@ mod tests {
         for agent in &outcome.agents {
             let calls: Vec<_> = detail.calls.iter().filter(|call| call.agent == agent.agent).collect();
             let failed = calls.iter().filter(|call| call.answer.is_err()).count() as u32;
-            assert_eq!((calls.len() as u32, failed), (agent.plans, agent.failures.iter().sum()), "{}", agent.agent);
+            assert_eq!((calls.len() as u32, failed), (agent.plans, agent.failures.sum()), "{}", agent.agent);
             // What queries took is part of what the agent's planning took in all.
             let cpu: Duration = calls.iter().map(|call| call.cpu.expect("it is measured")).sum();
             let all = cost.agents.iter().find(|cost| cost.agent == agent.agent).expect("it has a cost").total();

@@ -1,6 +1,7 @@
 //! What a column is: its name, what it means, in which unit and of which kind it is, and how its value is found.
 
 use std::borrow::Cow;
+use std::cmp::Ordering;
 
 /// The kind of values that a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -200,6 +201,14 @@ impl Better {
         match self {
             Self::Higher => "higher",
             Self::Lower => "lower",
+        }
+    }
+
+    /// Orders numbers so that the better one comes first.
+    pub fn best_first(self, one: f64, other: f64) -> Ordering {
+        match self {
+            Self::Higher => other.total_cmp(&one),
+            Self::Lower => one.total_cmp(&other),
         }
     }
 }

@@ -12,8 +12,8 @@ use crate::comparison::{Contrast, JudgedContrast, Metric, NumberPair, Verdict, j
 use crate::plan::BatchPlan;
 use crate::stats::Series;
 use crate::table::{Aim, Better};
-use wildfire_base::document::number::{rounded, two_digits};
-use wildfire_picture::charts::{Estimate, ForestChart, ForestRow, Titles};
+use wildfire_base::document::number::two_digits;
+use wildfire_picture::charts::{Estimate, ForestChart, Titles};
 
 /// The most rows of a chart of differences that is not over a key.
 const MOST_ROWS: usize = 60;
@@ -168,13 +168,9 @@ impl Compared {
     /// Draws a row for each of the others, and for each stratum where that makes a difference.
     pub fn forest(&self) -> ForestChart {
         let row = |name: &String, judged: &JudgedContrast| {
-            let Estimate { value, interval } = estimate(judged);
-            let decimals = interval.map_or(2, |(low, high)| two_digits(0.5 * (high - low)).min(6));
-            let number = |value: f64| rounded(value, decimals);
-            let ends = |(low, high)| format!("{} ({} to {})", number(value), number(low), number(high));
-            let words = interval.map_or_else(|| number(value), ends);
-            let is_told_apart = judged.verdict == Verdict::Difference;
-            ForestRow { name: name.clone(), difference: Some(Estimate { value, interval }), words, is_told_apart }
+            let half_width = judged.contrast.interval.map(|ends| 0.5 * (ends.high - ends.low));
+            let decimals = half_width.map_or(2, |half| two_digits(half).min(6));
+            judged.contrast.forest_row(name.clone(), decimals, judged.verdict == Verdict::Difference)
         };
         let rows = self.others.iter().flat_map(|other| {
             let strata = other.strata().filter(|_| other.dependence().is_some());
