@@ -28,7 +28,7 @@ use wildfire_base::time::wall::WallStopwatch;
 use wildfire_batch::{
     BatchError, BatchPlan, ChosenQuantities, FieldPicture, FinishedBatch, JournalError, MissingRuns, NotableRun,
     OutputFolder, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts, Slice, SliceState, Survey, batch_status,
-    limit_threads, notable_runs, runs_with_pages, shell_word, write_report,
+    limit_threads, notable_runs, range_words, runs_with_pages, shell_word, write_report,
 };
 use wildfire_picture::film::{FrameRequest, RunView, ViewOptions, still};
 
@@ -247,20 +247,9 @@ fn merge_error(error: BatchError, folder: &OutputFolder, lock: &LockArguments) -
     let help = format!(
         "run the first with: {command}; as an array of Slurm all of them, with the script that was submitted: sbatch \
          --array={} SCRIPT",
-        ranges_of(&numbers)
+        range_words(&numbers, "-")
     );
     CliError::bad_input(words_for(&missing, &first.of().to_string()), Some(&help))
-}
-
-/// Writes rising numbers as ranges, as `1,3-5`.
-fn ranges_of(numbers: &[u64]) -> String {
-    let follows = |one: &u64, next: &u64| one + 1 == *next;
-    let ranges = numbers.chunk_by(follows).map(|range| match range {
-        [one] => one.to_string(),
-        [first, .., last] => format!("{first}-{last}"),
-        [] => String::new(),
-    });
-    ranges.collect::<Vec<_>>().join(",")
 }
 
 /// Writes the page on a batch, and its charts.
@@ -470,15 +459,4 @@ fn next_step(folder: &OutputFolder, slices: &[(Slice, SliceState)], lock: &LockA
     }
     let (purpose, command) = next_command(folder.path(), slices, &lock.words())?;
     Some(format!("{purpose} with: {command}"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_written_as_slurm_reads_them() {
-        assert_eq!(ranges_of(&[1, 3, 4, 5, 9, 10]), "1,3-5,9-10");
-        assert_eq!(ranges_of(&[7]), "7");
-    }
 }

@@ -21,7 +21,7 @@ pub fn write(path: &Path, comparison: &Comparison) -> io::Result<()> {
                 side: against.letter,
                 against: 'A',
                 metric: spreadsheet_cell(&contrast.metric.name),
-                unit: contrast.metric.unit.symbol(),
+                unit: contrast.metric.about.unit.symbol(),
                 pairs: contrast.pairs,
                 mean_a,
                 mean,

@@ -148,7 +148,7 @@ impl Contrast {
         let differences = differences_by_seed(&pairs, &strata);
         let contrast = match metric.kind {
             MetricKind::Answer { .. } => contrast_rates(metric, &all, &differences, strata.contrasts.len()),
-            MetricKind::Sum(_) | MetricKind::Time { .. } => contrast_numbers(metric, &all, &differences),
+            _ => contrast_numbers(metric, &all, &differences),
         };
         Some((contrast?, Some(strata)))
     }
@@ -175,7 +175,7 @@ fn numbers_of(metric: &Metric, rows: &[Vec<f64>; 2], horizon: f64) -> Option<[f6
 /// Returns the metric of a run from the values of its columns; NaN where there is none.
 pub(super) fn number_of(metric: &Metric, row: &[f64], horizon: f64) -> f64 {
     match metric.kind {
-        MetricKind::Sum(_) => row.iter().sum(),
+        MetricKind::Column(_) | MetricKind::Sum(_) | MetricKind::Unknown => row.iter().sum(),
         MetricKind::Answer { .. } => row[0],
         MetricKind::Time { .. } => lifetime(row).map_or(f64::NAN, |lifetime| lifetime.time.min(horizon)),
     }
@@ -187,7 +187,7 @@ pub(crate) fn contrast_of_pairs(metric: &Metric, pairs: &[[f64; 2]]) -> Option<C
         MetricKind::Answer { .. } => {
             contrast_answers(metric, pairs.iter().map(|[ours, theirs]| (*ours > 0.0, *theirs > 0.0)))
         }
-        MetricKind::Sum(_) | MetricKind::Time { .. } => {
+        _ => {
             let differences: Vec<f64> = pairs.iter().map(|[ours, theirs]| theirs - ours).collect();
             contrast_numbers(metric, pairs, &differences)
         }

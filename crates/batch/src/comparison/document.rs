@@ -123,8 +123,8 @@ fn forest(against: &AgainstA) -> Block {
     let row = |judged: &JudgedContrast| {
         let Contrast { metric, means: [mean_a, _], .. } = &judged.contrast;
         let is_told_apart = judged.verdict == Verdict::Difference;
-        let row = judged.contrast.forest_row(metric.name.clone(), decimals(&judged.contrast), is_told_apart);
-        let unit = match metric.unit.symbol() {
+        let row = judged.contrast.forest_row(metric.name.to_string(), decimals(&judged.contrast), is_told_apart);
+        let unit = match metric.about.unit.symbol() {
             "" | "1" => String::new(),
             symbol => format!(" {symbol}"),
         };
@@ -160,7 +160,7 @@ fn differences(against: &AgainstA) -> Table {
         let number = |value: f64| rounded(value, decimals);
         let ends = Interval::ends(contrast.interval).map(|end| optional(end, decimals));
         let [ours, theirs] = contrast.means.map(number);
-        let cells = [contrast.metric.name.clone(), contrast.pairs.to_string(), ours, theirs];
+        let cells = [contrast.metric.name.to_string(), contrast.pairs.to_string(), ours, theirs];
         cells.into_iter().chain([number(contrast.difference)]).chain(ends).collect()
     };
     Table::new(&headings, against.judged.iter().map(row).collect())
@@ -173,7 +173,7 @@ fn tests(against: &AgainstA) -> Table {
         let or_dash = |value: Option<String>| value.unwrap_or_else(|| "-".into());
         let of_strata = judged.by_stratum.as_ref().and_then(|strata| strata.p_adjusted);
         let cells = [
-            contrast.metric.name.clone(),
+            contrast.metric.name.to_string(),
             or_dash(judged.p_adjusted.map(probability)),
             method(contrast.p_method).into(),
             optional(contrast.effect_dz, 2),

@@ -176,7 +176,7 @@ pub fn compare(paths: &[PathBuf], selection: &Selection, metrics: &[String]) -> 
             first_column += columns.len();
             match Contrast::new(metric, a, other, &pairs, &columns) {
                 Some(contrast) => contrasts.push(contrast),
-                None => missing.push((other.letter, metric.name.clone())),
+                None => missing.push((other.letter, metric.name.to_string())),
             }
         }
         against_a.push(Unjudged { letter: other.letter, settings, pairs, contrasts });
@@ -292,9 +292,9 @@ impl JudgedContrast {
     /// The verdict as a sentence, without a full stop.
     pub fn sentence(&self, letter: char) -> String {
         let Contrast { metric, difference, interval, pairs, .. } = &self.contrast;
-        let said = sentence(&metric.name, metric.phrase, letter, *difference, *interval);
+        let said = sentence(&metric.name, metric.about.phrase, letter, *difference, *interval);
         let of_interval =
-            |interval| format!("95 % interval of {letter} less A: {}", interval_words(metric.phrase, interval));
+            |interval| format!("95 % interval of {letter} less A: {}", interval_words(metric.about.phrase, interval));
         let not_sure = interval.map_or_else(|| said.clone(), of_interval);
         let by_ranks = self.by_ranks(letter);
         let said = match self.verdict {

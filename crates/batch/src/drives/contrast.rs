@@ -91,7 +91,7 @@ fn contrasts(planner: &str, against: &str, rows: &[DriveQuery]) -> Vec<DriveCont
             .filter(|pair| pair.iter().all(|row| row.solved().is_some()))
             .filter_map(|[theirs, ours]| Some([measure.number(theirs)?, measure.number(ours)?]))
             .collect();
-        contrast(measure.column, heading, MetricKind::Sum(vec![measure.column.to_owned()]), &numbers)
+        contrast(measure.column, heading, MetricKind::Unknown, &numbers)
     });
     success.into_iter().chain(figures).collect()
 }

@@ -82,7 +82,7 @@ impl Unit {
 }
 
 /// A column of a table whose rows are found from something, with `value`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Column<F> {
     pub name: &'static str,
     pub words: &'static str,
@@ -99,6 +99,22 @@ pub struct Column<F> {
     /// The words for the best in it, of a column in which reports compare variants.
     pub aim: Option<Aim>,
     pub value: F,
+}
+
+impl Column<()> {
+    /// A column that is not the program's own.
+    pub const UNKNOWN: Self = Self {
+        name: "",
+        words: "",
+        unit: Unit::None,
+        kind: Kind::Real,
+        is_required: false,
+        title: "",
+        better: None,
+        phrase: None,
+        aim: None,
+        value: (),
+    };
 }
 
 impl<F: Copy> Column<F> {
@@ -128,7 +144,7 @@ impl<F: Copy> Column<F> {
     }
 
     /// Returns all of it but how its value is found.
-    pub fn without_value(&self) -> Column<()> {
+    pub const fn without_value(&self) -> Column<()> {
         let Self { name, words, unit, kind, is_required, title, better, phrase, aim, .. } = *self;
         Column { name, words, unit, kind, is_required, title, better, phrase, aim, value: () }
     }
@@ -214,7 +230,7 @@ impl Better {
 }
 
 /// Words for the best of some variants.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aim {
     /// The deed of the best: `saved the most bushes`.
     pub best: &'static str,

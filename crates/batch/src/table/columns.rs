@@ -486,14 +486,9 @@ pub const STATE_COLUMNS: &[StateColumn] = columns! { StateColumn, state;
 
 /// Returns the index of a column of [`RUN_COLUMNS`]; a name that is not there is an error when the program is compiled.
 pub const fn run_column(name: &str) -> usize {
-    place(RUN_COLUMNS, name)
-}
-
-/// Returns the index of a column, in the same way.
-pub const fn place<F>(columns: &[Column<F>], name: &str) -> usize {
     let mut index = 0;
-    while index < columns.len() {
-        if is_same(columns[index].name.as_bytes(), name.as_bytes()) {
+    while index < RUN_COLUMNS.len() {
+        if is_same(RUN_COLUMNS[index].name.as_bytes(), name.as_bytes()) {
             return index;
         }
         index += 1;

@@ -121,7 +121,7 @@ fn forest(ranking: &Ranking) -> Block {
         let pair = ranking.pair(0, place)?;
         Some(pair.contrast.forest_row(visible_start(&entry.name), decimals, pair.is_told_apart()))
     });
-    let symbol = ranking.metric.unit.symbol();
+    let symbol = ranking.metric.about.unit.symbol();
     let (metric, unit) = (visible_start(&ranking.metric.name), if symbol.is_empty() { "1" } else { symbol });
     let titles = Titles {
         title: format!("Less {}, with 95 % intervals", name(&ranking.entries[0])),

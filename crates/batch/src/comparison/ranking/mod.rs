@@ -165,8 +165,8 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
     let files = paths.iter().map(|path| runs_table::open(path)).collect::<Result<Vec<_>, _>>()?;
     let name = request.metric.clone().unwrap_or_else(|| USUAL_METRIC.into());
     let metric = Metric::choose(&[name], &files)?.remove(0);
-    let better = request.better.or(metric.better);
-    let better = better.ok_or_else(|| RankingError::WhichIsBetter { metric: metric.name.clone() })?;
+    let better = request.better.or(metric.about.better);
+    let better = better.ok_or_else(|| RankingError::WhichIsBetter { metric: metric.name.to_string() })?;
     let of_metric = metric.fields();
     let tables =
         files.into_iter().map(|file| RunsTable::read(file, &of_metric)).collect::<Result<Vec<RunsTable>, _>>()?;
@@ -295,7 +295,7 @@ fn numbers(
     let mut numbers: Vec<Vec<f64>> = rows.iter().map(|rows| rows.iter().map(number).collect()).collect();
     let known = || numbers.iter().flatten().copied().filter(|number| !number.is_nan());
     if known().next().is_none() && rows.iter().flatten().any(Option::is_some) {
-        return Err(RankingError::NoValues { metric: metric.name.clone() });
+        return Err(RankingError::NoValues { metric: metric.name.to_string() });
     }
     let worst = match (&metric.kind, better) {
         (MetricKind::Answer { .. }, Better::Lower) => 1.0,
