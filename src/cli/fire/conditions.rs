@@ -4,7 +4,7 @@
 //! Numbers are the shortest decimals that read back as the same `f64`. A row is read, written and forgotten before the
 //! next.
 
-use std::io::{self, Write};
+use std::io;
 use std::path::Path;
 
 use crate::cli::error::CliError;
@@ -86,28 +86,23 @@ pub fn write_fires(
     }
     let mut conditions = NumberTable::open(input, columns(&added))?;
     let mut table = WholeFile::create(output).map_err(unwritable)?;
-    write_row(&mut table, conditions.row(), format_args!("{}", added.join(","))).map_err(unwritable)?;
+    conditions.write_row(&mut table, format_args!("{}", added.join(","))).map_err(unwritable)?;
     let [mut rows, mut without_fire] = [0; 2];
     while let Some(numbers) = conditions.next()? {
         let fire = fire(&conditions, &numbers, options)?;
         let values = FIRE_COLUMNS.map(|(_, value)| value(&fire).to_string()).join(",");
         if azimuths.is_empty() {
-            write_row(&mut table, conditions.row(), format_args!("{values}")).map_err(unwritable)?;
+            conditions.write_row(&mut table, format_args!("{values}")).map_err(unwritable)?;
         }
         for &azimuth in azimuths {
             let of_azimuth = DIRECTION_COLUMNS.map(|(_, value)| value(&fire, azimuth).to_string()).join(",");
-            write_row(&mut table, conditions.row(), format_args!("{values},{of_azimuth}")).map_err(unwritable)?;
+            conditions.write_row(&mut table, format_args!("{values},{of_azimuth}")).map_err(unwritable)?;
         }
         rows += 1;
         without_fire += u64::from(fire.rate_mps == 0.0);
     }
     table.finish().map_err(unwritable)?;
     Ok([rows, without_fire])
-}
-
-fn write_row(table: &mut WholeFile, row: &[u8], added: std::fmt::Arguments) -> io::Result<()> {
-    table.write_all(row)?;
-    writeln!(table, ",{added}")
 }
 
 fn columns<'a>(added: &'a [&'static str]) -> Columns<'a, 11> {

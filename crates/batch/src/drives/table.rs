@@ -163,23 +163,8 @@ impl<'a> Reading<'a> {
     fn row(&mut self) -> Result<DriveQuery, TableError> {
         let seed = self.seed.map(|place| self.reader.count(place, "a seed")).transpose()?;
         let variant = self.variant()?;
-        let [
-            field,
-            goal,
-            planner,
-            success,
-            reason,
-            build,
-            query,
-            length,
-            ratio,
-            clearance,
-            cusps,
-            drive,
-            expansions,
-            violation,
-        ] = self.columns;
-        let reader = &self.reader;
+        let (reader, at) = (&self.reader, |column| self.columns[drive_column(column)]);
+        let [success, reason, violation] = ["success", "reason", VIOLATION].map(at);
         let is_there = |place: usize| place != usize::MAX && !reader.bytes(place).is_empty();
         let small = |place: usize| {
             let too_large = |_| reader.wrong_value(place, "a smaller number");
@@ -187,19 +172,21 @@ impl<'a> Reading<'a> {
         };
         let figures = || {
             Ok::<_, TableError>(DriveFigures {
-                length_m: self.number(length)?,
-                lower_bound_ratio: is_there(ratio).then(|| self.number(ratio)).transpose()?,
-                min_clearance_m: self.number(clearance)?,
-                cusps: small(cusps)?,
-                drive_s: self.number(drive)?,
+                length_m: self.number(at("length_m"))?,
+                lower_bound_ratio: is_there(at("lower_bound_ratio"))
+                    .then(|| self.number(at("lower_bound_ratio")))
+                    .transpose()?,
+                min_clearance_m: self.number(at("min_clearance_m"))?,
+                cusps: small(at("cusps"))?,
+                drive_s: self.number(at("drive_s"))?,
             })
         };
         let cost = || {
-            let (cpu_build_s, cpu_query_s) = (self.number(build)?, self.number(query)?);
+            let (cpu_build_s, cpu_query_s) = (self.number(at("cpu_build_s"))?, self.number(at("cpu_query_s"))?);
             Ok::<_, TableError>(QueryCost {
                 cpu_build_s,
                 cpu_query_s,
-                expansions: reader.count(expansions, "a whole number")?,
+                expansions: reader.count(at("expansions"), "a whole number")?,
             })
         };
         let known = |known: Option<_>| known.ok_or_else(|| reader.wrong_value(reason, "a reason why there is no path"));
@@ -212,9 +199,10 @@ impl<'a> Reading<'a> {
         let failure = (!success && violation.is_none() || is_there(reason))
             .then(|| known(DriveFailure::parse(reader.bytes(reason))))
             .transpose()?;
-        let figures = (success || is_there(length)).then(figures).transpose()?;
-        let cost = is_there(query).then(cost).transpose()?;
-        let goal = small(goal)? as usize;
+        let figures = (success || is_there(at("length_m"))).then(figures).transpose()?;
+        let cost = is_there(at("cpu_query_s")).then(cost).transpose()?;
+        let goal = small(at("goal"))? as usize;
+        let [field, planner] = ["field", "planner"].map(at);
         let (field, planner) = (self.name(field)?, self.name(planner)?);
         Ok(DriveQuery { seed, variant, field, goal, planner, cost, figures, failure, violation, message: None })
     }
@@ -263,6 +251,11 @@ impl<'a> Reading<'a> {
         }
         Ok(())
     }
+}
+
+/// Returns the place of a column among [`DRIVE_COLUMNS`].
+fn drive_column(name: &str) -> usize {
+    DRIVE_COLUMNS.iter().position(|column| column.name == name).expect("there is such a column")
 }
 
 fn unfit(path: &Path, complaint: String) -> TableError {

@@ -1,7 +1,6 @@
 //! `wildfire fire spread --model alexandridis`: many fires of the automaton, and how much they burn.
 
 use std::io::{self, Write};
-use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::Arc;
 use std::thread;
@@ -10,6 +9,7 @@ use serde::{Serialize, Serializer};
 
 use super::automaton_arguments::AutomatonArguments;
 use super::{LitCell, SpreadArguments};
+use crate::cli::args::jobs_or_all;
 use crate::cli::error::CliError;
 use crate::cli::fire::options::WindStep;
 use crate::cli::output_files::{self, Files, Format};
@@ -100,7 +100,7 @@ fn burn_all(automaton: &Alexandridis, frame: &FieldFrame, lit: &[Cell], argument
         // All that was lit has burned or burns; what is left could still be lit.
         Burned { area: frame.cell_count() - fires.flammable().len(), last_step }
     };
-    let jobs = jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get) as u32;
+    let jobs = jobs_or_all(jobs) as u32;
     let mut fires = vec![Burned { area: 0, last_step: 0 }; runs as usize];
     let share = runs.div_ceil(jobs.min(runs)) as usize;
     thread::scope(|scope| {
