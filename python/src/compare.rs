@@ -80,7 +80,7 @@ pub fn compare<'py>(
                 against.letter.to_string().into(),
                 words.clone().into(),
                 description_a.clone().into(),
-                contrast.metric.name.clone().into(),
+                contrast.metric.name.to_string().into(),
                 (contrast.pairs as u64).into(),
                 contrast.means[0].into(),
                 contrast.means[1].into(),
