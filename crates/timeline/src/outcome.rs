@@ -252,6 +252,7 @@ mod tests {
     use super::super::sample::{self, A, B, C, SECOND_TRUCK, TRUCK, WUMPUS, at, ignited, leg, planned};
     use super::*;
     use crate::{AgentFact, EndReason, Event, Fact, FireFact, RestReason};
+    use wildfire_base::query::PlanFailure;
 
     fn run(agents: &[AgentId], events: Vec<Event>) -> Timeline {
         Timeline { setting: sample::small_setting(agents), events, ground: Vec::new() }

@@ -117,6 +117,9 @@ pub struct Session {
     run: Option<Making>,
 }
 
+/// The policies that decide for a player, by side.
+type Substitutes = Vec<(Side, Box<dyn Policy>)>;
+
 /// A run in the making.
 struct Making {
     game: Game,
@@ -124,7 +127,7 @@ struct Making {
     /// Answers of a game that was opened, still to be carried out.
     given: std::vec::IntoIter<Answer>,
     /// The policies that the scenario names for the sides that are played.
-    substitutes: Vec<(Side, Box<dyn Policy>)>,
+    substitutes: Substitutes,
 }
 
 impl Session {
@@ -308,7 +311,7 @@ impl Making {
 }
 
 /// Makes the policies that the scenario names for the sides that are played.
-fn substitutes(game: &Game, scenario: &Scenario) -> Result<Vec<(Side, Box<dyn Policy>)>, Refusal> {
+fn substitutes(game: &Game, scenario: &Scenario) -> Result<Substitutes, Refusal> {
     let terrain = Terrain::from_scenario(scenario, game.seed).map_err(RunError::from)?;
     let lightable = terrain.lightable(scenario.fire.lights_ground());
     let site = RuleSite {

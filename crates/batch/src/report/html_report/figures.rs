@@ -317,7 +317,7 @@ fn state_curves(curves: &StateCurves, shown: &[&'static Metric]) -> Vec<Curve> {
         points: points.clone(),
     };
     let all = STATES.iter().zip(state_styles()).zip(&curves.0);
-    all.filter(|((state, _), _)| shown.contains(&state)).map(curve).collect()
+    all.filter(|((state, _), _)| shown.contains(state)).map(curve).collect()
 }
 
 /// The curves of intact obstacles are left out where no other curve or band is higher than this.
