@@ -403,6 +403,12 @@ tables_of_settings! {
     safety: SafetySettings,
 }
 
+/// Settings of which a scenario gives one: their paths in the table of a truck, and what each says.
+pub const ALTERNATIVES: [(&str, &str, &str); 2] = [
+    ("prm.samples_per_hectare", "prm.samples", "each says how many samples there are"),
+    ("prm_rs.samples_per_hectare", "prm_rs.samples", "each says how many samples there are"),
+];
+
 /// Describes the simulated time that an expansion costs.
 pub fn describe_charge(seconds_per_expansion: f64) -> String {
     if seconds_per_expansion == 0.0 {

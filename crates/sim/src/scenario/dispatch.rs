@@ -6,8 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Scenario, TrafficRules, Water};
-use wildfire_base::geometry::FieldFrame;
-use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+use wildfire_base::ranges;
 
 /// The most rollouts of one decision: some seconds of CPU time.
 const MAX_ROLLOUTS: f64 = 100_000.0;
@@ -165,12 +164,7 @@ impl Dispatch {
     }
 }
 
-impl SettingsTable for Dispatch {
-    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
-        check_range("rollouts", self.rollouts.into(), 1.0..=MAX_ROLLOUTS)?;
-        check_range("seconds_per_evaluation", self.seconds_per_evaluation, 0.0..=1000.0)
-    }
-}
+ranges! { Dispatch { rollouts: 1.0..=MAX_ROLLOUTS, seconds_per_evaluation: 0.0..=1000.0 } }
 
 /// What the team of trucks knows of the field when its policy decides.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -217,11 +211,7 @@ impl Sight {
     }
 }
 
-impl SettingsTable for Sight {
-    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
-        check_range("radius_m", self.radius_m, 0.0..=1e6)
-    }
-}
+ranges! { Sight { radius_m: 0.0..=1e6 } }
 
 /// Describes how trucks are sent and what they see, where the scenario says so.
 pub(super) fn describe_team(scenario: &Scenario) -> Vec<String> {

@@ -12,6 +12,7 @@ use super::check::{Check, TablePath};
 use super::given::{GivenField, MAX_CELLS_A_SIDE};
 use super::tetromino::Shape;
 use wildfire_base::geometry::FieldFrame;
+use wildfire_base::ranges;
 use wildfire_base::ranges::number_text;
 use wildfire_grid::map_files::raster::MAX_RASTER_SIDE;
 use wildfire_grid::map_files::{Reading, Tolerance};
@@ -174,8 +175,7 @@ impl Field {
 
 impl Field {
     pub(super) fn check(&self, table: &TablePath) -> Check {
-        table.number("cell_m", self.cell_m, 0.01..=1000.0)?;
-        table.number("start_clearance_m", self.start_clearance_m, 0.0..=1e6)?;
+        table.settings(self, &self.frame())?;
         if self.given.is_some() {
             return Ok(());
         }
@@ -236,6 +236,8 @@ impl Field {
         )
     }
 }
+
+ranges! { Field { cell_m: 0.01..=1000.0, start_clearance_m: 0.0..=1e6 } }
 
 /// Converts a share to percent, rounded to hundredths.
 pub(super) fn percent(share: f64) -> f64 {

@@ -12,7 +12,7 @@ use super::layers::Weights;
 use super::path::PathStep;
 use wildfire_base::geometry::{Cell, FieldFrame, ops};
 use wildfire_base::or_none;
-use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+use wildfire_base::ranges;
 use wildfire_base::rng;
 
 /// The most `[[ignition]]` entries, and the most cells that they name in all.
@@ -50,12 +50,7 @@ impl Suppression {
     }
 }
 
-impl SettingsTable for Suppression {
-    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
-        self.reach_m.map_or(Ok(()), |reach_m| check_range("reach_m", reach_m, 0.0..=1e6))?;
-        check_range("dwell_s", self.dwell_s, 0.1..=1e6)
-    }
-}
+ranges! { Suppression { reach_m: 0.0..=1e6, dwell_s: 0.1..=1e6 } }
 
 /// Selects what one stop puts out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -91,13 +86,7 @@ impl Score {
     }
 }
 
-impl SettingsTable for Score {
-    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
-        check_range("wumpus_ignited", self.wumpus_ignited, -1e6..=1e6)?;
-        check_range("wumpus_burned_out", self.wumpus_burned_out, -1e6..=1e6)?;
-        check_range("truck_extinguished", self.truck_extinguished, -1e6..=1e6)
-    }
-}
+ranges! { Score { wumpus_ignited: -1e6..=1e6, wumpus_burned_out: -1e6..=1e6, truck_extinguished: -1e6..=1e6 } }
 
 /// Cells that catch fire by themselves at a given time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -176,9 +165,6 @@ impl TryFrom<IgnitionEntry> for Ignition {
     type Error = &'static str;
 
     fn try_from(entry: IgnitionEntry) -> Result<Self, Self::Error> {
-        if entry.weights.is_some() && entry.density.is_none() {
-            return Err("`weights` is unknown; a raster of weights is `density`");
-        }
         let cells = match (entry.cells, entry.random, entry.density) {
             (Some(cells), None, None) => IgnitionCells::Cells(cells),
             (None, Some(count), None) => IgnitionCells::Random(count),

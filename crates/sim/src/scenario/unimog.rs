@@ -13,13 +13,14 @@ use serde_json::Value;
 use super::agents::{
     AgentList, AgentsMemory, BlockedStarts, FieldMeasures, SHOWN_ALIKE, SHOWN_SEED, ScenarioField, SketchedStart,
 };
-use super::check::{Check, ROUNDING_M, TablePath};
+use super::check::{Check, TablePath};
 use super::goal::{TruckGoal, describe_choice};
 use super::program::{Program, Programs};
 use super::truck_starts::first_without_place;
 use super::{MemoryPart, Scenario};
-use wildfire_base::geometry::{DVec2, FieldFrame, Pose, ops};
+use wildfire_base::geometry::{DVec2, FieldFrame, Pose};
 use wildfire_base::or_none;
+use wildfire_base::ranges;
 use wildfire_base::rng;
 use wildfire_base::trajectory::SpeedLimits;
 use wildfire_base::vehicle::Dimensions;
@@ -32,9 +33,6 @@ use wildfire_planning::{
     PrmRsSettings, PrmSettings, RoadmapGoal, SafetySettings, Site, TruckPlanner, TruckPlannerKind,
     TruckPlannerSettings, is_hardly_connected,
 };
-
-/// The largest steering angle, degrees: beyond it front wheels push the truck sideways rather than turn it.
-const MAX_STEERING_DEG: f64 = 60.0;
 
 /// Sideways acceleration that a laden truck can take on loose ground, m/s2; about 0.4 g.
 const LATERAL_GRIP_MPS2: f64 = 4.0;
@@ -348,7 +346,7 @@ impl AgentList for Vec<Unimog> {
             if truck.goal == TruckGoal::NearestByDrive && truck.retarget == Retarget::OnEvent {
                 return table.refuse("retarget", "on-event".into(), "`never` with the goal `nearest-by-drive`".into());
             }
-            check_unimog(&table, truck, &frame)
+            table.inside("start", &truck.vehicle.footprint(truck.start.pose()).corners(), &frame)
         })
     }
 
@@ -418,19 +416,12 @@ impl AgentList for Vec<Unimog> {
     }
 }
 
-fn check_unimog(table: &TablePath, unimog: &Unimog, frame: &FieldFrame) -> Check {
-    check_vehicle(&table.inner("vehicle"), &unimog.vehicle)?;
-    table.number("speed_mps", unimog.speed_mps, 0.001..=1000.0)?;
-    table.number("reverse_speed_mps", unimog.reverse_speed_mps, 0.001..=1000.0)?;
-    table.number("seconds_per_expansion", unimog.seconds_per_expansion, 0.0..=1e6)?;
-    let limits = table.inner("limits");
-    limits.optional("acceleration_mps2", unimog.limits.acceleration_mps2, 0.001..=1000.0)?;
-    limits.optional("braking_mps2", unimog.limits.braking_mps2, 0.001..=1000.0)?;
-    limits.optional("lateral_mps2", unimog.limits.lateral_mps2, 0.001..=1000.0)?;
-    check_planner_settings(table, unimog, frame)?;
-    table.inner("start").number("heading_deg", unimog.start.heading_deg, -360.0..=360.0)?;
-    table.inside("start", &unimog.vehicle.footprint(unimog.start.pose()).corners(), frame)
-}
+ranges! { Unimog {
+    speed_mps: 0.001..=1000.0, reverse_speed_mps: 0.001..=1000.0, seconds_per_expansion: 0.0..=1e6;
+    start, vehicle, limits, prm, primitives, prm_rs, hybrid, lattice, safety,
+} }
+ranges! { StartPose { heading_deg: -360.0..=360.0 } }
+ranges! { Limits { acceleration_mps2: 0.001..=1000.0, braking_mps2: 0.001..=1000.0, lateral_mps2: 0.001..=1000.0 } }
 
 fn check_planner_name(table: &TablePath, planner: &PlannerName, programs: &Programs) -> Check {
     if planner.built_in().is_some() || programs.contains_key(planner) {
@@ -443,35 +434,8 @@ fn check_planner_name(table: &TablePath, planner: &PlannerName, programs: &Progr
 
 /// Checks that the first truck's planners can work on a field that may not be the one of their scenario.
 pub fn check_planners(unimog: &Unimog, frame: &FieldFrame) -> Check {
-    check_planner_settings(&TablePath::named("unimog"), unimog, frame)
-}
-
-fn check_planner_settings(table: &TablePath, unimog: &Unimog, frame: &FieldFrame) -> Check {
+    let table = TablePath::named("unimog");
     unimog.planner_settings().tables().try_for_each(|own| table.inner(own.name).settings(own.settings, frame))
-}
-
-/// Checks that a body is possible, and that its steering reaches its turning radius.
-pub fn check_vehicle(table: &TablePath, body: &Dimensions) -> Check {
-    table.number("length_m", body.length_m, 0.1..=100.0)?;
-    table.number("width_m", body.width_m, 0.1..=100.0)?;
-    table.number("rear_overhang_m", body.rear_overhang_m, 0.0..=body.length_m)?;
-    table.number("wheelbase_m", body.wheelbase_m, 0.1..=body.length_m)?;
-    if body.rear_overhang_m + body.wheelbase_m > body.length_m + ROUNDING_M {
-        let room = body.length_m - body.rear_overhang_m;
-        let expected = format!("a front axle under the body, at most {room} m ahead of the rear axle");
-        return table.refuse("wheelbase_m", body.wheelbase_m.to_string(), expected);
-    }
-    table.number("turning_radius_m", body.turning_radius_m, 0.1..=10_000.0)?;
-    if body.turning_radius_m < 0.5 * body.width_m {
-        let expected = "a centre of turning outside the body, at least half the width away".into();
-        return table.refuse("turning_radius_m", body.turning_radius_m.to_string(), expected);
-    }
-    if body.max_steering_rad().to_degrees() > MAX_STEERING_DEG {
-        let least_m = body.wheelbase_m / ops::tan(MAX_STEERING_DEG.to_radians());
-        let expected = format!("at least {least_m:.3}, which steering by {MAX_STEERING_DEG} degrees gives");
-        return table.refuse("turning_radius_m", body.turning_radius_m.to_string(), expected);
-    }
-    table.optional("steering_rate_deg_s", body.steering_rate_deg_s, 1.0..=1000.0)
 }
 
 /// Describes what a truck is and does.

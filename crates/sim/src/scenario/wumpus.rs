@@ -14,7 +14,8 @@ use super::program::Programs;
 use super::{MemoryPart, Scenario, Terrain};
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
 use wildfire_base::or_none;
-use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range, number_text};
+use wildfire_base::ranges;
+use wildfire_base::ranges::number_text;
 use wildfire_grid::potential::{Attraction, Repulsion, RepulsionDistance};
 use wildfire_planning::registry::describe_charge;
 use wildfire_planning::walk::{Estimate, LatticeShape, PotentialSettings, WalkLattice, WalkMethod, WalkPlanner};
@@ -389,27 +390,18 @@ impl AgentList for Vec<Wumpus> {
 }
 
 fn check_wumpus(table: &TablePath, wumpus: &Wumpus, frame: &FieldFrame) -> Check {
-    table.number("size_m", wumpus.size_m, 0.01..=100.0)?;
-    table.number("speed_mps", wumpus.speed_mps, 0.001..=1000.0)?;
-    table.number("reach_m", wumpus.reach_m, 0.0..=1e6)?;
-    table.optional("lattice_m", wumpus.lattice_m, 0.01..=1000.0)?;
-    table.number("heuristic_weight", wumpus.heuristic_weight, 0.0..=1000.0)?;
-    table.number("seconds_per_expansion", wumpus.seconds_per_expansion, 0.0..=1e6)?;
-    table.inner("potential").settings(&wumpus.potential, frame)?;
-    table.inner("safety").settings(&wumpus.safety, frame)?;
     let centre = wumpus.start_centre();
     let corners = [(1.0, 1.0), (-1.0, -1.0)].map(|(x, y)| centre + 0.5 * wumpus.size_m * DVec2::new(x, y));
     table.inside("start_m", &corners, frame)
 }
 
-impl SettingsTable for WumpusPotential {
-    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
-        check_range("zeta", self.zeta, 0.0..=1e6)?;
-        self.scale.map_or(Ok(()), |scale| check_range("scale", scale, 0.0..=1e6))?;
-        check_range("q", self.q, 0.1..=1000.0)?;
-        check_range("eta", self.eta, 0.0..=1e6)
-    }
-}
+ranges! { WumpusPotential { zeta: 0.0..=1e6, scale: 0.0..=1e6, q: 0.1..=1000.0, eta: 0.0..=1e6 } }
+
+ranges! { Wumpus {
+    size_m: 0.01..=100.0, speed_mps: 0.001..=1000.0, reach_m: 0.0..=1e6, lattice_m: 0.01..=1000.0,
+    heuristic_weight: 0.0..=1000.0, seconds_per_expansion: 0.0..=1e6;
+    potential, safety
+} }
 
 /// Describes what a Wumpus is and does.
 fn describe_wumpus(wumpus: &Wumpus, policies: &Programs) -> String {
