@@ -81,20 +81,6 @@ ranges! { SafetySettings {
 } }
 
 impl SafetySettings {
-    /// Describes what nearness to bushes costs, in words that follow a full stop; nothing if it costs nothing.
-    pub fn describe(&self) -> String {
-        let nearness = match self.map {
-            SafetyMap::None => return String::new(),
-            SafetyMap::Brushfire => "1 beside a bush, 1/D at D cells from one".to_owned(),
-            SafetyMap::Cost => {
-                let cells = self.safety_distance.max(2);
-                let (beside, far) = (self.nearness(1), self.nearness(cells));
-                format!("{beside:.2} beside a bush, {far:.2} at {cells} cells from one")
-            }
-        };
-        format!(" For safety a metre costs 1 + {} times s, s being {nearness}.", self.weight)
-    }
-
     /// Returns `s` of the map `cost` at this number of cells from the nearest bush.
     pub fn nearness(&self, cells: u16) -> f64 {
         self.zones().cost(cells) / self.max_cost

@@ -215,25 +215,10 @@ impl Field {
             frame.rows,
             frame.cell_m
         );
-        if let Some(map) = &self.map {
-            return format!("{size} The bushes are those of the map {}, the same for every seed.", map.display());
+        if self.map.is_some() {
+            return format!("{size} The bushes are those of the map, the same for every seed.");
         }
-        let shapes: Vec<String> = self.shapes.iter().map(|shape| format!("{shape:?}")).collect();
-        let overlaps = match self.overlaps {
-            Overlaps::Never => "that never overlap",
-            Overlaps::Dropped => "that fall anywhere, cells covered twice counting once",
-        };
-        let limit = match self.pieces {
-            Some(_) => String::new(),
-            None => format!(" (the most within {} % of the cells)", percent(self.coverage)),
-        };
-        format!(
-            "{size} {} tetrominoes{limit} of the shapes {}, {overlaps}. No bush within {} m of where an agent's body \
-             starts.",
-            self.wanted_pieces(),
-            shapes.join(", "),
-            self.start_clearance_m
-        )
+        format!("{size} {} tetrominoes.", self.wanted_pieces())
     }
 }
 

@@ -183,65 +183,13 @@ impl Fire {
         }
     }
 
-    pub(super) fn describe(&self) -> String {
-        match (self.model, &self.rothermel) {
-            (FireModelName::Rothermel, Some(settings)) => self.describe_rothermel(settings),
-            (FireModelName::Alexandridis, _) => self.describe_alexandridis(),
-            _ => self.describe_radius(),
+    /// Names the settings that the chosen model does not use.
+    pub(super) fn unused(&self) -> &'static [&'static str] {
+        match self.model {
+            FireModelName::Radius => &["rothermel", "alexandridis", "embers"],
+            FireModelName::Rothermel => &["spread_delay_s", "spread_radius_m", "spread_from", "alexandridis"],
+            FireModelName::Alexandridis => &["spread_delay_s", "spread_radius_m", "spread_from", "embers"],
         }
-    }
-
-    fn describe_radius(&self) -> String {
-        let spread = match self.spread_from {
-            SpreadFrom::None => "Fire does not spread.".into(),
-            from => format!(
-                "A bush that has burned for {} s sets intact ones on fire whose centres are within {} m; {}.",
-                self.spread_delay_s,
-                self.spread_radius_m,
-                if from == SpreadFrom::All { "every burning bush does so" } else { "only bushes that were lit do so" }
-            ),
-        };
-        let end = self
-            .burn_out_s
-            .map_or("It burns until it is put out.".into(), |s| format!("A bush burns out after {s} s."));
-        let again = if self.relight {
-            "An extinguished bush can burn again."
-        } else {
-            "An extinguished bush is safe for good."
-        };
-        format!("{spread} {end} {again}")
-    }
-
-    fn describe_rothermel(&self, settings: &RothermelSettings) -> String {
-        let spread = "A front goes through bushes and ground, as fast as Rothermel's equations say for fuel, wind, slope \
-                      and moisture.";
-        let end = self.burn_out_s.map_or("What burns flames until it is put out.".into(), |s| {
-            format!("A cell flames for {s} s, or for the residence time of its fuel where that is longer.")
-        });
-        let again =
-            if self.relight { "What was put out can burn again." } else { "What was put out is safe for good." };
-        let wet = match settings.wet_s {
-            0.0 => "Trucks wet nothing.".into(),
-            s => format!("A truck's stop also wets what does not burn in its reach, for {s} s."),
-        };
-        let lit = if settings.lights_ground { "Wumpuses light ground too." } else { "Wumpuses light bushes only." };
-        let embers = match self.embers {
-            Some(_) => {
-                " Embers fly with the wind and set cells on fire that the front has not reached; roads, water and \
-                        wet ground do not stop them."
-            }
-            None => "",
-        };
-        format!("{spread} {end} {again} {wet} {lit}{embers} Columns without `ground` in their names count bushes.")
-    }
-
-    fn describe_alexandridis(&self) -> String {
-        let AlexandridisSettings { p0, step_s, .. } = self.alexandridis.clone().unwrap_or_default();
-        format!(
-            "The automaton of Alexandridis: {step_s} s after it caught fire a cell, bush or ground, tries once to set each of \
-             its eight neighbours on fire, with probability {p0} on level ground without wind, and is burned. Columns \
-             without `ground` in their names count bushes."
-        )
     }
 
     /// Adds warnings about rules by which no fire spreads.

@@ -2,8 +2,8 @@
 //!
 //! [`load`] turns a name or a path into a [`Scenario`] that is complete and checked: it reads the TOML text, makes the
 //! changes of the command line, fills in the defaults, reads the map if the field is given, and refuses what cannot be
-//! simulated, with the place of the fault. [`Terrain::from_scenario`] gives the field of a run, [`explain()`] puts a
-//! scenario into sentences.
+//! simulated, with the place of the fault. [`Terrain::from_scenario`] gives the field of a run, [`explain()`] explains
+//! a scenario.
 //!
 //! Each kind of agent, and the rules of fire, have a file with everything that a scenario says about them; what it says
 //! about planners is beside the planners, in [`wildfire_planning::registry`].

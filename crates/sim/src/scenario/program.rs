@@ -167,9 +167,9 @@ impl Program {
     /// Describes it in a sentence; `kind` is planner or policy.
     pub(super) fn describe(&self, kind: &str, name: &PlannerName) -> String {
         if self.command.is_empty() {
-            format!("Its {kind} `{name}` is handed in by whoever runs the scenario.")
+            format!("The {kind} `{name}` is registered by whoever runs the scenario.")
         } else {
-            format!("Its {kind} `{name}` is a program that only runs where it is trusted: {}.", self.command_line())
+            format!("The {kind} `{name}` is a program that only runs where it is trusted: {}.", self.command_line())
         }
     }
 }

@@ -37,19 +37,6 @@ impl Default for Suppression {
     }
 }
 
-impl Suppression {
-    pub(super) fn describe(&self) -> String {
-        let reach = self.reach_m.map_or("wherever its drive ends".into(), |m| {
-            format!("with its body's centre within {m} m of the bush's centre")
-        });
-        let effect = match self.extinguishes {
-            Extinguishes::One => "one bush",
-            Extinguishes::AllInReach => "all that burns in reach",
-        };
-        format!("A truck that stands {} s {reach} puts out {effect}.", self.dwell_s)
-    }
-}
-
 ranges! { Suppression { reach_m: 0.0..=1e6, dwell_s: 0.1..=1e6 } }
 
 /// Selects what one stop puts out.
@@ -74,15 +61,6 @@ pub struct Score {
 impl Default for Score {
     fn default() -> Self {
         Self { wumpus_ignited: 1.0, wumpus_burned_out: 1.0, truck_extinguished: 2.0 }
-    }
-}
-
-impl Score {
-    pub(super) fn describe(&self) -> String {
-        format!(
-            "Wumpuses: {} for a bush that catches fire, {} for one that burns out. Trucks: {} for one put out.",
-            self.wumpus_ignited, self.wumpus_burned_out, self.truck_extinguished
-        )
     }
 }
 

@@ -30,14 +30,4 @@ pub enum Detours {
     Each,
 }
 
-impl TrafficRules {
-    pub(super) fn describe(&self) -> String {
-        let detours = match self.detours {
-            Detours::First => "then for a way round them to the first",
-            Detours::Each => "for each for a way round them",
-        };
-        format!("A truck that others are in the way of looks at up to {} goals, {detours}, and waits then.", self.goals)
-    }
-}
-
 ranges! { TrafficRules { goals: 1.0..=100.0 } }

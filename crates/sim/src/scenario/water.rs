@@ -88,18 +88,8 @@ impl Water {
     }
 
     pub(super) fn describe(&self) -> String {
-        let (tank, stop, reach) = (self.tank_l, self.stop_l, self.reach_m);
-        let fill = self.fill_per_stop().as_seconds() * f64::from(self.full_tank());
-        let places = match self.place.len() {
-            0 => "the starts of the trucks".to_owned(),
-            1 => "one place".to_owned(),
-            count => format!("{count} places"),
-        };
-        format!(
-            "A truck carries {tank} l of water and takes {stop} l for a stop, so it can stop {} times; within {reach} m of \
-             {places} it fills its tank, an empty one in {fill} s.",
-            self.full_tank(),
-        )
+        let fill_s = self.fill_per_stop().as_seconds() * f64::from(self.full_tank());
+        format!("A full tank is enough for {} stops; an empty one is filled in {fill_s} s.", self.full_tank())
     }
 
     /// Warns of places that no truck gets near enough to.
@@ -181,9 +171,9 @@ mod tests {
             text.split_whitespace().collect::<Vec<_>>().join(" ")
         };
         let explained = text(&["water.tank_l=1000"]);
-        assert!(explained.contains("so it can stop 10 times"), "{explained}");
-        assert!(explained.contains("an empty one in 50 s"), "{explained}");
-        assert!(!text(&[]).contains("of water"));
+        assert!(explained.contains("enough for 10 stops"), "{explained}");
+        assert!(explained.contains("an empty one is filled in 50 s"), "{explained}");
+        assert!(!text(&[]).contains("full tank"));
         assert!(text(&["water.tank_l=1000", "unimog=[]"]).contains("The table `water` does nothing"));
         let close = "water.place=[{x_m=0,y_m=0}]";
         assert!(text(&[close, "water.reach_m=1"]).contains("no truck finds room within 1 m of (0, 0)"));

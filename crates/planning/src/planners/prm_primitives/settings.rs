@@ -83,14 +83,6 @@ impl PrmSettings {
     pub(super) fn samples_on(&self, frame: &FieldFrame) -> u32 {
         self.samples_per_hectare.map_or(self.samples, |density| samples_on(frame, density))
     }
-
-    /// Describes how many milestones are drawn.
-    pub(super) fn samples_in_words(&self) -> String {
-        match self.samples_per_hectare {
-            Some(density) => format!("{density} samples a hectare"),
-            None => format!("{} samples", self.samples),
-        }
-    }
 }
 
 ranges! { PrmSettings {

@@ -76,14 +76,6 @@ impl PrmRsSettings {
     pub(super) fn samples_per_hectare_on(&self, frame: &FieldFrame) -> f64 {
         self.samples_per_hectare.unwrap_or(f64::from(self.samples) / hectares(frame))
     }
-
-    /// Describes how many poses are drawn.
-    pub(super) fn samples_in_words(&self) -> String {
-        match self.samples_per_hectare {
-            Some(density) => format!("{density} poses a hectare"),
-            None => format!("{} poses", self.samples),
-        }
-    }
 }
 
 ranges! { PrmRsSettings {
