@@ -19,14 +19,11 @@ const SLOPE_DEG: &str = "fire.rothermel.slope_deg";
 
 const STEEPNESS: &str = "each says how steep the ground is";
 
-/// Values any of which contradicts any of the others, and why; `*` stands for any number in a list.
-const CONTRADICTIONS: [(&[&str], &[&str], &str); 14] = [
+/// Values of which a file gives one, and why; `*` stands for any number in a list. A change of one replaces the other.
+const EITHER: [(&[&str], &[&str], &str); 9] = [
     (&["field.pieces"], &["field.coverage"], "each says how many bushes there are"),
-    (&GENERATED_ONLY, &["field.map"], "a map says itself where the bushes are"),
     (&["unimog.*.goal"], &["dispatch"], "each says where trucks go"),
     (&[FUEL_MAP], &["landscape.image"], "each says what grows where"),
-    (&["fire.rothermel.ground"], &[FUEL_MAP], "a map of fuels says itself what grows"),
-    (&["fire.rothermel.ground"], &["landscape.image"], "an image says itself what grows"),
     (&[ELEVATION], &[SLOPE, ASPECT], STEEPNESS),
     (&[SLOPE_DEG], &[ELEVATION, SLOPE, ASPECT], STEEPNESS),
     (&["landscape.hills"], &[ELEVATION, SLOPE, ASPECT, SLOPE_DEG], STEEPNESS),
@@ -37,6 +34,14 @@ const CONTRADICTIONS: [(&[&str], &[&str], &str); 14] = [
         "each says how uncertain the weather is",
     ),
     (&["weather.samples"], &["weather.moisture"], "a row of it holds for the whole run"),
+];
+
+/// Values that files beside them decide, and why. A change of a file replaces them; a change of them is refused, as it
+/// would lose a map.
+const DECIDED: [(&[&str], &[&str], &str); 5] = [
+    (&GENERATED_ONLY, &["field.map"], "a map says itself where the bushes are"),
+    (&["fire.rothermel.ground"], &[FUEL_MAP], "a map of fuels says itself what grows"),
+    (&["fire.rothermel.ground"], &["landscape.image"], "an image says itself what grows"),
     (&["field.size_m"], &["landscape.image"], "an image has a pixel for each cell"),
     (
         &["field.size_m", "field.cell_m"],
@@ -54,28 +59,39 @@ const NEEDS: [(&str, &str); 5] = [
     ("landscape.image", "landscape.legend"),
 ];
 
-/// Lists the contradictions in what is written: two values and why they cannot go together.
-fn found_in(written: &Value) -> Vec<(FieldPath, FieldPath, &'static str)> {
+/// Two values that cannot go together.
+struct Contradiction {
+    one: FieldPath,
+    other: FieldPath,
+    reason: &'static str,
+    /// False if a change of `one` does not replace `other`.
+    is_mutual: bool,
+}
+
+fn found_in(written: &Value) -> Vec<Contradiction> {
     let mut found = Vec::new();
-    let mut look = |one: &str, other: &str, reason| {
+    let mut look = |one: &str, other: &str, reason, is_mutual| {
         let other = FieldPath::parse(other);
         let pairs = FieldPath::parse(one).all_in(written).into_iter().map(|one| (other.beside(&one), one));
-        found.extend(pairs.filter(|(other, _)| other.leads_to(written)).map(|(other, one)| (one, other, reason)));
+        let pairs = pairs.filter(|(other, _)| other.leads_to(written));
+        found.extend(pairs.map(|(other, one)| Contradiction { one, other, reason, is_mutual }));
     };
-    for (ones, others, reason) in CONTRADICTIONS {
-        ones.iter().for_each(|one| others.iter().for_each(|other| look(one, other, reason)));
+    for (table, is_mutual) in [(&EITHER[..], true), (&DECIDED, false)] {
+        for (ones, others, reason) in table {
+            ones.iter().for_each(|one| others.iter().for_each(|other| look(one, other, *reason, is_mutual)));
+        }
     }
     for (one, other, reason) in ALTERNATIVES {
-        look(&format!("unimog.*.{one}"), &format!("unimog.*.{other}"), reason);
+        look(&format!("unimog.*.{one}"), &format!("unimog.*.{other}"), reason, true);
     }
     found
 }
 
 /// Removes the values of a file that a change of another value contradicts.
 pub(super) fn drop_overruled(written: &mut Value, changes: &Changes) {
-    for (one, other, _) in found_in(written) {
+    for Contradiction { one, other, is_mutual, .. } in found_in(written) {
         match (changes.touch(&one), changes.touch(&other)) {
-            (true, false) => other.remove_from(written),
+            (true, false) if is_mutual => other.remove_from(written),
             (false, true) => one.remove_from(written),
             _ => {}
         }
@@ -84,7 +100,7 @@ pub(super) fn drop_overruled(written: &mut Value, changes: &Changes) {
 
 /// Returns the first contradiction that is written, or value without the one that it needs, with its path.
 pub(super) fn first(written: &Value) -> Option<(FieldPath, Fault)> {
-    if let Some((one, other, reason)) = found_in(written).into_iter().next() {
+    if let Some(Contradiction { one, other, reason, .. }) = found_in(written).into_iter().next() {
         let fault = Fault::Conflict { one: one.to_string(), other: other.to_string(), reason };
         return Some((one, fault));
     }
