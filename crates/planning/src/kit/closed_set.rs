@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use wildfire_base::geometry::{FieldFrame, Pose};
-use wildfire_base::ranges::{OutOfRange, number_text};
+use wildfire_base::ranges::OutOfRange;
 
 /// The closed set of a search: the least cost known for every bin of (x, y, heading, driving direction).
 ///
@@ -121,7 +121,7 @@ pub fn check_bins(bin_m: f64, frame: &FieldFrame) -> Result<(), OutOfRange> {
         return Ok(());
     }
     let expected = format!("less than {MAX_BINS_A_SIDE} bins along a side of the field, which here has {bins:.0}");
-    Err(OutOfRange { name: "bin_m", found: number_text(bin_m), expected })
+    Err(OutOfRange::new("bin_m", bin_m, expected))
 }
 
 #[cfg(test)]

@@ -28,8 +28,11 @@ pub trait AgentList {
     /// Checks every value of every agent, and what they all take together.
     fn check(&self, scenario: &Scenario) -> Check;
 
-    /// Describes each agent in sentences.
-    fn describe(&self, scenario: &Scenario) -> Vec<String>;
+    /// Names the values of an agent that do nothing in this scenario, as they are those of another planner.
+    fn unused(&self, scenario: &Scenario, number: usize) -> Vec<&'static str>;
+
+    /// Lists what follows from the values of an agent, in sentences.
+    fn facts(&self, number: usize) -> Vec<String>;
 
     /// Adds warnings that need no field.
     fn warn(&self, scenario: &Scenario, found: &mut Vec<String>);

@@ -18,6 +18,7 @@ use super::layers::GivenLayers;
 use super::path::PathStep;
 use super::{FireModelName, Scenario};
 use wildfire_base::geometry::{Cell, FieldFrame, compass, ops};
+use wildfire_base::ranges;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::{Landscape, Relief};
 use wildfire_grid::Grid;
@@ -106,6 +107,8 @@ impl LandscapeSettings {
         check_hills(&self.hills, table, frame)
     }
 }
+
+ranges! { LandscapeSettings {; patches, hills, river } }
 
 /// Reads a colour, `#RRGGBB`.
 pub(super) fn colour_of(text: &str) -> Option<[u8; 3]> {

@@ -9,14 +9,13 @@ use super::agents::{
     AgentList, AgentsMemory, BlockedStarts, FieldMeasures, SHOWN_ALIKE, SHOWN_SEED, ScenarioField, SketchedStart,
 };
 use super::check::{Check, TablePath};
-use super::goal::{WumpusGoal, describe_choice};
-use super::program::Programs;
+use super::goal::WumpusGoal;
 use super::{MemoryPart, Scenario, Terrain};
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
 use wildfire_base::or_none;
-use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range, number_text};
+use wildfire_base::ranges;
+use wildfire_base::ranges::number_text;
 use wildfire_grid::potential::{Attraction, Repulsion, RepulsionDistance};
-use wildfire_planning::registry::describe_charge;
 use wildfire_planning::walk::{Estimate, LatticeShape, PotentialSettings, WalkLattice, WalkMethod};
 use wildfire_planning::{SafetyMap, SafetySettings};
 
@@ -308,8 +307,18 @@ impl AgentList for Vec<Wumpus> {
         Ok(())
     }
 
-    fn describe(&self, scenario: &Scenario) -> Vec<String> {
-        self.iter().map(|wumpus| describe_wumpus(wumpus, &scenario.policy)).collect()
+    fn unused(&self, _: &Scenario, number: usize) -> Vec<&'static str> {
+        let mut unused = match self[number].planner {
+            WumpusPlanner::Astar => vec!["potential"],
+            WumpusPlanner::Wavefront => vec!["potential", "heuristic", "heuristic_weight"],
+            WumpusPlanner::Potential => vec!["heuristic", "heuristic_weight"],
+        };
+        unused.extend((self[number].safety.map == SafetyMap::None).then_some("safety"));
+        unused
+    }
+
+    fn facts(&self, _: usize) -> Vec<String> {
+        Vec::new()
     }
 
     fn warn(&self, _: &Scenario, found: &mut Vec<String>) {
@@ -376,93 +385,18 @@ impl AgentList for Vec<Wumpus> {
 }
 
 fn check_wumpus(table: &TablePath, wumpus: &Wumpus, frame: &FieldFrame) -> Check {
-    table.number("size_m", wumpus.size_m, 0.01..=100.0)?;
-    table.number("speed_mps", wumpus.speed_mps, 0.001..=1000.0)?;
-    table.number("reach_m", wumpus.reach_m, 0.0..=1e6)?;
-    table.optional("lattice_m", wumpus.lattice_m, 0.01..=1000.0)?;
-    table.number("heuristic_weight", wumpus.heuristic_weight, 0.0..=1000.0)?;
-    table.number("seconds_per_expansion", wumpus.seconds_per_expansion, 0.0..=1e6)?;
-    table.inner("potential").settings(&wumpus.potential, frame)?;
-    table.inner("safety").settings(&wumpus.safety, frame)?;
     let centre = wumpus.start_centre();
     let corners = [(1.0, 1.0), (-1.0, -1.0)].map(|(x, y)| centre + 0.5 * wumpus.size_m * DVec2::new(x, y));
     table.inside("start_m", &corners, frame)
 }
 
-impl SettingsTable for WumpusPotential {
-    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
-        check_range("zeta", self.zeta, 0.0..=1e6)?;
-        self.scale.map_or(Ok(()), |scale| check_range("scale", scale, 0.0..=1e6))?;
-        check_range("q", self.q, 0.1..=1000.0)?;
-        check_range("eta", self.eta, 0.0..=1e6)
-    }
-}
+ranges! { WumpusPotential { zeta: 0.0..=1e6, scale: 0.0..=1e6, q: 0.1..=1000.0, eta: 0.0..=1e6 } }
 
-/// Describes what a Wumpus is and does.
-fn describe_wumpus(wumpus: &Wumpus, policies: &Programs) -> String {
-    let goal = match &wumpus.goal {
-        WumpusGoal::RandomIntact => "a random intact bush".to_owned(),
-        WumpusGoal::NearestIntact => "the nearest intact bush".to_owned(),
-        WumpusGoal::FarthestFromTruck => "the intact bush farthest from all trucks".to_owned(),
-        WumpusGoal::Densest => "the bush with most to burn around it, for the way".to_owned(),
-        WumpusGoal::DensestApart => {
-            "the bush with most to burn around it, for the way, away from other Wumpuses and trucks".to_owned()
-        }
-        WumpusGoal::Policy(name) => describe_choice(name, policies),
-    };
-    let keep = if wumpus.keep_goal { "which it never gives up" } else { "which it drops when it is no longer intact" };
-    let lattice = wumpus.lattice_m.map_or("cell centres".into(), |m| format!("a lattice of {m} m from its start on"));
-    let diagonals = match wumpus.step_time {
-        StepTime::Distance => "",
-        StepTime::Uniform => " (diagonal steps take no longer)",
-    };
-    let (method, details) = describe_walking(wumpus);
-    format!(
-        "starts at ({}, {}) m, a square of {} m, {} m/s{diagonals}. It goes for {goal}, {keep}, and lights it from \
-         within {} m of its centre. {} over {lattice}{}; {}.{}",
-        wumpus.start_m[0],
-        wumpus.start_m[1],
-        wumpus.size_m,
-        wumpus.speed_mps,
-        wumpus.reach_m,
-        method,
-        details,
-        describe_charge(wumpus.seconds_per_expansion),
-        wumpus.safety.describe()
-    )
-}
-
-/// Describes how a Wumpus finds its way, in words that go before and after those for the lattice that it walks on.
-fn describe_walking(wumpus: &Wumpus) -> (&'static str, String) {
-    let cost = match wumpus.step_cost {
-        StepCost::Metres => "cost in metres",
-        StepCost::Moves => "cost in moves",
-    };
-    let heuristic = match wumpus.heuristic {
-        WumpusHeuristic::Octile => "octile distance",
-        WumpusHeuristic::ParentEuclidean => "straight line from the parent",
-    };
-    let potential = &wumpus.potential;
-    let escape = match potential.escape {
-        Escape::Wavefront => format!("goes on down the exact cost-to-go, {cost}"),
-        Escape::None => "gives the goal up".into(),
-    };
-    match wumpus.planner {
-        WumpusPlanner::Astar => {
-            ("A*", format!(", {cost}, {} times the {heuristic} as estimate", wumpus.heuristic_weight))
-        }
-        WumpusPlanner::Wavefront => ("A wavefront's exact cost-to-go", format!(", {cost}")),
-        WumpusPlanner::Potential => (
-            "Gradient descent on a potential field",
-            format!(
-                ": attraction {}, repulsion of strength {} within {} steps; in a local minimum it {escape}",
-                potential.scale.map_or(format!("by zeta {}", potential.zeta), |scale| format!("up to {scale}")),
-                potential.eta,
-                potential.q
-            ),
-        ),
-    }
-}
+ranges! { Wumpus {
+    size_m: 0.01..=100.0, speed_mps: 0.001..=1000.0, reach_m: 0.0..=1e6, lattice_m: 0.01..=1000.0,
+    heuristic_weight: 0.0..=1000.0, seconds_per_expansion: 0.0..=1e6;
+    potential, safety
+} }
 
 /// Warns of settings of planners that the Wumpus does not use.
 fn warn_of_wumpus(number: usize, wumpus: &Wumpus, found: &mut Vec<String>) {

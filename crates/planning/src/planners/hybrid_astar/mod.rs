@@ -14,7 +14,7 @@ use crate::kit::path_improvement::Improvement;
 use crate::kit::relaxed_search::{RelaxedSearch, RelaxedSettings};
 use crate::kit::target::Target;
 use crate::observer::{PlanningObserver, PlanningWork, Unobserved};
-use crate::registry::{BuiltInPlanner, Charge, Site, TruckPlannerSettings, describe_charge};
+use crate::registry::{BuiltInPlanner, Charge, Site, TruckPlannerSettings};
 use crate::{BuildReport, Effort, Goal, GoalDisc, Plan, TruckPlanner};
 use wildfire_base::geometry::Pose;
 use wildfire_base::trajectory::SpeedLimits;
@@ -104,22 +104,6 @@ impl BuiltInPlanner for Maker {
 
     fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {
         Charge { roadmap_s: 0.0, local_s: settings.hybrid.seconds_per_expansion }
-    }
-
-    fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String {
-        let hybrid = settings.hybrid;
-        format!(
-            "Hybrid A* with motions of {} m, bins of {} m and {} headings, Reeds-Shepp curves into the goal, {} m \
-             clear, a change of direction at the price of {} m, at most {} expansions, then {}; {}.",
-            hybrid.step_m,
-            hybrid.bin_m,
-            hybrid.headings,
-            hybrid.clearance_m,
-            hybrid.cusp_cost,
-            hybrid.max_expansions,
-            hybrid.improvement(),
-            describe_charge(hybrid.seconds_per_expansion)
-        )
     }
 }
 

@@ -8,9 +8,9 @@ mod settings;
 
 pub use settings::LatticeSettings;
 
-use crate::kit::floods::{FloodQuery, FloodSearch, LATTICES};
+use crate::kit::floods::{FloodQuery, FloodSearch};
 use crate::observer::{PlanningObserver, PlanningWork, Unobserved};
-use crate::registry::{BuiltInPlanner, Charge, Site, TruckPlannerSettings, describe_charge};
+use crate::registry::{BuiltInPlanner, Charge, Site, TruckPlannerSettings};
 use crate::{BuildReport, Effort, Found, FoundBy, Goal, Plan, TruckPlanner};
 use wildfire_base::geometry::Pose;
 
@@ -61,17 +61,6 @@ impl BuiltInPlanner for Maker {
 
     fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {
         Charge { roadmap_s: 0.0, local_s: settings.lattice.seconds_per_expansion }
-    }
-
-    fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String {
-        let [coarse, middle, fine] =
-            LATTICES.map(|lattice| format!("{} m and {} headings", lattice.bin_m, lattice.headings));
-        format!(
-            "Flood over a lattice of poses: one pose in bins of {coarse}, where that fails of {middle}, then of \
-             {fine}; a query spreads from at most {} poses; {}.",
-            settings.lattice.max_expansions,
-            describe_charge(settings.lattice.seconds_per_expansion)
-        )
     }
 }
 

@@ -34,7 +34,7 @@ use crate::kit::relaxed_search::RelaxedSearch;
 use crate::kit::target::Target;
 use crate::memory::MemoryMeter;
 use crate::observer::{PlanningObserver, PlanningWork, Unobserved};
-use crate::registry::{BuiltInPlanner, Charge, RoadmapSize, Site, TruckPlannerSettings, describe_charge};
+use crate::registry::{BuiltInPlanner, Charge, RoadmapSize, Site, TruckPlannerSettings};
 use crate::{BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, Plan, TruckPlanner};
 use glam::DVec2;
 use rand::Rng;
@@ -289,24 +289,6 @@ impl BuiltInPlanner for Maker {
 
     fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {
         Charge { roadmap_s: settings.prm_rs.seconds_per_expansion, local_s: settings.hybrid.seconds_per_expansion }
-    }
-
-    fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String {
-        let TruckPlannerSettings { prm_rs, hybrid, .. } = settings;
-        format!(
-            "Roadmap of {}, and {} places at every corner of a bush, each joined to {} others within {} m by \
-             Reeds-Shepp curves, {} m clear, a change of direction at the price of {} m, then {}; where it \
-             does not serve, hybrid A* with at most {} expansions; {}.",
-            prm_rs.samples_in_words(),
-            prm_rs.corner_places,
-            prm_rs.neighbours,
-            prm_rs.max_edge_m,
-            prm_rs.clearance_m,
-            prm_rs.cusp_cost,
-            improvement(prm_rs),
-            hybrid.max_expansions,
-            describe_charge(prm_rs.seconds_per_expansion)
-        )
     }
 
     /// A roadmap that grows has no size of its own.
