@@ -29,7 +29,7 @@ function ask(request) {
 }
 
 function median(values) {
-    const sorted = values.toSorted((one, other) => one - other);
+    const sorted = [...values].sort((one, other) => one - other);
     return sorted[sorted.length >> 1];
 }
 

@@ -10,9 +10,9 @@ use std::sync::Arc;
 
 use rand::RngExt;
 use wildfire::fire::lone::LoneFire;
-use wildfire::fire::models::{Neighbours, Rothermel, RothermelRules};
+use wildfire::fire::models::{Neighbours, RothermelRules};
 use wildfire::fire::surface::FuelMoisture;
-use wildfire::fire::{FireField, Landscape, Relief, Weather, WeatherInterval};
+use wildfire::fire::{Landscape, Relief, Weather, WeatherInterval};
 use wildfire::geometry::{Cell, DVec2, FieldFrame, ops};
 use wildfire::time::SimTime;
 use wildfire::time::cpu::CpuStopwatch;
@@ -70,7 +70,7 @@ fn main() {
         (true, true) => vec![40],
         (true, false) => vec![250, 1000, 4000],
     };
-    println!("  side  neighbours  fire        burned  us/cell  bytes/cell, at most");
+    println!("  side  neighbours  fire        burned  us/cell");
     for side in sides {
         for neighbours in [Neighbours::Eight, Neighbours::Sixteen, Neighbours::ThirtyTwo] {
             for kind in KINDS {
@@ -98,10 +98,8 @@ fn main() {
                     })
                     .sum();
                 let micros = stopwatch.lap().as_secs_f64() * 1e6 / burned as f64;
-                let cells = frame.cell_count() as u64;
-                let bytes = (Rothermel::most_bytes(cells) + FireField::most_bytes(&frame, cells)) as f64 / cells as f64;
                 let count = neighbours.count();
-                println!("{side:6}  {count:10}  {kind:8}  {:8}  {micros:7.3}  {bytes:10.1}", burned / times);
+                println!("{side:6}  {count:10}  {kind:8}  {:8}  {micros:7.3}", burned / times);
             }
         }
     }

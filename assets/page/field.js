@@ -814,14 +814,15 @@ class FieldPane {
         context.setTransform(1, 0, 0, 1, 0, 0);
         for (const cell of cells) {
             const [x, y] = projection.at(run.cellCentre(cell));
-            context.globalAlpha = cell === pointedAt ? 1 : 0.55;
-            context.lineWidth = (cell === pointedAt ? 3.5 : 1.5) * unit;
-            context.strokeStyle = MARKED;
+            const isPointedAt = cell === pointedAt;
             context.beginPath();
-            context.arc(x, y, cell === pointedAt ? 1.6 * radius : radius, 0, 2 * Math.PI);
-            context.stroke();
+            context.arc(x, y, isPointedAt ? 1.6 * radius : radius, 0, 2 * Math.PI);
+            // A light rim, so that rings show on everything.
+            for (const [colour, width] of [["#ffffff", isPointedAt ? 6 : 3], [MARKED, isPointedAt ? 3.5 : 1.5]]) {
+                Object.assign(context, { strokeStyle: colour, lineWidth: width * unit });
+                context.stroke();
+            }
         }
-        context.globalAlpha = 1;
     }
 
     // The cell at a place of the canvas; null outside the field.

@@ -306,6 +306,8 @@ class Desk {
         if (asked === null) return;
         const isCurrent = () => round === this.round;
         this.asked = null;
+        // Until the module knows what comes of it nobody is asked.
+        this.state = { ...state, asked: [] };
         byId("question").hidden = true;
         this.player.view.marked = null;
         this.player.redraw();
@@ -333,8 +335,9 @@ class Desk {
         const { result } = this.finished;
         const words = { wumpus: "The Wumpus wins", unimog: "The fire trucks win", tie: "A tie" };
         byId("verdict").textContent = `${words[result.winner]}: ${result.saved} of ${result.bushes} bushes are saved`;
+        const isOfArsonist = this.game.plays.join() === "wumpus";
         byId("regret").textContent =
-            result.regret === null ? "" : `At best ${result.regret} more bushes could have been saved: an upper bound for any dispatcher.`;
+            isOfArsonist || result.regret === null ? "" : `At best ${result.regret} more bushes could have been saved: an upper bound for any dispatcher.`;
         byId("link").hidden = this.game.plays.length === 0;
         byId("result").hidden = false;
         this.showRivals();

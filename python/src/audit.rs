@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
-use wildfire::audit::{SampleStep, Violation, audit_timeline};
+use wildfire::audit::{SampleStep, audit_timeline};
 use wildfire::batch::{
     AuditOptions, AuditSource, FinishedBatch, ListedViolation, RECORDINGS_FOLDER, audit_all, recordings_in,
 };
@@ -26,7 +26,7 @@ use crate::run::Run;
 /// time_s, agent, place : float, str, (float, float)
 ///     The time of the first violation in seconds, who, and where in metres; None where only the row is wrong.
 #[pyclass(frozen, get_all, module = "wildfire_contest")]
-pub struct Offence {
+pub struct Violation {
     /// The run, or the file of its recording.
     run: String,
     /// What is wrong, where and when.
@@ -39,8 +39,8 @@ pub struct Offence {
     place: Option<(f64, f64)>,
 }
 
-impl Offence {
-    fn new(run: String, text: String, violation: Option<Violation>) -> Self {
+impl Violation {
+    fn new(run: String, text: String, violation: Option<wildfire::audit::Violation>) -> Self {
         Self {
             run,
             text,
@@ -52,9 +52,9 @@ impl Offence {
 }
 
 #[pymethods]
-impl Offence {
+impl Violation {
     fn __repr__(&self) -> String {
-        format!("<Offence {}: {}>", self.run, self.text)
+        format!("<Violation {}: {}>", self.run, self.text)
     }
 }
 
@@ -80,7 +80,7 @@ pub enum Audited<'py> {
 ///
 /// Returns
 /// -------
-/// list of Offence
+/// list of Violation
 ///     The first violation of each run that has one.
 ///
 /// Raises
@@ -95,27 +95,29 @@ pub fn audit(
     planners: Option<&Bound<'_, PyMapping>>,
     policies: Option<&Bound<'_, PyMapping>>,
     jobs: isize,
-) -> PyResult<Vec<Offence>> {
+) -> PyResult<Vec<Violation>> {
     let jobs = threads(jobs)?;
     let factories = Factories::new(planners, policies)?;
-    let mut offences = Vec::new();
+    let mut violations = Vec::new();
     for audited in what.into_vec() {
         match audited {
             Audited::Run(run) => {
                 let (run, timeline) = (run.get(), &run.get().timeline);
                 let verdict = py.detach(|| audit_timeline(timeline, SampleStep::default()));
-                offences.extend(
-                    verdict.violation.map(|violation| Offence::new(run.name(), violation.to_string(), Some(violation))),
+                violations.extend(
+                    verdict
+                        .violation
+                        .map(|violation| Violation::new(run.name(), violation.to_string(), Some(violation))),
                 );
             }
             Audited::Batch(batch) => {
                 let source = source(batch.get().path().to_owned())?;
-                offences.extend(audit_source(py, &source, &factories, jobs)?);
+                violations.extend(audit_source(py, &source, &factories, jobs)?);
             }
-            Audited::Path(path) => offences.extend(audit_source(py, &source(path)?, &factories, jobs)?),
+            Audited::Path(path) => violations.extend(audit_source(py, &source(path)?, &factories, jobs)?),
         }
     }
-    Ok(offences)
+    Ok(violations)
 }
 
 /// Finds out what is at a path: a recording, a folder of recordings, or a batch.
@@ -134,7 +136,7 @@ fn source(path: PathBuf) -> PyResult<AuditSource> {
     Ok(AuditSource::Recordings(recordings))
 }
 
-fn audit_source(py: Python<'_>, source: &AuditSource, factories: &Factories, jobs: usize) -> PyResult<Vec<Offence>> {
+fn audit_source(py: Python<'_>, source: &AuditSource, factories: &Factories, jobs: usize) -> PyResult<Vec<Violation>> {
     let interruption: Arc<Interruption> = Arc::default();
     let entrants = factories.entrants(py, &interruption);
     if let AuditSource::Batch(batch) = source {
@@ -149,6 +151,6 @@ fn audit_source(py: Python<'_>, source: &AuditSource, factories: &Factories, job
     if let Some((reason, _)) = report.first_unreadable {
         return Err(error(reason));
     }
-    let offence = |ListedViolation { run, violation, words }| Offence::new(run, words, violation);
-    Ok(report.listed.into_iter().map(offence).collect())
+    let found = |ListedViolation { run, violation, words }| Violation::new(run, words, violation);
+    Ok(report.listed.into_iter().map(found).collect())
 }

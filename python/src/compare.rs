@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use wildfire::batch::comparison::{Method, Selection, Verdict, compare as library_compare};
+use wildfire::batch::comparison::{Selection, compare as library_compare};
 use wildfire::batch::{FileColumn, Kind, Unit};
 
 use crate::batch::{Batch, OneOrMore};
@@ -80,7 +80,7 @@ pub fn compare<'py>(
                 against.letter.to_string().into(),
                 words.clone().into(),
                 description_a.clone().into(),
-                contrast.metric.name.clone().into(),
+                contrast.metric.name.to_string().into(),
                 (contrast.pairs as u64).into(),
                 contrast.means[0].into(),
                 contrast.means[1].into(),
@@ -90,9 +90,9 @@ pub fn compare<'py>(
                 contrast.p_value.into(),
                 judged.p_adjusted.into(),
                 contrast.effect_dz.into(),
-                method(contrast.method).to_owned().into(),
-                method(contrast.p_method).to_owned().into(),
-                verdict(judged.verdict).to_owned().into(),
+                contrast.method.name().to_owned().into(),
+                contrast.p_method.name().to_owned().into(),
+                judged.verdict.name().to_owned().into(),
                 judged.sentence(against.letter).into(),
             ]);
         }
@@ -129,22 +129,4 @@ fn columns() -> Vec<FileColumn> {
     ]
     .map(column)
     .into()
-}
-
-fn verdict(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Difference => "difference",
-        Verdict::NoEvidence => "no-evidence",
-        Verdict::NotAmongSoMany => "no-evidence-among-several-tests",
-        Verdict::Equal => "equal",
-    }
-}
-
-fn method(method: Method) -> &'static str {
-    match method {
-        Method::StudentisedBootstrap => "studentised-bootstrap",
-        Method::StudentsT => "students-t",
-        Method::Ranks => "wilcoxon",
-        Method::Answers => "mcnemar",
-    }
 }

@@ -31,7 +31,7 @@ mod _core {
     use pyo3::prelude::*;
 
     #[pymodule_export]
-    use crate::audit::{Offence, audit};
+    use crate::audit::{Violation, audit};
     #[pymodule_export]
     use crate::batch::{Batch, batch, read_batch};
     #[pymodule_export]

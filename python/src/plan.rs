@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
-use wildfire::batch::{DRIVE_COLUMNS, DriveColumn};
-use wildfire::cli;
+use wildfire::batch::{DRIVE_COLUMNS, DriveColumn, DriveProblems, DriveRequest};
+use wildfire::planning::PlannerName;
+use wildfire::scenario::MemoryLimit;
 
 use crate::batch::OneOrMore;
 use crate::columns::TableBuilder;
@@ -59,19 +60,20 @@ pub fn plan<'py>(
     changes: Option<&Bound<'py, PyMapping>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let factories = Factories::new(planners, None)?;
-    let mut words = vec![format!("--seed={seed}")];
-    let changes = changes.map_or_else(|| Ok(Vec::new()), literal::changes)?;
-    words.extend(changes.into_iter().map(|change| format!("--set={change}")));
-    words
-        .extend(planner.map_or_else(Vec::new, OneOrMore::into_vec).into_iter().map(|name| format!("--planner={name}")));
-    words.extend(goals.map(|count| format!("--goals={count}")));
-    words.extend(cells.map(|count| format!("--cells={count}")));
-    words.extend(scenario.map(|path| format!("--scenario={}", path.display())));
-    words.push("--".to_owned());
-    words.extend(field.map_or_else(Vec::new, OneOrMore::into_vec).into_iter().map(|path| path.display().to_string()));
+    let names = planner.map_or_else(Vec::new, OneOrMore::into_vec);
+    let planners = names.iter().map(|name| PlannerName::new(name)).collect::<Result<Vec<_>, _>>().map_err(error)?;
+    let fields = field.map_or_else(Vec::new, OneOrMore::into_vec);
+    let request = DriveRequest {
+        scenario: scenario.map_or_else(|| "drives".to_owned(), |path| path.display().to_string()),
+        changes: changes.map_or_else(|| Ok(Vec::new()), literal::changes)?,
+        problems: DriveProblems { fields, goals, cells },
+        planners,
+        seed,
+        memory: MemoryLimit::default(),
+    };
     let interruption: Arc<Interruption> = Arc::default();
     let entrants = factories.entrants(py, &interruption);
-    let answer = py.detach(|| cli::plan_drives(&words, entrants));
+    let answer = py.detach(|| request.plan(&entrants));
     if let Some(exception) = interruption.take() {
         return Err(exception);
     }

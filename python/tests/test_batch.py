@@ -224,8 +224,8 @@ def test_batches_of_python_are_audited_from_python(tmp_path: pathlib.Path, first
     batch = wf.batch("smoke", "1..3", planner="mine", planners=planners, out=tmp_path / "batch")
     assert wf.audit(batch, planners=planners) == [] and wf.audit(tmp_path / "batch", planners=planners) == []
     # Another planner of that name gives other runs, which the rows do not say.
-    offences = wf.audit(batch, planners={"mine": lambda site: Silent()})
-    assert offences and "seed" in offences[0].run and "its row says" in offences[0].text and offences[0].time_s is None
+    violations = wf.audit(batch, planners={"mine": lambda site: Silent()})
+    assert violations and "seed" in violations[0].run and "its row says" in violations[0].text and violations[0].time_s is None
     recorded = wf.batch("smoke", "1..2", record="all", out=tmp_path / "recorded")
     assert wf.audit([recorded, tmp_path / "recorded" / "recordings"]) == []
     for wrong in (tmp_path / "nowhere", tmp_path):

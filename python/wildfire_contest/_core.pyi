@@ -22,13 +22,13 @@ __all__ = [
     "Checker",
     "Contests",
     "Driver",
-    "Offence",
     "Path",
     "Query",
     "Run",
     "Scenario",
     "Site",
     "Vehicle",
+    "Violation",
     "__version__",
     "_restored_run",
     "_restored_scenario",
@@ -107,7 +107,7 @@ class Batch:
     def __len__(self) -> int: ...
 
 @final
-class Offence:
+class Violation:
     @property
     def run(self) -> str: ...
     @property
@@ -325,7 +325,7 @@ def audit(
     planners: _Planners | None = None,
     policies: _Policies | None = None,
     jobs: int = 1,
-) -> list[Offence]: ...
+) -> list[Violation]: ...
 def _restored_run(bytes: bytes, row: str, messages: Sequence[str]) -> Run: ...
 def _restored_scenario(source: str, text: str, changes: Sequence[str]) -> Scenario: ...
 def reeds_shepp_length(a: ArrayLike, b: ArrayLike, radius: float) -> Any: ...

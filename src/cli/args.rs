@@ -174,8 +174,12 @@ pub fn parse_jobs(text: &str) -> Result<NonZeroUsize, String> {
 /// that is not bound to its processors sees all of its machine; else by the machine.
 pub fn jobs_or_usual(asked: Option<NonZeroUsize>) -> usize {
     let of_task = || parse_jobs(&env::var("SLURM_CPUS_PER_TASK").ok()?).ok();
-    let given = asked.or_else(of_task).or_else(|| thread::available_parallelism().ok());
-    given.map_or(1, NonZeroUsize::get)
+    jobs_or_all(asked.or_else(of_task))
+}
+
+/// Returns the threads that are asked for, or as many as the machine runs at once.
+pub fn jobs_or_all(asked: Option<NonZeroUsize>) -> usize {
+    asked.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get)
 }
 
 pub fn parse_seed(text: &str) -> Result<u64, String> {

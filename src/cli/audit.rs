@@ -5,11 +5,10 @@ use std::num::NonZeroUsize;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::thread;
 
 use clap::Args;
 
-use crate::cli::args::parse_jobs;
+use crate::cli::args::{jobs_or_all, parse_jobs};
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::report::FormArguments;
@@ -58,7 +57,7 @@ fn parse_audit_step(text: &str) -> Result<f64, String> {
 
 pub fn run(arguments: &AuditArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let sources = arguments.paths.iter().map(|path| source(path, context)).collect::<Result<Vec<_>, _>>()?;
-    let jobs = arguments.jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
+    let jobs = jobs_or_all(arguments.jobs);
     let step = SampleStep { metres: arguments.step, ..SampleStep::default() };
     let progress = Progress::new(sources.iter().map(AuditSource::count).sum(), "runs", context.quiet);
     let options = AuditOptions { jobs, step, entrants: &context.entrants, listed: LISTED_VIOLATIONS };

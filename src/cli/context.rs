@@ -5,11 +5,11 @@ use std::collections::BTreeSet;
 use crate::cli::args::{NamedCommand, ProgramArguments};
 use crate::cli::error::CliError;
 use crate::cli::terminal;
-use wildfire_batch::BatchPlan;
-use wildfire_planning::{PlannerName, Planners, TruckPlannerKind};
+use wildfire_batch::{BatchPlan, own_names};
+use wildfire_planning::{PlannerName, Planners};
 #[cfg(unix)]
 use wildfire_sim::programs::{ProgramPool, Trust};
-use wildfire_sim::scenario::{MemoryLimit, Scenario, TruckGoal, UsedProgram, WumpusGoal, doubts_of_map, nearest_name};
+use wildfire_sim::scenario::{MemoryLimit, Scenario, TruckGoal, UsedProgram, WumpusGoal, doubts_of_map};
 use wildfire_sim::{Entrants, RunOptions};
 
 /// What commands have besides their arguments.
@@ -45,16 +45,13 @@ impl CommandContext {
     /// Adds to the changes of a scenario that the planners and policies that were handed in are known, and the programs of
     /// the command line.
     pub fn with_own_names(&self, changes: &[String]) -> Vec<String> {
-        let Entrants { planners, policies, .. } = &self.entrants;
-        let declared = planners.own_names().map(|name| format!("planner.\"{name}\".command=[]"));
-        let declared = declared.chain(policies.own_names().map(|name| format!("policy.\"{name}\".command=[]")));
         let commands = self.programs.commands.iter().flat_map(|NamedCommand { name, words }| {
             // A list of texts is the same in JSON and in TOML.
             let words = serde_json::to_string(words).expect("texts are JSON");
             let kinds = ["planner", "policy"].into_iter().filter(|&kind| kind == "planner" || may_be_policy(name));
             kinds.map(move |kind| format!("{kind}.\"{name}\".command={words}")).collect::<Vec<_>>()
         });
-        declared.chain(commands).chain(changes.iter().cloned()).collect()
+        own_names(&self.entrants).chain(commands).chain(changes.iter().cloned()).collect()
     }
 
     /// Returns the options of a run.
@@ -78,21 +75,6 @@ impl CommandContext {
     /// Refuses a plan with such a scenario.
     pub fn expect_trusted_plan(&self, plan: &BatchPlan) -> Result<(), CliError> {
         plan.variants.iter().try_for_each(|variant| self.expect_trusted(&variant.scenario))
-    }
-
-    /// Refuses names that no planner has: none that is built in or was handed in, and no table of the scenario.
-    pub fn expect_known_planners(&self, scenario: &Scenario, asked: &[PlannerName]) -> Result<(), CliError> {
-        let is_known = |name: &PlannerName| self.entrants.planners.knows(name) || scenario.planner.contains_key(name);
-        let Some(unknown) = asked.iter().find(|name| !is_known(name)) else { return Ok(()) };
-        let tables = scenario.planner.keys().map(PlannerName::name);
-        let known: Vec<&str> = TruckPlannerKind::ALL.map(TruckPlannerKind::name).into_iter().chain(tables).collect();
-        let nearest = nearest_name(unknown.name(), known.iter().copied());
-        let nearest = nearest.map_or(String::new(), |nearest| format!("did you mean `{nearest}`? "));
-        let help = format!("{nearest}known are {}; --command {unknown}='PROGRAM ...' makes it known", known.join(", "));
-        Err(CliError::bad_input(
-            format_args!("--planner names `{unknown}`, and no planner of this name is known"),
-            Some(&help),
-        ))
     }
 
     /// Refuses planners that are programs which are not trusted.

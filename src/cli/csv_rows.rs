@@ -62,6 +62,12 @@ impl CsvRows {
         &self.row
     }
 
+    /// Returns the places of the fields of that line that are this name.
+    pub fn places(&self, name: &str) -> Vec<usize> {
+        let named = fields(&self.row).enumerate().filter(|(_, field)| *field == name.as_bytes());
+        named.map(|(place, _)| place).collect()
+    }
+
     /// Returns the number of that line; the first is 1.
     pub fn line(&self) -> u64 {
         self.line

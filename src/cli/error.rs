@@ -10,9 +10,11 @@ use terminal_size::{Width, terminal_size_of};
 
 use crate::cli::next_command::help_on_unfinished;
 use wildfire_base::untrusted::visible;
-use wildfire_batch::{AuditsError, BatchError, FinishedError, JournalError, PlanError, RequestError, TableError};
+use wildfire_batch::{
+    AuditsError, BatchError, DriveError, FinishedError, JournalError, PlanError, RequestError, TableError,
+};
 use wildfire_grid::map_files::{self, MapError};
-use wildfire_sim::scenario::{Fault, ScenarioError, SourceLocation};
+use wildfire_sim::scenario::{Fault, ScenarioError, SourceLocation, nearest_name};
 use wildfire_timeline::export::ExportError;
 
 /// The program's exit codes; those of its arguments' own errors are clap's, which are the same.
@@ -221,6 +223,30 @@ impl From<RequestError> for CliError {
             RequestError::Scenario(error) => error.into(),
             error => Self::bad_input(error, None),
         }
+    }
+}
+
+impl From<DriveError> for CliError {
+    fn from(error: DriveError) -> Self {
+        let help = match &error {
+            DriveError::NoTruck { .. } => "planners take their settings from its first [[unimog]]".to_owned(),
+            DriveError::SameName { .. } => "tables tell fields apart by `field`, or by the file's name".to_owned(),
+            DriveError::NoGoals { what: "bushes", .. } => "leave out --cells, to drive to poses".to_owned(),
+            DriveError::NoGoals { .. } => "list `goals`, or drive to bushes with --cells".to_owned(),
+            DriveError::UnknownPlanner { name, known } => {
+                let nearest = nearest_name(name.name(), known.iter().map(String::as_str));
+                let nearest = nearest.map_or(String::new(), |nearest| format!("did you mean `{nearest}`? "));
+                format!("{nearest}known are {}; --command {name}='PROGRAM ...' makes it known", known.join(", "))
+            }
+            _ => {
+                return match error {
+                    DriveError::Scenario(error) => error.into(),
+                    DriveError::Failed { .. } => Self::run_failed(error),
+                    error => Self::bad_input(error, None),
+                };
+            }
+        };
+        Self::bad_input(error, Some(&help))
     }
 }
 

@@ -74,7 +74,7 @@ use scenarios::{CheckArguments, NewArguments, ScenariosArguments, SchemaArgument
 use shell::{CompletionsArguments, ManArguments};
 
 use wildfire_base::untrusted::visible;
-use wildfire_batch::{DriveTable, LONG_VERSION};
+use wildfire_batch::LONG_VERSION;
 use wildfire_sim::Entrants;
 #[cfg(unix)]
 use wildfire_sim::programs::supervisor;
@@ -192,21 +192,6 @@ pub fn main_from(words: Vec<OsString>, entrants: impl Into<Entrants>) -> ExitCod
     let arguments = Arguments::try_parse_from(&words).unwrap_or_else(|error| refuse(&words, &error));
     let context = CommandContext::new(arguments.quiet, entrants.into());
     dispatch(&arguments, &context).unwrap_or_else(CliError::print)
-}
-
-/// Plans what `wildfire plan` would with these words after `plan`, and prints and writes nothing.
-///
-/// # Errors
-/// A sentence that says why there are no drives.
-pub fn plan_drives(words: &[String], entrants: impl Into<Entrants>) -> Result<DriveTable, String> {
-    let words = ["wildfire", "plan"].into_iter().chain(words.iter().map(String::as_str));
-    let Arguments { command: Command::Plan(arguments), .. } =
-        Arguments::try_parse_from(words).map_err(|error| error.to_string())?
-    else {
-        return Err("expected arguments of `plan`".to_owned());
-    };
-    let context = CommandContext::new(true, entrants.into());
-    plan::drives(&arguments, &context).map_err(|error| error.sentence())
 }
 
 /// Says what is wrong with the arguments, or prints what they ask for instead of a command, and ends the process.

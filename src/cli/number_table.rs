@@ -1,6 +1,7 @@
 //! Tables of numbers from other programs, whose columns are found by their names, in any order among others.
 
-use std::io::{self, ErrorKind};
+use std::fmt;
+use std::io::{self, ErrorKind, Write};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
@@ -9,6 +10,7 @@ use thiserror::Error;
 use crate::cli::csv_rows::{CsvRows, LONGEST_LINE, RowFault, fields};
 use crate::cli::error::CliError;
 use crate::cli::numbers;
+use wildfire_base::whole_file::WholeFile;
 
 /// The most characters that are shown of a field that is no number.
 const SHOWN: usize = 40;
@@ -87,14 +89,14 @@ impl<'a, const N: usize> NumberTable<'a, N> {
         if !self.advance()? {
             return Err(TableFault::Empty { expected });
         }
-        self.width = fields(self.row()).count();
+        self.width = fields(self.rows.row()).count();
         let line = self.rows.line();
-        if let Some(&column) = self.columns.added.iter().find(|column| !self.named(column).is_empty()) {
+        if let Some(&column) = self.columns.added.iter().find(|column| !self.rows.places(column).is_empty()) {
             return Err(TableFault::Taken { line, column });
         }
         for index in 0..N {
             let Column { name: column, without, .. } = self.columns.read[index];
-            self.places[index] = match self.named(column)[..] {
+            self.places[index] = match self.rows.places(column)[..] {
                 [place] => Some(place),
                 [] if without.is_some() => None,
                 [] => return Err(TableFault::Missing { line, column, expected }),
@@ -104,9 +106,10 @@ impl<'a, const N: usize> NumberTable<'a, N> {
         Ok(())
     }
 
-    /// The line that was read last, as it is in the file.
-    pub fn row(&self) -> &[u8] {
-        self.rows.row()
+    /// Writes the line that was read last, as it is in the file, with more fields behind it.
+    pub fn write_row(&self, table: &mut WholeFile, added: fmt::Arguments) -> io::Result<()> {
+        table.write_all(self.rows.row())?;
+        writeln!(table, ",{added}")
     }
 
     /// The numbers of the next row, in the order of the columns that are read; `None` at the end of the file.
@@ -123,7 +126,7 @@ impl<'a, const N: usize> NumberTable<'a, N> {
             *number = column.without.unwrap_or(f64::NAN);
         }
         let mut found = 0;
-        for (place, field) in fields(self.row()).enumerate() {
+        for (place, field) in fields(self.rows.row()).enumerate() {
             found += 1;
             if let Some(index) = self.places.iter().position(|&column| column == Some(place)) {
                 numbers[index] = self.number(field, &self.columns.read[index])?;
@@ -137,7 +140,7 @@ impl<'a, const N: usize> NumberTable<'a, N> {
 
     /// Says that a number of the row that was read last is none of those that may be there.
     pub fn refuse(&self, index: usize, expected: String) -> CliError {
-        let field = self.places[index].and_then(|place| fields(self.row()).nth(place)).unwrap_or_default();
+        let field = self.places[index].and_then(|place| fields(self.rows.row()).nth(place)).unwrap_or_default();
         refused(&self.path, self.fault(field, self.columns.read[index].name, expected))
     }
 
@@ -146,12 +149,6 @@ impl<'a, const N: usize> NumberTable<'a, N> {
             RowFault::Unreadable(error) => TableFault::Unreadable(error),
             RowFault::TooLong { line } => TableFault::TooLong { line, row: self.columns.row },
         })
-    }
-
-    /// Returns the places of the columns of that name.
-    fn named(&self, column: &str) -> Vec<usize> {
-        let names = fields(self.row()).enumerate().filter(|(_, name)| *name == column.as_bytes());
-        names.map(|(place, _)| place).collect()
     }
 
     fn number(&self, field: &[u8], column: &Column) -> Result<f64, TableFault> {

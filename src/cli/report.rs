@@ -37,10 +37,15 @@ impl FormArguments {
     where
         for<'r> &'r R: Into<Document>,
     {
+        self.render_either(report, || report.into())
+    }
+
+    /// Prints either the object or the document in this form, into a string.
+    pub fn render_either(self, object: &impl Serialize, document: impl FnOnce() -> Document) -> String {
         if self.json {
-            return serde_json::to_string(report).expect("names, numbers and words are JSON") + "\n";
+            return serde_json::to_string(object).expect("names, numbers and words are JSON") + "\n";
         }
-        let document: Document = report.into();
+        let document = document();
         match self {
             Self { md: true, .. } => document.to_markdown(),
             Self { html: true, .. } => document.to_html(),

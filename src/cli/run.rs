@@ -287,7 +287,7 @@ fn verdict(result: &RunResult) -> String {
 
 fn agents(outcome: &Outcome) -> Table {
     let row = |agent: &AgentOutcome| {
-        let failed: u32 = agent.failures.iter().sum();
+        let failed = agent.failures.sum();
         let counts = [agent.cells, agent.plans, failed].map(|count| count.to_string());
         let measures =
             [agent.distance_m, agent.driving_s, agent.planning_s, agent.suppressing_s, agent.standing_s, agent.stuck_s];

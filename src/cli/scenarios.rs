@@ -146,9 +146,6 @@ pub struct CheckAnswer {
     sections: Vec<CheckSection>,
     /// The scenario with all values filled in, as `wildfire schema scenario` describes it.
     scenario: serde_json::Value,
-    #[serde(skip)]
-    #[schemars(skip)]
-    document: Document,
 }
 
 /// A section of what is said of a scenario.
@@ -159,8 +156,7 @@ struct CheckSection {
 }
 
 impl CheckAnswer {
-    fn new(loaded: &LoadedScenario, limit: MemoryLimit) -> Self {
-        let document = scenario::explain(loaded, limit);
+    fn new(loaded: &LoadedScenario, document: &Document) -> Self {
         let mut sections: Vec<CheckSection> = vec![CheckSection { title: document.title.clone(), lines: Vec::new() }];
         for block in &document.blocks {
             let lines = match block {
@@ -184,14 +180,7 @@ impl CheckAnswer {
             name: loaded.scenario.name.clone(),
             sections,
             scenario: serde_json::to_value(&loaded.scenario).expect("scenarios hold names, numbers and lists only"),
-            document,
         }
-    }
-}
-
-impl From<&CheckAnswer> for Document {
-    fn from(answer: &CheckAnswer) -> Self {
-        answer.document.clone()
     }
 }
 
@@ -224,7 +213,9 @@ impl From<&ScenariosAnswer> for Document {
 pub fn check(arguments: &CheckArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let loaded =
         LoadedScenario::open(&arguments.scenario.source, &context.with_own_names(&arguments.scenario.overrides))?;
-    terminal::print(&arguments.form.render(&CheckAnswer::new(&loaded, arguments.memory)))?;
+    let document = scenario::explain(&loaded, arguments.memory);
+    let answer = CheckAnswer::new(&loaded, &document);
+    terminal::print(&arguments.form.render_either(&answer, || document))?;
     match MemoryEstimate::new(&loaded.scenario).meter(arguments.memory) {
         Ok(_) => Ok(ExitCode::SUCCESS),
         Err(exceeded) => Err(CliError::bad_input(format_args!("a run would be refused: {exceeded}"), None)),

@@ -29,6 +29,7 @@ mod map_guide;
 mod map_of;
 mod memory;
 mod minus_zero;
+mod page;
 mod paper;
 mod pipes;
 mod plan;

@@ -259,6 +259,7 @@ hold! {
     output_files: "docs/output-files.md", pictures below 0;
     own_planner: "docs/own-planner.md", pictures below 0;
     planning_drives: "docs/planning-drives.md", pictures below 100_000;
+    play: "docs/play.md", pictures below 0;
     policies: "docs/policies.md", pictures below 0;
     python: "docs/python.md", pictures below 0;
     recording_format: "docs/recording-format.md", pictures below 0;

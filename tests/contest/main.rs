@@ -6,6 +6,7 @@ mod audit_damage;
 mod clairvoyant;
 mod collision;
 mod contest_audit;
+mod dispatch_rules;
 mod fuzzers;
 mod gate;
 mod original;

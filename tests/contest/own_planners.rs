@@ -146,11 +146,7 @@ fn who_never_answers_saves_nothing_unless_rescued() {
         let rescued = sim::run_with(&rescued, seed, &silent).expect("it takes place");
         assert!(Outcome::new(&rescued.timeline).extinguished > 100, "seed {seed}");
         let truck = Outcome::new(&rescued.timeline).agents.pop().expect("it has a truck");
-        assert_eq!(
-            truck.lattice_plans,
-            truck.plans - truck.failures.iter().sum::<u32>(),
-            "all its drives were rescues"
-        );
+        assert_eq!(truck.lattice_plans, truck.plans - truck.failures.sum(), "all its drives were rescues");
     }
 }
 

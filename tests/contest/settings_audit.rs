@@ -135,7 +135,7 @@ fn words(schema: &Value) -> Option<Vec<Value>> {
         return Some(listed.clone());
     }
     if let Some(choices) = schema["anyOf"].as_array() {
-        return choices.iter().find_map(|choice| choice["enum"].as_array().cloned());
+        return choices.iter().find_map(words);
     }
     let variants = schema["oneOf"].as_array()?;
     let of_variant = |variant: &Value| variant.get("const").map(|word| vec![word.clone()]).or_else(|| words(variant));

@@ -73,7 +73,7 @@ fn in_the_end_a_film_tells_the_outcome() {
     for (index, agent) in outcome.agents.iter().enumerate() {
         let stats = run.stats_at(index, SimTime::MAX);
         assert_eq!((stats.plans, stats.cells), (agent.plans, agent.cells));
-        assert_eq!(stats.failures, agent.failures.iter().sum::<u32>());
+        assert_eq!(stats.failures, agent.failures.sum());
         assert_eq!(stats.expansions, agent.roadmap_expansions + agent.local_expansions);
         assert!((stats.distance_m - agent.distance_m).abs() < 1e-6, "{} m, {} m", stats.distance_m, agent.distance_m);
         assert_eq!(stats.spent(Activity::Driving).as_seconds(), agent.driving_s);

@@ -5,6 +5,7 @@ pub mod event_queue;
 pub mod geometry;
 pub mod input_file;
 pub mod npy;
+pub mod object;
 pub mod or_none;
 pub mod query;
 pub mod ranges;

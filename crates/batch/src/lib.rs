@@ -29,9 +29,10 @@ mod table;
 #[doc(hidden)]
 pub use drives::made_up_drives;
 pub use drives::{
-    COMPARED, DRIVE_COLUMNS, DRIVE_LEGEND, DriveColumn, DriveContrast, DriveFailure, DriveQuery, DriveTable,
-    INTERVAL_LEGEND, MAX_QUERIES, MEASURES, Measure, PlannerSummary, QueryCost, RowMember, SummaryMember,
-    contrast_table, failure_sentences, interval_tables, queries_words, rows_table, shortened_field, summary_table,
+    Attempt, COMPARED, DRIVE_COLUMNS, DRIVE_LEGEND, DriveColumn, DriveContrast, DriveError, DriveFailure,
+    DriveProblems, DriveQuery, DriveRequest, DriveTable, INTERVAL_LEGEND, MAX_QUERIES, MEASURES, Measure,
+    PlannerSummary, QueryCost, Question, ask_all, asked_planners, attempts, contrast_table, expect_known_planners,
+    failure_sentences, interval_tables, missed, own_names, queries_words, rows_table, shortened_field, summary_table,
     violation_sentences,
 };
 pub use execute::{
@@ -42,13 +43,13 @@ pub use execute::{
     StrangeEntry, Survey, TABLES_FILE, Whole, batch_status, file_name_of, limit_threads, with_threads,
 };
 pub use maps::{
-    BatchMaps, BatchQuantity, BatchSide, MapDifference, MapSource, MapsError, MapsOptions, RunMean, map_batches,
+    BatchMaps, BatchQuantity, BatchSide, Losses, MapDifference, MapSource, MapsError, MapsOptions, RunMean, map_batches,
 };
 pub use plan::{
     BatchPlan, BatchRequest, COMMIT, COMPILER, CourseError, CoursePlan, CourseRefusal, CourseRequest, LONG_VERSION,
     MAX_RUNS, MAX_SEEDS_BYTES, MAX_VARIANTS, PLAN_FILE, PLAN_TEMPLATE, PLANNER_KEY, PROGRAM_VERSION, PlanError,
     PlanWriter, PlannedRun, RUNS_WITHOUT_FORCE, Record, RequestError, RunLabel, Seeds, SeedsError, Setting, Slice,
-    SliceError, Sweep, SweepError, Value, Variant, plan_schema, planner_of, rules_schema, shell_word,
+    SliceError, Sweep, SweepError, Value, Variant, plan_schema, planner_of, range_words, rules_schema, shell_word,
 };
 pub use report::{
     AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, ChartData, ChosenQuantities, Facet, FacetSeries,

@@ -17,11 +17,6 @@ impl CellSet {
         Self { words: vec![0; words], summary: vec![0; words.div_ceil(64)], len: 0 }
     }
 
-    /// Returns the bytes that a set for this number of cells takes.
-    pub fn bytes(cells: u64) -> u64 {
-        cells / 8 + cells / 512 + 16
-    }
-
     /// Adds a cell that is not there yet.
     pub fn insert(&mut self, cell: usize) {
         let (word, bit) = (cell / 64, 1 << (cell % 64));

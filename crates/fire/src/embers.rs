@@ -15,8 +15,8 @@ use serde::{Deserialize, Serialize};
 use super::chance::{Chance, normal, poisson};
 use super::fuel::FuelModel;
 use super::{Landscape, Weather};
-use wildfire_base::geometry::{Cell, DVec2, FieldFrame, ops};
-use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+use wildfire_base::geometry::{Cell, DVec2, ops};
+use wildfire_base::ranges;
 use wildfire_base::time::SimTime;
 
 /// How many embers fly, how far, and what they set on fire. The defaults are chosen for fields of some hundred metres: a few
@@ -59,19 +59,10 @@ impl Default for EmberSettings {
     }
 }
 
-impl SettingsTable for EmberSettings {
-    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
-        check_range("per_mj", self.per_mj, 0.0..=1000.0)?;
-        check_range("i_min_kw_m", self.i_min_kw_m, 0.0..=1e6)?;
-        check_range("d0", self.d0, 0.0..=1000.0)?;
-        check_range("a", self.a, 0.0..=2.0)?;
-        check_range("b", self.b, 0.0..=2.0)?;
-        check_range("k", self.k, 0.0..=1e6)?;
-        check_range("cross_sd_m", self.cross_sd_m, 0.0..=1e5)?;
-        check_range("p_ign", self.p_ign, 0.0..=1.0)?;
-        check_range("delay_s", self.delay_s, 0.0..=1e6)
-    }
-}
+ranges! { EmberSettings {
+    per_mj: 0.0..=1000.0, i_min_kw_m: 0.0..=1e6, d0: 0.0..=1000.0, a: 0.0..=2.0, b: 0.0..=2.0, k: 0.0..=1e6,
+    cross_sd_m: 0.0..=1e5, p_ign: 0.0..=1.0, delay_s: 0.0..=1e6,
+} }
 
 /// The embers of one run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -161,7 +152,8 @@ impl Embers {
 mod tests {
     use super::*;
     use crate::surface::FuelMoisture;
-    use wildfire_base::geometry::compass;
+    use wildfire_base::geometry::{FieldFrame, compass};
+    use wildfire_base::ranges::SettingsTable;
 
     const FRAME: FieldFrame = FieldFrame { cols: 401, rows: 401, cell_m: 5.0 };
 

@@ -89,10 +89,6 @@ impl FuelCells {
         Self { places: Vec::new(), cells: Vec::new(), bare }
     }
 
-    fn most_bytes_of_places(cells: u64) -> u64 {
-        2 * (cells / 64 + 1) * size_of::<(u64, u32)>() as u64
-    }
-
     /// Makes room for all that has fuel; what had room keeps its state.
     fn make_room(&mut self, fuel: &CellSet, cell_count: usize) {
         let mut grown = Self::bare(self.bare);
@@ -193,14 +189,6 @@ impl FireField {
             self.cells[index].kind = Some(BushStateKind::Intact);
             self.cells[index].is_bush = are_bushes;
         }
-    }
-
-    /// Returns the most bytes that it takes with this number of cells on which something grows.
-    pub fn most_bytes(frame: &FieldFrame, with_fuel: u64) -> u64 {
-        let cells = frame.cell_count() as u64;
-        // Their list as they are added, which doubles, and the cells before and after there is room for more.
-        let of_fuel = 2 * (size_of::<usize>() + size_of::<FieldCell>()) as u64;
-        with_fuel * of_fuel + 3 * CellSet::bytes(cells) + FuelCells::most_bytes_of_places(cells)
     }
 
     pub fn frame(&self) -> &FieldFrame {

@@ -97,9 +97,6 @@ impl Pages {
     const UNSEEN: [LatticeNode; Self::POINTS] =
         [LatticeNode { cost: f64::INFINITY, parent: 0, arrival: NO_MOVE as u8, closed: false }; Self::POINTS];
 
-    /// Bytes for each point of a lattice, lists that double included.
-    const BYTES_A_POINT: usize = size_of::<LatticeNode>() + 1;
-
     fn new(points: usize) -> Self {
         assert!(u32::try_from(points).is_ok(), "a lattice of {points} points has too many for their numbers");
         Self { directory: vec![0; points.div_ceil(Self::POINTS)], ..Self::default() }
@@ -147,10 +144,6 @@ impl AStar {
     pub fn new(points: usize) -> Self {
         Self { pages: Pages::new(points), open: LayeredQueue::default(), settled: Vec::new() }
     }
-
-    /// Bytes for each point of a lattice: the point, its place among the settled in a list that doubles, and half an entry
-    /// that waits in a list that doubles, which is more than searches with an estimate came to.
-    pub const BYTES_A_POINT: usize = Pages::BYTES_A_POINT + 2 * size_of::<u32>() + LayeredQueue::ENTRY_BYTES;
 
     /// A cheapest path from `start` to any point that `is_goal`.
     ///

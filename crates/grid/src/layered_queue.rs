@@ -59,9 +59,6 @@ impl Default for LayeredQueue {
 }
 
 impl LayeredQueue {
-    /// Bytes of an entry.
-    pub const ENTRY_BYTES: usize = size_of::<Key>();
-
     /// Forgets all entries and gives their memory back: the next search has other layers. Layers have this height from now on, whatever it is: it changes the time, not the order.
     pub fn clear(&mut self, height: f64) {
         self.sorted.clear();

@@ -77,6 +77,7 @@ pub mod walk;
 pub use judge::lower_bound_m;
 pub use kit::drive_cost::DriveCost;
 pub use kit::ends::free_poses;
+pub use kit::floods::flood_bytes;
 pub use kit::local_search::{MotionCost, PrimitiveSettings};
 pub use kit::safety::{Safety, SafetyForm, SafetyMap, SafetySettings};
 pub use nearest_by_drive::plan_to_nearest;
@@ -84,7 +85,7 @@ pub use observer::{PlanningObserver, PlanningWork, QueryMonitor, QueryTime, Unob
 pub use planners::hybrid_astar::{HybridAstar, HybridSettings};
 pub use planners::lattice::{LatticePlanner, LatticeSettings};
 pub use planners::prm_primitives::{ClearanceTo, PrmPrimitives, PrmSettings, RoadmapGoal, RoadmapSearch};
-pub use planners::prm_rs::{PrmRs, PrmRsSettings, count_convex_corners};
+pub use planners::prm_rs::{PrmRs, PrmRsSettings};
 pub use registry::{
     MakeError, MakePlanner, NameError, PlannerName, Planners, Site, TruckPlannerKind, TruckPlannerSettings,
 };

@@ -127,19 +127,6 @@ impl Drop for Held {
     }
 }
 
-/// Upper bounds of the memory that the planner of one truck takes on a field.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct PlannerMemory {
-    /// Bytes that it holds all the time.
-    pub held: u64,
-    /// Bytes on top of that while it is being made.
-    pub making: u64,
-    /// Bytes of its floods, if it plans by floods alone.
-    pub floods: u64,
-    /// Bytes that queries may add to all of this; an easy query adds almost nothing.
-    pub grows: u64,
-}
-
 /// Collections whose size in memory is known before they grow.
 pub trait BytesAfter {
     /// Returns the bytes that the collection takes once it has `more` elements more: its capacity, which doubles where

@@ -7,7 +7,7 @@
 pub use super::kit::floods::LATTICES;
 
 use crate::collision::CollisionChecker;
-use wildfire_base::geometry::{FieldFrame, Pose};
+use wildfire_base::geometry::Pose;
 use wildfire_base::vehicle::Path;
 
 use super::GoalDisc;
@@ -52,12 +52,6 @@ impl Reachability {
     /// Returns a path from the root into a disc, not a short one.
     pub fn path_to(&mut self, disc: GoalDisc) -> Option<Path> {
         self.floods.path_into(disc.with_margin())
-    }
-
-    /// Bounds the bytes that floods and searches take on a field.
-    pub fn most_bytes(frame: &FieldFrame) -> u64 {
-        let searches: u64 = SEARCHES.iter().map(|&(_, budget)| PrimitiveSearch::most_bytes(budget)).sum();
-        searches + Floods::most_bytes(frame, LATTICES.len(), u32::MAX)
     }
 
     /// Finds a path from any free pose into a disc by a large search; also returns the nodes that it expanded.

@@ -28,7 +28,7 @@ use super::gate::Gated;
 use super::kit::drive_cost::DriveCost;
 use super::kit::local_search::PrimitiveSettings;
 use super::kit::safety::SafetySettings;
-use super::memory::{MemoryMeter, PlannerMemory};
+use super::memory::MemoryMeter;
 use super::planners::{hybrid_astar, lattice, prm_primitives, prm_rs};
 use super::smooth_steering::{CurvatureSmoother, SmoothSteering};
 
@@ -45,14 +45,8 @@ pub trait BuiltInPlanner: Sync {
         false
     }
 
-    /// Bounds the memory that the planner takes on a field whose bushes have up to this number of convex corners.
-    fn memory(&self, frame: &FieldFrame, corners: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory;
-
     /// Returns the simulated time that its expansions cost.
     fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge;
-
-    /// Describes in sentences how the planner finds its way.
-    fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String;
 
     /// Returns the size of the roadmap that it builds at once on a field with this number of bushes, if it does.
     fn roadmap_size(
@@ -403,14 +397,11 @@ tables_of_settings! {
     safety: SafetySettings,
 }
 
-/// Describes the simulated time that an expansion costs.
-pub fn describe_charge(seconds_per_expansion: f64) -> String {
-    if seconds_per_expansion == 0.0 {
-        "planning takes no simulated time".into()
-    } else {
-        format!("it stands {seconds_per_expansion} s for every expansion")
-    }
-}
+/// Settings of which a scenario gives one: their paths in the table of a truck, and what each says.
+pub const ALTERNATIVES: [(&str, &str, &str); 2] = [
+    ("prm.samples_per_hectare", "prm.samples", "each says how many samples there are"),
+    ("prm_rs.samples_per_hectare", "prm_rs.samples", "each says how many samples there are"),
+];
 
 #[cfg(test)]
 mod tests {

@@ -90,27 +90,22 @@ pub enum GameChoice {
     Go(u16, u16),
     /// A truck goes for the fire that is nearest by drive.
     GoToNearest,
-    /// It stays, or keeps its goal, until something happens.
+    /// It waits, or keeps its goal, for ten seconds at most: until something happens.
     Wait,
+    /// It does so however long nothing happens.
+    Stay,
 }
 
-impl From<GameChoice> for Choice {
-    fn from(choice: GameChoice) -> Self {
-        match choice {
-            GameChoice::Go(col, row) => Self::Go(Cell { col, row }),
-            GameChoice::GoToNearest => Self::GoToNearest,
-            GameChoice::Wait => Self::Wait,
-        }
-    }
-}
+/// How long an agent waits that nothing wakes.
+const WAIT: SimTime = SimTime::from_nanos(10_000_000_000);
 
 impl From<Choice> for GameChoice {
-    /// What games cannot hold is [`Self::Wait`].
+    /// What games cannot hold is [`Self::Stay`].
     fn from(choice: Choice) -> Self {
         match choice {
             Choice::Go(Cell { col, row }) => Self::Go(col, row),
             Choice::GoToNearest => Self::GoToNearest,
-            Choice::Move(_) | Choice::Refill | Choice::Wait | Choice::WaitUntil(_) => Self::Wait,
+            Choice::Move(_) | Choice::Refill | Choice::Wait | Choice::WaitUntil(_) => Self::Stay,
         }
     }
 }
@@ -122,8 +117,20 @@ impl Answer {
         Self { t_ns: time.as_nanos(), side, number: agent.number, choice }
     }
 
-    fn agent(&self) -> AgentId {
+    /// Returns the agent that is answered for.
+    pub fn agent(&self) -> AgentId {
         AgentId { role: self.side.role(), number: self.number }
+    }
+
+    /// Returns what the simulation is told.
+    pub fn told(&self) -> (AgentId, Choice) {
+        let choice = match self.choice {
+            GameChoice::Go(col, row) => Choice::Go(Cell { col, row }),
+            GameChoice::GoToNearest => Choice::GoToNearest,
+            GameChoice::Wait => Choice::WaitUntil(SimTime::from_nanos(self.t_ns) + WAIT),
+            GameChoice::Stay => Choice::Wait,
+        };
+        (self.agent(), choice)
     }
 }
 
@@ -234,7 +241,7 @@ impl Policy for Replayed {
         let next = self.answers.get(self.next);
         if let Some(answer) = next.filter(|next| next.t_ns == seen.now.as_nanos() && asked.contains(&next.agent())) {
             self.next += 1;
-            return vec![(answer.agent(), answer.choice.into())];
+            return vec![answer.told()];
         }
         let has = match next {
             Some(next) => format!("the next answer is that of {} at {} s", next.agent(), next.t_ns as f64 / 1e9),
@@ -263,8 +270,9 @@ mod tests {
             let cells = simulation.observe(|seen, _| seen.options(agent)).expect("a question waits");
             let go = |cell: &Cell| GameChoice::Go(cell.col, cell.row);
             let choice = if turn % 7 == 3 { GameChoice::Wait } else { cells.last().map_or(GameChoice::Wait, go) };
-            game.answers.push(Answer::new(simulation.now(), agent, choice));
-            simulation.answer(vec![(agent, choice.into())]);
+            let answer = Answer::new(simulation.now(), agent, choice);
+            simulation.answer(vec![answer.told()]);
+            game.answers.push(answer);
             turn += 1;
         }
         (game, simulation.finish().timeline)

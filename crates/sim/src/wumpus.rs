@@ -321,7 +321,7 @@ fn lose_goal(
     mut wumpuses: Query<(&mut Agent, &mut Wumpus)>,
 ) {
     while let Some(wake) = queue.take_for(clock.0, AgentEvent::GoalLost, |entity| wumpuses.contains(entity)) {
-        let Ok((mut agent, mut wumpus)) = wumpuses.get_mut(wake.agent) else { continue };
+        let (mut agent, mut wumpus) = wumpuses.get_mut(wake.agent).expect("the entity is a Wumpus");
         let (entity, now) = (wake.agent, clock.0);
         let (agent, wumpus) = (&mut *agent, &mut *wumpus);
         Turn { entity, agent, wumpus, now, queue: &mut queue, recorder: &mut recorder }.drop_goal();
@@ -381,7 +381,7 @@ fn decide(
 ) {
     let (now, fires) = (clock.0, &fires.field);
     while let Some(wake) = queue.next_for(now, AgentEvent::Decision, |entity| wumpuses.contains(entity)) {
-        let Ok((agent, wumpus, &policy)) = wumpuses.get(wake.agent) else { return };
+        let (agent, wumpus, &policy) = wumpuses.get(wake.agent).expect("the entity is a Wumpus");
         if agent.revision != wake.revision {
             queue.drop_next();
             continue;
@@ -411,7 +411,7 @@ fn decide(
             return;
         }
         for (entity, choice) in choices {
-            let Ok((mut agent, mut wumpus, _)) = wumpuses.get_mut(entity) else { continue };
+            let (mut agent, mut wumpus, _) = wumpuses.get_mut(entity).expect("a Wumpus was asked");
             let (agent, wumpus) = (&mut *agent, &mut *wumpus);
             let turn = Turn { entity, agent, wumpus, now, queue: &mut queue, recorder: &mut recorder };
             turn.act(choice, fires, &mut planners, &mut cpu_log);

@@ -1,11 +1,9 @@
 //! A run's result in numbers, computed from its facts alone.
 
-use serde::de::Error;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 use super::{AgentId, RunIndex, Timeline};
-use wildfire_base::input_file::list_of_at_most;
-use wildfire_base::query::PlanFailure;
+use wildfire_base::query::FailureCounts;
 
 /// Counts, times and scores of a run.
 ///
@@ -87,9 +85,8 @@ pub struct AgentOutcome {
     pub cells: u32,
     /// Queries for a plan, failed ones included.
     pub plans: u32,
-    /// Failed queries by reason, in the order of [`PlanFailure::ALL`].
-    #[serde(deserialize_with = "failures_of_any_version")]
-    pub failures: [u32; PlanFailure::ALL.len()],
+    /// Failed queries by reason.
+    pub failures: FailureCounts,
     /// Plans for goals on which the planner had failed, after the reachability flood said that they can be reached.
     pub lattice_plans: u32,
     /// Local minima that a Wumpus's descents met, whether it escaped from them or gave its goal up there.
@@ -163,7 +160,7 @@ impl AgentOutcome {
             agent,
             cells: 0,
             plans: 0,
-            failures: [0; PlanFailure::ALL.len()],
+            failures: FailureCounts::default(),
             lattice_plans: 0,
             local_minima: 0,
             roadmap_samples: 0,
@@ -192,20 +189,6 @@ impl AgentOutcome {
             out_of_reach: 0,
         }
     }
-}
-
-/// Reads the counts of failures, which were fewer kinds before planners could be handed in.
-fn failures_of_any_version<'de, D: Deserializer<'de>>(
-    deserializer: D,
-) -> Result<[u32; PlanFailure::ALL.len()], D::Error> {
-    const FEWEST: usize = 5;
-    let counts: Vec<u32> = list_of_at_most::<{ PlanFailure::ALL.len() }, _, _>(deserializer)?;
-    if counts.len() < FEWEST {
-        return Err(D::Error::invalid_length(counts.len(), &"a count for each reason of failure"));
-    }
-    let mut failures = [0; PlanFailure::ALL.len()];
-    failures[..counts.len()].copy_from_slice(&counts);
-    Ok(failures)
 }
 
 /// Who has the higher score.
@@ -269,6 +252,7 @@ mod tests {
     use super::super::sample::{self, A, B, C, SECOND_TRUCK, TRUCK, WUMPUS, at, ignited, leg, planned};
     use super::*;
     use crate::{AgentFact, EndReason, Event, Fact, FireFact, RestReason};
+    use wildfire_base::query::PlanFailure;
 
     fn run(agents: &[AgentId], events: Vec<Event>) -> Timeline {
         Timeline { setting: sample::small_setting(agents), events, ground: Vec::new() }
@@ -299,7 +283,7 @@ mod tests {
         let expected = AgentOutcome {
             cells: 1,
             plans: 3,
-            failures: [0, 0, 1, 0, 0, 0, 0, 0],
+            failures: FailureCounts::from_iter([PlanFailure::Disconnected]),
             local_minima: 1,
             roadmap_expansions: 10,
             local_expansions: 44,
@@ -321,7 +305,7 @@ mod tests {
         let expected = AgentOutcome {
             cells: 1,
             plans: 4,
-            failures: [0, 0, 0, 1, 0, 0, 0, 0],
+            failures: FailureCounts::from_iter([PlanFailure::BudgetSpent]),
             lattice_plans: 1,
             roadmap_samples: 500,
             roadmap_edges: 2100,

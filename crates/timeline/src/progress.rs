@@ -26,6 +26,10 @@ pub enum Activity {
 }
 
 impl Activity {
+    /// All, in the order of their numbers.
+    pub const ALL: [Self; 6] =
+        [Self::Standing, Self::Planning, Self::Driving, Self::Suppressing, Self::Waiting, Self::Refilling];
+
     pub const fn name(self) -> &'static str {
         match self {
             Self::Standing => "standing",

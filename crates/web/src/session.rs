@@ -10,7 +10,8 @@ use wildfire_picture::film::{FrameRequest, RunView, ViewOptions, page_data};
 use wildfire_sim::game::{Answer, Game, GameChoice, GameScenario, Side, played};
 use wildfire_sim::policies::{NamedPolicy, Policy, RuleSite};
 use wildfire_sim::scenario::{
-    BUILT_IN, DispatchPolicy, MemoryLimit, Scenario, ScenarioError, Terrain, TruckGoal, TruckPlannerKind, WumpusGoal,
+    BUILT_IN, DispatchPolicy, Fault, MemoryLimit, Scenario, ScenarioError, Terrain, TruckGoal, TruckPlannerKind,
+    WumpusGoal,
 };
 use wildfire_sim::{RunError, RunOptions, Simulation};
 use wildfire_timeline::{AgentId, Outcome, Setting, Timeline, Winner, file};
@@ -89,7 +90,13 @@ impl Refusal {
         };
         let location = error.location.as_ref().filter(|location| location.is_in(text));
         let place = location.map(wildfire_sim::scenario::SourceLocation::line_and_column);
-        Self { message: error.to_string(), advice: error.fault.advice(), place }
+        let message = match &error.fault {
+            Fault::Unreadable { path, .. } => {
+                format!("`{path}` cannot be read: in a page a scenario has no other files")
+            }
+            _ => error.to_string(),
+        };
+        Self { message, advice: error.fault.advice(), place }
     }
 }
 
@@ -110,6 +117,9 @@ pub struct Session {
     run: Option<Making>,
 }
 
+/// The policies that decide for a player, by side.
+type Substitutes = Vec<(Side, Box<dyn Policy>)>;
+
 /// A run in the making.
 struct Making {
     game: Game,
@@ -117,7 +127,7 @@ struct Making {
     /// Answers of a game that was opened, still to be carried out.
     given: std::vec::IntoIter<Answer>,
     /// The policies that the scenario names for the sides that are played.
-    substitutes: Vec<(Side, Box<dyn Policy>)>,
+    substitutes: Substitutes,
 }
 
 impl Session {
@@ -202,7 +212,7 @@ impl Making {
     fn advance(&mut self, target: SimTime) -> Result<(), Refusal> {
         while let Some(asked) = self.simulation.advance_to_question(target).map(<[_]>::to_vec) {
             let Some(given) = self.given.next() else { break };
-            let agent = AgentName { side: given.side, number: given.number }.into();
+            let agent = given.agent();
             if given.t_ns != self.simulation.now().as_nanos() || !asked.contains(&agent) {
                 self.given = Vec::new().into_iter();
                 return Err(Refusal::new("this game was played with another version: its answers do not fit this run"));
@@ -241,7 +251,7 @@ impl Making {
         let can = self.simulation.observe(|seen, asked| {
             let is_option = match choice {
                 GameChoice::Go(col, row) => seen.options(agent).contains(&Cell { col, row }),
-                GameChoice::GoToNearest | GameChoice::Wait => true,
+                GameChoice::GoToNearest | GameChoice::Wait | GameChoice::Stay => true,
             };
             asked.contains(&agent) && is_option
         });
@@ -250,8 +260,9 @@ impl Making {
             Some(false) => return Err(Refusal::new(format!("{agent} is not asked, or cannot go there"))),
             None => return Err(Refusal::new("nobody is asked")),
         }
-        self.game.answers.push(Answer::new(self.simulation.now(), agent, choice));
-        self.simulation.answer(vec![(agent, choice.into())]);
+        let answer = Answer::new(self.simulation.now(), agent, choice);
+        self.simulation.answer(vec![answer.told()]);
+        self.game.answers.push(answer);
         Ok(())
     }
 
@@ -262,7 +273,7 @@ impl Making {
         let (_, policy) = substitute.ok_or_else(|| Refusal::new("nobody plays this side"))?;
         let choices = self.simulation.observe(|seen, _| policy.choose(seen, &[agent])).unwrap_or_default();
         let choice =
-            choices.into_iter().find(|&(id, _)| id == agent).map_or(GameChoice::Wait, |(_, choice)| choice.into());
+            choices.into_iter().find(|&(id, _)| id == agent).map_or(GameChoice::Stay, |(_, choice)| choice.into());
         self.answer(agent, choice)?;
         Ok(choice)
     }
@@ -300,7 +311,7 @@ impl Making {
 }
 
 /// Makes the policies that the scenario names for the sides that are played.
-fn substitutes(game: &Game, scenario: &Scenario) -> Result<Vec<(Side, Box<dyn Policy>)>, Refusal> {
+fn substitutes(game: &Game, scenario: &Scenario) -> Result<Substitutes, Refusal> {
     let terrain = Terrain::from_scenario(scenario, game.seed).map_err(RunError::from)?;
     let lightable = terrain.lightable(scenario.fire.lights_ground());
     let site = RuleSite {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use schemars::JsonSchema;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use wildfire_base::document::{Block, Document};
 use wildfire_batch::stats::{Interval, Series};
@@ -12,12 +12,6 @@ use wildfire_batch::{
     BatchPlan, BatchReport, COMMIT, COMPILER, Machine, OutputFolder, PROGRAM_VERSION, RUN_COLUMNS, Tally,
     VariantReport, WrittenReport,
 };
-
-/// A batch that is over: an object for programs, and a document for people.
-pub struct BatchAnswer {
-    object: BatchObject,
-    document: Document,
-}
 
 /// The JSON object that `wildfire batch --json` and `wildfire merge --json` print, and the beginning of that of
 /// `wildfire report --json`; the members in their order.
@@ -83,7 +77,7 @@ impl ColumnObject {
 }
 
 impl BatchObject {
-    fn new(plan: &BatchPlan, folder: &Path, report: &BatchReport) -> Self {
+    pub fn new(plan: &BatchPlan, folder: &Path, report: &BatchReport) -> Self {
         let variants = plan.variants.iter().zip(&report.variants).map(|(variant, found)| {
             let VariantReport { title, tally, .. } = found;
             let Tally { done, failed, panicked, won_by_truck, won_by_wumpus, stuck_runs, .. } = *tally;
@@ -119,34 +113,8 @@ impl BatchObject {
     }
 }
 
-impl BatchAnswer {
-    pub fn new(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport) -> Self {
-        let object = BatchObject::new(plan, folder.path(), report);
-        Self { object, document: summary(plan, folder, report) }
-    }
-
-    /// The same with where the CPU time went, for people.
-    #[must_use]
-    pub fn with_profile(mut self, report: &BatchReport) -> Self {
-        self.document = self.document.with(report.profile().blocks);
-        self
-    }
-}
-
-impl Serialize for BatchAnswer {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.object.serialize(serializer)
-    }
-}
-
-impl From<&BatchAnswer> for Document {
-    fn from(answer: &BatchAnswer) -> Self {
-        answer.document.clone()
-    }
-}
-
 /// Words the result of a finished batch.
-fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport) -> Document {
+pub fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport) -> Document {
     let files = format!("Files: {}", folder.path().display());
     match report.variants.as_slice() {
         [one] => {
@@ -177,9 +145,20 @@ pub struct ReportAnswer {
     refused: Vec<String>,
     /// The machines that worked on the batch, as far as they are known.
     machines: Vec<Machine>,
-    #[serde(skip)]
-    #[schemars(skip)]
-    document: Document,
+}
+
+impl ReportAnswer {
+    pub fn new(plan: &BatchPlan, folder: &Path, written: &WrittenReport) -> Self {
+        let WrittenReport { tables, charts, refused, machines, page, charts_folder, .. } = written;
+        Self {
+            batch: BatchObject::new(plan, folder, tables),
+            page: page.display().to_string(),
+            charts_folder: charts_folder.display().to_string(),
+            charts: charts.clone(),
+            refused: refused.clone(),
+            machines: machines.clone(),
+        }
+    }
 }
 
 /// The tables that a report prints: means, unless others were asked for.
@@ -191,11 +170,11 @@ pub struct ShownTables<'a> {
     pub rows: bool,
 }
 
-impl ReportAnswer {
+impl ShownTables<'_> {
     /// Says what was written, with the tables that were asked for.
-    pub fn new(plan: &BatchPlan, folder: &Path, written: &WrittenReport, shown: &ShownTables) -> Self {
-        let WrittenReport { tables, charts, refused, machines, .. } = written;
-        let ShownTables { columns, rows } = *shown;
+    pub fn document(self, plan: &BatchPlan, folder: &Path, written: &WrittenReport) -> Document {
+        let WrittenReport { tables, refused, .. } = written;
+        let Self { columns, rows } = self;
         let mut document = Document::new(format!("{}, seeds {}", folder.display(), plan.seeds));
         if columns.is_empty() {
             if tables.variants.len() > 1 {
@@ -213,21 +192,7 @@ impl ReportAnswer {
         }
         document.add_list(tables.machine_notes());
         document.add_list(refused.clone());
-        Self {
-            batch: BatchObject::new(plan, folder, tables),
-            page: written.page.display().to_string(),
-            charts_folder: written.charts_folder.display().to_string(),
-            charts: charts.clone(),
-            refused: refused.clone(),
-            machines: machines.clone(),
-            document,
-        }
-    }
-}
-
-impl From<&ReportAnswer> for Document {
-    fn from(answer: &ReportAnswer) -> Self {
-        answer.document.clone()
+        document
     }
 }
 
@@ -240,15 +205,6 @@ pub struct PlanAnswer {
     pub runs: u64,
     /// The titles of all variants, in the order of the plan.
     pub variants: Vec<String>,
-    #[serde(skip)]
-    #[schemars(skip)]
-    pub document: Document,
-}
-
-impl From<&PlanAnswer> for Document {
-    fn from(answer: &PlanAnswer) -> Self {
-        answer.document.clone()
-    }
 }
 
 /// A slice of a batch whose runs are over.

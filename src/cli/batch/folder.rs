@@ -11,7 +11,7 @@ use std::time::Duration;
 use clap::Args;
 use serde::Serialize;
 
-use super::answer::{BatchAnswer, ReportAnswer, ShownTables};
+use super::answer::{BatchObject, ReportAnswer, ShownTables, summary};
 use super::keeping::LockArguments;
 use super::{exit_code, list, note_leftovers, note_repeated};
 use crate::cli::args::{PaperArguments, ProgramArguments, jobs_or_usual, parse_jobs};
@@ -28,7 +28,7 @@ use wildfire_base::time::wall::WallStopwatch;
 use wildfire_batch::{
     BatchError, BatchPlan, ChosenQuantities, FieldPicture, FinishedBatch, JournalError, MissingRuns, NotableRun,
     OutputFolder, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts, Slice, SliceState, Survey, batch_status,
-    limit_threads, notable_runs, runs_with_pages, shell_word, write_report,
+    limit_threads, notable_runs, range_words, runs_with_pages, shell_word, write_report,
 };
 use wildfire_picture::film::{FrameRequest, RunView, ViewOptions, still};
 
@@ -133,7 +133,8 @@ pub fn merge(arguments: &MergeArguments, quiet: bool) -> Result<ExitCode, CliErr
         note_leftovers(&merged.leftovers);
         note_repeated(merged.repeated);
     }
-    terminal::print(&arguments.form.render(&BatchAnswer::new(&merged.plan, &folder, &merged.report)))?;
+    let object = BatchObject::new(&merged.plan, folder.path(), &merged.report);
+    terminal::print(&arguments.form.render_either(&object, || summary(&merged.plan, &folder, &merged.report)))?;
     Ok(exit_code(merged.report.not_done()))
 }
 
@@ -246,20 +247,9 @@ fn merge_error(error: BatchError, folder: &OutputFolder, lock: &LockArguments) -
     let help = format!(
         "run the first with: {command}; as an array of Slurm all of them, with the script that was submitted: sbatch \
          --array={} SCRIPT",
-        ranges_of(&numbers)
+        range_words(&numbers, "-")
     );
     CliError::bad_input(words_for(&missing, &first.of().to_string()), Some(&help))
-}
-
-/// Writes rising numbers as ranges, as `1,3-5`.
-fn ranges_of(numbers: &[u64]) -> String {
-    let follows = |one: &u64, next: &u64| one + 1 == *next;
-    let ranges = numbers.chunk_by(follows).map(|range| match range {
-        [one] => one.to_string(),
-        [first, .., last] => format!("{first}-{last}"),
-        [] => String::new(),
-    });
-    ranges.collect::<Vec<_>>().join(",")
 }
 
 /// Writes the page on a batch, and its charts.
@@ -276,8 +266,9 @@ pub fn report(arguments: &ReportArguments, context: &CommandContext) -> Result<E
     terminal::note_unknown_letters([written.unknown_letters.as_str()], context.quiet);
     if !arguments.form.is_text() {
         let shown = ShownTables { columns: &quantities.places(), rows: arguments.rows };
-        let answer = ReportAnswer::new(batch.plan(), batch.folder(), &written, &shown);
-        terminal::print(&arguments.form.render(&answer))?;
+        let answer = ReportAnswer::new(batch.plan(), batch.folder(), &written);
+        let document = || shown.document(batch.plan(), batch.folder(), &written);
+        terminal::print(&arguments.form.render_either(&answer, document))?;
         return Ok(ExitCode::SUCCESS);
     }
     let (page, charts) = (written.page.display(), written.charts_folder.display());
@@ -468,15 +459,4 @@ fn next_step(folder: &OutputFolder, slices: &[(Slice, SliceState)], lock: &LockA
     }
     let (purpose, command) = next_command(folder.path(), slices, &lock.words())?;
     Some(format!("{purpose} with: {command}"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_written_as_slurm_reads_them() {
-        assert_eq!(ranges_of(&[1, 3, 4, 5, 9, 10]), "1,3-5,9-10");
-        assert_eq!(ranges_of(&[7]), "7");
-    }
 }

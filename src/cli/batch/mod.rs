@@ -22,7 +22,7 @@ use crate::cli::error::{CliError, exit};
 use crate::cli::next_command::resume_command;
 use crate::cli::terminal::Progress;
 use crate::cli::{interrupt, terminal};
-use answer::BatchAnswer;
+use answer::summary;
 use args::RUNS_FOLDER;
 use estimates::Estimates;
 use keeping::LockArguments;
@@ -81,7 +81,7 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
                 return Ok(ExitCode::SUCCESS);
             }
             if arguments.dry_run {
-                terminal::print(&arguments.form.render(&dry_run(&plan)))?;
+                terminal::print(&arguments.form.render_either(&plan_answer(&plan), || dry_run(&plan)))?;
                 return Ok(exit_code(left_out));
             }
             let batch = begin(arguments, plan, slice)?;
@@ -105,9 +105,12 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
     limit_threads(jobs);
     let report = batch.finish(watch.stop()).map_err(from_batch)?;
     drop(watch);
-    let answer = BatchAnswer::new(batch.plan(), batch.folder(), &report);
-    let answer = if arguments.profile { answer.with_profile(&report) } else { answer };
-    terminal::print(&arguments.form.render(&answer))?;
+    let document = || match arguments.profile {
+        true => summary(batch.plan(), batch.folder(), &report).with(report.profile().blocks),
+        false => summary(batch.plan(), batch.folder(), &report),
+    };
+    let object = BatchObject::new(batch.plan(), batch.folder().path(), &report);
+    terminal::print(&arguments.form.render_either(&object, document))?;
     Ok(exit_code(report.not_done() + left_out))
 }
 
@@ -278,7 +281,7 @@ fn slice_summary(batch: &Batch, lock: &LockArguments) -> SliceAnswer {
 }
 
 /// Lists what a plan would run.
-fn dry_run(plan: &BatchPlan) -> PlanAnswer {
+fn dry_run(plan: &BatchPlan) -> Document {
     let (variants, seeds) = (plan.variants.len(), plan.seeds.count());
     let title = format!("{variants} variants x {seeds} seeds ({}) = {} runs", plan.seeds, plan.count());
     let line = |(index, variant): (usize, &Variant)| {
@@ -290,12 +293,15 @@ fn dry_run(plan: &BatchPlan) -> PlanAnswer {
         lines.push(format!("and {} more", variants - LISTED_VARIANTS));
     }
     lines.push(format!("plan {}", plan.content_sha256()));
+    Document::new(title).with([Block::List(lines)])
+}
+
+fn plan_answer(plan: &BatchPlan) -> PlanAnswer {
     PlanAnswer {
         program_version: PROGRAM_VERSION,
         content_sha256: plan.content_sha256(),
         seeds: plan.seeds.to_string(),
         runs: plan.count(),
         variants: plan.variants.iter().map(|variant| plan.title(variant)).collect(),
-        document: Document::new(title).with([Block::List(lines)]),
     }
 }

@@ -5,6 +5,7 @@ use serde::{Serialize, Serializer};
 use wildfire_base::document::number::{count, rounded, short};
 use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::geometry::Pose;
+use wildfire_base::object;
 use wildfire_base::vehicle::curve::Letters;
 use wildfire_base::vehicle::{CurvePrice, Dimensions, Dubins, Path, ReedsShepp, Segment, reeds_shepp};
 use wildfire_batch::PROGRAM_VERSION;
@@ -163,91 +164,41 @@ fn turn_deg(segment: &Segment) -> f64 {
     (segment.curvature * segment.length_m).to_degrees()
 }
 
-/// The members in their order.
-#[derive(Serialize)]
-struct Object<'a> {
-    program_version: &'static str,
-    from: PoseObject,
-    to: PoseObject,
-    radius_m: f64,
-    curves: Vec<CurveObject<'a>>,
-}
-
-#[derive(Serialize)]
-struct PoseObject {
-    x_m: f64,
-    y_m: f64,
-    heading_deg: f64,
-}
-
-/// Members that do not apply are null.
-#[derive(Serialize)]
-struct CurveObject<'a> {
-    curve: &'static str,
-    length_m: f64,
-    word: &'a str,
-    family: Option<&'a str>,
-    cusps: u32,
-    price: Option<PriceObject>,
-    segments: Vec<SegmentObject>,
-}
-
-#[derive(Serialize)]
-struct PriceObject {
-    reverse_factor: f64,
-    cusp_m: f64,
-    price_m: f64,
-}
-
-#[derive(Serialize)]
-struct SegmentObject {
-    steering: &'static str,
-    direction: &'static str,
-    length_m: f64,
-    turn_deg: f64,
-}
-
 impl Serialize for CurveReport {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let object = Object {
+        let pose = |End { x, y, heading_deg }| object!(Pose { x_m: x, y_m: y, heading_deg });
+        let report = object!(Report {
             program_version: PROGRAM_VERSION,
             from: pose(self.from),
             to: pose(self.to),
             radius_m: self.radius_m,
-            curves: self.curves.iter().map(curve).collect(),
-        };
-        object.serialize(serializer)
+            curves: self.curves.iter().map(curve).collect::<Vec<_>>(),
+        });
+        report.serialize(serializer)
     }
 }
 
-fn pose(End { x, y, heading_deg }: End) -> PoseObject {
-    PoseObject { x_m: x, y_m: y, heading_deg }
-}
-
-fn curve(found: &FoundCurve) -> CurveObject<'_> {
-    let price = found.price.map(|(price, price_m)| PriceObject {
-        reverse_factor: price.reverse_factor,
-        cusp_m: price.cusp_m,
-        price_m,
-    });
-    CurveObject {
+/// A curve as an object; members that do not apply are null.
+fn curve(found: &FoundCurve) -> impl Serialize {
+    let price =
+        |(CurvePrice { reverse_factor, cusp_m, .. }, price_m)| object!(Price { reverse_factor, cusp_m, price_m });
+    let segment = |segment: &Segment| {
+        object!(Segment {
+            steering: steering(segment),
+            direction: direction(segment),
+            length_m: segment.length_m.abs(),
+            turn_deg: turn_deg(segment),
+        })
+    };
+    object!(Curve {
         curve: found.kind,
         length_m: found.length_m,
         word: &found.word,
-        family: found.family.as_deref(),
+        family: &found.family,
         cusps: found.path.cusps(),
-        price,
-        segments: found.path.segments.iter().map(segment).collect(),
-    }
-}
-
-fn segment(segment: &Segment) -> SegmentObject {
-    SegmentObject {
-        steering: steering(segment),
-        direction: direction(segment),
-        length_m: segment.length_m.abs(),
-        turn_deg: turn_deg(segment),
-    }
+        price: found.price.map(price),
+        segments: found.path.segments.iter().map(segment).collect::<Vec<_>>(),
+    })
 }
 
 impl CurveReport {

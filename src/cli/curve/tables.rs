@@ -30,22 +30,17 @@ pub fn write_lengths(input: &FilePath, output: &FilePath, radius_m: f64) -> Resu
     let (reeds_shepp, dubins) = (ReedsShepp { radius_m }, Dubins { radius_m });
     let mut pairs = open_pairs(input)?;
     let mut table = WholeFile::create(output).map_err(unwritable)?;
-    write_row(&mut table, pairs.row(), format_args!("{}", ADDED.join(","))).map_err(unwritable)?;
+    pairs.write_row(&mut table, format_args!("{}", ADDED.join(","))).map_err(unwritable)?;
     let mut rows = 0;
     while let Some([x0, y0, th0, x1, y1, th1]) = pairs.next()? {
         let (from, to) = (Pose::new(x0, y0, th0), Pose::new(x1, y1, th1));
         let (best, forward) = (reeds_shepp.shortest(from, to), dubins.shortest(from, to));
         let added = format_args!("{},{},{},{}", best.length_m, best.word, forward.length_m, forward.word);
-        write_row(&mut table, pairs.row(), added).map_err(unwritable)?;
+        pairs.write_row(&mut table, added).map_err(unwritable)?;
         rows += 1;
     }
     table.finish().map_err(unwritable)?;
     Ok(rows)
-}
-
-fn write_row(table: &mut WholeFile, row: &[u8], added: std::fmt::Arguments) -> io::Result<()> {
-    table.write_all(row)?;
-    writeln!(table, ",{added}")
 }
 
 /// Columns that are read, by their names in the header: metres and radians.

@@ -4,11 +4,9 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args, ValueEnum};
-use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-use super::conditions::{self, Conditions, DIRECTION_COLUMNS, Direction, FIRE_COLUMNS};
-use super::members;
+use super::conditions::{self, Conditions, DIRECTION_COLUMNS, FIRE_COLUMNS, direction};
 use super::options::{ChoiceArguments, SlopeArguments, Wind, azimuth, fuel, moisture, wind};
 use crate::cli::error::CliError;
 use crate::cli::output_files::{Files, Format};
@@ -18,6 +16,8 @@ use wildfire_base::document::number::{count, percent, rounded, short};
 use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::geometry::compass;
 use wildfire_base::input_file::is_standard_stream;
+use wildfire_base::object;
+use wildfire_base::object::Members;
 use wildfire_batch::PROGRAM_VERSION;
 use wildfire_fire::fuel::{FUEL_MODELS, FuelModel};
 use wildfire_fire::surface::{
@@ -308,20 +308,13 @@ fn directions_table(fire: &SurfaceFire, azimuths: &[f64]) -> Table {
     Table { text_columns: 0, ..Table::new(&headings, azimuths.iter().map(row).collect()) }
 }
 
-#[derive(Serialize)]
-struct StateObject {
-    moisture: f64,
-    extinction: f64,
-}
-
 impl Serialize for BehaviorReport<'_> {
     /// Serialises the members in their order; the names are those of the columns of tables.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let Self { conditions: Conditions { model, moisture, wind_midflame_mps, wind_from_deg, slope }, fire, .. } =
             self;
-        let state = |FuelState { moisture, extinction }| StateObject { moisture, extinction };
-        let mut object = serializer.serialize_map(None)?;
-        members!(object, {
+        let state = |FuelState { moisture, extinction }| object!(State { moisture, extinction });
+        let report = object!(Behavior {
             program_version: PROGRAM_VERSION,
             fuel: model.code,
             number: model.number,
@@ -330,18 +323,15 @@ impl Serialize for BehaviorReport<'_> {
             m_100h: moisture.d100,
             m_live_herb: moisture.herb,
             m_live_woody: moisture.woody,
-            wind_midflame_mps: wind_midflame_mps,
-            wind_from_deg: wind_from_deg,
+            wind_midflame_mps,
+            wind_from_deg,
             slope_rise_run: slope.slope,
             aspect_deg: slope.aspect,
             options: self.options,
             // If not, all rates are zero.
             burns: self.bed.burns(),
-        });
-        for (name, value) in FIRE_COLUMNS {
-            object.serialize_entry(name, &value(fire))?;
-        }
-        members!(object, {
+            #[serde(flatten)]
+            fire: Members(FIRE_COLUMNS.map(|(name, value)| (name, value(fire))).into()),
             back_m_min: fire.back_rate_mps() * 60.0,
             effective_wind_mps: fire.effective_wind_mps,
             wind_is_limited: fire.wind_is_limited,
@@ -351,9 +341,9 @@ impl Serialize for BehaviorReport<'_> {
             dead: self.bed.dead.map(state),
             live: self.bed.live.map(state),
             remarks: self.remarks(),
-            directions: self.azimuths.iter().map(|&azimuth| Direction { fire, azimuth }).collect::<Vec<_>>(),
+            directions: self.azimuths.iter().map(|&azimuth| direction(fire, azimuth)).collect::<Vec<_>>(),
         });
-        object.end()
+        report.serialize(serializer)
     }
 }
 
@@ -388,33 +378,21 @@ impl From<&FuelList> for Document {
     }
 }
 
-#[derive(Serialize)]
-struct FuelObject {
-    number: u8,
-    code: &'static str,
-    name: &'static str,
-    /// In lb/ft2: dead 1-h, 10-h and 100-h, live herbaceous, live woody.
-    loads_lb_ft2: [f64; 5],
-    /// In 1/ft, of the same.
-    savs_per_ft: [f64; 5],
-    depth_ft: f64,
-    dead_extinction: f64,
-    heat_btu_lb: f64,
-    dynamic: bool,
-}
-
 impl Serialize for FuelList {
+    /// Loads are in lb/ft2, of dead 1-h, 10-h and 100-h, live herbaceous and live woody fuel; surface to volume in 1/ft.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_seq(FUEL_MODELS.iter().map(|model| FuelObject {
-            number: model.number,
-            code: model.code,
-            name: model.name,
-            loads_lb_ft2: model.loads,
-            savs_per_ft: model.savs,
-            depth_ft: model.depth_ft,
-            dead_extinction: model.dead_extinction,
-            heat_btu_lb: model.heat_btu_lb,
-            dynamic: model.is_dynamic(),
+        serializer.collect_seq(FUEL_MODELS.iter().map(|model| {
+            object!(Fuel {
+                number: model.number,
+                code: model.code,
+                name: model.name,
+                loads_lb_ft2: model.loads,
+                savs_per_ft: model.savs,
+                depth_ft: model.depth_ft,
+                dead_extinction: model.dead_extinction,
+                heat_btu_lb: model.heat_btu_lb,
+                dynamic: model.is_dynamic(),
+            })
         }))
     }
 }

@@ -4,10 +4,8 @@
 //! Numbers are the shortest decimals that read back as the same `f64`. A row is read, written and forgotten before the
 //! next.
 
-use std::io::{self, Write};
+use std::io;
 use std::path::Path;
-
-use serde::{Serialize, Serializer};
 
 use crate::cli::error::CliError;
 use crate::cli::fire::options::{
@@ -15,6 +13,7 @@ use crate::cli::fire::options::{
 };
 use crate::cli::number_table::{Column, Columns, NumberTable};
 use wildfire_base::geometry::compass;
+use wildfire_base::object::Members;
 use wildfire_base::whole_file::WholeFile;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::surface::{FuelBed, FuelMoisture, SurfaceFire, SurfaceOptions, WindLimit, flame_length_m};
@@ -63,16 +62,9 @@ pub const DIRECTION_COLUMNS: [DirectionColumn; 4] = [
     ("ray_horizontal_m_min", |fire, azimuth| 60.0 / fire.ellipse().travel_s(compass::unit_toward(azimuth))),
 ];
 
-/// A fire over one azimuth, which is serialised under the names of its columns.
-pub struct Direction<'a> {
-    pub fire: &'a SurfaceFire,
-    pub azimuth: f64,
-}
-
-impl Serialize for Direction<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(DIRECTION_COLUMNS.map(|(name, value)| (name, value(self.fire, self.azimuth))))
-    }
+/// Returns a fire over one azimuth under the names of its columns.
+pub fn direction(fire: &SurfaceFire, azimuth: f64) -> Members<&'static str, f64> {
+    Members(DIRECTION_COLUMNS.map(|(name, value)| (name, value(fire, azimuth))).into())
 }
 
 /// The places of two columns among those that are read.
@@ -94,28 +86,23 @@ pub fn write_fires(
     }
     let mut conditions = NumberTable::open(input, columns(&added))?;
     let mut table = WholeFile::create(output).map_err(unwritable)?;
-    write_row(&mut table, conditions.row(), format_args!("{}", added.join(","))).map_err(unwritable)?;
+    conditions.write_row(&mut table, format_args!("{}", added.join(","))).map_err(unwritable)?;
     let [mut rows, mut without_fire] = [0; 2];
     while let Some(numbers) = conditions.next()? {
         let fire = fire(&conditions, &numbers, options)?;
         let values = FIRE_COLUMNS.map(|(_, value)| value(&fire).to_string()).join(",");
         if azimuths.is_empty() {
-            write_row(&mut table, conditions.row(), format_args!("{values}")).map_err(unwritable)?;
+            conditions.write_row(&mut table, format_args!("{values}")).map_err(unwritable)?;
         }
         for &azimuth in azimuths {
             let of_azimuth = DIRECTION_COLUMNS.map(|(_, value)| value(&fire, azimuth).to_string()).join(",");
-            write_row(&mut table, conditions.row(), format_args!("{values},{of_azimuth}")).map_err(unwritable)?;
+            conditions.write_row(&mut table, format_args!("{values},{of_azimuth}")).map_err(unwritable)?;
         }
         rows += 1;
         without_fire += u64::from(fire.rate_mps == 0.0);
     }
     table.finish().map_err(unwritable)?;
     Ok([rows, without_fire])
-}
-
-fn write_row(table: &mut WholeFile, row: &[u8], added: std::fmt::Arguments) -> io::Result<()> {
-    table.write_all(row)?;
-    writeln!(table, ",{added}")
 }
 
 fn columns<'a>(added: &'a [&'static str]) -> Columns<'a, 11> {

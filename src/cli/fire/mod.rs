@@ -32,11 +32,3 @@ pub fn run(command: &FireCommand, quiet: bool) -> Result<ExitCode, CliError> {
     }
     Ok(ExitCode::SUCCESS)
 }
-
-/// Serialises members of a JSON object in their order.
-macro_rules! members {
-    ($object:expr, { $($name:ident: $value:expr),* $(,)? }) => {
-        $($object.serialize_entry(stringify!($name), &$value)?;)*
-    };
-}
-use members;

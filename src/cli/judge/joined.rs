@@ -5,12 +5,12 @@
 //! planners are: a curvature above 1/radius by 1 % and [`CURVATURE_SLACK`], and a little way sideways, as a joint of
 //! two turns between two poses makes. Clearance has no such slack.
 
-use crate::cli::plan::missed;
 use wildfire_audit::{AuditField, Outline, SampleStep, Stance, ViolationKind};
 use wildfire_base::geometry::{DVec2, Pose, ops};
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::{SpeedLimits, Trajectory};
 use wildfire_base::vehicle::{Dimensions, Path, Segment};
+use wildfire_batch::missed;
 use wildfire_planning::collision::{ClearanceField, CollisionChecker};
 use wildfire_planning::judge::{DriveFigures, Judge, MOST_FIELDS_LONG};
 use wildfire_planning::{Goal, lower_bound_m};

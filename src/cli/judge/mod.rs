@@ -19,10 +19,12 @@ use crate::cli::args::{MemoryArguments, ProgramArguments, parse_seed};
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
-use crate::cli::plan::{Attempt, ProblemArguments, Question, attempts, goal_count, no_truck};
+use crate::cli::plan::goal_count;
 use crate::cli::report::FormArguments;
 use wildfire_base::document::number::count;
-use wildfire_batch::{DriveFailure, DriveQuery, shortened_field};
+use wildfire_batch::{
+    Attempt, DriveError, DriveFailure, DriveProblems, DriveQuery, Question, attempts, shortened_field,
+};
 use wildfire_planning::judge::DriveFigures;
 use wildfire_planning::{PlannerName, Planners};
 use wildfire_sim::scenario::{LoadedScenario, Problem};
@@ -193,8 +195,8 @@ fn judge_table(
         let sentence = "--goals draws goals on the scenario's field; expected no field files with it";
         return Err(CliError::bad_input(sentence, Some("field files list their goals")));
     }
-    let problems = ProblemArguments { fields: fields.to_vec(), seed, goals, cells };
-    let problems = problems.load(&asked.loaded.scenario)?;
+    let problems = DriveProblems { fields: fields.to_vec(), goals, cells };
+    let problems = problems.load(&asked.loaded.scenario, seed)?;
     let (judged, mut verdicts) = judge_paths(paths, &problems)?;
     let names = asked.names(&judged);
     let mut rows = Vec::new();
@@ -266,7 +268,9 @@ fn judge_recording(
         let row = row_of_path((field, number, truck), Some((drive.figures, drive.violation.clone())));
         rows.push(DriveQuery { failure: drive.is_dropped.then_some(DriveFailure::Dropped), ..row });
         if !asked.planners.is_empty() {
-            let truck = asked.loaded.scenario.unimog.first().ok_or_else(|| no_truck(&asked.loaded.scenario))?;
+            let scenario = &asked.loaded.scenario;
+            let no_truck = || DriveError::NoTruck { scenario: scenario.name.clone() };
+            let truck = scenario.unimog.first().ok_or_else(no_truck)?;
             let problem = recorded::problem(setting, drive, truck);
             let attempts = asked.attempts(&problem)?;
             rows.extend(attempts.iter().zip(&names).map(|(attempt, name)| row_of_attempt(attempt, number, name)));

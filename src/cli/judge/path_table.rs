@@ -165,11 +165,10 @@ impl<'a> PathTable<'a> {
         let line = rows.line();
         let mut places = [None; COLUMNS.len()];
         for (index, column) in COLUMNS.into_iter().enumerate() {
-            let named = fields(rows.row()).enumerate().filter(|(_, name)| *name == column.as_bytes());
-            places[index] = match named.map(|(place, _)| place).collect::<Vec<_>>()[..] {
+            places[index] = match rows.places(column)[..] {
                 [place] => Some(place),
                 [] if index == PLANNER || index == FIELD && problems.len() == 1 => None,
-                [] if index == FIELD && fields(rows.row()).any(|name| name == b"goal") => {
+                [] if index == FIELD && !rows.places("goal").is_empty() => {
                     return Err(Fault::NoField { line, fields: problems.len() });
                 }
                 [] => return Err(Fault::Missing { line, column }),

@@ -4,10 +4,11 @@ use serde::{Serialize, Serializer};
 
 use crate::cli::plan::SHOWN_ROWS;
 use wildfire_base::document::{Block, Document};
+use wildfire_base::object;
 use wildfire_base::untrusted::visible_start;
 use wildfire_batch::{
-    COMPARED, DRIVE_LEGEND, DriveContrast, DriveQuery, DriveTable, PROGRAM_VERSION, PlannerSummary, RowMember,
-    SummaryMember, contrast_table, failure_sentences, rows_table, summary_table, violation_sentences,
+    COMPARED, DRIVE_LEGEND, DriveContrast, DriveQuery, DriveTable, PROGRAM_VERSION, PlannerSummary, contrast_table,
+    failure_sentences, rows_table, summary_table, violation_sentences,
 };
 
 /// All paths, and what was found.
@@ -34,20 +35,13 @@ impl JudgeReport {
 
 impl Serialize for JudgeReport {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        #[derive(Serialize)]
-        struct Object<'a> {
-            program_version: &'static str,
-            rows: Vec<RowMember<'a>>,
-            summary: Vec<SummaryMember<'a>>,
-            comparisons: &'a [DriveContrast],
-        }
-        let object = Object {
+        let report = object!(Report {
             program_version: PROGRAM_VERSION,
             rows: self.drives.members(),
-            summary: self.summaries.iter().map(|own| SummaryMember::new(&self.drives, own)).collect(),
+            summary: self.drives.summary_members(&self.summaries),
             comparisons: &self.contrasts,
-        };
-        object.serialize(serializer)
+        });
+        report.serialize(serializer)
     }
 }
 

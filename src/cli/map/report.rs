@@ -8,12 +8,13 @@ use serde::{Serialize, Serializer};
 use serde_json::Value as Json;
 
 use crate::cli::map::commands::Computation;
-use crate::cli::map::computed::{Bare, Computed, Value, Walk, WalkResult};
+use crate::cli::map::computed::{Bare, Computed, Value, Walk};
 use crate::cli::map::fields::CostArguments;
 use crate::cli::map::options::NO_IMAGE;
 use crate::cli::map::traces::{GraphTrace, SearchTrace};
 use wildfire_base::document::number::{count, percent, rounded};
 use wildfire_base::document::{Block, Document};
+use wildfire_base::object;
 use wildfire_batch::PROGRAM_VERSION;
 use wildfire_grid::brushfire::brushfire;
 use wildfire_grid::map_files::{MapFile, NEAR_TOLERANCE};
@@ -106,40 +107,6 @@ impl<'a> MapReport<'a> {
     }
 }
 
-/// The members in their order; what does not apply is null.
-#[derive(Serialize)]
-struct Object<'a> {
-    program_version: &'static str,
-    map: String,
-    rows: usize,
-    cols: usize,
-    cells: usize,
-    occupied: usize,
-    no_obstacle: bool,
-    tolerance: Option<u8>,
-    near_tolerance: Option<f64>,
-    remove_edges: usize,
-    /// `command` and `parameters`.
-    #[serde(flatten)]
-    computation: &'a Computation,
-    maximum: Option<Value>,
-    unreached: Option<usize>,
-    answer: Option<WalkResult>,
-    minimum: Option<Place>,
-    path_cells: Option<usize>,
-    steps: Option<usize>,
-    length: Option<f64>,
-    cost: Option<f64>,
-    expansions: Option<usize>,
-    touched: Option<usize>,
-    samples: Option<u32>,
-    vertices: Option<usize>,
-    edges: Option<usize>,
-    path: Option<PathMember<'a>>,
-    notes: Vec<String>,
-    measured: Measured,
-}
-
 /// A path in cells, or through points, whose rows and columns are whole numbers at the centres of cells.
 #[derive(Serialize)]
 #[serde(untagged)]
@@ -148,19 +115,13 @@ enum PathMember<'a> {
     Points(&'a [Spot]),
 }
 
-#[derive(Serialize)]
-struct Measured {
-    cpu_read_s: f64,
-    cpu_map_s: f64,
-    cpu_path_s: Option<f64>,
-}
-
 impl Serialize for MapReport<'_> {
+    /// Serialises the members in their order; what does not apply is null.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let (computed, occupied, way) = (self.computed, self.occupied_cells, self.way());
         let walk = computed.walk.as_ref();
         let (search, graph) = (computed.search.as_ref(), computed.graph.as_ref());
-        let object = Object {
+        let report = object!(Map {
             program_version: PROGRAM_VERSION,
             map: self.path.display().to_string(),
             rows: self.map.occupied.rows(),
@@ -171,6 +132,8 @@ impl Serialize for MapReport<'_> {
             tolerance: self.map.tolerance,
             near_tolerance: self.map.share_near(),
             remove_edges: self.computation.files().input.reading.remove_edges,
+            // `command` and `parameters`.
+            #[serde(flatten)]
             computation: self.computation,
             maximum: computed.values.max(),
             unreached: computed.unreached,
@@ -190,13 +153,13 @@ impl Serialize for MapReport<'_> {
                 _ => PathMember::Cells(cells),
             }),
             notes: self.sentences(),
-            measured: Measured {
+            measured: object!(Measured {
                 cpu_read_s: self.cpu_read.as_secs_f64(),
                 cpu_map_s: computed.cpu_map.as_secs_f64(),
                 cpu_path_s: computed.cpu_path.map(|cpu| cpu.as_secs_f64()),
-            },
-        };
-        object.serialize(serializer)
+            }),
+        });
+        report.serialize(serializer)
     }
 }
 

@@ -6,11 +6,10 @@ mod report;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::thread;
 
 use clap::Args;
 
-use crate::cli::args::{MemoryArguments, ProgramArguments, parse_jobs, parse_seed};
+use crate::cli::args::{MemoryArguments, ProgramArguments, jobs_or_all, parse_jobs, parse_seed};
 use crate::cli::compare::parse_where;
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
@@ -237,7 +236,7 @@ fn over_batch(
     let batch = open_batch(folder, &arguments.only, context)?;
     let minus_only = if arguments.minus_where.is_empty() { &arguments.only } else { &arguments.minus_where };
     let minus = arguments.minus.as_deref().map(|folder| open_batch(folder, minus_only, context)).transpose()?;
-    let jobs = arguments.jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
+    let jobs = jobs_or_all(arguments.jobs);
     let count = batch.count() + minus.as_ref().map_or(0, MapSource::count);
     let progress = Progress::new(count, "runs", context.quiet);
     let options = MapsOptions { quantity, jobs, entrants: &context.entrants };

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use wildfire_base::document::number::{count, optional, rounded, two_digits};
 use wildfire_base::document::{Block, Document, Table};
-use wildfire_batch::stats::{Interval, MeanEstimate};
-use wildfire_batch::{BatchMaps, BatchQuantity, BatchSide, RunMean};
+use wildfire_batch::stats::Interval;
+use wildfire_batch::{BatchMaps, BatchQuantity, BatchSide, Losses, RunMean};
 use wildfire_picture::MapQuantity;
 use wildfire_timeline::{BurnMap, Setting};
 
@@ -124,10 +124,8 @@ pub struct BatchMapReport {
 #[derive(Debug, Serialize)]
 struct SideObject {
     batch: String,
-    burned_cells: EstimateObject,
-    burned_ha: EstimateObject,
-    burned_bushes: EstimateObject,
-    lost_bushes: EstimateObject,
+    #[serde(flatten)]
+    losses: Losses,
     /// Cells with a value above zero, and the greatest value.
     cells: usize,
     most: Option<f64>,
@@ -135,10 +133,8 @@ struct SideObject {
 
 #[derive(Debug, Serialize)]
 struct DifferenceObject {
-    burned_cells: EstimateObject,
-    burned_ha: EstimateObject,
-    burned_bushes: EstimateObject,
-    lost_bushes: EstimateObject,
+    #[serde(flatten)]
+    losses: Losses,
     /// Cells whose interval lies below zero, and above it.
     cells_below: usize,
     cells_above: usize,
@@ -146,46 +142,11 @@ struct DifferenceObject {
     most: Option<f64>,
 }
 
-#[derive(Clone, Copy, Debug, Serialize)]
-struct EstimateObject {
-    mean: f64,
-    low: Option<f64>,
-    high: Option<f64>,
-}
-
-impl From<&MeanEstimate> for EstimateObject {
-    fn from(estimate: &MeanEstimate) -> Self {
-        Self::new(estimate.mean, estimate.interval)
-    }
-}
-
-impl From<&RunMean> for EstimateObject {
-    fn from(mean: &RunMean) -> Self {
-        Self::new(mean.mean, mean.interval)
-    }
-}
-
-impl EstimateObject {
-    fn new(mean: f64, interval: Option<Interval>) -> Self {
-        let (low, high) = interval.map(|interval| (interval.low, interval.high)).unzip();
-        Self { mean, low, high }
-    }
-
-    /// The mean and the ends of its interval in the cells of a table.
-    fn cells(&self) -> Vec<String> {
-        let decimals = if self.mean.abs() < 100.0 { 2 } else { 1 };
-        vec![rounded(self.mean, decimals), optional(self.low, decimals), optional(self.high, decimals)]
-    }
-}
-
 impl From<&BatchSide> for SideObject {
     fn from(side: &BatchSide) -> Self {
         Self {
             batch: side.title.clone(),
-            burned_cells: (&side.burned_cells).into(),
-            burned_ha: (&side.burned_ha).into(),
-            burned_bushes: (&side.burned_bushes).into(),
-            lost_bushes: (&side.lost_bushes).into(),
+            losses: side.losses,
             cells: side.values.iter().filter(|value| **value > 0.0).count(),
             most: side.values.iter().copied().filter(|value| value.is_finite()).reduce(f64::max),
         }
@@ -202,10 +163,7 @@ impl BatchMapReport {
         let difference = maps.difference.as_ref().map(|difference| {
             let found = || difference.mean.iter().copied().filter(|mean| mean.is_finite());
             DifferenceObject {
-                burned_cells: (&difference.burned_cells).into(),
-                burned_ha: (&difference.burned_ha).into(),
-                burned_bushes: (&difference.burned_bushes).into(),
-                lost_bushes: (&difference.lost_bushes).into(),
+                losses: difference.losses,
                 cells_below: difference.upper.iter().filter(|upper| **upper < 0.0).count(),
                 cells_above: difference.lower.iter().filter(|lower| **lower > 0.0).count(),
                 least: found().reduce(f64::min),
@@ -279,24 +237,27 @@ impl From<&BatchMapReport> for Document {
         let names: Vec<&str> = report.sides.iter().map(|side| side.batch.as_str()).collect();
         let mut document = Self::new(format!("{quantity}: {}", names.join(" less ")));
         document.add_list(report.sentences());
-        let mut rows = Vec::new();
-        let mut add = |name: &str, [cells, ha, bushes, lost]: [&EstimateObject; 4]| {
-            for (quantity, estimate) in
-                [("burned cells", cells), ("burned area, ha", ha), ("burned bushes", bushes), ("lost bushes", lost)]
-            {
-                let name = if quantity == "burned cells" { name } else { "" };
-                rows.push([vec![name.to_owned(), quantity.to_owned()], estimate.cells()].concat());
-            }
-        };
-        for side in &report.sides {
-            add(&side.batch, [&side.burned_cells, &side.burned_ha, &side.burned_bushes, &side.lost_bushes]);
-        }
-        if let Some(less) = &report.difference {
-            add("difference", [&less.burned_cells, &less.burned_ha, &less.burned_bushes, &less.lost_bushes]);
-        }
+        let difference = report.difference.as_ref().map(|difference| ("difference", &difference.losses));
+        let sides = report.sides.iter().map(|side| (side.batch.as_str(), &side.losses));
+        let rows = sides.chain(difference).flat_map(|(name, losses)| loss_rows(name, losses)).collect();
         let table = Table { text_columns: 2, ..Table::new(&["Batch", "", "mean", "95% low", "95% high"], rows) };
         let table =
             table.with_caption("Expected loss: means over runs; lost bushes are burned and nobody put them out");
         document.with([Block::from(table)])
     }
+}
+
+/// A row for each mean, with the ends of its interval.
+fn loss_rows(name: &str, losses: &Losses) -> [Vec<String>; 4] {
+    let row = |name: &str, quantity: &str, mean: RunMean| {
+        let decimals = if mean.mean.abs() < 100.0 { 2 } else { 1 };
+        let numbers = Interval::ends(mean.interval).map(|end| optional(end, decimals));
+        [vec![name.to_owned(), quantity.to_owned(), rounded(mean.mean, decimals)], numbers.to_vec()].concat()
+    };
+    [
+        row(name, "burned cells", losses.burned_cells),
+        row("", "burned area, ha", losses.burned_ha),
+        row("", "burned bushes", losses.burned_bushes),
+        row("", "lost bushes", losses.lost_bushes),
+    ]
 }

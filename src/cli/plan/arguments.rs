@@ -5,12 +5,13 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::problems::ProblemArguments;
-use crate::cli::args::{MemoryArguments, PaperArguments, ProgramArguments, parse_jobs};
+use crate::cli::args::{MemoryArguments, PaperArguments, ProgramArguments, parse_jobs, parse_seed};
 use crate::cli::batch::{SeedsArgument, parse_seeds};
+use crate::cli::numbers;
 use crate::cli::report::FormArguments;
+use wildfire_batch::DriveProblems;
 use wildfire_planning::{PlannerName, TruckPlannerKind};
-use wildfire_sim::scenario::Scenario;
+use wildfire_sim::scenario::MAX_GOALS;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -101,22 +102,30 @@ pub struct PlanReportArguments {
     pub paper: PaperArguments,
 }
 
-/// The name that is every known planner's.
-const ALL_PLANNERS: &str = "all";
+/// The fields to plan on, and the goals there.
+#[derive(Debug, Args)]
+pub struct ProblemArguments {
+    /// Field files: JSON with bushes, start and goals [default: the field of the scenario, drawn with the seed].
+    #[arg(value_name = "FIELD.json")]
+    pub fields: Vec<PathBuf>,
+    /// The seed of everything random.
+    #[arg(short, long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
+    pub seed: u64,
+    /// The number of random free poses of the scenario's field to drive to [default: 50].
+    #[arg(help_heading = "Goals", long, value_name = "N", conflicts_with = "fields", value_parser = goal_count)]
+    pub goals: Option<usize>,
+    /// The number of random bushes of each field to drive to instead: near enough to put out a fire there
+    /// (`suppression.reach_m`), at any heading.
+    #[arg(help_heading = "Goals", long, value_name = "N", conflicts_with = "goals", value_parser = goal_count)]
+    pub cells: Option<usize>,
+}
 
-/// Returns the planners that were named, each once, or else the first truck's own.
-pub fn asked_planners(arguments: &PlanArguments, scenario: &Scenario) -> Vec<PlannerName> {
-    let own = scenario.unimog.iter().take(1).map(|truck| truck.planner.clone());
-    let known = || TruckPlannerKind::ALL.map(PlannerName::from).into_iter().chain(scenario.planner.keys().cloned());
-    let named = arguments.planners.iter().flat_map(|name| match name.name() {
-        ALL_PLANNERS => known().collect(),
-        _ => vec![name.clone()],
-    });
-    let mut planners = Vec::new();
-    for planner in named.chain(own.filter(|_| arguments.planners.is_empty())) {
-        if !planners.contains(&planner) {
-            planners.push(planner);
-        }
+impl ProblemArguments {
+    pub fn problems(&self) -> DriveProblems {
+        DriveProblems { fields: self.fields.clone(), goals: self.goals, cells: self.cells }
     }
-    planners
+}
+
+pub fn goal_count(text: &str) -> Result<usize, String> {
+    numbers::parse_within(text, &(1..=MAX_GOALS), "a whole number")
 }

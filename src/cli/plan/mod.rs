@@ -1,25 +1,19 @@
 //! `wildfire plan`: drives of the truck by any planners, with their figures, and paths that others can check.
 
 mod arguments;
-mod attempts;
 mod benchmark;
-mod drive;
 mod ompl;
 mod paths_file;
-mod problems;
 mod repeat;
 mod report;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-pub use arguments::PlanArguments;
-pub use attempts::{Attempt, Question, attempts};
-pub use drive::missed;
-pub use problems::{ProblemArguments, goal_count, no_truck};
+pub use arguments::{PlanArguments, goal_count};
 pub use report::SHOWN_ROWS;
 
-use arguments::{PlanCommand, asked_planners};
+use arguments::PlanCommand;
 use ompl::{OmplLog, OmplPlanner, OmplRun, Started, program_limit_s};
 use repeat::Repeat;
 use report::{PlanReport, planner_settings};
@@ -29,7 +23,10 @@ use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::terminal;
 use wildfire_base::input_file::is_standard_stream;
-use wildfire_batch::{DriveQuery, DriveTable, PlannerSummary, file_name_of};
+use wildfire_batch::{
+    Attempt, DriveQuery, DriveTable, PlannerSummary, Question, ask_all, asked_planners, expect_known_planners,
+    file_name_of,
+};
 use wildfire_planning::PlannerName;
 use wildfire_sim::scenario::{LoadedScenario, Problem};
 
@@ -41,8 +38,8 @@ pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCo
         return benchmark::run(arguments, context);
     }
     let loaded = LoadedScenario::open(&arguments.scenario, &context.with_own_names(&arguments.overrides))?;
-    let problems = arguments.problems.load(&loaded.scenario)?;
-    let planners = asked_planners(arguments, &loaded.scenario);
+    let problems = arguments.problems.problems().load(&loaded.scenario, arguments.problems.seed)?;
+    let planners = asked_planners(&arguments.planners, &loaded.scenario);
     let pictures = pictures(arguments, &problems);
     let words = files(arguments, &pictures).check()?;
     let started = arguments.ompl.as_ref().map(|_| Started::now()).transpose()?;
@@ -55,20 +52,6 @@ pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCo
     Ok(if is_clean { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
 }
 
-/// Returns the drives that the arguments ask for, and writes nothing.
-pub fn drives(arguments: &PlanArguments, context: &CommandContext) -> Result<DriveTable, CliError> {
-    if arguments.command.is_some() {
-        return Err(CliError::bad_input("`report` writes a page; expected arguments of drives to plan", None));
-    }
-    if benchmark::is_meant(arguments)? {
-        return benchmark::drives(arguments, context);
-    }
-    let loaded = LoadedScenario::open(&arguments.scenario, &context.with_own_names(&arguments.overrides))?;
-    let problems = arguments.problems.load(&loaded.scenario)?;
-    let planners = asked_planners(arguments, &loaded.scenario);
-    Ok(report(arguments, context, &loaded, (&problems, &planners))?.drives)
-}
-
 /// Asks all planners on all problems.
 fn report<'a>(
     arguments: &'a PlanArguments,
@@ -76,7 +59,7 @@ fn report<'a>(
     loaded: &'a LoadedScenario,
     (problems, planners): (&'a [Problem], &'a [PlannerName]),
 ) -> Result<PlanReport<'a>, CliError> {
-    context.expect_known_planners(&loaded.scenario, planners)?;
+    expect_known_planners(&context.entrants, &loaded.scenario, planners)?;
     context.expect_trusted_planners(&loaded.scenario, planners)?;
     let ask = || {
         // Programs start anew each time, those too that could play on.
@@ -88,12 +71,7 @@ fn report<'a>(
             seed: arguments.problems.seed,
             limit: arguments.memory.limit(),
         };
-        let mut all = Vec::new();
-        for problem in problems {
-            let failed = |error| CliError::run_failed(format_args!("planning on the field {}: {error}", problem.name));
-            all.extend(attempts(problem, &question).map_err(failed)?);
-        }
-        Ok::<_, CliError>(all)
+        Ok::<_, CliError>(ask_all(problems, &question)?)
     };
     let all = ask()?;
     let again = if arguments.repeat { Some(ask()?) } else { None };

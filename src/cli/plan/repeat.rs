@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use crate::cli::plan::attempts::Attempt;
 use wildfire_base::document::number::count;
+use wildfire_batch::Attempt;
 use wildfire_planning::{PlanFailure, PlannerName};
 
 /// How the second answers of a planner compare with the first.

@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 
 use serde::{Serialize, Serializer};
 
-use crate::cli::plan::attempts::Attempt;
 use crate::cli::plan::repeat::Repeat;
 use wildfire_base::document::number::count;
 use wildfire_base::document::{Block, Document};
+use wildfire_base::object;
 use wildfire_base::vehicle::Path;
 use wildfire_batch::{
-    DRIVE_LEGEND, DriveTable, PROGRAM_VERSION, PlannerSummary, RowMember, SummaryMember, failure_sentences, rows_table,
-    shortened_field, summary_table, violation_sentences,
+    Attempt, DRIVE_LEGEND, DriveTable, PROGRAM_VERSION, PlannerSummary, failure_sentences, rows_table, shortened_field,
+    summary_table, violation_sentences,
 };
 use wildfire_picture::{DriveScene, DrivenWays, Picture, draw_drives};
 use wildfire_planning::{Goal, PlannerName, TruckPlannerKind};
@@ -71,61 +71,37 @@ fn budget(planner: &PlannerName, loaded: &LoadedScenario) -> String {
     if budgets.is_empty() { "none".into() } else { budgets.join(", ") }
 }
 
-/// The members in their order.
-#[derive(Serialize)]
-struct Object<'a> {
-    program_version: &'static str,
-    scenario: &'a str,
-    seed: u64,
-    /// By planner.
-    settings: BTreeMap<&'a str, BTreeMap<String, String>>,
-    fields: Vec<Field<'a>>,
-    rows: Vec<RowMember<'a>>,
-    summary: Vec<SummaryMember<'a>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    repeats: Option<&'a [Repeat]>,
-}
-
-#[derive(Serialize)]
-struct Field<'a> {
-    field: &'a str,
-    start: [f64; 3],
-    goals: Vec<GoalMember>,
-}
-
-/// As a field file has it.
-#[derive(Serialize)]
-#[serde(rename_all = "snake_case")]
-enum GoalMember {
-    Pose([f64; 3]),
-    Disc([f64; 3]),
-}
-
 impl Serialize for PlanReport<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let object = Object {
+        let settings = |planner: &PlannerName| planner_settings(planner, self.loaded).into_iter().collect();
+        let settings = self.planners.iter().map(|planner| (planner.name(), settings(planner)));
+        let report = object!(Report {
             program_version: PROGRAM_VERSION,
             scenario: &self.loaded.scenario.name,
             seed: self.seed,
-            settings: (self.planners.iter())
-                .map(|planner| (planner.name(), planner_settings(planner, self.loaded).into_iter().collect()))
-                .collect(),
-            fields: self.problems.iter().map(field).collect(),
+            settings: settings.collect::<BTreeMap<_, BTreeMap<_, _>>>(),
+            fields: self.problems.iter().map(field).collect::<Vec<_>>(),
             rows: self.drives.members(),
-            summary: self.summaries.iter().map(|own| SummaryMember::new(&self.drives, own)).collect(),
-            repeats: self.repeats.as_deref(),
-        };
-        object.serialize(serializer)
+            summary: self.drives.summary_members(&self.summaries),
+            // Without repetitions there is no member.
+            #[serde(flatten)]
+            repeats: self.repeats.as_ref().map(|repeats| object!(Repeats { repeats })),
+        });
+        report.serialize(serializer)
     }
 }
 
-fn field(problem: &Problem) -> Field<'_> {
+/// A field and its goals, which are as a field file has them.
+fn field(problem: &Problem) -> impl Serialize {
     let goal = |goal: &Goal| match *goal {
-        Goal::Pose(pose) => GoalMember::Pose([pose.x, pose.y, pose.heading]),
-        Goal::Disc(disc) => GoalMember::Disc([disc.centre.x, disc.centre.y, disc.radius_m]),
+        Goal::Pose(pose) => ("pose", [pose.x, pose.y, pose.heading]),
+        Goal::Disc(disc) => ("disc", [disc.centre.x, disc.centre.y, disc.radius_m]),
     };
-    let start = [problem.start.x, problem.start.y, problem.start.heading];
-    Field { field: &problem.name, start, goals: problem.goals.iter().map(goal).collect() }
+    object!(Field {
+        field: &problem.name,
+        start: [problem.start.x, problem.start.y, problem.start.heading],
+        goals: problem.goals.iter().map(|it| BTreeMap::from([goal(it)])).collect::<Vec<_>>(),
+    })
 }
 
 impl From<&PlanReport<'_>> for Document {

@@ -7,11 +7,11 @@ use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::thread;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-use crate::cli::args::parse_jobs;
+use crate::cli::args::{jobs_or_all, parse_jobs};
 use crate::cli::compare::parse_where;
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
@@ -50,8 +50,8 @@ pub struct RankArguments {
     #[arg(long, value_name = "NAME")]
     pub metric: Option<String>,
     /// Which values of the metric are better, where it does not say so itself.
-    #[arg(long, value_name = "WHICH")]
-    pub better: Option<BetterArgument>,
+    #[arg(long, value_name = "WHICH", value_parser = better())]
+    pub better: Option<Better>,
     /// A key besides the usual ones in which entries may differ, such as `wumpus.goal`, and all below it; may be
     /// repeated.
     #[arg(long, value_name = "KEY")]
@@ -81,19 +81,14 @@ pub struct RankArguments {
     pub form: FormArguments,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum BetterArgument {
-    Higher,
-    Lower,
+fn better() -> impl TypedValueParser<Value = Better> {
+    let word = PossibleValuesParser::new([Better::Higher, Better::Lower].map(Better::name));
+    word.map(|word| if word == Better::Higher.name() { Better::Higher } else { Better::Lower })
 }
 
 impl RankArguments {
     pub fn request(&self) -> RankingRequest {
-        let better = self.better.map(|better| match better {
-            BetterArgument::Higher => Better::Higher,
-            BetterArgument::Lower => Better::Lower,
-        });
-        let Self { metric, free, only, without, .. } = self.clone();
+        let Self { metric, better, free, only, without, .. } = self.clone();
         RankingRequest { metric, better, free, only, without }
     }
 }
@@ -123,7 +118,7 @@ fn audit(
     jobs: Option<NonZeroUsize>,
     context: &CommandContext,
 ) -> Result<(), CliError> {
-    let jobs = jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
+    let jobs = jobs_or_all(jobs);
     let sources = ranking.entries.iter().map(|entry| source(entry, runs, context)).collect::<Result<Vec<_>, _>>()?;
     let progress = Progress::new(sources.iter().map(AuditSource::count).sum(), "runs", context.quiet);
     let options = AuditOptions { jobs, step: SampleStep::default(), entrants: &context.entrants, listed: 1 };

@@ -1,49 +1,21 @@
 //! A ranking as a CSV file: a row for each entry.
 
-use std::borrow::Cow;
 use std::io;
 use std::path::Path;
 
-use serde::Serialize;
-
+use wildfire_base::object;
 use wildfire_base::untrusted::spreadsheet_cell;
 use wildfire_base::whole_file::WholeFile;
 use wildfire_batch::comparison::Ranking;
+use wildfire_batch::stats::Interval;
 
-/// The columns in their order; those of the difference from the first are empty in its own row.
-#[derive(Serialize)]
-struct EntryRow<'a> {
-    place: usize,
-    entry: Cow<'a, str>,
-    planner: Cow<'a, str>,
-    rank_from: usize,
-    rank_to: usize,
-    groups: &'a str,
-    metric: Cow<'a, str>,
-    mean: f64,
-    less_first: Option<f64>,
-    less_first_low: Option<f64>,
-    less_first_high: Option<f64>,
-    p_adjusted: Option<f64>,
-    p_method: Option<&'static str>,
-    runs: usize,
-    failed_runs: usize,
-    runs_without_value: usize,
-    drives: u64,
-    failed_queries: u64,
-    rescued_drives: u64,
-    timed_out_queries: u64,
-    depends_on_machine: bool,
-    policy_asks: u64,
-    failed_asks: u64,
-}
-
+/// Writes the columns in their order; those of the difference from the first are empty in its own row.
 pub fn write(path: &Path, ranking: &Ranking) -> io::Result<()> {
     let mut writer = csv::Writer::from_writer(WholeFile::create(path)?);
     for (place, entry) in ranking.entries.iter().enumerate() {
         let pair = ranking.pair(0, place);
-        let interval = pair.and_then(|pair| pair.contrast.interval);
-        writer.serialize(EntryRow {
+        let [less_first_low, less_first_high] = Interval::ends(pair.and_then(|pair| pair.contrast.interval));
+        writer.serialize(object!(Entry {
             place: place + 1,
             entry: spreadsheet_cell(&entry.name),
             planner: spreadsheet_cell(&entry.planner),
@@ -53,8 +25,8 @@ pub fn write(path: &Path, ranking: &Ranking) -> io::Result<()> {
             metric: spreadsheet_cell(&ranking.metric.name),
             mean: entry.mean,
             less_first: pair.map(|pair| pair.contrast.difference),
-            less_first_low: interval.map(|interval| interval.low),
-            less_first_high: interval.map(|interval| interval.high),
+            less_first_low,
+            less_first_high,
             p_adjusted: pair.map(|pair| pair.p_adjusted),
             p_method: pair.map(|pair| pair.contrast.p_method.name()),
             runs: ranking.runs,
@@ -67,7 +39,7 @@ pub fn write(path: &Path, ranking: &Ranking) -> io::Result<()> {
             depends_on_machine: entry.queries.depends_on_machine(),
             policy_asks: entry.queries.asks,
             failed_asks: entry.queries.failed_asks,
-        })?;
+        }))?;
     }
     writer.into_inner().map_err(csv::IntoInnerError::into_error)?.finish()
 }

@@ -159,7 +159,7 @@ impl Grammar {
         let schema = self.resolved(schema);
         if let Some(choices) = ["anyOf", "oneOf"].iter().find_map(|of| schema[*of].as_array()) {
             // Names of one's own are seldom known.
-            let is_named = choices[0]["enum"].is_array() && chance(dice, 95);
+            let is_named = choices[0]["oneOf"].is_array() && chance(dice, 95);
             let choice = if is_named { &choices[0] } else { one_of(dice, choices) };
             return self.value(dice, choice, path);
         }

@@ -6,7 +6,7 @@
 mod search_graph;
 
 use std::fmt;
-use std::ops::AddAssign;
+use std::ops::{AddAssign, Index, IndexMut};
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -149,6 +149,42 @@ impl fmt::Display for PlanFailure {
             Self::Crashed => "crashed",
             Self::BadAnswer => "bad answer",
         })
+    }
+}
+
+/// A number of failed queries for each reason.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FailureCounts([u32; PlanFailure::ALL.len()]);
+
+impl FailureCounts {
+    pub fn iter(&self) -> impl Iterator<Item = (PlanFailure, u32)> {
+        PlanFailure::ALL.into_iter().zip(self.0)
+    }
+
+    pub fn sum(&self) -> u32 {
+        self.0.iter().sum()
+    }
+}
+
+impl Index<PlanFailure> for FailureCounts {
+    type Output = u32;
+
+    fn index(&self, reason: PlanFailure) -> &u32 {
+        &self.0[reason as usize]
+    }
+}
+
+impl IndexMut<PlanFailure> for FailureCounts {
+    fn index_mut(&mut self, reason: PlanFailure) -> &mut u32 {
+        &mut self.0[reason as usize]
+    }
+}
+
+impl FromIterator<PlanFailure> for FailureCounts {
+    fn from_iter<I: IntoIterator<Item = PlanFailure>>(reasons: I) -> Self {
+        let mut counts = Self::default();
+        reasons.into_iter().for_each(|reason| counts[reason] += 1);
+        counts
     }
 }
 

@@ -19,6 +19,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::geometry::{OrientedRect, Pose, ops};
 use crate::or_none;
+use crate::ranges::{OutOfRange, check_range};
+
+/// The largest steering angle, degrees: beyond it front wheels push the truck sideways rather than turn it.
+const MAX_STEERING_DEG: f64 = 60.0;
+
+/// The distance by which the front axle may be ahead of the body through rounding, metres.
+const ROUNDING_M: f64 = 1e-9;
 
 /// Dimensions of a truck with Ackermann steering, in metres. The default is the contest's Unimog.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -53,7 +60,33 @@ impl Default for Dimensions {
     }
 }
 
+crate::ranges! { Dimensions {
+    length_m: 0.1..=100.0, width_m: 0.1..=100.0, turning_radius_m: 0.1..=10_000.0, steering_rate_deg_s: 1.0..=1000.0,
+} and |own, _| own.check_body() }
+
 impl Dimensions {
+    /// Checks that the axles are under the body, and that its steering reaches its turning radius.
+    fn check_body(&self) -> Result<(), OutOfRange> {
+        check_range("rear_overhang_m", self.rear_overhang_m, 0.0..=self.length_m)?;
+        check_range("wheelbase_m", self.wheelbase_m, 0.1..=self.length_m)?;
+        let refuse = |name, found: f64, expected| Err(OutOfRange::new(name, found, expected));
+        let room = self.length_m - self.rear_overhang_m;
+        if self.rear_overhang_m + self.wheelbase_m > self.length_m + ROUNDING_M {
+            let expected = format!("a front axle under the body, at most {room} m ahead of the rear axle");
+            return refuse("wheelbase_m", self.wheelbase_m, expected);
+        }
+        if self.turning_radius_m < 0.5 * self.width_m {
+            let expected = "a centre of turning outside the body, at least half the width away".into();
+            return refuse("turning_radius_m", self.turning_radius_m, expected);
+        }
+        if self.max_steering_rad().to_degrees() > MAX_STEERING_DEG {
+            let least_m = self.wheelbase_m / ops::tan(MAX_STEERING_DEG.to_radians());
+            let expected = format!("at least {least_m:.3}, which steering by {MAX_STEERING_DEG} degrees gives");
+            return refuse("turning_radius_m", self.turning_radius_m, expected);
+        }
+        Ok(())
+    }
+
     /// From the rear axle forward to the body's centre.
     pub fn centre_offset_m(&self) -> f64 {
         0.5 * self.length_m - self.rear_overhang_m

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use serde::Serialize;
+
 use crate::comparison::metric::{Metric, MetricKind};
 use crate::comparison::pairs::Pairs;
 use crate::comparison::sides::Side;
@@ -9,7 +11,9 @@ use crate::stats::{
     Interval, Lifetime, MeanMethod, PairedAnswers, RepeatedMeasures, Series, SignedRanks, SurvivalCurve, cohens_dz,
     estimate_mean, mean_rate_difference_interval,
 };
+use wildfire_base::document::number::rounded;
 use wildfire_base::rng;
+use wildfire_picture::charts::{Estimate, ForestRow};
 
 /// Every comparison draws from the streams of this seed: the same files give the same figures.
 const SEED: u64 = 1;
@@ -66,7 +70,7 @@ impl Method {
 }
 
 /// Times of which some are cut off.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CutOff {
     /// Times beyond this count as this much on both sides: where the first of the waits in vain ended.
     pub horizon: Option<f64>,
@@ -139,14 +143,25 @@ impl Contrast {
     ) -> Option<(Self, Option<ByStratum>)> {
         pairs.sort_unstable_by_key(|pair| (pair.seed, pair.stratum));
         let all: Vec<[f64; 2]> = pairs.iter().map(|pair| pair.numbers).collect();
-        let Some(by) = by else { return Some((contrast_of_pairs(metric, LETTER, &all)?, None)) };
+        let Some(by) = by else { return Some((contrast_of_pairs(metric, &all)?, None)) };
         let strata = by_stratum(metric, &pairs, by);
         let differences = differences_by_seed(&pairs, &strata);
         let contrast = match metric.kind {
             MetricKind::Answer { .. } => contrast_rates(metric, &all, &differences, strata.contrasts.len()),
-            MetricKind::Sum(_) | MetricKind::Time { .. } => contrast_numbers(metric, LETTER, &all, &differences),
+            _ => contrast_numbers(metric, &all, &differences),
         };
         Some((contrast?, Some(strata)))
+    }
+}
+
+impl Contrast {
+    /// Returns the row of a chart of differences.
+    pub(crate) fn forest_row(&self, name: String, decimals: usize, is_told_apart: bool) -> ForestRow {
+        let interval = self.interval.map(|Interval { low, high }| (low, high));
+        let number = |value| rounded(value, decimals);
+        let ends = interval.map_or_else(String::new, |(low, high)| format!(" ({} to {})", number(low), number(high)));
+        let words = format!("{}{ends}", number(self.difference));
+        ForestRow { name, difference: Some(Estimate { value: self.difference, interval }), words, is_told_apart }
     }
 }
 
@@ -160,21 +175,21 @@ fn numbers_of(metric: &Metric, rows: &[Vec<f64>; 2], horizon: f64) -> Option<[f6
 /// Returns the metric of a run from the values of its columns; NaN where there is none.
 pub(super) fn number_of(metric: &Metric, row: &[f64], horizon: f64) -> f64 {
     match metric.kind {
-        MetricKind::Sum(_) => row.iter().sum(),
+        MetricKind::Column(_) | MetricKind::Sum(_) | MetricKind::Unknown => row.iter().sum(),
         MetricKind::Answer { .. } => row[0],
         MetricKind::Time { .. } => lifetime(row).map_or(f64::NAN, |lifetime| lifetime.time.min(horizon)),
     }
 }
 
 /// Contrasts the numbers of pairs; `None` if there are none.
-pub(crate) fn contrast_of_pairs(metric: &Metric, letter: char, pairs: &[[f64; 2]]) -> Option<Contrast> {
+pub(crate) fn contrast_of_pairs(metric: &Metric, pairs: &[[f64; 2]]) -> Option<Contrast> {
     match metric.kind {
         MetricKind::Answer { .. } => {
             contrast_answers(metric, pairs.iter().map(|[ours, theirs]| (*ours > 0.0, *theirs > 0.0)))
         }
-        MetricKind::Sum(_) | MetricKind::Time { .. } => {
+        _ => {
             let differences: Vec<f64> = pairs.iter().map(|[ours, theirs]| theirs - ours).collect();
-            contrast_numbers(metric, letter, pairs, &differences)
+            contrast_numbers(metric, pairs, &differences)
         }
     }
 }
@@ -186,7 +201,7 @@ fn by_stratum(metric: &Metric, pairs: &[NumberPair], by: String) -> ByStratum {
     pairs.iter().for_each(|pair| of_stratum.entry(pair.stratum).or_default().push(pair.numbers));
     let contrasts = of_stratum.iter();
     let contrasts: Vec<_> =
-        contrasts.filter_map(|(&stratum, pairs)| Some((stratum, contrast_of_pairs(metric, LETTER, pairs)?))).collect();
+        contrasts.filter_map(|(&stratum, pairs)| Some((stratum, contrast_of_pairs(metric, pairs)?))).collect();
     let whole = of_seeds(pairs).filter(|of_seed| of_seed.len() == contrasts.len());
     let rows: Vec<Vec<f64>> = whole.map(|of_seed| of_seed.iter().map(NumberPair::difference).collect()).collect();
     ByStratum { by, contrasts, seeds: rows.len(), test: RepeatedMeasures::from_rows(&rows) }
@@ -231,8 +246,8 @@ pub(super) fn lifetime(row: &[f64]) -> Option<Lifetime> {
 }
 
 /// Contrasts the numbers of pairs by independent differences.
-fn contrast_numbers(metric: &Metric, letter: char, pairs: &[[f64; 2]], differences: &[f64]) -> Option<Contrast> {
-    let random = &mut rng::stream(SEED, &format!("bootstrap/{letter}/{}", metric.name));
+fn contrast_numbers(metric: &Metric, pairs: &[[f64; 2]], differences: &[f64]) -> Option<Contrast> {
+    let random = &mut rng::stream(SEED, &format!("bootstrap/{LETTER}/{}", metric.name));
     let estimate = estimate_mean(differences, random)?;
     let ranks = SignedRanks::from_differences(differences);
     let method = |method: MeanMethod| match (estimate.p_value, method) {

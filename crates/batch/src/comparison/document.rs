@@ -3,6 +3,7 @@
 use crate::comparison::{
     AgainstA, Comparison, Contrast, CutOff, JudgedContrast, JudgedStrata, Method, Pairs, SideSummary, Verdict, p_words,
 };
+use crate::stats::Interval;
 use wildfire_base::document::number::{optional, probability, rounded, two_digits};
 use wildfire_base::document::{Block, Document, Figure, Table};
 use wildfire_base::untrusted::visible_start;
@@ -120,27 +121,23 @@ fn verdict(judged: &JudgedContrast, letter: char) -> String {
 /// Draws the differences of all metrics. Their units differ, so that each is a share of A's mean.
 fn forest(against: &AgainstA) -> Block {
     let row = |judged: &JudgedContrast| {
-        let Contrast { metric, means, difference, interval, .. } = &judged.contrast;
-        let decimals = decimals(&judged.contrast);
-        let ends = interval.map(|it| [it.low, it.high]);
-        let percent = |value: f64| 100.0 * value / means[0].abs();
-        let interval_words = ends.map_or_else(String::new, |ends| {
-            let [low, high] = ends.map(|end| rounded(end, decimals));
-            format!(" ({low} to {high})")
-        });
-        let unit = match metric.unit.symbol() {
+        let Contrast { metric, means: [mean_a, _], .. } = &judged.contrast;
+        let is_told_apart = judged.verdict == Verdict::Difference;
+        let row = judged.contrast.forest_row(metric.name.to_string(), decimals(&judged.contrast), is_told_apart);
+        let unit = match metric.about.unit.symbol() {
             "" | "1" => String::new(),
             symbol => format!(" {symbol}"),
         };
-        let of_zero = if means[0] == 0.0 { "; A's mean is 0" } else { "" };
+        let of_zero = if *mean_a == 0.0 { "; A's mean is 0" } else { "" };
+        let percent = |value: f64| 100.0 * value / mean_a.abs();
+        let in_percent = |Estimate { value, interval }| Estimate {
+            value: percent(value),
+            interval: interval.map(|(low, high)| (percent(low), percent(high))),
+        };
         ForestRow {
-            name: metric.name.clone(),
-            difference: (means[0] != 0.0).then(|| Estimate {
-                value: percent(*difference),
-                interval: ends.map(|[low, high]| (percent(low), percent(high))),
-            }),
-            words: format!("{}{interval_words}{unit}{of_zero}", rounded(*difference, decimals)),
-            is_told_apart: judged.verdict == Verdict::Difference,
+            difference: row.difference.filter(|_| *mean_a != 0.0).map(in_percent),
+            words: format!("{}{unit}{of_zero}", row.words),
+            ..row
         }
     };
     let letter = against.letter;
@@ -161,10 +158,9 @@ fn differences(against: &AgainstA) -> Table {
         let contrast = &judged.contrast;
         let decimals = decimals(contrast);
         let number = |value: f64| rounded(value, decimals);
-        let interval = contrast.interval;
-        let ends = [interval.map(|it| it.low), interval.map(|it| it.high)].map(|end| optional(end, decimals));
+        let ends = Interval::ends(contrast.interval).map(|end| optional(end, decimals));
         let [ours, theirs] = contrast.means.map(number);
-        let cells = [contrast.metric.name.clone(), contrast.pairs.to_string(), ours, theirs];
+        let cells = [contrast.metric.name.to_string(), contrast.pairs.to_string(), ours, theirs];
         cells.into_iter().chain([number(contrast.difference)]).chain(ends).collect()
     };
     Table::new(&headings, against.judged.iter().map(row).collect())
@@ -177,7 +173,7 @@ fn tests(against: &AgainstA) -> Table {
         let or_dash = |value: Option<String>| value.unwrap_or_else(|| "-".into());
         let of_strata = judged.by_stratum.as_ref().and_then(|strata| strata.p_adjusted);
         let cells = [
-            contrast.metric.name.clone(),
+            contrast.metric.name.to_string(),
             or_dash(judged.p_adjusted.map(probability)),
             method(contrast.p_method).into(),
             optional(contrast.effect_dz, 2),

@@ -1,38 +1,49 @@
-//! The metrics by which runs are compared.
+//! The metrics by which runs are compared and which reports show.
+
+use std::borrow::Cow;
+use std::sync::LazyLock;
 
 use crate::comparison::error::ComparisonError;
 use crate::comparison::runs_table::Field;
-use crate::table::Better::{self, Higher, Lower};
-use crate::table::{Column, Kind, Phrase, RUN_COLUMNS, TableReader, Unit, about, columns};
+use crate::table::Better::{Higher, Lower};
+use crate::table::{Column, Kind, RUN_COLUMNS, RunRecord, TableReader, Unit, about, columns, run_column};
 use wildfire_base::untrusted::visible_start;
 use wildfire_sim::scenario::nearest_name;
 
-/// A quantity of a run, with how it is found and how it is spoken of.
+/// A quantity of a run, with how it is found and all that the lines of columns say of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Metric {
-    pub name: String,
+    pub name: Cow<'static, str>,
     pub kind: MetricKind,
-    /// [`Unit::None`] of counts, and of columns that are not the program's own.
-    pub unit: Unit,
-    /// The side of the better values, from where the trucks stand; `None` if it is not known.
-    pub better: Option<Better>,
-    pub phrase: Option<Phrase>,
+    /// Of a column that is not the program's own, nothing is known.
+    pub about: Column<()>,
 }
 
 /// The way in which a metric is found from the columns of a run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MetricKind {
-    /// The sum of these columns.
-    Sum(Vec<String>),
+    /// The column of this place among [`RUN_COLUMNS`].
+    Column(usize),
+    /// The sum of such columns.
+    Sum(&'static [usize]),
+    /// The column of the metric's name, which only the table has.
+    Unknown,
     /// A time, cut off where the run ended before; there is none in a run in which it never began to count.
     Time { event: &'static str, end: &'static str, begun: &'static str },
     /// Yes if the column holds this word, else no.
     Answer { column: &'static str, yes: &'static str },
 }
 
+/// A metric for each of [`RUN_COLUMNS`].
+static COLUMN_METRICS: LazyLock<Vec<Metric>> =
+    LazyLock::new(|| (0..RUN_COLUMNS.len()).map(Metric::of_column).collect());
+
 /// The metrics that are compared if no others are asked for.
 const DEFAULTS: &[&str] =
     &["saved", "truck_won", "all_out_s", "mean_response_s", "burning_cell_s", "cpu_unimog_total_s"];
+
+const SAVED: &[usize] = &[run_column("intact"), run_column("extinguished")];
+const BURNED: &[usize] = &[run_column("burning"), run_column("burned_out")];
 
 /// A metric that is not just a column.
 pub type NamedMetric = Column<fn(()) -> MetricKind>;
@@ -40,10 +51,10 @@ pub type NamedMetric = Column<fn(()) -> MetricKind>;
 /// The metrics that are not just columns.
 #[rustfmt::skip]
 pub const NAMED_METRICS: &[NamedMetric] = columns! { NamedMetric, _run;
-    saved: Count Cells "bush cells that did not burn, or were put out" = sum(&["intact", "extinguished"]), title("Saved"),
+    saved: Count Cells "bush cells that did not burn, or were put out" = MetricKind::Sum(SAVED), title("Saved"),
         better(Higher), phrase("saves", "more obstacles per run", "fewer obstacles per run"),
         aim("saved the most bushes", ["saved", " of the bushes"], "points more");
-    burned: Count Cells "bush cells that burn or have burned out" = sum(&["burning", "burned_out"]), better(Lower),
+    burned: Count Cells "bush cells that burn or have burned out" = MetricKind::Sum(BURNED), better(Lower),
         phrase("loses", "more obstacles per run", "fewer obstacles per run");
     truck_won: Flag Share "whether the trucks won" = MetricKind::Answer { column: "winner", yes: "unimog" },
         better(Higher), phrase("wins for the truck", "more runs of a hundred", "fewer runs of a hundred"), in_hundreds();
@@ -53,10 +64,6 @@ pub const NAMED_METRICS: &[NamedMetric] = columns! { NamedMetric, _run;
         = MetricKind::Time { event: "all_out_s", end: "ended_s", begun: "first_fire_s" }, better(Lower),
         phrase("has all fires out", "s later", "s sooner");
 };
-
-fn sum(columns: &[&str]) -> MetricKind {
-    MetricKind::Sum(columns.iter().map(|&column| column.to_owned()).collect())
-}
 
 impl Metric {
     /// Returns the metrics of these names, or the usual ones that the tables have columns for; each once.
@@ -83,24 +90,43 @@ impl Metric {
     /// Returns the metric of this name: one of [`NAMED_METRICS`], or a column.
     pub fn from_name(name: &str) -> Self {
         let named = NAMED_METRICS.iter().find(|metric| metric.name == name);
-        let named = named.map(|metric| (metric.without_value(), (metric.value)(())));
-        let column = || RUN_COLUMNS.iter().find(|column| column.name == name);
-        match named.or_else(|| column().map(|column| (column.without_value(), sum(&[name])))) {
-            Some((Column { unit, better, phrase, .. }, kind)) => {
-                Self { name: name.to_owned(), kind, unit, better, phrase }
-            }
-            None => Self::unknown(name.to_owned(), sum(&[name])),
-        }
+        let named = named.map(|metric| {
+            let (kind, about) = ((metric.value)(()), metric.without_value());
+            Self { name: Cow::Borrowed(metric.name), kind, about }
+        });
+        let column = || COLUMN_METRICS.iter().find(|column| column.name == name).cloned();
+        named.or_else(column).unwrap_or_else(|| Self::unknown(name.to_owned(), MetricKind::Unknown))
+    }
+
+    /// Makes the metric of a column, by its place among [`RUN_COLUMNS`].
+    pub const fn of_column(place: usize) -> Self {
+        let about = RUN_COLUMNS[place].without_value();
+        Self { name: Cow::Borrowed(about.name), kind: MetricKind::Column(place), about }
+    }
+
+    /// Returns the metric of each column.
+    pub fn of_columns() -> &'static [Self] {
+        &COLUMN_METRICS
     }
 
     /// Makes a metric of which nothing but its name is known.
     pub fn unknown(name: String, kind: MetricKind) -> Self {
-        Self { name, kind, unit: Unit::None, better: None, phrase: None }
+        Self { name: name.into(), kind, about: Column::UNKNOWN }
+    }
+
+    /// Returns the number of a run, of a column or a sum; `None` where the run has none.
+    pub fn number(&self, run: &RunRecord) -> Option<f64> {
+        match self.kind {
+            MetricKind::Column(place) => run.number(place),
+            MetricKind::Sum(places) => places.iter().map(|&place| run.number(place)).sum(),
+            MetricKind::Unknown | MetricKind::Time { .. } | MetricKind::Answer { .. } => None,
+        }
     }
 
     fn columns(&self) -> Vec<&str> {
-        match &self.kind {
-            MetricKind::Sum(columns) => columns.iter().map(String::as_str).collect(),
+        match self.kind {
+            MetricKind::Column(_) | MetricKind::Unknown => vec![&self.name],
+            MetricKind::Sum(places) => places.iter().map(|&place| RUN_COLUMNS[place].name).collect(),
             MetricKind::Time { event, end, begun } => vec![event, end, begun],
             MetricKind::Answer { column, .. } => vec![column],
         }

@@ -140,6 +140,18 @@ pub enum Verdict {
     Equal,
 }
 
+impl Verdict {
+    /// Returns the name, as objects and tables write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Difference => "difference",
+            Self::NoEvidence => "no-evidence",
+            Self::NotAmongSoMany => "no-evidence-among-several-tests",
+            Self::Equal => "equal",
+        }
+    }
+}
+
 /// Compares batches, given as folders or as their tables of runs: each with the first, or the parts of a single one.
 ///
 /// Without names, the usual metrics are compared.
@@ -164,7 +176,7 @@ pub fn compare(paths: &[PathBuf], selection: &Selection, metrics: &[String]) -> 
             first_column += columns.len();
             match Contrast::new(metric, a, other, &pairs, &columns) {
                 Some(contrast) => contrasts.push(contrast),
-                None => missing.push((other.letter, metric.name.clone())),
+                None => missing.push((other.letter, metric.name.to_string())),
             }
         }
         against_a.push(Unjudged { letter: other.letter, settings, pairs, contrasts });
@@ -257,7 +269,8 @@ impl TestFamily {
     }
 }
 
-fn adjusted(p_values: impl Iterator<Item = Option<f64>>) -> Vec<Option<f64>> {
+/// Adjusts the p-values of one family by Holm's method.
+pub(crate) fn adjusted(p_values: impl Iterator<Item = Option<f64>>) -> Vec<Option<f64>> {
     let p_values: Vec<_> = p_values.collect();
     let mut adjusted = holm(&p_values.iter().copied().flatten().collect::<Vec<_>>()).into_iter();
     p_values.into_iter().map(|p_value| p_value.and_then(|_| adjusted.next())).collect()
@@ -279,9 +292,9 @@ impl JudgedContrast {
     /// The verdict as a sentence, without a full stop.
     pub fn sentence(&self, letter: char) -> String {
         let Contrast { metric, difference, interval, pairs, .. } = &self.contrast;
-        let said = sentence(&metric.name, metric.phrase, letter, *difference, *interval);
+        let said = sentence(&metric.name, metric.about.phrase, letter, *difference, *interval);
         let of_interval =
-            |interval| format!("95 % interval of {letter} less A: {}", interval_words(metric.phrase, interval));
+            |interval| format!("95 % interval of {letter} less A: {}", interval_words(metric.about.phrase, interval));
         let not_sure = interval.map_or_else(|| said.clone(), of_interval);
         let by_ranks = self.by_ranks(letter);
         let said = match self.verdict {

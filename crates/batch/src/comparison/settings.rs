@@ -13,7 +13,7 @@ use crate::comparison::pairs::Pairs;
 use crate::comparison::runs_table::RunsTable;
 use crate::comparison::sides::Side;
 use crate::comparison::words::listed;
-use crate::plan::{PLAN_FILE, PLANNER_KEY, PlanError, RecordedPlan, RecordedVariant, value_differences};
+use crate::plan::{PLAN_FILE, PLANNER_KEY, PlanError, RecordedPlan, RecordedVariant, range_words, value_differences};
 use wildfire_base::untrusted::visible_start;
 
 /// The name of a scenario, which says nothing of its runs.
@@ -218,12 +218,7 @@ fn seeds_of(side: &Side<'_>) -> String {
 /// Lists seeds, each once, consecutive ones as ranges: `1..5,9`.
 pub(super) fn seed_words(seeds: impl Iterator<Item = u64>) -> String {
     let seeds: BTreeSet<u64> = seeds.collect();
-    let seeds: Vec<u64> = seeds.into_iter().collect();
-    let ranges = seeds.chunk_by(|one, next| one + 1 == *next).map(|range| match range {
-        [one] => one.to_string(),
-        range => format!("{}..{}", range[0], range[range.len() - 1]),
-    });
-    ranges.collect::<Vec<_>>().join(",")
+    range_words(&seeds.into_iter().collect::<Vec<_>>(), "..")
 }
 
 /// Returns all values in which the scenarios of some pair differ.

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::comparison::{Contrast, Metric, MetricKind, contrast_of_pairs};
+use crate::comparison::{Contrast, Metric, MetricKind, adjusted, contrast_of_pairs};
 use crate::drives::query::DriveQuery;
 use crate::drives::summary::{CLEARANCE, CUSPS, DRIVE_TIME, LENGTH, LOWER_BOUND_RATIO, Measure};
-use crate::stats::holm;
+use crate::stats::Interval;
 use wildfire_base::document::Table;
 use wildfire_base::document::number::{optional, probability, rounded, two_digits};
 use wildfire_base::untrusted::visible_start;
@@ -51,9 +51,8 @@ impl DriveContrast {
     pub fn all(planners: &[String], against: &[String], rows: &[DriveQuery]) -> Vec<Self> {
         let pairs = planners.iter().flat_map(|ours| against.iter().map(move |theirs| (ours, theirs)));
         let mut contrasts: Vec<Self> = pairs.flat_map(|(ours, theirs)| contrasts(ours, theirs, rows)).collect();
-        let p_values: Vec<f64> = contrasts.iter().filter_map(|contrast| contrast.p).collect();
-        let with_p = contrasts.iter_mut().filter(|contrast| contrast.p.is_some());
-        with_p.zip(holm(&p_values)).for_each(|(contrast, p)| contrast.p = Some(p));
+        let p_values = adjusted(contrasts.iter().map(|contrast| contrast.p));
+        contrasts.iter_mut().zip(p_values).for_each(|(contrast, p)| contrast.p = p);
         contrasts
     }
 }
@@ -68,7 +67,8 @@ fn contrasts(planner: &str, against: &str, rows: &[DriveQuery]) -> Vec<DriveCont
     let contrast = |metric: &'static str, heading, kind, numbers: &[[f64; 2]]| {
         // The name tells the random stream of its bootstrap.
         let asked = Metric::unknown(format!("{planner}/{against}/{metric}"), kind);
-        let Contrast { pairs, means, difference, interval, p_value, .. } = contrast_of_pairs(&asked, 'B', numbers)?;
+        let Contrast { pairs, means, difference, interval, p_value, .. } = contrast_of_pairs(&asked, numbers)?;
+        let [low, high] = Interval::ends(interval);
         Some(DriveContrast {
             planner: planner.to_owned(),
             against: against.to_owned(),
@@ -78,8 +78,8 @@ fn contrasts(planner: &str, against: &str, rows: &[DriveQuery]) -> Vec<DriveCont
             mean: means[1],
             against_mean: means[0],
             difference,
-            low: interval.map(|interval| interval.low),
-            high: interval.map(|interval| interval.high),
+            low,
+            high,
             p: p_value,
         })
     };
@@ -91,7 +91,7 @@ fn contrasts(planner: &str, against: &str, rows: &[DriveQuery]) -> Vec<DriveCont
             .filter(|pair| pair.iter().all(|row| row.solved().is_some()))
             .filter_map(|[theirs, ours]| Some([measure.number(theirs)?, measure.number(ours)?]))
             .collect();
-        contrast(measure.column, heading, MetricKind::Sum(vec![measure.column.to_owned()]), &numbers)
+        contrast(measure.column, heading, MetricKind::Unknown, &numbers)
     });
     success.into_iter().chain(figures).collect()
 }

@@ -3,21 +3,31 @@
 //!
 //! A [`DriveQuery`] is a row, [`DRIVE_COLUMNS`] are the columns of its table in every form: CSV, JSON, Python.
 //! [`DriveTable`] holds the rows with what varies between them, [`PlannerSummary`] is the one summary of a planner's rows,
-//! and [`DriveContrast`] sets two planners against each other by the engine of [`comparison`](super::comparison).
+//! [`DriveRequest`] asks for drives, and [`DriveContrast`] sets two planners against each other by the engine of [`comparison`](super::comparison).
 
+mod attempts;
+mod checked;
 mod contrast;
 mod documents;
+mod error;
 mod made_up;
+mod problems;
 mod query;
+mod request;
 mod summary;
 mod table;
 
+pub use attempts::{Attempt, Question, attempts};
+pub use checked::missed;
 pub use contrast::{COMPARED, DriveContrast, contrast_table};
 pub use documents::{
     DRIVE_LEGEND, INTERVAL_LEGEND, failure_sentences, interval_tables, queries_words, rows_table, shortened_field,
     summary_table, violation_sentences,
 };
+pub use error::DriveError;
 pub use made_up::made_up_drives;
+pub use problems::DriveProblems;
 pub use query::{DRIVE_COLUMNS, DriveColumn, DriveFailure, DriveQuery, QueryCost};
-pub use summary::{MEASURES, Measure, PlannerSummary, SummaryMember};
-pub use table::{DriveTable, MAX_QUERIES, RowMember};
+pub use request::{DriveRequest, ask_all, asked_planners, expect_known_planners, own_names};
+pub use summary::{MEASURES, Measure, PlannerSummary};
+pub use table::{DriveTable, MAX_QUERIES};

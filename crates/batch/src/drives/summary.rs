@@ -7,8 +7,8 @@ use serde::Serialize;
 
 use crate::drives::query::DriveQuery;
 use crate::drives::table::DriveTable;
-use crate::plan::Value;
 use crate::stats::{Series, quantile, quantile_interval, wilson_interval};
+use wildfire_base::object;
 use wildfire_picture::charts::Estimate;
 
 /// A number of a query, and how charts show it.
@@ -26,84 +26,64 @@ pub struct Measure {
 }
 
 impl Measure {
+    const fn new(
+        column: &'static str,
+        title: &'static str,
+        axis: &'static str,
+        value: fn(&DriveQuery) -> Option<f64>,
+    ) -> Self {
+        Self { column, title, axis, scale: 1.0, is_logarithmic: false, value }
+    }
+
+    const fn in_milliseconds(self) -> Self {
+        Self { scale: 1e3, ..self }
+    }
+
+    const fn logarithmic(self) -> Self {
+        Self { is_logarithmic: true, ..self }
+    }
+
     /// Returns the number of a query; `None` where it has none.
     pub fn number(&self, query: &DriveQuery) -> Option<f64> {
         (self.value)(query)
     }
 }
 
-pub static LOWER_BOUND_RATIO: Measure = Measure {
-    column: "lower_bound_ratio",
-    title: "Length over the shortest that could be",
-    axis: "length / bound",
-    scale: 1.0,
-    is_logarithmic: false,
-    value: |query| query.solved()?.lower_bound_ratio,
-};
+pub static LOWER_BOUND_RATIO: Measure =
+    Measure::new("lower_bound_ratio", "Length over the shortest that could be", "length / bound", |query| {
+        query.solved()?.lower_bound_ratio
+    });
 
-pub static CPU_QUERY: Measure = Measure {
-    column: "cpu_query_s",
-    title: "CPU time of a query",
-    axis: "milliseconds",
-    scale: 1e3,
-    is_logarithmic: true,
-    value: |query| Some(query.cost?.cpu_query_s),
-};
+pub static CPU_QUERY: Measure =
+    Measure::new("cpu_query_s", "CPU time of a query", "milliseconds", |query| Some(query.cost?.cpu_query_s))
+        .in_milliseconds()
+        .logarithmic();
 
-pub static CLEARANCE: Measure = Measure {
-    column: "min_clearance_m",
-    title: "Least clearance of a drive",
-    axis: "metres",
-    scale: 1.0,
-    is_logarithmic: false,
-    value: |query| Some(query.solved()?.min_clearance_m),
-};
+pub static CLEARANCE: Measure = Measure::new("min_clearance_m", "Least clearance of a drive", "metres", |query| {
+    Some(query.solved()?.min_clearance_m)
+});
 
-pub static CPU_BUILD: Measure = Measure {
-    column: "cpu_build_s",
-    title: "CPU time of clearance field and preparation",
-    axis: "milliseconds",
-    scale: 1e3,
-    is_logarithmic: true,
-    // All goals of a field share it.
-    value: |query| query.cost.filter(|_| query.goal == 0).map(|cost| cost.cpu_build_s),
-};
+// All goals of a field share it.
+pub static CPU_BUILD: Measure =
+    Measure::new("cpu_build_s", "CPU time of clearance field and preparation", "milliseconds", |query| {
+        query.cost.filter(|_| query.goal == 0).map(|cost| cost.cpu_build_s)
+    })
+    .in_milliseconds()
+    .logarithmic();
 
-pub static LENGTH: Measure = Measure {
-    column: "length_m",
-    title: "Length of a drive",
-    axis: "metres",
-    scale: 1.0,
-    is_logarithmic: false,
-    value: |query| Some(query.solved()?.length_m),
-};
+pub static LENGTH: Measure =
+    Measure::new("length_m", "Length of a drive", "metres", |query| Some(query.solved()?.length_m));
 
-pub static DRIVE_TIME: Measure = Measure {
-    column: "drive_s",
-    title: "Duration of a drive",
-    axis: "seconds",
-    scale: 1.0,
-    is_logarithmic: false,
-    value: |query| Some(query.solved()?.drive_s),
-};
+pub static DRIVE_TIME: Measure =
+    Measure::new("drive_s", "Duration of a drive", "seconds", |query| Some(query.solved()?.drive_s));
 
-pub static CUSPS: Measure = Measure {
-    column: "cusps",
-    title: "Changes between forward and reverse",
-    axis: "cusps of a drive",
-    scale: 1.0,
-    is_logarithmic: false,
-    value: |query| Some(query.solved()?.cusps.into()),
-};
+pub static CUSPS: Measure = Measure::new("cusps", "Changes between forward and reverse", "cusps of a drive", |query| {
+    Some(query.solved()?.cusps.into())
+});
 
-static EXPANSIONS: Measure = Measure {
-    column: "expansions",
-    title: "Nodes that a query expanded",
-    axis: "nodes",
-    scale: 1.0,
-    is_logarithmic: true,
-    value: |query| Some(query.cost?.expansions as f64),
-};
+static EXPANSIONS: Measure =
+    Measure::new("expansions", "Nodes that a query expanded", "nodes", |query| Some(query.cost?.expansions as f64))
+        .logarithmic();
 
 /// All of them, in the order of the charts.
 pub static MEASURES: [&Measure; 8] =
@@ -184,70 +164,47 @@ impl PlannerSummary {
     }
 }
 
-/// A summary as JSON has it.
-#[derive(Serialize)]
-pub struct SummaryMember<'a> {
-    /// The values of its variant, by key.
-    #[serde(flatten)]
-    swept: BTreeMap<&'a str, &'a Value>,
-    planner: &'a str,
-    queries: u64,
-    solved: u64,
-    solved_ratio: EstimateMember,
-    violations: u64,
-    /// By column; only of those with numbers.
-    figures: BTreeMap<&'static str, FigureMember>,
-}
-
-/// Statistics of the numbers of a column.
-#[derive(Serialize)]
-struct FigureMember {
-    count: usize,
-    mean: Option<f64>,
-    median: f64,
-    median_low: Option<f64>,
-    median_high: Option<f64>,
-    p95: Option<f64>,
-    max: Option<f64>,
-}
-
-#[derive(Serialize)]
-struct EstimateMember {
-    value: f64,
-    low: Option<f64>,
-    high: Option<f64>,
-}
-
-impl<'a> SummaryMember<'a> {
-    pub fn new(table: &'a DriveTable, summary: &'a PlannerSummary) -> Self {
-        let share = summary.solved_share();
-        let figure = |measure: &&Measure| {
-            let median = summary.median(measure)?;
-            let member = FigureMember {
-                count: summary.values(measure).len(),
-                mean: summary.mean(measure),
-                median: median.value,
-                median_low: median.interval.map(|(low, _)| low),
-                median_high: median.interval.map(|(_, high)| high),
-                p95: summary.quantile(measure, 0.95),
-                max: summary.quantile(measure, 1.0),
-            };
-            Some((measure.column, member))
+impl DriveTable {
+    /// Returns summaries of its rows as they are written into JSON.
+    pub fn summary_members(&self, summaries: &[PlannerSummary]) -> Vec<impl Serialize> {
+        let member = |summary: &PlannerSummary| {
+            let Estimate { value, interval } = summary.solved_share();
+            let (low, high) = interval.unzip();
+            let figures = MEASURES.iter().filter_map(|measure| Some((measure.column, figure(summary, measure)?)));
+            object!(Summary {
+                // The values of its variant, by key.
+                #[serde(flatten)]
+                swept: self
+                    .keys
+                    .iter()
+                    .cloned()
+                    .zip(self.variants[summary.variant].clone())
+                    .collect::<BTreeMap<_, _>>(),
+                planner: summary.planner.to_string(),
+                queries: summary.queries,
+                solved: summary.solved,
+                solved_ratio: object!(Share { value, low, high }),
+                violations: summary.violations,
+                figures: figures.collect::<BTreeMap<_, _>>(),
+            })
         };
-        Self {
-            swept: table.keys.iter().map(String::as_str).zip(&table.variants[summary.variant]).collect(),
-            planner: &summary.planner,
-            queries: summary.queries,
-            solved: summary.solved,
-            solved_ratio: EstimateMember {
-                value: share.value,
-                low: share.interval.map(|(low, _)| low),
-                high: share.interval.map(|(_, high)| high),
-            },
-            violations: summary.violations,
-            figures: MEASURES.iter().filter_map(figure).collect(),
-        }
+        summaries.iter().map(member).collect()
     }
+}
+
+/// Returns statistics of a measure; `None` without numbers.
+fn figure(summary: &PlannerSummary, measure: &Measure) -> Option<impl Serialize + use<>> {
+    let median = summary.median(measure)?;
+    let (median_low, median_high) = median.interval.unzip();
+    Some(object!(Figure {
+        count: summary.values(measure).len(),
+        mean: summary.mean(measure),
+        median: median.value,
+        median_low,
+        median_high,
+        p95: summary.quantile(measure, 0.95),
+        max: summary.quantile(measure, 1.0),
+    }))
 }
 
 #[cfg(test)]

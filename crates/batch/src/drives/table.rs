@@ -5,12 +5,12 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::sync::Arc;
 
-use serde::ser::SerializeMap;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use crate::drives::query::{DRIVE_COLUMNS, DriveFailure, DriveQuery, QueryCost};
 use crate::plan::{MAX_VARIANTS, Setting, Value};
 use crate::table::{Lines, TableError, TableReader};
+use wildfire_base::object::Members;
 use wildfire_base::untrusted::visible_start;
 use wildfire_base::whole_file::WholeFile;
 use wildfire_planning::judge::DriveFigures;
@@ -59,9 +59,16 @@ impl DriveTable {
         self.rows.iter().map(|row| &row.planner).filter(|name| seen.insert(Arc::clone(name))).cloned().collect()
     }
 
-    /// Returns the rows as they are written into JSON.
-    pub fn members(&self) -> Vec<RowMember<'_>> {
-        self.rows.iter().map(|query| RowMember { table: self, query }).collect()
+    /// Returns the rows as they are written into JSON: the seed and the values of the variant if there are any, then
+    /// the columns.
+    pub fn members(&self) -> Vec<impl Serialize> {
+        let member = |query: &DriveQuery| {
+            let seed = query.seed.map(|seed| (SEED.to_owned(), seed.into()));
+            let swept = self.keys.iter().cloned().zip(self.variants[query.variant].iter().cloned());
+            let own = DRIVE_COLUMNS.iter().map(|column| (column.name.to_owned(), (column.value)(query)));
+            Members(seed.into_iter().chain(swept).chain(own).collect())
+        };
+        self.rows.iter().map(member).collect()
     }
 
     /// Writes a row for each query; numbers read back as the same `f64`, and no spreadsheet computes a name.
@@ -91,23 +98,6 @@ impl DriveTable {
     /// If it is none, holds nothing, or more than is kept in memory.
     pub fn read(path: &Path) -> Result<Self, TableError> {
         Reading::open(path)?.finish()
-    }
-}
-
-/// A row as JSON has it: the seed and the values of its variant if there are any, then its columns.
-pub struct RowMember<'a> {
-    table: &'a DriveTable,
-    query: &'a DriveQuery,
-}
-
-impl Serialize for RowMember<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(None)?;
-        self.query.seed.map_or(Ok(()), |seed| map.serialize_entry(SEED, &seed))?;
-        let swept = self.table.keys.iter().zip(&self.table.variants[self.query.variant]);
-        swept.into_iter().try_for_each(|(key, value)| map.serialize_entry(key, value))?;
-        DRIVE_COLUMNS.iter().try_for_each(|column| map.serialize_entry(column.name, &(column.value)(self.query)))?;
-        map.end()
     }
 }
 
@@ -173,23 +163,8 @@ impl<'a> Reading<'a> {
     fn row(&mut self) -> Result<DriveQuery, TableError> {
         let seed = self.seed.map(|place| self.reader.count(place, "a seed")).transpose()?;
         let variant = self.variant()?;
-        let [
-            field,
-            goal,
-            planner,
-            success,
-            reason,
-            build,
-            query,
-            length,
-            ratio,
-            clearance,
-            cusps,
-            drive,
-            expansions,
-            violation,
-        ] = self.columns;
-        let reader = &self.reader;
+        let (reader, at) = (&self.reader, |column| self.columns[drive_column(column)]);
+        let [success, reason, violation] = ["success", "reason", VIOLATION].map(at);
         let is_there = |place: usize| place != usize::MAX && !reader.bytes(place).is_empty();
         let small = |place: usize| {
             let too_large = |_| reader.wrong_value(place, "a smaller number");
@@ -197,19 +172,21 @@ impl<'a> Reading<'a> {
         };
         let figures = || {
             Ok::<_, TableError>(DriveFigures {
-                length_m: self.number(length)?,
-                lower_bound_ratio: is_there(ratio).then(|| self.number(ratio)).transpose()?,
-                min_clearance_m: self.number(clearance)?,
-                cusps: small(cusps)?,
-                drive_s: self.number(drive)?,
+                length_m: self.number(at("length_m"))?,
+                lower_bound_ratio: is_there(at("lower_bound_ratio"))
+                    .then(|| self.number(at("lower_bound_ratio")))
+                    .transpose()?,
+                min_clearance_m: self.number(at("min_clearance_m"))?,
+                cusps: small(at("cusps"))?,
+                drive_s: self.number(at("drive_s"))?,
             })
         };
         let cost = || {
-            let (cpu_build_s, cpu_query_s) = (self.number(build)?, self.number(query)?);
+            let (cpu_build_s, cpu_query_s) = (self.number(at("cpu_build_s"))?, self.number(at("cpu_query_s"))?);
             Ok::<_, TableError>(QueryCost {
                 cpu_build_s,
                 cpu_query_s,
-                expansions: reader.count(expansions, "a whole number")?,
+                expansions: reader.count(at("expansions"), "a whole number")?,
             })
         };
         let known = |known: Option<_>| known.ok_or_else(|| reader.wrong_value(reason, "a reason why there is no path"));
@@ -222,9 +199,10 @@ impl<'a> Reading<'a> {
         let failure = (!success && violation.is_none() || is_there(reason))
             .then(|| known(DriveFailure::parse(reader.bytes(reason))))
             .transpose()?;
-        let figures = (success || is_there(length)).then(figures).transpose()?;
-        let cost = is_there(query).then(cost).transpose()?;
-        let goal = small(goal)? as usize;
+        let figures = (success || is_there(at("length_m"))).then(figures).transpose()?;
+        let cost = is_there(at("cpu_query_s")).then(cost).transpose()?;
+        let goal = small(at("goal"))? as usize;
+        let [field, planner] = ["field", "planner"].map(at);
         let (field, planner) = (self.name(field)?, self.name(planner)?);
         Ok(DriveQuery { seed, variant, field, goal, planner, cost, figures, failure, violation, message: None })
     }
@@ -273,6 +251,11 @@ impl<'a> Reading<'a> {
         }
         Ok(())
     }
+}
+
+/// Returns the place of a column among [`DRIVE_COLUMNS`].
+fn drive_column(name: &str) -> usize {
+    DRIVE_COLUMNS.iter().position(|column| column.name == name).expect("there is such a column")
 }
 
 fn unfit(path: &Path, complaint: String) -> TableError {

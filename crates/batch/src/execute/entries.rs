@@ -35,43 +35,28 @@ pub const FILES: [&str; 10] = [
     MACHINES_FILE,
 ];
 
-/// The journal of a whole batch.
-const WHOLE_NAME: &str = "runs.journal";
+/// A kind of file of which every slice has its own, by the parts of its name: that of the whole batch is `runs.journal`,
+/// that of a slice `runs-2-of-5.journal`.
+#[derive(Clone, Copy, Debug)]
+pub struct SliceFile(&'static str, &'static str);
 
-/// The name of a slice's journal.
-pub fn journal_name(slice: Slice) -> String {
-    if slice.is_whole() {
-        WHOLE_NAME.into()
-    } else {
-        format!("runs-{}.journal", slice.to_string().replace('/', "-of-"))
-    }
-}
+pub const JOURNAL: SliceFile = SliceFile("runs", ".journal");
+/// The list of machines that worked on a slice.
+pub const MACHINES: SliceFile = SliceFile("machines", ".json");
 
-/// The slice whose journal has this name; `None` of what is no journal.
-pub fn slice_of_journal(name: &str) -> Option<Slice> {
-    if name == WHOLE_NAME {
-        return Some(Slice::WHOLE);
+impl SliceFile {
+    pub fn name(self, slice: Slice) -> String {
+        let Self(stem, ending) = self;
+        let of_slice = format!("-{}", slice.to_string().replace('/', "-of-"));
+        format!("{stem}{}{ending}", if slice.is_whole() { "" } else { &of_slice })
     }
-    let slice = name.strip_prefix("runs-")?.strip_suffix(".journal")?.replace("-of-", "/").parse().ok()?;
-    (journal_name(slice) == name).then_some(slice)
-}
 
-/// The name of the list of machines that worked on a slice.
-pub fn machines_name(slice: Slice) -> String {
-    if slice.is_whole() {
-        MACHINES_FILE.into()
-    } else {
-        format!("machines-{}.json", slice.to_string().replace('/', "-of-"))
+    /// Returns the slice whose file has this name; `None` of any other name.
+    pub fn slice(self, name: &str) -> Option<Slice> {
+        let parts = name.strip_prefix(self.0)?.strip_suffix(self.1)?;
+        let slice = parts.strip_prefix('-').map_or(Some(Slice::WHOLE), |it| it.replace("-of-", "/").parse().ok())?;
+        (self.name(slice) == name).then_some(slice)
     }
-}
-
-/// The slice whose list of machines has this name; `None` of what is none.
-pub fn slice_of_machines(name: &str) -> Option<Slice> {
-    if name == MACHINES_FILE {
-        return Some(Slice::WHOLE);
-    }
-    let slice = name.strip_prefix("machines-")?.strip_suffix(".json")?.replace("-of-", "/").parse().ok()?;
-    (machines_name(slice) == name).then_some(slice)
 }
 
 /// An entry of a batch's folder that is not what a batch writes there.
@@ -88,7 +73,7 @@ pub struct StrangeEntry {
 pub fn expect_files(folder: &Path) -> Result<(), StrangeEntry> {
     FILES.iter().try_for_each(|name| expect_file(&folder.join(name)))?;
     let is_of_slice =
-        |name: &OsStr| name.to_str().is_some_and(|name| slice_of_journal(name).or(slice_of_machines(name)).is_some());
+        |name: &OsStr| name.to_str().is_some_and(|name| JOURNAL.slice(name).or(MACHINES.slice(name)).is_some());
     named(folder, is_of_slice).try_for_each(|path| expect_file(&path))?;
     for (name, is_own) in [(RECORDINGS_FOLDER, is_recording as fn(&OsStr) -> bool), (CHARTS_FOLDER, is_chart)] {
         let inside = folder.join(name);
@@ -160,13 +145,12 @@ pub fn is_chart(name: &OsStr) -> bool {
 /// Says whether this is the name under which a slice writes the plan before it renames it: `plan.json.JOURNAL`.
 fn is_plan_of_slice(name: &str) -> bool {
     let journal = name.strip_prefix(PLAN_FILE).and_then(|rest| rest.strip_prefix('.'));
-    journal.is_some_and(|journal| slice_of_journal(journal).is_some())
+    journal.is_some_and(|journal| JOURNAL.slice(journal).is_some())
 }
 
 /// Says whether this is a name that a batch writes in its own folder, besides its journals.
 pub fn is_file_of_batch(name: &OsStr) -> bool {
-    name.to_str()
-        .is_some_and(|name| FILES.contains(&name) || is_plan_of_slice(name) || slice_of_machines(name).is_some())
+    name.to_str().is_some_and(|name| FILES.contains(&name) || is_plan_of_slice(name) || MACHINES.slice(name).is_some())
 }
 
 /// Says whether this is a name under which a process writes a file aside, as `NAME.PROCESS.part`, or a slice its plan, of
@@ -237,15 +221,15 @@ mod tests {
     #[test]
     fn journals_and_lists_of_machines_are_known_by_their_names() {
         for slice in [Slice::WHOLE, Slice::new(2, 5).expect("a slice")] {
-            assert_eq!(slice_of_journal(&journal_name(slice)), Some(slice));
-            assert_eq!(slice_of_machines(&machines_name(slice)), Some(slice));
+            assert_eq!(JOURNAL.slice(&JOURNAL.name(slice)), Some(slice));
+            assert_eq!(MACHINES.slice(&MACHINES.name(slice)), Some(slice));
         }
         for name in ["runs.json", "machines-1-of-1.json", "machines-6-of-5.json", "machines-mine.json"] {
-            assert_eq!(slice_of_machines(name), None, "{name}");
+            assert_eq!(MACHINES.slice(name), None, "{name}");
         }
         for name in ["runs.csv", "runs-1-of-1.journal", "runs-6-of-5.journal", "runs-01-of-5.journal", "runs-.journal"]
         {
-            assert_eq!(slice_of_journal(name), None, "{name}");
+            assert_eq!(JOURNAL.slice(name), None, "{name}");
         }
     }
 }

@@ -16,7 +16,7 @@ use std::{env, thread};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::execute::entries::{machines_name, named, slice_of_machines};
+use crate::execute::entries::{MACHINES, named};
 use crate::execute::{BatchError, Disk, OutputFolder};
 use crate::plan::{COMMIT, COMPILER, PROGRAM_VERSION, Slice};
 use wildfire_base::document::number::count;
@@ -61,7 +61,7 @@ pub struct Machines {
 
 impl Machine {
     /// The machine of this process, which makes runs on so many threads.
-    fn here(threads: usize) -> Self {
+    pub fn here(threads: usize) -> Self {
         Self {
             cpu: cpu_model().map(|name| shortened(&name)).filter(|name| !name.is_empty()),
             processors: thread::available_parallelism().map_or(1, NonZeroUsize::get),
@@ -95,7 +95,7 @@ impl Machines {
     /// # Errors
     /// If the file cannot be read, or is no list of machines.
     pub fn read(folder: &Path) -> Result<Self, BatchError> {
-        Self::from_file(&folder.join(machines_name(Slice::WHOLE)))
+        Self::from_file(&folder.join(MACHINES.name(Slice::WHOLE)))
     }
 
     fn from_file(path: &Path) -> Result<Self, BatchError> {
@@ -134,7 +134,7 @@ impl Machines {
 
 /// Writes down that this process works on a slice, on so many threads. Nobody else may do so meanwhile.
 pub fn note_machine(folder: &OutputFolder, slice: Slice, threads: usize, disk: &dyn Disk) -> Result<(), BatchError> {
-    let path = folder.path().join(machines_name(slice));
+    let path = folder.path().join(MACHINES.name(slice));
     let mut machines = Machines::from_file(&path)?;
     machines.add(Machine::here(threads));
     machines.write(&path, disk)
@@ -142,9 +142,10 @@ pub fn note_machine(folder: &OutputFolder, slice: Slice, threads: usize, disk: &
 
 /// Puts the machines of all slices together. Of a batch without slices there is nothing to be done.
 pub fn merge_machines(folder: &OutputFolder, disk: &dyn Disk) -> Result<(), BatchError> {
-    let is_of_slice = |name: &OsStr| name.to_str().and_then(slice_of_machines).is_some_and(|slice| !slice.is_whole());
+    let is_of_slice =
+        |name: &OsStr| name.to_str().and_then(|name| MACHINES.slice(name)).is_some_and(|slice| !slice.is_whole());
     let mut files: Vec<_> = named(folder.path(), is_of_slice).collect();
-    files.sort_by_key(|path| path.file_name().and_then(OsStr::to_str).and_then(slice_of_machines));
+    files.sort_by_key(|path| path.file_name().and_then(OsStr::to_str).and_then(|name| MACHINES.slice(name)));
     if files.is_empty() {
         return Ok(());
     }
@@ -152,7 +153,7 @@ pub fn merge_machines(folder: &OutputFolder, disk: &dyn Disk) -> Result<(), Batc
     for path in files {
         Machines::from_file(&path)?.machines.into_iter().for_each(|machine| all.add(machine));
     }
-    all.write(&folder.path().join(machines_name(Slice::WHOLE)), disk)
+    all.write(&folder.path().join(MACHINES.name(Slice::WHOLE)), disk)
 }
 
 /// The name in one line, without what acts on a terminal.
@@ -270,7 +271,7 @@ mod tests {
             let machines = Machines::read(scratch.path()).expect("it was written").machines;
             assert_eq!(machines.iter().map(|one| one.processes).collect::<Vec<_>>(), [4], "again it is the same");
         }
-        fs::write(scratch.path().join(machines_name(slice(2))), "{\"machines\": 7}").expect("writable");
+        fs::write(scratch.path().join(MACHINES.name(slice(2))), "{\"machines\": 7}").expect("writable");
         let refusal = merge_machines(&folder, &RealDisk).expect_err("it is damaged").to_string();
         assert!(refusal.contains("machines-2-of-3.json is no list of machines"), "{refusal}");
     }

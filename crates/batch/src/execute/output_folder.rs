@@ -7,10 +7,7 @@ use std::time::Duration;
 
 use serde::Deserialize;
 
-use crate::execute::entries::{
-    FILES, is_chart, is_file_of_batch, is_leftover, is_recording, journal_name, named, slice_of_journal,
-    slice_of_machines,
-};
+use crate::execute::entries::{FILES, JOURNAL, MACHINES, is_chart, is_file_of_batch, is_leftover, is_recording, named};
 use crate::execute::{BatchError, CHARTS_FOLDER, Lock, RECORDINGS_FOLDER, expect_files};
 use crate::plan::{PLAN_FILE, PROGRAM, Slice};
 use wildfire_base::whole_file::sync_folder_of;
@@ -104,7 +101,7 @@ impl OutputFolder {
         let has_lines = |slice| fs::metadata(folder.journal(slice)).is_ok_and(|found| found.len() > 0);
         match folder.journals()?.into_iter().find(|&slice| has_lines(slice)) {
             Some(slice) if !overwrite => {
-                Err(BatchError::HoldsResults { path: path.to_owned(), entry: journal_name(slice) })
+                Err(BatchError::HoldsResults { path: path.to_owned(), entry: JOURNAL.name(slice) })
             }
             _ => Ok(folder),
         }
@@ -138,7 +135,7 @@ impl OutputFolder {
         let mut slices = Vec::new();
         for entry in fs::read_dir(&self.path).map_err(unreadable)? {
             let name = entry.map_err(unreadable)?.file_name();
-            slices.extend(name.to_str().and_then(slice_of_journal));
+            slices.extend(name.to_str().and_then(|name| JOURNAL.slice(name)));
         }
         slices.sort_unstable();
         Ok(slices)
@@ -146,7 +143,7 @@ impl OutputFolder {
 
     /// Returns the path of a slice's journal.
     pub fn journal(&self, slice: Slice) -> PathBuf {
-        self.path.join(journal_name(slice))
+        self.path.join(JOURNAL.name(slice))
     }
 
     /// Creates the folder for recordings.
@@ -165,7 +162,7 @@ impl OutputFolder {
         let slices = self.journals()?.into_iter().filter(|slice| !slice.is_whole());
         let journals = slices.map(|slice| self.journal(slice));
         let files = FILES.iter().map(|name| self.path.join(name));
-        let machines = named(&self.path, |name| name.to_str().and_then(slice_of_machines).is_some());
+        let machines = named(&self.path, |name| name.to_str().and_then(|name| MACHINES.slice(name)).is_some());
         journals.chain(files).chain(machines.collect::<Vec<_>>()).try_for_each(|path| remove_file(&path))
     }
 

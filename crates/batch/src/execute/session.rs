@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 
-use crate::execute::entries::journal_name;
+use crate::execute::entries::JOURNAL;
 use crate::execute::journal::{JournalError, LockedJournal, OpenJournal, RowReader};
 use crate::execute::machines::note_machine;
 use crate::execute::workers::{RunEnd, Task, Work, work_off};
@@ -100,7 +100,7 @@ impl Batch {
         plan.expect_unchanged_sources()?;
         refuse_other_slices(&folder, slice)?;
         let is_finished = folder.path().join(RUNS_FILE).exists();
-        if is_finished && !folder.path().join(journal_name(slice)).exists() {
+        if is_finished && !folder.path().join(JOURNAL.name(slice)).exists() {
             return Err(BatchError::NoJournal { path: folder.path().to_owned() });
         }
         let journal = LockedJournal::take(&folder, slice)?;
@@ -285,7 +285,7 @@ fn write_plan(plan: &BatchPlan, folder: &OutputFolder, name: &str, disk: &dyn Di
 
 /// Writes the plan unless another slice has written one meanwhile, which then must be the same.
 fn write_plan_once(plan: &BatchPlan, folder: &OutputFolder, slice: Slice, disk: &dyn Disk) -> Result<(), BatchError> {
-    let own_name = format!("{PLAN_FILE}.{}", journal_name(slice));
+    let own_name = format!("{PLAN_FILE}.{}", JOURNAL.name(slice));
     write_plan(plan, folder, &own_name, disk)?;
     let (own, path) = (folder.path().join(own_name), folder.path().join(PLAN_FILE));
     // A second name for a file is refused where the name is taken, which renaming is not.

@@ -10,6 +10,7 @@ mod selection;
 mod sums;
 
 use rayon::prelude::*;
+use serde::{Serialize, Serializer};
 
 pub use error::MapsError;
 pub use selection::MapSource;
@@ -17,7 +18,7 @@ pub use selection::MapSource;
 use crate::execute::BatchError;
 use crate::plan::PlannedRun;
 use crate::stats::{Interval, MeanEstimate, Series, estimate_mean};
-use wildfire_base::rng;
+use wildfire_base::{object, rng};
 use wildfire_sim::Entrants;
 use wildfire_timeline::{BurnMap, Setting, Timeline};
 
@@ -73,14 +74,20 @@ pub struct BatchSide {
     pub title: String,
     /// By cell index; NaN where nothing can burn, and in maps of means where nothing did.
     pub values: Vec<f64>,
-    /// Means over runs: burned cells, the same in hectares, burned bushes, and those of them that nobody put out.
+    pub losses: Losses,
+}
+
+/// Means over runs, or over pairs of them: burned cells, the same in hectares, burned bushes, and those of them that
+/// nobody put out.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Losses {
     pub burned_cells: RunMean,
     pub burned_ha: RunMean,
     pub burned_bushes: RunMean,
     pub lost_bushes: RunMean,
 }
 
-/// A mean over runs, with its 95 % interval between nothing and all that can burn.
+/// A mean over runs, with its 95 % interval between nothing and all that can burn; or over pairs.
 #[derive(Clone, Copy, Debug)]
 pub struct RunMean {
     pub mean: f64,
@@ -98,6 +105,21 @@ impl RunMean {
         let interval = self.interval.map(|Interval { low, high }| Interval { low: low * unit, high: high * unit });
         Self { mean: self.mean * unit, interval }
     }
+
+    /// Estimates the mean over pairs of runs of differences that count in this unit.
+    fn of_pairs(differences: &[f64], unit: f64) -> Self {
+        let scaled: Vec<f64> = differences.iter().map(|number| number * unit).collect();
+        let MeanEstimate { mean, interval, .. } =
+            estimate_mean(&scaled, &mut rng::stream(SEED, "maps")).expect("there is a pair");
+        Self { mean, interval }
+    }
+}
+
+impl Serialize for RunMean {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let [low, high] = Interval::ends(self.interval);
+        object!(Mean { mean: self.mean, low, high }).serialize(serializer)
+    }
 }
 
 /// The first batch less the second, in pairs by seed.
@@ -109,10 +131,7 @@ pub struct MapDifference {
     pub mean: Vec<f64>,
     pub lower: Vec<f64>,
     pub upper: Vec<f64>,
-    pub burned_cells: MeanEstimate,
-    pub burned_ha: MeanEstimate,
-    pub burned_bushes: MeanEstimate,
-    pub lost_bushes: MeanEstimate,
+    pub losses: Losses,
 }
 
 /// The map of one run.
@@ -279,27 +298,24 @@ impl Sums {
                 pairs.map(|(first, second)| of(first) - of(second)).collect::<Vec<f64>>()
             };
             let cells = less(|run| run.cells);
-            MapDifference {
-                mean,
-                lower,
-                upper,
-                burned_cells: estimate(&cells, 1.0),
-                burned_ha: estimate(&cells, hectares),
-                burned_bushes: estimate(&less(|run| run.bushes), 1.0),
-                lost_bushes: estimate(&less(|run| run.lost), 1.0),
-            }
+            let losses = Losses {
+                burned_cells: RunMean::of_pairs(&cells, 1.0),
+                burned_ha: RunMean::of_pairs(&cells, hectares),
+                burned_bushes: RunMean::of_pairs(&less(|run| run.bushes), 1.0),
+                lost_bushes: RunMean::of_pairs(&less(|run| run.lost), 1.0),
+            };
+            MapDifference { mean, lower, upper, losses }
         });
         let sides = sides.into_iter().zip(sources).map(|(side, source)| {
             let of_runs = |of: fn(&RunCounts) -> f64| side.runs.iter().map(of).collect::<Vec<f64>>();
             let burned_cells = RunMean::new(&of_runs(|run| run.cells), all_cells);
-            BatchSide {
-                title: source.title(),
+            let losses = Losses {
                 burned_cells,
                 burned_ha: burned_cells.scaled(hectares),
                 burned_bushes: RunMean::new(&of_runs(|run| run.bushes), all_bushes),
                 lost_bushes: RunMean::new(&of_runs(|run| run.lost), all_bushes),
-                values: side.finish(quantity, &can_burn),
-            }
+            };
+            BatchSide { title: source.title(), losses, values: side.finish(quantity, &can_burn) }
         });
         let sides = sides.collect();
         BatchMaps { setting, can_burn, is_same_ground, sides, difference, runs, recorded, simulated, not_run, unpaired }
@@ -310,10 +326,4 @@ impl Sums {
 fn has_same_ground(first: &Setting, second: &Setting) -> bool {
     let fuel = |setting: &Setting| setting.spread.as_ref().map(|spread| spread.landscape().fuel.clone());
     fuel(first) == fuel(second)
-}
-
-/// Estimates the mean over pairs of runs of differences that count in this unit.
-fn estimate(numbers: &[f64], unit: f64) -> MeanEstimate {
-    let scaled: Vec<f64> = numbers.iter().map(|number| number * unit).collect();
-    estimate_mean(&scaled, &mut rng::stream(SEED, "maps")).expect("there is a pair")
 }

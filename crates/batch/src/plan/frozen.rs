@@ -6,7 +6,7 @@ use std::io::{self, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
 use serde::de::{DeserializeOwned, Error as _, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Deserializer};
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
@@ -15,9 +15,10 @@ use super::request::{MAX_PLAN_BYTES, MAX_VARIANTS};
 use super::{BatchPlan, COMMIT, COMPILER, MAX_FREE_KEYS, MAX_SWEPT_KEYS, PROGRAM, PROGRAM_VERSION, PlanWriter, Record};
 use super::{Seeds, SeedsError, Value, Variant};
 use wildfire_base::input_file::{self, InputFile, list_of_at_most};
+use wildfire_base::object;
 use wildfire_planning::PlannerName;
 use wildfire_sim::Entrants;
-use wildfire_sim::scenario::{self, Fault, MemoryLimit, Programs, Scenario, TruckGoal, WumpusGoal};
+use wildfire_sim::scenario::{self, Fault, MemoryLimit, Programs, TruckGoal, WumpusGoal};
 
 pub const PLAN_FILE: &str = "plan.json";
 
@@ -62,25 +63,6 @@ pub enum PlanError {
 
 fn list(differences: &[String]) -> String {
     differences.join("; ")
-}
-
-/// Contents of `plan.json`.
-#[derive(Serialize)]
-struct Frozen<'a> {
-    format: u32,
-    program: &'static str,
-    program_version: &'static str,
-    commit: Option<&'static str>,
-    compiler: &'static str,
-    content_sha256: String,
-    seeds: String,
-    runs: u64,
-    record: Record,
-    memory_bytes: MemoryLimit,
-    #[serde(skip_serializing_if = "is_none_free")]
-    free: &'a [String],
-    swept_keys: &'a [String],
-    variants: &'a [Variant],
 }
 
 /// The part that plans of all formats have.
@@ -148,22 +130,11 @@ fn variants_within_limit<'de, D: Deserializer<'de>>(deserializer: D) -> Result<V
     deserializer.deserialize_seq(Variants)
 }
 
-/// All that the outcome columns of a batch depend on.
-#[derive(Serialize)]
-struct Content<'a> {
-    program_version: &'static str,
-    seeds: String,
-    /// The limit, which decides which runs fail; the usual one is left out.
-    #[serde(skip_serializing_if = "is_usual")]
-    memory_bytes: MemoryLimit,
-    swept_keys: &'a [String],
-    scenarios: Vec<&'a Scenario>,
-}
-
 impl BatchPlan {
     /// The plan as JSON, the scenarios with all their defaults filled in.
     pub fn to_json(&self) -> String {
-        let frozen = Frozen {
+        let free = (!self.free.is_empty()).then_some(&self.free);
+        let frozen = object!(Plan {
             format: PLAN_FORMAT,
             program: PROGRAM,
             program_version: PROGRAM_VERSION,
@@ -174,10 +145,12 @@ impl BatchPlan {
             runs: self.count(),
             record: self.record,
             memory_bytes: self.memory,
-            free: &self.free,
+            // Without free keys there is no member.
+            #[serde(flatten)]
+            free: free.map(|free| object!(Free { free })),
             swept_keys: &self.swept_keys,
             variants: &self.variants,
-        };
+        });
         let mut json = serde_json::to_string_pretty(&frozen).expect("plans hold names, numbers and lists only");
         json.push('\n');
         json
@@ -186,13 +159,16 @@ impl BatchPlan {
     /// SHA-256, in hexadecimal, of the compact JSON of program version, seeds, limit of memory if it is not the usual
     /// one, swept keys and resolved scenarios: two batches with the same hash have the same outcome columns.
     pub fn content_sha256(&self) -> String {
-        let content = Content {
+        // The limit decides which runs fail.
+        let memory_bytes = (self.memory != MemoryLimit::default()).then_some(self.memory);
+        let content = object!(Content {
             program_version: PROGRAM_VERSION,
             seeds: self.seeds.to_string(),
-            memory_bytes: self.memory,
+            #[serde(flatten)]
+            memory: memory_bytes.map(|memory_bytes| object!(Memory { memory_bytes })),
             swept_keys: &self.swept_keys,
-            scenarios: self.variants.iter().map(|variant| &variant.scenario).collect(),
-        };
+            scenarios: self.variants.iter().map(|variant| &variant.scenario).collect::<Vec<_>>(),
+        });
         let json = serde_json::to_vec(&content).expect("scenarios hold names, numbers and lists only");
         Sha256::digest(json).iter().fold(String::new(), |mut hex, byte| {
             write!(hex, "{byte:02x}").expect("a string takes any text");
@@ -345,14 +321,6 @@ pub(super) fn read_head(path: &Path, file: &File) -> Result<Head, PlanError> {
     }
     let reason = format!("its program is `{}`, expected `{PROGRAM}`", head.program);
     Err(PlanError::NotAPlan { path: path.to_owned(), reason })
-}
-
-fn is_none_free(free: &[String]) -> bool {
-    free.is_empty()
-}
-
-fn is_usual(limit: &MemoryLimit) -> bool {
-    *limit == MemoryLimit::default()
 }
 
 /// Opens the file of a plan, which has at most [`MAX_FILE_BYTES`].

@@ -115,6 +115,15 @@ impl Seeds {
     }
 }
 
+/// Writes ascending numbers, consecutive ones as a range with this word between its ends: `1..5,9`.
+pub fn range_words(numbers: &[u64], to: &str) -> String {
+    let ranges = numbers.chunk_by(|one, next| one + 1 == *next).map(|range| match range {
+        [one] => one.to_string(),
+        range => format!("{}{to}{}", range[0], range[range.len() - 1]),
+    });
+    ranges.collect::<Vec<_>>().join(",")
+}
+
 fn parse_range(part: &str) -> Result<RangeInclusive<u64>, SeedsError> {
     let not_a_number = || SeedsError::NotANumber { found: part.trim().to_owned() };
     let seed = |digits: &str| digits.trim().parse::<u64>().map_err(|_| not_a_number());
@@ -158,6 +167,12 @@ mod tests {
 
     fn refusal(text: &str) -> SeedsError {
         text.parse::<Seeds>().expect_err("these seeds are not fine")
+    }
+
+    #[test]
+    fn numbers_are_written_as_ranges() {
+        assert_eq!(range_words(&[1, 3, 4, 5, 9, 10], "-"), "1,3-5,9-10");
+        assert_eq!(range_words(&[7], ".."), "7");
     }
 
     #[test]

@@ -16,6 +16,7 @@ use crate::table::{FinishedBatch, FinishedError, RunRecord};
 use wildfire_audit::{Audited, SampleStep, Verdict, Violation, audit_timeline};
 use wildfire_base::document::number::{count, rounded};
 use wildfire_base::document::{Block, Document};
+use wildfire_base::object;
 use wildfire_sim::{Entrants, RunCost, RunOptions};
 use wildfire_timeline::{Outcome, Timeline, file};
 
@@ -318,28 +319,10 @@ pub enum AuditsError {
     Batch(#[from] BatchError),
 }
 
-/// The members in their order.
-#[derive(Serialize)]
-struct Object {
-    program_version: &'static str,
-    recorded: u64,
-    simulated: u64,
-    not_run: u64,
-    unreadable: u64,
-    without_row: u64,
-    without_limits: u64,
-    legs: u64,
-    poses: u64,
-    metres: f64,
-    extinctions: u64,
-    violations: u64,
-    first_violations: Vec<String>,
-}
-
 impl Serialize for AuditReport {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let Audited { legs, poses, metres, extinctions } = self.audited;
-        let object = Object {
+        let report = object!(Report {
             program_version: PROGRAM_VERSION,
             recorded: self.recorded,
             simulated: self.simulated,
@@ -352,9 +335,9 @@ impl Serialize for AuditReport {
             metres,
             extinctions,
             violations: self.violations,
-            first_violations: self.listed.iter().map(ToString::to_string).collect(),
-        };
-        object.serialize(serializer)
+            first_violations: self.listed.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        });
+        report.serialize(serializer)
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::AddAssign;
 
-use crate::table::{RunRecord, run_column};
+use crate::table::{RUN_COLUMNS, RunRecord, run_column};
 use wildfire_base::document::number::percent;
 use wildfire_base::untrusted::visible_start;
 
@@ -21,31 +21,17 @@ pub struct Failures {
 /// Failures for one reason.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct Reason {
-    name: &'static str,
+    name: String,
     count: u64,
     /// The beginning of the first message, if there is one.
     words: Option<String>,
 }
 
-/// Reasons, as messages name them, and their columns.
-type Reasons = [(&'static str, usize)];
-
-const OF_QUERIES: &Reasons = &[
-    ("start blocked", run_column("truck_failed_start_blocked")),
-    ("goal blocked", run_column("truck_failed_goal_blocked")),
-    ("disconnected", run_column("truck_failed_disconnected")),
-    ("budget spent", run_column("truck_failed_budget_spent")),
-    ("timed out", run_column("truck_failed_timed_out")),
-    ("crashed", run_column("truck_failed_crashed")),
-    ("bad answer", run_column("truck_failed_bad_answer")),
-];
-
-const OF_ASKS: &Reasons = &[
-    ("timed out", run_column("policy_failed_timed_out")),
-    ("crashed", run_column("policy_failed_crashed")),
-    ("bad answer", run_column("policy_failed_bad_answer")),
-    ("illegal", run_column("policy_illegal")),
-];
+/// Returns the reasons that the columns with this beginning count, as messages name them, and the columns' places.
+fn reasons(prefix: &str) -> impl Iterator<Item = (String, usize)> {
+    let columns = RUN_COLUMNS.iter().enumerate();
+    columns.filter_map(move |(place, column)| Some((column.name.strip_prefix(prefix)?.replace('_', " "), place)))
+}
 
 /// The beginning of messages about policies, before the name.
 const POLICY: &str = "policy ";
@@ -53,19 +39,27 @@ const POLICY: &str = "policy ";
 impl Failures {
     /// Counts the failed queries of the trucks' planners in a run.
     pub fn of_queries(run: &RunRecord) -> Self {
-        Self::new(run, run_column("truck_plans"), OF_QUERIES, |who| !who.starts_with(POLICY))
+        Self::new(run, run_column("truck_plans"), reasons("truck_failed_"), |who| !who.starts_with(POLICY))
     }
 
     /// Counts the failed asks of policies in a run.
     pub fn of_asks(run: &RunRecord) -> Self {
-        Self::new(run, run_column("policy_asked"), OF_ASKS, |who| who.starts_with(POLICY))
+        let illegal = ("illegal".to_owned(), run_column("policy_illegal"));
+        Self::new(run, run_column("policy_asked"), reasons("policy_failed_").chain([illegal]), |who| {
+            who.starts_with(POLICY)
+        })
     }
 
-    fn new(run: &RunRecord, asked: usize, reasons: &Reasons, is_meant: impl Fn(&str) -> bool) -> Self {
+    fn new(
+        run: &RunRecord,
+        asked: usize,
+        reasons: impl Iterator<Item = (String, usize)>,
+        is_meant: impl Fn(&str) -> bool,
+    ) -> Self {
         let number = |column| run.number(column).unwrap_or(0.0) as u64;
         let mut failures = Self { asked: number(asked), ..Self::default() };
-        for &(name, column) in reasons.iter().filter(|(_, column)| number(*column) > 0) {
-            let (who, words) = message_about(run.message(), name, &is_meant).unzip();
+        for (name, column) in reasons.filter(|(_, column)| number(*column) > 0) {
+            let (who, words) = message_about(run.message(), &name, &is_meant).unzip();
             let policy = who.and_then(|who: &str| who.strip_prefix(POLICY)?.split(' ').next());
             failures.policy = failures.policy.or(policy.map(visible_start));
             let reason = Reason { name, count: number(column), words: words.map(visible_start) };
@@ -162,7 +156,9 @@ mod tests {
             asked,
             reasons: reasons
                 .iter()
-                .map(|&(place, name, count, words)| (place, Reason { name, count, words: words.map(str::to_owned) }))
+                .map(|&(place, name, count, words)| {
+                    (place, Reason { name: name.to_owned(), count, words: words.map(str::to_owned) })
+                })
                 .collect(),
             policy: None,
         };

@@ -3,7 +3,6 @@
 mod audits;
 mod failures;
 mod finish;
-mod fleets;
 mod html_report;
 mod json;
 mod notes;

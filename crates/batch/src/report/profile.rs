@@ -1,6 +1,6 @@
 //! Where the CPU time of runs went, by part.
 
-use crate::execute::RunRow;
+use crate::execute::{CpuSplit, RunRow};
 use wildfire_base::document::number::{percent, rounded};
 use wildfire_base::document::{Block, Table};
 
@@ -14,46 +14,31 @@ pub struct Profile {
     total_s: f64,
 }
 
-/// The parts that only some runs have: with a dispatched team, with planners or policies that are not built in.
-const OPTIONAL: [&str; 4] = ["Custom planner: start", "Custom planner: queries", "Dispatch", "Custom policies"];
+/// A part of the CPU time: its name, whether only some runs have it, such as those with a dispatched team, and its
+/// seconds.
+type Part = (&'static str, bool, fn(&CpuSplit) -> f64);
 
-const PARTS: [&str; 13] = [
-    "Drawing the field",
-    "Clearance field",
-    "Roadmap sampling",
-    "Roadmap connecting",
-    "Roadmap search",
-    "Local search",
-    "Reachability",
-    OPTIONAL[0],
-    OPTIONAL[1],
-    OPTIONAL[2],
-    "Wumpus",
-    OPTIONAL[3],
-    "Events, fire, rest",
+const PARTS: [Part; 13] = [
+    ("Drawing the field", false, |cpu| cpu.terrain_s),
+    ("Clearance field", false, |cpu| cpu.clearance_field_s),
+    ("Roadmap sampling", false, |cpu| cpu.sampling_s),
+    ("Roadmap connecting", false, |cpu| cpu.map_generation_s),
+    ("Roadmap search", false, |cpu| cpu.roadmap_search_s),
+    ("Local search", false, |cpu| cpu.local_search_s),
+    ("Reachability", false, |cpu| cpu.reachability_s),
+    ("Custom planner: start", true, |cpu| cpu.custom_start_s),
+    ("Custom planner: queries", true, |cpu| cpu.custom_queries_s),
+    ("Dispatch", true, |cpu| cpu.dispatch_s),
+    ("Wumpus", false, |cpu| cpu.wumpus_s),
+    ("Custom policies", true, |cpu| cpu.policy_s),
+    ("Events, fire, rest", false, CpuSplit::rest_s),
 ];
 
 impl Profile {
     pub fn add(&mut self, row: &RunRow) {
         let Some(result) = &row.result else { return };
-        let cpu = &result.cpu;
-        let parts = [
-            cpu.terrain_s,
-            cpu.clearance_field_s,
-            cpu.sampling_s,
-            cpu.map_generation_s,
-            cpu.roadmap_search_s,
-            cpu.local_search_s,
-            cpu.reachability_s,
-            cpu.custom_start_s,
-            cpu.custom_queries_s,
-            cpu.dispatch_s,
-            cpu.wumpus_s,
-            cpu.policy_s,
-            cpu.rest_s(),
-        ];
-        self.parts_s.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part);
-        self.total_s += cpu.run_s;
+        self.parts_s.iter_mut().zip(&PARTS).for_each(|(sum, (.., seconds))| *sum += seconds(&result.cpu));
+        self.total_s += result.cpu.run_s;
         self.runs += 1;
         self.facts += row.detail.facts;
     }
@@ -67,8 +52,8 @@ impl Profile {
             let (share, per_run_ms) = (seconds / self.total_s, 1e3 * seconds / self.runs as f64);
             vec![name.to_owned(), rounded(seconds, 3), percent(share), rounded(per_run_ms, 3)]
         };
-        let is_shown = |&(name, seconds): &(&str, f64)| !OPTIONAL.contains(&name) || seconds > 0.0;
-        let parts = PARTS.into_iter().zip(self.parts_s).filter(is_shown);
+        let parts = PARTS.iter().zip(self.parts_s).filter(|((_, is_rare, _), seconds)| !is_rare || *seconds > 0.0);
+        let parts = parts.map(|((name, ..), seconds)| (*name, seconds));
         let rows: Vec<_> = parts.chain([("Run", self.total_s)]).map(row).collect();
         let rule = rows.len() - 1;
         let table = Table::new(&["Part", "CPU s", "Share\n%", "ms per\nrun"], rows);

@@ -2,7 +2,6 @@
 
 use crate::execute::RunRow;
 use crate::plan::{BatchPlan, Value, planner_of};
-use crate::report::fleets::{Fleet, fleets_table};
 use crate::report::notes::notes;
 use crate::report::profile::Profile;
 use crate::report::tables::Tables;
@@ -31,11 +30,10 @@ pub struct VariantReport {
     /// A series for each of the columns of runs; of those without numbers it is empty.
     columns: Vec<Series>,
     profile: Profile,
-    /// Present where a scenario has more than one truck.
-    fleet: Option<Fleet>,
+    trucks: usize,
 }
 
-/// A mean that the overview of several variants shows, over runs that are done.
+/// A mean that a table of several variants shows, over runs that are done.
 struct Mean {
     heading: &'static str,
     column: usize,
@@ -49,12 +47,29 @@ const OBSTACLES: usize = run_column("obstacles");
 const STATES: [usize; 4] =
     [run_column("intact"), run_column("burning"), run_column("burned_out"), run_column("extinguished")];
 
+const fn mean(heading: &'static str, column: &str, scale: f64, decimals: usize) -> Mean {
+    Mean { heading, column: run_column(column), scale, decimals }
+}
+
 const MEANS: [Mean; 5] = [
-    Mean { heading: "Intact\nratio", column: run_column("intact_ratio"), scale: 1.0, decimals: 3 },
-    Mean { heading: "Burned\nratio", column: run_column("burned_ratio"), scale: 1.0, decimals: 3 },
-    Mean { heading: "Exting.\nratio", column: run_column("extinguished_ratio"), scale: 1.0, decimals: 3 },
-    Mean { heading: "Truck\nstuck s", column: run_column("truck_stuck_s"), scale: 1.0, decimals: 1 },
-    Mean { heading: "Unimog\nCPU ms", column: run_column("cpu_unimog_total_s"), scale: 1e3, decimals: 2 },
+    mean("Intact\nratio", "intact_ratio", 1.0, 3),
+    mean("Burned\nratio", "burned_ratio", 1.0, 3),
+    mean("Exting.\nratio", "extinguished_ratio", 1.0, 3),
+    mean("Truck\nstuck s", "truck_stuck_s", 1.0, 1),
+    mean("Unimog\nCPU ms", "cpu_unimog_total_s", 1e3, 2),
+];
+
+/// What teams of trucks drove, how long they waited, and for what they drove in vain.
+const FLEET_MEANS: [Mean; 9] = [
+    mean("Burned\nratio", "burned_ratio", 1.0, 3),
+    mean("Goals", "truck_goals", 1.0, 1),
+    mean("Wasted\ndrives", "truck_wasted_drives", 1.0, 1),
+    mean("Hope-\nless", "truck_hopeless_drives", 1.0, 1),
+    mean("Flock\nratio", "truck_flock_ratio", 1.0, 3),
+    mean("Driven\nkm", "truck_distance_m", 1e-3, 2),
+    mean("Waiting\ns", "truck_waiting_s", 1.0, 1),
+    mean("Idle\ns", "truck_idle_s", 1.0, 1),
+    mean("Dispatch\nCPU ms", "cpu_dispatch_s", 1e3, 2),
 ];
 
 impl VariantReport {
@@ -62,14 +77,13 @@ impl VariantReport {
     pub fn new(title: String, scenario: &Scenario) -> Self {
         let is_contest = !scenario.wumpus.is_empty() && !scenario.unimog.is_empty();
         let columns = vec![Series::default(); RUN_COLUMNS.len()];
-        Self { title, is_contest, fleet: Fleet::new(scenario), columns, ..Self::default() }
+        Self { title, is_contest, trucks: scenario.unimog.len(), columns, ..Self::default() }
     }
 
     /// Adds the next run of the plan.
     pub fn add(&mut self, run: &RunRecord) {
         self.tables.add(run);
         self.tally.add(run, self.is_contest);
-        self.fleet.iter_mut().for_each(|fleet| fleet.add(run));
         for (place, series) in self.columns.iter_mut().enumerate().filter(|_| run.is_done()) {
             run.number(place).into_iter().for_each(|number| series.add(number));
         }
@@ -151,8 +165,8 @@ impl BatchReport {
             let labels = [(index + 1).to_string(), text(&variant.scenario.name), text(&planner_of(&variant.scenario))];
             let counts = [report.tally.done, report.tally.not_done()].map(|count| count.to_string());
             let means = places.iter().flat_map(|&place| {
-                let (mean, interval) = (report.column(place).mean(), report.interval(place));
-                [mean, interval.map(|ends| ends.low), interval.map(|ends| ends.high)]
+                let [low, high] = Interval::ends(report.interval(place));
+                [report.column(place).mean(), low, high]
             });
             let means = means.map(|number| number.map_or_else(String::new, |number| number.to_string()));
             add(labels.into_iter().chain(swept).chain(counts).chain(means).collect());
@@ -160,10 +174,15 @@ impl BatchReport {
         table.into_inner().expect("memory takes everything")
     }
 
-    /// Returns how the fleets worked, of variants that have one.
+    /// Returns how the fleets worked, of variants with more than one truck; `None` if there are none.
     pub fn fleets_table(&self) -> Option<Table> {
-        let variants = self.variants.iter();
-        fleets_table(variants.filter_map(|variant| Some((variant.title.as_str(), variant.fleet.as_ref()?))))
+        let fleets = self.variants.iter().filter(|variant| variant.trucks > 1);
+        let labels = |variant: &VariantReport| [variant.title.clone(), variant.trucks.to_string()];
+        let row = |variant| labels(variant).into_iter().chain(variant.mean_cells(&FLEET_MEANS)).collect();
+        let rows: Vec<Vec<String>> = fleets.map(row).collect();
+        let headings: Vec<&str> =
+            ["Variant", "Trucks"].into_iter().chain(FLEET_MEANS.map(|mean| mean.heading)).collect();
+        (!rows.is_empty()).then(|| Table::new(&headings, rows))
     }
 
     /// Returns a table for each of these columns, by their places among [`RUN_COLUMNS`]: a line for each variant.
@@ -173,7 +192,7 @@ impl BatchReport {
             let row = |variant: &VariantReport| {
                 let series = variant.column(place);
                 let interval = variant.interval(place);
-                let [low, high] = [interval.map(|ends| ends.low), interval.map(|ends| ends.high)];
+                let [low, high] = Interval::ends(interval);
                 let numbers = [series.mean(), series.standard_deviation(), low, high];
                 let decimals = decimals_of(numbers);
                 let numbers = numbers.map(|number| optional(number, decimals));
@@ -248,8 +267,11 @@ impl VariantReport {
 
     fn overview_row(&self, name: String) -> Vec<String> {
         let counts = [self.tally.done, self.tally.not_done()].map(|count| count.to_string());
+        [name].into_iter().chain(counts).chain(self.mean_cells(&MEANS)).collect()
+    }
+
+    fn mean_cells(&self, means: &[Mean]) -> impl Iterator<Item = String> {
         let mean = |mean: &Mean| self.column(mean.column).mean().map(|value| value * mean.scale);
-        let means = MEANS.iter().map(|column| optional(mean(column), column.decimals));
-        [name].into_iter().chain(counts).chain(means).collect()
+        means.iter().map(move |column| optional(mean(column), column.decimals))
     }
 }

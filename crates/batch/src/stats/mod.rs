@@ -18,6 +18,8 @@
 //! | means under several conditions | - | - | [`RepeatedMeasures`], that they are equal |
 //! | several tests at once | - | - | [`holm()`] |
 
+use serde::{Serialize, Serializer};
+
 mod answers;
 mod bootstrap;
 mod distributions;
@@ -54,8 +56,20 @@ impl Interval {
         Self { low: centre - half_width, high: centre + half_width }
     }
 
+    /// Returns both ends of an interval that may not be there.
+    pub fn ends(interval: Option<Self>) -> [Option<f64>; 2] {
+        [interval.map(|interval| interval.low), interval.map(|interval| interval.high)]
+    }
+
     pub fn contains(&self, value: f64) -> bool {
         self.low <= value && value <= self.high
+    }
+}
+
+impl Serialize for Interval {
+    /// Serialises both ends as an array.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        [self.low, self.high].serialize(serializer)
     }
 }
 

@@ -1,6 +1,7 @@
 //! What a column is: its name, what it means, in which unit and of which kind it is, and how its value is found.
 
 use std::borrow::Cow;
+use std::cmp::Ordering;
 
 /// The kind of values that a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,7 +82,7 @@ impl Unit {
 }
 
 /// A column of a table whose rows are found from something, with `value`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Column<F> {
     pub name: &'static str,
     pub words: &'static str,
@@ -98,6 +99,22 @@ pub struct Column<F> {
     /// The words for the best in it, of a column in which reports compare variants.
     pub aim: Option<Aim>,
     pub value: F,
+}
+
+impl Column<()> {
+    /// A column that is not the program's own.
+    pub const UNKNOWN: Self = Self {
+        name: "",
+        words: "",
+        unit: Unit::None,
+        kind: Kind::Real,
+        is_required: false,
+        title: "",
+        better: None,
+        phrase: None,
+        aim: None,
+        value: (),
+    };
 }
 
 impl<F: Copy> Column<F> {
@@ -127,7 +144,7 @@ impl<F: Copy> Column<F> {
     }
 
     /// Returns all of it but how its value is found.
-    pub fn without_value(&self) -> Column<()> {
+    pub const fn without_value(&self) -> Column<()> {
         let Self { name, words, unit, kind, is_required, title, better, phrase, aim, .. } = *self;
         Column { name, words, unit, kind, is_required, title, better, phrase, aim, value: () }
     }
@@ -195,8 +212,25 @@ pub enum Better {
     Lower,
 }
 
+impl Better {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Higher => "higher",
+            Self::Lower => "lower",
+        }
+    }
+
+    /// Orders numbers so that the better one comes first.
+    pub fn best_first(self, one: f64, other: f64) -> Ordering {
+        match self {
+            Self::Higher => other.total_cmp(&one),
+            Self::Lower => one.total_cmp(&other),
+        }
+    }
+}
+
 /// Words for the best of some variants.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aim {
     /// The deed of the best: `saved the most bushes`.
     pub best: &'static str,

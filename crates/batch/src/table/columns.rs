@@ -12,6 +12,7 @@ use crate::execute::{CpuSplit, PlannerCall, RunResult, RunRow, StateCount};
 use crate::plan::{RunLabel, Value};
 use crate::table::column::Better::{Higher, Lower};
 use crate::table::column::{Column, Kind, Unit};
+use wildfire_base::query::PlanFailure;
 use wildfire_sim::{AgentCost, PolicyTally, RunCost};
 use wildfire_timeline::{AgentOutcome, GroundOutcome, Outcome, Winner};
 
@@ -78,6 +79,10 @@ fn trucks(row: &RunRow, value: impl Fn(&AgentOutcome) -> f64) -> Value {
 
 fn trucks_count(row: &RunRow, value: impl Fn(&AgentOutcome) -> u64) -> Value {
     row.result.as_ref().map(|result| result.trucks().map(value).sum::<u64>()).into()
+}
+
+fn failed(row: &RunRow, reason: PlanFailure) -> Value {
+    trucks_count(row, |truck| truck.failures[reason].into())
 }
 
 fn trucks_longest(row: &RunRow, value: impl Fn(&AgentOutcome) -> f64) -> Value {
@@ -222,19 +227,19 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     truck_plans: optional Count None "queries of trucks for a plan, failed ones included"
         = trucks_count(row, |a| a.plans.into()), title("Queries of trucks");
     truck_failed_start_blocked: optional Count None "failed queries: the truck's own pose is not free"
-        = trucks_count(row, |a| a.failures[0].into()), title("Failed queries: start blocked"), better(Lower);
+        = failed(row, PlanFailure::StartBlocked), title("Failed queries: start blocked"), better(Lower);
     truck_failed_goal_blocked: optional Count None "failed queries: no free place from which the goal could be reached"
-        = trucks_count(row, |a| a.failures[1].into()), title("Failed queries: goal blocked"), better(Lower);
+        = failed(row, PlanFailure::GoalBlocked), title("Failed queries: goal blocked"), better(Lower);
     truck_failed_disconnected: optional Count None "failed queries: start and goal are not connected"
-        = trucks_count(row, |a| a.failures[2].into()), title("Failed queries: not connected"), better(Lower);
+        = failed(row, PlanFailure::Disconnected), title("Failed queries: not connected"), better(Lower);
     truck_failed_budget_spent: optional Count None "failed queries: the budget of expansions ran out"
-        = trucks_count(row, |a| a.failures[3].into()), title("Failed queries: budget spent"), better(Lower);
+        = failed(row, PlanFailure::BudgetSpent), title("Failed queries: budget spent"), better(Lower);
     truck_failed_timed_out: optional Count None "failed queries: a planner that is not built in did not answer in time"
-        = trucks_count(row, |a| a.failures[5].into()), title("Failed queries: timed out"), better(Lower);
+        = failed(row, PlanFailure::TimedOut), title("Failed queries: timed out"), better(Lower);
     truck_failed_crashed: optional Count None "failed queries: a planner that is not built in ended or failed"
-        = trucks_count(row, |a| a.failures[6].into()), title("Failed queries: crashed"), better(Lower);
+        = failed(row, PlanFailure::Crashed), title("Failed queries: crashed"), better(Lower);
     truck_failed_bad_answer: optional Count None "failed queries: an answer that is no path, or must not be driven"
-        = trucks_count(row, |a| a.failures[7].into()), title("Failed queries: bad answer"), better(Lower);
+        = failed(row, PlanFailure::BadAnswer), title("Failed queries: bad answer"), better(Lower);
     truck_lattice_plans: optional Count None "plans that the reachability flood found after the planner had failed"
         = trucks_count(row, |a| a.lattice_plans.into()), title("Plans that the flood found"), better(Lower);
     truck_roadmap_samples: optional Count None "milestones of the roadmaps"
@@ -271,7 +276,7 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     wumpus_plans: optional Count None "queries of Wumpuses for a plan, failed ones included"
         = wumpuses_count(row, |a| a.plans.into()), title("Queries of Wumpuses");
     wumpus_failed_plans: optional Count None "failed queries of Wumpuses"
-        = wumpuses_count(row, |a| a.failures.iter().copied().map(u64::from).sum()), title("Failed queries of Wumpuses");
+        = wumpuses_count(row, |a| a.failures.sum().into()), title("Failed queries of Wumpuses");
     wumpus_local_minima: optional Count None "local minima that descents on a potential field met"
         = wumpuses_count(row, |a| a.local_minima.into()), title("Local minima of Wumpuses");
     wumpus_expansions: optional Count None "nodes expanded by Wumpuses"
@@ -380,18 +385,18 @@ pub const AGENT_COLUMNS: &[AgentColumn] = columns! { AgentColumn, row;
     policy: optional Text None "policy that chooses where it goes" = row.policy().map(str::to_owned);
     cells: Count Cells "bush cells that a Wumpus lit, or a truck put out" = row.outcome.cells;
     plans: Count None "queries for a plan, failed ones included" = row.outcome.plans;
-    failed_start_blocked: Count None "failed queries: the agent's own pose is not free" = row.outcome.failures[0];
+    failed_start_blocked: Count None "failed queries: the agent's own pose is not free" = row.outcome.failures[PlanFailure::StartBlocked];
     failed_goal_blocked: Count None "failed queries: no free place from which the goal could be reached"
-        = row.outcome.failures[1];
-    failed_disconnected: Count None "failed queries: start and goal are not connected" = row.outcome.failures[2];
-    failed_budget_spent: Count None "failed queries: the budget of expansions ran out" = row.outcome.failures[3];
-    failed_local_minimum: Count None "failed queries: a descent ended in a local minimum" = row.outcome.failures[4];
+        = row.outcome.failures[PlanFailure::GoalBlocked];
+    failed_disconnected: Count None "failed queries: start and goal are not connected" = row.outcome.failures[PlanFailure::Disconnected];
+    failed_budget_spent: Count None "failed queries: the budget of expansions ran out" = row.outcome.failures[PlanFailure::BudgetSpent];
+    failed_local_minimum: Count None "failed queries: a descent ended in a local minimum" = row.outcome.failures[PlanFailure::LocalMinimum];
     failed_timed_out: Count None "failed queries: a planner that is not built in did not answer in time"
-        = row.outcome.failures[5];
+        = row.outcome.failures[PlanFailure::TimedOut];
     failed_crashed: Count None "failed queries: a planner that is not built in ended or failed"
-        = row.outcome.failures[6];
+        = row.outcome.failures[PlanFailure::Crashed];
     failed_bad_answer: Count None "failed queries: an answer that is no path, or must not be driven"
-        = row.outcome.failures[7];
+        = row.outcome.failures[PlanFailure::BadAnswer];
     lattice_plans: Count None "plans that the reachability flood found after the planner had failed"
         = row.outcome.lattice_plans;
     local_minima: Count None "local minima that descents on a potential field met" = row.outcome.local_minima;
@@ -481,14 +486,9 @@ pub const STATE_COLUMNS: &[StateColumn] = columns! { StateColumn, state;
 
 /// Returns the index of a column of [`RUN_COLUMNS`]; a name that is not there is an error when the program is compiled.
 pub const fn run_column(name: &str) -> usize {
-    place(RUN_COLUMNS, name)
-}
-
-/// Returns the index of a column, in the same way.
-pub const fn place<F>(columns: &[Column<F>], name: &str) -> usize {
     let mut index = 0;
-    while index < columns.len() {
-        if is_same(columns[index].name.as_bytes(), name.as_bytes()) {
+    while index < RUN_COLUMNS.len() {
+        if is_same(RUN_COLUMNS[index].name.as_bytes(), name.as_bytes()) {
             return index;
         }
         index += 1;

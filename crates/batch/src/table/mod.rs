@@ -19,7 +19,7 @@ pub use columns::{
     AGENT_COLUMNS, AgentColumn, AgentRow, CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, CallColumn, RUN_COLUMNS, RunColumn,
     STATE_COLUMNS, StateColumn, is_measured, run_column,
 };
-pub(super) use columns::{about, columns, place};
+pub(super) use columns::{about, columns};
 pub(super) use csv_files::{CsvFiles, Lines};
 pub use dictionary::{TableOfRows, row_schema};
 pub(super) use finished::FinishedRows;

@@ -5,6 +5,7 @@ use std::ops::AddAssign;
 
 use serde::Serialize;
 
+use crate::table::columns::RUN_COLUMNS;
 use wildfire_base::document::number::{count, rounded};
 
 /// Words in messages of programs that reached another limit than that of a query; `crates/sim/src/programs/process.rs` writes them.
@@ -34,18 +35,11 @@ pub struct QueryTally {
 impl QueryTally {
     /// Counts by the numbers in columns of `runs.csv`, 0 where there is none, and by the run's message.
     pub fn of_run(number: impl Fn(&str) -> u64, message: &str) -> Self {
-        const FAILED: [&str; 7] = [
-            "truck_failed_start_blocked",
-            "truck_failed_goal_blocked",
-            "truck_failed_disconnected",
-            "truck_failed_budget_spent",
-            "truck_failed_timed_out",
-            "truck_failed_crashed",
-            "truck_failed_bad_answer",
-        ];
-        const FAILED_ASKS: [&str; 4] =
-            ["policy_failed_timed_out", "policy_failed_crashed", "policy_failed_bad_answer", "policy_illegal"];
-        let failed = FAILED.iter().map(|column| number(column)).fold(0, u64::saturating_add);
+        let sum = |prefix: &str| {
+            let names = RUN_COLUMNS.iter().map(|column| column.name).filter(|name| name.starts_with(prefix));
+            names.map(&number).fold(0, u64::saturating_add)
+        };
+        let failed = sum("truck_failed_");
         Self {
             drives: number("truck_plans").saturating_sub(failed),
             failed,
@@ -53,7 +47,7 @@ impl QueryTally {
             timed_out: number("truck_failed_timed_out"),
             limited_runs: OTHER_LIMITS.iter().any(|words| message.contains(words)).into(),
             asks: number("policy_asked"),
-            failed_asks: FAILED_ASKS.iter().map(|column| number(column)).fold(0, u64::saturating_add),
+            failed_asks: sum("policy_failed_").saturating_add(number("policy_illegal")),
             timed_out_asks: number("policy_failed_timed_out"),
         }
     }

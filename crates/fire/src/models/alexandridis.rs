@@ -149,11 +149,6 @@ impl Alexandridis {
         Self { landscape, weather, rules, chance, wind_factors, slope_factors }
     }
 
-    /// Returns the most bytes that it takes, the landscape and the weather left out.
-    pub fn most_bytes(intervals: usize) -> u64 {
-        (size_of::<Self>() + intervals * size_of::<[f64; 8]>()) as u64
-    }
-
     /// Returns the probability that a cell sets its neighbour in a direction on fire at a time.
     pub fn probability(&self, from: Cell, direction: usize, to: Cell, now: SimTime) -> f64 {
         let wind = self.wind_factors[self.weather.interval_at(now)][direction];

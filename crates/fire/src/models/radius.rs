@@ -32,15 +32,6 @@ impl Radius {
         Self { rules, half_widths: (-rows..=rows).map(half_width).collect() }
     }
 
-    /// Returns the most bytes that it takes on a field with this number of cells on which something grows.
-    pub fn most_bytes(frame: &FieldFrame, spread_radius_m: f64, with_fuel: u64) -> u64 {
-        let reach = (spread_radius_m / frame.cell_m).min(f64::from(frame.cols.max(frame.rows)));
-        let across = 2 * reach as u64 + 3;
-        // The rows, and what one fire spreads to, as cells and as it is told, in lists that double.
-        let neighbours = (across * across).min(with_fuel);
-        across * size_of::<u16>() as u64 + 2 * neighbours * (size_of::<Cell>() + size_of::<Spread>()) as u64
-    }
-
     /// Returns what a burning cell would set on fire now, by cell index.
     ///
     /// Looks at 64 cells at once where none of them can burn, since a wide radius covers much of a field.

@@ -18,8 +18,7 @@ mod wind_adjustment;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use wildfire_base::geometry::FieldFrame;
-use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+use wildfire_base::ranges;
 
 pub use behavior::{SurfaceFire, flame_length_m};
 pub use ellipse::Ellipse;
@@ -48,16 +47,8 @@ pub struct FuelMoisture {
     pub woody: f64,
 }
 
-impl SettingsTable for FuelMoisture {
-    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
-        check_range("d1", self.d1, 0.0..=1.0)?;
-        check_range("d10", self.d10, 0.0..=1.0)?;
-        check_range("d100", self.d100, 0.0..=1.0)?;
-        // A live plant may hold more than three times its dry weight in water.
-        check_range("herb", self.herb, 0.0..=5.0)?;
-        check_range("woody", self.woody, 0.0..=5.0)
-    }
-}
+// A live plant may hold more than three times its dry weight in water.
+ranges! { FuelMoisture { d1: 0.0..=1.0, d10: 0.0..=1.0, d100: 0.0..=1.0, herb: 0.0..=5.0, woody: 0.0..=5.0 } }
 
 impl Default for FuelMoisture {
     /// A dry summer day with grass that is two thirds cured.

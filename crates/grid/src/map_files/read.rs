@@ -8,6 +8,7 @@ use crate::map_files::decoded::GreyImage;
 use crate::map_files::error::with_room;
 use crate::map_files::map::{MapFile, Reading};
 use crate::map_files::pictures::{self, PictureFormat};
+use crate::map_files::raster::tiff_header;
 use crate::map_files::ros::{self, RosMap};
 use crate::map_files::rows::without_mark;
 use crate::map_files::text::Separator;
@@ -270,7 +271,7 @@ impl MapFormat {
         let first_line = text.split(|&byte| byte == b'\n').next().unwrap_or_default();
         Ok(if start.starts_with(png::SIGNATURE) {
             Self::Png
-        } else if tiff_image::is_start(start) {
+        } else if tiff_header::is_start(start) {
             Self::Whole(WholeFormat::Tiff)
         } else if start.starts_with(npy::SIGNATURE) {
             Self::Sequential(SequentialFormat::Npy)

@@ -5,10 +5,8 @@
 //!
 //! Source: Adobe Developers Association, "TIFF Revision 6.0", 1992, sections 3 to 8.
 
-use std::io::Cursor;
-
 use image::metadata::Orientation;
-use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::decoder::DecodingResult;
 use tiff::tags::{CompressionMethod, PhotometricInterpretation, SampleFormat, Tag};
 use tiff::{ColorType, TiffError, TiffUnsupportedError};
 
@@ -22,19 +20,10 @@ use crate::map_files::raster::tiff_chunks;
 
 const FLOAT_OR_SIGNED: &str = "its samples are floats, or may be negative";
 
-/// Returns whether a file begins as a TIFF image does, of the classic kind or a BigTIFF.
-pub(super) fn is_start(start: &[u8]) -> bool {
-    [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|signature| start.starts_with(*signature))
-}
-
 /// Reads the first image of a TIFF file: grey of 1 to 16 bits, or RGB, with alpha or without, of 8 or 16 bits.
 pub(super) fn read(bytes: &[u8]) -> Result<GreyImage, Fault> {
-    let mut limits = Limits::default();
-    limits.decoding_buffer_size = MAX_DECODED as usize;
-    limits.intermediate_buffer_size = MAX_DECODED as usize;
-    let plain = tiff_chunks::unpack(bytes, 2 * MAX_DECODED as usize).map_err(|message| Fault::Image { message })?;
-    let bytes = plain.as_deref().unwrap_or(bytes);
-    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(damaged)?.with_limits(limits);
+    let damaged_chunk = |message| Fault::Image { message };
+    let mut decoder = tiff_chunks::open(bytes, MAX_DECODED as usize).map_err(damaged_chunk)?.map_err(damaged)?;
     let (cols, rows) = decoder.dimensions().map_err(damaged)?;
     let size = (rows as usize, cols as usize);
     check_size(size.0, size.1)?;

@@ -6,7 +6,7 @@ use std::path::Path;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 
-use super::decimal::{append_float, append_integer};
+use super::decimal::append_float;
 use crate::{Grid, Place};
 use wildfire_base::npy::{NpyValue, npy_header};
 use wildfire_base::whole_file::{WholeFile, write_whole};
@@ -33,7 +33,7 @@ macro_rules! integer_map_value {
     ($($integer:ty),*) => {$(
         impl MapValue for $integer {
             fn append_text(self, text: &mut Vec<u8>) {
-                append_integer(self.into(), text);
+                write!(text, "{self}").expect("a list can be written to");
             }
         }
     )*};

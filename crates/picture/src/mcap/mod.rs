@@ -78,10 +78,7 @@ fn moments<'a>(index: &'a RunIndex<'a>, sampling: &Sampling) -> Vec<(SimTime, Mo
     moments.extend(ground.map(|event| (event.time, Moment::GroundEvent(event))));
     moments.extend(timeline.events.iter().map(|event| (event.time, Moment::Event(event))));
     for &agent in sampling.agents() {
-        let mut legs: Vec<FollowedLeg> = index.legs_between(agent, SimTime::ZERO, SimTime::MAX).collect();
-        // Of legs that begin at one instant the last is the one that is followed.
-        legs.reverse();
-        moments.extend(legs.into_iter().map(|leg| (leg.from, Moment::Leg(agent, leg))));
+        moments.extend(index.legs_of(agent).iter().map(|&leg| (leg.from, Moment::Leg(agent, leg))));
     }
     let times: Vec<SimTime> = sampling.times().collect();
     let next = times.iter().skip(1).chain([&end]);

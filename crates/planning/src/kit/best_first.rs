@@ -342,11 +342,6 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
         self.memory.cover(bytes)
     }
 
-    /// Bounds the bytes of these numbers of nodes and candidates, in lists that double.
-    pub fn most_bytes(nodes: u64, candidates: u64) -> u64 {
-        2 * (nodes * size_of::<Node<M>>() as u64 + candidates * size_of::<Candidate<S>>() as u64)
-    }
-
     fn keep<P: SearchSpace<Mark = M, Own = S>>(&mut self, space: &mut P, mut node: Node<M>) {
         let analytic = space.estimate(&mut node);
         let Node { cost, cost_to_go, .. } = node;

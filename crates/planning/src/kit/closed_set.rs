@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use wildfire_base::geometry::{FieldFrame, Pose};
-use wildfire_base::ranges::{OutOfRange, number_text};
+use wildfire_base::ranges::OutOfRange;
 
 /// The closed set of a search: the least cost known for every bin of (x, y, heading, driving direction).
 ///
@@ -43,12 +43,6 @@ impl ClosedSet {
         let doubles = 2 * (self.used + more) >= self.slots.len();
         // Both tables are there while the entries move.
         size_of::<Slot>() * self.slots.len() * if doubles { 3 } else { 1 }
-    }
-
-    /// Bounds the bytes that the table takes while it grows to up to this number of bins.
-    pub fn most_bytes(bins: u64) -> u64 {
-        // At most half full, so up to four times as many slots as bins; twice those while it grows to more.
-        6 * bins.max(FIRST_CAPACITY as u64) * size_of::<Slot>() as u64
     }
 
     pub fn clear(&mut self) {
@@ -127,7 +121,7 @@ pub fn check_bins(bin_m: f64, frame: &FieldFrame) -> Result<(), OutOfRange> {
         return Ok(());
     }
     let expected = format!("less than {MAX_BINS_A_SIDE} bins along a side of the field, which here has {bins:.0}");
-    Err(OutOfRange { name: "bin_m", found: number_text(bin_m), expected })
+    Err(OutOfRange::new("bin_m", bin_m, expected))
 }
 
 #[cfg(test)]

@@ -137,18 +137,6 @@ impl HolonomicHeuristic {
         }
     }
 
-    /// Returns the bytes that it takes on a field before it spreads.
-    pub fn bytes(frame: &FieldFrame) -> u64 {
-        let [cols, rows] = tiles_along(frame);
-        (RING * size_of::<Vec<Place>>() + (TILE * TILE + cols * rows) * size_of::<u32>()) as u64
-    }
-
-    /// Bounds the bytes that it takes on top of that: a cost and entries for every cell, in lists that double.
-    pub fn most_bytes_spread(frame: &FieldFrame) -> u64 {
-        let [cols, rows] = tiles_along(frame);
-        ((cols * rows + 1) * (2 * 3 * TILE * TILE + 2) * size_of::<u32>()) as u64
-    }
-
     /// Forgets everything and begins at the target; the drive comes from `start`.
     pub fn begin(&mut self, field: &ClearanceField, target: Target<'_>, start: DVec2) {
         let [cols, rows] = tiles_along(field.frame());

@@ -78,12 +78,6 @@ impl Tiles {
         Self { key, frame: *frame, side, cols, rows, opened: BTreeMap::new(), ranks: Vec::new() }
     }
 
-    /// Bounds the bytes that it takes besides the milestones, if the field has this number of them.
-    pub fn most_bytes(frame: &FieldFrame, milestones: u64) -> u64 {
-        let Self { cols, rows, .. } = Self::new(frame, 0);
-        2 * ((cols * rows * size_of::<(u32, Range<u32>)>()) as u64 + milestones * size_of::<u64>() as u64)
-    }
-
     /// Returns the bytes that it takes.
     pub fn bytes(&self) -> usize {
         2 * self.opened.len() * size_of::<(u32, Range<u32>)>() + self.ranks.capacity() * size_of::<u64>()

@@ -8,20 +8,19 @@
 //! asked; the last searches are on a fine lattice. What is found is improved by shortcuts under the same clearance.
 
 use crate::collision::CollisionChecker;
-use crate::memory::{MemoryMeter, PlannerMemory};
+use crate::memory::MemoryMeter;
 use crate::observer::PlanningObserver;
 use crate::{Found, FoundBy, Goal, PlanFailure};
-use wildfire_base::geometry::{FieldFrame, Pose};
+use wildfire_base::geometry::Pose;
 use wildfire_base::query::SearchPhase;
 use wildfire_base::rng::Xoshiro256PlusPlus;
 use wildfire_base::vehicle::{Dimensions, Path, Segment};
 
 use super::best_first::{AnalyticExpansion, Candidate, Ending, Never, Node, PoseSearch, SearchOf, SearchSpace};
 use super::clearance_profile::ClearanceProfile;
-use super::closed_set::ClosedSet;
 use super::drive_cost::CostModel;
 use super::ends::{explain_failure, free_ends, free_poses_in};
-use super::floods::{FloodQuery, FloodSearch, Floods, LATTICES};
+use super::floods::{FloodQuery, FloodSearch, LATTICES};
 use super::heuristic::Heuristic;
 use super::holonomic::HolonomicHeuristic;
 use super::lattice::Lattice;
@@ -155,23 +154,6 @@ impl RelaxedSearch {
             expansions: 0,
             settings,
         }
-    }
-
-    /// Bounds the bytes that it takes.
-    pub fn memory(frame: &FieldFrame, max_expansions: u32) -> PlannerMemory {
-        let most = |kind: LatticeKind, side: usize| {
-            let budgets = schedule(MOST_FIRST_EXPANSIONS).into_iter().filter_map(|stage| match stage.effort {
-                Means::Searches { lattice, forward, backward } if lattice == kind => Some([forward, backward][side]),
-                _ => None,
-            });
-            most_bytes_of_search(budgets.max().unwrap_or(0).min(max_expansions))
-        };
-        let kinds = [LatticeKind::Coarse, LatticeKind::Fine];
-        let searches: u64 = kinds.into_iter().map(|kind| most(kind, 0) + most(kind, BACKWARD)).sum();
-        let flood = Floods::most_bytes(frame, FLOODS, max_expansions);
-        let walks = 2 * HolonomicHeuristic::most_bytes_spread(frame);
-        let held = 2 * HolonomicHeuristic::bytes(frame);
-        PlannerMemory { held, grows: searches + flood + walks, ..PlannerMemory::default() }
     }
 
     pub fn body(&self) -> &Dimensions {
@@ -336,15 +318,6 @@ impl RelaxedSearch {
         });
         found.ok_or(Ending::Exhausted)
     }
-}
-
-/// Bounds the bytes that a search takes if it expands up to this number of nodes.
-fn most_bytes_of_search(expansions: u32) -> u64 {
-    // A node is left by all motions but the one back; each new one waits twice, for its analytic expansion and to be
-    // expanded.
-    let expansions = u64::from(expansions);
-    let (nodes, entries) = (5 * expansions, (5 + 2 * 5) * expansions);
-    LatticeSearch::most_bytes(nodes, entries) + ClosedSet::most_bytes(nodes)
 }
 
 /// A target, and what leads there.

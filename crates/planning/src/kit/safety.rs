@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use wildfire_base::geometry::FieldFrame;
-use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+use wildfire_base::ranges;
 use wildfire_grid::brushfire::brushfire;
 use wildfire_grid::cost_map::{Form, TwoZones, cost_map};
 use wildfire_grid::{Connectivity, Grid};
@@ -73,32 +73,14 @@ pub enum SafetyForm {
     Continuous,
 }
 
-impl SettingsTable for SafetySettings {
-    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
-        check_range("weight", self.weight, 0.0..=1000.0)?;
-        check_range("max_cost", self.max_cost, 0.001..=1e6)?;
-        check_range("safety_max", self.safety_max, 0.0..=self.max_cost)?;
-        check_range("safety_min", self.safety_min, 0.0..=self.safety_max)?;
-        check_range("safety_distance", self.safety_distance.into(), 1.0..=1000.0)?;
-        check_range("cost_rate", self.cost_rate, 0.0..=1e6)
-    }
-}
+ranges! { SafetySettings {
+    weight: 0.0..=1000.0, max_cost: 0.001..=1e6, safety_distance: 1.0..=1000.0, cost_rate: 0.0..=1e6,
+} and |own, _| {
+    ranges::check_range("safety_max", own.safety_max, 0.0..=own.max_cost)?;
+    ranges::check_range("safety_min", own.safety_min, 0.0..=own.safety_max)
+} }
 
 impl SafetySettings {
-    /// Describes what nearness to bushes costs, in words that follow a full stop; nothing if it costs nothing.
-    pub fn describe(&self) -> String {
-        let nearness = match self.map {
-            SafetyMap::None => return String::new(),
-            SafetyMap::Brushfire => "1 beside a bush, 1/D at D cells from one".to_owned(),
-            SafetyMap::Cost => {
-                let cells = self.safety_distance.max(2);
-                let (beside, far) = (self.nearness(1), self.nearness(cells));
-                format!("{beside:.2} beside a bush, {far:.2} at {cells} cells from one")
-            }
-        };
-        format!(" For safety a metre costs 1 + {} times s, s being {nearness}.", self.weight)
-    }
-
     /// Returns `s` of the map `cost` at this number of cells from the nearest bush.
     pub fn nearness(&self, cells: u16) -> f64 {
         self.zones().cost(cells) / self.max_cost
@@ -147,15 +129,6 @@ impl Safety {
         let mut surcharge = nearness;
         surcharge.values_mut().iter_mut().for_each(|near| *near *= settings.weight);
         Some(Self { frame, surcharge })
-    }
-
-    /// Returns the bytes that it takes on a field, and bytes on top of that while it is worked out; none if all places cost the
-    /// same.
-    pub fn bytes(frame: &FieldFrame, settings: &SafetySettings) -> [u64; 2] {
-        let cells = frame.cell_count() as u64;
-        let value = if settings.map == SafetyMap::None { 0 } else { size_of::<f64>() as u64 };
-        // The map that nearness is worked out from has values of its own.
-        [cells * value, cells * value]
     }
 
     /// Returns what a metre at this place costs more than 1; outside the field nothing.

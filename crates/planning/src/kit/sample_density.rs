@@ -1,7 +1,7 @@
 //! Samples for every hectare: settings that mean the same on fields of all sizes.
 
 use wildfire_base::geometry::FieldFrame;
-use wildfire_base::ranges::{OutOfRange, check_range, number_text};
+use wildfire_base::ranges::{OutOfRange, check_range};
 
 pub const SQUARE_METRES_PER_HECTARE: f64 = 10_000.0;
 
@@ -30,7 +30,7 @@ pub fn check_density(density: Option<f64>, frame: &FieldFrame) -> Result<(), Out
         return Ok(());
     }
     let expected = format!("at most {MAX_SAMPLES:e} samples on the field, which has {:.0} hectares", hectares(frame));
-    Err(OutOfRange { name: NAME, found: number_text(density), expected })
+    Err(OutOfRange::new(NAME, density, expected))
 }
 
 #[cfg(test)]

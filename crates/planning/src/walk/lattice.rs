@@ -45,14 +45,6 @@ impl WalkLattice {
         (east - west + 1.0) * (north - south + 1.0)
     }
 
-    /// Bounds the bytes that it takes on a field with this number of points, while it is made and asked what can be
-    /// reached.
-    pub fn most_bytes(frame: &FieldFrame, points: u64) -> u64 {
-        // A point's moves and whether it is free; those that wait, in a list that doubles; reached points.
-        let point = 2 * size_of::<u8>() + 2 * size_of::<u32>() + size_of::<bool>();
-        points * point as u64 + OccupiedCount::bytes(frame)
-    }
-
     /// `occupied` has a value per cell, row 0 at the south edge.
     pub fn new(frame: FieldFrame, occupied: &Grid<bool>, shape: LatticeShape) -> Self {
         let (west, east) = range(shape.anchor.x, shape.step_m, frame.width_m());
@@ -303,11 +295,6 @@ impl OccupiedCount {
             }
         }
         Self { sums }
-    }
-
-    /// Returns the bytes that it takes on a field.
-    fn bytes(frame: &FieldFrame) -> u64 {
-        (u64::from(frame.rows) + 1) * (u64::from(frame.cols) + 1) * size_of::<u32>() as u64
     }
 
     /// Says whether a box lies in the field and overlaps no occupied cell.

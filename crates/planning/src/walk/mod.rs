@@ -58,24 +58,6 @@ impl WalkPlanner {
         Self { costs, method }
     }
 
-    /// Bounds the bytes that it takes for a lattice of this number of points, walks on their way included.
-    ///
-    /// `has_factors` says whether its costs have a factor for every point.
-    pub fn most_bytes(points: u64, method: &WalkMethod, has_factors: bool) -> u64 {
-        // The exact cost-to-go with the points that wait, in a list that doubles.
-        let sweep = size_of::<f64>() + 4 * size_of::<f64>();
-        let of_method = match method {
-            WalkMethod::Astar { .. } => AStar::BYTES_A_POINT,
-            WalkMethod::Wavefront => sweep,
-            // Repulsion, and the map of bushes that it is worked out from.
-            WalkMethod::Potential(_) => size_of::<f64>() + size_of::<u16>() + 1 + sweep,
-        };
-        // A walk, on its way and as it is worked out, and the points of reach.
-        let walks = 3 * size_of::<usize>();
-        let factor = if has_factors { size_of::<f64>() } else { 0 };
-        points * (of_method + walks + factor) as u64
-    }
-
     /// Finds a walk from a point to one within `reach_m` of a cell's centre, on the lattice that the planner was made for.
     pub fn plan(
         &mut self,

@@ -28,8 +28,11 @@ pub trait AgentList {
     /// Checks every value of every agent, and what they all take together.
     fn check(&self, scenario: &Scenario) -> Check;
 
-    /// Describes each agent in sentences.
-    fn describe(&self, scenario: &Scenario) -> Vec<String>;
+    /// Names the values of an agent that do nothing in this scenario, as they are those of another planner.
+    fn unused(&self, scenario: &Scenario, number: usize) -> Vec<&'static str>;
+
+    /// Lists what follows from the values of an agent, in sentences.
+    fn facts(&self, number: usize) -> Vec<String>;
 
     /// Adds warnings that need no field.
     fn warn(&self, scenario: &Scenario, found: &mut Vec<String>);
@@ -72,8 +75,6 @@ pub struct ScenarioField<'a> {
 pub struct FieldMeasures {
     pub frame: FieldFrame,
     pub bushes: u64,
-    /// Convex corners of bushes.
-    pub corners: u64,
 }
 
 /// Upper bounds of the memory that the agents of a kind take, in bytes.
@@ -81,12 +82,10 @@ pub struct FieldMeasures {
 pub struct AgentsMemory {
     /// The memory that they need in any case; parts of no bytes are left out later.
     pub parts: Vec<MemoryPart>,
-    /// Needed for a while as each is made, on top of that.
-    pub making: u64,
     /// The part of `parts` that grows and is counted as it does.
     pub counted: u64,
-    /// The most that searches, floods and curves can add.
-    pub grows: u64,
+    /// Says whether searches, floods and curves come on top.
+    pub searches: bool,
 }
 
 /// One part of the memory that a run needs.

@@ -3,8 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use wildfire_base::geometry::FieldFrame;
-use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+use wildfire_base::ranges;
 use wildfire_base::time::SimTime;
 use wildfire_fire::models::{AlexandridisRules, Density, Vegetation};
 
@@ -40,12 +39,6 @@ impl AlexandridisSettings {
     }
 }
 
-impl SettingsTable for AlexandridisSettings {
-    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
-        check_range("p0", self.p0, 0.0..=1.0)?;
-        check_range("wind_c1", self.wind_c1, -1.0..=1.0)?;
-        check_range("wind_c2", self.wind_c2, -1.0..=1.0)?;
-        check_range("slope_a", self.slope_a, -1.0..=1.0)?;
-        check_range("step_s", self.step_s, 0.001..=1e6)
-    }
-}
+ranges! { AlexandridisSettings {
+    p0: 0.0..=1.0, wind_c1: -1.0..=1.0, wind_c2: -1.0..=1.0, slope_a: -1.0..=1.0, step_s: 0.001..=1e6,
+} }

@@ -5,17 +5,52 @@ use toml::{Table, Value};
 use super::error::{Fault, ScenarioError, SourceLocation};
 use super::path::{FieldPath, PathStep};
 use super::source::toml_value;
+use super::wording::KeyOrValue;
 
 /// The most steps of a path; no value of a scenario lies as deep.
 const MAX_STEPS: usize = 8;
 
+/// Changes that were made, in their order.
+pub(super) struct Changes(Vec<Change>);
+
+impl Changes {
+    /// Makes changes, `path=value`, to what a file says.
+    pub fn make(options: &[String], root: &mut Value) -> Result<Self, Box<ScenarioError>> {
+        options.iter().map(|option| Change::make(option, root)).collect::<Result<_, _>>().map(Self)
+    }
+
+    fn paths(&self) -> impl Iterator<Item = &FieldPath> {
+        self.0.iter().flat_map(|change| &change.set)
+    }
+
+    /// Says whether a value is one of a change: it or what it is part of was set.
+    pub fn set(&self, path: &FieldPath) -> bool {
+        self.paths().any(|set| path.starts_with(set))
+    }
+
+    /// Says whether a value, a part of it or what it is part of was set.
+    pub fn touch(&self, path: &FieldPath) -> bool {
+        self.paths().any(|set| path.starts_with(set) || set.starts_with(path))
+    }
+
+    /// Returns the location of a value in the last change that touches it.
+    pub fn location(&self, path: &FieldPath, side: KeyOrValue) -> Option<SourceLocation> {
+        let related = |set: &&FieldPath| path.starts_with(set) || set.starts_with(path);
+        let touch = |change: &'_ Change| change.set.iter().find(related).map(|set| set.0.len());
+        let (change, depth) = self.0.iter().rev().find_map(|change| Some((change, touch(change)?)))?;
+        // A fault in a key, or in what the change only adds to, is a fault of its path.
+        let in_value = side == KeyOrValue::Value && path.0.len() >= depth || path.0.len() > depth;
+        Some(if in_value { change.value_location() } else { change.path_location() })
+    }
+}
+
 /// A change as it was asked for, and the paths of the values that it set.
-pub(super) struct Change {
-    pub option: String,
+struct Change {
+    option: String,
     /// Offset of the value within the option, in bytes.
     value_at: usize,
     /// Every value that was set: one, or one of every agent.
-    pub set: Vec<FieldPath>,
+    set: Vec<FieldPath>,
 }
 
 impl Change {
@@ -23,7 +58,7 @@ impl Change {
     ///
     /// The value is read as TOML where it is valid TOML, and as a text where it is not. A path that names a list without
     /// a number (`unimog.prm.samples`) changes all its entries; tables that are missing are made.
-    pub fn make(option: &str, table: &mut Table) -> Result<Self, Box<ScenarioError>> {
+    fn make(option: &str, root: &mut Value) -> Result<Self, Box<ScenarioError>> {
         let whole = || SourceLocation::new("--set", option, 0..option.len());
         let (dotted, written) = option.split_once('=').ok_or_else(|| Fault::NoChange.at(whole()))?;
         let path = FieldPath::parse(dotted.trim());
@@ -34,12 +69,7 @@ impl Change {
         }
         let value = value_of(written.trim());
         let mut change = Self { option: option.to_owned(), value_at: dotted.len() + 1, set: Vec::new() };
-        let mut root = Value::Table(std::mem::take(table));
-        let done = change.set_at(&mut root, &mut FieldPath::default(), &path.0, &value);
-        if let Value::Table(changed) = root {
-            *table = changed;
-        }
-        done.map_err(|message| {
+        change.set_at(root, &mut FieldPath::default(), &path.0, &value).map_err(|message| {
             Fault::CannotChange { message }.at(SourceLocation::new("--set", option, 0..dotted.len()))
         })?;
         Ok(change)
@@ -87,12 +117,12 @@ impl Change {
     }
 
     /// Returns the part of the option that holds its path.
-    pub fn path_location(&self) -> SourceLocation {
+    fn path_location(&self) -> SourceLocation {
         SourceLocation::new("--set", &self.option, 0..self.value_at - 1)
     }
 
     /// Returns the part of the option that holds its value.
-    pub fn value_location(&self) -> SourceLocation {
+    fn value_location(&self) -> SourceLocation {
         SourceLocation::new("--set", &self.option, self.value_at..self.option.len())
     }
 }

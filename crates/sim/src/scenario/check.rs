@@ -6,10 +6,13 @@ use super::error::{Fault, nearest_name};
 use super::path::{FieldPath, PathStep};
 use super::wording::shortened;
 use wildfire_base::geometry::{DVec2, FieldFrame};
-use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range, number_text};
 
 /// The most characters of a scenario's name, which goes into tables and file names.
 const MAX_NAME: usize = 100;
+
+/// The most changes of wind or moisture.
+pub const MAX_CHANGES: usize = 10_000;
 
 /// The distance by which a body may stick out of the field through rounding, metres.
 pub const ROUNDING_M: f64 = 1e-9;
@@ -91,12 +94,25 @@ impl TablePath {
         check_number(self.0.join(PathStep::key(name)), value, range)
     }
 
-    pub fn optional(&self, name: &str, value: Option<f64>, range: RangeInclusive<f64>) -> Check {
-        value.map_or(Ok(()), |value| self.number(name, value, range))
+    pub fn settings(&self, settings: &dyn SettingsTable, frame: &FieldFrame) -> Check {
+        settings.check(frame).map_err(|OutOfRange { name, found, expected }| {
+            let path = FieldPath([self.0.0.clone(), FieldPath::parse(&name).0].concat());
+            Box::new(Refusal { path, found, expected: Expected::Words(expected) })
+        })
     }
 
-    pub fn settings(&self, settings: &dyn SettingsTable, frame: &FieldFrame) -> Check {
-        settings.check(frame).or_else(|wrong| self.refuse(wrong.name, wrong.found, wrong.expected))
+    /// Checks that the times of a list of changes ascend.
+    pub fn ascending(&self, name: &str, times_s: impl ExactSizeIterator<Item = f64>) -> Check {
+        self.count(name, times_s.len(), MAX_CHANGES)?;
+        let mut before_s = f64::NEG_INFINITY;
+        for (number, at_s) in times_s.enumerate() {
+            if at_s <= before_s {
+                let expected = format!("a time after {} s, that of the entry before", number_text(before_s));
+                return self.inner(name).item(number).refuse("at_s", number_text(at_s), expected);
+            }
+            before_s = at_s;
+        }
+        Ok(())
     }
 
     pub fn count(&self, name: &str, count: usize, most: usize) -> Check {

@@ -7,7 +7,7 @@
 //! tracing", SIGGRAPH 1991, section 4: the best candidate), so they lie evenly over the field at any number.
 
 use rand::{Rng, RngExt};
-use toml::{Table, Value};
+use toml::Value;
 
 use super::agents::SHOWN_SEED;
 use super::check::{Check, Refusal, TablePath};
@@ -41,10 +41,10 @@ pub(super) struct Copies([Vec<usize>; 2]);
 
 impl Copies {
     /// Takes the `count` out of all entries and repeats them as often.
-    pub fn expand(table: &mut Table) -> Result<Self, Box<Refusal>> {
+    pub fn expand(root: &mut Value) -> Result<Self, Box<Refusal>> {
         let mut copies = Self::default();
         for (kind, entries_of) in KINDS.into_iter().zip(&mut copies.0) {
-            let Some(Value::Array(entries)) = table.get_mut(kind) else { continue };
+            let Some(Value::Array(entries)) = root.get_mut(kind) else { continue };
             let mut expanded = Vec::with_capacity(entries.len());
             for (number, mut entry) in entries.drain(..).enumerate() {
                 let count = match entry.as_table_mut().and_then(|entry| entry.remove("count")) {
@@ -339,7 +339,7 @@ mod tests {
         let text = explain(&loaded, super::super::MemoryLimit::default()).to_text();
         let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(words.contains("1 to 29: like 0, at places drawn from the stream `starts/unimog/0`."), "{words}");
-        assert_eq!(words.matches("turning radius").count(), 1, "{words}");
+        assert_eq!(words.matches("turning_radius_m=").count(), 1, "{words}");
         assert!(loaded.is_given("unimog.17.start.x_m") && !loaded.is_given("unimog.17.rescue"));
     }
 }

@@ -5,9 +5,8 @@ use std::fmt;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Scenario, TrafficRules, Water};
-use wildfire_base::geometry::FieldFrame;
-use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+use super::Scenario;
+use wildfire_base::ranges;
 
 /// The most rollouts of one decision: some seconds of CPU time.
 const MAX_ROLLOUTS: f64 = 100_000.0;
@@ -75,18 +74,6 @@ impl DispatchPolicy {
             Self::Rollout => "rollout",
         }
     }
-
-    const fn description(self) -> &'static str {
-        match self {
-            Self::Nearest => "each goes to the nearest fire that is not another's, the smaller number first",
-            Self::NearestByDrive => "each goes to the fire that is nearest by drive and not another's",
-            Self::NearestSavable => "each goes to the nearest fire that it can still put out, and leaves hopeless ones",
-            Self::Hungarian => "free trucks and fires are matched at the least cost in all",
-            Self::ThreatFirst => "the fire that threatens the most bushes is served first",
-            Self::Auction => "fires are inserted into routes that meet their deadlines, anew at each event",
-            Self::Rollout => "the assignment with the best futures is taken",
-        }
-    }
 }
 
 impl fmt::Display for DispatchPolicy {
@@ -119,14 +106,6 @@ impl IdleRule {
             Self::Regions => "regions",
         }
     }
-
-    const fn description(self) -> &'static str {
-        match self {
-            Self::Stay => "wait where they are",
-            Self::Centroids => "spread out over the bushes that are intact",
-            Self::Regions => "wait in the regions round their starts",
-        }
-    }
 }
 
 impl fmt::Display for IdleRule {
@@ -143,34 +122,9 @@ impl Dispatch {
             idle => format!("{}+{idle}", self.policy),
         }
     }
-
-    pub(super) fn describe(&self) -> String {
-        let charge = match self.seconds_per_evaluation {
-            0.0 => "A decision takes no simulated time".to_owned(),
-            seconds => match self.policy {
-                DispatchPolicy::Rollout => format!("A decision takes {seconds} s for each rollout"),
-                _ => format!("A decision takes {seconds} s for each pair of a truck and a fire that it looks at"),
-            },
-        };
-        let rollouts = match self.policy {
-            DispatchPolicy::Rollout => format!(" ({} rollouts a decision)", self.rollouts),
-            _ => String::new(),
-        };
-        format!(
-            "All trucks follow `{}`: {}{rollouts}. Those that have nothing to go for {}. {charge}.",
-            self.policy,
-            self.policy.description(),
-            self.idle.description()
-        )
-    }
 }
 
-impl SettingsTable for Dispatch {
-    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
-        check_range("rollouts", self.rollouts.into(), 1.0..=MAX_ROLLOUTS)?;
-        check_range("seconds_per_evaluation", self.seconds_per_evaluation, 0.0..=1000.0)
-    }
-}
+ranges! { Dispatch { rollouts: 1.0..=MAX_ROLLOUTS, seconds_per_evaluation: 0.0..=1000.0 } }
 
 /// What the team of trucks knows of the field when its policy decides.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -201,38 +155,7 @@ pub enum SightOfField {
     Radius,
 }
 
-impl Sight {
-    pub(super) fn describe(&self) -> String {
-        let field = match self.field {
-            SightOfField::Everything => "what burns and which bushes are intact".to_owned(),
-            SightOfField::Burning => "what burns, but not which of the other bushes are intact".to_owned(),
-            SightOfField::Radius => format!("what is within {} m of one of them", self.radius_m),
-        };
-        let wumpuses = match (self.wumpuses, self.field) {
-            (false, _) => "They do not see Wumpuses.",
-            (true, SightOfField::Radius) => "They see Wumpuses that near.",
-            (true, _) => "They see all Wumpuses.",
-        };
-        format!("The trucks see {field}. {wumpuses}")
-    }
-}
-
-impl SettingsTable for Sight {
-    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
-        check_range("radius_m", self.radius_m, 0.0..=1e6)
-    }
-}
-
-/// Describes how trucks are sent and what they see, where the scenario says so.
-pub(super) fn describe_team(scenario: &Scenario) -> Vec<String> {
-    let dispatch = scenario.dispatch.iter().map(Dispatch::describe);
-    let sight = scenario.sight.iter().map(Sight::describe);
-    dispatch
-        .chain(sight)
-        .chain(scenario.traffic.iter().map(TrafficRules::describe))
-        .chain(scenario.water.iter().map(Water::describe))
-        .collect()
-}
+ranges! { Sight { radius_m: 0.0..=1e6 } }
 
 /// Warns of values that do nothing.
 pub(super) fn warn_of_team(scenario: &Scenario, found: &mut Vec<String>) {
@@ -281,20 +204,6 @@ mod tests {
         let loaded = LoadedScenario::open("fleet", &changes).expect("this scenario is right");
         let text = explain(&loaded, MemoryLimit::default()).to_text();
         text.split_whitespace().collect::<Vec<_>>().join(" ")
-    }
-
-    #[test]
-    fn policies_and_sight_are_explained() {
-        let text = explained(&["dispatch.policy=rollout", "dispatch.rollouts=7", "sight.field=radius"]);
-        for words in [
-            "All trucks follow `rollout`: the assignment with the best futures is taken (7 rollouts a decision).",
-            "Those that have nothing to go for wait where they are.",
-            "The trucks see what is within 100 m of one of them. They do not see Wumpuses.",
-            "It goes where it is dispatched.",
-        ] {
-            assert!(text.contains(words), "`{words}` is not in {text}");
-        }
-        assert!(!explained(&[]).contains("Dispatch"));
     }
 
     #[test]

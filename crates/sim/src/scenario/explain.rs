@@ -1,42 +1,60 @@
-//! Explains a scenario in plain sentences, for `wildfire check`.
+//! Explains a scenario by its values and its schema, for `wildfire check`.
+
+use serde_json::Value as Json;
 
 use super::agents::{AgentList, SHOWN_SEED};
-use super::dispatch::describe_team;
 use super::field::percent;
 use super::ground_report::{describe_fires, describe_ground, describe_weather};
 use super::landscape::is_bare;
 use super::load::LoadedScenario;
+use super::path::{FieldPath, PathStep};
 use super::rules::describe_ignitions;
 use super::warnings::warnings;
-use super::{FireModelName, MemoryEstimate, MemoryLimit, MemoryPart, Scenario, Terrain, bytes_text, weather};
+use super::{FireModelName, MemoryEstimate, MemoryLimit, MemoryPart, Scenario, Terrain, bytes_text, schema, weather};
 use wildfire_base::document::{Block, Document, WIDTH};
 use wildfire_base::geometry::Cell;
 
-/// Explains a scenario: its rules and agents in sentences with units, the values left to defaults, the field of seed 1
-/// with a map, the memory that a run takes beside its limit, and warnings. No line is wider than a terminal.
+/// Explains a scenario: its values and what the chosen words mean, the field of seed 1 with a map, the memory that a run
+/// takes beside its limit, and warnings. No line is wider than a terminal.
 pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> Document {
     let scenario = &loaded.scenario;
+    let values = Values::new(loaded);
     let section = |title: &str, lines: Vec<String>| [Block::Heading(title.into()), Block::List(lines)];
     let title = format!("{}: {} s of simulated time at most.", scenario.name, scenario.duration_s);
-    let mut document = Document::new(title)
-        .with(section("Field", vec![scenario.field.describe()]))
-        .with(section("Fire", vec![scenario.fire.describe()]))
-        .with(section("Suppression", vec![scenario.suppression.describe()]))
-        .with(section("Score", vec![scenario.score.describe()]));
+    let mut document = Document::new(title);
+    let mut add = |title: &str, lines: Vec<String>| {
+        if !lines.is_empty() {
+            document = std::mem::take(&mut document).with(section(title, lines));
+        }
+    };
+    add("Field", [vec![scenario.field.describe()], values.of("field", &[])].concat());
+    add("Fire", values.of("fire", scenario.fire.unused()));
+    for (title, table) in [("Suppression", "suppression"), ("Score", "score"), ("Landscape", "landscape")] {
+        add(title, values.of(table, &[]));
+    }
     if scenario.fire.model != FireModelName::Radius {
-        document = document.with(section("Weather", describe_weather(scenario)));
+        add("Weather", describe_weather(scenario));
     }
     for agents in scenario.kinds() {
-        document = document.with(section(agents.title(), describe_agents(agents, loaded)));
+        add(agents.title(), describe_agents(agents, loaded, &values));
     }
-    let team = describe_team(scenario);
-    if !team.is_empty() {
-        document = document.with(section("Dispatch", team));
+    for (title, table) in [("Dispatch", "dispatch"), ("Sight", "sight"), ("Traffic", "traffic")] {
+        add(title, values.of(table, &[]));
+    }
+    if let Some(water) = &scenario.water {
+        add("Water", [values.of("water", &[]), vec![water.describe()]].concat());
     }
     if !scenario.ignition.is_empty() {
-        document = document.with(section("Ignitions", vec![describe_ignitions(&scenario.ignition)]));
+        add("Ignitions", vec![describe_ignitions(&scenario.ignition)]);
     }
-    document = document.with(section("Values", vec![list_defaults(loaded)]));
+    add("Programs", [describe_programs(scenario), values.of("planner", &[]), values.of("policy", &[])].concat());
+    let left = values.all.iter().filter(|value| value.is_default).count();
+    let given = values.all.len() - left;
+    let counts = match left {
+        0 => format!("All {given} values are given."),
+        _ => format!("{given} values are given, {left} are left to their defaults, which are marked by {DEFAULT}."),
+    };
+    add("Values", vec![counts]);
     let terrain = Terrain::from_scenario(scenario, SHOWN_SEED);
     let field = match &terrain {
         Ok(terrain) => describe_terrain(scenario, terrain),
@@ -60,52 +78,120 @@ pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> Document {
     document
 }
 
-/// Describes the agents of a kind, those of one entry once.
-fn describe_agents(agents: &dyn AgentList, loaded: &LoadedScenario) -> Vec<String> {
+/// Marks a value that is left to its default.
+const DEFAULT: char = '*';
+
+/// A value of a scenario.
+struct ListedValue {
+    path: String,
+    value: String,
+    is_default: bool,
+}
+
+/// All values of a scenario, and the schema that says what they mean.
+struct Values {
+    all: Vec<ListedValue>,
+    schema: Json,
+}
+
+impl Values {
+    fn new(loaded: &LoadedScenario) -> Self {
+        let listed = |(path, value): (String, String)| ListedValue { is_default: !loaded.is_given(&path), path, value };
+        let values = loaded.values().into_iter().filter(|(_, value)| value != "[]");
+        Self { all: values.map(listed).collect(), schema: schema().to_value() }
+    }
+
+    /// Lists the values of a table but those that are not used, and then what the words among them mean.
+    fn of(&self, table: &str, unused: &[&str]) -> Vec<String> {
+        let [values, mut meanings] = self.listed(table, unused);
+        meanings.splice(..0, (!values.is_empty()).then(|| values.join(", ")));
+        meanings
+    }
+
+    /// Lists the values of a table and the meanings of words, each as it is printed.
+    fn listed(&self, table: &str, unused: &[&str]) -> [Vec<String>; 2] {
+        let is_used = |key: &str| !unused.iter().any(|name| key.split('.').next() == Some(name));
+        let of_table = self.all.iter().filter_map(|value| {
+            let key = value.path.strip_prefix(table)?.strip_prefix('.')?;
+            is_used(key).then_some((key, value))
+        });
+        let mut listed = [Vec::new(), Vec::new()];
+        for (key, ListedValue { path, value, is_default }) in of_table {
+            listed[0].push(format!("{key}={value}{}", if *is_default { DEFAULT.to_string() } else { String::new() }));
+            let meaning = self.meaning(&FieldPath::parse(path), value.trim_matches('"'));
+            listed[1].extend(meaning.map(|meaning| format!("{key}={value}: {}", meaning.replace('\n', " "))));
+        }
+        listed
+    }
+
+    /// Returns what the schema says of a word that is chosen from several, if it does.
+    fn meaning(&self, path: &FieldPath, word: &str) -> Option<&str> {
+        let setting = path.0.iter().try_fold(&self.schema, |table, step| {
+            let table = self.resolved(table);
+            match step {
+                PathStep::Key(key) => table["properties"].get(key).or_else(|| table.get("additionalProperties")),
+                PathStep::Index(_) => table.get("items"),
+            }
+        });
+        self.meaning_within(setting?, word)
+    }
+
+    fn meaning_within<'a>(&'a self, setting: &'a Json, word: &str) -> Option<&'a str> {
+        let setting = self.resolved(setting);
+        let choices = ["oneOf", "anyOf"].iter().filter_map(|key| setting[key].as_array()).flatten();
+        choices.into_iter().find_map(|choice| {
+            if choice["const"] == word { choice["description"].as_str() } else { self.meaning_within(choice, word) }
+        })
+    }
+
+    /// Returns the definition that a part of the schema refers to, in a table that may be left out too.
+    fn resolved<'a>(&'a self, part: &'a Json) -> &'a Json {
+        let part = if part["anyOf"][1]["type"] == "null" { &part["anyOf"][0] } else { part };
+        let definition = part["$ref"].as_str().and_then(|path| self.schema.pointer(path.trim_start_matches('#')));
+        definition.unwrap_or(part)
+    }
+}
+
+/// Lists the values of the agents of a kind, those that all have once, and what follows from them.
+fn describe_agents(agents: &dyn AgentList, loaded: &LoadedScenario, values: &Values) -> Vec<String> {
     if agents.len() == 0 {
         return vec!["None.".to_owned()];
     }
     let (kind, copies) = (agents.key(), &loaded.copies);
+    let numbers: Vec<usize> = (0..agents.len()).filter(|&number| !copies.is_copy(kind, number)).collect();
+    let listed = |&number: &usize| {
+        let unused = agents.unused(&loaded.scenario, number);
+        let [values, meanings] = values.listed(&format!("{kind}.{number}"), &unused);
+        [values, [agents.facts(number), meanings].concat()]
+    };
+    let each: Vec<[Vec<String>; 2]> = numbers.iter().map(listed).collect();
+    let is_shared = |part: usize, line: &String| each.len() > 1 && each.iter().all(|own| own[part].contains(line));
     let mut lines = Vec::new();
-    for (number, words) in agents.describe(&loaded.scenario).into_iter().enumerate() {
-        if copies.is_copy(kind, number) {
-            continue;
-        }
-        lines.push(format!("{number}: {words}"));
+    let mut add = |who: &str, [values, sentences]: [Vec<&String>; 2]| {
+        let values = values.into_iter().map(String::as_str).collect::<Vec<_>>().join(", ");
+        lines.extend((!values.is_empty()).then(|| format!("{who}: {values}")));
+        lines.extend(sentences.into_iter().map(|sentence| format!("{who}: {sentence}")));
+    };
+    add("all", [0, 1].map(|part| each[0][part].iter().filter(|line| is_shared(part, line)).collect()));
+    for (&number, own) in numbers.iter().zip(&each) {
+        add(&number.to_string(), [0, 1].map(|part| own[part].iter().filter(|line| !is_shared(part, line)).collect()));
         let last = (number + 1..agents.len()).take_while(|&other| copies.is_copy(kind, other)).last();
         if let (Some(last), Some(entry)) = (last, copies.entry(kind, number)) {
             let numbers = if last == number + 1 { last.to_string() } else { format!("{} to {last}", number + 1) };
             let places = if last == number + 1 { "a place" } else { "places" };
-            lines.push(format!("{numbers}: like {number}, at {places} drawn from the stream `starts/{kind}/{entry}`."));
+            let stream = format!("drawn from the stream `starts/{kind}/{entry}`.");
+            add(&numbers, [Vec::new(), vec![&format!("like {number}, at {places} {stream}")]]);
         }
     }
     lines
 }
 
-fn list_defaults(loaded: &LoadedScenario) -> String {
-    let values = loaded.values().into_iter().filter(|(_, value)| value != "[]");
-    let (given, left): (Vec<_>, Vec<_>) = values.partition(|(path, _)| loaded.is_given(path));
-    if left.is_empty() {
-        return format!("All {} values are given.", given.len());
-    }
-    let mut listed = Vec::new();
-    for (path, value) in &left {
-        let is_left = |other: &str| left.iter().any(|(path, _)| path == other);
-        let shown = path_of_all_agents(path, &loaded.scenario, is_left).unwrap_or_else(|| path.clone());
-        let entry = format!("{shown}={value}");
-        if !listed.contains(&entry) {
-            listed.push(entry);
-        }
-    }
-    format!("{} values are given, {} left to their defaults: {}.", given.len(), left.len(), listed.join(", "))
-}
-
-/// Returns the path without the agent's number, if the same value of every agent of the kind is left to its default.
-fn path_of_all_agents(path: &str, scenario: &Scenario, is_left: impl Fn(&str) -> bool) -> Option<String> {
-    let (list, rest) = path.split_once('.')?;
-    let agents = scenario.kinds().into_iter().find(|agents| agents.key() == list)?.len();
-    let (_, field) = rest.split_once('.')?;
-    (0..agents).all(|number| is_left(&format!("{list}.{number}.{field}"))).then(|| format!("{list}.{field}"))
+/// Names the planners and policies that are not built in and that agents use.
+fn describe_programs(scenario: &Scenario) -> Vec<String> {
+    let planners = scenario.planner.iter().filter(|(name, _)| scenario.unimog.iter().any(|it| it.planner == **name));
+    let policies = scenario.policy.iter().filter(|(name, _)| scenario.has_follower(name));
+    let planners = planners.map(|(name, program)| program.describe("planner", name));
+    planners.chain(policies.map(|(name, program)| program.describe("policy", name))).collect()
 }
 
 fn describe_terrain(scenario: &Scenario, terrain: &Terrain) -> Vec<Block> {
@@ -127,20 +213,15 @@ fn list_memory(scenario: &Scenario, limit: MemoryLimit) -> Vec<Block> {
     let parts = estimate.parts.iter().filter(|part| part.bytes >= estimate.needed() / 100);
     let term = |part: &MemoryPart| (format!("{:>8}", bytes_text(part.bytes)), part.name.clone());
     let terms = Block::Terms(parts.chain([&needed]).map(term).collect());
-    let sentence = match estimate.grows {
-        _ if estimate.meter(limit).is_err() => {
-            "No run takes place: that is more than the limit, and --memory sets another.".to_owned()
-        }
-        0 => "What the timeline holds comes on top of it; that is counted as it grows, and a run that comes to the \
-              limit fails."
-            .to_owned(),
-        grows => format!(
-            "Searches, floods and curves can add up to {} where drives are hard, and the timeline what it holds; that \
-             is counted as it grows, and a run that comes to the limit fails.",
-            bytes_text(grows)
-        ),
+    let sentence = if estimate.meter(limit).is_err() {
+        "No run takes place: that is more than the limit, and --memory sets another."
+    } else if estimate.has_trucks {
+        "Searches, floods, curves and the timeline come on top of it; they are counted as they grow, and a run that comes \
+         to the limit fails."
+    } else {
+        "What the timeline holds comes on top of it; that is counted as it grows, and a run that comes to the limit fails."
     };
-    vec![terms, Block::Text(sentence)]
+    vec![terms, Block::Text(sentence.to_owned())]
 }
 
 /// The indent of the map of a field.
@@ -228,76 +309,50 @@ mod tests {
         }
     }
 
-    #[test]
-    fn rules_are_explained_with_their_units() {
-        let text = in_one_line(&explained("original-2024", &[]));
-        for words in [
-            "62 tetrominoes of the shapes I, J, Z, T, that fall anywhere",
-            "burned for 9 s sets intact ones on fire whose centres are within 30 m; only bushes that were lit",
-            "stands 6 s wherever its drive ends puts out one bush",
-            "a square of 3 m, 2 m/s (diagonal steps take no longer)",
-            "turning radius 12.1 m",
-            "it stands 1 s for every expansion",
-        ] {
+    fn assert_explained(source: &str, changes: &[&str], expected: &[&str], absent: &[&str]) {
+        let text = in_one_line(&explained(source, changes));
+        for words in expected {
             assert!(text.contains(words), "`{words}` is not in {text}");
+        }
+        for words in absent {
+            assert!(!text.contains(words), "`{words}` is in {text}");
         }
     }
 
     #[test]
-    fn costs_of_walks_and_places_are_explained() {
-        let changes = ["wumpus.planner=potential", "wumpus.potential.escape=none", "unimog.safety.map=cost"];
-        let text = in_one_line(&explained("report-2024", &changes));
-        for words in [
-            "Gradient descent on a potential field over cell centres: attraction up to 10, repulsion of strength 15",
-            "in a local minimum it gives the goal up",
-            "a metre costs 1 + 1 times s, s being 0.65 beside a bush, 0.50 at 2 cells from one",
-        ] {
-            assert!(text.contains(words), "`{words}` is not in {text}");
-        }
-        let text = in_one_line(&explained("contest", &["wumpus.planner=wavefront", "wumpus.safety.map=brushfire"]));
-        assert!(text.contains("exact cost-to-go over cell centres, cost in metres; planning takes"), "{text}");
-        assert!(text.contains("1 beside a bush, 1/D at D cells from one"), "{text}");
-        assert!(!in_one_line(&explained("contest", &[])).contains("For safety"));
+    fn values_are_listed_with_what_their_words_mean_and_defaults_are_marked() {
+        let rules = ["spread_delay_s=9.0,", "spread_from=\"lit\": Only what a Wumpus", "62 tetrominoes."];
+        assert_explained("original-2024", &[], &rules, &[]);
+        assert_explained("contest", &[], &["All 121 values are given. Field of seed"], &["*,"]);
+        let left = ["dwell_s=5.0*", "prm_rs.max_edge_m=40.0*", "prm_rs.neighbours=7,"];
+        assert_explained("smoke", &["unimog.prm_rs.neighbours=7"], &left, &["prm_rs.neighbours=7*"]);
     }
 
     #[test]
-    fn a_truck_is_explained_with_the_planner_that_it_uses() {
-        let roadmap = in_one_line(&explained("contest", &["unimog.planner=prm+primitives"]));
-        assert!(roadmap.contains("Roadmap of 500 samples") && !roadmap.contains("hybrid A*"), "{roadmap}");
-        let curves = in_one_line(&explained("contest", &[]));
-        assert!(curves.contains("Roadmap of 200 poses") && curves.contains("by Reeds-Shepp curves"), "{curves}");
-        let hybrid = in_one_line(&explained("contest", &["unimog.planner=hybrid-astar", "unimog.hybrid.shortcuts=50"]));
-        assert!(hybrid.contains("Hybrid A* with motions of 4 m") && hybrid.contains("then 50 shortcuts"), "{hybrid}");
-        assert!(!hybrid.contains("Roadmap of"), "{hybrid}");
-        let lattice = in_one_line(&explained("contest", &["unimog.planner=lattice"]));
-        assert!(lattice.contains("10 m and 24 headings") && lattice.contains("of 1.25 m and 72 headings"), "{lattice}");
+    fn settings_of_other_planners_are_left_out() {
+        let walks = ["wumpus.planner=potential", "wumpus.potential.escape=none"];
+        let expected = ["potential.escape=\"none\": It gives the goal up there.", "prm.samples=500"];
+        assert_explained("report-2024", &walks, &expected, &["heuristic=", "prm_rs"]);
+        let unused = ["potential", "prm.samples", "lattice.", "safety"];
+        assert_explained("contest", &[], &["prm_rs.samples=200", "heuristic=\"octile\": Length of"], &unused);
+        let dispatched = ["policy=\"hungarian\": The assignment of free trucks"];
+        assert_explained("contest", &["dispatch.policy=hungarian"], &dispatched, &["goal=\"nearest"]);
+    }
+
+    #[test]
+    fn what_agents_have_in_common_is_listed_once() {
+        let text = in_one_line(&explained("fleet", &["unimog.1.goal=oldest"]));
+        assert_eq!((text.matches("speed_mps=8.0").count(), text.matches("goal=\"oldest\"").count()), (1, 2), "{text}");
+        assert!(text.contains(" 1: goal=\"oldest\", ") && text.contains("all: cost=\"time\""), "{text}");
     }
 
     #[test]
     fn speeds_in_turns_are_explained() {
-        let fast = in_one_line(&explained("contest", &["unimog.speed_mps=10"]));
-        assert!(fast.contains("On its circle of 13 m, 10 m/s is 7.7 m/s2 to the side. It goes"), "{fast}");
-        let limited = in_one_line(&explained("contest", &["unimog.speed_mps=10", "unimog.limits.lateral_mps2=3"]));
-        assert!(limited.contains("7.7 m/s2 to the side; 3 m/s2 allows 6.2 m/s there."), "{limited}");
-        let slow = in_one_line(&explained("contest", &["unimog.speed_mps=2", "unimog.reverse_speed_mps=1"]));
-        assert!(slow.contains("2 m/s is 0.3 m/s2 to the side."), "{slow}");
-    }
-
-    #[test]
-    fn defaults_are_listed_apart_from_given_values() {
-        assert!(in_one_line(&explained("contest", &[])).contains("values are given. Field of seed"));
-        let text = in_one_line(&explained("smoke", &["unimog.prm.neighbours=7"]));
-        let left = text.split_once("left to their defaults: ").expect("some values are left").1;
-        assert!(left.contains("suppression.dwell_s=5"), "{left}");
-        assert!(left.contains("unimog.prm.max_edge_m=30"), "{left}");
-        assert!(!left.contains("prm.neighbours") && !left.contains("prm.samples"), "{left}");
-    }
-
-    #[test]
-    fn a_default_that_one_agent_overrules_is_listed_by_agent() {
-        let text = in_one_line(&explained("fleet", &["unimog.1.goal=oldest"]));
-        assert!(text.contains("unimog.0.goal=") && text.contains("unimog.2.goal="), "{text}");
-        assert!(!text.contains("unimog.1.goal=") && text.contains(" unimog.retarget="), "{text}");
+        let fact = "On its circle of 13 m, 10 m/s is 7.7 m/s2 to the side.";
+        assert_explained("contest", &["unimog.speed_mps=10"], &[fact], &[]);
+        let limited = ["7.7 m/s2 to the side; 3 m/s2 allows 6.2 m/s there.", "turn to 13.0 degrees, in 0.6 s."];
+        let changes = ["unimog.speed_mps=10", "unimog.limits.lateral_mps2=3", "unimog.vehicle.steering_rate_deg_s=20"];
+        assert_explained("contest", &changes, &limited, &[]);
     }
 
     #[test]

@@ -14,6 +14,7 @@ use super::check::{Check, TablePath};
 use super::fuel_name::FuelName;
 use super::path::PathStep;
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame, ops};
+use wildfire_base::ranges;
 use wildfire_base::rng;
 
 /// Numbers of the fuel models of water and of bare ground.
@@ -153,15 +154,12 @@ impl Features<'_> {
         table.count("roads", self.roads.len(), MAX_FEATURES)?;
         for (number, patches) in self.patches.iter().enumerate() {
             let table = table.inner("patches").item(number);
-            table.number("share", patches.share, 0.0..=0.9)?;
             table.number("size_m", patches.size_m, frame.cell_m.min(longest_m)..=longest_m)?;
         }
         if let Some(river) = self.river {
             let table = table.inner("river");
             table.number("width_m", river.width_m, 0.01..=longest_m)?;
             table.number("swing_m", river.swing_m, 0.0..=longest_m)?;
-            table.number("at", river.at, 0.0..=1.0)?;
-            table.count("bridges", river.bridges as usize, MAX_FEATURES)?;
             table.number("bridge_m", river.bridge_m, 0.01..=longest_m)?;
         }
         for (number, road) in self.roads.iter().enumerate() {
@@ -182,12 +180,15 @@ impl Features<'_> {
     }
 }
 
+ranges! { Patches { share: 0.0..=0.9 } }
+ranges! { Hill { height_m: -5000.0..=5000.0 } }
+ranges! { River { at: 0.0..=1.0, bridges: 0.0..=MAX_FEATURES as f64 } }
+
 /// Checks hills.
 pub(super) fn check_hills(hills: &[Hill], table: &TablePath, frame: &FieldFrame) -> Check {
     table.count("hills", hills.len(), MAX_FEATURES)?;
     for (number, hill) in hills.iter().enumerate() {
         let table = table.inner("hills").item(number);
-        table.number("height_m", hill.height_m, -5000.0..=5000.0)?;
         table.number("radius_m", hill.radius_m, frame.cell_m..=1e6)?;
         for m in hill.at_m.into_iter().flatten() {
             table.number("at_m", m, -1e6..=1e6)?;

@@ -12,6 +12,7 @@ use super::check::{Check, TablePath};
 use super::given::{GivenField, MAX_CELLS_A_SIDE};
 use super::tetromino::Shape;
 use wildfire_base::geometry::FieldFrame;
+use wildfire_base::ranges;
 use wildfire_base::ranges::number_text;
 use wildfire_grid::map_files::raster::MAX_RASTER_SIDE;
 use wildfire_grid::map_files::{Reading, Tolerance};
@@ -174,8 +175,7 @@ impl Field {
 
 impl Field {
     pub(super) fn check(&self, table: &TablePath) -> Check {
-        table.number("cell_m", self.cell_m, 0.01..=1000.0)?;
-        table.number("start_clearance_m", self.start_clearance_m, 0.0..=1e6)?;
+        table.settings(self, &self.frame())?;
         if self.given.is_some() {
             return Ok(());
         }
@@ -215,27 +215,14 @@ impl Field {
             frame.rows,
             frame.cell_m
         );
-        if let Some(map) = &self.map {
-            return format!("{size} The bushes are those of the map {}, the same for every seed.", map.display());
+        if self.map.is_some() {
+            return format!("{size} The bushes are those of the map, the same for every seed.");
         }
-        let shapes: Vec<String> = self.shapes.iter().map(|shape| format!("{shape:?}")).collect();
-        let overlaps = match self.overlaps {
-            Overlaps::Never => "that never overlap",
-            Overlaps::Dropped => "that fall anywhere, cells covered twice counting once",
-        };
-        let limit = match self.pieces {
-            Some(_) => String::new(),
-            None => format!(" (the most within {} % of the cells)", percent(self.coverage)),
-        };
-        format!(
-            "{size} {} tetrominoes{limit} of the shapes {}, {overlaps}. No bush within {} m of where an agent's body \
-             starts.",
-            self.wanted_pieces(),
-            shapes.join(", "),
-            self.start_clearance_m
-        )
+        format!("{size} {} tetrominoes.", self.wanted_pieces())
     }
 }
+
+ranges! { Field { cell_m: 0.01..=1000.0, start_clearance_m: 0.0..=1e6 } }
 
 /// Converts a share to percent, rounded to hundredths.
 pub(super) fn percent(share: f64) -> f64 {

@@ -4,15 +4,15 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::alexandridis::AlexandridisSettings;
-use super::check::{Check, TablePath};
 use super::rothermel::RothermelSettings;
 use wildfire_base::geometry::FieldFrame;
 use wildfire_base::or_none;
-use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range, number_text};
+use wildfire_base::ranges;
+use wildfire_base::ranges::OutOfRange;
 use wildfire_base::time::SimTime;
 use wildfire_fire::FireRules;
 use wildfire_fire::embers::{EmberSettings, Embers};
-use wildfire_fire::models::{AlexandridisRules, Radius, Rothermel, RothermelRules};
+use wildfire_fire::models::{AlexandridisRules, RothermelRules};
 
 /// The most pairs of a burning cell and a piece of a row in its radius.
 const MAX_SPREAD_PAIRS: f64 = 1e9;
@@ -102,37 +102,42 @@ impl Fire {
         }
     }
 
-    /// Checks the rules and the tables of all models.
-    pub(super) fn check_tables(&self, table: &TablePath, frame: &FieldFrame) -> Check {
-        table.settings(self, frame)?;
-        if let Some(rothermel) = &self.rothermel {
-            let table = table.inner("rothermel");
-            table.settings(rothermel, frame)?;
-            table.inner("moisture").settings(&rothermel.moisture, frame)?;
+    /// Bounds the work of spreading, which looks at every bush in the radius of every burning one, at up to 64 cells of a
+    /// row at once.
+    fn check_work(&self, frame: &FieldFrame) -> Result<(), OutOfRange> {
+        let cells = frame.cell_count() as f64;
+        let across = 2.0 * self.spread_radius_m / frame.cell_m + 1.0;
+        let rows = across.min(f64::from(frame.rows));
+        let pairs = cells * rows * (across.min(f64::from(frame.cols)) / PIECE_CELLS + 1.0);
+        if pairs <= MAX_SPREAD_PAIRS {
+            return Ok(());
         }
-        if let Some(alexandridis) = &self.alexandridis {
-            table.inner("alexandridis").settings(alexandridis, frame)?;
-        }
-        if let Some(embers) = &self.embers {
-            table.inner("embers").settings(embers, frame)?;
-        }
-        Ok(())
+        let expected = format!(
+            "at most {MAX_SPREAD_PAIRS:e} pairs of a cell and {PIECE_CELLS} cells in a row in its radius; here they are \
+             {pairs:.2e}"
+        );
+        Err(OutOfRange::new("spread_radius_m", self.spread_radius_m, expected))
+    }
+
+    /// Returns the settings of the model `rothermel`, if that is chosen; ground and slope hold for other models too.
+    pub(super) fn rothermel(&self) -> Option<&RothermelSettings> {
+        if self.model == FireModelName::Rothermel { self.rothermel.as_ref() } else { None }
     }
 
     /// Returns true if Wumpuses light ground as well as bushes.
     pub fn lights_ground(&self) -> bool {
-        self.model == FireModelName::Rothermel && self.rothermel.as_ref().is_some_and(|settings| settings.lights_ground)
+        self.rothermel().is_some_and(|settings| settings.lights_ground)
     }
 
     /// Returns for how long a truck's stop wets what does not burn in its reach, if it does.
     pub fn wet(&self) -> Option<SimTime> {
-        let settings = self.rothermel.as_ref().filter(|_| self.model == FireModelName::Rothermel)?;
-        (settings.wet_s > 0.0).then(|| SimTime::from_seconds(settings.wet_s))
+        let wet_s = self.rothermel()?.wet_s;
+        (wet_s > 0.0).then(|| SimTime::from_seconds(wet_s))
     }
 
     /// Returns the rules of the model `rothermel` in the run of a seed, if that is chosen.
     pub fn rothermel_rules(&self, seed: u64) -> Option<RothermelRules> {
-        let settings = self.rothermel.as_ref().filter(|_| self.model == FireModelName::Rothermel)?;
+        let settings = self.rothermel()?;
         Some(RothermelRules {
             options: settings.options(),
             neighbours: settings.neighbours,
@@ -144,8 +149,10 @@ impl Fire {
 
     /// Returns the rules of the model `alexandridis`, if that is chosen.
     pub fn alexandridis_rules(&self) -> Option<AlexandridisRules> {
-        let settings = self.alexandridis.as_ref().filter(|_| self.model == FireModelName::Alexandridis)?;
-        Some(settings.rules())
+        if self.model != FireModelName::Alexandridis {
+            return None;
+        }
+        self.alexandridis.as_ref().map(AlexandridisSettings::rules)
     }
 
     /// Returns the rules of the radius as runs have them.
@@ -166,75 +173,13 @@ impl Fire {
         (self.model == FireModelName::Radius).then(|| self.rules())
     }
 
-    /// Bounds the memory that the model takes on a field.
-    pub(super) fn most_bytes(&self, frame: &FieldFrame, with_fuel: u64) -> u64 {
+    /// Names the settings that the chosen model does not use.
+    pub(super) fn unused(&self) -> &'static [&'static str] {
         match self.model {
-            FireModelName::Radius => Radius::most_bytes(frame, self.spread_radius_m, with_fuel),
-            FireModelName::Rothermel => Rothermel::most_bytes(frame.cell_count() as u64),
-            // It keeps nothing but a few factors.
-            FireModelName::Alexandridis => 0,
+            FireModelName::Radius => &["rothermel", "alexandridis", "embers"],
+            FireModelName::Rothermel => &["spread_delay_s", "spread_radius_m", "spread_from", "alexandridis"],
+            FireModelName::Alexandridis => &["spread_delay_s", "spread_radius_m", "spread_from", "embers"],
         }
-    }
-
-    pub(super) fn describe(&self) -> String {
-        match (self.model, &self.rothermel) {
-            (FireModelName::Rothermel, Some(settings)) => self.describe_rothermel(settings),
-            (FireModelName::Alexandridis, _) => self.describe_alexandridis(),
-            _ => self.describe_radius(),
-        }
-    }
-
-    fn describe_radius(&self) -> String {
-        let spread = match self.spread_from {
-            SpreadFrom::None => "Fire does not spread.".into(),
-            from => format!(
-                "A bush that has burned for {} s sets intact ones on fire whose centres are within {} m; {}.",
-                self.spread_delay_s,
-                self.spread_radius_m,
-                if from == SpreadFrom::All { "every burning bush does so" } else { "only bushes that were lit do so" }
-            ),
-        };
-        let end = self
-            .burn_out_s
-            .map_or("It burns until it is put out.".into(), |s| format!("A bush burns out after {s} s."));
-        let again = if self.relight {
-            "An extinguished bush can burn again."
-        } else {
-            "An extinguished bush is safe for good."
-        };
-        format!("{spread} {end} {again}")
-    }
-
-    fn describe_rothermel(&self, settings: &RothermelSettings) -> String {
-        let spread = "A front goes through bushes and ground, as fast as Rothermel's equations say for fuel, wind, slope \
-                      and moisture.";
-        let end = self.burn_out_s.map_or("What burns flames until it is put out.".into(), |s| {
-            format!("A cell flames for {s} s, or for the residence time of its fuel where that is longer.")
-        });
-        let again =
-            if self.relight { "What was put out can burn again." } else { "What was put out is safe for good." };
-        let wet = match settings.wet_s {
-            0.0 => "Trucks wet nothing.".into(),
-            s => format!("A truck's stop also wets what does not burn in its reach, for {s} s."),
-        };
-        let lit = if settings.lights_ground { "Wumpuses light ground too." } else { "Wumpuses light bushes only." };
-        let embers = match self.embers {
-            Some(_) => {
-                " Embers fly with the wind and set cells on fire that the front has not reached; roads, water and \
-                        wet ground do not stop them."
-            }
-            None => "",
-        };
-        format!("{spread} {end} {again} {wet} {lit}{embers} Columns without `ground` in their names count bushes.")
-    }
-
-    fn describe_alexandridis(&self) -> String {
-        let AlexandridisSettings { p0, step_s, .. } = self.alexandridis.clone().unwrap_or_default();
-        format!(
-            "The automaton of Alexandridis: {step_s} s after it caught fire a cell, bush or ground, tries once to set each of \
-             its eight neighbours on fire, with probability {p0} on level ground without wind, and is burned. Columns \
-             without `ground` in their names count bushes."
-        )
     }
 
     /// Adds warnings about rules by which no fire spreads.
@@ -258,23 +203,7 @@ impl Fire {
     }
 }
 
-impl SettingsTable for Fire {
-    fn check(&self, frame: &FieldFrame) -> Result<(), OutOfRange> {
-        check_range("spread_delay_s", self.spread_delay_s, 0.0..=1e6)?;
-        check_range("spread_radius_m", self.spread_radius_m, 0.0..=1e6)?;
-        self.burn_out_s.map_or(Ok(()), |burn_out_s| check_range("burn_out_s", burn_out_s, 0.001..=1e6))?;
-        // Spreading looks at every bush in the radius of every burning one, at up to 64 cells of a row at once.
-        let cells = frame.cell_count() as f64;
-        let across = 2.0 * self.spread_radius_m / frame.cell_m + 1.0;
-        let rows = across.min(f64::from(frame.rows));
-        let pairs = cells * rows * (across.min(f64::from(frame.cols)) / PIECE_CELLS + 1.0);
-        if pairs <= MAX_SPREAD_PAIRS {
-            return Ok(());
-        }
-        let expected = format!(
-            "at most {MAX_SPREAD_PAIRS:e} pairs of a cell and {PIECE_CELLS} cells in a row in its radius; here they are \
-             {pairs:.2e}"
-        );
-        Err(OutOfRange { name: "spread_radius_m", found: number_text(self.spread_radius_m), expected })
-    }
-}
+ranges! { Fire {
+    spread_delay_s: 0.0..=1e6, spread_radius_m: 0.0..=1e6, burn_out_s: 0.001..=1e6;
+    rothermel, alexandridis, embers
+} and Self::check_work }

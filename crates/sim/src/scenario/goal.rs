@@ -12,24 +12,13 @@ use super::check::{Check, TablePath};
 use super::program::Programs;
 use wildfire_planning::PlannerName;
 
-/// Describes what the policy of this name chooses, and where that comes from.
-pub fn describe_choice(name: &PlannerName, policies: &Programs) -> String {
-    match policies.get(name) {
-        Some(program) if !program.command.is_empty() => format!(
-            "what the policy `{name}` chooses (a program that only runs where it is trusted: {})",
-            program.command.join(" ")
-        ),
-        _ => format!("what the policy `{name}` chooses, which is handed in by whoever runs the scenario,"),
-    }
-}
-
 macro_rules! goals {
-    ($(#[$doc:meta])* $Goal:ident; $($(#[$about:meta])* $Rule:ident, $name:literal;)+) => {
+    ($(#[$doc:meta])* $Goal:ident; $($(#[doc = $about:literal])* $Rule:ident, $name:literal;)+) => {
         $(#[$doc])*
         #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
         #[serde(from = "PlannerName", into = "String")]
         pub enum $Goal {
-            $($(#[$about])* $Rule,)+
+            $($(#[doc = $about])* $Rule,)+
             /// A policy that is not built in, by its name.
             Policy(PlannerName),
         }
@@ -87,7 +76,8 @@ macro_rules! goals {
             }
 
             fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-                json_schema!({ "anyOf": [{ "enum": Self::BUILT_IN }, PlannerName::json_schema(generator)] })
+                let rules = [$(json_schema!({ "const": $name, "description": concat!($($about),*).trim() })),+];
+                json_schema!({ "anyOf": [{ "oneOf": rules }, PlannerName::json_schema(generator)] })
             }
         }
     };
@@ -97,6 +87,7 @@ goals! {
     /// Chooses the burning cell that a truck goes for. Distances run from its body's centre to the cell's; ties go to the
     /// lower cell index.
     TruckGoal;
+    /// The fire that is nearest in a straight line.
     NearestBurning, "nearest-burning";
     /// The fire that is nearest by drive, as the planner finds.
     NearestByDrive, "nearest-by-drive";
@@ -109,8 +100,11 @@ goals! {
 goals! {
     /// Chooses the intact cell that a Wumpus goes for.
     WumpusGoal;
+    /// A random one.
     RandomIntact, "random-intact";
+    /// The nearest one.
     NearestIntact, "nearest-intact";
+    /// The one that is farthest from all trucks.
     FarthestFromTruck, "farthest-from-truck";
     /// The cell with most to burn in reach of its fire, per metre of way.
     Densest, "densest";

@@ -18,6 +18,7 @@ use super::layers::GivenLayers;
 use super::path::PathStep;
 use super::{FireModelName, Scenario};
 use wildfire_base::geometry::{Cell, FieldFrame, compass, ops};
+use wildfire_base::ranges;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::{Landscape, Relief};
 use wildfire_grid::Grid;
@@ -107,6 +108,8 @@ impl LandscapeSettings {
     }
 }
 
+ranges! { LandscapeSettings {; patches, hills, river } }
+
 /// Reads a colour, `#RRGGBB`.
 pub(super) fn colour_of(text: &str) -> Option<[u8; 3]> {
     let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii())?;
@@ -141,13 +144,6 @@ pub fn cover(scenario: &Scenario, seed: u64, frame: &FieldFrame) -> Result<Optio
     let mut fuel = given.unwrap_or_else(|| vec![everywhere; frame.cell_count()]);
     let free = KeptFree { centres: scenario.start_centres().collect(), clearance_m: scenario.field.start_clearance_m };
     if settings.features().lay(&mut fuel, frame, seed, &free) { Ok(Some(fuel)) } else { Err(NoRiver) }
-}
-
-/// Bounds the memory of the ground of a run on a field, and of laying it.
-pub fn most_bytes(scenario: &Scenario, frame: &FieldFrame) -> u64 {
-    // The fuel before and after bushes grow on it, a relief, and heights while they are added up.
-    let cell = 2 * size_of::<u8>() + size_of::<[f32; 2]>() + size_of::<f64>();
-    if scenario.fire.model == FireModelName::Radius { 0 } else { (cell * frame.cell_count()) as u64 }
 }
 
 /// Says whether no bush can grow on a fuel: on water, roads and other ground that is known not to burn.

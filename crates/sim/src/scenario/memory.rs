@@ -1,8 +1,8 @@
 //! The memory that a run takes, estimated from its scenario alone, and the memory that it may take.
 //!
-//! What a run needs in any case is added up before anything is allocated: [`MemoryEstimate`]. The bound of each part is
-//! beside the code that takes the memory. Searches, floods, curves and the timeline grow as the run goes on, in most
-//! runs far less than they could; they are counted as they do, by a [`MemoryMeter`] that allows what the limit leaves.
+//! What a run needs in any case is added up before anything is allocated: [`MemoryEstimate`], from cells, bushes, lattice
+//! points and milestones by the bytes that each takes. Searches, floods, curves and the timeline grow as the run goes on, in
+//! most runs far less than they could; they are counted as they do, by a [`MemoryMeter`] that allows what the limit leaves.
 
 use std::fmt;
 use std::str::FromStr;
@@ -11,18 +11,50 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::agents::{AgentList, AgentsMemory, FieldMeasures, MemoryPart};
-use super::{PlannerName, Problem, Scenario, Unimog, landscape};
-use wildfire_base::geometry::Cell;
-use wildfire_fire::FireField;
+use super::{FireModelName, PlannerName, Problem, Scenario, TruckPlannerKind, Unimog};
 use wildfire_planning::collision::ClearanceField;
-use wildfire_planning::count_convex_corners;
 use wildfire_planning::memory::{Growing, MemoryMeter};
+use wildfire_planning::registry::{RoadmapSize, TruckPlannerSettings};
+use wildfire_planning::{SafetyMap, flood_bytes};
 
 /// Bytes that the program takes before it runs anything, and that small things take in every run.
 const PROGRAM_BYTES: u64 = 24_000_000;
 
-/// The most convex corners of a tetromino.
-const CORNERS_OF_A_PIECE: u64 = 6;
+/// Which cells are occupied, and the bushes in the terrain, in the timeline and in the order in which ignitions light them.
+const TERRAIN_BYTES: PerCell = PerCell { cell: 1, bush: 12 };
+
+/// The state of fuel, before and after there is room for more of it, and what one fire spreads to.
+const FIRE_BYTES: PerCell = PerCell { cell: 1, bush: 64 };
+
+/// The state of the fuel of a cell whose ground burns, its fuel before and after bushes grow on it, its relief, and heights
+/// while they are added up.
+const GROUND_BYTES: u64 = 68;
+
+/// A cell of Rothermel's front; the front's tables on top of all cells.
+const FRONT_BYTES: u64 = 31;
+const FRONT_TABLES_BYTES: u64 = 1 << 20;
+
+/// The heuristics of a truck's planner before they spread, and its small things.
+const PLANNER_BYTES: u64 = 60_000;
+
+/// A milestone of a roadmap and each of its links, while the roadmap is made and searched: 130 and 35 were measured with
+/// 100,000 milestones and up to 40 links of each.
+const MILESTONE_BYTES: u64 = 300;
+const LINK_BYTES: u64 = 60;
+
+/// What a cell of a map of safety costs more, and the map that this is computed from.
+const SAFETY_BYTES: u64 = 16;
+
+/// A point of a Wumpus's lattice: its moves, whether it is free, the connected part that it belongs to, and those that wait
+/// while what can be reached is computed. A cell in the count of occupied cells comes on top.
+const LATTICE_BYTES: u64 = 19;
+const COUNT_BYTES: u64 = 4;
+
+/// A point in a Wumpus's planner: its cost, its entries in lists that double, a walk as it is computed and taken.
+const WALK_BYTES: u64 = 76;
+
+/// Targets of Wumpuses, and what is walled in, for each bush, in lists that double.
+const TARGET_BYTES: u64 = 16;
 
 /// The limit of the memory that a run may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -96,8 +128,14 @@ pub struct MemoryEstimate {
     pub parts: Vec<MemoryPart>,
     /// Bytes of the parts that grow and are counted as they do: floods of trucks that plan by nothing else.
     counted: u64,
-    /// Bytes that searches, floods and curves can add in the worst case; the timeline comes on top of it.
-    pub grows: u64,
+    /// Says whether there are trucks, whose searches, floods and curves come on top.
+    pub has_trucks: bool,
+}
+
+/// Bytes for every cell of a field and for every bush.
+struct PerCell {
+    cell: u64,
+    bush: u64,
 }
 
 /// The reason why a run does not take place or ends early: memory.
@@ -120,21 +158,13 @@ impl MemoryEstimate {
     /// Adds up what a run of a scenario that was checked takes.
     pub fn new(scenario: &Scenario) -> Self {
         let frame = scenario.field.frame();
-        let (bushes, corners) = match &scenario.field.given {
-            Some(given) => {
-                let bushes = given.occupied.values().iter().filter(|&&occupied| occupied).count();
-                (bushes as u64, count_convex_corners(&given.occupied))
-            }
-            None => {
-                let pieces = u64::from(scenario.field.wanted_pieces());
-                (4 * pieces, CORNERS_OF_A_PIECE * pieces)
-            }
+        let bushes = match &scenario.field.given {
+            Some(given) => given.occupied.values().iter().filter(|&&occupied| occupied).count() as u64,
+            None => 4 * u64::from(scenario.field.wanted_pieces()),
         };
-        let field = FieldMeasures { frame, bushes, corners };
+        let field = FieldMeasures { frame, bushes };
         let [terrain, laying] = field.terrain();
-        let ground = landscape::most_bytes(scenario, &frame);
-        let burns = if ground > 0 { frame.cell_count() as u64 } else { bushes };
-        let fires = FireField::most_bytes(&frame, burns) + scenario.fire.most_bytes(&frame, burns) + ground;
+        let fires = field.fires(scenario.fire.model);
         let own = [("the program", PROGRAM_BYTES), ("the field and its fires", terrain + fires)];
         let agents = scenario.kinds().map(|agents| agents.memory(&field, scenario.duration_s));
         Self::add_up(own, laying, agents)
@@ -143,8 +173,7 @@ impl MemoryEstimate {
     /// Adds up what planning the drives of a problem takes, by these planners one after the other.
     pub fn from_problem(problem: &Problem, planners: &[PlannerName]) -> Self {
         let terrain = &problem.terrain;
-        let (bushes, corners) = (terrain.bushes.len() as u64, count_convex_corners(&terrain.occupied));
-        let field = FieldMeasures { frame: terrain.frame, bushes, corners };
+        let field = FieldMeasures { frame: terrain.frame, bushes: terrain.bushes.len() as u64 };
         let [held, laying] = field.terrain();
         let own = [("the program", PROGRAM_BYTES), ("the field", held)];
         let by_planner = planners.iter().map(|planner| {
@@ -154,20 +183,18 @@ impl MemoryEstimate {
         by_planner.max_by_key(Self::needed).unwrap_or_else(|| Self::add_up(own, laying, []))
     }
 
-    /// Adds up the parts that belong to no agent, and those of agents. `laying` is needed for a while before agents are
-    /// made.
+    /// Adds up the parts that belong to no agent, and those of agents. `laying` is only needed while the field is made.
     fn add_up(own: [(&str, u64); 2], laying: u64, agents: impl IntoIterator<Item = AgentsMemory>) -> Self {
         let mut parts = own.map(|(name, bytes)| MemoryPart::new(name, bytes)).to_vec();
-        let (mut making, mut counted, mut grows) = (laying, 0, 0);
+        let (mut counted, mut has_trucks) = (0, false);
         for of_kind in agents {
             parts.extend(of_kind.parts);
-            making = making.max(of_kind.making);
             counted += of_kind.counted;
-            grows += of_kind.grows;
+            has_trucks |= of_kind.searches;
         }
-        parts.push(MemoryPart::new("what is only needed while field and planners are made", making));
+        parts.push(MemoryPart::new("what is only needed while the field is made", laying));
         parts.retain(|part| part.bytes > 0);
-        Self { parts, counted, grows }
+        Self { parts, counted, has_trucks }
     }
 
     /// Adds up the bytes that the run needs in any case, at most.
@@ -196,14 +223,47 @@ impl MemoryEstimate {
 }
 
 impl FieldMeasures {
+    fn cells(&self) -> u64 {
+        self.frame.cell_count() as u64
+    }
+
+    fn bytes(&self, PerCell { cell, bush }: PerCell) -> u64 {
+        cell * self.cells() + bush * self.bushes
+    }
+
     /// Returns the bytes of bushes and clearance, and the bytes on top of that while they are computed.
     fn terrain(&self) -> [u64; 2] {
         let [clearance, working_out] = ClearanceField::bytes(&self.frame);
-        let cells = self.frame.cell_count() as u64;
-        // Bushes are in the terrain, in the timeline, and in the order in which ignitions light them.
-        let held = cells * size_of::<bool>() as u64 + 3 * self.bushes * size_of::<Cell>() as u64;
         // While pieces are laid: which cells are closed, beside those that are occupied.
-        [held + clearance, working_out.max(2 * cells)]
+        [self.bytes(TERRAIN_BYTES) + clearance, working_out.max(2 * self.cells())]
+    }
+
+    /// Returns the bytes of fires and of the ground that they burn on.
+    fn fires(&self, model: FireModelName) -> u64 {
+        match model {
+            FireModelName::Radius => self.bytes(FIRE_BYTES),
+            FireModelName::Rothermel => (GROUND_BYTES + FRONT_BYTES) * self.cells() + FRONT_TABLES_BYTES,
+            FireModelName::Alexandridis => GROUND_BYTES * self.cells(),
+        }
+    }
+
+    /// Returns the bytes of a truck's planner, and those of its floods if it plans by floods alone.
+    pub fn truck_planner(&self, planner: TruckPlannerKind, settings: &TruckPlannerSettings<'_>) -> [u64; 2] {
+        let maker = planner.maker();
+        let of_roadmap =
+            |size: RoadmapSize| size.milestones * (MILESTONE_BYTES + LINK_BYTES * u64::from(size.neighbours));
+        let roadmap = maker.roadmap_size(settings, &self.frame, self.bushes as usize).map_or(0, of_roadmap);
+        let is_by_map = settings.safety.map != SafetyMap::None && maker.tables().contains(&"safety");
+        let surcharges = if is_by_map { SAFETY_BYTES * self.cells() } else { 0 };
+        match planner {
+            TruckPlannerKind::Lattice => [0, flood_bytes(&self.frame, settings.lattice.max_expansions)],
+            _ => [PLANNER_BYTES + roadmap + surcharges, 0],
+        }
+    }
+
+    /// Returns the bytes of a Wumpus's lattice of this number of points, of its planner and of its targets.
+    pub fn walk(&self, points: u64) -> [u64; 3] {
+        [LATTICE_BYTES * points + COUNT_BYTES * self.cells(), WALK_BYTES * points, TARGET_BYTES * self.bushes]
     }
 }
 

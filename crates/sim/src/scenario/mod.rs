@@ -2,8 +2,8 @@
 //!
 //! [`load`] turns a name or a path into a [`Scenario`] that is complete and checked: it reads the TOML text, makes the
 //! changes of the command line, fills in the defaults, reads the map if the field is given, and refuses what cannot be
-//! simulated, with the place of the fault. [`Terrain::from_scenario`] gives the field of a run, [`explain()`] puts a
-//! scenario into sentences.
+//! simulated, with the place of the fault. [`Terrain::from_scenario`] gives the field of a run, [`explain()`] explains
+//! a scenario.
 //!
 //! Each kind of agent, and the rules of fire, have a file with everything that a scenario says about them; what it says
 //! about planners is beside the planners, in [`wildfire_planning::registry`].
@@ -16,6 +16,7 @@ mod alexandridis;
 mod built_in;
 mod change;
 mod check;
+mod contradictions;
 mod copies;
 mod dispatch;
 mod error;
@@ -96,11 +97,11 @@ use program::check_programs;
 use rules::check_ignitions;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use weather::check_wind;
 
 use wildfire_base::geometry::DVec2;
 use wildfire_base::input_file::list_of_at_most;
-use wildfire_base::ranges::number_text;
+use wildfire_base::ranges;
+use wildfire_base::ranges::{SettingsTable, number_text};
 pub use wildfire_planning::{
     ClearanceTo, HybridSettings, LatticeSettings, MotionCost, PlannerName, PrimitiveSettings, PrmRsSettings,
     PrmSettings, RoadmapGoal, RoadmapSearch, SafetyForm, SafetyMap, SafetySettings, TruckPlannerKind,
@@ -115,6 +116,8 @@ const MAX_STOPS: f64 = 1e6;
 /// Builds the JSON Schema of scenario files.
 pub fn schema() -> schemars::Schema {
     let mut schema = schemars::schema_for!(Scenario);
+    Scenario::write_ranges(&mut schema);
+    Field::write_ranges(&mut schema);
     // Files may say how many agents an entry is; once they are loaded each agent has an entry.
     for (kind, agent) in [("Wumpus", "Wumpuses"), ("Unimog", "trucks")] {
         let count = schemars::json_schema!({
@@ -197,6 +200,11 @@ pub struct Scenario {
     pub policy: Programs,
 }
 
+ranges! { Scenario {
+    duration_s: 0.001..=1e6;
+    fire, suppression, score, dispatch, sight, traffic, water, wind, weather, landscape, planner, policy, wumpus, unimog,
+} }
+
 impl Scenario {
     /// Checks a scenario that does not come from [`load`] as that would: ranges that bound time, bodies that are
     /// possible, starts inside the field. Memory is bounded by [`MemoryEstimate`].
@@ -211,25 +219,18 @@ impl Scenario {
     fn check_values(&self) -> Check {
         check_name("name", &self.name)?;
         let top = TablePath::named("");
-        top.number("duration_s", self.duration_s, 0.001..=1e6)?;
         self.field.check(&top.inner("field"))?;
         let frame = self.field.frame();
-        self.fire.check_tables(&top.inner("fire"), &frame)?;
-        check_wind(&self.wind)?;
+        top.settings(self, &frame)?;
+        top.ascending("wind", self.wind.iter().map(|change| change.at_s))?;
         self.weather.as_ref().map_or(Ok(()), |weather| weather.check(&top.inner("weather"), &frame))?;
         self.landscape.as_ref().map_or(Ok(()), |landscape| landscape.check(&top.inner("landscape"), &frame))?;
-        top.inner("suppression").settings(&self.suppression, &frame)?;
         self.check_stops()?;
-        top.inner("score").settings(&self.score, &frame)?;
-        self.dispatch.as_ref().map_or(Ok(()), |dispatch| top.inner("dispatch").settings(dispatch, &frame))?;
-        self.sight.as_ref().map_or(Ok(()), |sight| top.inner("sight").settings(sight, &frame))?;
         self.check_nearest_by_drive()?;
-        self.traffic.as_ref().map_or(Ok(()), |traffic| top.inner("traffic").settings(traffic, &frame))?;
         self.water.as_ref().map_or(Ok(()), |water| water.check(&top.inner("water"), &frame))?;
         check_programs("planner", &self.planner, |name| name.built_in().is_some())?;
-        check_programs("policy", &self.policy, |name| {
-            TruckGoal::is_built_in(name.name()) || WumpusGoal::is_built_in(name.name())
-        })?;
+        let is_rule = |name: &PlannerName| TruckGoal::is_built_in(name.name()) || WumpusGoal::is_built_in(name.name());
+        check_programs("policy", &self.policy, is_rule)?;
         for agents in self.kinds() {
             top.count(agents.key(), agents.len(), MAX_AGENTS)?;
         }

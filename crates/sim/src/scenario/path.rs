@@ -4,8 +4,8 @@ use std::fmt;
 use std::ops::Range;
 
 use serde_path_to_error::Segment;
-use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+use toml::{Spanned, Value};
 
 /// A step into a table or a list.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -70,16 +70,46 @@ impl FieldPath {
         self.0.starts_with(&other.0)
     }
 
-    pub fn leads_to(&self, table: &toml::Table) -> bool {
-        let Some((PathStep::Key(first), rest)) = self.0.split_first() else { return true };
-        let walk = |value: &'_ toml::Value| {
-            let mut value = value;
-            rest.iter().all(|step| match step {
-                PathStep::Key(key) => value.get(key).map(|inner| value = inner).is_some(),
-                PathStep::Index(index) => value.get(index).map(|inner| value = inner).is_some(),
-            })
+    pub fn leads_to(&self, root: &Value) -> bool {
+        self.get(root).is_some()
+    }
+
+    fn get<'v>(&self, root: &'v Value) -> Option<&'v Value> {
+        self.0.iter().try_fold(root, |value, step| match step {
+            PathStep::Key(key) => value.get(key),
+            PathStep::Index(index) => value.get(index),
+        })
+    }
+
+    /// Removes what it leads to from its table.
+    pub fn remove_from(&self, root: &mut Value) {
+        let Some((PathStep::Key(last), table)) = self.0.split_last() else { return };
+        let table = table.iter().try_fold(root, |value, step| match step {
+            PathStep::Key(key) => value.get_mut(key),
+            PathStep::Index(index) => value.get_mut(index),
+        });
+        table.and_then(Value::as_table_mut).and_then(|table| table.remove(last));
+    }
+
+    /// Lists the paths of this form that lead to something; a step `*` stands for each entry of a list or a table.
+    pub fn all_in(&self, root: &Value) -> Vec<Self> {
+        let Some(at) = self.0.iter().position(|step| *step == PathStep::key("*")) else {
+            return self.leads_to(root).then(|| self.clone()).into_iter().collect();
         };
-        table.get(first).is_some_and(walk)
+        let steps: Vec<PathStep> = match Self(self.0[..at].to_vec()).get(root) {
+            Some(Value::Array(list)) => (0..list.len()).map(PathStep::Index).collect(),
+            Some(Value::Table(table)) => table.keys().cloned().map(PathStep::Key).collect(),
+            _ => Vec::new(),
+        };
+        let with = |step| Self([&self.0[..at], &[step], &self.0[at + 1..]].concat());
+        steps.into_iter().flat_map(|step| with(step).all_in(root)).collect()
+    }
+
+    /// Returns the path of this form beside another one: both have the same steps where this one has `*`.
+    pub fn beside(&self, other: &Self) -> Self {
+        let step =
+            |(own, others): (&PathStep, &PathStep)| if *own == PathStep::key("*") { others } else { own }.clone();
+        Self(self.0.iter().zip(other.0.iter().chain(&self.0)).map(step).collect())
     }
 
     /// Returns the line of a TOML text, from 1, in which the key that this path leads to is; or the last table on the way.

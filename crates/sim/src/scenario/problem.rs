@@ -17,10 +17,10 @@ use super::error::{Fault, ScenarioError, SourceLocation};
 use super::json_location::{character_at, locate, offset};
 use super::path::{FieldPath, PathStep};
 use super::source::{MAX_MAP_BYTES, read_text};
-use super::unimog::{self, check_planners};
+use super::unimog::check_planners;
 use super::wording;
 use super::{Field, GivenField, Scenario, Terrain, TerrainError, Unimog};
-use wildfire_base::geometry::{DVec2, Pose};
+use wildfire_base::geometry::{DVec2, FieldFrame, Pose};
 use wildfire_base::input_file::list_of_at_most;
 use wildfire_base::vehicle::Dimensions;
 use wildfire_planning::{Goal, GoalDisc};
@@ -158,7 +158,7 @@ impl ProblemFile<'_> {
         let terrain = self.terrain()?;
         let mut truck = truck.clone();
         if let Some(vehicle) = &members.vehicle {
-            self.located(check_vehicle(vehicle))?;
+            self.located(check_vehicle(vehicle, &terrain.frame))?;
             truck.vehicle = vehicle.body();
             (truck.speed_mps, truck.reverse_speed_mps) = match vehicle.v_max {
                 Some(speed_mps) => (speed_mps, speed_mps),
@@ -282,13 +282,15 @@ impl VehicleMembers {
     }
 }
 
-fn check_vehicle(vehicle: &VehicleMembers) -> Check {
+fn check_vehicle(vehicle: &VehicleMembers, frame: &FieldFrame) -> Check {
     let table = TablePath::named("vehicle");
-    unimog::check_vehicle(&table, &vehicle.body()).map_err(|mut refusal| {
+    table.settings(&vehicle.body(), frame).map_err(|mut refusal| {
         refusal.path = in_names_of_field_files(&refusal.path);
         refusal
     })?;
-    table.optional("v_max", vehicle.v_max, SPEEDS_MPS[0]..=SPEEDS_MPS[1])?;
+    if let Some(v_max) = vehicle.v_max {
+        table.number("v_max", v_max, SPEEDS_MPS[0]..=SPEEDS_MPS[1])?;
+    }
     let front_m = vehicle.length - vehicle.rear_overhang;
     match vehicle.front_from_rear_axle {
         Some(found) if (found - front_m).abs() > ROUNDING_M => {

@@ -18,6 +18,7 @@ use super::Scenario;
 use super::check::{Check, TablePath};
 use wildfire_base::input_file::list_of_at_most;
 use wildfire_base::or_none;
+use wildfire_base::ranges;
 use wildfire_planning::PlannerName;
 use wildfire_planning::registry::Charge;
 
@@ -76,9 +77,6 @@ pub struct Program {
     #[schemars(skip)]
     pub sha256: BTreeMap<String, String>,
 }
-
-/// Fields of a table that loading fills in.
-pub(super) const FILLED_IN: [&str; 2] = ["sha256", "works_in"];
 
 fn is_empty(path: &Path) -> bool {
     path.as_os_str().is_empty()
@@ -169,9 +167,9 @@ impl Program {
     /// Describes it in a sentence; `kind` is planner or policy.
     pub(super) fn describe(&self, kind: &str, name: &PlannerName) -> String {
         if self.command.is_empty() {
-            format!("Its {kind} `{name}` is handed in by whoever runs the scenario.")
+            format!("The {kind} `{name}` is registered by whoever runs the scenario.")
         } else {
-            format!("Its {kind} `{name}` is a program that only runs where it is trusted: {}.", self.command_line())
+            format!("The {kind} `{name}` is a program that only runs where it is trusted: {}.", self.command_line())
         }
     }
 }
@@ -237,6 +235,11 @@ impl Scenario {
     }
 }
 
+ranges! { Program {
+    start_limit_s: 0.01..=3600.0, query_limit_s: 0.01..=3600.0, query_cpu_s: 0.001..=3600.0, memory_limit_mb: 1.0..=1e6,
+    seconds_per_expansion: 0.0..=1000.0, expansions_per_query: 0.0..=1e6, restarts: 0.0..=1000.0,
+} }
+
 /// Checks the tables of one kind, `planner` or `policy`, some of whose names are taken.
 pub(super) fn check_programs(kind: &str, programs: &Programs, is_built_in: impl Fn(&PlannerName) -> bool) -> Check {
     let all = TablePath::named(kind);
@@ -250,13 +253,6 @@ pub(super) fn check_programs(kind: &str, programs: &Programs, is_built_in: impl 
         if program.command.first().is_some_and(String::is_empty) {
             return table.refuse("command", "a list that begins with an empty text".into(), "a program's name".into());
         }
-        table.number("start_limit_s", program.start_limit_s, 0.01..=3600.0)?;
-        table.number("query_limit_s", program.query_limit_s, 0.01..=3600.0)?;
-        table.optional("query_cpu_s", program.query_cpu_s, 0.001..=3600.0)?;
-        table.number("memory_limit_mb", program.memory_limit_mb.into(), 1.0..=1e6)?;
-        table.number("seconds_per_expansion", program.seconds_per_expansion, 0.0..=1000.0)?;
-        table.number("expansions_per_query", program.expansions_per_query.into(), 0.0..=1e6)?;
-        table.number("restarts", program.restarts.into(), 0.0..=1000.0)?;
     }
     Ok(())
 }

@@ -6,8 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::fuel_name::FuelName;
-use wildfire_base::geometry::FieldFrame;
-use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+use wildfire_base::ranges;
 use wildfire_fire::models::Neighbours;
 use wildfire_fire::surface::{Combine, Curing, FuelMoisture, LengthToWidth, SurfaceOptions, WindLimit};
 
@@ -78,10 +77,4 @@ impl RothermelSettings {
     }
 }
 
-impl SettingsTable for RothermelSettings {
-    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
-        check_range("slope_deg", self.slope_deg, 0.0..=60.0)?;
-        check_range("uphill_deg", self.uphill_deg, -360.0..=360.0)?;
-        check_range("wet_s", self.wet_s, 0.0..=1e6)
-    }
-}
+ranges! { RothermelSettings { slope_deg: 0.0..=60.0, uphill_deg: -360.0..=360.0, wet_s: 0.0..=1e6; moisture } }

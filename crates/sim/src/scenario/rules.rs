@@ -12,7 +12,7 @@ use super::layers::Weights;
 use super::path::PathStep;
 use wildfire_base::geometry::{Cell, FieldFrame, ops};
 use wildfire_base::or_none;
-use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+use wildfire_base::ranges;
 use wildfire_base::rng;
 
 /// The most `[[ignition]]` entries, and the most cells that they name in all.
@@ -37,25 +37,7 @@ impl Default for Suppression {
     }
 }
 
-impl Suppression {
-    pub(super) fn describe(&self) -> String {
-        let reach = self.reach_m.map_or("wherever its drive ends".into(), |m| {
-            format!("with its body's centre within {m} m of the bush's centre")
-        });
-        let effect = match self.extinguishes {
-            Extinguishes::One => "one bush",
-            Extinguishes::AllInReach => "all that burns in reach",
-        };
-        format!("A truck that stands {} s {reach} puts out {effect}.", self.dwell_s)
-    }
-}
-
-impl SettingsTable for Suppression {
-    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
-        self.reach_m.map_or(Ok(()), |reach_m| check_range("reach_m", reach_m, 0.0..=1e6))?;
-        check_range("dwell_s", self.dwell_s, 0.1..=1e6)
-    }
-}
+ranges! { Suppression { reach_m: 0.0..=1e6, dwell_s: 0.1..=1e6 } }
 
 /// Selects what one stop puts out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -82,22 +64,7 @@ impl Default for Score {
     }
 }
 
-impl Score {
-    pub(super) fn describe(&self) -> String {
-        format!(
-            "Wumpuses: {} for a bush that catches fire, {} for one that burns out. Trucks: {} for one put out.",
-            self.wumpus_ignited, self.wumpus_burned_out, self.truck_extinguished
-        )
-    }
-}
-
-impl SettingsTable for Score {
-    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
-        check_range("wumpus_ignited", self.wumpus_ignited, -1e6..=1e6)?;
-        check_range("wumpus_burned_out", self.wumpus_burned_out, -1e6..=1e6)?;
-        check_range("truck_extinguished", self.truck_extinguished, -1e6..=1e6)
-    }
-}
+ranges! { Score { wumpus_ignited: -1e6..=1e6, wumpus_burned_out: -1e6..=1e6, truck_extinguished: -1e6..=1e6 } }
 
 /// Cells that catch fire by themselves at a given time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -176,9 +143,6 @@ impl TryFrom<IgnitionEntry> for Ignition {
     type Error = &'static str;
 
     fn try_from(entry: IgnitionEntry) -> Result<Self, Self::Error> {
-        if entry.weights.is_some() && entry.density.is_none() {
-            return Err("`weights` is unknown; a raster of weights is `density`");
-        }
         let cells = match (entry.cells, entry.random, entry.density) {
             (Some(cells), None, None) => IgnitionCells::Cells(cells),
             (None, Some(count), None) => IgnitionCells::Random(count),

@@ -3,8 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use wildfire_base::geometry::FieldFrame;
-use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+use wildfire_base::ranges;
 
 /// What a truck tries before it waits for others that are in the way of all that it goes for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -31,18 +30,4 @@ pub enum Detours {
     Each,
 }
 
-impl TrafficRules {
-    pub(super) fn describe(&self) -> String {
-        let detours = match self.detours {
-            Detours::First => "then for a way round them to the first",
-            Detours::Each => "for each for a way round them",
-        };
-        format!("A truck that others are in the way of looks at up to {} goals, {detours}, and waits then.", self.goals)
-    }
-}
-
-impl SettingsTable for TrafficRules {
-    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
-        check_range("goals", self.goals.into(), 1.0..=100.0)
-    }
-}
+ranges! { TrafficRules { goals: 1.0..=100.0 } }

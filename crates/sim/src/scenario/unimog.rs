@@ -13,28 +13,25 @@ use serde_json::Value;
 use super::agents::{
     AgentList, AgentsMemory, BlockedStarts, FieldMeasures, SHOWN_ALIKE, SHOWN_SEED, ScenarioField, SketchedStart,
 };
-use super::check::{Check, ROUNDING_M, TablePath};
-use super::goal::{TruckGoal, describe_choice};
+use super::check::{Check, TablePath};
+use super::goal::TruckGoal;
 use super::program::{Program, Programs};
 use super::truck_starts::first_without_place;
 use super::{MemoryPart, Scenario};
-use wildfire_base::geometry::{DVec2, FieldFrame, Pose, ops};
+use wildfire_base::geometry::{DVec2, FieldFrame, Pose};
 use wildfire_base::or_none;
+use wildfire_base::ranges;
 use wildfire_base::rng;
 use wildfire_base::trajectory::SpeedLimits;
 use wildfire_base::vehicle::Dimensions;
 use wildfire_planning::collision::CollisionChecker;
-use wildfire_planning::memory::{MemoryMeter, PlannerMemory};
-use wildfire_planning::reachability::Reachability;
+use wildfire_planning::memory::MemoryMeter;
 use wildfire_planning::registry::{BuiltInPlanner, Charge, RoadmapSize};
 use wildfire_planning::{
     BuildReport, DriveCost, HybridSettings, LatticeSettings, MakeError, PlannerName, Planners, PrimitiveSettings,
     PrmRsSettings, PrmSettings, RoadmapGoal, SafetySettings, Site, TruckPlanner, TruckPlannerKind,
     TruckPlannerSettings, is_hardly_connected,
 };
-
-/// The largest steering angle, degrees: beyond it front wheels push the truck sideways rather than turn it.
-const MAX_STEERING_DEG: f64 = 60.0;
 
 /// Sideways acceleration that a laden truck can take on loose ground, m/s2; about 0.4 g.
 const LATERAL_GRIP_MPS2: f64 = 4.0;
@@ -196,8 +193,8 @@ impl Unimog {
 
 /// Describes the names of planners: the built-in ones, or any other that is known.
 fn planner_schema(generator: &mut SchemaGenerator) -> Schema {
-    let built_in = TruckPlannerKind::ALL.map(TruckPlannerKind::name);
-    json_schema!({ "anyOf": [{ "enum": built_in }, generator.subschema_for::<PlannerName>()] })
+    let built_in = TruckPlannerKind::json_schema(generator);
+    json_schema!({ "anyOf": [built_in, generator.subschema_for::<PlannerName>()] })
 }
 
 /// What a truck's planner is made from, besides the truck itself.
@@ -348,12 +345,24 @@ impl AgentList for Vec<Unimog> {
             if truck.goal == TruckGoal::NearestByDrive && truck.retarget == Retarget::OnEvent {
                 return table.refuse("retarget", "on-event".into(), "`never` with the goal `nearest-by-drive`".into());
             }
-            check_unimog(&table, truck, &frame)
+            table.inside("start", &truck.vehicle.footprint(truck.start.pose()).corners(), &frame)
         })
     }
 
-    fn describe(&self, scenario: &Scenario) -> Vec<String> {
-        self.iter().map(|truck| describe_truck(truck, scenario)).collect()
+    fn unused(&self, scenario: &Scenario, number: usize) -> Vec<&'static str> {
+        let used = self[number].built_in().map_or(&[][..], BuiltInPlanner::tables);
+        let settings = self[number].planner_settings();
+        let tables = settings.tables().map(|table| table.name);
+        let goal = scenario.dispatch.as_ref().map(|_| "goal");
+        tables.filter(|name| !used.contains(name)).chain(goal).collect()
+    }
+
+    fn facts(&self, number: usize) -> Vec<String> {
+        let (truck, body) = (&self[number], &self[number].vehicle);
+        let lock_deg = body.max_steering_rad().to_degrees();
+        let turned_s = body.steering_rate_deg_s.map(|rate| format!(", in {:.1} s", lock_deg / rate));
+        let wheels = format!("Its front wheels turn to {lock_deg:.1} degrees{}.", turned_s.unwrap_or_default());
+        vec![format!("{wheels} {}", describe_turning(truck))]
     }
 
     fn warn(&self, scenario: &Scenario, found: &mut Vec<String>) {
@@ -393,9 +402,9 @@ impl AgentList for Vec<Unimog> {
         // What planners that are not built in take is theirs.
         let memory = |truck: &Unimog| {
             let planner = truck.planner.built_in()?;
-            Some((planner, planner.maker().memory(&field.frame, field.corners, &truck.planner_settings())))
+            Some((planner, field.truck_planner(planner, &truck.planner_settings())))
         };
-        let trucks: Vec<(TruckPlannerKind, PlannerMemory)> = self.iter().filter_map(memory).collect();
+        let trucks: Vec<(TruckPlannerKind, [u64; 2])> = self.iter().filter_map(memory).collect();
         let mut parts = Vec::new();
         for kind in TruckPlannerKind::ALL {
             let own = || trucks.iter().filter(|(planner, _)| *planner == kind).map(|(_, memory)| memory);
@@ -403,34 +412,20 @@ impl AgentList for Vec<Unimog> {
                 1 => format!("{what} of a truck ({kind})"),
                 count => format!("{what}s of {count} trucks ({kind})"),
             };
-            parts.push(MemoryPart::new(name("the planner"), own().map(|memory| memory.held).sum()));
-            parts.push(MemoryPart::new(name("the flood"), own().map(|memory| memory.floods).sum()));
+            parts.push(MemoryPart::new(name("the planner"), own().map(|[held, _]| held).sum()));
+            parts.push(MemoryPart::new(name("the flood"), own().map(|[_, floods]| floods).sum()));
         }
-        let of_all = |of: fn(&PlannerMemory) -> u64| trucks.iter().map(move |(_, memory)| of(memory));
-        AgentsMemory {
-            parts,
-            // They are made one after the other.
-            making: of_all(|memory| memory.making).max().unwrap_or(0),
-            counted: of_all(|memory| memory.floods).sum(),
-            grows: of_all(|memory| memory.grows).sum::<u64>()
-                + self.len() as u64 * Reachability::most_bytes(&field.frame),
-        }
+        let counted = trucks.iter().map(|(_, [_, floods])| floods).sum();
+        AgentsMemory { parts, counted, searches: !self.is_empty() }
     }
 }
 
-fn check_unimog(table: &TablePath, unimog: &Unimog, frame: &FieldFrame) -> Check {
-    check_vehicle(&table.inner("vehicle"), &unimog.vehicle)?;
-    table.number("speed_mps", unimog.speed_mps, 0.001..=1000.0)?;
-    table.number("reverse_speed_mps", unimog.reverse_speed_mps, 0.001..=1000.0)?;
-    table.number("seconds_per_expansion", unimog.seconds_per_expansion, 0.0..=1e6)?;
-    let limits = table.inner("limits");
-    limits.optional("acceleration_mps2", unimog.limits.acceleration_mps2, 0.001..=1000.0)?;
-    limits.optional("braking_mps2", unimog.limits.braking_mps2, 0.001..=1000.0)?;
-    limits.optional("lateral_mps2", unimog.limits.lateral_mps2, 0.001..=1000.0)?;
-    check_planner_settings(table, unimog, frame)?;
-    table.inner("start").number("heading_deg", unimog.start.heading_deg, -360.0..=360.0)?;
-    table.inside("start", &unimog.vehicle.footprint(unimog.start.pose()).corners(), frame)
-}
+ranges! { Unimog {
+    speed_mps: 0.001..=1000.0, reverse_speed_mps: 0.001..=1000.0, seconds_per_expansion: 0.0..=1e6;
+    start, vehicle, limits, prm, primitives, prm_rs, hybrid, lattice, safety,
+} }
+ranges! { StartPose { heading_deg: -360.0..=360.0 } }
+ranges! { Limits { acceleration_mps2: 0.001..=1000.0, braking_mps2: 0.001..=1000.0, lateral_mps2: 0.001..=1000.0 } }
 
 fn check_planner_name(table: &TablePath, planner: &PlannerName, programs: &Programs) -> Check {
     if planner.built_in().is_some() || programs.contains_key(planner) {
@@ -443,133 +438,8 @@ fn check_planner_name(table: &TablePath, planner: &PlannerName, programs: &Progr
 
 /// Checks that the first truck's planners can work on a field that may not be the one of their scenario.
 pub fn check_planners(unimog: &Unimog, frame: &FieldFrame) -> Check {
-    check_planner_settings(&TablePath::named("unimog"), unimog, frame)
-}
-
-fn check_planner_settings(table: &TablePath, unimog: &Unimog, frame: &FieldFrame) -> Check {
+    let table = TablePath::named("unimog");
     unimog.planner_settings().tables().try_for_each(|own| table.inner(own.name).settings(own.settings, frame))
-}
-
-/// Checks that a body is possible, and that its steering reaches its turning radius.
-pub fn check_vehicle(table: &TablePath, body: &Dimensions) -> Check {
-    table.number("length_m", body.length_m, 0.1..=100.0)?;
-    table.number("width_m", body.width_m, 0.1..=100.0)?;
-    table.number("rear_overhang_m", body.rear_overhang_m, 0.0..=body.length_m)?;
-    table.number("wheelbase_m", body.wheelbase_m, 0.1..=body.length_m)?;
-    if body.rear_overhang_m + body.wheelbase_m > body.length_m + ROUNDING_M {
-        let room = body.length_m - body.rear_overhang_m;
-        let expected = format!("a front axle under the body, at most {room} m ahead of the rear axle");
-        return table.refuse("wheelbase_m", body.wheelbase_m.to_string(), expected);
-    }
-    table.number("turning_radius_m", body.turning_radius_m, 0.1..=10_000.0)?;
-    if body.turning_radius_m < 0.5 * body.width_m {
-        let expected = "a centre of turning outside the body, at least half the width away".into();
-        return table.refuse("turning_radius_m", body.turning_radius_m.to_string(), expected);
-    }
-    if body.max_steering_rad().to_degrees() > MAX_STEERING_DEG {
-        let least_m = body.wheelbase_m / ops::tan(MAX_STEERING_DEG.to_radians());
-        let expected = format!("at least {least_m:.3}, which steering by {MAX_STEERING_DEG} degrees gives");
-        return table.refuse("turning_radius_m", body.turning_radius_m.to_string(), expected);
-    }
-    table.optional("steering_rate_deg_s", body.steering_rate_deg_s, 1.0..=1000.0)
-}
-
-/// Describes what a truck is and does.
-fn describe_truck(truck: &Unimog, scenario: &Scenario) -> String {
-    let body = &truck.vehicle;
-    let goal = describe_goal(truck, scenario);
-    format!(
-        "starts with its rear axle at ({}, {}) m, heading {} degrees. {} x {} m, wheelbase {} m, turning radius {} m \
-         (steering to {:.1} degrees). {} m/s forward, {} m/s in reverse; {}. {}{} {goal} {}{}",
-        truck.start.x_m,
-        truck.start.y_m,
-        truck.start.heading_deg,
-        body.length_m,
-        body.width_m,
-        body.wheelbase_m,
-        body.turning_radius_m,
-        body.max_steering_rad().to_degrees(),
-        truck.speed_mps,
-        truck.reverse_speed_mps,
-        describe_limits(truck),
-        describe_turning(truck),
-        describe_steering(body),
-        describe_planner(truck, &scenario.planner),
-        describe_cost(truck)
-    )
-}
-
-/// Describes what a truck goes for, in a sentence.
-fn describe_goal(truck: &Unimog, scenario: &Scenario) -> String {
-    if scenario.dispatch.is_some() {
-        return "It goes where it is dispatched.".into();
-    }
-    let goal = match &truck.goal {
-        TruckGoal::NearestBurning => "the nearest fire".to_owned(),
-        TruckGoal::NearestByDrive => "the fire that is nearest by drive".to_owned(),
-        TruckGoal::Oldest => "the oldest fire".to_owned(),
-        TruckGoal::LargestCluster => "the nearest fire of the largest burning group".to_owned(),
-        TruckGoal::Policy(name) => describe_choice(name, &scenario.policy),
-    };
-    let retarget = match truck.retarget {
-        Retarget::Never => "keeps it until it is out",
-        Retarget::OnEvent => "thinks again whenever something ignites",
-    };
-    format!("It goes for {goal} and {retarget}.")
-}
-
-/// Describes its planner, and what happens to goals that it fails on where that is not the usual thing.
-fn describe_planner(truck: &Unimog, programs: &Programs) -> String {
-    let planner = match truck.built_in() {
-        Some(maker) => maker.describe(&truck.planner_settings()),
-        None => {
-            programs.get(&truck.planner).map_or(String::new(), |program| program.describe("planner", &truck.planner))
-        }
-    };
-    let asked = Unimog { seconds_per_expansion: 0.0, ..truck.clone() }.planning_charge(programs);
-    let planner = match truck.seconds_per_expansion {
-        least if least > asked.local_s || least > asked.roadmap_s && asked.roadmap_s > 0.0 => {
-            format!("{planner} Every expansion takes at least {least} s of simulated time.")
-        }
-        _ => planner,
-    };
-    match (truck.is_rescued(), truck.rescue) {
-        (true, Rescue::Auto) => planner,
-        (true, _) => format!("{planner} Fires that it fails on are driven to by the reachability flood."),
-        (false, _) => format!("{planner} Fires that it fails on are left alone: nobody else plans for it."),
-    }
-}
-
-/// Describes what its drives are compared by, where that is not the usual thing.
-fn describe_cost(truck: &Unimog) -> &'static str {
-    match (truck.cost, truck.built_in()) {
-        (DriveCost::Time, Some(planner)) if planner.knows_time() => {
-            " Drives are compared by the time that they take, with no other price of a change of direction."
-        }
-        _ => "",
-    }
-}
-
-fn describe_limits(truck: &Unimog) -> String {
-    let limit = |name: &str, limit: Option<f64>| limit.map(|mps2| format!("{name} {mps2} m/s2"));
-    let set: Vec<String> = [
-        limit("acceleration", truck.limits.acceleration_mps2),
-        limit("braking", truck.limits.braking_mps2),
-        limit("to the side", truck.limits.lateral_mps2),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
-    if set.is_empty() { "speed changes at once".into() } else { set.join(", ") }
-}
-
-/// Describes how its front wheels turn, where that takes time.
-fn describe_steering(body: &Dimensions) -> String {
-    let turning = |rate: f64| {
-        let lock_s = body.max_steering_rad().to_degrees() / rate;
-        format!(" Its front wheels turn by {rate} degrees a second, from straight to their end in {lock_s:.1} s.")
-    };
-    body.steering_rate_deg_s.map_or(String::new(), turning)
 }
 
 /// Describes what its speed means in its tightest turns: speed squared over radius.

@@ -10,7 +10,8 @@ use super::check::{Check, TablePath};
 use super::{Scenario, Unimog};
 use wildfire_base::geometry::{DVec2, FieldFrame, Pose};
 use wildfire_base::input_file::list_of_at_most;
-use wildfire_base::ranges::number_text;
+use wildfire_base::ranges;
+use wildfire_base::ranges::{OutOfRange, number_text};
 use wildfire_base::time::SimTime;
 use wildfire_base::vehicle::Dimensions;
 use wildfire_planning::collision::CollisionChecker;
@@ -42,6 +43,14 @@ impl Default for Water {
     }
 }
 
+ranges! { Water {
+    tank_l: 0.001..=1e6, stop_l: 0.001..=1e6, fill_lps: 0.001..=1e6, reach_m: 1.0..=1000.0,
+} and |own, _| {
+    let expected = format!("at most `tank_l`, {}", number_text(own.tank_l));
+    let is_held = own.stop_l <= own.tank_l;
+    if is_held { Ok(()) } else { Err(OutOfRange::new("stop_l", own.stop_l, expected)) }
+} }
+
 /// A place with water: a hydrant, a pond.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -52,14 +61,6 @@ pub struct WaterPlace {
 
 impl Water {
     pub(super) fn check(&self, table: &TablePath, frame: &FieldFrame) -> Check {
-        table.number("tank_l", self.tank_l, 0.001..=1e6)?;
-        table.number("stop_l", self.stop_l, 0.001..=1e6)?;
-        if self.stop_l > self.tank_l {
-            let expected = format!("at most `tank_l`, {}", number_text(self.tank_l));
-            return table.refuse("stop_l", number_text(self.stop_l), expected);
-        }
-        table.number("fill_lps", self.fill_lps, 0.001..=1e6)?;
-        table.number("reach_m", self.reach_m, 1.0..=1000.0)?;
         table.count("place", self.place.len(), MAX_PLACES)?;
         self.place.iter().enumerate().try_for_each(|(number, place)| {
             let entry = table.inner("place").item(number);
@@ -87,18 +88,8 @@ impl Water {
     }
 
     pub(super) fn describe(&self) -> String {
-        let (tank, stop, reach) = (self.tank_l, self.stop_l, self.reach_m);
-        let fill = self.fill_per_stop().as_seconds() * f64::from(self.full_tank());
-        let places = match self.place.len() {
-            0 => "the starts of the trucks".to_owned(),
-            1 => "one place".to_owned(),
-            count => format!("{count} places"),
-        };
-        format!(
-            "A truck carries {tank} l of water and takes {stop} l for a stop, so it can stop {} times; within {reach} m of \
-             {places} it fills its tank, an empty one in {fill} s.",
-            self.full_tank(),
-        )
+        let fill_s = self.fill_per_stop().as_seconds() * f64::from(self.full_tank());
+        format!("A full tank is enough for {} stops; an empty one is filled in {fill_s} s.", self.full_tank())
     }
 
     /// Warns of places that no truck gets near enough to.
@@ -180,9 +171,9 @@ mod tests {
             text.split_whitespace().collect::<Vec<_>>().join(" ")
         };
         let explained = text(&["water.tank_l=1000"]);
-        assert!(explained.contains("so it can stop 10 times"), "{explained}");
-        assert!(explained.contains("an empty one in 50 s"), "{explained}");
-        assert!(!text(&[]).contains("of water"));
+        assert!(explained.contains("enough for 10 stops"), "{explained}");
+        assert!(explained.contains("an empty one is filled in 50 s"), "{explained}");
+        assert!(!text(&[]).contains("full tank"));
         assert!(text(&["water.tank_l=1000", "unimog=[]"]).contains("The table `water` does nothing"));
         let close = "water.place=[{x_m=0,y_m=0}]";
         assert!(text(&[close, "water.reach_m=1"]).contains("no truck finds room within 1 m of (0, 0)"));

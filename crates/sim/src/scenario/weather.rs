@@ -11,12 +11,12 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Scenario;
-use super::check::{Check, TablePath};
+use super::check::{Check, MAX_CHANGES, TablePath};
 use super::weather_csv::WeatherSample;
-use super::wind::{MAX_CHANGES, MAX_WIND_MPS, WindChange};
+use super::wind::{MAX_WIND_MPS, WindChange};
 use wildfire_base::geometry::{DVec2, FieldFrame, ops};
 use wildfire_base::input_file::list_of_at_most;
-use wildfire_base::ranges::{SettingsTable, number_text};
+use wildfire_base::ranges;
 use wildfire_base::rng;
 use wildfire_base::time::SimTime;
 use wildfire_fire::surface::FuelMoisture;
@@ -68,56 +68,25 @@ impl MoistureChange {
     }
 }
 
+ranges! { WeatherSettings { speed_sd_mps: 0.0..=50.0, toward_sd_deg: 0.0..=360.0, moisture_sd: 0.0..=0.5; moisture } }
+ranges! { MoistureChange { at_s: 0.0..=1e6 } and |own, frame| own.moisture().check(frame) }
+
 impl WeatherSettings {
     pub(super) fn check(&self, table: &TablePath, frame: &FieldFrame) -> Check {
-        table.number("speed_sd_mps", self.speed_sd_mps, 0.0..=50.0)?;
-        table.number("toward_sd_deg", self.toward_sd_deg, 0.0..=360.0)?;
-        table.number("moisture_sd", self.moisture_sd, 0.0..=0.5)?;
-        table.count("moisture", self.moisture.len(), MAX_CHANGES)?;
+        table.ascending("moisture", self.moisture.iter().map(|change| change.at_s))?;
         table.count("rows", self.rows.len(), MAX_CHANGES)?;
-        for (number, change) in self.moisture.iter().enumerate() {
-            let table = table.inner("moisture").item(number);
-            table.number("at_s", change.at_s, 0.0..=1e6)?;
-            table.settings(&change.moisture(), frame)?;
-            if number > 0 && change.at_s <= self.moisture[number - 1].at_s {
-                let before = number_text(self.moisture[number - 1].at_s);
-                let expected = format!("a time after {before} s, that of the entry before");
-                return table.refuse("at_s", number_text(change.at_s), expected);
-            }
-        }
-        for (number, row) in self.rows.iter().enumerate() {
+        self.rows.iter().enumerate().try_for_each(|(number, row)| {
             let table = table.inner("rows").item(number);
-            if let Some(moisture) = &row.moisture {
-                (moisture as &dyn SettingsTable)
-                    .check(frame)
-                    .or_else(|wrong| table.refuse(wrong.name, wrong.found, wrong.expected))?;
-            }
-            table.number("speed_mps", row.wind.map_or(0.0, |[speed_mps, _]| speed_mps), 0.0..=MAX_WIND_MPS)?;
-            table.number("toward_deg", row.wind.map_or(0.0, |[_, toward_deg]| toward_deg), -360.0..=360.0)?;
-        }
-        Ok(())
+            table.settings(&row.moisture, frame)?;
+            let wind = row.wind.map(|[speed_mps, toward_deg]| WindChange { at_s: 0.0, speed_mps, toward_deg });
+            table.settings(&wind, frame)
+        })
     }
 
     /// Says whether runs differ in their weather.
     pub fn is_uncertain(&self) -> bool {
         self.rows.len() > 1 || self.speed_sd_mps + self.toward_sd_deg + self.moisture_sd > 0.0
     }
-}
-
-/// Checks all entries of `[[wind]]`: their times ascend.
-pub(super) fn check_wind(wind: &[WindChange]) -> Check {
-    TablePath::named("").count("wind", wind.len(), MAX_CHANGES)?;
-    for (number, change) in wind.iter().enumerate() {
-        let table = TablePath::entry("wind", number);
-        table.number("at_s", change.at_s, 0.0..=1e6)?;
-        table.number("speed_mps", change.speed_mps, 0.0..=MAX_WIND_MPS)?;
-        table.number("toward_deg", change.toward_deg, -360.0..=360.0)?;
-        if number > 0 && change.at_s <= wind[number - 1].at_s {
-            let expected = format!("a time after {} s, that of the entry before", number_text(wind[number - 1].at_s));
-            return table.refuse("at_s", number_text(change.at_s), expected);
-        }
-    }
-    Ok(())
 }
 
 /// Returns the weather of the run with this seed. Before the first entry of `[[wind]]` the air is calm.

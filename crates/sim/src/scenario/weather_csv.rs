@@ -6,7 +6,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::wind::{MAX_CHANGES, MAX_WIND_MPS, WindChange};
+use super::check::MAX_CHANGES;
+use super::wind::{MAX_WIND_MPS, WindChange};
 use wildfire_base::input_file;
 use wildfire_base::untrusted::visible_start;
 use wildfire_fire::surface::FuelMoisture;

@@ -4,9 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use wildfire_base::geometry::{DVec2, compass};
-
-/// The most changes of the wind.
-pub(super) const MAX_CHANGES: usize = 10_000;
+use wildfire_base::ranges;
 
 /// The fastest wind, m/s: twice that of the strongest hurricanes.
 pub(super) const MAX_WIND_MPS: f64 = 150.0;
@@ -22,6 +20,8 @@ pub struct WindChange {
     /// Where it blows to, counter-clockwise from east.
     pub toward_deg: f64,
 }
+
+ranges! { WindChange { at_s: 0.0..=1e6, speed_mps: 0.0..=MAX_WIND_MPS, toward_deg: -360.0..=360.0 } }
 
 impl WindChange {
     /// Where it blows to, exact along the axes: an angle from east against the clock is an azimuth from north with it.

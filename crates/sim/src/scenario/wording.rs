@@ -1,10 +1,8 @@
 //! Messages of the TOML reader in the words of a scenario's author.
 
 use super::error::{Fault, nearest_name};
+use super::load::LOADED;
 use super::path::{FieldPath, PathStep};
-
-/// Fields that loading fills in; messages do not suggest them.
-const HIDDEN: [&str; 6] = ["given", "raster_frame", "rows", "sha256", "weights", "works_in"];
 
 /// The most characters of a text that a message quotes.
 const LONGEST_QUOTE: usize = 60;
@@ -20,7 +18,8 @@ pub enum KeyOrValue {
 pub fn fault_from_message(message: &str, path: FieldPath) -> (Fault, FieldPath, KeyOrValue) {
     let mut quoted = message.split('`').skip(1).step_by(2);
     let name = quoted.next().unwrap_or_default();
-    let known: Vec<String> = quoted.filter(|known| !HIDDEN.contains(known)).map(str::to_owned).collect();
+    let is_loaded = |known: &str| LOADED.iter().any(|path| path.rsplit('.').next() == Some(known));
+    let known: Vec<String> = quoted.filter(|known| !is_loaded(known)).map(str::to_owned).collect();
     if message.starts_with("unknown field") {
         let table = table_of(&path, name);
         (unknown_field(name, &table, known), table.join(PathStep::key(name)), KeyOrValue::Key)

@@ -9,15 +9,14 @@ use super::agents::{
     AgentList, AgentsMemory, BlockedStarts, FieldMeasures, SHOWN_ALIKE, SHOWN_SEED, ScenarioField, SketchedStart,
 };
 use super::check::{Check, TablePath};
-use super::goal::{WumpusGoal, describe_choice};
-use super::program::Programs;
+use super::goal::WumpusGoal;
 use super::{MemoryPart, Scenario, Terrain};
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
 use wildfire_base::or_none;
-use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range, number_text};
+use wildfire_base::ranges;
+use wildfire_base::ranges::number_text;
 use wildfire_grid::potential::{Attraction, Repulsion, RepulsionDistance};
-use wildfire_planning::registry::describe_charge;
-use wildfire_planning::walk::{Estimate, LatticeShape, PotentialSettings, WalkLattice, WalkMethod, WalkPlanner};
+use wildfire_planning::walk::{Estimate, LatticeShape, PotentialSettings, WalkLattice, WalkMethod};
 use wildfire_planning::{SafetyMap, SafetySettings};
 
 /// The most points of a Wumpus's lattice: their numbers have to fit into 32 bits. Memory allows far fewer.
@@ -31,11 +30,9 @@ const MAX_TRIES: f64 = 2.5e7;
 /// The most points of all lattices on which is looked for what can be lit, and for free places: a fifth of a second.
 const MAX_POINTS_LOOKED_AT: f64 = 5e6;
 
-/// Points of a walk that a Wumpus's memory is estimated for; a walk across the largest field has as many.
-const MAX_POINTS_OF_WALKS: f64 = 2e4;
-
-/// The memory that a Wumpus takes beside its walk.
-const BYTES_OF_A_WUMPUS: u64 = 20_000;
+/// The memory that a Wumpus takes alone: its walk as it is computed and taken, of up to 20,000 points, which a walk across
+/// the largest field has, and its small things.
+const BYTES_OF_A_WUMPUS: u64 = 500_000;
 
 /// The most pairs of a bush and a place near it that the search for the nearest place looks at.
 const MAX_LOOKS: f64 = 1e7;
@@ -147,16 +144,16 @@ impl Wumpus {
     }
 
     /// Bounds the memory that it alone takes in a run of this length.
-    fn most_bytes(&self, field: &FieldMeasures, duration_s: f64) -> u64 {
+    fn own_bytes(&self, field: &FieldMeasures, duration_s: f64) -> u64 {
+        if !self.gives_up_in_minima() {
+            return BYTES_OF_A_WUMPUS;
+        }
         let shape = self.lattice_shape(&field.frame);
-        let points = WalkLattice::point_count(&field.frame, &shape);
-        // Its place in the order of bushes, its walk as it is worked out and taken, and its own small things.
-        let own = 3 * points.min(MAX_POINTS_OF_WALKS) as u64 * size_of::<usize>() as u64 + BYTES_OF_A_WUMPUS;
         // Goals that it failed on, by the point it tried from: entries of a tree whose nodes may be half empty.
-        let places = points.min(duration_s * self.speed_mps / shape.step_m + 1.0);
-        let bytes_of_failures = field.bushes as f64 * places * 3.0 * size_of::<(usize, Cell)>() as f64;
-        let failed = if self.gives_up_in_minima() { bytes_of_failures } else { 0.0 };
-        own + failed as u64
+        let places =
+            WalkLattice::point_count(&field.frame, &shape).min(duration_s * self.speed_mps / shape.step_m + 1.0);
+        let failed = field.bushes as f64 * places * 3.0 * size_of::<(usize, Cell)>() as f64;
+        BYTES_OF_A_WUMPUS + failed as u64
     }
 }
 
@@ -181,18 +178,6 @@ impl WalkGround {
 
     fn has_targets_of(&self, other: &Self) -> bool {
         self.has_lattice_of(other) && self.reach_m == other.reach_m
-    }
-
-    /// Bounds the bytes of each part, if it is not shared: lattice, planner, targets.
-    fn bytes(&self, field: &FieldMeasures) -> [u64; 3] {
-        let points = WalkLattice::point_count(&field.frame, &self.shape) as u64;
-        let has_factors = self.safety.map != SafetyMap::None;
-        // Which connected part each point belongs to.
-        let lattice = WalkLattice::most_bytes(&field.frame, points) + points * size_of::<u32>() as u64;
-        let planner = WalkPlanner::most_bytes(points, &self.method, has_factors);
-        // Targets, and what is walled in, in lists that double; of what can be reached from two parts there are two.
-        let targets = 4 * field.bushes * size_of::<Cell>() as u64;
-        [lattice, planner, targets]
     }
 }
 
@@ -322,8 +307,18 @@ impl AgentList for Vec<Wumpus> {
         Ok(())
     }
 
-    fn describe(&self, scenario: &Scenario) -> Vec<String> {
-        self.iter().map(|wumpus| describe_wumpus(wumpus, &scenario.policy)).collect()
+    fn unused(&self, _: &Scenario, number: usize) -> Vec<&'static str> {
+        let mut unused = match self[number].planner {
+            WumpusPlanner::Astar => vec!["potential"],
+            WumpusPlanner::Wavefront => vec!["potential", "heuristic", "heuristic_weight"],
+            WumpusPlanner::Potential => vec!["heuristic", "heuristic_weight"],
+        };
+        unused.extend((self[number].safety.map == SafetyMap::None).then_some("safety"));
+        unused
+    }
+
+    fn facts(&self, _: usize) -> Vec<String> {
+        Vec::new()
     }
 
     fn warn(&self, _: &Scenario, found: &mut Vec<String>) {
@@ -370,12 +365,13 @@ impl AgentList for Vec<Wumpus> {
         };
         let mut shared = [0, 0, 0];
         for (number, ground) in grounds.iter().enumerate() {
+            let bytes = field.walk(WalkLattice::point_count(&field.frame, &ground.shape) as u64);
             let sharing = [WalkGround::has_lattice_of, WalkGround::has_planner_of, WalkGround::has_targets_of];
-            for ((sum, bytes), is_shared) in shared.iter_mut().zip(ground.bytes(field)).zip(sharing) {
+            for ((sum, bytes), is_shared) in shared.iter_mut().zip(bytes).zip(sharing) {
                 *sum += if is_first(number, is_shared) { bytes } else { 0 };
             }
         }
-        let own = self.iter().map(|wumpus| wumpus.most_bytes(field, duration_s)).sum();
+        let own = self.iter().map(|wumpus| wumpus.own_bytes(field, duration_s)).sum();
         let [lattices, planners, targets] = shared;
         let parts = [
             ("the lattices of Wumpuses", lattices),
@@ -389,93 +385,18 @@ impl AgentList for Vec<Wumpus> {
 }
 
 fn check_wumpus(table: &TablePath, wumpus: &Wumpus, frame: &FieldFrame) -> Check {
-    table.number("size_m", wumpus.size_m, 0.01..=100.0)?;
-    table.number("speed_mps", wumpus.speed_mps, 0.001..=1000.0)?;
-    table.number("reach_m", wumpus.reach_m, 0.0..=1e6)?;
-    table.optional("lattice_m", wumpus.lattice_m, 0.01..=1000.0)?;
-    table.number("heuristic_weight", wumpus.heuristic_weight, 0.0..=1000.0)?;
-    table.number("seconds_per_expansion", wumpus.seconds_per_expansion, 0.0..=1e6)?;
-    table.inner("potential").settings(&wumpus.potential, frame)?;
-    table.inner("safety").settings(&wumpus.safety, frame)?;
     let centre = wumpus.start_centre();
     let corners = [(1.0, 1.0), (-1.0, -1.0)].map(|(x, y)| centre + 0.5 * wumpus.size_m * DVec2::new(x, y));
     table.inside("start_m", &corners, frame)
 }
 
-impl SettingsTable for WumpusPotential {
-    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
-        check_range("zeta", self.zeta, 0.0..=1e6)?;
-        self.scale.map_or(Ok(()), |scale| check_range("scale", scale, 0.0..=1e6))?;
-        check_range("q", self.q, 0.1..=1000.0)?;
-        check_range("eta", self.eta, 0.0..=1e6)
-    }
-}
+ranges! { WumpusPotential { zeta: 0.0..=1e6, scale: 0.0..=1e6, q: 0.1..=1000.0, eta: 0.0..=1e6 } }
 
-/// Describes what a Wumpus is and does.
-fn describe_wumpus(wumpus: &Wumpus, policies: &Programs) -> String {
-    let goal = match &wumpus.goal {
-        WumpusGoal::RandomIntact => "a random intact bush".to_owned(),
-        WumpusGoal::NearestIntact => "the nearest intact bush".to_owned(),
-        WumpusGoal::FarthestFromTruck => "the intact bush farthest from all trucks".to_owned(),
-        WumpusGoal::Densest => "the bush with most to burn around it, for the way".to_owned(),
-        WumpusGoal::DensestApart => {
-            "the bush with most to burn around it, for the way, away from other Wumpuses and trucks".to_owned()
-        }
-        WumpusGoal::Policy(name) => describe_choice(name, policies),
-    };
-    let keep = if wumpus.keep_goal { "which it never gives up" } else { "which it drops when it is no longer intact" };
-    let lattice = wumpus.lattice_m.map_or("cell centres".into(), |m| format!("a lattice of {m} m from its start on"));
-    let diagonals = match wumpus.step_time {
-        StepTime::Distance => "",
-        StepTime::Uniform => " (diagonal steps take no longer)",
-    };
-    let (method, details) = describe_walking(wumpus);
-    format!(
-        "starts at ({}, {}) m, a square of {} m, {} m/s{diagonals}. It goes for {goal}, {keep}, and lights it from \
-         within {} m of its centre. {} over {lattice}{}; {}.{}",
-        wumpus.start_m[0],
-        wumpus.start_m[1],
-        wumpus.size_m,
-        wumpus.speed_mps,
-        wumpus.reach_m,
-        method,
-        details,
-        describe_charge(wumpus.seconds_per_expansion),
-        wumpus.safety.describe()
-    )
-}
-
-/// Describes how a Wumpus finds its way, in words that go before and after those for the lattice that it walks on.
-fn describe_walking(wumpus: &Wumpus) -> (&'static str, String) {
-    let cost = match wumpus.step_cost {
-        StepCost::Metres => "cost in metres",
-        StepCost::Moves => "cost in moves",
-    };
-    let heuristic = match wumpus.heuristic {
-        WumpusHeuristic::Octile => "octile distance",
-        WumpusHeuristic::ParentEuclidean => "straight line from the parent",
-    };
-    let potential = &wumpus.potential;
-    let escape = match potential.escape {
-        Escape::Wavefront => format!("goes on down the exact cost-to-go, {cost}"),
-        Escape::None => "gives the goal up".into(),
-    };
-    match wumpus.planner {
-        WumpusPlanner::Astar => {
-            ("A*", format!(", {cost}, {} times the {heuristic} as estimate", wumpus.heuristic_weight))
-        }
-        WumpusPlanner::Wavefront => ("A wavefront's exact cost-to-go", format!(", {cost}")),
-        WumpusPlanner::Potential => (
-            "Gradient descent on a potential field",
-            format!(
-                ": attraction {}, repulsion of strength {} within {} steps; in a local minimum it {escape}",
-                potential.scale.map_or(format!("by zeta {}", potential.zeta), |scale| format!("up to {scale}")),
-                potential.eta,
-                potential.q
-            ),
-        ),
-    }
-}
+ranges! { Wumpus {
+    size_m: 0.01..=100.0, speed_mps: 0.001..=1000.0, reach_m: 0.0..=1e6, lattice_m: 0.01..=1000.0,
+    heuristic_weight: 0.0..=1000.0, seconds_per_expansion: 0.0..=1e6;
+    potential, safety
+} }
 
 /// Warns of settings of planners that the Wumpus does not use.
 fn warn_of_wumpus(number: usize, wumpus: &Wumpus, found: &mut Vec<String>) {

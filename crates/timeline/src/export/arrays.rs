@@ -29,15 +29,6 @@ mod motion {
     pub const WAIT: u8 = 2;
 }
 
-const ACTIVITIES: [Activity; 6] = [
-    Activity::Standing,
-    Activity::Planning,
-    Activity::Driving,
-    Activity::Suppressing,
-    Activity::Waiting,
-    Activity::Refilling,
-];
-
 /// Writes a run as arrays: the field, sampled poses, changes of cells, legs. `docs/output-files.md` lists them.
 ///
 /// # Errors
@@ -82,7 +73,7 @@ fn write_samples<W: Write>(arrays: &mut Arrays<W>, timeline: &Timeline, sampling
     let (agents, times) = (sampling.agents(), sampling.times().collect::<Vec<_>>());
     let names: Vec<String> = agents.iter().map(|&agent| timeline.setting.agents[agent].id.to_string()).collect();
     arrays.texts("agents", &names)?;
-    arrays.texts("activity_names", &ACTIVITIES.map(Activity::name))?;
+    arrays.texts("activity_names", &Activity::ALL.map(Activity::name))?;
     let shape = [agents.len(), times.len()];
     let count = agents.len() * times.len();
     let mut poses = vec![[0.0; 3]; count];
@@ -95,7 +86,7 @@ fn write_samples<W: Write>(arrays: &mut Arrays<W>, timeline: &Timeline, sampling
             let (state, at) = (replay.agent(agent), row * times.len() + sample);
             poses[at] = numbers(state.pose);
             speeds[at] = state.speed_mps;
-            activities[at] = number_of(state.activity);
+            activities[at] = state.activity as u8;
             goals[at] = state.goal.map_or(NO_CELL, pair);
         }
     }
@@ -115,15 +106,8 @@ fn write_changes<W: Write>(arrays: &mut Arrays<W>, changes: &[CellChange]) -> io
 
 fn write_legs<W: Write>(arrays: &mut Arrays<W>, index: &RunIndex<'_>, agents: &[usize]) -> io::Result<()> {
     let timeline = index.timeline();
-    let legs: Vec<(usize, FollowedLeg)> = agents
-        .iter()
-        .enumerate()
-        .flat_map(|(row, &agent)| {
-            let mut legs: Vec<_> = index.legs_between(agent, SimTime::ZERO, SimTime::MAX).collect();
-            legs.reverse();
-            legs.into_iter().map(move |leg| (row, leg))
-        })
-        .collect();
+    let legs_of = |(row, &agent): (usize, &usize)| index.legs_of(agent).iter().map(move |&leg| (row, leg));
+    let legs: Vec<(usize, FollowedLeg)> = agents.iter().enumerate().flat_map(legs_of).collect();
     let ways = || legs.iter().map(|(_, leg)| leg.trajectory(timeline));
     let until = |leg: FollowedLeg| leg.until.min(index.end_time()).as_seconds();
     let goal = |leg: FollowedLeg| match &timeline.events[leg.fact()].fact {
@@ -166,10 +150,6 @@ fn pair(cell: Cell) -> [u16; 2] {
 
 fn numbers(pose: Pose) -> [f64; 3] {
     [pose.x, pose.y, pose.heading]
-}
-
-fn number_of(activity: Activity) -> u8 {
-    ACTIVITIES.iter().position(|known| *known == activity).expect("all activities are listed") as u8
 }
 
 /// The arrays of a file.

@@ -449,8 +449,7 @@ impl<'a> AgentReader<'a> {
     }
 
     fn count_failure(&mut self, reason: PlanFailure) {
-        let place = PlanFailure::ALL.iter().position(|known| *known == reason);
-        self.outcome.failures[place.expect("all reasons are listed")] += 1;
+        self.outcome.failures[reason] += 1;
     }
 
     /// Returns whether there is something to act on anywhere, and in this agent's reach: for a Wumpus bushes, for a truck

@@ -139,6 +139,11 @@ impl<'a> RunIndex<'a> {
         legs[..begun].iter().rev().take_while(move |leg| leg.until >= from).copied()
     }
 
+    /// All legs of an agent in order of time; of legs that begin at one instant the last is the one that is followed.
+    pub fn legs_of(&self, agent: usize) -> &[FollowedLeg] {
+        &self.agents[agent].legs
+    }
+
     /// The leg that an agent follows, or has followed to its end.
     pub fn leg_at(&self, agent: usize, time: SimTime) -> Option<FollowedLeg> {
         self.legs_between(agent, time, time).next()

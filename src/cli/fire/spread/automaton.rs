@@ -1,23 +1,22 @@
 //! `wildfire fire spread --model alexandridis`: many fires of the automaton, and how much they burn.
 
 use std::io::{self, Write};
-use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::Arc;
 use std::thread;
 
-use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use super::automaton_arguments::AutomatonArguments;
 use super::{LitCell, SpreadArguments};
+use crate::cli::args::jobs_or_all;
 use crate::cli::error::CliError;
-use crate::cli::fire::members;
 use crate::cli::fire::options::WindStep;
 use crate::cli::output_files::{self, Files, Format};
 use wildfire_base::document::number::{count, rounded, short};
 use wildfire_base::document::{Document, Table};
 use wildfire_base::geometry::{Cell, FieldFrame, compass, ops};
+use wildfire_base::object;
 use wildfire_base::whole_file::WholeFile;
 use wildfire_batch::PROGRAM_VERSION;
 use wildfire_batch::stats::{Series, quantile};
@@ -101,7 +100,7 @@ fn burn_all(automaton: &Alexandridis, frame: &FieldFrame, lit: &[Cell], argument
         // All that was lit has burned or burns; what is left could still be lit.
         Burned { area: frame.cell_count() - fires.flammable().len(), last_step }
     };
-    let jobs = jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get) as u32;
+    let jobs = jobs_or_all(jobs) as u32;
     let mut fires = vec![Burned { area: 0, last_step: 0 }; runs as usize];
     let share = runs.div_ceil(jobs.min(runs)) as usize;
     thread::scope(|scope| {
@@ -157,19 +156,6 @@ impl From<&AutomatonReport<'_>> for Document {
     }
 }
 
-#[derive(Serialize)]
-struct WindObject {
-    at_s: f64,
-    speed_mps: f64,
-    from_deg: f64,
-}
-
-#[derive(Serialize)]
-struct QuantileObject {
-    share: f64,
-    area: Option<f64>,
-}
-
 impl Serialize for AutomatonReport<'_> {
     /// Serialises the members in their order.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -179,13 +165,11 @@ impl Serialize for AutomatonReport<'_> {
         let last_steps: Vec<f64> = self.fires.iter().map(|fire| f64::from(fire.last_step)).collect();
         let [slope_deg, uphill_deg] = arguments.slope_and_uphill_deg(&self.arguments.slope);
         let wind = self.arguments.wind.iter().flat_map(|wind| &wind.0);
-        let wind = wind.map(|&WindStep { from, speed_mps, from_deg }| WindObject {
-            at_s: from.as_seconds(),
-            speed_mps,
-            from_deg,
+        let wind = wind.map(|&WindStep { from, speed_mps, from_deg }| {
+            object!(Wind { at_s: from.as_seconds(), speed_mps, from_deg })
         });
-        let mut object = serializer.serialize_map(None)?;
-        members!(object, {
+        let quantile = |share| object!(Quantile { share, area: quantile(&areas, share) });
+        let report = object!(Fires {
             program_version: PROGRAM_VERSION,
             model: "alexandridis",
             rows: self.frame.rows,
@@ -197,8 +181,8 @@ impl Serialize for AutomatonReport<'_> {
             slope_a: self.rules.slope_a,
             vegetation: self.rules.vegetation,
             density: self.rules.density,
-            slope_deg: slope_deg,
-            uphill_deg: uphill_deg,
+            slope_deg,
+            uphill_deg,
             step_s: self.rules.step.as_seconds(),
             steps: arguments.steps,
             runs: arguments.runs,
@@ -209,9 +193,9 @@ impl Serialize for AutomatonReport<'_> {
             area_mean: series.mean(),
             area_sd: series.standard_deviation(),
             area_sem: series.standard_error(),
-            area_quantiles: SHARES.map(|share| QuantileObject { share, area: quantile(&areas, share) }),
+            area_quantiles: SHARES.map(quantile),
             last_step_mean: Series::from_values(&last_steps).mean(),
         });
-        object.end()
+        report.serialize(serializer)
     }
 }

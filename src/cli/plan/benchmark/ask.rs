@@ -7,13 +7,12 @@ use std::thread;
 
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
-use crate::cli::plan::arguments::{PlanArguments, asked_planners};
-use crate::cli::plan::attempts::{Question, attempts};
+use crate::cli::plan::arguments::PlanArguments;
 use crate::cli::terminal::Progress;
 use wildfire_base::input_file::is_standard_stream;
 use wildfire_batch::{
-    BatchPlan, BatchRequest, DriveQuery, DriveTable, MAX_QUERIES, PLANNER_KEY, RequestError, Seeds, Sweep, Value,
-    Variant,
+    BatchPlan, BatchRequest, DriveQuery, DriveTable, MAX_QUERIES, PLANNER_KEY, Question, RequestError, Seeds, Sweep,
+    Value, Variant, ask_all, asked_planners, expect_known_planners,
 };
 use wildfire_planning::PlannerName;
 use wildfire_sim::scenario::{Problem, ScenarioText};
@@ -80,9 +79,9 @@ impl<'a> Benchmark<'a> {
         }
         let plan = request.resolve(true)?;
         let planners: Vec<_> =
-            plan.variants.iter().map(|variant| asked_planners(arguments, &variant.scenario)).collect();
+            plan.variants.iter().map(|variant| asked_planners(&arguments.planners, &variant.scenario)).collect();
         for (variant, asked) in plan.variants.iter().zip(&planners) {
-            context.expect_known_planners(&variant.scenario, asked)?;
+            expect_known_planners(&context.entrants, &variant.scenario, asked)?;
             context.expect_trusted_planners(&variant.scenario, asked)?;
         }
         let mut values: Vec<Vec<Value>> = Vec::new();
@@ -116,7 +115,7 @@ impl<'a> Benchmark<'a> {
     /// Makes every problem once, so that one that cannot be made is known before hours of work, and counts the queries.
     fn check_size(&self) -> Result<(), CliError> {
         let asked = self.planners.iter().map(Vec::len).sum::<usize>() as u64;
-        let least = self.arguments.problems.least_goals() as u64;
+        let least = self.arguments.problems.problems().least_goals() as u64;
         let mut queries = asked.saturating_mul(self.plan.seeds.count()).saturating_mul(least);
         if queries <= MAX_QUERIES {
             queries = 0;
@@ -143,8 +142,8 @@ impl<'a> Benchmark<'a> {
     fn problems(&self, number: u64) -> Result<Vec<Problem>, CliError> {
         let run = self.plan.run(number);
         let Variant { scenario, .. } = run.variant;
-        let problems = self.arguments.problems.load_with_seed(scenario, run.seed);
-        problems.map_err(|error| error.about(&self.name(number)))
+        let problems = self.arguments.problems.problems().load(scenario, run.seed);
+        problems.map_err(|error| CliError::from(error).about(&self.name(number)))
     }
 
     fn name(&self, number: u64) -> String {
@@ -184,18 +183,17 @@ impl<'a> Benchmark<'a> {
         let makers = self.context.planners_of(scenario)?;
         let (planners, limit) = (&self.planners[index], self.plan.memory);
         let question = Question { planners, makers: &makers, programs: &scenario.planner, seed: run.seed, limit };
-        let mut part = Part::default();
-        for problem in self.problems(number)? {
-            let failed = |error| {
-                CliError::run_failed(format_args!("planning on the field {}: {error}", problem.name))
-                    .about(&self.name(number))
-            };
-            let attempts = attempts(&problem, &question).map_err(failed)?;
-            part.rows.extend(attempts.iter().map(|attempt| attempt.query(Some(run.seed), self.places[index])));
-            let (field, goals) = (problem.name, problem.goals.len());
-            part.problems.push(AskedProblem { variant: index, seed: run.seed, field, goals });
-        }
-        Ok(part)
+        let problems = self.problems(number)?;
+        let attempts = ask_all(&problems, &question);
+        let attempts = attempts.map_err(|error| CliError::from(error).about(&self.name(number)))?;
+        let rows = attempts.iter().map(|attempt| attempt.query(Some(run.seed), self.places[index])).collect();
+        let asked = |Problem { name, goals, .. }: Problem| AskedProblem {
+            variant: index,
+            seed: run.seed,
+            field: name,
+            goals: goals.len(),
+        };
+        Ok(Part { rows, problems: problems.into_iter().map(asked).collect() })
     }
 }
 

@@ -59,11 +59,6 @@ pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCo
     Ok(if is_clean { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
 }
 
-/// Returns all queries, and writes nothing.
-pub fn drives(arguments: &PlanArguments, context: &CommandContext) -> Result<DriveTable, CliError> {
-    Ok(begin(arguments, context)?.ask()?.drives)
-}
-
 fn begin<'a>(arguments: &'a PlanArguments, context: &'a CommandContext) -> Result<Benchmark<'a>, CliError> {
     let asked_for =
         [("--paths", arguments.paths.is_some()), ("--png", arguments.png.is_some()), ("--repeat", arguments.repeat)];

@@ -5,9 +5,10 @@ use serde::{Serialize, Serializer};
 use crate::cli::plan::benchmark::ask::AskedProblem;
 use wildfire_base::document::number::count;
 use wildfire_base::document::{Block, Document};
+use wildfire_base::object;
 use wildfire_batch::{
-    DriveTable, INTERVAL_LEGEND, PROGRAM_VERSION, PlannerSummary, RowMember, SummaryMember, failure_sentences,
-    interval_tables, queries_words, violation_sentences,
+    DriveTable, INTERVAL_LEGEND, PROGRAM_VERSION, PlannerSummary, failure_sentences, interval_tables, queries_words,
+    violation_sentences,
 };
 
 /// The question and all answers.
@@ -22,30 +23,18 @@ pub struct BenchmarkReport<'a> {
     pub problems: Vec<AskedProblem>,
 }
 
-/// The members in their order.
-#[derive(Serialize)]
-struct Object<'a> {
-    program_version: &'static str,
-    scenario: &'a str,
-    changes: &'a [String],
-    seeds: &'a str,
-    keys: &'a [String],
-    rows: Vec<RowMember<'a>>,
-    summary: Vec<SummaryMember<'a>>,
-}
-
 impl Serialize for BenchmarkReport<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let object = Object {
+        let report = object!(Report {
             program_version: PROGRAM_VERSION,
             scenario: &self.scenario,
             changes: self.changes,
             seeds: &self.seeds,
             keys: &self.drives.keys,
             rows: self.drives.members(),
-            summary: self.summaries.iter().map(|own| SummaryMember::new(&self.drives, own)).collect(),
-        };
-        object.serialize(serializer)
+            summary: self.drives.summary_members(&self.summaries),
+        });
+        report.serialize(serializer)
     }
 }
 

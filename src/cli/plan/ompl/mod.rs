@@ -5,18 +5,16 @@
 //! A log is a head of lines in a fixed order, then for each planner its settings, the names and types of what is known of
 //! a run, a line of values for each run, and a full stop. Planners of one name with other settings are others.
 
-mod machine;
-
-use std::env;
 use std::io::{self, Write};
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
+use std::{env, fs};
 
 use chrono::DateTime;
 
 use crate::cli::error::CliError;
 use wildfire_base::whole_file::WholeFile;
-use wildfire_batch::{DriveFailure, DriveQuery, PROGRAM_VERSION};
+use wildfire_batch::{DriveFailure, DriveQuery, Machine, PROGRAM_VERSION};
 use wildfire_planning::judge::DriveFigures;
 use wildfire_planning::{PlanFailure, PlannerName};
 use wildfire_sim::scenario::{MemoryLimit, Programs};
@@ -151,7 +149,7 @@ impl OmplLog<'_> {
         writeln!(log, "wildfire version {PROGRAM_VERSION}")?;
         writeln!(log, "Experiment {}", self.scenario.replace(char::is_whitespace, "_"))?;
         writeln!(log, "0 experiment properties")?;
-        writeln!(log, "Running on {}", machine::host())?;
+        writeln!(log, "Running on {}", host())?;
         writeln!(log, "Starting at {}", self.started.unwrap_or_default().iso())?;
         writeln!(log, "<<<|")?;
         for (number, problem) in self.problems.iter().enumerate() {
@@ -159,7 +157,10 @@ impl OmplLog<'_> {
         }
         writeln!(log, "|>>>")?;
         writeln!(log, "<<<|")?;
-        machine::hardware().iter().try_for_each(|line| writeln!(log, "{}", one_line(line)))?;
+        let machine = Machine::here(1);
+        writeln!(log, "Architecture: {}", machine.architecture)?;
+        writeln!(log, "CPU(s): {}", machine.processors)?;
+        machine.cpu.iter().try_for_each(|model| writeln!(log, "Model name: {model}"))?;
         writeln!(log, "|>>>")?;
         let runs = self.planners.iter().map(|planner| planner.runs.len()).max().unwrap_or(0);
         writeln!(log, "{} is the random seed", self.seed)?;
@@ -185,6 +186,13 @@ impl OmplLog<'_> {
     fn seconds_per_run(&self) -> f64 {
         self.times().fold(self.program_limit_s.max(1.0), f64::max).ceil()
     }
+}
+
+/// Returns the machine's name, one word; `UNKNOWN`, as OMPL has it, where there is none.
+fn host() -> String {
+    let name = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    let name = name.split_whitespace().next().unwrap_or("UNKNOWN");
+    name.chars().filter(|letter| !letter.is_control()).collect()
 }
 
 /// The text without line ends, so that it stays one line.

@@ -1,10 +1,11 @@
 //! A ranking as a document.
 
-use crate::comparison::{Better, Contrast, EntryAudit, RankedEntry, RankedPair, Ranking, p_words};
+use crate::comparison::{Contrast, EntryAudit, RankedEntry, RankedPair, Ranking, p_words};
+use crate::stats::Interval;
 use wildfire_base::document::number::{count, optional, percent, probability, rounded, two_digits};
 use wildfire_base::document::{Block, Document, Figure, Table};
 use wildfire_base::untrusted::visible_start;
-use wildfire_picture::charts::{Estimate, ForestChart, ForestRow, SCREEN_WIDTH, Titles};
+use wildfire_picture::charts::{ForestChart, SCREEN_WIDTH, Titles};
 
 /// The most pairs that are all shown; of more, each entry with the next one.
 const MOST_PAIRS: usize = 15;
@@ -24,10 +25,7 @@ different.";
 
 impl From<&Ranking> for Document {
     fn from(ranking: &Ranking) -> Self {
-        let better = match ranking.better {
-            Better::Higher => "higher",
-            Better::Lower => "lower",
-        };
+        let better = ranking.better.name();
         let entries = count_words(ranking.entries.len());
         let mut document =
             Self::new(format!("{entries} by {}, {better} is better", visible_start(&ranking.metric.name)));
@@ -103,9 +101,8 @@ fn table(ranking: &Ranking) -> Table {
         cells.extend([
             rounded(entry.mean, decimals),
             optional(against_first.map(|contrast| contrast.difference), decimals),
-            optional(interval.map(|it| it.low), decimals),
-            optional(interval.map(|it| it.high), decimals),
         ]);
+        cells.extend(Interval::ends(interval).map(|end| optional(end, decimals)));
         cells.extend(has_failed.then(|| percent(entry.failed as f64 / ranking.runs as f64)));
         let share = |part: u64, all: u64| if all > 0 { percent(part as f64 / all as f64) } else { "-".into() };
         let queries = &entry.queries;
@@ -122,19 +119,9 @@ fn forest(ranking: &Ranking) -> Block {
     let decimals = decimals(ranking);
     let rows = ranking.entries.iter().enumerate().skip(1).filter_map(|(place, entry)| {
         let pair = ranking.pair(0, place)?;
-        let Contrast { difference, interval, .. } = &pair.contrast;
-        let interval = interval.map(|it| (it.low, it.high));
-        let words = interval.map_or_else(String::new, |(low, high)| {
-            format!(" ({} to {})", rounded(low, decimals), rounded(high, decimals))
-        });
-        Some(ForestRow {
-            name: visible_start(&entry.name),
-            difference: Some(Estimate { value: *difference, interval }),
-            words: format!("{}{words}", rounded(*difference, decimals)),
-            is_told_apart: pair.is_told_apart(),
-        })
+        Some(pair.contrast.forest_row(visible_start(&entry.name), decimals, pair.is_told_apart()))
     });
-    let symbol = ranking.metric.unit.symbol();
+    let symbol = ranking.metric.about.unit.symbol();
     let (metric, unit) = (visible_start(&ranking.metric.name), if symbol.is_empty() { "1" } else { symbol });
     let titles = Titles {
         title: format!("Less {}, with 95 % intervals", name(&ranking.entries[0])),
@@ -197,7 +184,7 @@ fn pairs(ranking: &Ranking) -> Table {
         let Contrast { difference, interval, .. } = &pair.contrast;
         let decimals = interval.map_or_else(|| decimals(ranking), |it| two_digits(0.5 * (it.high - it.low)));
         let told = if pair.is_told_apart() { "yes" } else { "no" };
-        let ends = [interval.map(|it| it.low), interval.map(|it| it.high)].map(|end| optional(end, decimals));
+        let ends = Interval::ends(*interval).map(|end| optional(end, decimals));
         let cells = [first, second, told.into(), rounded(*difference, decimals)];
         cells.into_iter().chain(ends).chain([probability(pair.p_adjusted)]).collect()
     };

@@ -165,8 +165,8 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
     let files = paths.iter().map(|path| runs_table::open(path)).collect::<Result<Vec<_>, _>>()?;
     let name = request.metric.clone().unwrap_or_else(|| USUAL_METRIC.into());
     let metric = Metric::choose(&[name], &files)?.remove(0);
-    let better = request.better.or(metric.better);
-    let better = better.ok_or_else(|| RankingError::WhichIsBetter { metric: metric.name.clone() })?;
+    let better = request.better.or(metric.about.better);
+    let better = better.ok_or_else(|| RankingError::WhichIsBetter { metric: metric.name.to_string() })?;
     let of_metric = metric.fields();
     let tables =
         files.into_iter().map(|file| RunsTable::read(file, &of_metric)).collect::<Result<Vec<RunsTable>, _>>()?;
@@ -188,10 +188,7 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
     let means: Vec<f64> = (0..numbers.len()).map(mean).collect();
     let mut order: Vec<usize> = (0..numbers.len()).collect();
     order.sort_by(|&one, &other| {
-        let by_mean = match better {
-            Better::Higher => means[other].total_cmp(&means[one]),
-            Better::Lower => means[one].total_cmp(&means[other]),
-        };
+        let by_mean = better.best_first(means[one], means[other]);
         let failed = |index: usize| failed(&entries.entries[index]);
         let by_name = || entries.entries[one].name.cmp(&entries.entries[other].name);
         by_mean.then_with(|| failed(one).cmp(&failed(other))).then_with(by_name)
@@ -240,10 +237,7 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
 fn best_first(entry: &EntryRuns<'_>, values: &[f64], better: Better) -> Vec<u64> {
     let mut runs: Vec<(f64, u64)> =
         values.iter().copied().zip(entry.runs.iter().map(|run| entry.table.numbers[run.index])).collect();
-    runs.sort_by(|(one, _), (other, _)| match better {
-        Better::Higher => other.total_cmp(one),
-        Better::Lower => one.total_cmp(other),
-    });
+    runs.sort_by(|(one, _), (other, _)| better.best_first(*one, *other));
     runs.into_iter().map(|(_, number)| number).collect()
 }
 
@@ -263,10 +257,7 @@ fn worst_runs(entry: &EntryRuns<'_>, numbers: &[f64], better: Better) -> Vec<Wor
     let runs = entry.runs.iter().zip(numbers);
     let mut runs: Vec<_> = runs.map(|(run, &value)| WorstRun { seed: run.seed, value, row: run.index }).collect();
     // Runs of equal values stay in the order of their seeds.
-    runs.sort_by(|one, other| match better {
-        Better::Higher => one.value.total_cmp(&other.value),
-        Better::Lower => other.value.total_cmp(&one.value),
-    });
+    runs.sort_by(|one, other| better.best_first(other.value, one.value));
     runs.truncate(MOST_WORST_RUNS);
     runs
 }
@@ -304,7 +295,7 @@ fn numbers(
     let mut numbers: Vec<Vec<f64>> = rows.iter().map(|rows| rows.iter().map(number).collect()).collect();
     let known = || numbers.iter().flatten().copied().filter(|number| !number.is_nan());
     if known().next().is_none() && rows.iter().flatten().any(Option::is_some) {
-        return Err(RankingError::NoValues { metric: metric.name.clone() });
+        return Err(RankingError::NoValues { metric: metric.name.to_string() });
     }
     let worst = match (&metric.kind, better) {
         (MetricKind::Answer { .. }, Better::Lower) => 1.0,

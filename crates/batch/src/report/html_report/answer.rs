@@ -60,17 +60,17 @@ fn of_one(planner: &str, values: &Values, tally: &Tally) -> String {
     if tally.done == 0 {
         return format!("No run came to its end{rest}.");
     }
-    let (shares, bushes) = (values.numbers(SAVED), values.numbers(BUSHES));
+    let (shares, bushes) = (values.numbers(&SAVED), values.numbers(&BUSHES));
     let Some(share) = mean_of(&shares, SAVED.range()) else {
-        let Some(area) = values.mean(BURNED_AREA) else { return format!("{who}: {ending}") };
+        let Some(area) = values.mean(&BURNED_AREA) else { return format!("{who}: {ending}") };
         let decimals = decimals(&area, 1.0);
         let interval = interval_words(&area, 1.0, decimals);
         return format!("{who}: {} ha burned per run{interval} {ending}", rounded(area.value, decimals));
     };
     let saved: Vec<f64> = values
-        .of_seeds(SAVED)
+        .of_seeds(&SAVED)
         .iter()
-        .zip(values.of_seeds(BUSHES))
+        .zip(values.of_seeds(&BUSHES))
         .map(|(share, bushes)| share * bushes)
         .filter(|number| number.is_finite())
         .collect();

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::quantities::{ChosenQuantities, Quantity};
+use super::quantities::ChosenQuantities;
+use crate::comparison::Metric;
 use crate::plan::BatchPlan;
 use crate::report::summary::{BatchReport, VariantReport};
 use crate::stats::Series;
@@ -30,7 +31,7 @@ pub struct Collected {
 
 /// Numbers of the runs of a variant, by quantity: one for each seed, in their order, NaN where the run has none.
 #[derive(Debug, Default)]
-pub struct Values(BTreeMap<Quantity, Vec<f64>>);
+pub struct Values(BTreeMap<&'static str, Vec<f64>>);
 
 /// A run in a list, with why it is there.
 #[derive(Debug)]
@@ -78,25 +79,25 @@ impl Collected {
 }
 
 impl Values {
-    fn add(&mut self, row: &RunRecord, kept: &[Quantity]) {
+    fn add(&mut self, row: &RunRecord, kept: &[&'static Metric]) {
         for &quantity in kept {
-            let number = quantity.number(row).filter(|_| row.is_done());
-            self.0.entry(quantity).or_default().push(number.unwrap_or(f64::NAN));
+            let number = quantity.shown_number(row).filter(|_| row.is_done());
+            self.0.entry(quantity.about.name).or_default().push(number.unwrap_or(f64::NAN));
         }
     }
 
     /// Returns a number for each seed; NaN where the run has none.
-    pub fn of_seeds(&self, quantity: Quantity) -> &[f64] {
-        self.0.get(&quantity).map_or(&[], Vec::as_slice)
+    pub fn of_seeds(&self, quantity: &Metric) -> &[f64] {
+        self.0.get(quantity.about.name).map_or(&[], Vec::as_slice)
     }
 
     /// Returns the numbers of the runs that have one, in their order.
-    pub fn numbers(&self, quantity: Quantity) -> Vec<f64> {
+    pub fn numbers(&self, quantity: &Metric) -> Vec<f64> {
         self.of_seeds(quantity).iter().copied().filter(|number| !number.is_nan()).collect()
     }
 
     /// Returns the mean with its interval; `None` without any value.
-    pub fn mean(&self, quantity: Quantity) -> Option<Estimate> {
+    pub fn mean(&self, quantity: &Metric) -> Option<Estimate> {
         mean_of(&self.numbers(quantity), quantity.range())
     }
 }

@@ -7,20 +7,20 @@ use std::cmp::Ordering;
 
 use super::collected::{Values, mean_of};
 use super::labels::Labels;
-use super::quantities::{BUSHES, Quantity, SAVED};
+use super::quantities::{BUSHES, SAVED};
 use crate::comparison::{Contrast, JudgedContrast, Metric, NumberPair, Verdict, judge, listed};
 use crate::plan::BatchPlan;
 use crate::stats::Series;
 use crate::table::{Aim, Better};
-use wildfire_base::document::number::{rounded, two_digits};
-use wildfire_picture::charts::{Estimate, ForestChart, ForestRow, Titles};
+use wildfire_base::document::number::two_digits;
+use wildfire_picture::charts::{Estimate, ForestChart, Titles};
 
 /// The most rows of a chart of differences that is not over a key.
 const MOST_ROWS: usize = 60;
 
 /// The best of a batch and the others.
 pub struct Compared {
-    pub quantity: Quantity,
+    pub quantity: &'static Metric,
     pub aim: Aim,
     /// True if differences are in bushes: all have the same fields.
     is_in_bushes: bool,
@@ -53,17 +53,17 @@ struct Group {
 
 impl Compared {
     /// Finds the best; `None` unless two have numbers, and the quantity an aim.
-    pub fn new(quantity: Quantity, plan: &BatchPlan, variants: &[Values]) -> Option<Self> {
-        let aim = quantity.about().aim?;
+    pub fn new(quantity: &'static Metric, plan: &BatchPlan, variants: &[Values]) -> Option<Self> {
+        let aim = quantity.about.aim?;
         let labels = Labels::new(plan);
         let planners = labels.crossed_planners();
         let own = planners.clone().unwrap_or_else(|| labels.besides(&[]));
         let rest = planners.as_ref().map_or_else(Vec::new, |planners| labels.besides(planners));
         let strata = labels.distinct(&rest);
         let label = |variant: usize| (labels.label(variant, &own), labels.label(variant, &rest));
-        let is_in_bushes = quantity == SAVED && are_on_equal_fields(&labels, &rest, variants);
+        let is_in_bushes = *quantity == *SAVED && are_on_equal_fields(&labels, &rest, variants);
         let numbers = |variant: usize| {
-            let (of_seeds, bushes) = (variants[variant].of_seeds(quantity), variants[variant].of_seeds(BUSHES));
+            let (of_seeds, bushes) = (variants[variant].of_seeds(quantity), variants[variant].of_seeds(&BUSHES));
             let number = move |(&number, &bushes)| if is_in_bushes { f64::round(number * bushes) } else { number };
             of_seeds.iter().zip(bushes).map(number)
         };
@@ -85,7 +85,7 @@ impl Compared {
         let best = groups.remove(0);
         let by = if strata.len() > 1 { listed(&labels.heads(&rest, plan)) } else { String::new() };
         // One whose differences have the same size.
-        let metric = if quantity == SAVED && !is_in_bushes { "burned_ratio" } else { quantity.column() };
+        let metric = if *quantity == *SAVED && !is_in_bushes { "burned_ratio" } else { &quantity.name };
         let contrast = |other: &Group| {
             let mut pairs = Vec::new();
             for (stratum, (&ours, &theirs)) in best.variants.iter().zip(&other.variants).enumerate() {
@@ -168,13 +168,9 @@ impl Compared {
     /// Draws a row for each of the others, and for each stratum where that makes a difference.
     pub fn forest(&self) -> ForestChart {
         let row = |name: &String, judged: &JudgedContrast| {
-            let Estimate { value, interval } = estimate(judged);
-            let decimals = interval.map_or(2, |(low, high)| two_digits(0.5 * (high - low)).min(6));
-            let number = |value: f64| rounded(value, decimals);
-            let ends = |(low, high)| format!("{} ({} to {})", number(value), number(low), number(high));
-            let words = interval.map_or_else(|| number(value), ends);
-            let is_told_apart = judged.verdict == Verdict::Difference;
-            ForestRow { name: name.clone(), difference: Some(Estimate { value, interval }), words, is_told_apart }
+            let half_width = judged.contrast.interval.map(|ends| 0.5 * (ends.high - ends.low));
+            let decimals = half_width.map_or(2, |half| two_digits(half).min(6));
+            judged.contrast.forest_row(name.clone(), decimals, judged.verdict == Verdict::Difference)
         };
         let rows = self.others.iter().flat_map(|other| {
             let strata = other.strata().filter(|_| other.dependence().is_some());
@@ -188,13 +184,13 @@ impl Compared {
 }
 
 /// What does not say its better side, such as the burned area, is something lost.
-fn is_higher_better(quantity: Quantity) -> bool {
-    quantity.about().better == Some(Better::Higher)
+fn is_higher_better(quantity: &'static Metric) -> bool {
+    quantity.about.better == Some(Better::Higher)
 }
 
 /// Says whether the variants of a stratum have the same number of bushes with each seed.
 fn are_on_equal_fields(labels: &Labels, rest: &[usize], variants: &[Values]) -> bool {
-    let of_variant = |variant: usize| (labels.label(variant, rest), variants[variant].of_seeds(BUSHES));
+    let of_variant = |variant: usize| (labels.label(variant, rest), variants[variant].of_seeds(&BUSHES));
     let is_equal = |(one, other): (&f64, &f64)| one == other || one.is_nan() || other.is_nan();
     (1..variants.len()).all(|variant| {
         let (stratum, bushes) = of_variant(variant);
@@ -204,7 +200,7 @@ fn are_on_equal_fields(labels: &Labels, rest: &[usize], variants: &[Values]) -> 
 }
 
 /// Estimates the mean over seeds, whose numbers are means over strata.
-fn mean_by_seed(quantity: Quantity, group: &Group, variants: &[Values]) -> Option<Estimate> {
+fn mean_by_seed(quantity: &'static Metric, group: &Group, variants: &[Values]) -> Option<Estimate> {
     let members: Vec<&[f64]> = group.variants.iter().map(|&variant| variants[variant].of_seeds(quantity)).collect();
     let mean = |seed: usize| members.iter().map(|of_seeds| of_seeds[seed]).sum::<f64>() / members.len() as f64;
     let means = (0..members.first()?.len()).map(mean).filter(|number| !number.is_nan());

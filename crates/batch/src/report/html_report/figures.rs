@@ -7,9 +7,10 @@ use super::facets::{Facet, FacetSeries, MOST_PANELS, variant_facets};
 use super::labels::Labels;
 use super::over_time::StateCurves;
 use super::quantities::{
-    BURNED_AREA, CPU_PARTS, CUSTOM_PLANNERS, ChosenQuantities, Quantity, SAVED, SHARE_OF_OBSTACLES, STATES,
+    BURNED_AREA, CPU_PARTS, ChosenQuantities, SAVED, SHARE_OF_OBSTACLES, STATES, is_of_custom_planners,
 };
 use super::sweeps::{SweepChart, interval_note, main_curves, main_differences, sweep_charts};
+use crate::comparison::Metric;
 use crate::plan::BatchPlan;
 use crate::stats::quantile;
 use wildfire_base::document::number::short;
@@ -78,7 +79,7 @@ impl FigureSource<'_> {
             for quantity in chosen.of_runs() {
                 match distribution(quantity, &panels, &collected.variants) {
                     Ok(chart) => {
-                        let file = format!("distribution-{}", quantity.column());
+                        let file = format!("distribution-{}", quantity.name);
                         figures.add(Section::Distributions, chart.draw(width), ChartData::new(&file, chart.rows()));
                     }
                     Err(sentence) => figures.constant.push(sentence),
@@ -182,7 +183,7 @@ struct MeansChart {
     file: String,
     title: String,
     /// Its groups of bars, which have one unit.
-    quantities: Vec<Quantity>,
+    quantities: Vec<&'static Metric>,
 }
 
 /// Lists the charts of means. A quantity that was asked for and goes with no other has a chart of its own.
@@ -191,27 +192,27 @@ fn means(chosen: &ChosenQuantities) -> Vec<MeansChart> {
         MeansChart::new("states", "Obstacle states at the end".into(), chosen.among(&STATES)),
         MeansChart::new("cpu-time", "CPU time of a run by part".into(), chosen.among(&CPU_PARTS)),
     ];
-    let is_alone = |quantity: &&Quantity| !STATES.contains(quantity) && !CPU_PARTS.contains(quantity);
+    let is_alone = |quantity: &&&'static Metric| !STATES.contains(quantity) && !CPU_PARTS.contains(quantity);
     let alone = chosen
         .asked()
         .iter()
         .filter(is_alone)
-        .map(|&quantity| MeansChart::new(&format!("mean-{}", quantity.column()), quantity.title(), vec![quantity]));
+        .map(|&quantity| MeansChart::new(&format!("mean-{}", quantity.name), quantity.title(), vec![quantity]));
     together.into_iter().chain(alone).filter(|chart| !chart.quantities.is_empty()).collect()
 }
 
 impl MeansChart {
-    fn new(file: &str, title: String, quantities: Vec<Quantity>) -> Self {
+    fn new(file: &str, title: String, quantities: Vec<&'static Metric>) -> Self {
         Self { file: file.to_owned(), title, quantities }
     }
 
     fn bars(&self, panels: &[Facet], values: &[Values]) -> BarChart {
-        let is_used = |quantity: Quantity| {
+        let is_used = |quantity: &'static Metric| {
             let mut series = panels.iter().flat_map(|panel| &panel.series);
-            !CUSTOM_PLANNERS.contains(&quantity)
+            !is_of_custom_planners(quantity)
                 || series.any(|it| values[it.variants[0]].mean(quantity).is_some_and(|mean| mean.value > 0.0))
         };
-        let quantities: Vec<Quantity> = self.quantities.iter().copied().filter(|&it| is_used(it)).collect();
+        let quantities: Vec<&'static Metric> = self.quantities.iter().copied().filter(|&it| is_used(it)).collect();
         let of_series = |series: &FacetSeries| {
             let values = &values[series.variants[0]];
             let bars = quantities.iter().map(|&quantity| values.mean(quantity)).collect();
@@ -237,16 +238,18 @@ impl MeansChart {
 }
 
 /// Returns the quantity by which variants are compared first.
-pub fn main_quantity(variants: &[Values]) -> Quantity {
-    let has = |quantity| variants.iter().any(|values| values.of_seeds(quantity).iter().any(|number| !number.is_nan()));
-    if !has(SAVED) && has(BURNED_AREA) { BURNED_AREA } else { SAVED }
+pub fn main_quantity(variants: &[Values]) -> &'static Metric {
+    let has = |quantity: &Metric| {
+        variants.iter().any(|values| values.of_seeds(quantity).iter().any(|number| !number.is_nan()))
+    };
+    if !has(&SAVED) && has(&BURNED_AREA) { &BURNED_AREA } else { &SAVED }
 }
 
 /// The share of its runs that a variant has at one value whose distribution says no more than that value.
 const ALMOST_ALL: f64 = 0.95;
 
 /// Returns the distributions; where each of them is one value, or nearly, a sentence of the page that says so.
-fn distribution(quantity: Quantity, panels: &[Facet], values: &[Values]) -> Result<StripChart, String> {
+fn distribution(quantity: &'static Metric, panels: &[Facet], values: &[Values]) -> Result<StripChart, String> {
     let strip = |series: &FacetSeries| strip(series, values[series.variants[0]].numbers(quantity));
     let panels: Vec<StripPanel> = panels
         .iter()
@@ -277,7 +280,7 @@ fn commonest(ascending: &[f64]) -> (f64, usize) {
     equal.fold((f64::NAN, 0), |best, chunk| if chunk.len() > best.1 { (chunk[0], chunk.len()) } else { best })
 }
 
-fn constant_words(quantity: Quantity, strips: &[&Strip], commonest: &[(f64, usize)]) -> String {
+fn constant_words(quantity: &'static Metric, strips: &[&Strip], commonest: &[(f64, usize)]) -> String {
     let (title, unit) = (quantity.title(), quantity.unit());
     let with_runs = || strips.iter().zip(commonest).filter(|(strip, _)| !strip.values.is_empty());
     let all: usize = with_runs().map(|(strip, _)| strip.values.len()).sum();
@@ -307,8 +310,8 @@ fn state_styles() -> [Style; STATES.len()] {
     [STYLES[2], STYLES[1], STYLES[6], STYLES[0]]
 }
 
-fn state_curves(curves: &StateCurves, shown: &[Quantity]) -> Vec<Curve> {
-    let curve = |((state, style), points): ((&Quantity, Style), &Vec<_>)| Curve {
+fn state_curves(curves: &StateCurves, shown: &[&'static Metric]) -> Vec<Curve> {
+    let curve = |((state, style), points): ((&Metric, Style), &Vec<_>)| Curve {
         name: state.label().into(),
         style,
         points: points.clone(),
@@ -354,7 +357,7 @@ mod tests {
     fn panel(shares: [f64; STATES.len()]) -> CurvePanel {
         let estimate = |value: f64| Estimate { value, interval: Some((0.9 * value, 1.1 * value)) };
         let curves = shares.map(|share| vec![(0.0, estimate(share)), (60.0, estimate(share))]);
-        CurvePanel { name: String::new(), curves: state_curves(&StateCurves(curves), &STATES) }
+        CurvePanel { name: String::new(), curves: state_curves(&StateCurves(curves), &STATES.each_ref()) }
     }
 
     #[test]
@@ -366,7 +369,7 @@ mod tests {
         let said = |strips: &[Strip]| {
             let strips: Vec<&Strip> = strips.iter().collect();
             let commonest: Vec<_> = strips.iter().map(|strip| commonest(&strip.values)).collect();
-            constant_words(MEASURES[2], &strips, &commonest)
+            constant_words(&MEASURES[2], &strips, &commonest)
         };
         let title = MEASURES[2].title();
         assert_eq!(said(&[strip(vec![0.0; 4])]), format!("{title}: no distribution, since it is 0 s in all 4 runs."));

@@ -3,7 +3,8 @@
 use super::collected::Values;
 use super::compared::Compared;
 use super::facets::{Facet, FacetSeries, facets_over};
-use super::quantities::{ChosenQuantities, Quantity, key_axis};
+use super::quantities::{ChosenQuantities, key_axis};
+use crate::comparison::Metric;
 use crate::execute::file_name_of;
 use crate::plan::{BatchPlan, Value};
 use wildfire_picture::charts::{Curve, CurveChart, CurvePanel, Spread, Titles};
@@ -26,7 +27,7 @@ pub fn sweep_charts(plan: &BatchPlan, values: &[Values], chosen: &ChosenQuantiti
             // Where nothing ever happened, such as agents that were never stuck, there is nothing to see.
             let mut points = chart.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
             if points.any(|(_, estimate)| estimate.value != 0.0) {
-                let file = format!("sweep-{}-{}", file_name_of(name), quantity.column());
+                let file = format!("sweep-{}-{}", file_name_of(name), quantity.name);
                 charts.push(SweepChart { file, what: format!("means by {name}"), chart });
             }
         }
@@ -35,7 +36,7 @@ pub fn sweep_charts(plan: &BatchPlan, values: &[Values], chosen: &ChosenQuantiti
 }
 
 /// Returns the means of a quantity over the key that takes most numbers; `None` if no key is swept over numbers.
-pub fn main_curves(plan: &BatchPlan, values: &[Values], quantity: Quantity) -> Option<CurveChart> {
+pub fn main_curves(plan: &BatchPlan, values: &[Values], quantity: &'static Metric) -> Option<CurveChart> {
     let (key, places) = main_key(plan)?;
     Some(curves_over(plan, values, (key, &places), quantity))
 }
@@ -78,7 +79,12 @@ fn places(plan: &BatchPlan, key: usize) -> Option<Vec<f64>> {
     places.iter().any(|place| *place != places[0]).then_some(places)
 }
 
-fn curves_over(plan: &BatchPlan, values: &[Values], (key, places): (usize, &[f64]), quantity: Quantity) -> CurveChart {
+fn curves_over(
+    plan: &BatchPlan,
+    values: &[Values],
+    (key, places): (usize, &[f64]),
+    quantity: &'static Metric,
+) -> CurveChart {
     let curve = |series: FacetSeries| {
         let point = |&variant: &usize| Some((places[variant], values[variant].mean(quantity)?));
         let mut points: Vec<_> = series.variants.iter().filter_map(point).collect();

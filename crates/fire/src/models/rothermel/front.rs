@@ -202,12 +202,6 @@ impl Front {
         Self { cells, rates, rules, template, vectors, pairs, interval, queue, due, due_at }
     }
 
-    /// Returns the most bytes that a front takes on a field of this number of cells.
-    pub fn most_bytes(cells: u64) -> u64 {
-        // Fuel, state, way, time; a kept ellipse of 48 bytes for at least every eighth cell; and 8 for plans in the queue.
-        cells * (3 + 8 + 12 + 8) + (1 << 20)
-    }
-
     /// Returns the next plan.
     pub fn next(&mut self) -> Option<(u64, Cell)> {
         loop {

@@ -59,11 +59,6 @@ impl Rothermel {
         Self { front: Front::new(landscape, weather, rules), sparks, announced: None, revision: 0 }
     }
 
-    /// Returns the most bytes that it takes for a field of this number of cells.
-    pub fn most_bytes(cells: u64) -> u64 {
-        Front::most_bytes(cells)
-    }
-
     /// Returns the time of the next arrival, if nothing changes by then.
     pub fn next_arrival(&mut self) -> Option<SimTime> {
         self.next().map(|(time, _)| time)

@@ -8,17 +8,16 @@
 use std::io::Cursor;
 
 use tiff::decoder::ifd::Value;
-use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
+use tiff::decoder::{ChunkType, DecodingResult};
 use tiff::encoder::colortype::Gray32Float;
 use tiff::encoder::compression::DeflateLevel;
 use tiff::encoder::{Compression, TiffEncoder};
 use tiff::tags::Tag;
 use tiff::{TiffError, TiffResult};
 
+use super::tiff_chunks::{self, TiffDecoder};
 use super::tiff_header::{self, TiffSize};
-use super::{GeoKeys, MAX_RASTER_CELLS, Raster, RasterFault, check_place, tiff_chunks, with_room};
-
-type TiffDecoder = Decoder<Cursor<Vec<u8>>>;
+use super::{GeoKeys, MAX_RASTER_CELLS, Raster, RasterFault, check_place, with_room};
 
 const MODEL_TYPE: u16 = 1024;
 const RASTER_TYPE: u16 = 1025;
@@ -42,15 +41,8 @@ const STRIP_CELLS: usize = 1 << 16;
 
 pub(super) fn parse(mut bytes: Vec<u8>) -> Result<Raster, RasterFault> {
     let TiffSize { rows, cols } = tiff_header::check(&mut bytes)?;
-    match tiff_chunks::unpack(&bytes, 2 * MAX_CHUNK) {
-        Ok(None) => {}
-        Ok(Some(plain)) => bytes = plain,
-        Err(message) => return Err(RasterFault::Damaged { message }),
-    }
-    let mut limits = Limits::default();
-    limits.decoding_buffer_size = MAX_CHUNK;
-    limits.intermediate_buffer_size = MAX_CHUNK;
-    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(damaged)?.with_limits(limits);
+    let damaged_chunk = |message| RasterFault::Damaged { message };
+    let mut decoder = tiff_chunks::open(&bytes, MAX_CHUNK).map_err(damaged_chunk)?.map_err(damaged)?;
     if decoder.dimensions().map_err(damaged)? != (cols as u32, rows as u32) {
         return Err(RasterFault::Damaged { message: "its head says its size twice".into() });
     }
@@ -88,7 +80,7 @@ struct Pixels {
 
 impl Pixels {
     /// Reads all strips or tiles, and turns the rows over.
-    fn read(&self, decoder: &mut TiffDecoder) -> Result<Vec<f32>, RasterFault> {
+    fn read(&self, decoder: &mut TiffDecoder<'_>) -> Result<Vec<f32>, RasterFault> {
         let (width, height) = decoder.chunk_dimensions();
         let (width, height) = (width as usize, (height as usize).min(self.rows));
         if width == 0 || height == 0 || width * height > MAX_RASTER_CELLS {
@@ -148,7 +140,7 @@ fn narrowed(number: f64) -> f32 {
 }
 
 /// Returns the value of cells without one, which GDAL writes as text.
-fn nodata(decoder: &mut TiffDecoder) -> Result<Option<f32>, RasterFault> {
+fn nodata(decoder: &mut TiffDecoder<'_>) -> Result<Option<f32>, RasterFault> {
     let Some(value) = decoder.find_tag(Tag::GdalNodata).map_err(damaged)? else { return Ok(None) };
     let text = value.into_string().map_err(damaged)?;
     let text = text.trim_matches(|letter: char| letter.is_whitespace() || letter == '\0');
@@ -164,7 +156,7 @@ fn nodata(decoder: &mut TiffDecoder) -> Result<Option<f32>, RasterFault> {
 }
 
 /// Reads the coordinate system, and refuses one that is not measured in metres.
-fn geo_keys(decoder: &mut TiffDecoder) -> Result<Option<GeoKeys>, RasterFault> {
+fn geo_keys(decoder: &mut TiffDecoder<'_>) -> Result<Option<GeoKeys>, RasterFault> {
     let Some(directory) = decoder.find_tag(Tag::GeoKeyDirectoryTag).map_err(damaged)? else { return Ok(None) };
     let doubles = decoder.find_tag(Tag::GeoDoubleParamsTag).map_err(damaged)?;
     let ascii = decoder.find_tag(Tag::GeoAsciiParamsTag).map_err(damaged)?;
@@ -229,7 +221,7 @@ struct Place {
 }
 
 impl Place {
-    fn read(decoder: &mut TiffDecoder, crs: Option<&GeoKeys>) -> Result<Self, RasterFault> {
+    fn read(decoder: &mut TiffDecoder<'_>, crs: Option<&GeoKeys>) -> Result<Self, RasterFault> {
         let mut numbers = |tag| {
             let value = decoder.find_tag(tag).map_err(damaged)?;
             value.map(Value::into_f64_vec).transpose().map_err(damaged)

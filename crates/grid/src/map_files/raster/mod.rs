@@ -8,7 +8,7 @@ mod ascii;
 mod error;
 mod geotiff;
 pub(super) mod tiff_chunks;
-mod tiff_header;
+pub(super) mod tiff_header;
 
 use std::io;
 use std::path::Path;

@@ -7,9 +7,12 @@
 //! Sources: Adobe Developers Association, "TIFF Revision 6.0", 1992, sections 13 (LZW) and 15 (tiles); number 50000 is that
 //! of libtiff for Zstandard.
 
-use std::io::Read;
+use std::borrow::Cow;
+use std::io::{Cursor, Read};
 
 use ruzstd::decoding::StreamingDecoder;
+use tiff::TiffResult;
+use tiff::decoder::{Decoder, Limits};
 
 use super::tiff_header::{
     BITS, COMPRESSION, LENGTH, PLANAR, ROWS_PER_STRIP, SAMPLES, TILE_LENGTH, TILE_WIDTH, TiffHead, WIDTH,
@@ -29,13 +32,27 @@ const END: usize = 257;
 /// The number of strings that codes of at most 12 bits have.
 const MAX_STRINGS: usize = 4096;
 
+pub(in crate::map_files) type TiffDecoder<'a> = Decoder<Cursor<Cow<'a, [u8]>>>;
+
+/// Opens an image whose strips and tiles the crate `tiff` can read, with buffers of at most `most` bytes.
+///
+/// # Errors
+/// Returns a sentence with the place of a chunk that is damaged or ends early; inside, the error of the decoder.
+pub(in crate::map_files) fn open(bytes: &[u8], most: usize) -> Result<TiffResult<TiffDecoder<'_>>, String> {
+    let plain = unpack(bytes, 2 * most)?.map_or(Cow::Borrowed(bytes), Cow::Owned);
+    let mut limits = Limits::default();
+    limits.decoding_buffer_size = most;
+    limits.intermediate_buffer_size = most;
+    Ok(Decoder::new(Cursor::new(plain)).map(|decoder| decoder.with_limits(limits)))
+}
+
 /// Returns the file with unpacked chunks if they are packed by LZW or Zstandard, at most `most` bytes of them.
 ///
 /// `None` if there is nothing to do, or the head is damaged in a way that a decoder will name.
 ///
 /// # Errors
 /// Returns a sentence with the place of a chunk that is damaged or ends early.
-pub(in crate::map_files) fn unpack(bytes: &[u8], most: usize) -> Result<Option<Vec<u8>>, String> {
+fn unpack(bytes: &[u8], most: usize) -> Result<Option<Vec<u8>>, String> {
     let Some(head) = TiffHead::find(bytes) else { return Ok(None) };
     let number = |tag| head.entry(bytes, tag).and_then(|entry| entry.value).map(|number| number as usize);
     let packing = number(COMPRESSION).unwrap_or_default() as u64;

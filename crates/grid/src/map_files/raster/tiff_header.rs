@@ -35,8 +35,8 @@ const MAX_RATIO: usize = 1 << 15;
 /// The most tags of a head.
 const MAX_TAGS: u64 = 4096;
 
-/// Says whether a file is a TIFF image.
-pub(super) fn is_start(bytes: &[u8]) -> bool {
+/// Says whether a file begins as a TIFF image does, of the classic kind or a BigTIFF.
+pub(in crate::map_files) fn is_start(bytes: &[u8]) -> bool {
     [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|signature| bytes.starts_with(*signature))
 }
 

@@ -20,7 +20,7 @@ use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::Piece;
 use wildfire_base::untrusted::visible;
 use wildfire_fire::BushStateKind;
-use wildfire_timeline::{Activity, AgentFact, AgentStart, Body, Fact, FireFact, FollowedLeg, Role, Rules};
+use wildfire_timeline::{Activity, AgentFact, AgentStart, Body, Fact, FireFact, Role, Rules};
 
 /// Parts of a metre in which places and lengths are written, of a radian, of a curvature of 1/m, and of m/s and m/s2.
 const PER_METRE: f64 = 1e4;
@@ -245,21 +245,13 @@ fn is_failed_plan(fact: &Fact) -> bool {
 
 fn agent_data(run: &RunView, agent: usize, start: &AgentStart, texts: &mut Texts) -> AgentData {
     let is_truck = start.id.role == Role::Unimog;
-    let activities = [
-        Activity::Standing,
-        Activity::Planning,
-        Activity::Driving,
-        Activity::Suppressing,
-        Activity::Waiting,
-        Activity::Refilling,
-    ];
     let steps = step_table(run, agent, texts);
     AgentData {
         id: start.id.to_string(),
         number: start.id.number,
         is_truck,
         cells_word: cells_word(start.id),
-        activities: activities.map(|activity| activity_name(start.id, activity)),
+        activities: Activity::ALL.map(|activity| activity_name(start.id, activity)),
         body_m: match start.body {
             Body::Square { size_m } => vec![size_m],
             Body::Truck(body) => vec![body.length_m, body.width_m, body.wheelbase_m, body.centre_offset_m()],
@@ -300,10 +292,8 @@ fn step_table(run: &RunView, agent: usize, texts: &mut Texts) -> StepTable {
 
 fn leg_table(run: &RunView, agent: usize) -> LegTable {
     let timeline = run.timeline();
-    let mut legs: Vec<FollowedLeg> = run.index().legs_between(agent, SimTime::ZERO, SimTime::MAX).collect();
-    legs.reverse();
     let mut table = LegTable::default();
-    for leg in &legs {
+    for leg in run.index().legs_of(agent) {
         let trajectory = leg.trajectory(timeline);
         let [x, y, heading] = pose(trajectory.start());
         // A leg that is cut short begins when the whole one did, which is before it is followed.

@@ -9,10 +9,12 @@ mod flood;
 mod passages;
 mod search;
 
+use flood::MAX_BINS;
 pub use flood::MAX_POSES;
 pub use search::{FloodQuery, FloodSearch, Floods};
 
 use super::lattice::Lattice;
+use wildfire_base::geometry::FieldFrame;
 
 /// Lattices of the floods, coarsest first. The short motions of the last can turn the truck about in tight pockets.
 pub const LATTICES: [Lattice; 3] = [
@@ -20,6 +22,21 @@ pub const LATTICES: [Lattice; 3] = [
     Lattice { bin_m: 5.0, headings: 24, step_m: 7.0 },
     Lattice { bin_m: 1.25, headings: 72, step_m: 1.5 },
 ];
+
+/// Bytes of a pose, what waits among them included, and of a bin, in lists that double.
+const POSE_BYTES: u64 = 28;
+const BIN_BYTES: u64 = 5;
+
+/// Bounds the bytes of the floods over all lattices of a field, each of which spreads from up to this number of poses.
+pub fn flood_bytes(frame: &FieldFrame, most_spread: u32) -> u64 {
+    let of_lattice = |lattice: Lattice| {
+        let Lattice { bin_m, headings, .. } = lattice;
+        let bins = (frame.width_m() / bin_m * (frame.height_m() / bin_m) * f64::from(headings)) as u64;
+        let poses = bins.min(MAX_POSES as u64).min(6 * u64::from(most_spread) + 1);
+        POSE_BYTES * poses + BIN_BYTES * bins.min(MAX_BINS as u64)
+    };
+    LATTICES.into_iter().map(of_lattice).sum()
+}
 
 /// The clearance that the body keeps from bushes and border.
 pub const CLEARANCE_M: f64 = 0.03;

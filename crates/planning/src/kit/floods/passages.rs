@@ -49,12 +49,6 @@ impl Passages {
         passages
     }
 
-    /// Bounds the bytes that it takes on a field, while it is worked out.
-    pub fn most_bytes(frame: &FieldFrame) -> u64 {
-        let count = Squares::new(frame).count();
-        if count <= MAX_SQUARES { (count * (1 + BYTES_AT_WORK)) as u64 } else { 0 }
-    }
-
     /// Spreads over open squares from the start's, judging each when it is first met.
     fn join(&mut self, checker: &CollisionChecker, start: DVec2) {
         let squares = self.squares;

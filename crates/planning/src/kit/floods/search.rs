@@ -10,7 +10,7 @@ use crate::kit::target::Target;
 use crate::memory::MemoryMeter;
 use crate::observer::PlanningObserver;
 use crate::{Goal, GoalDisc, PlanFailure};
-use wildfire_base::geometry::{FieldFrame, Pose};
+use wildfire_base::geometry::Pose;
 use wildfire_base::query::SearchPhase;
 use wildfire_base::vehicle::Path;
 
@@ -35,12 +35,6 @@ pub struct Floods {
 impl Floods {
     pub fn new(checker: &CollisionChecker, memory: &MemoryMeter, root: Pose) -> Self {
         Self { checker: checker.clone(), memory: memory.clone(), root, floods: Default::default(), passages: None }
-    }
-
-    /// Bounds the bytes that the first few floods of a field take, each of which spreads from up to `limit` poses.
-    pub fn most_bytes(frame: &FieldFrame, lattices: usize, limit: u32) -> u64 {
-        let floods = LATTICES[..lattices].iter().map(|&lattice| Flood::most_bytes(frame, lattice, limit)).sum::<u64>();
-        floods + if lattices > 1 { Passages::most_bytes(frame) } else { 0 }
     }
 
     pub fn root(&self) -> Pose {

@@ -60,12 +60,6 @@ impl LocalSearch {
         }
     }
 
-    /// Bounds the bytes that its searches take.
-    pub fn most_bytes(settings: &PrimitiveSettings) -> u64 {
-        let most = SCHEDULE.iter().map(|stage| part_of(settings.max_expansions, stage.effort)).sum::<u32>();
-        PrimitiveSearch::most_bytes(most.min(settings.max_expansions))
-    }
-
     /// Begins a new query, which has the whole budget before it.
     pub fn begin(&mut self) {
         self.expansions = 0;

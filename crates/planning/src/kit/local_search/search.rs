@@ -7,7 +7,6 @@ use glam::DVec2;
 use crate::collision::CollisionChecker;
 use crate::kit::best_first::{AnalyticExpansion, Candidate, Ending, Node, PoseSearch, SearchOf, SearchSpace, Step};
 use crate::kit::clearance_profile::ClearanceProfile;
-use crate::kit::closed_set::ClosedSet;
 use crate::kit::lattice::Lattice;
 use crate::kit::motion_price::MotionPrice;
 use crate::kit::safety::Safety;
@@ -140,20 +139,6 @@ impl PrimitiveSearch {
         }
         self.search.begin(&mut space, [query.start], Progress { waypoint: 0, way: NO_WAY });
         self.search.run(&mut space, budget)
-    }
-
-    /// Bounds the bytes that searches take, each of which expands up to this number of nodes.
-    pub fn most_bytes(expansions: u32) -> u64 {
-        // A node is left by its motions but the one back, and by ways, which are two motions each.
-        let motions = 5;
-        let ways = 1 + u64::from(AIM_AHEAD);
-        let nodes = motions + 2 * ways;
-        let entries = nodes + motions + ways + 1;
-        let expansions = u64::from(expansions);
-        let lists = PoseSearch::<Progress, Steered>::most_bytes(expansions * nodes, expansions * entries);
-        // Lists that double may have room for twice as many.
-        let ways = 2 * expansions * (nodes + ways) * size_of::<TurnStraight>() as u64;
-        lists + ways + ClosedSet::most_bytes(expansions * nodes)
     }
 }
 

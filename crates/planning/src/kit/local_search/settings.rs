@@ -4,8 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::kit::closed_set::check_bins;
-use wildfire_base::geometry::FieldFrame;
-use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+use wildfire_base::ranges;
 
 /// The local search with motion primitives.
 ///
@@ -83,19 +82,8 @@ pub enum MotionCost {
     Moves,
 }
 
-impl SettingsTable for PrimitiveSettings {
-    fn check(&self, frame: &FieldFrame) -> Result<(), OutOfRange> {
-        check_range("step_m", self.step_m, 0.1..=1000.0)?;
-        check_range("bin_m", self.bin_m, 0.01..=1000.0)?;
-        check_range("headings", self.headings.into(), 4.0..=360.0)?;
-        check_range("clearance_m", self.clearance_m, 0.01..=100.0)?;
-        check_range("turn_cost", self.turn_cost, 0.0..=1e6)?;
-        check_range("reverse_cost", self.reverse_cost, 0.0..=1e6)?;
-        check_range("cusp_cost", self.cusp_cost, 0.0..=1e6)?;
-        check_range("heuristic_weight", self.heuristic_weight, 0.0..=1000.0)?;
-        check_range("waypoint_tolerance_m", self.waypoint_tolerance_m, 0.01..=1000.0)?;
-        check_range("max_expansions", self.max_expansions.into(), 1.0..=1e6)?;
-        check_range("seconds_per_expansion", self.seconds_per_expansion, 0.0..=1e6)?;
-        check_bins(self.bin_m, frame)
-    }
-}
+ranges! { PrimitiveSettings {
+    step_m: 0.1..=1000.0, bin_m: 0.01..=1000.0, headings: 4.0..=360.0, clearance_m: 0.01..=100.0,
+    turn_cost: 0.0..=1e6, reverse_cost: 0.0..=1e6, cusp_cost: 0.0..=1e6, heuristic_weight: 0.0..=1000.0,
+    waypoint_tolerance_m: 0.01..=1000.0, max_expansions: 1.0..=1e6, seconds_per_expansion: 0.0..=1e6,
+} and |own, frame| check_bins(own.bin_m, frame) }

@@ -13,11 +13,10 @@ use crate::kit::lattice::Lattice;
 use crate::kit::path_improvement::Improvement;
 use crate::kit::relaxed_search::{RelaxedSearch, RelaxedSettings};
 use crate::kit::target::Target;
-use crate::memory::PlannerMemory;
 use crate::observer::{PlanningObserver, PlanningWork, Unobserved};
-use crate::registry::{BuiltInPlanner, Charge, Site, TruckPlannerSettings, describe_charge};
+use crate::registry::{BuiltInPlanner, Charge, Site, TruckPlannerSettings};
 use crate::{BuildReport, Effort, Goal, GoalDisc, Plan, TruckPlanner};
-use wildfire_base::geometry::{FieldFrame, Pose};
+use wildfire_base::geometry::Pose;
 use wildfire_base::trajectory::SpeedLimits;
 use wildfire_base::vehicle::Path;
 
@@ -103,28 +102,8 @@ impl BuiltInPlanner for Maker {
         true
     }
 
-    fn memory(&self, frame: &FieldFrame, _: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
-        RelaxedSearch::memory(frame, settings.hybrid.max_expansions)
-    }
-
     fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {
         Charge { roadmap_s: 0.0, local_s: settings.hybrid.seconds_per_expansion }
-    }
-
-    fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String {
-        let hybrid = settings.hybrid;
-        format!(
-            "Hybrid A* with motions of {} m, bins of {} m and {} headings, Reeds-Shepp curves into the goal, {} m \
-             clear, a change of direction at the price of {} m, at most {} expansions, then {}; {}.",
-            hybrid.step_m,
-            hybrid.bin_m,
-            hybrid.headings,
-            hybrid.clearance_m,
-            hybrid.cusp_cost,
-            hybrid.max_expansions,
-            hybrid.improvement(),
-            describe_charge(hybrid.seconds_per_expansion)
-        )
     }
 }
 

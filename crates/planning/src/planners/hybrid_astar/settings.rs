@@ -5,8 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::kit::closed_set::check_bins;
 use crate::kit::relaxed_search::MOST_FIRST_EXPANSIONS;
-use wildfire_base::geometry::FieldFrame;
-use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+use wildfire_base::ranges;
 
 /// Settings of the planner `hybrid-astar`. Lengths are metres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -56,19 +55,8 @@ impl Default for HybridSettings {
     }
 }
 
-impl SettingsTable for HybridSettings {
-    fn check(&self, frame: &FieldFrame) -> Result<(), OutOfRange> {
-        check_range("clearance_m", self.clearance_m, 0.01..=100.0)?;
-        check_range("step_m", self.step_m, 0.1..=1000.0)?;
-        check_range("bin_m", self.bin_m, 0.01..=1000.0)?;
-        check_range("headings", self.headings.into(), 4.0..=360.0)?;
-        check_range("cusp_cost", self.cusp_cost, 0.0..=1e6)?;
-        check_range("heuristic_weight", self.heuristic_weight, 0.0..=1000.0)?;
-        check_range("shortcuts", self.shortcuts.into(), 0.0..=1e6)?;
-        check_range("pulls", self.pulls.into(), 0.0..=1000.0)?;
-        check_range("first_expansions", self.first_expansions.into(), 1.0..=MOST_FIRST_EXPANSIONS.into())?;
-        check_range("max_expansions", self.max_expansions.into(), 1.0..=1e6)?;
-        check_range("seconds_per_expansion", self.seconds_per_expansion, 0.0..=1e6)?;
-        check_bins(self.bin_m, frame)
-    }
-}
+ranges! { HybridSettings {
+    clearance_m: 0.01..=100.0, step_m: 0.1..=1000.0, bin_m: 0.01..=1000.0, headings: 4.0..=360.0,
+    cusp_cost: 0.0..=1e6, heuristic_weight: 0.0..=1000.0, shortcuts: 0.0..=1e6, pulls: 0.0..=1000.0,
+    first_expansions: 1.0..=MOST_FIRST_EXPANSIONS as f64, max_expansions: 1.0..=1e6, seconds_per_expansion: 0.0..=1e6,
+} and |own, frame| check_bins(own.bin_m, frame) }

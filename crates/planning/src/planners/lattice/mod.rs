@@ -8,12 +8,11 @@ mod settings;
 
 pub use settings::LatticeSettings;
 
-use crate::kit::floods::{FloodQuery, FloodSearch, Floods, LATTICES};
-use crate::memory::PlannerMemory;
+use crate::kit::floods::{FloodQuery, FloodSearch};
 use crate::observer::{PlanningObserver, PlanningWork, Unobserved};
-use crate::registry::{BuiltInPlanner, Charge, Site, TruckPlannerSettings, describe_charge};
+use crate::registry::{BuiltInPlanner, Charge, Site, TruckPlannerSettings};
 use crate::{BuildReport, Effort, Found, FoundBy, Goal, Plan, TruckPlanner};
-use wildfire_base::geometry::{FieldFrame, Pose};
+use wildfire_base::geometry::Pose;
 
 /// The planner for one body on one field.
 #[derive(Debug)]
@@ -60,24 +59,8 @@ impl BuiltInPlanner for Maker {
         &["lattice"]
     }
 
-    fn memory(&self, frame: &FieldFrame, _: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
-        let floods = Floods::most_bytes(frame, LATTICES.len(), settings.lattice.max_expansions);
-        PlannerMemory { floods, ..PlannerMemory::default() }
-    }
-
     fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {
         Charge { roadmap_s: 0.0, local_s: settings.lattice.seconds_per_expansion }
-    }
-
-    fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String {
-        let [coarse, middle, fine] =
-            LATTICES.map(|lattice| format!("{} m and {} headings", lattice.bin_m, lattice.headings));
-        format!(
-            "Flood over a lattice of poses: one pose in bins of {coarse}, where that fails of {middle}, then of \
-             {fine}; a query spreads from at most {} poses; {}.",
-            settings.lattice.max_expansions,
-            describe_charge(settings.lattice.seconds_per_expansion)
-        )
     }
 }
 

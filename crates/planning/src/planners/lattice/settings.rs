@@ -3,8 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use wildfire_base::geometry::FieldFrame;
-use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+use wildfire_base::ranges;
 
 /// Settings of the planner `lattice`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -22,9 +21,4 @@ impl Default for LatticeSettings {
     }
 }
 
-impl SettingsTable for LatticeSettings {
-    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
-        check_range("max_expansions", self.max_expansions.into(), 1.0..=1e8)?;
-        check_range("seconds_per_expansion", self.seconds_per_expansion, 0.0..=1e6)
-    }
-}
+ranges! { LatticeSettings { max_expansions: 1.0..=1e8, seconds_per_expansion: 0.0..=1e6 } }

@@ -18,9 +18,8 @@ use crate::kit::ends::{explain_failure, free_ends};
 use crate::kit::local_search::LocalSearch;
 use crate::kit::safety::Safety;
 use crate::kit::target::Target;
-use crate::memory::PlannerMemory;
 use crate::observer::{PlanningObserver, PlanningWork, Unobserved};
-use crate::registry::{BuiltInPlanner, Charge, RoadmapSize, Site, TruckPlannerSettings, describe_charge};
+use crate::registry::{BuiltInPlanner, Charge, RoadmapSize, Site, TruckPlannerSettings};
 use crate::{BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, Plan, PlanFailure, TruckPlanner};
 use roadmap::{Roadmap, RoadmapScratch, Route};
 use wildfire_base::query::SearchPhase;
@@ -187,54 +186,8 @@ impl BuiltInPlanner for Maker {
         &["prm", "primitives", "safety"]
     }
 
-    fn memory(&self, frame: &FieldFrame, _: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
-        let TruckPlannerSettings { prm, primitives, safety, .. } = *settings;
-        let [roadmap, joining] = Roadmap::most_bytes(frame, prm);
-        let [surcharges, map] = Safety::bytes(frame, safety);
-        let samples = u64::from(prm.samples_on(frame));
-        let edges = samples * u64::from(prm.neighbours);
-        PlannerMemory {
-            held: roadmap + surcharges + RoadmapScratch::most_bytes(samples, edges),
-            making: joining.max(map),
-            floods: 0,
-            grows: LocalSearch::most_bytes(primitives),
-        }
-    }
-
     fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {
         Charge { roadmap_s: settings.prm.seconds_per_expansion, local_s: settings.primitives.seconds_per_expansion }
-    }
-
-    fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String {
-        let TruckPlannerSettings { prm, primitives: local, safety, .. } = settings;
-        let search = match prm.search {
-            RoadmapSearch::Astar => "A*",
-            RoadmapSearch::Dijkstra => "Dijkstra's search",
-            RoadmapSearch::Greedy => "greedy search",
-        };
-        let goal = match prm.goal {
-            RoadmapGoal::InReach => "milestones from which the fire is in reach",
-            RoadmapGoal::NearestMilestone => "the milestone nearest to the fire, of those from which it is in reach",
-        };
-        let roadmap = format!(
-            "Roadmap of {}, {} neighbours each, edges up to {} m, {} m clear; {search} to {goal}; {}.",
-            prm.samples_in_words(),
-            prm.neighbours,
-            prm.max_edge_m,
-            prm.clearance_m,
-            describe_charge(prm.seconds_per_expansion)
-        );
-        format!(
-            "{roadmap} Local search with motions of {} m, bins of {} m and {} headings, {} m clear, at most {} \
-             expansions; {}.{}",
-            local.step_m,
-            local.bin_m,
-            local.headings,
-            local.clearance_m,
-            local.max_expansions,
-            describe_charge(local.seconds_per_expansion),
-            safety.describe()
-        )
     }
 
     fn roadmap_size(&self, settings: &TruckPlannerSettings<'_>, frame: &FieldFrame, _: usize) -> Option<RoadmapSize> {

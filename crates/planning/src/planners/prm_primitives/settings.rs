@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::kit::sample_density::{check_density, samples_on};
 use wildfire_base::geometry::FieldFrame;
-use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+use wildfire_base::ranges;
 
 /// The probabilistic roadmap over the truck's body centre.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -83,23 +83,9 @@ impl PrmSettings {
     pub(super) fn samples_on(&self, frame: &FieldFrame) -> u32 {
         self.samples_per_hectare.map_or(self.samples, |density| samples_on(frame, density))
     }
-
-    /// Describes how many milestones are drawn.
-    pub(super) fn samples_in_words(&self) -> String {
-        match self.samples_per_hectare {
-            Some(density) => format!("{density} samples a hectare"),
-            None => format!("{} samples", self.samples),
-        }
-    }
 }
 
-impl SettingsTable for PrmSettings {
-    fn check(&self, frame: &FieldFrame) -> Result<(), OutOfRange> {
-        check_range("samples", self.samples.into(), 0.0..=100_000.0)?;
-        check_density(self.samples_per_hectare, frame)?;
-        check_range("neighbours", self.neighbours.into(), 1.0..=100.0)?;
-        check_range("max_edge_m", self.max_edge_m, 0.01..=1e6)?;
-        check_range("clearance_m", self.clearance_m, 0.0..=1000.0)?;
-        check_range("seconds_per_expansion", self.seconds_per_expansion, 0.0..=1e6)
-    }
-}
+ranges! { PrmSettings {
+    samples: 0.0..=100_000.0, neighbours: 1.0..=100.0, max_edge_m: 0.01..=1e6, clearance_m: 0.0..=1000.0,
+    seconds_per_expansion: 0.0..=1e6,
+} and |own, frame| check_density(own.samples_per_hectare, frame) }

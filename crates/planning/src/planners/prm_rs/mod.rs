@@ -32,15 +32,14 @@ use crate::kit::milestone_tiles::is_small;
 use crate::kit::path_improvement::{Improvement, PathImprover};
 use crate::kit::relaxed_search::RelaxedSearch;
 use crate::kit::target::Target;
-use crate::memory::{MemoryMeter, PlannerMemory};
+use crate::memory::MemoryMeter;
 use crate::observer::{PlanningObserver, PlanningWork, Unobserved};
-use crate::registry::{BuiltInPlanner, Charge, RoadmapSize, Site, TruckPlannerSettings, describe_charge};
+use crate::registry::{BuiltInPlanner, Charge, RoadmapSize, Site, TruckPlannerSettings};
 use crate::{BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, Plan, TruckPlanner};
 use glam::DVec2;
 use rand::Rng;
-use roadmap::{BRIDGE_ROUNDS, MAX_MINOR, Roadmap, RoadmapSite, SCHEDULE};
+use roadmap::{Roadmap, RoadmapSite, SCHEDULE};
 use sample::Sampler;
-pub use sample::count_convex_corners;
 use search::{RoadmapQuery, RoadmapSearch};
 use wildfire_base::geometry::{FieldFrame, Pose};
 use wildfire_base::query::SearchPhase;
@@ -288,47 +287,8 @@ impl BuiltInPlanner for Maker {
         true
     }
 
-    fn memory(&self, frame: &FieldFrame, corners: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
-        let prm_rs = settings.prm_rs;
-        let drawn = u64::from(prm_rs.samples_on(frame)) + Sampler::most_corner_samples(corners, prm_rs.corner_places);
-        let nodes = drawn + u64::from(BRIDGE_ROUNDS) * Sampler::most_near(MAX_MINOR as u64);
-        let edges = nodes * u64::from(prm_rs.neighbours);
-        let fallback = RelaxedSearch::memory(frame, settings.hybrid.max_expansions);
-        let at_work = RoadmapSearch::most_bytes_at_work(nodes, edges);
-        if !is_small(frame) {
-            let edges = 2 * edges;
-            let roadmap = Roadmap::most_bytes_growing(frame, nodes, edges) + RoadmapSearch::bytes(nodes);
-            let grows = fallback.grows + roadmap + Roadmap::most_bytes_of_curves(edges) + at_work;
-            return PlannerMemory { grows, ..fallback };
-        }
-        PlannerMemory {
-            held: fallback.held + Roadmap::most_bytes(frame, nodes, edges) + RoadmapSearch::bytes(nodes),
-            making: Sampler::most_bytes(drawn),
-            grows: fallback.grows + Roadmap::most_bytes_of_curves(edges) + at_work,
-            ..fallback
-        }
-    }
-
     fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {
         Charge { roadmap_s: settings.prm_rs.seconds_per_expansion, local_s: settings.hybrid.seconds_per_expansion }
-    }
-
-    fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String {
-        let TruckPlannerSettings { prm_rs, hybrid, .. } = settings;
-        format!(
-            "Roadmap of {}, and {} places at every corner of a bush, each joined to {} others within {} m by \
-             Reeds-Shepp curves, {} m clear, a change of direction at the price of {} m, then {}; where it \
-             does not serve, hybrid A* with at most {} expansions; {}.",
-            prm_rs.samples_in_words(),
-            prm_rs.corner_places,
-            prm_rs.neighbours,
-            prm_rs.max_edge_m,
-            prm_rs.clearance_m,
-            prm_rs.cusp_cost,
-            improvement(prm_rs),
-            hybrid.max_expansions,
-            describe_charge(prm_rs.seconds_per_expansion)
-        )
     }
 
     /// A roadmap that grows has no size of its own.

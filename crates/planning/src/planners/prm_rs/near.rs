@@ -27,14 +27,6 @@ impl Places {
         Self { side_m, cols, rows, squares: vec![Vec::new(); cols * rows], places: Vec::new() }
     }
 
-    /// The most bytes that this number of places takes, in lists that double.
-    pub fn most_bytes(frame: &FieldFrame, places: u64) -> u64 {
-        let empty = Self::new(frame).squares.len() as u64;
-        // A list begins with room for four.
-        let of_squares = empty * size_of::<Vec<u32>>() as u64 + 4 * (2 * places + 4 * empty.min(places));
-        of_squares + 2 * places * size_of::<DVec2>() as u64
-    }
-
     pub fn add(&mut self, place: DVec2) {
         let (col, row) = ((place.x / self.side_m) as usize, (place.y / self.side_m) as usize);
         let square = row.min(self.rows - 1) * self.cols + col.min(self.cols - 1);

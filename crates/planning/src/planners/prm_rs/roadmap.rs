@@ -9,7 +9,7 @@ use petgraph::unionfind::UnionFind;
 use super::PrmRsSettings;
 use crate::collision::CollisionChecker;
 use crate::memory::{BytesAfter, Growing, Held, MemoryMeter};
-use wildfire_base::geometry::{FieldFrame, Pose, ops};
+use wildfire_base::geometry::{Pose, ops};
 use wildfire_base::rng::Xoshiro256PlusPlus;
 use wildfire_base::vehicle::reeds_shepp::PricedCurve;
 use wildfire_base::vehicle::{CurvePrice, ReedsShepp, Segment};
@@ -30,9 +30,9 @@ pub type Level = usize;
 pub const LEVELS: usize = SCHEDULE.len();
 
 /// The number of times that more poses are tried about minor components.
-pub const BRIDGE_ROUNDS: u32 = 2;
+const BRIDGE_ROUNDS: u32 = 2;
 /// The most nodes of minor components that are looked at in a round.
-pub const MAX_MINOR: usize = 100;
+const MAX_MINOR: usize = 100;
 /// Nodes between which the field is tighter than this half way are not joined.
 const HOPELESS_M: f64 = 0.5;
 
@@ -60,11 +60,9 @@ pub struct Roadmap {
     neighbours: usize,
     max_edge_m: f64,
     nodes: Vec<Milestone>,
-    /// Tells which nodes are near.
-    index: Index,
     edges: Vec<Edge>,
     ways: Vec<PricedCurve>,
-    links: Links,
+    extent: Extent,
     /// The sets of nodes joined by edges that keep the wanted clearance.
     joined: UnionFind<u32>,
     components: u32,
@@ -86,12 +84,19 @@ impl Milestone {
     }
 }
 
+/// What a roadmap is made of before the first query: all, or nothing.
 #[derive(Debug)]
-enum Index {
-    /// All nodes there are.
-    Whole(Places),
-    /// Those of the tiles that searches came near.
-    Growing(Tiles, TileSampling),
+enum Extent {
+    /// All nodes there are, and their edges once they are ready for queries.
+    Whole { places: Places, graph: RoadmapGraph },
+    /// The nodes of the tiles that searches came near.
+    Growing {
+        tiles: Tiles,
+        sampling: TileSampling,
+        /// The first link of a node that a search left, and the one after its last. Links have the numbers of their edges,
+        /// each of which belongs to the node that it begins at.
+        links: Vec<Option<(u32, u32)>>,
+    },
 }
 
 /// The samples of a tile.
@@ -129,14 +134,6 @@ impl DrawnMilestones for Drawing<'_> {
     }
 }
 
-#[derive(Debug)]
-enum Links {
-    Whole(RoadmapGraph),
-    /// The first link of a node that a search left, and the one after its last. Links have the numbers of their edges, each
-    /// of which belongs to the node that it begins at.
-    Growing(Vec<Option<(u32, u32)>>),
-}
-
 /// A curve from one node to another.
 #[derive(Debug)]
 struct Edge {
@@ -157,8 +154,8 @@ pub struct Bridge {
 
 impl Roadmap {
     pub fn new(site: &RoadmapSite<'_>) -> Self {
-        let index = Index::Whole(Places::new(site.checker.field().frame()));
-        Self::with(index, Links::Whole(RoadmapGraph::default()), site)
+        let places = Places::new(site.checker.field().frame());
+        Self::with(Extent::Whole { places, graph: RoadmapGraph::default() }, site)
     }
 
     /// Creates a roadmap that grows; `key` is the number that decides where its poses lie.
@@ -170,11 +167,10 @@ impl Roadmap {
             corner_places: settings.corner_places,
             clearance_m: settings.clearance_m,
         };
-        let index = Index::Growing(Tiles::new(frame, key), sampling);
-        Self::with(index, Links::Growing(Vec::new()), site)
+        Self::with(Extent::Growing { tiles: Tiles::new(frame, key), sampling, links: Vec::new() }, site)
     }
 
-    fn with(index: Index, links: Links, site: &RoadmapSite<'_>) -> Self {
+    fn with(extent: Extent, site: &RoadmapSite<'_>) -> Self {
         let &RoadmapSite { checker, memory, settings, cost } = site;
         Self {
             checker: checker.clone(),
@@ -184,10 +180,9 @@ impl Roadmap {
             neighbours: settings.neighbours as usize,
             max_edge_m: settings.max_edge_m,
             nodes: Vec::new(),
-            index,
             edges: Vec::new(),
             ways: Vec::new(),
-            links,
+            extent,
             joined: UnionFind::new_empty(),
             components: 0,
             looked_at: 0,
@@ -195,55 +190,36 @@ impl Roadmap {
         }
     }
 
-    /// Bounds the bytes that these numbers of nodes and edges take, without the curves, in lists that double.
-    pub fn most_bytes(frame: &FieldFrame, nodes: u64, edges: u64) -> u64 {
-        // A node has a number in a set, a place where its links begin, and a place among those near another.
-        let node = size_of::<Milestone>() + 5 * size_of::<u32>() + size_of::<(f64, u32)>();
-        let edge = size_of::<Edge>() + size_of::<Link>();
-        2 * (nodes * node as u64 + edges * edge as u64) + Places::most_bytes(frame, nodes)
-    }
-
-    /// Bounds the bytes that these numbers of nodes and edges take, without the curves, of a roadmap that grows.
-    pub fn most_bytes_growing(frame: &FieldFrame, nodes: u64, edges: u64) -> u64 {
-        let node = size_of::<Milestone>() + size_of::<Option<(u32, u32)>>();
-        2 * (nodes * node as u64 + edges * size_of::<Edge>() as u64) + Tiles::most_bytes(frame, nodes)
-    }
-
-    /// Bounds the bytes that the curves of this number of edges take, in a list that doubles.
-    pub fn most_bytes_of_curves(edges: u64) -> u64 {
-        2 * edges * size_of::<PricedCurve>() as u64
-    }
-
     /// Says whether there is memory for this number of further curves that are worked out.
     ///
     /// A roadmap that grows counts all that it holds.
     pub fn has_memory_for(&mut self, ways: usize) -> bool {
         let ways = self.ways.bytes_after(ways);
-        let grown = match (&self.index, &self.links) {
-            (Index::Growing(tiles, _), Links::Growing(links)) => {
+        let grown = match &self.extent {
+            Extent::Whole { .. } => 0,
+            Extent::Growing { tiles, links, .. } => {
                 self.nodes.bytes_after(0) + self.edges.bytes_after(0) + links.bytes_after(0) + tiles.bytes()
             }
-            _ => 0,
         };
         self.memory.cover(ways + grown)
     }
 
     /// Returns the most links that any node has.
     pub fn most_links(&self) -> usize {
-        match &self.links {
-            Links::Whole(graph) => graph.most_links(),
-            Links::Growing(_) => self.neighbours_growing(),
+        match &self.extent {
+            Extent::Whole { graph, .. } => graph.most_links(),
+            Extent::Growing { .. } => self.neighbours_growing(),
         }
     }
 
     /// Says whether it grows with the searches.
     pub fn is_growing(&self) -> bool {
-        matches!(self.links, Links::Growing(_))
+        matches!(self.extent, Extent::Growing { .. })
     }
 
     /// Forgets what grew if that is more nodes than this. What is drawn and joined anew is the same.
     pub fn forget_beyond(&mut self, most: usize) {
-        if let (Index::Growing(tiles, _), Links::Growing(links)) = (&mut self.index, &mut self.links)
+        if let Extent::Growing { tiles, links, .. } = &mut self.extent
             && self.nodes.len() > most
         {
             tiles.clear();
@@ -254,8 +230,8 @@ impl Roadmap {
 
     /// Joins a node to the nearest about it, unless it was joined before or the roadmap does not grow.
     pub fn grow_from(&mut self, node: u32) {
-        let Links::Growing(known) = &self.links else { return };
-        if known.get(node as usize).copied().flatten().is_some() {
+        let Extent::Growing { links, .. } = &self.extent else { return };
+        if links.get(node as usize).copied().flatten().is_some() {
             return;
         }
         let here = self.nodes[node as usize];
@@ -266,9 +242,9 @@ impl Roadmap {
         let first = self.edges.len() as u32;
         let edges = near.iter().map(|&(_, to)| Edge { nodes: [node, to], way: None, is_free: [None; LEVELS] });
         self.edges.extend(edges);
-        if let Links::Growing(known) = &mut self.links {
-            known.resize(self.nodes.len(), None);
-            known[node as usize] = Some((first, self.edges.len() as u32));
+        if let Extent::Growing { links, .. } = &mut self.extent {
+            links.resize(self.nodes.len(), None);
+            links[node as usize] = Some((first, self.edges.len() as u32));
         }
     }
 
@@ -321,9 +297,9 @@ impl Roadmap {
 
     /// Does the same in no particular order.
     fn within(&mut self, place: DVec2, reach_m: f64, found: &mut Vec<(f64, u32)>) {
-        match &mut self.index {
-            Index::Whole(places) => places.within(place, reach_m, found),
-            Index::Growing(tiles, sampling) => {
+        match &mut self.extent {
+            Extent::Whole { places, .. } => places.within(place, reach_m, found),
+            Extent::Growing { tiles, sampling, .. } => {
                 let mut nodes = Drawing { checker: &self.checker, sampling: *sampling, nodes: &mut self.nodes };
                 tiles.within(&mut nodes, (place, reach_m), found);
             }
@@ -336,9 +312,9 @@ impl Roadmap {
     }
 
     fn rank(&self, node: u32) -> u64 {
-        match &self.index {
-            Index::Whole(_) => node.into(),
-            Index::Growing(tiles, _) => tiles.rank(node),
+        match &self.extent {
+            Extent::Whole { .. } => node.into(),
+            Extent::Growing { tiles, .. } => tiles.rank(node),
         }
     }
 
@@ -358,7 +334,7 @@ impl Roadmap {
                 way: None,
                 is_free: [None; LEVELS],
             }));
-            if let Index::Whole(places) = &mut self.index {
+            if let Extent::Whole { places, .. } = &mut self.extent {
                 places.add(pose.position());
             }
             self.nodes.push(node);
@@ -432,8 +408,9 @@ impl Roadmap {
 
     /// Makes the edges ready for queries.
     pub fn build_graph(&mut self) {
-        let graph = RoadmapGraph::from_edges(self.nodes.len(), self.edges.iter().map(|edge| edge.nodes));
-        self.links = Links::Whole(graph);
+        if let Extent::Whole { graph, .. } = &mut self.extent {
+            *graph = RoadmapGraph::from_edges(self.nodes.len(), self.edges.iter().map(|edge| edge.nodes));
+        }
     }
 
     /// Returns the links of a node, each with its number; of a roadmap that grows, of a node that it has grown from.
@@ -444,16 +421,16 @@ impl Roadmap {
 
     /// Returns the numbers of the links of a node; of a roadmap that grows, of a node that it has grown from.
     pub fn link_numbers(&self, node: u32) -> Range<u32> {
-        match &self.links {
-            Links::Whole(graph) => graph.numbers(node),
-            Links::Growing(known) => known[node as usize].map_or(0..0, |(first, end)| first..end),
+        match &self.extent {
+            Extent::Whole { graph, .. } => graph.numbers(node),
+            Extent::Growing { links, .. } => links[node as usize].map_or(0..0, |(first, end)| first..end),
         }
     }
 
     pub fn link(&self, link: u32) -> Link {
-        match &self.links {
-            Links::Whole(graph) => graph.link(link),
-            Links::Growing(_) => Link { to: self.edges[link as usize].nodes[1], edge: link },
+        match &self.extent {
+            Extent::Whole { graph, .. } => graph.link(link),
+            Extent::Growing { .. } => Link { to: self.edges[link as usize].nodes[1], edge: link },
         }
     }
 

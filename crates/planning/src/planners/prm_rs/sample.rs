@@ -73,21 +73,6 @@ impl<'a> Sampler<'a> {
         poses
     }
 
-    /// Bounds the poses that [`Self::corner_samples`] gives.
-    pub fn most_corner_samples(corners: u64, places: u32) -> u64 {
-        2 * corners * u64::from(places)
-    }
-
-    /// Bounds the poses that [`expand_near`] gives.
-    pub fn most_near(poses: u64) -> u64 {
-        poses * u64::from(MOTIONS)
-    }
-
-    /// Bounds the bytes that this number of poses takes while they are drawn, in a list that doubles.
-    pub fn most_bytes(poses: u64) -> u64 {
-        2 * poses * size_of::<Pose>() as u64
-    }
-
     fn pose(&self, number: u32) -> Pose {
         let share = |axis: usize, base| (radical_inverse(base, number) + self.shift[axis]).fract();
         let place = self.block.position(share(0, 2), share(1, 3), self.checker.field().frame().cell_m);
@@ -142,12 +127,6 @@ fn convex_corners<'a>(field: &'a ClearanceField, block: &'a CellBlock) -> impl I
     let outwards = |only: usize| FRAC_PI_4 + 2.0 * FRAC_PI_4 * only as f64;
     let place = |row: usize, col: usize| DVec2::new(col as f64, row as f64) * field.frame().cell_m;
     corners_of_one(field.occupied(), block).map(move |(row, col, only)| (place(row, col), outwards(only)))
-}
-
-/// Counts the corners that stick out of bushes; `occupied` has a value per cell.
-pub fn count_convex_corners(occupied: &Grid<bool>) -> u64 {
-    let block = CellBlock { rows: 0..occupied.rows(), cols: 0..occupied.cols() };
-    corners_of_one(occupied, &block).count() as u64
 }
 
 /// Lists the south-west corners of a block's cells that lie inside the field and at which one of four cells is a bush,

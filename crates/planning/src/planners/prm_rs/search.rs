@@ -7,7 +7,6 @@ use crate::kit::best_first::{
     AnalyticExpansion, Candidate, Ending, NO_MOTION, Node, PoseSearch, ROOT, SearchOf, SearchSpace, Step,
 };
 use crate::kit::clearance_profile::ClearanceProfile;
-use crate::kit::closed_set::ClosedSet;
 use crate::kit::heuristic::Heuristic;
 use crate::kit::lattice::Lattice;
 use crate::kit::target::Target;
@@ -161,20 +160,6 @@ impl RoadmapSearch {
     pub fn lines(&self, by_motions: bool) -> impl Iterator<Item = [DVec2; 2]> {
         let reached = self.search.nodes().filter(move |(node, _)| (node.mark.via == Via::Motion) == by_motions);
         reached.map(|(_, line)| line)
-    }
-
-    /// Returns the bytes that it takes for a roadmap of this number of nodes, before it searches.
-    pub fn bytes(nodes: u64) -> u64 {
-        2 * nodes * size_of::<State>() as u64
-    }
-
-    /// Bounds the bytes that it takes on top of that while it searches a roadmap of these numbers of nodes and edges.
-    pub fn most_bytes_at_work(nodes: u64, edges: u64) -> u64 {
-        let local = u64::from(MAX_LOCAL_EXPANSIONS);
-        // A node is reached in both directions of driving; each offers its links, each link the way by it.
-        let (reached, candidates) = (2 * nodes + 6 * local, 2 * 2 * 2 * edges + nodes + 12 * local);
-        let curves = 2 * reached * (size_of::<PricedCurve>() + size_of::<AnalyticExpansion>()) as u64;
-        PoseSearch::<Mark, Along>::most_bytes(reached, candidates) + curves + ClosedSet::most_bytes(6 * local)
     }
 }
 

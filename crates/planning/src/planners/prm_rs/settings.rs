@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::kit::sample_density::{check_density, hectares, samples_on};
 use wildfire_base::geometry::FieldFrame;
-use wildfire_base::ranges::{OutOfRange, SettingsTable, check_range};
+use wildfire_base::ranges;
 
 /// Settings of the planner `prm-rs`. Lengths are metres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -76,27 +76,10 @@ impl PrmRsSettings {
     pub(super) fn samples_per_hectare_on(&self, frame: &FieldFrame) -> f64 {
         self.samples_per_hectare.unwrap_or(f64::from(self.samples) / hectares(frame))
     }
-
-    /// Describes how many poses are drawn.
-    pub(super) fn samples_in_words(&self) -> String {
-        match self.samples_per_hectare {
-            Some(density) => format!("{density} poses a hectare"),
-            None => format!("{} poses", self.samples),
-        }
-    }
 }
 
-impl SettingsTable for PrmRsSettings {
-    fn check(&self, frame: &FieldFrame) -> Result<(), OutOfRange> {
-        check_range("samples", self.samples.into(), 0.0..=100_000.0)?;
-        check_density(self.samples_per_hectare, frame)?;
-        check_range("corner_places", self.corner_places.into(), 0.0..=10.0)?;
-        check_range("neighbours", self.neighbours.into(), 1.0..=100.0)?;
-        check_range("max_edge_m", self.max_edge_m, 0.01..=1e6)?;
-        check_range("clearance_m", self.clearance_m, 0.01..=100.0)?;
-        check_range("cusp_cost", self.cusp_cost, 0.0..=1e6)?;
-        check_range("shortcuts", self.shortcuts.into(), 0.0..=1e6)?;
-        check_range("pulls", self.pulls.into(), 0.0..=1000.0)?;
-        check_range("seconds_per_expansion", self.seconds_per_expansion, 0.0..=1e6)
-    }
-}
+ranges! { PrmRsSettings {
+    samples: 0.0..=100_000.0, corner_places: 0.0..=10.0, neighbours: 1.0..=100.0, max_edge_m: 0.01..=1e6,
+    clearance_m: 0.01..=100.0, cusp_cost: 0.0..=1e6, shortcuts: 0.0..=1e6, pulls: 0.0..=1000.0,
+    seconds_per_expansion: 0.0..=1e6,
+} and |own, frame| check_density(own.samples_per_hectare, frame) }

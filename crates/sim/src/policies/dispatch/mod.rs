@@ -16,8 +16,6 @@ mod auction;
 mod forecast;
 mod hungarian;
 mod idle;
-#[cfg(test)]
-mod model;
 mod nearest;
 mod nearest_by_drive;
 mod nearest_savable;

@@ -118,20 +118,22 @@ impl Search<'_> {
         is_better
     }
 
+    /// Returns the plan that loses least so far.
+    fn best_plan(&self) -> &Plan {
+        &self.best.as_ref().expect("a plan was played").1
+    }
+
     /// Changes one truck's goal after the other's until nothing is gained by it, or the budget is spent.
     fn improve(&mut self) {
         let mut gained = true;
         while gained && self.left > 0 {
             gained = false;
-            let trucks = self.best.as_ref().map_or(0, |(_, plan)| plan.len());
-            for place in 0..trucks {
-                let Some((_, best)) = &self.best else { return };
-                let (truck, old) = best[place];
+            for place in 0..self.best_plan().len() {
+                let (truck, old) = self.best_plan()[place];
                 let near = self.open.nearest_savable(&self.open.team.trucks[truck], TRIED, |fire| Some(fire) != old);
                 let others = near.into_iter().map(|prospect| Some(prospect.fire)).chain([None]);
                 for fire in others {
-                    let Some((_, best)) = &self.best else { return };
-                    let mut plan = best.clone();
+                    let mut plan = self.best_plan().clone();
                     let given_up = std::mem::replace(&mut plan[place].1, fire);
                     let holds = |other: usize| other != place && fire.is_some() && plan[other].1 == fire;
                     if let Some(other) = (0..plan.len()).find(|&other| holds(other)) {

@@ -29,9 +29,7 @@ impl LegTable {
         let timeline = index.timeline();
         let mut table = Self { legs: Vec::new(), of_event: vec![None; timeline.events.len()] };
         for agent in 0..timeline.setting.agents.len() {
-            let mut legs: Vec<FollowedLeg> = index.legs_between(agent, SimTime::ZERO, SimTime::MAX).collect();
-            legs.reverse();
-            for leg in legs {
+            for &leg in index.legs_of(agent) {
                 table.of_event[leg.fact()] = Some(table.legs.len() as u32);
                 table.legs.push(LegOfAgent { agent, leg, until: leg.until.min(index.end_time()) });
             }

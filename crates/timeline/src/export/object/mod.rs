@@ -192,8 +192,8 @@ impl Serialize for OutcomeObject<'_> {
         let agents = outcome.get_mut("agents").and_then(Json::as_array_mut).into_iter().flatten();
         for (object, agent) in agents.zip(&self.0.agents) {
             object["agent"] = agent.agent.to_string().into();
-            let failures = PlanFailure::ALL.into_iter().zip(agent.failures);
-            object["failures"] = failures.map(|(reason, count)| (reason.to_string(), Json::from(count))).collect();
+            object["failures"] =
+                agent.failures.iter().map(|(reason, count)| (reason.to_string(), Json::from(count))).collect();
         }
         outcome.serialize(serializer)
     }

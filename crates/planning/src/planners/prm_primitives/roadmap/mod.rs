@@ -28,7 +28,6 @@ use crate::kit::roadmap_graph::RoadmapGraph;
 use crate::kit::safety::Safety;
 use crate::planners::prm_primitives::PrmSettings;
 use space::FreeSpace;
-use wildfire_base::geometry::FieldFrame;
 
 /// Draws stop after this number for each wanted milestone, so that a full field cannot hold the planner up.
 const MAX_DRAWS_PER_SAMPLE: u32 = 100;
@@ -88,18 +87,6 @@ impl Roadmap {
         self.graph = RoadmapGraph::from_edges(self.milestones.len(), edges.iter().map(|&(a, b, _)| [a, b]));
         self.costs = edges.into_iter().map(|(_, _, cost)| cost).collect();
         self
-    }
-
-    /// Bounds the bytes that it takes for good, and on top of that while it is made.
-    pub fn most_bytes(frame: &FieldFrame, settings: &PrmSettings) -> [u64; 2] {
-        let (milestones, neighbours) = (u64::from(settings.samples_on(frame)), u64::from(settings.neighbours));
-        let edges = milestones * neighbours;
-        // The tree has a milestone's place and number once more, in leaves that need not be full.
-        let milestone = 3 * size_of::<DVec2>() + 2 * size_of::<u64>();
-        // Each edge is listed at both its ends, in lists that double.
-        let edge = 4 * (size_of::<u32>() + size_of::<f64>());
-        let held = milestones * milestone as u64 + edges * edge as u64;
-        [held, most_bytes_at_work(milestones, neighbours)]
     }
 
     pub fn milestones(&self) -> &[DVec2] {
@@ -194,16 +181,6 @@ fn find_edges(
     edges.sort_unstable_by_key(|&(low, high, _)| (low, high));
     edges.dedup_by_key(|&mut (low, high, _)| (low, high));
     edges
-}
-
-/// Bounds the bytes that joining this number of milestones takes, besides what is kept.
-fn most_bytes_at_work(milestones: u64, neighbours: u64) -> u64 {
-    let edges = milestones * neighbours * size_of::<Edge>() as u64;
-    // A line is tried once and kept at one of its ends, in a list that doubles from room for four.
-    let tried = milestones * (neighbours * LOOKED_AT_PER_NEIGHBOUR as u64 + 4);
-    let tried = 2 * tried * size_of::<(u32, bool)>() as u64 + milestones * size_of::<Vec<(u32, bool)>>() as u64;
-    // Then all edges are listed from both ends, in a list that doubles.
-    edges + tried.max(4 * edges)
 }
 
 /// Replaces what `near` holds by the nearest milestones within a distance (inclusive), at most `most`, nearest first,

@@ -25,9 +25,6 @@ const GOAL: u32 = u32::MAX - 1 - GOAL_PLACES;
 /// The start, where a milestone's number is asked for.
 const START: u32 = u32::MAX;
 
-/// Ways into the goal that one milestone may offer.
-const GOAL_OFFERS: u64 = 9;
-
 /// A way to a milestone or a goal place that is still to be judged.
 #[derive(Clone, Copy, Debug)]
 struct LineCandidate {
@@ -76,14 +73,6 @@ pub struct RoadmapScratch {
 }
 
 impl RoadmapScratch {
-    /// Bounds the bytes that queries take on a roadmap of these numbers of milestones and edges, in lists that double.
-    pub fn most_bytes(milestones: u64, edges: u64) -> u64 {
-        let of_each = size_of::<Visit>() + size_of::<u32>() + size_of::<(f64, u32)>();
-        // An edge is offered from both its ends; a milestone near the goal offers the ways into it.
-        let candidates = 2 * edges + GOAL_OFFERS * milestones;
-        2 * (milestones * of_each as u64 + candidates * size_of::<LineCandidate>() as u64)
-    }
-
     fn begin(&mut self, milestones: usize) {
         if self.visits.len() != milestones || self.generation == u32::MAX {
             self.visits = vec![Visit { generation: 0, closed: false, cost: 0.0, parent: START }; milestones];

@@ -5,9 +5,9 @@ use std::time::Duration;
 
 use thiserror::Error;
 
-use crate::cli::plan::drive::{Drive, SecondOpinion};
+use crate::drives::checked::{Drive, SecondOpinion};
+use crate::drives::query::{DriveFailure, DriveQuery, QueryCost};
 use wildfire_base::time::cpu::CpuStopwatch;
-use wildfire_batch::{DriveFailure, DriveQuery, QueryCost};
 use wildfire_planning::collision::{ClearanceField, CollisionChecker};
 use wildfire_planning::{MakeError, PlanFailure, PlannerName, Planners};
 use wildfire_sim::scenario::{MemoryEstimate, MemoryExceeded, MemoryLimit, PlannerContext, Problem, Programs, Unimog};

@@ -1,4 +1,4 @@
-//! An abstract contest, to compare policies of teams without roads and bodies: the fire rules of the contest, straight ways
+//! The rules of dispatch, compared in an abstract contest without roads and bodies: the fire rules of the contest, straight ways
 //! longer by a factor, no traffic, planning for nothing. Wumpuses go for random intact bushes.
 
 use std::collections::BTreeSet;
@@ -8,11 +8,14 @@ use glam::DVec2;
 use rand::RngExt;
 use rand::seq::SliceRandom;
 
-use super::team::{Assignment, Fire, Intact, Positioning, Team, TeamRules, TeamTruck, WAY_FACTOR};
-use wildfire_base::geometry::{Cell, FieldFrame};
-use wildfire_base::rng;
-use wildfire_base::time::SimTime;
-use wildfire_timeline::AgentId;
+use wildfire::geometry::{Cell, FieldFrame};
+use wildfire::rng;
+use wildfire::sim::policies::dispatch::{
+    Assignment, Auction, Centroids, Fire, Hungarian, Intact, NearestByNumber, NearestSavable, Positioning, Regions,
+    RegionsFirst, Rollout, Stay, Team, TeamRules, TeamTruck, ThreatFirst, WAY_FACTOR,
+};
+use wildfire::time::SimTime;
+use wildfire::timeline::AgentId;
 
 const COVERAGE: f64 = 0.1;
 const RADIUS_M: f64 = 30.0;
@@ -26,21 +29,21 @@ const WUMPUS_REACH_M: f64 = 6.25;
 
 /// What is played.
 #[derive(Clone, Copy, Debug)]
-pub struct Contest {
-    pub field_m: f64,
-    pub trucks: u16,
-    pub wumpuses: u16,
-    pub duration: SimTime,
+struct Contest {
+    field_m: f64,
+    trucks: u16,
+    wumpuses: u16,
+    duration: SimTime,
 }
 
 /// What came of it.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Score {
+struct Score {
     /// Bushes that burned out or burn at the end, in thousandths of all.
-    pub lost: f64,
+    lost: f64,
     /// Drives that ended at no extinction.
-    pub wasted: u32,
-    pub driven_m: f64,
+    wasted: u32,
+    driven_m: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,7 +121,7 @@ impl Way {
 }
 
 /// Plays one contest to its end.
-pub fn play(contest: Contest, seed: u64, assignment: &mut dyn Assignment, positioning: &mut dyn Positioning) -> Score {
+fn play(contest: Contest, seed: u64, assignment: &mut dyn Assignment, positioning: &mut dyn Positioning) -> Score {
     let mut world = World::new(contest, seed);
     world.dispatch(true, assignment, positioning);
     while let Some(now) = world.next_event() {
@@ -378,142 +381,108 @@ impl World {
     }
 }
 
-/// What trucks do without a dispatcher: in order of their numbers each goes for the nearest fire that nobody else goes for,
-/// savable or not.
-#[derive(Clone, Copy, Debug)]
-pub struct Nearest;
+/// Eight trucks against four Wumpuses: fires outnumber trucks.
+const DUEL: Contest =
+    Contest { field_m: 500.0, trucks: 8, wumpuses: 4, duration: SimTime::from_nanos(1_500_000_000_000) };
 
-impl Assignment for Nearest {
-    fn assign(&mut self, team: &Team<'_>, _: &mut u64) -> Vec<(AgentId, Cell)> {
-        let mut free: Vec<&Fire> =
-            team.fires.iter().filter(|fire| team.trucks.iter().all(|truck| truck.goal != Some(fire.cell))).collect();
-        let mut goals = Vec::new();
-        for truck in team.asked() {
-            let metres = |fire: &&Fire| (fire.place - truck.place).length();
-            let nearest = (0..free.len()).min_by(|&a, &b| metres(&free[a]).total_cmp(&metres(&free[b])));
-            goals.extend(nearest.map(|nearest| (truck.id, free.remove(nearest).cell)));
-        }
-        goals
+fn mean(seeds: std::ops::Range<u64>, assignment: &dyn Fn() -> Box<dyn Assignment>, waits: bool) -> Score {
+    let count = seeds.end - seeds.start;
+    let mut mean = Score::default();
+    for seed in seeds {
+        let mut idle: Box<dyn Positioning> = if waits { Box::new(Centroids::default()) } else { Box::new(Stay) };
+        let score = play(DUEL, seed, &mut *assignment(), &mut *idle);
+        mean.lost += score.lost / count as f64;
+        mean.driven_m += score.driven_m / count as f64;
+        mean.wasted += score.wasted;
     }
+    mean
+}
 
-    fn replans(&self) -> bool {
-        false
+/// Losses in the order that fleets were measured to have: what leaves hopeless fires alone loses less than what does not,
+/// routes with deadlines lose less than single fires, and who waits in a good place loses less again.
+#[test]
+fn policies_rank_as_they_should() {
+    let seeds = || 1..21;
+    let nearest = mean(seeds(), &|| Box::new(NearestByNumber), false);
+    let savable = mean(seeds(), &|| Box::new(NearestSavable), false);
+    let auction = mean(seeds(), &|| Box::new(Auction), false);
+    let both = mean(seeds(), &|| Box::new(Auction), true);
+    println!("{nearest:?}\n{savable:?}\n{auction:?}\n{both:?}");
+    assert!(savable.lost < 0.85 * nearest.lost, "{savable:?}, {nearest:?}");
+    assert!(auction.lost < 0.5 * savable.lost, "{auction:?}, {savable:?}");
+    assert!(both.lost < 0.5 * auction.lost, "{both:?}, {auction:?}");
+    assert!(savable.driven_m < 0.9 * nearest.driven_m, "{savable:?}, {nearest:?}");
+    assert_eq!(savable.wasted, 0, "in a world without roads no drive to a savable fire is in vain");
+}
+
+#[test]
+fn the_same_seed_is_the_same_contest() {
+    for rule in 0..6 {
+        let make = || -> Box<dyn Assignment> {
+            match rule {
+                0 => Box::new(NearestSavable),
+                1 => Box::new(Hungarian),
+                2 => Box::new(ThreatFirst),
+                3 => Box::new(Auction),
+                4 => Box::new(RegionsFirst(Box::new(NearestSavable))),
+                _ => Box::new(Rollout { rollouts: 5 }),
+            }
+        };
+        let short = Contest { duration: SimTime::from_nanos(300_000_000_000), ..DUEL };
+        let play = || play(short, 3, &mut *make(), &mut Regions::default());
+        assert_eq!((play().lost, play().driven_m), (play().lost, play().driven_m));
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::super::{
-        Auction, Centroids, Hungarian, NearestSavable, Regions, RegionsFirst, Rollout, Stay, ThreatFirst,
-    };
-    use super::*;
-
-    /// Eight trucks against four Wumpuses: fires outnumber trucks.
-    const DUEL: Contest =
-        Contest { field_m: 500.0, trucks: 8, wumpuses: 4, duration: SimTime::from_nanos(1_500_000_000_000) };
-
-    fn mean(seeds: std::ops::Range<u64>, assignment: &dyn Fn() -> Box<dyn Assignment>, waits: bool) -> Score {
-        let count = seeds.end - seeds.start;
-        let mut mean = Score::default();
-        for seed in seeds {
-            let mut idle: Box<dyn Positioning> = if waits { Box::new(Centroids::default()) } else { Box::new(Stay) };
-            let score = play(DUEL, seed, &mut *assignment(), &mut *idle);
-            mean.lost += score.lost / count as f64;
-            mean.driven_m += score.driven_m / count as f64;
-            mean.wasted += score.wasted;
-        }
-        mean
-    }
-
-    /// Losses in the order that fleets were measured to have: what leaves hopeless fires alone loses less than what does not,
-    /// routes with deadlines lose less than single fires, and who waits in a good place loses less again.
-    #[test]
-    fn policies_rank_as_they_should() {
-        let seeds = || 1..21;
-        let nearest = mean(seeds(), &|| Box::new(Nearest), false);
-        let savable = mean(seeds(), &|| Box::new(NearestSavable), false);
-        let auction = mean(seeds(), &|| Box::new(Auction), false);
-        let both = mean(seeds(), &|| Box::new(Auction), true);
-        println!("{nearest:?}\n{savable:?}\n{auction:?}\n{both:?}");
-        assert!(savable.lost < 0.85 * nearest.lost, "{savable:?}, {nearest:?}");
-        assert!(auction.lost < 0.5 * savable.lost, "{auction:?}, {savable:?}");
-        assert!(both.lost < 0.5 * auction.lost, "{both:?}, {auction:?}");
-        assert!(savable.driven_m < 0.9 * nearest.driven_m, "{savable:?}, {nearest:?}");
-        assert_eq!(savable.wasted, 0, "in a world without roads no drive to a savable fire is in vain");
-    }
-
-    #[test]
-    fn the_same_seed_is_the_same_contest() {
-        for rule in 0..6 {
-            let make = || -> Box<dyn Assignment> {
-                match rule {
-                    0 => Box::new(NearestSavable),
-                    1 => Box::new(Hungarian),
-                    2 => Box::new(ThreatFirst),
-                    3 => Box::new(Auction),
-                    4 => Box::new(RegionsFirst(Box::new(NearestSavable))),
-                    _ => Box::new(Rollout { rollouts: 5 }),
-                }
-            };
-            let short = Contest { duration: SimTime::from_nanos(300_000_000_000), ..DUEL };
-            let play = || play(short, 3, &mut *make(), &mut Regions::default());
-            assert_eq!((play().lost, play().driven_m), (play().lost, play().driven_m));
-        }
-    }
-
-    /// Prints the table of policies over this number of seeds:
-    /// `SEEDS=40 cargo test --release -p wildfire-sim table_of_policies -- --ignored --nocapture`.
-    #[test]
-    #[ignore = "it prints figures, where somebody asks for them"]
-    fn table_of_policies() {
-        let Ok(seeds) = std::env::var("SEEDS") else { return };
-        let seeds: u64 = seeds.parse().expect("a number of seeds");
-        type MakeBoth = fn() -> (Box<dyn Assignment>, Box<dyn Positioning>);
-        let policies: [(&str, MakeBoth); 14] = [
-            ("nearest", || (Box::new(Nearest), Box::new(Stay))),
-            ("nearest-savable", || (Box::new(NearestSavable), Box::new(Stay))),
-            ("hungarian", || (Box::new(Hungarian), Box::new(Stay))),
-            ("threat-first", || (Box::new(ThreatFirst), Box::new(Stay))),
-            ("auction", || (Box::new(Auction), Box::new(Stay))),
-            ("rollout", || (Box::new(Rollout { rollouts: 40 }), Box::new(Stay))),
-            ("nearest + centroids", || (Box::new(Nearest), Box::<Centroids>::default())),
-            ("nearest-savable + centroids", || (Box::new(NearestSavable), Box::<Centroids>::default())),
-            ("threat-first + centroids", || (Box::new(ThreatFirst), Box::<Centroids>::default())),
-            ("auction + centroids", || (Box::new(Auction), Box::<Centroids>::default())),
-            ("rollout + centroids", || (Box::new(Rollout { rollouts: 40 }), Box::<Centroids>::default())),
-            ("nearest-savable + regions", || {
-                (Box::new(RegionsFirst(Box::new(NearestSavable))), Box::<Regions>::default())
-            }),
-            ("auction + regions", || (Box::new(RegionsFirst(Box::new(Auction))), Box::<Regions>::default())),
-            ("auction anywhere + regions", || (Box::new(Auction), Box::<Regions>::default())),
-        ];
-        let duration = SimTime::from_nanos(3_600_000_000_000);
-        for (trucks, wumpuses, field_m) in [(2, 1, 500.0), (4, 2, 500.0), (8, 4, 500.0), (8, 4, 1000.0)] {
-            println!("{trucks} trucks, {wumpuses} Wumpuses, {field_m} m, {seeds} seeds");
-            let contest = Contest { field_m, trucks, wumpuses, duration };
-            let mut base: Vec<f64> = Vec::new();
-            for (name, make) in &policies {
-                let scores: Vec<Score> = (1..=seeds)
-                    .map(|seed| {
-                        let (mut assignment, mut idle) = make();
-                        play(contest, seed, &mut *assignment, &mut *idle)
-                    })
-                    .collect();
-                let lost: Vec<f64> = scores.iter().map(|score| score.lost).collect();
-                base = if base.is_empty() { lost.clone() } else { base };
-                let mean = |values: &[f64]| values.iter().sum::<f64>() / seeds as f64;
-                let gains: Vec<f64> = lost.iter().zip(&base).map(|(lost, base)| lost - base).collect();
-                let squares: Vec<f64> =
-                    gains.iter().map(|gain| (gain - mean(&gains)) * (gain - mean(&gains))).collect();
-                println!(
-                    "{name:28} lost {:6.1}  less nearest {:+7.1} ± {:4.1}  in vain {:4}  km {:6.1}",
-                    mean(&lost),
-                    mean(&gains),
-                    1.96 * (mean(&squares) / seeds as f64).sqrt(),
-                    scores.iter().map(|score| score.wasted).sum::<u32>() / seeds as u32,
-                    scores.iter().map(|score| score.driven_m).sum::<f64>() / 1000.0 / seeds as f64,
-                );
-            }
+/// Prints the table of policies over this number of seeds:
+/// `SEEDS=40 cargo test --release --test contest table_of_policies -- --ignored --nocapture`.
+#[test]
+#[ignore = "it prints figures, where somebody asks for them"]
+fn table_of_policies() {
+    let Ok(seeds) = std::env::var("SEEDS") else { return };
+    let seeds: u64 = seeds.parse().expect("a number of seeds");
+    type MakeBoth = fn() -> (Box<dyn Assignment>, Box<dyn Positioning>);
+    let policies: [(&str, MakeBoth); 14] = [
+        ("nearest", || (Box::new(NearestByNumber), Box::new(Stay))),
+        ("nearest-savable", || (Box::new(NearestSavable), Box::new(Stay))),
+        ("hungarian", || (Box::new(Hungarian), Box::new(Stay))),
+        ("threat-first", || (Box::new(ThreatFirst), Box::new(Stay))),
+        ("auction", || (Box::new(Auction), Box::new(Stay))),
+        ("rollout", || (Box::new(Rollout { rollouts: 40 }), Box::new(Stay))),
+        ("nearest + centroids", || (Box::new(NearestByNumber), Box::<Centroids>::default())),
+        ("nearest-savable + centroids", || (Box::new(NearestSavable), Box::<Centroids>::default())),
+        ("threat-first + centroids", || (Box::new(ThreatFirst), Box::<Centroids>::default())),
+        ("auction + centroids", || (Box::new(Auction), Box::<Centroids>::default())),
+        ("rollout + centroids", || (Box::new(Rollout { rollouts: 40 }), Box::<Centroids>::default())),
+        ("nearest-savable + regions", || (Box::new(RegionsFirst(Box::new(NearestSavable))), Box::<Regions>::default())),
+        ("auction + regions", || (Box::new(RegionsFirst(Box::new(Auction))), Box::<Regions>::default())),
+        ("auction anywhere + regions", || (Box::new(Auction), Box::<Regions>::default())),
+    ];
+    let duration = SimTime::from_nanos(3_600_000_000_000);
+    for (trucks, wumpuses, field_m) in [(2, 1, 500.0), (4, 2, 500.0), (8, 4, 500.0), (8, 4, 1000.0)] {
+        println!("{trucks} trucks, {wumpuses} Wumpuses, {field_m} m, {seeds} seeds");
+        let contest = Contest { field_m, trucks, wumpuses, duration };
+        let mut base: Vec<f64> = Vec::new();
+        for (name, make) in &policies {
+            let scores: Vec<Score> = (1..=seeds)
+                .map(|seed| {
+                    let (mut assignment, mut idle) = make();
+                    play(contest, seed, &mut *assignment, &mut *idle)
+                })
+                .collect();
+            let lost: Vec<f64> = scores.iter().map(|score| score.lost).collect();
+            base = if base.is_empty() { lost.clone() } else { base };
+            let mean = |values: &[f64]| values.iter().sum::<f64>() / seeds as f64;
+            let gains: Vec<f64> = lost.iter().zip(&base).map(|(lost, base)| lost - base).collect();
+            let squares: Vec<f64> = gains.iter().map(|gain| (gain - mean(&gains)) * (gain - mean(&gains))).collect();
+            println!(
+                "{name:28} lost {:6.1}  less nearest {:+7.1} ± {:4.1}  in vain {:4}  km {:6.1}",
+                mean(&lost),
+                mean(&gains),
+                1.96 * (mean(&squares) / seeds as f64).sqrt(),
+                scores.iter().map(|score| score.wasted).sum::<u32>() / seeds as u32,
+                scores.iter().map(|score| score.driven_m).sum::<f64>() / 1000.0 / seeds as f64,
+            );
         }
     }
 }

@@ -1,0 +1,39 @@
+//! Why there are no drives.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use crate::drives::attempts::AttemptError;
+use wildfire_planning::{NameError, PlannerName};
+use wildfire_sim::scenario::{MAX_GOALS, ScenarioError, TerrainError};
+
+/// A reason for which nothing is planned.
+#[derive(Debug, Error)]
+pub enum DriveError {
+    #[error("{}", .0.fault)]
+    Scenario(#[from] Box<ScenarioError>),
+    #[error("the scenario `{scenario}` has no truck")]
+    NoTruck { scenario: String },
+    #[error("--cells needs a reach, and `suppression.reach_m` is \"none\"")]
+    NoReach,
+    #[error("{found} goals; expected a whole number from 1 to {MAX_GOALS}")]
+    GoalCount { found: usize },
+    #[error("a number of random poses goes with neither field files nor a number of bushes")]
+    OtherGoals,
+    #[error("{}: another field is called `{name}` too", .path.display())]
+    SameName { path: PathBuf, name: String },
+    #[error("the field `{field}` has no {what}")]
+    NoGoals { field: String, what: &'static str },
+    #[error("the field `{field}` has no room for goals")]
+    NoRoom { field: String },
+    #[error(transparent)]
+    Terrain(#[from] TerrainError),
+    /// A name that is no built-in planner's, nobody's that was registered, and no table's of the scenario.
+    #[error("--planner names `{name}`, and no planner of this name is known")]
+    UnknownPlanner { name: PlannerName, known: Vec<String> },
+    #[error(transparent)]
+    TakenName(#[from] NameError),
+    #[error("planning on the field {field}: {source}")]
+    Failed { field: String, source: AttemptError },
+}

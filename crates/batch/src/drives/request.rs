@@ -1,0 +1,100 @@
+//! Drives that are asked for as a whole: by Python, and piece by piece by the commands.
+
+use super::attempts::{Attempt, Question, attempts};
+use super::error::DriveError;
+use super::problems::DriveProblems;
+use super::table::DriveTable;
+use wildfire_planning::{PlannerName, TruckPlannerKind};
+use wildfire_sim::Entrants;
+#[cfg(unix)]
+use wildfire_sim::programs::{ProgramPool, Trust};
+use wildfire_sim::scenario::{LoadedScenario, MemoryLimit, Problem, Scenario};
+
+/// Drives on the fields of one scenario, with one seed.
+#[derive(Clone, Debug)]
+pub struct DriveRequest {
+    /// The scenario whose first truck drives: a file, or a built-in name.
+    pub scenario: String,
+    /// Changes of its values, `key=value`.
+    pub changes: Vec<String>,
+    pub problems: DriveProblems,
+    /// Names of planners, `all` for every one that is known; the first truck's own if there are none.
+    pub planners: Vec<PlannerName>,
+    /// The number that everything random follows from.
+    pub seed: u64,
+    pub memory: MemoryLimit,
+}
+
+impl DriveRequest {
+    /// Asks every planner for every goal, those of `entrants` among them; programs that files name are not started.
+    ///
+    /// # Errors
+    /// If the scenario, a field or a planner is refused.
+    pub fn plan(&self, entrants: &Entrants) -> Result<DriveTable, DriveError> {
+        let changes = own_names(entrants).chain(self.changes.iter().cloned()).collect::<Vec<_>>();
+        let LoadedScenario { scenario, .. } = LoadedScenario::open(&self.scenario, &changes)?;
+        let problems = self.problems.load(&scenario, self.seed)?;
+        let planners = asked_planners(&self.planners, &scenario);
+        expect_known_planners(entrants, &scenario, &planners)?;
+        #[cfg(unix)]
+        let makers =
+            ProgramPool::new(Trust::Only(Default::default())).planners_of(&scenario, entrants.planners.clone())?;
+        #[cfg(not(unix))]
+        let makers = entrants.planners.clone();
+        let programs = &scenario.planner;
+        let question = Question { planners: &planners, makers: &makers, programs, seed: self.seed, limit: self.memory };
+        let attempts = ask_all(&problems, &question)?;
+        Ok(DriveTable::of_one_variant(attempts.iter().map(|attempt| attempt.query(None, 0)).collect()))
+    }
+}
+
+/// All planners on all goals of all problems, problem by problem.
+///
+/// # Errors
+/// If one of the planners cannot be built, or they would take more memory than the limit.
+pub fn ask_all<'a>(problems: &'a [Problem], question: &Question<'_>) -> Result<Vec<Attempt<'a>>, DriveError> {
+    let asked = problems.iter().map(|problem| {
+        attempts(problem, question).map_err(|source| DriveError::Failed { field: problem.name.clone(), source })
+    });
+    Ok(asked.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
+}
+
+/// Returns changes of a scenario by which it knows the planners and policies that were registered.
+pub fn own_names(entrants: &Entrants) -> impl Iterator<Item = String> {
+    let Entrants { planners, policies, .. } = entrants;
+    let planners = planners.own_names().map(|name| format!("planner.\"{name}\".command=[]"));
+    planners.chain(policies.own_names().map(|name| format!("policy.\"{name}\".command=[]")))
+}
+
+/// The name that is every known planner's.
+const ALL_PLANNERS: &str = "all";
+
+/// Returns the planners of these names, each once, or else the first truck's own.
+pub fn asked_planners(names: &[PlannerName], scenario: &Scenario) -> Vec<PlannerName> {
+    let own = scenario.unimog.iter().take(1).map(|truck| truck.planner.clone());
+    let known = || TruckPlannerKind::ALL.map(PlannerName::from).into_iter().chain(scenario.planner.keys().cloned());
+    let named = names.iter().flat_map(|name| match name.name() {
+        ALL_PLANNERS => known().collect(),
+        _ => vec![name.clone()],
+    });
+    let mut planners = Vec::new();
+    for planner in named.chain(own.filter(|_| names.is_empty())) {
+        if !planners.contains(&planner) {
+            planners.push(planner);
+        }
+    }
+    planners
+}
+
+/// Refuses names that no planner has: none that is built in or was registered, and no table of the scenario.
+pub fn expect_known_planners(
+    entrants: &Entrants,
+    scenario: &Scenario,
+    asked: &[PlannerName],
+) -> Result<(), DriveError> {
+    let is_known = |name: &PlannerName| entrants.planners.knows(name) || scenario.planner.contains_key(name);
+    let Some(unknown) = asked.iter().find(|name| !is_known(name)) else { return Ok(()) };
+    let tables = scenario.planner.keys().map(PlannerName::name);
+    let known = TruckPlannerKind::ALL.map(TruckPlannerKind::name).into_iter().chain(tables).map(str::to_owned);
+    Err(DriveError::UnknownPlanner { name: unknown.clone(), known: known.collect() })
+}
