@@ -144,13 +144,25 @@ fn one_interrupt_ends_the_wait_for_a_pipe_that_says_nothing() {
     }
 }
 
-/// The memory that must be enough for any input, in kibibytes of addresses: 64 MiB for what the program reads, and what
-/// it takes without reading anything, most of it never touched.
-const ADDRESSES_KIB: u32 = 65_536 + 40_000;
+/// The memory that must be enough for what the program reads of any input, and for its errors, in kibibytes of addresses.
+const READ_KIB: u64 = 65_536 + 1024;
+
+/// The addresses that the program takes without reading anything, in kibibytes, most of them never touched: its own code
+/// above all, whose size differs between builds.
+fn addresses_without_input(story: &Story) -> u64 {
+    let mut started = command(story, &with_input("audit {}", "pipe"));
+    let mut child = started.env("MALLOC_ARENA_MAX", "1").stderr(Stdio::null()).spawn().expect("it can be started");
+    wait(Duration::from_millis(300));
+    let status = fs::read_to_string(format!("/proc/{}/status", child.id())).expect("it waits for the pipe");
+    child.kill().expect("it can be ended");
+    child.wait().expect("it has been ended");
+    let peak = status.lines().find_map(|line| line.strip_prefix("VmPeak:")).expect("a process has a peak");
+    peak.trim().trim_end_matches(" kB").parse().expect("it is a number")
+}
 
 /// Runs a command in bounded memory, which must end with the code of bad input.
 fn refuse_in_bounded_memory(story: &Story, words: &[String], what: &str) {
-    let limited = format!("ulimit -v {ADDRESSES_KIB}; exec \"$0\" \"$@\"");
+    let limited = format!("ulimit -v {}; exec \"$0\" \"$@\"", READ_KIB + addresses_without_input(story));
     let mut shell = Command::new("sh");
     // glibc reserves 64 MiB of addresses for a thread that allocates while another does, which depends on the moment.
     shell.env("MALLOC_ARENA_MAX", "1");
