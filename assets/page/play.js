@@ -158,6 +158,8 @@ class Desk {
             // What is handed out grows with the run: seldom where it is dear.
             if (!stops && this.player !== null && now - taken < 4 * costMs) continue;
             const page = await this.module.ask({ do: "page" });
+            // Reading what was handed out and showing it each fit into a frame of their own.
+            if (this.player !== null) await new Promise(requestAnimationFrame);
             if (!isCurrent()) return;
             this.take(page);
             [taken, costMs] = [performance.now(), performance.now() - now];
