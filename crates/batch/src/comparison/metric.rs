@@ -15,7 +15,7 @@ use wildfire_sim::scenario::nearest_name;
 pub struct Metric {
     pub name: Cow<'static, str>,
     pub kind: MetricKind,
-    /// Of a column that is not the program's own, nothing is known.
+    /// Unit, title and better side; unknown for a column that the program did not write.
     pub about: Column<()>,
 }
 

@@ -59,7 +59,7 @@ const MEANS: [Mean; 5] = [
     mean("Unimog\nCPU ms", "cpu_unimog_total_s", 1e3, 2),
 ];
 
-/// What teams of trucks drove, how long they waited, and for what they drove in vain.
+/// Means over teams of trucks: drives, waiting times, wasted drives.
 const FLEET_MEANS: [Mean; 9] = [
     mean("Burned\nratio", "burned_ratio", 1.0, 3),
     mean("Goals", "truck_goals", 1.0, 1),

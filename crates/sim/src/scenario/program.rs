@@ -167,7 +167,7 @@ impl Program {
     /// Describes it in a sentence; `kind` is planner or policy.
     pub(super) fn describe(&self, kind: &str, name: &PlannerName) -> String {
         if self.command.is_empty() {
-            format!("The {kind} `{name}` is registered by whoever runs the scenario.")
+            format!("The {kind} `{name}` must be registered when the scenario is run.")
         } else {
             format!("The {kind} `{name}` is a program that only runs where it is trusted: {}.", self.command_line())
         }

@@ -48,7 +48,7 @@ fn entry(ranking: &Ranking, place: usize, entry: &RankedEntry) -> impl Serialize
     })
 }
 
-/// The difference is the second entry's mean less the first one's.
+/// The difference is the second entry's mean minus that of the first.
 fn pair(ranking: &Ranking, pair: &RankedPair) -> impl Serialize {
     let [first, second] = pair.places.map(|place| &ranking.entries[place].name);
     object!(Pair {

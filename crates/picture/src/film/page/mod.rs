@@ -33,7 +33,7 @@ use wildfire_timeline::Setting;
 
 const TEMPLATE: &str = include_str!("../../../assets/page/page.html");
 const STYLE: &str = include_str!("../../../assets/page/page.css");
-/// What plays runs; each part uses those before it.
+/// The player's scripts; each uses those before it.
 const SCRIPTS: [&str; 6] = [
     include_str!("../../../assets/page/run.js"),
     include_str!("../../../assets/page/field.js"),
@@ -42,7 +42,7 @@ const SCRIPTS: [&str; 6] = [
     include_str!("../../../assets/page/panel.js"),
     include_str!("../../../assets/page/player.js"),
 ];
-/// What begins a page that carries its runs, and one that computes them.
+/// Start scripts: of a page that carries its runs, and of one that computes them.
 const RECORDED: &str = include_str!("../../../assets/page/recorded.js");
 const PLAY: &str = include_str!("../../../assets/page/play.js");
 const WORKER: &str = include_str!("../../../assets/page/worker.js");
@@ -137,11 +137,11 @@ pub fn play_page(module: &[u8], game: &str) -> String {
     })
 }
 
-/// What differs between pages.
+/// The parts in which pages differ.
 struct Filling<'a> {
     title: &'a str,
     sentence: &'a str,
-    /// What the page may load and run.
+    /// The content security policy, without what all pages have.
     policy: &'a str,
     desk: &'a str,
     question: &'a str,
