@@ -1,4 +1,4 @@
-"""A wildfire contest between motion planners, with planners and policies of your own.
+"""A wildfire contest between motion planners, open to your own planners and policies.
 
 >>> import wildfire_contest as wf
 >>> run = wf.run("contest", seed=7)
@@ -7,9 +7,9 @@
 >>> batch = wf.batch("smoke", seeds="1..20", planner=["prm-rs", "hybrid-astar"])
 >>> float(batch.runs["extinguished"].mean())  # doctest: +SKIP
 
-Lengths are metres, times seconds, angles radians counter-clockwise from east. x points east and y north, from the
+Lengths are in metres, times in seconds, angles in radians, counter-clockwise from east. x points east and y north from the
 field's south-west corner. A pose is that of the middle of the rear axle. Cells are counted from the south-west corner,
-and arrays of cells have row 0 in the south.
+and in arrays of cells row 0 is the southernmost.
 """
 
 from importlib import import_module
@@ -79,7 +79,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> ModuleType:
-    """Import the environments when they are first asked for: they need gymnasium and pettingzoo."""
+    """Import the environments on first access: they need gymnasium and pettingzoo."""
     if name in ("envs", "vector"):
         return import_module(f"wildfire_contest.{name}")
     msg = f"module 'wildfire_contest' has no attribute {name!r}"

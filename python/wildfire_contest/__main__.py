@@ -1,4 +1,4 @@
-"""The program `wildfire`, as the console script and as ``python -m wildfire_contest``."""
+"""The program `wildfire`, run as a console script or as ``python -m wildfire_contest``."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from wildfire_contest._core import command_line
 
 
 def run() -> int:
-    """Do what the arguments of the process say and return the exit code."""
+    """Run the program with the arguments of the process and return its exit code."""
     return command_line(["wildfire", *sys.argv[1:]])
 
 

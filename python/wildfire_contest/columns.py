@@ -17,18 +17,18 @@ if TYPE_CHECKING:
 
 
 class Columns(Mapping[str, NDArray[Any]]):
-    """A table: names of columns, each with a numpy array of one value a row.
+    """A table: a mapping of column names to numpy arrays with one value per row.
 
-    Names, kinds and units are those that ``wildfire schema`` prints. Whole numbers are ``int64``, numbers ``float64``,
-    flags ``bool``, texts ``object`` arrays of ``str``. A value that does not exist is nan among numbers and None among
-    texts; whole numbers and flags of which some are missing are a ``numpy.ma.MaskedArray``.
+    ``wildfire schema`` prints the names, kinds and units. Integers are ``int64``, numbers ``float64``, flags ``bool``,
+        text ``object`` arrays of ``str``. Missing numbers are nan and missing text is None; integers and flags with missing
+        values are a ``numpy.ma.MaskedArray``.
 
     Attributes
     ----------
     units : Mapping[str, str]
         The unit of each column, such as ``"s"``; empty for names and plain counts.
     words : Mapping[str, str]
-        What each column means.
+        The meaning of each column.
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class Columns(Mapping[str, NDArray[Any]]):
         return next((len(column) for column in self._columns.values()), 0)
 
     def __eq__(self, other: object) -> bool:
-        """Says whether both have the same columns in the same order, with the same values; nan equals nan."""
+        """Return whether both have the same columns in the same order, with the same values; nan equals nan."""
         if not isinstance(other, Columns):
             return NotImplemented
         return list(self) == list(other) and all(_same(self[name], other[name]) for name in self)
@@ -79,7 +79,7 @@ class Columns(Mapping[str, NDArray[Any]]):
         return f"<table>{table}</table><p>{self.rows} rows of {len(self)} columns</p>"
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Return a pandas DataFrame. Whole numbers of which some are missing get the dtype ``Int64``."""
+        """Return a pandas DataFrame. Integers with missing values have the dtype ``Int64``."""
         import pandas as pd
 
         def series(array: NDArray[Any]) -> Any:
@@ -92,7 +92,7 @@ class Columns(Mapping[str, NDArray[Any]]):
         return pd.DataFrame({name: series(array) for name, array in self.items()})
 
     def to_polars(self) -> polars.DataFrame:
-        """Return a polars DataFrame. What is missing is null."""
+        """Return a polars DataFrame. Missing values are null."""
         import polars as pl
 
         types = {"b": pl.Boolean, "i": pl.Int64, "u": pl.UInt64, "f": pl.Float64, "O": pl.String}
@@ -100,7 +100,7 @@ class Columns(Mapping[str, NDArray[Any]]):
         return pl.DataFrame(list(series))
 
     def to_arrow(self) -> pyarrow.Table:
-        """Return a ``pyarrow.Table``. What is missing is null; units and meanings are metadata of its fields."""
+        """Return a ``pyarrow.Table``. Missing values are null; units and meanings are metadata of its fields."""
         import pyarrow as pa
 
         types = {"b": pa.bool_(), "i": pa.int64(), "u": pa.uint64(), "f": pa.float64(), "O": pa.string()}
@@ -114,13 +114,13 @@ class Columns(Mapping[str, NDArray[Any]]):
 
 
 def unknown_name(kind: str, name: object, known: Iterable[str]) -> str:
-    """Return a sentence on a name that is not known, with those that are near."""
+    """Return a message about an unknown name, with the closest known names."""
     near = get_close_matches(str(name), list(known), 3)
     return f"there is no {kind} {name!r}" + (f"; did you mean {' or '.join(map(repr, near))}?" if near else "")
 
 
 def _values(array: NDArray[Any]) -> list[Any]:
-    """Return a column as Python's values, None where one is missing."""
+    """Return a column as Python values, with None for missing ones."""
     if array.dtype.kind == "f":
         return [None if value != value else value for value in array.tolist()]
     values: list[Any] = array.tolist()

@@ -1,6 +1,6 @@
-"""The contest for several agents, as PettingZoo has it: ``parallel_env()`` and ``env()``.
+"""The contest as PettingZoo environments for several agents: ``parallel_env()`` and ``env()``.
 
-Agents are ``wumpus_0`` ... and ``unimog_0`` ...; whoever is not in `play` follows the scenario.
+Agents are ``wumpus_0`` ... and ``unimog_0`` ...; agents that are not in `play` follow the scenario's policies.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ METADATA = {"name": "contest_v0", "render_modes": ["rgb_array"], "render_fps": 4
 
 
 class _Contest:
-    """What both environments of several agents are made of."""
+    """The parts shared by both environments for several agents."""
 
     def __init__(
         self,
@@ -60,11 +60,11 @@ class _Contest:
 
     def expect_begun(self) -> None:
         if self.np_random is None:
-            msg = "there is no contest to play: call reset first"
+            msg = "there is no contest to play yet: call reset first"
             raise IndexError(msg)
 
     def seen(self, seat: int | None) -> dict[str, Any]:
-        """Return what is seen from a seat, or by one who cannot choose."""
+        """Return the observation from a seat, or that of an agent that has no choice."""
         seen = {name: array.copy() for name, array in self.shared.items()}
         if seat is not None:
             return seen | {name: array[seat].copy() for name, array in self.own.items()}
@@ -75,7 +75,7 @@ class _Contest:
 
 
 class ContestParallel(ParallelEnv[str, dict[str, Any], int]):
-    """All who are asked answer together; who is not asked has the mask of 0 and is not listened to."""
+    """All agents that have a decision to make act together; the others can only wait, and their actions are ignored."""
 
     metadata = METADATA | {"is_parallelizable": True}
 
@@ -135,16 +135,16 @@ class ContestParallel(ParallelEnv[str, dict[str, Any], int]):
         return None if self.render_mode is None else self._contest.contests.picture(0, envs.PICTURE_SIZE)
 
     def close(self) -> None:
-        """Do nothing: a contest holds nothing that must be closed."""
+        """Do nothing: a contest holds no resources that must be closed."""
 
     def state(self) -> NDArray[np.float32]:
-        """Return all that is seen, in one array."""
+        """Return the whole shared observation in one array."""
         shared = self._contest.shared
         return np.concatenate([array.ravel().astype(np.float32) for array in shared.values()])
 
 
 class ContestAEC(AECEnv[str, dict[str, Any], int]):
-    """One agent after the other: only who is asked is selected."""
+    """One agent acts at a time: only the agent that has a decision to make is selected."""
 
     metadata = METADATA
 
@@ -207,7 +207,7 @@ class ContestAEC(AECEnv[str, dict[str, Any], int]):
         contests.step(self._contest.actions, [])
         self._cumulative_rewards[agent] = 0.0
         self.infos[agent] = {"dt_s": 0.0, "illegal": int(contests.illegal[0])}
-        # The seat's reward is that of the first who is played: what one side gains the other loses.
+        # The seat's reward is that of the first played agent; the game is zero-sum.
         gained, first = float(contests.reward[0]), self.possible_agents[0].split("_")[0]
         for name in self.agents:
             self.rewards[name] = gained if name.split("_")[0] == first else -gained
@@ -224,14 +224,14 @@ class ContestAEC(AECEnv[str, dict[str, Any], int]):
         return None if self.render_mode is None else self._contest.contests.picture(0, envs.PICTURE_SIZE)
 
     def close(self) -> None:
-        """Do nothing: a contest holds nothing that must be closed."""
+        """Do nothing: a contest holds no resources that must be closed."""
 
 
 def parallel_env(scenario: Any = "contest", **options: Any) -> ContestParallel:
-    """Return the contest in which all who are asked answer together."""
+    """Return the contest in which all agents with a decision to make act together."""
     return ContestParallel(scenario, **options)
 
 
 def env(scenario: Any = "contest", **options: Any) -> ContestAEC:
-    """Return the contest in which one agent answers after the other."""
+    """Return the contest in which agents act one at a time."""
     return ContestAEC(scenario, **options)

@@ -1,7 +1,7 @@
-"""Environments for reinforcement learning: the contest, one decision after the other.
+"""Environments for reinforcement learning: the contest as a sequence of decisions.
 
-An agent is asked when it has something to choose from and its built-in rule would choose. A step carries out the
-answer and lasts until the next agent that is played is asked; planning and driving are the scenario's.
+An agent is asked for a decision when its built-in rule would choose and it has something to choose from. A step carries out
+the action and lasts until the next played agent is asked; the scenario determines planning and driving.
 
 Needs gymnasium, and pettingzoo for several agents: ``pip install wildfire-contest[envs]``.
 """
@@ -26,17 +26,17 @@ if TYPE_CHECKING:
 __all__ = ["TEST_SEEDS", "TRAINING_SEEDS", "DriveEnv", "Policy", "TruckEnv", "contest_v0", "nearest", "random_seed"]
 
 TEST_SEEDS = range(0, 2**32)
-"""Seeds to test with: those that people write, such as 1 to 1000. Training without a seed never meets them."""
+"""Seeds for tests: the small numbers that people type, such as 1 to 1000. Training without a seed never uses them."""
 
 TRAINING_SEEDS = range(2**32, 2**53)
-"""Seeds that ``reset()`` without a seed draws from."""
+"""Seeds from which ``reset()`` without a seed picks at random."""
 
 PICTURE_SIZE = (800, 800)
 """Width and height of pictures, in pixels."""
 
 
 def random_seed(generator: np.random.Generator) -> int:
-    """Draw the seed of a contest to train in, one of `TRAINING_SEEDS`."""
+    """Return a random seed of a contest for training, one of `TRAINING_SEEDS`."""
     return int(generator.integers(TRAINING_SEEDS.start, TRAINING_SEEDS.stop))
 
 
@@ -51,7 +51,7 @@ def make_contests(
     wait_s: float,
     threads: int = 1,
 ) -> tuple[_core.Contests, list[str]]:
-    """Make contests side by side, and name those who are played: by default all trucks."""
+    """Create contests side by side, and return them with the names of the played agents: by default all trucks."""
     if actions not in ("cells", "nearest"):
         msg = f'actions is {actions!r}; expected "cells" or "nearest"'
         raise ValueError(msg)
@@ -65,7 +65,7 @@ def make_contests(
 
 
 def observation_space(contests: _core.Contests, k: int | None) -> spaces.Dict:
-    """Return the space of what is seen; `k` is the number of candidates, if there are some."""
+    """Return the observation space; `k` is the number of candidates, if there are any."""
     rows, cols = contests.shape
     agents = len(contests.agents_named)
     parts: dict[str, spaces.Space[Any]] = {
@@ -81,7 +81,7 @@ def observation_space(contests: _core.Contests, k: int | None) -> spaces.Dict:
 
 
 def shared_arrays(contests: _core.Contests, lanes: int) -> dict[str, NDArray[Any]]:
-    """Return what all see, by lane. The arrays stay: steps write into them."""
+    """Return the part of the observation that all agents share, by lane. Steps write into the same arrays."""
     rows, cols = contests.shape
     return {
         "cells": contests.cells.reshape(lanes, rows, cols),
@@ -92,7 +92,7 @@ def shared_arrays(contests: _core.Contests, lanes: int) -> dict[str, NDArray[Any
 
 
 def own_arrays(contests: _core.Contests, lanes: int, seats: int, k: int | None) -> dict[str, NDArray[Any]]:
-    """Return what is somebody's own, by lane and seat."""
+    """Return the part of the observation that belongs to one agent, by lane and seat."""
     arrays: dict[str, NDArray[Any]] = {"action_mask": contests.action_mask.reshape(lanes, seats, -1)}
     if k is not None:
         arrays["candidates"] = contests.candidates.reshape(lanes, seats, k, 6)
@@ -100,21 +100,21 @@ def own_arrays(contests: _core.Contests, lanes: int, seats: int, k: int | None) 
 
 
 class TruckEnv(gymnasium.Env[dict[str, Any], np.int64]):
-    """The contest as an environment of Gymnasium, ``wildfire/Truck-v0``.
+    """The contest as a Gymnasium environment, ``wildfire/Truck-v0``.
 
     Parameters
     ----------
     scenario : str, path or Scenario
-        What is played.
+        The scenario to play.
     play : sequence of str, optional
-        Who is played: by default all trucks, one at a time (``observation["agents"][:, 7]`` says whose turn it is).
+        The agents to play: by default all trucks, one at a time (``observation["agents"][:, 7]`` shows whose turn it is).
     actions : {"cells", "nearest"}
-        ``"cells"``: 0 waits, 1 + row * columns + column goes to a cell. ``"nearest"``: 0 waits, 1 + i goes to
-        candidate i of the `k` nearest.
+        ``"cells"``: 0 waits, 1 + row * columns + column drives to a cell. ``"nearest"``: 0 waits, 1 + i drives to
+                candidate i of the `k` nearest.
     k : int
-        Candidates of ``actions="nearest"``.
+        The number of candidates with ``actions="nearest"``.
     wait_s : float
-        The longest wait: action 0 lasts until a bush changes, or so long.
+        The longest wait in seconds: action 0 lasts until a bush changes, but at most this long.
     render_mode : {None, "rgb_array"}
     """
 
@@ -137,7 +137,7 @@ class TruckEnv(gymnasium.Env[dict[str, Any], np.int64]):
             scenario, 1, play, together=False, actions=actions, k=k, wait_s=wait_s
         )
         if len({name.rsplit("_", 1)[0] for name in self.played}) > 1:
-            msg = f"play is {self.played}; expected agents of one side, or an environment of several agents"
+            msg = f"play is {self.played}; expected agents of one side; use an environment for several agents to mix sides"
             raise ValueError(msg)
         own_k = k if actions == "nearest" else None
         self.observation_space = observation_space(self._contests, own_k)
@@ -154,16 +154,16 @@ class TruckEnv(gymnasium.Env[dict[str, Any], np.int64]):
         return {name: view.copy() for name, view in self._views.items()}
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Begin a contest: that of `seed`, or the next of a stream that the last seed began."""
+        """Start a contest: that of `seed`, or the next in the random sequence that the last seed started."""
         super().reset(seed=seed, options=options)
         self._contests.reset([(0, random_seed(self.np_random) if seed is None else seed)])
         return self._seen(), {"dt_s": 0.0, "illegal": 0}
 
     def step(self, action: np.int64 | int) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
-        """Carry out an action, and go on to the next question.
+        """Carry out an action and advance to the next decision.
 
-        A masked action waits, and ``info["illegal"]`` is 1; one outside of the space is a `ValueError`.
-        ``info["dt_s"]`` is the simulated time that the step took.
+        A masked action waits, and ``info["illegal"]`` is 1; an action outside the space raises `ValueError`.
+                ``info["dt_s"]`` is the simulated time that the step took.
         """
         self._action[0] = action
         self._contests.step(self._action, [])
@@ -171,34 +171,34 @@ class TruckEnv(gymnasium.Env[dict[str, Any], np.int64]):
         return self._seen(), float(self._reward[0]), bool(self._ended[0]), False, info
 
     def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
-        """Return a picture of the contest as it is now, of the shape (height, width, 3)."""
+        """Return a picture of the contest's current state, of shape (height, width, 3)."""
         return None if self.render_mode is None else self._contests.picture(0, PICTURE_SIZE)
 
     def action_masks(self) -> NDArray[np.bool_]:
-        """Return which actions may be chosen, as ``MaskablePPO`` of sb3-contrib asks for them."""
+        """Return which actions are allowed, in the form that ``MaskablePPO`` of sb3-contrib expects."""
         masks: NDArray[np.bool_] = self._views["action_mask"] == 1
         return masks
 
 
 def nearest(observation: dict[str, Any]) -> int:
-    """Choose as the built-in rule of the nearest does, from an observation of ``actions="nearest"``.
+    """Choose as the built-in nearest-fire rule does, from an observation with ``actions="nearest"``.
 
-    Candidates come by distance, so that is the first that is free.
+    Candidates are sorted by distance, so this is the first free one.
     """
     free = np.flatnonzero(observation["action_mask"][1:])
     return int(free[0]) + 1 if free.size else 0
 
 
 class DriveEnv(gymnasium.Env[dict[str, Any], "NDArray[np.float32]"]):
-    """Steering the truck to a goal, ``wildfire/Drive-v0``.
+    """Steer the truck to a goal, ``wildfire/Drive-v0``.
 
-    The action is the share of the sharpest curvature, positive to the left, and that of the highest speed, negative in
-    reverse; a step is half a second of simulated time. ``clearance`` has tens of metres to the nearest bush or border,
-    on 64 x 64 points half a metre apart about the truck: row 0 is 15.75 m to its right, column 0 as far behind. ``goal``
-    is what is left to drive, ahead and to the left, and the radius of the goal, in metres.
+    The action is a fraction of the sharpest curvature, positive to the left, and a fraction of the top speed, negative in
+        reverse; a step is half a second of simulated time. ``clearance`` is the distance to the nearest bush or border in tens
+        of metres, on 64 x 64 points half a metre apart around the truck: row 0 is 15.75 m to its right, column 0 as far behind.
+        ``goal`` is the offset of the goal, ahead and to the left, and its radius, in metres.
 
-    The reward is metres nearer to the goal, 10 on arrival and -10 on contact; either ends the drive. Not every goal can
-    be reached; ``gymnasium.make`` ends a drive after 1000 steps.
+    The reward is the progress towards the goal in metres, plus 10 on arrival and -10 on contact; either ends the drive. Not
+        every goal is reachable; ``gymnasium.make`` ends a drive after 1000 steps.
     """
 
     metadata = {"render_modes": []}  # noqa: RUF012
@@ -219,7 +219,7 @@ class DriveEnv(gymnasium.Env[dict[str, Any], "NDArray[np.float32]"]):
         return {"clearance": clearance, "goal": goal}
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Begin a drive on the field of `seed`, or of the next of a stream that the last seed began."""
+        """Start a drive on the field of `seed`, or of the next seed in the random sequence that the last one started."""
         super().reset(seed=seed, options=options)
         self._driver.reset(random_seed(self.np_random) if seed is None else seed)
         return self._seen(), {}
@@ -232,7 +232,7 @@ class DriveEnv(gymnasium.Env[dict[str, Any], "NDArray[np.float32]"]):
 
 
 def __getattr__(name: str) -> ModuleType:
-    """Import the contest for several agents when it is first asked for: it needs pettingzoo."""
+    """Import the contest for several agents on first access: it needs pettingzoo."""
     if name == "contest_v0":
         return import_module("wildfire_contest.contest_v0")
     msg = f"module 'wildfire_contest.envs' has no attribute {name!r}"

@@ -1,21 +1,21 @@
-"""Errors of the package: their texts are the sentences of the command line."""
+"""Errors of the package, with the messages of the command line."""
 
 from __future__ import annotations
 
 
 class WildfireError(Exception):
-    """Something that was asked for cannot be done; the text says what and why."""
+    """A request that cannot be carried out; the message explains why."""
 
 
 class ScenarioError(WildfireError):
-    """A scenario that is refused.
+    """An invalid scenario.
 
     Attributes
     ----------
     file : str or None
-        The file at fault, ``scenarios/NAME.toml`` for a built-in scenario, or ``--set`` for a change.
+        The file with the error: ``scenarios/NAME.toml`` for a built-in scenario, ``--set`` for a change.
     line, column : int or None
-        Where in it, both counted from 1.
+        The position in it, both counted from 1.
     """
 
     def __init__(self, message: str, file: str | None = None, line: int | None = None, column: int | None = None) -> None:
@@ -26,7 +26,7 @@ class ScenarioError(WildfireError):
 
 
 class NoPath(Exception):
-    """Raised by a planner that has no path, with the reason.
+    """Raised by a planner that finds no path, with the reason.
 
     Parameters
     ----------
@@ -42,5 +42,5 @@ class NoPath(Exception):
 class QueryTimedOut(BaseException):
     """Raised in a planner or a policy whose query has taken more CPU time than the scenario allows.
 
-    Catch it to clean up, and raise it again: whatever is answered afterwards is too late.
+    Catch it to clean up, then raise it again: any later answer is too late.
     """

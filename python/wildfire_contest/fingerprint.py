@@ -20,10 +20,10 @@ _NO_CODE = ("__doc__", "__firstlineno__", "__module__", "__orig_bases__")
 
 
 def fingerprint(thing: object) -> str:
-    """Return a short hash of what a planner or a policy does, as far as its code says.
+    """Return a short hash of the code of a planner or a policy.
 
-    It goes through classes, functions and all that they name: functions, classes, numbers, texts, tuples and arrays.
-    Code of installed packages has its name only, and so has what may change while it runs, such as lists.
+    It covers classes, functions and everything that they name: functions, classes, numbers, strings, tuples and arrays.
+        Code of installed packages counts by its name only, and so do objects that may change at run time, such as lists.
     """
     digest, seen = hashlib.sha256(f"{sys.version_info[:2]}".encode()), {}
 
@@ -31,7 +31,7 @@ def fingerprint(thing: object) -> str:
         if isinstance(thing, (bool, int, float, complex, str, bytes, type(None))):
             digest.update(repr(thing).encode())
         elif id(thing) not in seen:
-            # It is kept, so that nothing else takes its place.
+            # Keeping a reference ensures that no other object gets the same id.
             seen[id(thing)] = thing
             digest.update(f"<{type(thing).__qualname__} {getattr(thing, '__qualname__', '')}>".encode())
             for part in _parts(thing):
@@ -42,7 +42,7 @@ def fingerprint(thing: object) -> str:
 
 
 def _parts(thing: Any) -> Iterable[Any]:
-    """Return what a thing does its work by."""
+    """Return the parts that determine what a thing does."""
     if isinstance(thing, (tuple, frozenset)):
         return thing if isinstance(thing, tuple) else sorted(thing, key=repr)
     if isinstance(thing, np.ndarray):
@@ -72,7 +72,7 @@ def _members(parts: Any) -> list[Any]:
 
 
 def _named(code: types.CodeType, scope: dict[str, Any]) -> list[Any]:
-    """Return what code names of its module, and of modules that are not installed."""
+    """Return the objects that code names in its own module and in modules that are not installed packages."""
     named = [scope[name] for name in code.co_names if name in scope]
     modules = [vars(it) for it in named if isinstance(it, types.ModuleType) and not _is_library(it.__name__)]
     named += [module[name] for module in modules for name in code.co_names if name in module]

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from wildfire_contest._core import Checker, Query, Site
 
 _ONE_AT_A_TIME = threading.Lock()
-"""OMPL draws the seeds of all its generators from one for the whole process."""
+"""OMPL derives the seeds of all its generators from a single one per process."""
 
 _START_SHARE = 0.9
 _LEAST_CLEARANCE = 0.01
@@ -38,27 +38,27 @@ def planner(
     goals: int = 24,
     params: Mapping[str, object] | None = None,
 ) -> Callable[[Site], OmplPlanner]:
-    """Return a factory of planners of OMPL, to be handed in like one of your own.
+    """Return a factory of OMPL planners, to pass in like your own planners.
 
-    The search is over Reeds-Shepp curves of the vehicle's turning radius. A pose is valid where the checker says that it
-    is free, a motion where the whole curve is. A drive ends in one of the poses of ``checker.goal_poses``. The
-    generator is seeded by ``site.seed`` before each query, and a query ends after a number of looks at the
-    termination condition, never by a clock: so runs repeat.
+    The planner searches over Reeds-Shepp curves of the vehicle's turning radius. A pose is valid if the checker reports it
+        as free, a motion if its whole curve is free. A drive ends in one of the poses of ``checker.goal_poses``. Runs are
+        reproducible: the generator is seeded with ``site.seed`` before each query, and a query ends after a number of
+        evaluations of the termination condition, never by time.
 
     Parameters
     ----------
     name : str
         A class of ``ompl.geometric``, such as ``"RRTConnect"``, ``"RRTstar"`` or ``"BITstar"``.
     iterations : int
-        How often a planner may look whether it should stop. Planners that improve a path use them all.
+        The number of evaluations of the termination condition. Planners that improve a path use them all.
     simplify : bool
-        Whether OMPL shortens the path that was found, in at most 10 rounds.
+        Whether OMPL shortens the path found, in at most 10 rounds.
     clearance : float
-        Metres to keep from bushes and border; less where the truck begins with less.
+        Metres to keep from bushes and border; less if the truck starts with less.
     goals : int
-        Poses in a goal disc to drive to.
+        The number of goal poses to sample in a goal disc.
     params : mapping, optional
-        Parameters of the planner by OMPL's names, such as ``{"range": 20}``.
+        Parameters of the planner under OMPL's names, such as ``{"range": 20}``.
 
     Raises
     ------
@@ -73,9 +73,9 @@ def planner(
     if not (isinstance(made, type) and hasattr(made, "solve")):
         raise ValueError(f"ompl.geometric has no planner {name!r}")
     if iterations < 1 or goals < 1:
-        raise ValueError("iterations and goals are at least 1")
+        raise ValueError("iterations and goals must be at least 1")
 
-    # Its arguments belong to its fingerprint.
+    # The arguments are part of the fingerprint.
     return functools.partial(
         OmplPlanner,
         made=made,
@@ -88,7 +88,7 @@ def planner(
 
 
 class OmplPlanner:
-    """A planner of OMPL for one truck; made by what :func:`planner` returns."""
+    """An OMPL planner for one truck; created by the factory that :func:`planner` returns."""
 
     def __init__(
         self,
@@ -107,7 +107,7 @@ class OmplPlanner:
         self.goals = goals
         self.params = params
         self.radius = site.vehicle.min_turn_radius
-        # OMPL takes 32 bits, of which 0 would mean a seed of its own choice.
+        # OMPL seeds have 32 bits, and 0 would let OMPL choose a seed.
         self.seed = site.seed % (2**31 - 1) + 1
 
     def plan(self, query: Query) -> NDArray[np.float64]:
@@ -190,7 +190,7 @@ class OmplPlanner:
 
 
 def _after(iterations: int) -> Any:
-    """Return a termination condition that is met after so many looks at it."""
+    """Return a termination condition that is met after a number of evaluations."""
     from ompl import base
 
     left = iterations

@@ -9,7 +9,7 @@ from wildfire_contest.columns import unknown_name
 
 
 class Outcome(Mapping[str, Any]):
-    """The outcome of a run: the columns of ``runs.csv`` that are not measured, by name or as attributes.
+    """The outcome of a run: the columns of ``runs.csv`` that are not measured, as items or attributes.
 
     The same scenario and seed give the same outcome on every machine. A value that does not exist is None.
 
@@ -31,7 +31,7 @@ class Outcome(Mapping[str, Any]):
             raise KeyError(unknown_name("column", name, self._values)) from None
 
     def __getattr__(self, name: str) -> Any:
-        # Copying and unpickling ask for names before there are values.
+        # Copying and unpickling access names before there are values.
         values: dict[str, Any] = self.__dict__.get("_values", {})
         if name in values:
             return values[name]

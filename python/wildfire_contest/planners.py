@@ -1,4 +1,4 @@
-"""What a planner of one's own is, and what it is told."""
+"""The interface of custom planners."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class Disc(NamedTuple):
-    """A goal: the centre of the body within `radius` of a place, at any heading.
+    """A goal: the centre of the body within `radius` of a point, at any heading.
 
     Metres, from the field's south-west corner.
     """
@@ -36,10 +36,10 @@ class Pose(NamedTuple):
 class Planner(Protocol):
     """Anything with a method `plan`.
 
-    A planner is made by a *factory*, which is called with a `Site` once for each truck and run; a class will do. It
-    answers for that truck until the run is over. The same queries must get the same answers, whatever was asked
-    before, or runs cannot be repeated: draw from a generator that is seeded by ``site.seed``, stop after samples or
-    expansions and not after seconds.
+    A *factory* creates the planner: it is called with a `Site` once per truck and run; a class will do. The planner answers
+        for that truck until the run ends. To be reproducible, the same query must get the same answer regardless of earlier
+        queries: use a random generator seeded with ``site.seed``, and bound the search by samples or expansions, not by
+        seconds.
     """
 
     def plan(self, query: Query) -> Path | ArrayLike | None:
@@ -57,13 +57,13 @@ class Planner(Protocol):
         NoPath
             There is no path, for another reason.
         Exception
-            Any other makes the query *crashed*, with the last line of the traceback; the run goes on.
+            Any other exception marks the query as *crashed*, with the last line of the traceback; the run continues.
         """
         ...
 
 
 Factory = Callable[["Site"], Planner]
-"""Makes a planner for one truck in one run."""
+"""Creates a planner for one truck in one run."""
 
 Planners = Mapping[str, Factory]
-"""Factories by names: 1 to 40 of ``a-z 0-9 + - _ .``, a letter first, and not that of a built-in planner."""
+"""Factories by name: 1 to 40 of ``a-z 0-9 + - _ .``, starting with a letter, and not the name of a built-in planner."""

@@ -1,4 +1,4 @@
-"""Policies of one's own: who goes where, by name, as planners have names."""
+"""Custom policies: they decide which agent goes where, and are passed in by name like planners."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from typing import Any
 
 
 class Policy:
-    """A policy that sees what environments show, for ``policies={"net": Policy(act, ...)}``.
+    """A policy that receives the observations of the environments, for ``policies={"net": Policy(act, ...)}``.
 
     Parameters
     ----------
     act : callable
-        From an observation, as `wildfire_contest.envs.TruckEnv` shows it, to an action. Where trucks and Wumpuses
-        follow the policy it is asked about both; the agent whose turn it is has ``observation["agents"][:, 7]`` 1.
+        Maps an observation, as in `wildfire_contest.envs.TruckEnv`, to an action. If both trucks and Wumpuses follow the
+                policy, it decides for both; ``observation["agents"][:, 7]`` is 1 for the agent whose turn it is.
     actions, k, wait_s
         As for `TruckEnv`.
     per_run : bool
-        `act` makes the callable instead: it is called once in every run with a dictionary of ``scenario``, ``seed``,
-        ``agents``, ``plays``, ``settings`` and ``draw``, a seed of the policy's own.
+        If true, `act` creates the callable instead: it is called once per run with a dictionary of ``scenario``, ``seed``,
+                ``agents``, ``plays``, ``settings`` and ``draw``, a seed reserved for the policy.
     """
 
     def __init__(
@@ -31,7 +31,7 @@ class Policy:
         per_run: bool = False,
     ) -> None:
         if not callable(act):
-            msg = f"a policy is a {type(act).__name__}; expected what can be called with an observation"
+            msg = f"a policy is a {type(act).__name__}; expected a callable that takes an observation"
             raise TypeError(msg)
         if actions not in ("cells", "nearest"):
             msg = f'actions is {actions!r}; expected "cells" or "nearest"'
@@ -49,9 +49,9 @@ class Policy:
 
 
 Policies = Mapping[str, "Policy | Callable[[dict[str, Any]], int]"]
-"""Policies by names; a callable is a `Policy` of all cells."""
+"""Policies by name; a callable is a `Policy` over all cells."""
 
 
 def as_policy(given: Policy | Callable[[Any], Any]) -> Policy:
-    """Return a policy; a callable becomes one."""
+    """Return the policy itself, or wrap a callable as one."""
     return given if isinstance(given, Policy) else Policy(given)

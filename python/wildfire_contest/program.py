@@ -8,15 +8,15 @@ from collections.abc import Sequence
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Do what the command line would and return its exit code.
+    """Run the command line and return its exit code.
 
-    It runs in a process of its own, which shares the terminal: its output goes where that of this process goes, and
-    Ctrl-C ends it as it ends the program.
+    It runs in a separate process that shares the terminal: its output goes to the same place as that of this process, and
+        Ctrl-C ends it.
 
     Parameters
     ----------
     argv : sequence of str, optional
-        The arguments after the program's name; those of this process if it is left out.
+        The arguments after the program's name; default: those of this process.
 
     Returns
     -------
@@ -25,5 +25,5 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     words = sys.argv[1:] if argv is None else list(argv)
     code = subprocess.run([sys.executable, "-m", "wildfire_contest", *words], check=False).returncode
-    # A process that a signal ended has the code that a shell gives it.
+    # For a process ended by a signal, a shell reports 128 plus the signal's number.
     return code if code >= 0 else 128 - code

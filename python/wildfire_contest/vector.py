@@ -1,4 +1,4 @@
-"""Many contests in one call, into arrays that stay."""
+"""Many contests per call, which write into the same arrays each time."""
 
 from __future__ import annotations
 
@@ -23,19 +23,19 @@ AUTORESET = {"next-step": AutoresetMode.NEXT_STEP, "same-step": AutoresetMode.SA
 class TruckVectorEnv(VectorEnv[dict[str, Any], "NDArray[np.int64]", "NDArray[Any]"]):
     """`n` contests, each as in `wildfire_contest.envs.TruckEnv`, advanced together without the interpreter's lock.
 
-    What `reset` and `step` return are the same arrays every time: copy what is to be kept.
+    `reset` and `step` return the same arrays every time: copy the values that you want to keep.
 
     Parameters
     ----------
     n : int
-        Contests side by side.
+        The number of contests side by side.
     scenario, play, actions, k, wait_s
         As for `TruckEnv`.
     threads : int
-        Threads among which a step is divided; they change no result.
+        The number of threads that share the work of a step; it does not affect results.
     autoreset : {"next-step", "same-step"}
-        When a contest that has ended begins anew: in the next step, which ignores its action, or in the same one;
-        then ``infos["final_obs"]`` has what was seen last.
+        When a finished contest restarts: in the next step, which ignores its action, or in the same step, in which case
+                ``infos["final_obs"]`` has the last observation.
     """
 
     def __init__(
@@ -82,7 +82,7 @@ class TruckVectorEnv(VectorEnv[dict[str, Any], "NDArray[np.int64]", "NDArray[Any
         seed: int | Sequence[int | None] | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Begin all contests anew: of the seeds `seed`, `seed` + 1 ..., of a list of seeds, or drawn ones."""
+        """Restart all contests: with seeds `seed`, `seed` + 1 ..., with a list of seeds, or with random ones."""
         if seed is None:
             seeds: list[int | None] = [None] * self.num_envs
         elif isinstance(seed, (int, np.integer)):
@@ -127,5 +127,5 @@ class TruckVectorEnv(VectorEnv[dict[str, Any], "NDArray[np.int64]", "NDArray[Any
 
 
 def truck_vector_env(num_envs: int = 1, **options: Any) -> TruckVectorEnv:
-    """Return contests side by side: what ``gymnasium.make_vec("wildfire/Truck-v0", num_envs)`` calls."""
+    """Return contests side by side; ``gymnasium.make_vec("wildfire/Truck-v0", num_envs)`` calls this."""
     return TruckVectorEnv(num_envs, **options)

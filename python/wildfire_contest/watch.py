@@ -1,4 +1,4 @@
-"""Looks into threads that execute Python, and ends what they do."""
+"""Watches threads that execute Python and interrupts them."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import time
 
 
 def here(limit_s: float | None) -> tuple[int, int | None, float]:
-    """Return this thread, its CPU clock, and the time of that clock at which the limit is reached.
+    """Return this thread, its CPU clock, and the reading of that clock at which the limit is reached.
 
-    There is no clock if there is no limit, or if the system has no clock of another thread.
+    The clock is None if there is no limit or if the system provides no clocks of other threads.
     """
     thread = threading.get_ident()
     if limit_s is None or not hasattr(time, "pthread_getcpuclockid"):
@@ -21,15 +21,15 @@ def here(limit_s: float | None) -> tuple[int, int | None, float]:
 
 
 def is_past(clock: int, end: float) -> bool:
-    """Say whether a clock shows a later time."""
+    """Return whether a clock is past a time."""
     return time.clock_gettime(clock) > end
 
 
 def raise_in(thread: int, exception: type[BaseException] | None) -> None:
-    """Raise an exception in a thread when it next executes Python; None takes back what it has not met."""
+    """Raise an exception in a thread when it next executes Python; None cancels one that is still pending."""
     ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), exception and ctypes.py_object(exception))
 
 
 def say(sentence: str) -> None:
-    """Write a line to stderr, wherever that leads."""
+    """Write a line to stderr."""
     print(f"wildfire: {sentence}", file=sys.stderr)  # noqa: T201
