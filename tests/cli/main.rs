@@ -14,6 +14,7 @@ mod course;
 mod curve;
 mod curve_pairs;
 mod demo;
+mod english;
 mod errors;
 mod export;
 mod files_named;
