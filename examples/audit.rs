@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         verdict.violation.map_or("nothing against the rules".to_owned(), |found| found.to_string())
     );
 
-    // A fire that goes out ten seconds too early was put out by a truck that was still on its way.
+    // A fire that goes out ten seconds too early is extinguished by a truck that has not arrived yet.
     let extinguished =
         timeline.events.iter_mut().find(|event| matches!(event.fact, Fact::Fire(FireFact::Extinguished { .. })));
     if let Some(event) = extinguished {

@@ -1,9 +1,9 @@
-//! A planner of one's own, compared with a built-in one on the same queries and in the contest:
+//! A custom planner, compared with a built-in one on the same queries and in the contest:
 //! `cargo run --example own_planner`.
 //!
-//! It drives the shortest Reeds-Shepp curve if that is free, and else joins two curves at a pose that it draws; a plan
-//! for somebody's own first try. Everything it asks of the field it asks [`CollisionChecker`], as the built-in planners
-//! do, so its paths are as exact as theirs.
+//! It drives the shortest Reeds-Shepp curve if that is free; otherwise it joins two curves at a random pose. It is meant as a
+//! starting point for your own planner. Like the built-in planners it uses [`CollisionChecker`] for all collision tests, so
+//! its paths are as exact as theirs.
 
 #![expect(clippy::print_stdout, reason = "an example prints what it finds")]
 
@@ -22,9 +22,9 @@ use wildfire::sim::RunError;
 use wildfire::timeline::Outcome;
 use wildfire::vehicle::{Path, ReedsShepp};
 
-/// What the body keeps from bushes and border, in metres.
+/// The clearance of the body to bushes and border, in metres.
 const CLEARANCE_M: f64 = 0.3;
-/// The budget is a number of draws, not of seconds, so that the same seed gives the same plan.
+/// The budget counts samples, not seconds, so that the same seed gives the same plan.
 const MAX_DRAWS: u32 = 2000;
 
 struct ThroughOnePose {
@@ -47,7 +47,7 @@ impl ThroughOnePose {
         Pose::new(draw() * frame.width_m(), draw() * frame.height_m(), (draw() - 0.5) * TAU)
     }
 
-    /// Returns the pose that is the goal, or draws one whose body's centre lies in the disc that is the goal.
+    /// Returns the goal pose, or a random one with the body's centre in the goal disc.
     fn draw_end(&mut self, goal: Goal) -> Pose {
         match goal {
             Goal::Pose(end) => end,
@@ -85,7 +85,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     enter_the_contest()
 }
 
-/// Asks both planners the same.
+/// Sends the same queries to both planners.
 fn compare_queries() -> Result<(), Box<dyn Error>> {
     let scenario = load("contest", &[])?;
     let truck = &scenario.unimog[0];
@@ -114,7 +114,7 @@ fn compare_queries() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Plays the contest with both planners on the same fields. Neither is rescued: what a planner fails on burns.
+/// Runs the contest with both planners on the same fields. Neither is rescued: a fire without a path burns on.
 fn enter_the_contest() -> Result<(), Box<dyn Error>> {
     let make = |site: &Site<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> {
         Ok(Box::new(ThroughOnePose { checker: site.checker.clone(), rng: (site.stream)("own-planner") }))

@@ -1,6 +1,6 @@
 //! Plans drives on a map from a file and draws them: `cargo run --example plan_on_my_map [MAP.txt [OUT.png]]`.
 //!
-//! A map is text, one line a row, the first line north, `.` for free ground and `#` for a bush. A cell has 5 m.
+//! A map is text with one line per row, northernmost first, `.` for free ground and `#` for a bush. A cell is 5 m wide.
 
 #![expect(clippy::print_stdout, reason = "an example prints what it finds")]
 
@@ -33,7 +33,7 @@ const MY_MAP: &str = "\
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let text = arguments.next().map_or_else(|| Ok(MY_MAP.to_owned()), fs::read_to_string)?;
-    // Row 0 of a field is its south edge, the last line of the text.
+    // Row 0 of a field is its southernmost row, the last line of the text.
     let rows: Vec<Vec<bool>> = text.lines().rev().map(|line| line.chars().map(|cell| cell == '#').collect()).collect();
     let cols = rows.first().map_or(0, Vec::len);
     let frame = FieldFrame { cols: u16::try_from(cols)?, rows: u16::try_from(rows.len())?, cell_m: CELL_M };

@@ -1,6 +1,6 @@
-//! Reads a recording and prints how the fire went: `cargo run --example read_recording [FILE.wildfire]`.
+//! Reads a recording and prints the course of the fire: `cargo run --example read_recording [FILE.wildfire]`.
 //!
-//! `wildfire run contest --seed 7 --out run.wildfire` writes one. Without a file the example plays that run itself.
+//! `wildfire run contest --seed 7 --out run.wildfire` writes one. Without a file the example simulates that run.
 
 #![expect(clippy::print_stdout, reason = "an example prints what it finds")]
 
@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{minute:7} {intact:7} {burning:8}");
     }
 
-    // Facts are in order of time; each says what happened and to whom.
+    // Facts are in chronological order; each describes an event and its agent.
     let first = timeline.events.iter().find(|event| matches!(event.fact, Fact::Fire(FireFact::Ignited { .. })));
     if let Some(event) = first {
         println!("\nThe first fire began at {:.1} s.", event.time.as_seconds());

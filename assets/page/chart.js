@@ -1,5 +1,5 @@
-// The curves over time, which are the timeline: bushes by state, one over the other, with marks of events above; of two runs
-// also how they differ. What lies ahead is paler.
+// The curves over time, which form the timeline: stacked counts of bushes by state, with marks of events above; for two runs
+// also their difference. The future is paler.
 
 // All in pixels of the page.
 const CHART_LEFT = 64;
@@ -11,9 +11,9 @@ const AXIS = 24;
 const GAP = 12;
 // Between the marks of events and the curves.
 const BELOW_LANES = 5;
-// The share of its colour that the time ahead keeps.
+// The share of colour that the future keeps.
 const AHEAD = 0.35;
-// What is lost, what burns, what was saved, what nothing happened to: from the bottom up.
+// Lost, burning, saved and intact, from the bottom up.
 const STACKED = [BURNED_OUT, BURNING, EXTINGUISHED, INTACT];
 
 // The least of 1, 2, 2.5 or 5 times a power of ten that is not less.
@@ -30,9 +30,9 @@ class Chart {
         this.takeRuns();
     }
 
-    // Draws what the runs have become.
+    // Draws the current state of the runs.
     takeRuns() {
-        // A run without fire ends at once.
+        // A run without fire ends immediately.
         this.endNs = Math.max(1, ...this.runs.map((run) => run.end_ns));
         this.keptKey = "";
     }
@@ -43,7 +43,7 @@ class Chart {
         return this.runs.length * each + (this.runs.length > 1 ? DIFFERENCE + 2 * GAP : 0) + AXIS;
     }
 
-    // The time at a place across, in pixels of the page.
+    // The time at a horizontal position in pixels of the page.
     timeAt(x) {
         const width = this.canvas.clientWidth - CHART_LEFT - CHART_RIGHT;
         return clamp((x - CHART_LEFT) / width, 0, 1) * this.endNs;
@@ -92,7 +92,7 @@ class Chart {
         }
     }
 
-    // All but the cursor, with counts and events in a share of their colour.
+    // Everything except the cursor, with counts and events in a share of their colour.
     drawKept(kept, [width, height], pixelRatio, share) {
         Object.assign(kept, { width: this.canvas.width, height: this.canvas.height });
         const context = kept.getContext("2d");
@@ -153,7 +153,7 @@ class Chart {
         });
     }
 
-    // A column shows the counts at its middle.
+    // A column of pixels shows the counts at its centre.
     drawStacked(context, run, { left, top, width, height }, most, share, pixelRatio) {
         const columns = Math.round(width * pixelRatio);
         context.globalAlpha = share;
@@ -168,7 +168,7 @@ class Chart {
                 context.fillStyle = this.stateColours[kind];
                 const y = top + height * (1 - to / most);
                 context.fillRect(left + column / pixelRatio, y, 1 / pixelRatio, (height * (to - from)) / most);
-                // Dark on dark paper, what burned out needs an edge.
+                // On dark paper, burned-out bushes need an outline.
                 if (kind !== BURNED_OUT) continue;
                 context.fillStyle = this.faint;
                 context.fillRect(left + column / pixelRatio, y - 0.5, 1 / pixelRatio, 1);
@@ -190,7 +190,7 @@ class Chart {
         }
     }
 
-    // How much larger the counts of the first run are than those of the second.
+    // The counts of the first run minus those of the second.
     drawDifference(context, area, share) {
         const { left, top, width, height } = area;
         const burned = ({ bushes }) => bushes[BURNING] + bushes[BURNED_OUT];

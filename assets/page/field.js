@@ -1,7 +1,7 @@
-// The pane of a field: bushes, fires, agents and layers, as the program's pictures have them; places and widths are those of
-// src/picture/film/field/. What seldom changes is kept on a canvas of its own.
+// The pane of a field: bushes, fires, agents and layers, as in the program's pictures; positions and widths are those of
+// crates/picture/src/film/field/. Parts that rarely change are kept on a separate canvas.
 
-// Margin in pixels about a field that just fits its pane, and the most metres that are seen about an agent that is followed.
+// Margin in pixels around a field that just fits its pane, and the largest visible distance in metres around a followed agent.
 const FIELD_MARGIN = 8;
 const FOLLOWED_M = 100;
 // Panes whose shorter side has more pixels than this get wider lines and larger letters.
@@ -32,7 +32,7 @@ const RING_LASTS_NS = 5e9;
 const SPREAD_LINE = "rgb(158, 50, 0)";
 const DIFFERENT = "rgb(255, 0, 220)";
 
-// Ways: what was driven fades in steps; dash and gap forward and in reverse.
+// Paths: driven parts fade in steps; dash and gap forward and in reverse.
 const FADES_IN_NS = 120e9;
 const FADING_STEPS = 12;
 const MARKED_FADING_STEPS = 4;
@@ -59,7 +59,7 @@ const MARK_EDGE = 1;
 // Fields of so many cells whose cells are smaller than so many pixels are shown by sums.
 const LEAST_CELLS = 100;
 const LEAST_CELL = 3;
-// With more agents than this they are summed up.
+// With more agents than this they are summarized.
 const MOST_ONE_BY_ONE = 8;
 
 // The em of the pictures' font in heights of its capitals.
@@ -256,7 +256,7 @@ class FieldPane {
         return this.run.agents.length > MOST_ONE_BY_ONE;
     }
 
-    // Whether cells are too small to be seen one by one.
+    // Whether cells are too small to see individually.
     get isByShares() {
         return this.projection.cellSide < LEAST_CELL && Math.max(this.run.cols, this.run.rows) >= LEAST_CELLS;
     }
@@ -305,7 +305,7 @@ class FieldPane {
         if (this.shows("intensity") && this.run.ground.intensity !== null) this.drawIntensityBar();
     }
 
-    // What is kept from frame to frame: the field, layers that lie on the ground, and the bushes by state.
+    // The parts kept between frames: the field, layers on the ground, and the bushes by state.
     drawGround() {
         const { width, height } = this.canvas;
         const searches = this.shownSearches();
@@ -359,7 +359,7 @@ class FieldPane {
         });
     }
 
-    // In the order in which places were looked at, from dark to light.
+    // In the order in which the search visited them, from dark to light.
     drawSearch(context, search, { colours, width, opacity, disc }) {
         search.xs ??= sums(search.places, 2);
         search.ends ??= sums(search.edges);
@@ -805,8 +805,8 @@ class FieldPane {
         for (const end of [left, left + length - 2 * unit]) rect(end, line - 5 * unit, 2 * unit, 5 * unit);
     }
 
-    // What is drawn at a place: the nearest agent, if its body is no more than some pixels away, or else a bush.
-    // Rings about cells that a host marked, a bold one about the one that it points at.
+    // The object drawn at a place: the nearest agent, if its body is within a few pixels, otherwise a bush.
+    // Rings around cells marked by a host, with a bold one around the selected cell.
     drawMarked() {
         const { context, projection, unit, run, view } = this;
         const { cells, pointedAt } = view.marked;
@@ -817,7 +817,7 @@ class FieldPane {
             const isPointedAt = cell === pointedAt;
             context.beginPath();
             context.arc(x, y, isPointedAt ? 1.6 * radius : radius, 0, 2 * Math.PI);
-            // A light rim, so that rings show on everything.
+            // A light rim makes rings visible on any background.
             for (const [colour, width] of [["#ffffff", isPointedAt ? 6 : 3], [MARKED, isPointedAt ? 3.5 : 1.5]]) {
                 Object.assign(context, { strokeStyle: colour, lineWidth: width * unit });
                 context.stroke();
@@ -1040,7 +1040,7 @@ Object.assign(FieldPane.prototype, {
         }
     },
 
-    // Marks what burns where cells are too small; `half` thin lines from the middle of a mark to its sides.
+    // Marks burning cells that are too small to see; `half` thin lines from the centre of a mark to its sides.
     drawFireMarks(half) {
         const { run, projection, unit, context, colours } = this;
         const edges = half > 1 ? [[half + 1, colours.ink], [half, colours.burning]] : [[half, colours.burning]];

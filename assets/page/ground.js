@@ -1,7 +1,7 @@
-// Ground that burns: what grows there, how fire goes over it, what is wet, embers, lines of equal arrival, the wind.
+// Ground that burns: vegetation, the spread of fire, wet cells, embers, lines of equal arrival time, the wind.
 
 const MILLIS = 1e6;
-// The flight of an ember is shown for so long after it has lit something.
+// The flight of an ember is shown for this long after it has lit a fire.
 const FLIGHT_LASTS_NS = 60e9;
 
 const COMPASS = ["N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW"];
@@ -73,7 +73,7 @@ class Ground {
         Object.assign(this, { changing: [], begun: 0, byStrength, now: 0 });
     }
 
-    // Brings the picture of the fire to a time.
+    // Moves the picture of the fire to a time.
     seek(ns, byStrength) {
         if (ns < this.now || byStrength !== this.byStrength) this.reset(byStrength);
         const until = lastAt(this.ignitions, ns) + 1;
@@ -97,7 +97,7 @@ class Ground {
         return blend(fire.flaming, fire.old, Math.min(1, (age - fire.young_for_s) / fire.old_after_s));
     }
 
-    // Hectares that burn, and that have burned or do.
+    // Hectares burning now, and hectares burned or burning.
     hectaresAt(ns) {
         const perCell = this.run.cell_m ** 2 / 1e4;
         const burning = lastAt(this.ignitions, ns) - lastAt(this.ends, ns);
@@ -180,7 +180,7 @@ Object.assign(FieldPane.prototype, {
         }
     },
 
-    // What embers have lit, and for a while where they came from.
+    // Fires lit by embers, and for a while their origins.
     drawEmbers() {
         const { run, ns, context, projection, unit, colours } = this;
         const ember = run.ground.fire.ember;

@@ -1,7 +1,7 @@
-// Words and numbers beside the fields: clock, counts, scores, agents, and the story of what was selected. They are those of the
+// Text and numbers beside the fields: clock, counts, scores, agents, and the story of the selected agent or bush, as in the
 // program's pictures.
 
-// Hours, minutes, seconds and tenths that have passed.
+// Elapsed hours, minutes, seconds and tenths.
 function formatClock(ns) {
     const tenths = Math.floor(ns / 1e8);
     const seconds = Math.floor(tenths / 10);
@@ -13,7 +13,7 @@ function formatPercent(part, whole) {
     return `${((100 * part) / Math.max(1, whole)).toFixed(1)} %`;
 }
 
-// Points are whole numbers with ordinary rules.
+// With ordinary rules, points are integers.
 function formatPoints(score) {
     return Number.isInteger(score) ? `${score}` : score.toFixed(1);
 }
@@ -25,7 +25,7 @@ function element(name, text = "", className = "") {
     return made;
 }
 
-// Replaces the rows of a table where they are others; a row is its cells' texts, with a class before them.
+// Replaces the rows of a table that have changed; a row is a class followed by the texts of its cells.
 function setRows(table, rows) {
     const key = JSON.stringify(rows);
     if (table.dataset.rows === key) return;
@@ -112,7 +112,7 @@ class Panel {
     showScores(counts) {
         const points = (side) => counts.map((count) => formatPoints(count[side]));
         const leader = ({ wumpus, truck }) => (wumpus > truck ? "Wumpus" : truck > wumpus ? "Unimog" : null);
-        // Only sides that are there have points, and only where both are one leads.
+        // Only sides with agents have points, and one can lead only if both have agents.
         const has = (isTruck) => this.runs.some(({ agents }) => agents.some(({ is_truck }) => is_truck === isTruck));
         const [hasWumpus, hasTruck] = [has(false), has(true)];
         const rows = [];
@@ -131,7 +131,7 @@ class Panel {
         bar.classList.toggle("empty", all === 0);
         const name = leader(counts[0]);
         const by = formatPoints(Math.abs(wumpus - truck));
-        lead.textContent = name === null ? "nobody leads" : `${name} leads by ${by}`;
+        lead.textContent = name === null ? "tied" : `${name} leads by ${by}`;
     }
 
     showAgents(times) {
@@ -168,7 +168,7 @@ class Panel {
         });
     }
 
-    // Agents that are too many to be told of one by one: how many of each kind do what.
+    // With too many agents to list one by one, counts by role and activity.
     fleetRows(times) {
         return [false, true].flatMap((isTruck) => {
             const sums = this.runs.map((run, index) => this.sumsOf(run, times[index], isTruck));
@@ -208,7 +208,7 @@ class Panel {
         return sums;
     }
 
-    // Whether the fire that a truck goes for, or suppresses, ends by itself before.
+    // Whether the fire that a truck drives to or suppresses burns out first.
     isTooLate(run, agent, state, ns) {
         if (!agent.is_truck) return false;
         const bush = run.bushOfCell.get(state.goal);
@@ -233,7 +233,7 @@ class Panel {
         }
     }
 
-    // What happened to a bush and when; what is yet to come is faint.
+    // The events of a bush with their times; future ones are faint.
     bushStory(run, bush, ns) {
         const rows = [["", "intact", formatClock(0)]];
         run.changes.times.forEach((time, index) => {

@@ -1,7 +1,6 @@
-// A page that computes its runs: it asks the module, plays what is known so far, and asks the player who decides.
+// A page that computes its runs: it queries the module, plays the run so far, and asks the user for decisions.
 
-// A slice of a run is to take about so long, in milliseconds, and what is played is this far ahead at most, in seconds of
-// playing.
+// The target time of a slice of a run in milliseconds, and the longest lead of the computation in seconds of playing.
 const SLICE_MS = 120;
 const AHEAD_S = 30;
 // The first slice, in simulated nanoseconds.
@@ -9,7 +8,7 @@ const FIRST_SLICE_NS = 600 * NANOS;
 const FIRST_GAME_SPEED = 20;
 const MOST_CHOICES = 200;
 
-// The module behind a thread: one answer for each request, in their order.
+// The module in a thread: one answer per request, in order.
 class Module {
     constructor(compiled) {
         this.compiled = compiled;
@@ -31,10 +30,10 @@ class Module {
         };
     }
 
-    // A module that has stopped, or is busy with what nobody wants any more, is left.
+    // Abandons a module that has stopped or is busy with an outdated request.
     restart() {
         this.thread.terminate();
-        this.waiting.forEach(({ fail }) => fail(Object.assign(new Error("the run was left"), { isLeft: true })));
+        this.waiting.forEach(({ fail }) => fail(Object.assign(new Error("the run was abandoned"), { isLeft: true })));
         this.begin();
     }
 
@@ -101,7 +100,7 @@ class Desk {
         if (known !== undefined) byId("text").value = known.text;
     }
 
-    // What the form says, as a game without answers.
+    // The form's values, as a game without answers.
     written() {
         const name = byId("scenario").value;
         const planner = byId("planner").value;
@@ -143,7 +142,7 @@ class Desk {
         }
     }
 
-    // Lets the module compute as far ahead as is worth it: to the next question, to the end, or a while.
+    // Lets the module compute ahead: to the next question, to the end, or for a while.
     async makeAhead(isCurrent) {
         let slice = FIRST_SLICE_NS;
         let [taken, costMs] = [0, 0];
@@ -155,10 +154,10 @@ class Desk {
             const now = performance.now();
             slice *= Math.min(4, Math.max(0.25, SLICE_MS / Math.max(1, now - begin)));
             const stops = state.has_ended || state.asked.length > 0;
-            // What is handed out grows with the run: seldom where it is dear.
+            // The transferred data grow with the run, so they are transferred rarely when expensive.
             if (!stops && this.player !== null && now - taken < 4 * costMs) continue;
             const page = await this.module.ask({ do: "page" });
-            // Reading what was handed out and showing it each fit into a frame of their own.
+            // Reading the transferred data and showing them each fit into a frame.
             if (this.player !== null) await new Promise(requestAnimationFrame);
             if (!isCurrent()) return;
             this.take(page);
@@ -206,14 +205,14 @@ class Desk {
         const title = `${this.opened.scenario}, seed ${this.game.seed}`;
         document.querySelector("h1").textContent = title;
         document.title = `${title} – wildfire`;
-        // Who plays wants to see what happens; who asked for less motion sees where it led.
+        // A player sees the events happen; with reduced motion, only their result.
         this.isStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
         if (this.game.plays.length > 0) this.player.setSpeed(FIRST_GAME_SPEED);
         if (this.isStill) this.player.seek(this.player.endNs);
         else this.player.setPlaying(true);
     }
 
-    // All that is known has been played: somebody is asked, or it is over.
+    // Everything known has been played: an agent needs a decision, or the run is over.
     reachesEnd() {
         const { player, state } = this;
         if (player === null || player.ns < player.endNs) return;
@@ -229,8 +228,8 @@ class Desk {
         const [x, y] = asked.place;
         const far = (cell) => Math.hypot(run.cellCentre(cell).x - x, run.cellCentre(cell).y - y);
         this.choices = asked.options.map((cell) => ({ cell, metres: far(cell) })).sort((one, other) => one.metres - other.metres);
-        const others = this.state.asked.length > 1 ? ` (${this.state.asked.length} agents wait for an answer)` : "";
-        byId("asks").textContent = `${asked.agent}: where to?${others} Click a ring, or choose.`;
+        const others = this.state.asked.length > 1 ? ` (${this.state.asked.length} agents are waiting for an answer)` : "";
+        byId("asks").textContent = `Where should ${asked.agent} go?${others} Click a ring, or choose.`;
         const option = ({ cell, metres }) => Object.assign(element("option", `${run.cellName(cell)}, ${metres.toFixed(0)} m away${this.burns(cell)}`), { value: cell });
         byId("choices").replaceChildren(...this.choices.slice(0, MOST_CHOICES).map(option));
         byId("question").hidden = false;
@@ -247,7 +246,7 @@ class Desk {
         return `, burning for ${((this.player.endNs - run.since[bush]) / NANOS).toFixed(0)} s`;
     }
 
-    // A page that nobody sees does not count: frames stop there, and the countdown with them.
+    // On a hidden page frames stop, and the countdown with them.
     countDown(before = null) {
         byId("countdown").textContent = this.leftMs === null ? "" : `${(this.leftMs / 1000).toFixed(1)} s`;
         if (this.leftMs === null || this.asked === null) return;
@@ -273,7 +272,7 @@ class Desk {
         if (next !== undefined) this.pointAt(next.cell);
     }
 
-    // A click on a ring answers; one on another agent that is asked lets it answer first.
+    // A click on a ring answers; a click on another asked agent lets that one answer first.
     picks(pane, at) {
         if (this.asked === null) return false;
         const cell = pane.cellAt(at);
@@ -308,7 +307,7 @@ class Desk {
         if (asked === null) return;
         const isCurrent = () => round === this.round;
         this.asked = null;
-        // Until the module knows what comes of it nobody is asked.
+        // No agent is asked until the module has computed the consequences.
         this.state = { ...state, asked: [] };
         byId("question").hidden = true;
         this.player.view.marked = null;
@@ -325,7 +324,7 @@ class Desk {
         }
     }
 
-    // The address of the page holds the game, so that a reload goes on with it.
+    // The address of the page holds the game, so that a reload continues it.
     async keep(game) {
         const packed = await packedGame({ wildfire_game: 1, ...game });
         history.replaceState(null, "", `#${packed}`);
@@ -336,16 +335,16 @@ class Desk {
     showResult() {
         const { result } = this.finished;
         const words = { wumpus: "The Wumpus wins", unimog: "The fire trucks win", tie: "A tie" };
-        byId("verdict").textContent = `${words[result.winner]}: ${result.saved} of ${result.bushes} bushes are saved`;
+        byId("verdict").textContent = `${words[result.winner]}: ${result.saved} of ${result.bushes} bushes saved`;
         const isOfArsonist = this.game.plays.join() === "wumpus";
         byId("regret").textContent =
-            isOfArsonist || result.regret === null ? "" : `At best ${result.regret} more bushes could have been saved: an upper bound for any dispatcher.`;
+            isOfArsonist || result.regret === null ? "" : `A better dispatcher could have saved at most ${result.regret} more bushes (upper bound).`;
         byId("link").hidden = this.game.plays.length === 0;
         byId("result").hidden = false;
         this.showRivals();
     }
 
-    // The same run with nobody playing, once for each policy of the side.
+    // The same run without a player, once for each policy of the side.
     async makeRivals(isCurrent) {
         this.rivals = [];
         for (const side of this.game.plays) {
@@ -357,7 +356,7 @@ class Desk {
                     this.showRivals();
                 } catch (error) {
                     if (error.isLeft || error.isFatal) throw error;
-                    // A policy that the scenario's other rules exclude.
+                    // A policy that conflicts with other rules of the scenario.
                 }
             }
         }
@@ -386,7 +385,7 @@ class Desk {
         }
     }
 
-    // Words above the stage.
+    // Messages above the stage.
 
     tell(words) {
         byId("trouble").textContent = words;
@@ -410,7 +409,7 @@ class Desk {
 async function begin() {
     const message = byId("message");
     if (typeof WebAssembly === "undefined" || typeof DecompressionStream === "undefined" || typeof Worker === "undefined") {
-        message.textContent = "This browser is too old for this page: it cannot run the program (WebAssembly, DecompressionStream, Worker).";
+        message.textContent = "This browser is too old to run the simulation: it lacks WebAssembly, DecompressionStream or Worker.";
         return;
     }
     try {
@@ -425,7 +424,7 @@ async function begin() {
             try {
                 game = await unpackedGame(location.hash.slice(1));
             } catch {
-                desk.tell("The address of this page holds no game that can be read; it begins a new one.");
+                desk.tell("The address of this page contains no valid game; a new one starts.");
             }
         }
         desk.show(game);
@@ -434,7 +433,7 @@ async function begin() {
         if (told !== "") desk.tell(told);
         await started;
     } catch (error) {
-        message.textContent = `This page cannot run the program: ${error.message}`;
+        message.textContent = `The simulation cannot start: ${error.message}`;
         message.hidden = false;
         throw error;
     }

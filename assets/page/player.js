@@ -1,22 +1,22 @@
-// The player: what keys, mouse and fingers do, and the frames.
+// The player: keys, mouse, touch, and frames.
 
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 60, 100, 200, 500, 1000];
 const FIRST_SPEED = 60;
 // A notch of the wheel, and a press of a button, magnify by these factors.
 const NOTCH = Math.exp(0.2);
 const PRESS = 1.5;
-// The way of a pressed mouse that is a drag and no click, in pixels.
+// The distance in pixels from which a pressed mouse drags instead of clicking.
 const CLICK = 4;
-// A page that was hidden goes on where it was.
+// A hidden page continues where it stopped.
 const LONGEST_FRAME_MS = 250;
 
-// The bytes that an element of the page carries, packed.
+// The compressed bytes in an element of the page.
 function unpacked(id) {
     const packed = Uint8Array.from(atob(document.getElementById(id).textContent), (letter) => letter.charCodeAt(0));
     return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate")));
 }
 
-// Plays runs. A host may be told where a field is clicked, which it may take for itself, and when all that is known is played.
+// Plays runs. A host can handle clicks on a field, and is notified when everything known so far has been played.
 class Player {
     constructor(data, host = { picks: () => false, reachesEnd: () => {} }) {
         this.data = data;
@@ -49,7 +49,7 @@ class Player {
         this.isStale = true;
     }
 
-    // Goes on with more of the same runs.
+    // Continues with more of the same runs.
     take(data) {
         this.runs.forEach((run, index) => Object.assign(run, new Run(data.runs[index])));
         this.endNs = Math.max(...this.runs.map((run) => run.end_ns));
@@ -64,14 +64,14 @@ class Player {
         this.redraw();
     }
 
-    // Leaves the page to another player.
+    // Releases the page for another player.
     close() {
         this.isClosed = true;
         this.listening.abort();
         this.resizing.disconnect();
     }
 
-    // Draws what has changed since the last frame.
+    // Draws the changes since the last frame.
     frame(now) {
         if (this.isClosed) return;
         if (this.isPlaying && !this.isScrubbed) {
@@ -111,7 +111,7 @@ class Player {
         this.timeline.setAttribute("aria-valuetext", formatClock(ns));
     }
 
-    // What the viewer can ask for.
+    // The viewer's commands.
 
     seek(ns) {
         this.uncover();
@@ -126,7 +126,7 @@ class Player {
         document.getElementById("play").setAttribute("aria-label", isPlaying ? "pause" : "play");
     }
 
-    // Takes away what lies over the field before the run is played.
+    // Removes the cover over the field before the run is played.
     uncover() {
         const cover = document.getElementById("cover");
         if (cover.contains(document.activeElement)) document.getElementById("play").focus();
@@ -138,7 +138,7 @@ class Player {
         this.setPlaying(!this.isPlaying);
     }
 
-    // One sees an event by standing still at it.
+    // The clock pauses at an event, so that it can be seen.
     stepTo(times) {
         if (times.length === 0) return;
         this.setPlaying(false);
@@ -182,7 +182,7 @@ class Player {
         this.follow(all[all.indexOf(this.view.follows) + 1] ?? null);
     }
 
-    // Whom the camera can go with: nobody, the fleet, each agent.
+    // The camera's options: follow nobody, the fleet, or an agent.
     followed() {
         const { agents } = this.runs[0];
         const isFleet = agents.filter(({ is_truck }) => is_truck).length > 1;
@@ -206,7 +206,7 @@ class Player {
         this.redraw();
     }
 
-    // The camera that shows what is seen now, whoever is followed.
+    // The camera of the current view, regardless of who is followed.
     cameraNow() {
         const { run, canvas } = this.panes[0];
         return cameraOf(run, Math.min(this.ns, run.end_ns), this.view, canvas.width, canvas.height);
@@ -224,7 +224,7 @@ class Player {
         if (this.view.follows === "fleet") this.follow(null);
     }
 
-    // Moves what is seen by so many pixels to the right and down. Who was followed is let go.
+    // Moves the view by a number of pixels to the right and down, and stops following.
     pan({ run, canvas }, right, down) {
         const camera = this.cameraNow();
         const { scale } = new Projection(run, camera, canvas.width, canvas.height);
@@ -254,7 +254,7 @@ class Player {
         link.click();
     }
 
-    // What is made once.
+    // Creates the elements that never change.
 
     makePanes() {
         const panes = document.getElementById("panes");
@@ -391,7 +391,7 @@ class Player {
     press(event) {
         const isField = event.target.matches?.("select, input, textarea") || document.getElementById("keys").open;
         if (isField || event.ctrlKey || event.metaKey || event.altKey) return;
-        // A button that the keyboard came to is pressed by the space bar.
+        // The space bar presses a focused button.
         const isPressed = event.target instanceof HTMLButtonElement && event.target.matches(":focus-visible");
         if (event.key === " " && isPressed) return;
         const seconds = (event.shiftKey ? 60 : 10) * NANOS;

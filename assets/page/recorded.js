@@ -1,9 +1,9 @@
-// A page that plays runs which it carries.
+// A page that plays the runs embedded in it.
 
 async function begin() {
     const message = document.getElementById("message");
     if (typeof DecompressionStream === "undefined") {
-        message.textContent = "This browser is too old for this page: it cannot unpack the run (DecompressionStream).";
+        message.textContent = "This browser is too old to play the run: it lacks DecompressionStream.";
         return;
     }
     try {

@@ -1,4 +1,4 @@
-// What a run is at any time. Tables are those that the program found; motion is computed in closed form, as it does.
+// The state of a run at any time. The program provides the tables; motion is computed in closed form, as in the program.
 
 "use strict";
 
@@ -26,14 +26,14 @@ const SUPPRESSING = 3;
 const WAITING = 4;
 const REFILLING = 5;
 
-// Turns differences into the numbers that they are of, each `stride` places after the one that it is more than.
+// Sums differences, each relative to the number `stride` places before.
 function sums(differences, stride = 1) {
     const values = Float64Array.from(differences);
     for (let index = stride; index < values.length; index++) values[index] += values[index - stride];
     return values;
 }
 
-// The place of the last of ascending times that is not after one; -1 before all of them.
+// The index of the last of ascending times that is not later than `time`; -1 before all of them.
 function lastAt(times, time) {
     let [low, high] = [0, times.length];
     while (low < high) {
@@ -44,7 +44,7 @@ function lastAt(times, time) {
     return low - 1;
 }
 
-// Where a body is after so many metres from a pose on a curve, backwards where they are negative.
+// The pose of a body after a number of metres along a curve; negative metres go backwards.
 function along(pose, curvature, metres) {
     const heading = pose.heading + curvature * metres;
     if (curvature === 0) {
@@ -56,7 +56,7 @@ function along(pose, curvature, metres) {
     return { x: pose.x + right, y: pose.y + up, heading };
 }
 
-// A leg: from where and when an agent goes, and its pieces, each with where and when it begins.
+// A leg: the start of a drive, and its pieces, each with its start pose and time.
 class Leg {
     constructor(fromNs, startNs, drivenM, start, pieces) {
         Object.assign(this, { fromNs, startNs, drivenM, start, pieces });
@@ -75,11 +75,11 @@ class Leg {
         this.lengthM = metres;
         this.end = pose;
         this.endNs = startNs + Math.ceil((seconds - 1e-11) * NANOS);
-        // Metres that were driven on it before it was followed, where it is one that was cut short.
+        // Metres driven on it before it was followed, for a leg that was cut short.
         this.beforeM = this.distance(fromNs);
     }
 
-    // The piece that is under way; none before the start and from the end on.
+    // The current piece; none before the start and after the end.
     pieceAt(ns) {
         if (ns < this.startNs || ns >= this.endNs) return null;
         const seconds = (ns - this.startNs) / NANOS;
@@ -92,7 +92,7 @@ class Leg {
         return Math.min(Math.max(covered, 0), Math.abs(piece.lengthM));
     }
 
-    // Where the body is, and how fast.
+    // The pose and speed of the body.
     at(ns) {
         if (ns < this.startNs) return { ...this.start, speed: 0 };
         const piece = this.pieceAt(ns);
@@ -104,7 +104,7 @@ class Leg {
         return { ...along(piece.start, piece.curvature, metres), speed };
     }
 
-    // Metres driven until then, forward and in reverse alike.
+    // Metres driven so far, forward and in reverse.
     distance(ns) {
         if (ns < this.startNs) return 0;
         const piece = this.pieceAt(ns);
@@ -112,7 +112,7 @@ class Leg {
         return piece.beginsM + (piece.kind === DRIVE ? this.coveredM(piece, ns) : 0);
     }
 
-    // The curvature that the wheels are steered to.
+    // The current curvature of the wheels.
     curvatureAt(ns) {
         const drives = this.pieces.filter((piece) => piece.kind === DRIVE);
         if (drives.length === 0) return 0;
@@ -161,7 +161,7 @@ class Agent {
         return { kind, lastsS, lengthM: amount / PER_METRE, curvature, speed, acceleration };
     }
 
-    // Nanoseconds in each activity until the beginning of each step.
+    // Nanoseconds in each activity before each step.
     static spent(steps) {
         const spent = [new Float64Array(6)];
         for (let index = 1; index < steps.time_ns.length; index++) {
@@ -196,7 +196,7 @@ class Agent {
         return { ...pose, leg, activity: this.steps.activity[step], goal: this.steps.goal[step] };
     }
 
-    // The numbers until then.
+    // The statistics so far.
     statsAt(ns) {
         const [step, leg] = [lastAt(this.steps.time_ns, ns), this.legAt(ns)];
         const spent = this.steps.spent[step].slice();
@@ -207,7 +207,7 @@ class Agent {
         return stats;
     }
 
-    // Since when it suppresses, and which cell.
+    // The start of its suppression, and the cell.
     stopAt(ns) {
         const index = lastAt(this.stops.times, ns);
         return index < 0 ? null : { sinceNs: this.stops.times[index], cell: this.stops.cells[index] };
@@ -235,7 +235,7 @@ class Run {
         this.changed = 0;
     }
 
-    // Brings the states of bushes to a time.
+    // Moves the states of bushes to a time.
     seek(ns) {
         const until = lastAt(this.changes.times, ns) + 1;
         if (until < this.changed) {

@@ -1,4 +1,4 @@
-// The module in a thread of its own, so that the page plays on while planners plan. Requests and answers are texts.
+// The module in a separate thread, so that the page keeps playing while planners plan. Requests and answers are strings.
 
 const waiting = [];
 let exports = null;
@@ -13,13 +13,13 @@ function ask(request) {
     const bytes = new TextEncoder().encode(request);
     try {
         const start = exports.request_buffer(bytes.length);
-        // The memory may have grown by then, which gives it another buffer.
+        // The memory may have grown, which replaces its buffer.
         new Uint8Array(exports.memory.buffer, start, bytes.length).set(bytes);
         const length = exports.answer();
         return textAt(exports.answer_start(), length);
     } catch (error) {
         const words = textAt(exports.fault_start(), exports.fault_bytes());
-        failure = words === "" ? `the module stopped: ${error.message}` : `the module stopped, which is a fault of the program: ${words}`;
+        failure = words === "" ? `the module stopped: ${error.message}` : `the module crashed, which is a bug: ${words}`;
         return JSON.stringify({ error: { message: failure, isFatal: true } });
     }
 }

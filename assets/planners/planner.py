@@ -14,10 +14,10 @@ import random
 import sys
 
 QUARTER, HALF_TURN, TURN = math.pi / 2, math.pi, math.tau
-CURVES = 1000  # tried for a query unless the setting `curves` says otherwise: counted effort repeats, time does not
-STEP = 15.0  # m, the most that the tree grows by at once
-MARGIN = 0.1  # m kept from bushes and border; the rules ask for 0.01 m
-FAR = 2.0  # m; gaps are measured up to here, so that only a few bushes near the truck are looked at
+CURVES = 1000  # tried per query, unless the setting `curves` overrides it; a count is reproducible, time is not
+STEP = 15.0  # m, the largest growth of the tree per step
+MARGIN = 0.1  # m kept from bushes and border; the rules require 0.01 m
+FAR = 2.0  # m; gaps are measured up to here, so that only a few bushes near the truck are checked
 
 
 def say(message):

@@ -1,4 +1,4 @@
-"""Steps per CPU second of the environments, and of others where they are installed: ``python envs.py [STEPS]``."""
+"""Measure steps per CPU second of the environments, and of others if installed: ``python envs.py [STEPS]``."""
 
 import importlib.util
 import sys
@@ -13,7 +13,7 @@ CHANGED = {"prm-rs": {}, "prm+primitives": {"unimog.planner": "prm+primitives"}}
 
 
 def single(scenario, actions, steps):
-    """Steps of one contest after the other, each choosing the nearest fire."""
+    """Step through contests one after the other, always choosing the nearest fire."""
     env = envs.TruckEnv(scenario, actions=actions)
     seen, _ = env.reset(seed=1)
     begun = time.process_time()
@@ -37,18 +37,18 @@ def side_by_side(scenario, steps, threads=1, n=64):
     calls = max(steps // n, 1)
     begun = time.process_time()
     for _ in range(calls):
-        # Candidates come by distance: the first that is free is the nearest.
+        # Candidates are sorted by distance: the first free one is the nearest.
         seen, *_ = env.step(np.argmax(seen["action_mask"][:, 1:], axis=1) + seen["action_mask"][:, 1:].any(axis=1))
     return calls * n / (time.process_time() - begun)
 
 
 def pyrorl(steps):
-    """PyroRL on its own 50 x 50 field, where nobody drives."""
+    """Step PyroRL on its own 50 x 50 field, which has no vehicles."""
     import gymnasium
     import pyrorl  # noqa: F401
     import torch
 
-    # Its threads idle, and their time would count against it.
+    # Its idle threads would add to its CPU time.
     torch.set_num_threads(1)
 
     env = gymnasium.make(
@@ -64,7 +64,7 @@ def pyrorl(steps):
     begun = time.process_time()
     for step in range(1, steps + 1):
         env.step(0)
-        # Its own limit of an episode.
+        # PyroRL's own limit on the length of an episode.
         if step % 200 == 0:
             env.reset()
     return steps / (time.process_time() - begun)

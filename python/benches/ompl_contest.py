@@ -1,8 +1,8 @@
-"""Planners of OMPL in the contest beside the built-in ones, with and without rescue: bushes saved and CPU time.
+"""Compare OMPL's planners with the built-in ones in the contest, with and without rescue: bushes saved and CPU time.
 
     python benches/ompl_contest.py [SEEDS] [NAME=ITERATIONS ...]
 
-Needs numpy and ompl. Prints a table in Markdown; intervals are Student's t, at 95 %.
+Needs numpy and ompl. Prints a Markdown table; intervals are Student's t at 95 %.
 """
 
 import sys
@@ -25,7 +25,7 @@ def interval(values: np.ndarray, decimals: int) -> str:
 
 
 def main() -> None:
-    """Run all and print the table."""
+    """Run all contests and print the table."""
     seeds = sys.argv[1] if len(sys.argv) > 1 else "1..50"
     asked = dict(word.split("=") for word in sys.argv[2:] or USUAL)
     ompl = {f"ompl-{name.lower()}": wf.ompl.planner(name, iterations=int(looks)) for name, looks in asked.items()}

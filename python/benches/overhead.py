@@ -1,4 +1,4 @@
-"""Measures what Python costs: a query through Python, and the wheel.
+"""Measure the cost of Python: the overhead of a query through Python, and of the wheel.
 
     python python/benches/overhead.py [WHEEL]
 
@@ -22,7 +22,7 @@ TARGET_MB = 20.0
 
 
 class Timed:
-    """Answers at once, and adds up the time in which it is at work."""
+    """Answers immediately, and sums the time that it works."""
 
     asked = 0
     own_s = 0.0
@@ -37,7 +37,7 @@ class Timed:
 
 
 class Answering(Timed):
-    """Does the same, looks at the query, and answers with segments that the gate refuses at once."""
+    """Does the same, reads the query, and answers with segments that the gate rejects immediately."""
 
     def plan(self, query: wf.Query) -> list[list[float]]:
         began = time.thread_time()
@@ -48,7 +48,7 @@ class Answering(Timed):
 
 
 def overhead_us(factory: type[Timed]) -> float:
-    """Return microseconds of a query beyond the planner's own time, as the columns of CPU time have them."""
+    """Return the microseconds per query beyond the planner's own time, from the CPU time columns."""
     Timed.asked, Timed.own_s = 0, 0.0
     rows = wf.plan(planner="timed", planners={"timed": factory}, goals=5000)
     spent = float(np.sum(rows["cpu_query_s"]))

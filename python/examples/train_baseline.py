@@ -1,8 +1,9 @@
-"""Trains a small policy for the trucks of `fleet` in minutes, and compares it with the built-in rule.
+"""Train a small policy for the trucks of `fleet` in minutes, and compare it with the built-in rule.
 
-A linear score of the candidates decides; evolution strategies (Salimans et al., "Evolution strategies as a scalable
-alternative to reinforcement learning", 2017) find its weights: many contests side by side, each with weights of its
-own, seeds that tests never meet. Run it as ``python train_baseline.py [GENERATIONS] [FILE.npy]``.
+The policy chooses the candidate with the highest linear score. Evolution strategies (Salimans et al., "Evolution
+strategies as a scalable alternative to reinforcement learning", 2017) find the weights: many contests run side by side,
+each with different weights, on seeds that tests never use. Run it as
+``python train_baseline.py [GENERATIONS] [FILE.npy]``.
 """
 
 import sys
@@ -15,7 +16,7 @@ from wildfire_contest import envs
 from wildfire_contest.vector import TruckVectorEnv
 
 SCENARIO = "fleet"
-# Training plays the first quarter of an hour, which is as telling and four times as fast.
+# Training plays only the first quarter of an hour, which is as informative and four times as fast.
 TRAINING = {"duration_s": 900}
 K = 16
 LANES = 64
@@ -25,7 +26,7 @@ FEATURES = ("distance", "burning", "cluster", "slack", "in time", "other truck",
 
 
 def features(candidates, agents):
-    """Numbers of each candidate that a score is made of; leading axes may be anything."""
+    """Return the features of each candidate; leading axes may have any shape."""
     dx, dy, distance, burning, cluster, free = np.moveaxis(candidates, -1, 0)
     trucks = agents[..., -3:, :]
     own = (trucks[..., 7] > 0).argmax(-1)[..., None]
@@ -47,14 +48,14 @@ def features(candidates, agents):
 
 
 def choose(weights, candidates, agents):
-    """Return actions: the free candidate of the best score, or 0."""
+    """Return actions: the free candidate with the best score, or 0."""
     numbers, free = features(candidates, agents)
     scores = np.where(free, (numbers * weights[..., None, :]).sum(-1), -np.inf)
     return np.where(free.any(-1), 1 + scores.argmax(-1), 0)
 
 
 def play(env, weights, seeds):
-    """Return the trucks' lead in points of one contest for each row of weights."""
+    """Return the trucks' lead in points, in one contest per row of weights."""
     seen, _ = env.reset(seed=[int(seed) for seed in seeds])
     lead, over = np.zeros(env.num_envs), np.zeros(env.num_envs, bool)
     while not over.all():
@@ -68,14 +69,14 @@ def train(generations):
     """Return the mean of the weights over the last third of the generations."""
     dice = np.random.default_rng(1)
     env = TruckVectorEnv(LANES, wf.scenario(SCENARIO, TRAINING), actions="nearest", k=K, threads=2)
-    # It begins as the rule of the nearest.
+    # The search starts from the nearest-fire rule.
     weights = np.zeros(len(FEATURES))
     weights[0] = -1.0
     history = []
     for generation in range(generations):
         noise = dice.normal(size=(LANES // 2, len(FEATURES)))
         noise = np.concatenate([noise, -noise])
-        # Four fields, each met by pairs of opposite noise.
+        # Four fields, each played with pairs of opposite noise.
         fields = [envs.random_seed(dice) for _ in range(4)]
         seeds = np.tile(np.repeat(fields, LANES // 8), 2)
         lead = play(env, weights + NOISE * noise, seeds)

@@ -1,4 +1,4 @@
-//! Poses in and out: one as three numbers, or many as an array of three columns.
+//! Conversion of poses: one as three numbers, or many as an array with three columns.
 //!
 //! A pose is `(x, y, heading)` of the middle of the rear axle: metres east and north from the field's south-west corner,
 //! radians counter-clockwise from east.
@@ -9,7 +9,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use wildfire::geometry::Pose;
 
-/// The largest coordinates, lengths and angles that are taken: beyond, squares lose the millimetres.
+/// The largest accepted coordinates, lengths and angles: beyond them, squares lose the millimetres.
 pub const LARGEST: f64 = 1e6;
 
 /// One pose or many; the answer has the same form.
@@ -22,11 +22,11 @@ impl<'py> FromPyObject<'_, 'py> for Poses {
     type Error = PyErr;
 
     fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
-        // Three numbers are taken without a way through numpy.
+        // Three numbers need no conversion by numpy.
         if let Ok((x, y, heading)) = given.extract::<(f64, f64, f64)>() {
             return Ok(Self::One(pose(x, y, heading)));
         }
-        // No poses at all can be read as an array of any dimension.
+        // An empty array can be read with any dimension.
         let one =
             given.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>().ok().filter(|one| !one.as_array().is_empty());
         if let Some(one) = one {
@@ -43,29 +43,29 @@ impl<'py> FromPyObject<'_, 'py> for Poses {
 }
 
 fn wrong_shape(given: &Bound<'_, PyAny>) -> PyErr {
-    PyValueError::new_err(format!("expected poses of the shape (3,) or (n, 3), found {}", described(given)))
+    PyValueError::new_err(format!("expected poses of shape (3,) or (n, 3), found {}", described(given)))
 }
 
-/// Describes what was given instead of an array: its shape, or its type.
+/// Describes an argument that is not the expected array by its shape or its type.
 pub fn described(given: &Bound<'_, PyAny>) -> String {
     let numpy = given.py().import("numpy").and_then(|numpy| numpy.call_method1("shape", (given,)));
     match numpy.and_then(|shape| shape.extract::<Vec<usize>>()) {
-        Ok(shape) if !shape.is_empty() => format!("the shape {shape:?}").replace('[', "(").replace(']', ")"),
+        Ok(shape) if !shape.is_empty() => format!("shape {shape:?}").replace('[', "(").replace(']', ")"),
         _ => given.get_type().name().map_or_else(|_| "something else".to_owned(), |name| format!("a {name}")),
     }
 }
 
-/// Keeps what is not finite as it is: wrapping a heading would lose it in a loop of rounding.
+/// Leaves numbers that are not finite unchanged: wrapping such a heading would never end.
 pub fn pose(x: f64, y: f64, heading: f64) -> Pose {
     if is_sane(heading) { Pose::new(x, y, heading) } else { Pose { x, y, heading } }
 }
 
-/// Says whether a number is finite and small enough to be computed with.
+/// Returns whether a number is finite and small enough to compute with.
 pub fn is_sane(number: f64) -> bool {
     number.abs() <= LARGEST
 }
 
-/// Says whether all numbers of a pose are finite and small enough to be computed with.
+/// Returns whether all numbers of a pose are finite and small enough to compute with.
 pub fn is_sane_pose(pose: &Pose) -> bool {
     is_sane(pose.x) && is_sane(pose.y) && is_sane(pose.heading)
 }
@@ -85,7 +85,7 @@ impl Poses {
         }
     }
 
-    /// Answers for each pose, without the interpreter's lock where there are many.
+    /// Evaluates a function for each pose, without the interpreter's lock if there are many.
     pub fn answer<'py, T>(self, py: Python<'py>, ask: impl Fn(Pose) -> T + Send + Sync) -> PyResult<Bound<'py, PyAny>>
     where
         T: Element + Send + IntoPyObject<'py>,
@@ -99,7 +99,7 @@ impl Poses {
         }
     }
 
-    /// Answers for each pair of poses; one pose goes with all of the others.
+    /// Evaluates a function for each pair of poses; a single pose is paired with all of the others.
     pub fn answer_pairs<'py, T>(
         self,
         other: Self,
@@ -112,7 +112,7 @@ impl Poses {
         let count = match (self.len(), other.len()) {
             (None, None) => return ask(self.get(0), other.get(0)).into_bound_py_any(py),
             (Some(one), Some(two)) if one != two => {
-                let sentence = format!("{one} poses do not go with {two}: expected as many, or one");
+                let sentence = format!("found {one} poses and {two} poses; expected as many, or one");
                 return Err(PyValueError::new_err(sentence));
             }
             (one, two) => one.or(two).unwrap_or_default(),
@@ -136,10 +136,7 @@ impl<'py> FromPyObject<'_, 'py> for Numbers {
             return Ok(Self::One(number));
         }
         let wrong = |_| {
-            PyValueError::new_err(format!(
-                "expected a number, or numbers of the shape (n,), found {}",
-                described(&given)
-            ))
+            PyValueError::new_err(format!("expected a number, or numbers of shape (n,), found {}", described(&given)))
         };
         let many = given.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>().map_err(wrong)?;
         Ok(Self::Many(many.as_array().to_vec()))
@@ -147,7 +144,7 @@ impl<'py> FromPyObject<'_, 'py> for Numbers {
 }
 
 impl Numbers {
-    /// Refuses another number of numbers than of poses.
+    /// Requires as many numbers as poses.
     pub fn expect(&self, count: usize, name: &str) -> PyResult<()> {
         match self {
             Self::Many(numbers) if numbers.len() != count => {
@@ -176,7 +173,7 @@ impl Numbers {
 }
 
 impl Poses {
-    /// Lists the poses, a single one as often as the numbers that go with it want.
+    /// Lists the poses, repeating a single one to match the number of numbers paired with it.
     pub fn listed(self, wanted: Option<usize>) -> (Vec<Pose>, bool) {
         match (self, wanted) {
             (Self::One(pose), None) => (vec![pose], true),
@@ -186,7 +183,7 @@ impl Poses {
     }
 }
 
-/// Makes an array of rows of some columns.
+/// Makes a two-dimensional array.
 pub fn rows<'py, const N: usize>(py: Python<'py>, rows: &[[f64; N]]) -> PyResult<Bound<'py, PyAny>> {
     let flat: Bound<'py, PyArray1<f64>> = rows.as_flattened().to_vec().into_pyarray(py);
     flat.call_method1("reshape", ((rows.len(), N),))

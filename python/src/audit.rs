@@ -1,4 +1,4 @@
-//! The second opinion: runs, recordings and batches held against the rules.
+//! The independent check of runs, recordings and batches against the rules.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -15,27 +15,27 @@ use crate::errors::error;
 use crate::planner::{Factories, Interruption};
 use crate::run::Run;
 
-/// A run that violates a rule, or whose row says something else than it gives.
+/// A run that violates a rule, or whose stored row differs from its result.
 ///
 /// Attributes
 /// ----------
 /// run : str
 ///     The run, or the file of its recording.
 /// text : str
-///     What is wrong, where and when.
+///     The violation, with its place and time.
 /// time_s, agent, place : float, str, (float, float)
-///     The time of the first violation in seconds, who, and where in metres; None where only the row is wrong.
+///     The time in seconds, the agent, and the place in metres of the first violation; None if only the row is wrong.
 #[pyclass(frozen, get_all, module = "wildfire_contest")]
 pub struct Violation {
     /// The run, or the file of its recording.
     run: String,
-    /// What is wrong, where and when.
+    /// The violation, with its place and time.
     text: String,
-    /// When, in simulated seconds.
+    /// The simulated time in seconds.
     time_s: Option<f64>,
-    /// Who.
+    /// The agent.
     agent: Option<String>,
-    /// Where, metres east and north.
+    /// The place, metres east and north.
     place: Option<(f64, f64)>,
 }
 
@@ -58,7 +58,7 @@ impl Violation {
     }
 }
 
-/// What can be audited.
+/// Anything that can be audited.
 #[derive(FromPyObject)]
 pub enum Audited<'py> {
     Run(Bound<'py, Run>),
@@ -66,15 +66,15 @@ pub enum Audited<'py> {
     Path(PathBuf),
 }
 
-/// Holds finished runs against the rules, by other means than the planners': a second opinion.
+/// Checks finished runs against the rules, with code that shares nothing with the planners.
 ///
 /// Parameters
 /// ----------
 /// what : Run, Batch or path, or several of them
-///     A path is that of a recording, a folder of recordings, or the folder of a batch. Runs of a batch that were not
-///     recorded are simulated again.
+///     A path to a recording, to a folder of recordings, or to the folder of a batch. Runs of a batch without a recording
+///     are simulated again.
 /// planners, policies : mapping
-///     Planners and policies of one's own that such runs had, by the same names.
+///     The custom planners and policies of such runs, under the same names.
 /// jobs : int
 ///     Threads; -1 for one per core.
 ///
@@ -86,7 +86,7 @@ pub enum Audited<'py> {
 /// Raises
 /// ------
 /// WildfireError
-///     Something cannot be read.
+///     A file cannot be read.
 #[pyfunction]
 #[pyo3(signature = (what, *, planners = None, policies = None, jobs = 1))]
 pub fn audit(
@@ -120,7 +120,7 @@ pub fn audit(
     Ok(violations)
 }
 
-/// Finds out what is at a path: a recording, a folder of recordings, or a batch.
+/// Determines what a path holds: a recording, a folder of recordings, or a batch.
 fn source(path: PathBuf) -> PyResult<AuditSource> {
     if !path.is_dir() {
         return Ok(AuditSource::Recordings(vec![path]));

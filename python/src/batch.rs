@@ -1,4 +1,4 @@
-//! Many runs: a batch of the command line, made and read from Python.
+//! Batches of runs, as on the command line, run and read from Python.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -28,35 +28,35 @@ use crate::tables::Table;
 /// The most threads of a batch.
 const MAX_JOBS: usize = 1024;
 
-/// A batch that is over. Its tables are read when they are asked for.
+/// A finished batch. Its tables are read on first access.
 ///
-/// Made by `batch`.
+/// Created by `batch`.
 #[pyclass(frozen, module = "wildfire_contest")]
 pub struct Batch {
     plan: BatchPlan,
     folder: OutputFolder,
-    /// The folder, if nobody asked for one: it goes with the batch.
+    /// The temporary folder, if no folder was requested: it is deleted with the batch.
     scratch: Option<TempDir>,
     report: BatchReport,
-    /// True if all of its runs were there when it was asked for.
+    /// True if all of its runs existed when it was requested.
     was_read: bool,
 }
 
 #[pymethods]
 impl Batch {
-    /// Returns a row a run, with the columns of ``runs.csv`` in the order of the plan.
+    /// Returns a row per run, with the columns of ``runs.csv`` in the order of the plan.
     #[getter]
     fn runs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.table(py, Table::Runs)
     }
 
-    /// Returns a row an agent of a run, with the columns of ``agents.csv``.
+    /// Returns a row per agent and run, with the columns of ``agents.csv``.
     #[getter]
     fn agents<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.table(py, Table::Agents)
     }
 
-    /// Returns a row a query to a planner, with the columns of ``planner_calls.parquet``.
+    /// Returns a row per query to a planner, with the columns of ``planner_calls.parquet``.
     #[getter]
     fn calls<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.table(py, Table::Calls)
@@ -74,7 +74,7 @@ impl Batch {
         self.report.to_document().to_text()
     }
 
-    /// Returns the folder with the files of the batch; None if none was asked for.
+    /// Returns the folder with the files of the batch; None if none was requested.
     #[getter]
     fn folder(&self) -> Option<PathBuf> {
         self.scratch.is_none().then(|| self.folder.path().to_owned())
@@ -95,7 +95,7 @@ impl Batch {
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py, (PathBuf,)>> {
         match self.folder() {
             Some(folder) => Ok((restorer(py, "read_batch")?, (folder,))),
-            None => Err(error("a batch is pickled as its folder; expected one that was made with `out=FOLDER`")),
+            None => Err(error("a batch is pickled as its folder; expected one created with `out=FOLDER`")),
         }
     }
 
@@ -111,7 +111,7 @@ impl Batch {
 }
 
 impl Batch {
-    /// Returns the folder, asked for or not.
+    /// Returns the folder, whether requested or temporary.
     pub fn path(&self) -> &Path {
         self.folder.path()
     }
@@ -125,7 +125,7 @@ impl Batch {
     }
 }
 
-/// One thing or several of them.
+/// One value or several.
 #[derive(FromPyObject)]
 pub enum OneOrMore<T> {
     One(T),
@@ -141,7 +141,7 @@ impl<T> OneOrMore<T> {
     }
 }
 
-/// The arguments that say which runs there are.
+/// The arguments that determine the runs.
 struct Request<'a, 'py> {
     scenarios: Vec<Py<Scenario>>,
     seeds: Seeds,
@@ -157,41 +157,41 @@ struct Request<'a, 'py> {
 ))]
 /// Runs scenarios with many seeds.
 ///
-/// Everything is multiplied: scenarios, planners, what is swept, seeds. Runs that fail are rows with a reason.
+/// All combinations of scenarios, planners, swept values and seeds are run. A failed run is a row with the reason.
 ///
 /// Parameters
 /// ----------
 /// scenarios : str, path or Scenario, or several of them
-///     `contest` if it is left out.
+///     Default: `contest`.
 /// seeds : str, int or iterable of int
-///     ``"1..50,99"`` or numbers; 1 to 5 if it is left out.
+///     ``"1..50,99"`` or numbers; default: 1 to 5.
 /// planner : str or sequence of str
-///     Planners of the trucks, to be compared.
+///     The trucks' planners to compare.
 /// planners, policies : mapping
-///     Planners and policies of one's own, as in `run`.
+///     Custom planners and policies, as in `run`.
 /// sweep : mapping
-///     Values that keys of the scenario take, such as ``{"field.coverage": [0.05, 0.1]}``.
+///     Values to vary by key of the scenario, such as ``{"field.coverage": [0.05, 0.1]}``.
 /// jobs : int
-///     Threads; -1 for one per core. Planners of Python take turns where the interpreter has a lock.
+///     Threads; -1 for one per core. Python planners take turns if the interpreter has a lock.
 /// out : path
-///     The folder for all files; one that goes with the batch if it is left out. A batch that was stopped there goes on
-///     when the same is asked for again, with planners and policies of the same code.
+///     The folder for all files; default: a temporary one that is deleted with the batch. A batch stopped there continues
+///     with the same call and the same code of planners and policies.
 /// record : str
-///     Which runs leave a recording in that folder: ``"all"``, ``"failed"`` or ``"none"``.
+///     The runs to record in that folder: ``"all"``, ``"failed"`` or ``"none"``.
 /// version : str
-///     The version of your planners and policies. It takes the place of a hash of their code, which knows functions,
-///     classes, numbers and texts, and neither lists nor objects.
+///     The version of your planners and policies. It replaces the hash of their code, which covers functions, classes,
+///     numbers and strings, but not lists or objects.
 /// trust : bool
-///     Whether programs that scenarios name may be started.
+///     Whether programs named by scenarios may be started.
 ///
 /// Raises
 /// ------
 /// ScenarioError
-///     A scenario is refused.
+///     A scenario is invalid.
 /// WildfireError
-///     The seeds or the folder are refused, or the disk is full.
+///     The seeds or the folder are invalid, or the disk is full.
 /// KeyboardInterrupt
-///     Ctrl-C, or a planner raised it: what is in `out` can be resumed.
+///     Ctrl-C was pressed, or a planner raised it: the batch in `out` can be resumed.
 #[expect(clippy::too_many_arguments, reason = "each is a keyword of Python")]
 pub fn batch(
     py: Python<'_>,
@@ -238,17 +238,17 @@ pub fn batch(
     Ok(Batch { plan, folder, scratch, report, was_read })
 }
 
-/// Reads a batch that is over from its folder.
+/// Reads a finished batch from its folder.
 ///
 /// Parameters
 /// ----------
 /// folder : path
-///     That of `batch` or ``wildfire batch``.
+///     The output folder of `batch` or ``wildfire batch``.
 ///
 /// Raises
 /// ------
 /// WildfireError
-///     There is none, or runs of it are missing.
+///     There is no batch, or some of its runs are missing.
 #[pyfunction]
 #[pyo3(signature = (folder, /))]
 pub fn read_batch(py: Python<'_>, folder: PathBuf) -> PyResult<Batch> {
@@ -259,7 +259,7 @@ pub fn read_batch(py: Python<'_>, folder: PathBuf) -> PyResult<Batch> {
     Ok(Batch { plan, folder, scratch: None, report, was_read: true })
 }
 
-/// Returns the number of threads that is asked for.
+/// Returns the requested number of threads.
 pub fn threads(jobs: isize) -> PyResult<usize> {
     match usize::try_from(jobs) {
         Ok(jobs) if (1..=MAX_JOBS).contains(&jobs) => Ok(jobs),
@@ -271,7 +271,7 @@ pub fn threads(jobs: isize) -> PyResult<usize> {
 }
 
 impl Request<'_, '_> {
-    /// Makes the plan: each scenario by itself, since each has changes of its own.
+    /// Makes the plan: one per scenario, since each has its own changes.
     fn plan(&self, factories: &Factories) -> PyResult<BatchPlan> {
         let mut plans = Vec::new();
         for scenario in &self.scenarios {
@@ -294,7 +294,7 @@ impl Request<'_, '_> {
             match request.resolve(true) {
                 Ok(plan) => return Ok(plan),
                 Err(RequestError::Scenario(refusal)) => match &refusal.fault {
-                    // What was handed in has no table yet.
+                    // Planners and policies passed in have no table yet.
                     Fault::UnknownName { kind, found, .. }
                         if factories.knows(kind, found) && !declared.contains(&table_of(kind, found)) =>
                     {
@@ -326,21 +326,21 @@ impl Request<'_, '_> {
         })
     }
 
-    /// Tables tell scenarios apart by their names.
+    /// Tables identify scenarios by their names.
     fn expect_names_that_differ(&self) -> PyResult<()> {
         let mut names: Vec<&str> =
             self.scenarios.iter().map(|scenario| scenario.get().library().name.as_str()).collect();
         names.sort_unstable();
         let twice = names.windows(2).find(|pair| pair[0] == pair[1]);
         twice.map_or(Ok(()), |pair| {
-            let sentence = "two scenarios are named `NAME`; name one of them otherwise, by `.with_({\"name\": ...})`, as \
+            let sentence = "two scenarios are named `NAME`; rename one of them with `.with_({\"name\": ...})`, since \
                             tables could not tell them apart";
             Err(error(sentence.replace("NAME", pair[0])))
         })
     }
 }
 
-/// Takes seeds as the command line has them, or as whole numbers.
+/// Reads seeds in the command line's notation, or as integers.
 fn seeds_from(seeds: &Bound<'_, PyAny>) -> PyResult<Seeds> {
     if seeds.is_instance_of::<PyString>() {
         return seeds.extract::<String>()?.parse().map_err(error);
@@ -348,10 +348,10 @@ fn seeds_from(seeds: &Bound<'_, PyAny>) -> PyResult<Seeds> {
     let numbers: Vec<u64> = if seeds.is_instance_of::<PyInt>() {
         vec![seeds.extract()?]
     } else {
-        let expected = |_| PyTypeError::new_err("seeds are a text such as `1..50`, or whole numbers");
+        let expected = |_| PyTypeError::new_err("seeds are a string such as `1..50`, or integers");
         seeds.try_iter().map_err(expected)?.map(|seed| seed?.extract()).collect::<PyResult<_>>()?
     };
-    // Numbers that count up are one range.
+    // Consecutive numbers form one range.
     let mut ranges: Vec<(u64, u64)> = Vec::new();
     for number in numbers {
         match ranges.last_mut() {
@@ -363,7 +363,7 @@ fn seeds_from(seeds: &Bound<'_, PyAny>) -> PyResult<Seeds> {
     Seeds::from_parts(parts.iter().map(String::as_str)).map_err(error)
 }
 
-/// Runs what a folder does not hold yet, and writes the tables. Returns how many runs it held, too.
+/// Runs the missing runs of a folder and writes the tables. Also returns the number of runs that it held before.
 fn run_to_its_end(
     py: Python<'_>,
     plan: BatchPlan,
@@ -379,7 +379,7 @@ fn run_to_its_end(
         (Err(BatchError::Stopped), Some(exception)) => Err(exception),
         (Err(refusal @ BatchError::Plan(PlanError::Differs { .. })), _) if !factories.is_empty() => {
             let advice =
-                "where code has changed, take another folder, or say `version=` in all calls if it plans alike";
+                "if code has changed, use another folder, or pass `version=` in all calls if it plans the same";
             Err(error(format_args!("{refusal} ({advice})")))
         }
         (Err(refusal), _) => Err(error(refusal)),
@@ -400,7 +400,7 @@ fn work_off(
         let (factories, interruption) = (Arc::clone(factories), Arc::clone(interruption));
         move |scenario: &wildfire::scenario::Scenario, seed| {
             let run = interruption.run(|| {
-                // The thread is known to Python for the whole run, so that a query need not introduce it.
+                // Attaching the thread to Python for the whole run saves doing so in each query.
                 Python::try_attach(|py| {
                     let entrants = factories.entrants_of(py, Some(scenario), &interruption);
                     let options = RunOptions { memory, ..entrants.into() };
@@ -420,7 +420,7 @@ fn work_off(
     Ok((report, batch.plan().clone(), found))
 }
 
-/// Begins a batch, or goes on with the same one where it was stopped.
+/// Starts a batch, or continues the same one where it was stopped.
 fn begin_or_go_on(plan: BatchPlan, path: &Path) -> Result<library::Batch, BatchError> {
     if path.is_dir() && FinishedBatch::is_there(path) {
         BatchPlan::read(path)?.expect_same(&plan, path)?;

@@ -1,4 +1,4 @@
-//! The collision core, for one pose or for many.
+//! The collision checker, for one pose or many.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -18,23 +18,23 @@ use wildfire::vehicle::{Dimensions, ReedsShepp, Segment};
 use crate::arrays::{Numbers, Poses, is_sane, is_sane_pose, rows};
 use crate::query::{GoalLike, Vehicle};
 
-/// The most poses that are asked for in a goal.
+/// The largest number of goal poses per call.
 const MAX_GOAL_POSES: usize = 100_000;
 
-/// The collision core: one body on one field.
+/// The collision checker of one body on one field.
 ///
 /// A pose is ``(x, y, heading)`` of the middle of the rear axle: metres east and north from the field's south-west corner,
-/// radians counter-clockwise from east. Where poses are taken, one is of shape (3,) and has a scalar for an answer, many
-/// are of shape (n, 3) and have an array of shape (n,). What is not made of finite numbers is never free.
+/// radians counter-clockwise from east. One pose has shape (3,) and gives a scalar, many have shape (n, 3) and give an
+/// array of shape (n,). A pose with numbers that are not finite is never free.
 ///
 /// Parameters
 /// ----------
 /// occupied : array of shape (rows, cols), bool
-///     Which cells hold a bush, row 0 in the south.
+///     True for cells with a bush; row 0 is the southernmost.
 /// cell_m : float
 ///     Side of a cell.
 /// vehicle : Vehicle
-///     The contest's Unimog if it is left out.
+///     Default: the contest's Unimog.
 #[pyclass(frozen, module = "wildfire_contest")]
 pub struct Checker(pub Arc<CollisionChecker>);
 
@@ -57,7 +57,7 @@ impl Checker {
         let side = |cells: usize| u16::try_from(cells).ok().filter(|side| (1..=MAX_CELLS_A_SIDE).contains(side));
         let (Some(rows), Some(cols)) = (side(occupied.nrows()), side(occupied.ncols())) else {
             let shape = occupied.shape();
-            let sentence = format!("occupied has the shape {shape:?}; expected 1 to {MAX_CELLS_A_SIDE} cells a side");
+            let sentence = format!("occupied has shape {shape:?}; expected 1 to {MAX_CELLS_A_SIDE} cells per side");
             return Err(PyValueError::new_err(sentence));
         };
         if !(0.01..=1000.0).contains(&cell_m) {
@@ -69,7 +69,7 @@ impl Checker {
         Ok(Self::new(CollisionChecker::new(Arc::new(ClearanceField::new(frame, &cells)), body)))
     }
 
-    /// Returns width and height of the field, in metres.
+    /// Returns the width and height of the field in metres.
     #[getter]
     fn size_m(&self) -> (f64, f64) {
         let frame = self.0.field().frame();
@@ -82,13 +82,13 @@ impl Checker {
         self.0.field().frame().cell_m
     }
 
-    /// Returns the body.
+    /// Returns the vehicle.
     #[getter]
     fn vehicle(&self) -> Vehicle {
         Vehicle::from_body(self.0.body())
     }
 
-    /// Returns which cells hold a bush: shape (rows, cols), bool, row 0 in the south.
+    /// Returns which cells hold a bush: shape (rows, cols), bool; row 0 is the southernmost.
     #[getter]
     fn occupied<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let occupied = self.0.field().occupied();
@@ -96,7 +96,7 @@ impl Checker {
         flat.call_method1("reshape", ((occupied.rows(), occupied.cols()),))
     }
 
-    /// Says whether the body keeps `clearance` metres from bushes and border, and 1 cm in any case.
+    /// Returns whether the body keeps `clearance` metres from bushes and border, and at least 1 cm in any case.
     ///
     /// Parameters
     /// ----------
@@ -118,9 +118,9 @@ impl Checker {
         poses.answer(py, |pose| is_sane_pose(&pose) && self.0.pose_is_free(pose, clearance))
     }
 
-    /// Returns metres from the body to the nearest bush or border.
+    /// Returns the distance in metres from the body to the nearest bush or border.
     ///
-    /// Exact below one metre, never more than the truth above; not positive on contact, nan of what is no pose.
+    /// Exact below one metre, a lower bound above; not positive on contact, nan for an invalid pose.
     ///
     /// Parameters
     /// ----------
@@ -133,14 +133,14 @@ impl Checker {
         poses.answer(py, |pose| if is_sane_pose(&pose) { self.0.clearance(pose) } else { f64::NAN })
     }
 
-    /// Says whether the body keeps `clearance` metres, and 1 cm in any case, all along a motion of constant curvature.
+    /// Returns whether the body keeps `clearance` metres, and at least 1 cm, all along a motion of constant curvature.
     ///
-    /// What keeps it everywhere is accepted; what is accepted keeps it less 3 cm everywhere, and touches nothing.
+    /// Every motion that keeps the clearance is accepted; every accepted motion keeps it to within 3 cm and touches nothing.
     ///
     /// Parameters
     /// ----------
     /// poses : array of shape (3,) or (n, 3)
-    ///     Where motions begin.
+    ///     The start poses of the motions.
     /// curvature : float or array of shape (n,)
     ///     1/m, positive to the left.
     /// length : float or array of shape (n,)
@@ -171,12 +171,12 @@ impl Checker {
         if is_one { answers[0].into_bound_py_any(py) } else { Ok(answers.into_pyarray(py).into_any()) }
     }
 
-    /// Says whether the shortest Reeds-Shepp curve of the vehicle's turning radius is free from `a` to `b`.
+    /// Returns whether the shortest Reeds-Shepp curve from `a` to `b`, at the vehicle's turning radius, is free.
     ///
     /// Parameters
     /// ----------
     /// a, b : array of shape (3,) or (n, 3)
-    ///     One pose goes with all of the others.
+    ///     A single pose is paired with all of the others.
     ///
     /// Returns
     /// -------
@@ -199,12 +199,12 @@ impl Checker {
 
     /// Returns up to `n` free poses in a goal.
     ///
-    /// In a disc they are spread evenly over places and headings, the same every time. Of a pose it is the pose itself.
+    /// In a disc they are spread evenly over positions and headings, the same every time. For a pose it is the pose itself.
     ///
     /// Returns
     /// -------
     /// array of shape (m, 3), float64
-    ///     m is at most n, and 0 where the body has no room.
+    ///     m is at most n, and 0 if the body does not fit.
     #[pyo3(signature = (goal, n = 24, clearance = 0.1))]
     fn goal_poses<'py>(
         &self,
@@ -235,14 +235,14 @@ fn checked_clearance(clearance: f64) -> PyResult<f64> {
     Err(PyValueError::new_err(format!("clearance is {clearance}; expected metres")))
 }
 
-/// Poses tried for each that is wanted, until the goal counts as full.
+/// Poses tried for each requested one before the goal counts as full.
 const TRIES: usize = 64;
 
-/// The share of a disc's radius within which poses are looked for, so that rounding leaves none outside.
+/// The share of a disc's radius within which poses are sampled, so that rounding puts none outside.
 const WITHIN: f64 = 0.98;
 
 /// Finds up to `count` free poses in a goal, spread evenly over the disc and over all headings by Halton's sequence.
-/// Nothing is drawn, so that the same goal has the same poses.
+/// No random numbers are used, so that the same goal has the same poses.
 fn goal_poses(checker: &CollisionChecker, goal: Goal, count: usize, clearance_m: f64) -> Vec<Pose> {
     let is_free = |pose: &Pose| is_sane_pose(pose) && checker.pose_is_free(*pose, clearance_m);
     let GoalDisc { centre, radius_m } = match goal {
@@ -251,7 +251,7 @@ fn goal_poses(checker: &CollisionChecker, goal: Goal, count: usize, clearance_m:
     };
     let pose = |index: u32| {
         let [out, turn, heading] = [2, 3, 5].map(|base| radical_inverse(base, index));
-        // The root makes places as dense at the rim as in the middle.
+        // The square root makes positions as dense at the rim as at the centre.
         let (out_m, (sin, cos)) = (WITHIN * radius_m * out.sqrt(), ops::sin_cos(TAU * turn));
         let heading = ops::wrap_angle(TAU * heading);
         let from_axle = checker.body().body_centre(Pose { x: 0.0, y: 0.0, heading });

@@ -1,8 +1,7 @@
 //! Tables as columns of numpy arrays.
 //!
-//! Whole numbers are `int64` (or `uint64` where the table says so), reals `float64`, flags `bool`, texts objects of
-//! `str`. A missing real is nan, a missing text None; a column of whole numbers or flags in which a value is missing is a
-//! masked array.
+//! Integers are `int64` (or `uint64` if the table requires it), reals `float64`, flags `bool`, text objects of `str`. A
+//! missing real is nan, missing text None; a column of integers or flags with missing values is a masked array.
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -10,13 +9,13 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyList};
 use wildfire::batch::{FileColumn, Kind, Value};
 
-/// A column in the making.
+/// A column under construction.
 struct ColumnBuilder {
     about: FileColumn,
     values: Vec<Value>,
 }
 
-/// A table in the making, row by row.
+/// A table built row by row.
 pub struct TableBuilder(Vec<ColumnBuilder>);
 
 impl TableBuilder {
@@ -24,7 +23,7 @@ impl TableBuilder {
         Self(columns.into_iter().map(|about| ColumnBuilder { about, values: Vec::new() }).collect())
     }
 
-    /// Adds a row, which has a value for each column.
+    /// Adds a row with a value for each column.
     pub fn push(&mut self, row: impl IntoIterator<Item = Value>) {
         let mut row = row.into_iter();
         for column in &mut self.0 {
@@ -32,7 +31,7 @@ impl TableBuilder {
         }
     }
 
-    /// Makes Python's `Columns`.
+    /// Builds the Python object `Columns`.
     pub fn finish(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
         let (arrays, units, words) = (PyDict::new(py), PyDict::new(py), PyDict::new(py));
         for ColumnBuilder { about, values } in self.0 {
@@ -71,7 +70,7 @@ fn array<'py>(py: Python<'py>, kind: Kind, values: &[Value]) -> PyResult<Bound<'
     }
 }
 
-/// Masks the values that are missing, if there are any.
+/// Masks missing values, if there are any.
 fn masked<'py>(array: Bound<'py, PyAny>, mask: Vec<bool>) -> PyResult<Bound<'py, PyAny>> {
     if !mask.contains(&true) {
         return Ok(array);
@@ -89,7 +88,7 @@ fn unsigned(value: &Value) -> u64 {
     if let Value::Count(count) = value { *count } else { 0 }
 }
 
-/// A column that was swept may hold whole numbers and reals.
+/// A swept column may mix integers and reals.
 fn real(value: &Value) -> f64 {
     match value {
         Value::Count(count) => *count as f64,

@@ -1,4 +1,4 @@
-//! Batches, or parts of one, in pairs by seed.
+//! Comparisons of batches, or of parts of one, paired by seed.
 
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -12,36 +12,35 @@ use crate::batch::{Batch, OneOrMore};
 use crate::columns::TableBuilder;
 use crate::errors::error;
 
-/// A column that divides a batch, or such a column with the values that are compared.
+/// A column that divides a batch, optionally with the values to compare.
 #[derive(FromPyObject)]
 pub enum By {
     Column(String),
     Values(String, Vec<String>),
 }
 
-/// Compares batches, or the parts of one, in pairs by seed.
+/// Compares batches, or the parts of one, paired by seed.
 ///
 /// Parameters
 /// ----------
 /// batches : Batch or path
-///     Each is compared with the first; of a single one, its parts are compared.
+///     Each is compared with the first; for a single one, its parts are compared.
 /// by : str, or (str, sequence of str)
-///     The column that divides runs: scenario, planner or a swept key; and its values, if not all.
+///     The column that divides the runs: scenario, planner or a swept key; and the values to compare, if not all.
 /// where : sequence of (str, str)
-///     Take only runs with these values in these columns.
+///     Use only runs with these values in these columns.
 /// metric : str or sequence of str
-///     Columns of numbers in ``runs.csv``, and ``saved``, ``burned``, ``truck_won``, ``wumpus_won``; the usual ones if it
-///     is left out.
+///     Numeric columns of ``runs.csv``, and ``saved``, ``burned``, ``truck_won``, ``wumpus_won``; default: the usual ones.
 ///
 /// Returns
 /// -------
 /// Columns
-///     A row a metric and side: means, their difference with a 95 % interval, p-values, and the verdict in words.
+///     A row per metric and side: means, their difference with a 95 % interval, p-values, and the verdict in words.
 ///
 /// Raises
 /// ------
 /// WildfireError
-///     Something cannot be read, or does not go together.
+///     A batch cannot be read, or the batches do not match.
 #[pyfunction]
 #[pyo3(signature = (*batches, by = None, r#where = None, metric = None))]
 pub fn compare<'py>(
@@ -110,18 +109,18 @@ fn columns() -> Vec<FileColumn> {
     };
     [
         ("side", Kind::Text, "the side that is compared with A"),
-        ("description", Kind::Text, "which runs these are"),
-        ("description_a", Kind::Text, "which runs side A is"),
-        ("metric", Kind::Text, "what is compared"),
-        ("pairs", Kind::Count, "pairs of runs that have it on both sides"),
+        ("description", Kind::Text, "runs of this side"),
+        ("description_a", Kind::Text, "runs of side A"),
+        ("metric", Kind::Text, "the compared metric"),
+        ("pairs", Kind::Count, "pairs of runs with a value on both sides"),
         ("mean_a", Kind::Real, "mean of side A over the pairs"),
         ("mean", Kind::Real, "mean of the other side"),
-        ("difference", Kind::Real, "the other side's mean less A's"),
+        ("difference", Kind::Real, "the other side's mean minus A's"),
         ("low", Kind::Real, "lower end of the 95 % interval of the difference"),
         ("high", Kind::Real, "upper end of the 95 % interval of the difference"),
         ("p_value", Kind::Real, "probability of such a difference by chance"),
-        ("p_adjusted", Kind::Real, "the same by Holm's method over all that is compared"),
-        ("cohens_dz", Kind::Real, "difference in standard deviations of the difference"),
+        ("p_adjusted", Kind::Real, "the p-value adjusted by Holm's method over all comparisons"),
+        ("cohens_dz", Kind::Real, "mean difference divided by the standard deviation of the differences"),
         ("method", Kind::Text, "method behind the interval"),
         ("p_method", Kind::Text, "method behind the p-value"),
         ("verdict", Kind::Text, "difference, no-evidence, no-evidence-among-several-tests or equal"),

@@ -1,4 +1,4 @@
-//! Steering the truck oneself: one drive to a fire on one field after the other.
+//! Steering the truck from outside: a sequence of drives to a fire, each on a field of its own.
 
 use std::sync::Arc;
 
@@ -20,20 +20,20 @@ use crate::scenario::ScenarioLike;
 /// Simulated seconds of a step.
 const STEP_S: f64 = 0.5;
 
-/// Points along each side of what is seen about the truck, and metres between them.
+/// Points along each side of the clearance map around the truck, and metres between them.
 const SIDE: usize = 64;
 const SPACING_M: f64 = 0.5;
 
-/// Clearances are seen in tens of metres.
+/// Clearances are in tens of metres.
 const CLEARANCE_UNIT_M: f64 = 10.0;
 
-/// How far away a goal is at least, in metres.
+/// The least distance of a goal, in metres.
 const NEAREST_GOAL_M: f64 = 30.0;
 
-/// Draws of a start and of a goal.
+/// Attempts to sample a start and a goal.
 const DRAWS: usize = 10_000;
 
-/// One drive in the making.
+/// A drive under way.
 struct Drive {
     checker: CollisionChecker,
     limits: SpeedLimits,
@@ -41,7 +41,7 @@ struct Drive {
     goal: GoalDisc,
 }
 
-/// A truck that is steered from outside.
+/// A truck steered from outside.
 #[pyclass(module = "wildfire_contest")]
 pub struct Driver {
     scenario: Scenario,
@@ -58,25 +58,25 @@ impl Driver {
         let scenario = scenario.get().library().clone();
         if truck >= scenario.unimog.len() {
             let count = scenario.unimog.len();
-            return Err(PyValueError::new_err(format!("truck is {truck}, and the scenario has {count} trucks")));
+            return Err(PyValueError::new_err(format!("truck is {truck}, but the scenario has {count} trucks")));
         }
         Ok(Self { scenario, truck, drive: None })
     }
 
-    /// Begins a drive on the field of a seed.
+    /// Starts a drive on the field of a seed.
     fn reset(&mut self, py: Python<'_>, seed: u64) -> PyResult<()> {
         let drive = py.detach(|| begin(&self.scenario, self.truck, seed)).map_err(error)?;
         self.drive = Some(drive);
         Ok(())
     }
 
-    /// Drives for half a second: `steering` is the share of the sharpest curvature, positive to the left, and `speed`
-    /// that of the highest speed, negative in reverse. Returns how many metres nearer the goal is, and whether it was
-    /// reached or something was touched.
+    /// Drives for half a second: `steering` is a fraction of the sharpest curvature, positive to the left, and `speed` a
+    /// fraction of the top speed, negative in reverse. Returns the progress towards the goal in metres, whether the goal was
+    /// reached, and whether the truck touched anything.
     fn step(&mut self, steering: f64, speed: f64) -> PyResult<(f64, bool, bool)> {
         let drive = self.drive.as_mut().ok_or_else(not_begun)?;
         if !(steering.abs() <= 1.0 && speed.abs() <= 1.0) {
-            let sentence = format!("the action ({steering}, {speed}) is none; expected two numbers from -1 to 1");
+            let sentence = format!("the action ({steering}, {speed}) is invalid; expected two numbers from -1 to 1");
             return Err(PyValueError::new_err(sentence));
         }
         let most_mps = if speed < 0.0 { drive.limits.reverse_mps } else { drive.limits.forward_mps };
@@ -91,8 +91,8 @@ impl Driver {
         Ok((before_m - drive.to_goal().length(), is_there, false))
     }
 
-    /// Returns the clearances about the truck, row by row from the right to the left and from the back to the front, and
-    /// the goal: ahead, to the left, its radius.
+    /// Returns the clearances around the truck, rows from right to left and columns from back to front, and the goal: its
+    /// offset ahead and to the left, and its radius.
     fn seen<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyArray1<f32>>)> {
         let drive = self.drive.as_ref().ok_or_else(not_begun)?;
         let clearances = PyArray1::from_vec(py, drive.clearances()).reshape([SIDE, SIDE])?;
@@ -110,11 +110,11 @@ impl Driver {
 }
 
 fn not_begun() -> PyErr {
-    PyIndexError::new_err("there is no drive: call reset first")
+    PyIndexError::new_err("no drive has started: call reset first")
 }
 
 impl Drive {
-    /// Returns the goal from the middle of the body, ahead and to the left, in metres.
+    /// Returns the goal's offset from the centre of the body, ahead and to the left, in metres.
     fn to_goal(&self) -> DVec2 {
         let away = self.goal.centre - self.checker.body().body_centre(self.pose);
         let ahead = self.pose.direction();
@@ -148,12 +148,12 @@ fn begin(scenario: &Scenario, truck: usize, seed: u64) -> Result<Drive, String> 
     let is_free = |pose: &Pose| checker.pose_is_free(*pose, 0.5);
     let start = Some(settings.start.pose()).filter(is_free);
     let start = start.or_else(|| (0..DRAWS).map(|_| draw(&mut dice)).find(is_free));
-    let start = start.ok_or("no free place was found for the truck on this field")?;
-    // There is a pose in the goal, though not always a way to it.
+    let start = start.ok_or("found no free place for the truck on this field")?;
+    // The goal contains a free pose, but not always a path to it.
     let radius_m = scenario.suppression.reach_m.unwrap_or(10.0).max(1.0);
     let far = |pose: &Pose| (checker.body().body_centre(*pose) - checker.body().body_centre(start)).length();
     let end = (0..DRAWS).map(|_| draw(&mut dice)).find(|pose| is_free(pose) && far(pose) >= NEAREST_GOAL_M + radius_m);
-    let end = end.ok_or("no place to drive to was found on this field")?;
+    let end = end.ok_or("found no place to drive to on this field")?;
     let goal = GoalDisc { centre: checker.body().body_centre(end), radius_m };
     Ok(Drive { checker, limits: settings.speed_limits(), pose: start, goal })
 }

@@ -1,4 +1,4 @@
-//! Contests for learning: many side by side, one call for a step of all, arrays that stay.
+//! Contests for learning: many side by side, stepped in one call, written into the same arrays.
 
 use std::thread;
 
@@ -16,20 +16,20 @@ use crate::errors::error;
 use crate::observation::{AGENT_NUMBERS, Layout, OwnArrays, SharedArrays, Sight};
 use crate::scenario::ScenarioLike;
 
-/// The most contests side by side.
+/// The largest number of contests side by side.
 const MOST_LANES: usize = 4096;
 
-/// One contest of those side by side.
+/// One of the contests side by side.
 #[derive(Default)]
 struct Lane {
     episode: Option<Episode>,
-    /// By seat, the cells that its candidates are.
+    /// The cells of each seat's candidates.
     candidates: Vec<Vec<Cell>>,
     points: Points,
     time: SimTime,
 }
 
-/// The parts of the arrays that are one lane's.
+/// The parts of the arrays that belong to one lane.
 struct Board<'a> {
     shared: SharedArrays<'a>,
     action_mask: &'a mut [i8],
@@ -42,7 +42,7 @@ struct Board<'a> {
     ended: &'a mut bool,
 }
 
-/// What is to become of a lane.
+/// What a lane does next.
 #[derive(Clone, Copy)]
 enum Task<'a> {
     Stay,
@@ -50,12 +50,12 @@ enum Task<'a> {
     Step(&'a [i64]),
 }
 
-/// What lanes have in common.
+/// The settings that lanes share.
 struct Rules {
     scenario: Scenario,
     played: Vec<AgentId>,
     layout: Layout,
-    /// Whether all who are asked answer together, each with a seat of its own; else one answers at a time.
+    /// True if all asked agents answer together, each in its own seat; otherwise one answers at a time.
     together: bool,
 }
 
@@ -149,7 +149,7 @@ fn zeros<T: Element>(py: Python<'_>, length: usize) -> Py<PyArray1<T>> {
     PyArray1::zeros(py, length, false).unbind()
 }
 
-/// Contests of one scenario side by side, played from outside. What they show is in arrays that stay.
+/// Contests of one scenario side by side, played from outside. Observations are written into the same arrays.
 #[pyclass(module = "wildfire_contest")]
 pub struct Contests {
     rules: Rules,
@@ -190,9 +190,9 @@ impl Contests {
         let all = agents_of(&scenario);
         let played = play.iter().map(|name| agent_named(&all, name)).collect::<PyResult<Vec<AgentId>>>()?;
         if played.is_empty() {
-            return Err(PyValueError::new_err("nobody is played; expected some of the scenario's agents"));
+            return Err(PyValueError::new_err("play is empty; expected some of the scenario's agents"));
         }
-        // Whoever is played follows nobody else.
+        // A played agent follows no other policy.
         for &AgentId { role, number } in &played {
             if role.lights() {
                 scenario.wumpus[usize::from(number)].goal = WumpusGoal::RandomIntact;
@@ -227,7 +227,7 @@ impl Contests {
         Ok(Self { rules, lanes, threads, arrays })
     }
 
-    /// Names the agents of the scenario, those that are not played too.
+    /// Names all agents of the scenario, played or not.
     #[getter]
     fn agents_named(&self) -> Vec<String> {
         agents_of(&self.rules.scenario).into_iter().map(name_of).collect()
@@ -293,7 +293,7 @@ impl Contests {
         self.arrays.dt_s.clone_ref(py)
     }
 
-    /// Holds, by contest, the place among those played of who is next to answer, or -1.
+    /// Holds the index, for each contest, of the played agent that answers next, or -1.
     #[getter]
     fn turn(&self, py: Python<'_>) -> Py<PyArray1<i64>> {
         self.arrays.turn.clone_ref(py)
@@ -304,13 +304,13 @@ impl Contests {
         self.arrays.ended.clone_ref(py)
     }
 
-    /// Begins contests anew, each with a seed; the others stay as they are.
+    /// Restarts contests, each with a seed; the others are unchanged.
     fn reset(&mut self, py: Python<'_>, resets: Vec<(usize, u64)>) -> PyResult<()> {
         let tasks = self.tasks(&resets, |_| Task::Stay)?;
         self.carry_out(py, tasks)
     }
 
-    /// Takes a step in all contests, but begins some anew instead. `actions` has a number for each seat.
+    /// Steps all contests, except those that it restarts. `actions` has a number for each seat.
     fn step(&mut self, py: Python<'_>, actions: PyReadonlyArray1<'_, i64>, resets: Vec<(usize, u64)>) -> PyResult<()> {
         let (actions, seats) = (actions.as_slice()?.to_vec(), self.rules.seats());
         if actions.len() != self.lanes.len() * seats {
@@ -321,19 +321,19 @@ impl Contests {
             |&action: &i64| usize::try_from(action).is_ok_and(|action| action < self.rules.layout.actions());
         if let Some(wrong) = actions.iter().find(|action| !is_action(action)) {
             let most = self.rules.layout.actions() - 1;
-            return Err(PyValueError::new_err(format!("the action {wrong} is none; expected 0 to {most}")));
+            return Err(PyValueError::new_err(format!("the action {wrong} is invalid; expected 0 to {most}")));
         }
         let is_reset = |lane: usize| resets.iter().any(|&(reset, _)| reset == lane);
         if (0..self.lanes.len()).any(|lane| self.lanes[lane].episode.is_none() && !is_reset(lane)) {
-            return Err(PyIndexError::new_err("there is no contest to play: call reset first"));
+            return Err(PyIndexError::new_err("there is no contest to play yet: call reset first"));
         }
         let tasks = self.tasks(&resets, |lane| Task::Step(&actions[lane * seats..(lane + 1) * seats]))?;
         self.carry_out(py, tasks)
     }
 
-    /// Draws a contest as it is now: an array of height, width and red, green, blue.
+    /// Draws the current state of a contest: an array of height, width and red, green, blue.
     fn picture<'py>(&self, py: Python<'py>, lane: usize, size: (u32, u32)) -> PyResult<Bound<'py, PyAny>> {
-        let none = || PyIndexError::new_err("there is no contest to draw: call reset first");
+        let none = || PyIndexError::new_err("there is no contest to draw yet: call reset first");
         let episode = self.lanes.get(lane).and_then(|lane| lane.episode.as_ref()).ok_or_else(none)?;
         let pixels = py.detach(|| {
             let view = RunView::new(episode.timeline(), None);
@@ -346,7 +346,7 @@ impl Contests {
         PyArray1::from_vec(py, pixels).call_method1("reshape", ((size.1, size.0, 3),))
     }
 
-    /// Returns the number of facts so far, which tells contests apart in tests.
+    /// Returns the number of facts so far, which distinguishes contests in tests.
     fn facts(&self, lane: usize) -> usize {
         self.lanes.get(lane).and_then(|lane| lane.episode.as_ref()).map_or(0, |episode| episode.facts().len())
     }
@@ -459,7 +459,7 @@ impl<'py> OpenArrays<'py> {
     }
 }
 
-/// Names the agents of a scenario as environments do.
+/// Returns the names of a scenario's agents in environments.
 #[pyfunction]
 #[pyo3(name = "agents_of", signature = (scenario, /))]
 pub fn named_agents(py: Python<'_>, scenario: ScenarioLike<'_>) -> PyResult<Vec<String>> {
@@ -481,6 +481,6 @@ fn name_of(agent: AgentId) -> String {
 fn agent_named(all: &[AgentId], name: &str) -> PyResult<AgentId> {
     all.iter().copied().find(|&agent| name_of(agent) == name).ok_or_else(|| {
         let known: Vec<String> = all.iter().copied().map(name_of).collect();
-        PyValueError::new_err(format!("{name:?} is no agent of this scenario; they are {}", known.join(", ")))
+        PyValueError::new_err(format!("{name:?} is no agent of this scenario; its agents are {}", known.join(", ")))
     })
 }

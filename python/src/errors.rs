@@ -1,4 +1,4 @@
-//! Errors of the library as Python's exceptions, with the sentences of the command line.
+//! Errors of the library as Python exceptions, with the messages of the command line.
 
 use pyo3::import_exception;
 use pyo3::prelude::*;
@@ -9,12 +9,12 @@ import_exception!(wildfire_contest.errors, QueryTimedOut);
 import_exception!(wildfire_contest.errors, ScenarioError);
 import_exception!(wildfire_contest.errors, WildfireError);
 
-/// Makes an error whose text is a sentence of the library.
+/// Makes an error with a message of the library.
 pub fn error(sentence: impl ToString) -> PyErr {
     WildfireError::new_err(sentence.to_string())
 }
 
-/// Makes the error of a scenario that is refused, with its place, and with what the command line advises.
+/// Makes the error of an invalid scenario, with its location and the command line's advice.
 pub fn scenario_error(refusal: &scenario::ScenarioError) -> PyErr {
     let advice = refusal.fault.advice();
     let location = refusal.location.as_ref();
@@ -25,7 +25,7 @@ pub fn scenario_error(refusal: &scenario::ScenarioError) -> PyErr {
     };
     let sentence = advice.map_or(sentence.clone(), |advice| format!("{sentence} ({advice})"));
     let (line, column) = location.map(scenario::SourceLocation::line_and_column).unzip();
-    // A place is written FILE:LINE:COLUMN, and the file's name may hold colons.
+    // A location is written FILE:LINE:COLUMN, and the file's name may contain colons.
     let file = place.map(|place| place.rsplitn(3, ':').nth(2).unwrap_or_default().to_owned());
     ScenarioError::new_err((sentence, file, line, column))
 }

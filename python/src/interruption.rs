@@ -1,8 +1,8 @@
-//! The end of work before its time, and the watch over Python's code while it is called.
+//! Early termination of work, and supervision of calls to Python code.
 //!
-//! Code of Python that is called from a thread of a batch hears no signal. It ends by an exception that is raised in its
-//! thread from outside, when it next executes Python: `KeyboardInterrupt` where all is to end, `QueryTimedOut` where a
-//! query has taken more CPU time than it may. Code that does not return to Python is waited for, with a line on stderr.
+//! Python code that a batch calls from one of its threads receives no signals. An exception raised in its thread from
+//! outside ends it when it next executes Python: `KeyboardInterrupt` to end everything, `QueryTimedOut` if a query has
+//! exceeded its CPU time. If the code does not return to Python, the caller waits and reports it on stderr.
 
 use std::ffi::c_int;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -20,30 +20,30 @@ use wildfire::time::wall::WallStopwatch;
 
 use crate::errors::{QueryTimedOut, error};
 
-/// The time between two looks.
+/// The polling interval.
 const POLL: Duration = Duration::from_millis(50);
 
-/// The time after which an exception that was ignored is raised once more.
+/// The time after which an ignored exception is raised again.
 const RAISED_AGAIN: Duration = Duration::from_secs(1);
 
-/// The time after which a call is reported, and by how much longer each further one takes.
+/// The time after which a call is first reported, and the factor to each later report.
 const FIRST_WARNING: Duration = Duration::from_secs(10);
 const WARNING_FACTOR: u32 = 6;
 
-/// What ends work before its time: an exception that is meant to end the program, or an error of the disk.
+/// A request to end work early: an exception that ends the program, or an I/O error.
 #[derive(Default)]
 pub struct Interruption {
     stop: Arc<AtomicBool>,
     exception: Mutex<Option<PyErr>>,
     calls: Mutex<Vec<Call>>,
-    /// Held by each run that may call Python.
+    /// Locked by each run that may call Python.
     runs: RwLock<()>,
 }
 
-/// A call of Python's code that is under way.
+/// A call to Python code under way.
 struct Call {
     about: String,
-    /// The thread, as Python names it.
+    /// Python's identifier of the thread.
     thread: u64,
     since: WallStopwatch,
     /// The thread's CPU clock, if there is a limit, and the time at which it is reached.
@@ -54,7 +54,7 @@ struct Call {
 }
 
 impl Interruption {
-    /// Returns the flag that says that everybody should stop.
+    /// Returns the flag that asks all threads to stop.
     pub fn stop(&self) -> &Arc<AtomicBool> {
         &self.stop
     }
@@ -63,32 +63,32 @@ impl Interruption {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// Asks everybody to stop because of this exception. The first one is kept.
+    /// Asks all threads to stop because of this exception. The first exception is kept.
     pub fn set(&self, exception: PyErr) {
         self.exception.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(exception);
         self.stop.store(true, Ordering::Relaxed);
     }
 
-    /// Takes the exception that asked for a stop, if one did.
+    /// Takes the exception that requested the stop, if there was one.
     pub fn take(&self) -> Option<PyErr> {
         self.exception.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
-    /// Makes a run that may call Python, unless all is to stop.
+    /// Performs a run that may call Python, unless a stop was requested.
     pub fn run<T>(&self, run: impl FnOnce() -> T) -> Option<T> {
         let _under_way = self.runs.read().unwrap_or_else(PoisonError::into_inner);
         (!self.is_set()).then(run)
     }
 
-    /// Waits until no run is under way: a thread that came back to Python after its end would end the process.
+    /// Waits until no run is under way: a thread that returned to Python after its shutdown would end the process.
     pub fn wait_for_runs(&self) {
         drop(self.runs.write().unwrap_or_else(PoisonError::into_inner));
     }
 
-    /// Calls Python's code while somebody watches.
+    /// Calls Python code under supervision.
     ///
     /// # Errors
-    /// The answer took more CPU time than the limit: in words. An exception that is meant to end the program is never late.
+    /// A message if the answer took more CPU time than the limit. An exception that ends the program is never late.
     pub fn watched<T>(
         &self,
         py: Python<'_>,
@@ -107,12 +107,12 @@ impl Interruption {
         let mut was_raised = false;
         if let Ok((thread, ..)) = here {
             let mut calls = self.calls(py);
-            // Calls of one thread end in the order opposite to that of their begin.
+            // Calls of one thread end in the reverse order of their starts.
             let own = calls.iter().rposition(|call| call.thread == thread).map(|place| calls.remove(place));
             drop(calls);
             was_raised = own.is_some_and(|own| own.raised.is_some());
             if was_raised {
-                // If it has not met the exception, it meets it in here or not at all.
+                // A pending exception is raised here or never.
                 let _ = watch(py, "raise_in", (thread, py.None()));
             }
         }
@@ -129,7 +129,7 @@ impl Interruption {
         self.calls.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Looks after the calls that are under way.
+    /// Checks the calls under way.
     fn look(&self, py: Python<'_>) {
         let mut warnings = Vec::new();
         for call in self.calls(py).iter_mut() {
@@ -144,14 +144,14 @@ impl Interruption {
             }
             if call.since.elapsed() > call.warning_at {
                 call.warning_at *= WARNING_FACTOR;
-                let waits = if self.is_set() { ", and everything waits until it returns to Python" } else { "" };
+                let waits = if self.is_set() { "; everything waits until it returns to Python" } else { "" };
                 warnings.push(format!("{} has taken {} s so far{waits}", call.about, call.since.elapsed().as_secs()));
             }
         }
         warnings.iter().for_each(|warning| say(py, warning));
     }
 
-    /// Does work on this thread while another one looks after calls of Python.
+    /// Works on this thread while another one supervises calls to Python.
     pub fn work<T: Send>(&self, py: Python<'_>, work: impl FnOnce() -> T + Send) -> T {
         py.detach(|| {
             thread::scope(|scope| {
@@ -168,12 +168,12 @@ impl Interruption {
         })
     }
 
-    /// Does work on a thread of its own while this one looks after calls of Python, and for Ctrl-C.
+    /// Works on a new thread while this one supervises calls to Python and checks for Ctrl-C.
     pub fn work_aside<T: Send>(&self, py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
         py.detach(|| {
             thread::scope(|scope| {
                 let (sender, ended) = mpsc::channel();
-                // Whoever waits has not gone away.
+                // The receiver still exists.
                 let work = move || drop(sender.send(work()));
                 thread::Builder::new().spawn_scoped(scope, work).map_err(error)?;
                 loop {
@@ -193,12 +193,12 @@ impl Interruption {
     }
 }
 
-/// Says whether an exception is meant to end more than what raised it.
+/// Returns whether an exception ends more than the code that raised it.
 pub fn is_an_end(py: Python<'_>, exception: &PyErr) -> bool {
     !exception.is_instance_of::<PyException>(py)
 }
 
-/// Writes a line to Python's stderr. Who has closed it does not want to hear.
+/// Writes a line to Python's stderr; errors are ignored, since a closed stderr is intentional.
 pub fn say(py: Python<'_>, sentence: &str) {
     let _ = watch(py, "say", (sentence,));
 }

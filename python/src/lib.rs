@@ -1,8 +1,8 @@
-//! The compiled half of the Python package `wildfire-contest`: simulation, planning and collision checks as Python sees
-//! them. Its other half, `wildfire_contest/`, has what reads better in Python.
+//! The compiled half of the Python package `wildfire-contest`: simulation, planning and collision checks. The other half,
+//! `wildfire_contest/`, contains the parts that read better in Python.
 //!
-//! The interpreter's lock is released while something is simulated, planned by built-in planners, or checked for many
-//! poses at once. Nothing here needs the lock for its own sake.
+//! The interpreter's lock is released during simulation, planning by built-in planners, and collision checks of many poses.
+//! Nothing here relies on the lock for its own safety.
 
 mod arrays;
 mod audit;

@@ -1,18 +1,18 @@
-//! Python's values as values of a scenario.
+//! Conversion of Python values to values of a scenario.
 
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyFloat, PyInt, PyMapping, PySequence, PyString};
 
-/// The deepest nesting that is written; no value of a scenario lies as deep.
+/// The deepest nesting written; no value of a scenario is nested as deeply.
 const MAX_DEPTH: usize = 16;
 
-/// Writes changes as the command line has them: `key=value`, the value as TOML.
+/// Writes changes in the command line's form: `key=value`, the value as TOML.
 pub fn changes(changes: &Bound<'_, PyMapping>) -> PyResult<Vec<String>> {
     let change = |item: Bound<'_, PyAny>| {
         let (key, value) = item.extract::<(String, Bound<'_, PyAny>)>()?;
         if key.contains('=') {
-            return Err(PyValueError::new_err(format!("`{key}` is no key of a scenario: it has a `=`")));
+            return Err(PyValueError::new_err(format!("`{key}` is no key of a scenario: it contains `=`")));
         }
         let written = literal(&value).map_err(|error| named(&key, error, value.py()))?;
         Ok(format!("{key}={written}"))
@@ -20,24 +20,24 @@ pub fn changes(changes: &Bound<'_, PyMapping>) -> PyResult<Vec<String>> {
     changes.items()?.iter().map(change).collect()
 }
 
-/// Names the key whose value was refused.
+/// Adds the key of an invalid value to its error.
 fn named(key: &str, error: PyErr, py: Python<'_>) -> PyErr {
     PyTypeError::new_err(format!("`{key}`: {}", error.value(py)))
 }
 
-/// Writes a value as TOML does. Numbers and arrays of numpy are taken like Python's own; None is the word `none`.
+/// Writes a value as TOML. Numbers and arrays of numpy are accepted like Python's own; None becomes `none`.
 pub fn literal(value: &Bound<'_, PyAny>) -> PyResult<String> {
     nested(value, 0)
 }
 
 fn nested(value: &Bound<'_, PyAny>, depth: usize) -> PyResult<String> {
     if depth > MAX_DEPTH {
-        return Err(PyTypeError::new_err("lists and tables lie too deep in each other for a scenario"));
+        return Err(PyTypeError::new_err("lists and tables are nested too deep for a scenario"));
     }
     if value.is_none() {
         return Ok("\"none\"".to_owned());
     }
-    // Python counts True among the whole numbers, so it is asked for first.
+    // In Python, True is also an integer, so flags are tested first.
     if let Ok(flag) = value.cast::<PyBool>() {
         return Ok(flag.is_true().to_string());
     }
@@ -69,10 +69,12 @@ fn nested(value: &Bound<'_, PyAny>, depth: usize) -> PyResult<String> {
         return nested(&value.call_method0("__fspath__")?, depth + 1);
     }
     let kind = value.get_type().name()?;
-    Err(PyTypeError::new_err(format!("a {kind} is no value of a scenario; expected numbers, texts, lists or mappings")))
+    Err(PyTypeError::new_err(format!(
+        "a {kind} is no value of a scenario; expected numbers, strings, lists or mappings"
+    )))
 }
 
-/// TOML knows a real number by its point or its exponent.
+/// Writes a real number with the point or exponent that TOML requires.
 fn number(number: f64) -> PyResult<String> {
     if number.is_finite() {
         return Ok(format!("{number:?}"));
@@ -80,7 +82,7 @@ fn number(number: f64) -> PyResult<String> {
     Err(PyTypeError::new_err(format!("{number} is no value of a scenario; expected a finite number")))
 }
 
-/// The strings of JSON are strings of TOML too, except that JSON lets the character 127 stand as it is.
+/// Writes a string. JSON strings are TOML strings too, except that JSON does not escape the character 127.
 fn text(text: &str) -> String {
     serde_json::Value::from(text).to_string().replace('\u{7f}', "\\u007f")
 }

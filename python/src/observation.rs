@@ -1,7 +1,7 @@
-//! What a policy sees, as arrays, and what it answers, as a number.
+//! Observations of a policy as arrays, and its actions as numbers.
 //!
-//! Row 0 of the field is in the south. An action is 0, which waits, or 1 and more: by default the place of a cell, row by
-//! row; of a policy that chooses among the nearest, the place of a candidate.
+//! Row 0 of the field is the southernmost. Action 0 waits. An action of 1 or more selects a cell, counted row by row, or a
+//! candidate if the policy chooses among the nearest.
 
 use wildfire::fire::BushState;
 use wildfire::fire::FireField;
@@ -16,14 +16,14 @@ pub const AGENT_NUMBERS: usize = 8;
 /// Numbers of a candidate: dx, dy, distance, seconds since ignition, size of its cluster, free.
 pub const CANDIDATE_NUMBERS: usize = 6;
 
-/// What arrays of a contest look like.
+/// The shapes of a contest's arrays.
 #[derive(Clone, Debug)]
 pub struct Layout {
     pub frame: FieldFrame,
     pub agents: usize,
-    /// How many of the nearest cells a policy chooses from, if not from all.
+    /// The number of nearest cells that a policy chooses from, if not from all.
     pub nearest: Option<usize>,
-    /// How long an agent waits at most.
+    /// The longest wait of an agent.
     pub wait: SimTime,
     pub duration: SimTime,
 }
@@ -43,11 +43,11 @@ impl Layout {
 pub struct Sight<'a> {
     pub now: SimTime,
     pub fires: &'a FireField,
-    /// All agents, by name.
+    /// All agents in the order of their names.
     pub agents: &'a [AgentView],
 }
 
-/// The arrays that all who look at a contest share.
+/// The arrays shared by all observers of a contest.
 pub struct SharedArrays<'a> {
     pub cells: &'a mut [u8],
     pub burning_s: &'a mut [f32],
@@ -55,15 +55,15 @@ pub struct SharedArrays<'a> {
     pub time_s: &'a mut [f32],
 }
 
-/// The arrays of one who is asked, or could be.
+/// The arrays of one agent.
 pub struct OwnArrays<'a> {
     pub action_mask: &'a mut [i8],
-    /// Empty where there is a choice of all cells.
+    /// Empty if the choice is among all cells.
     pub candidates: &'a mut [f32],
 }
 
 impl Sight<'_> {
-    /// Writes the state of all that can burn and of all agents. Other cells are left as they are, which is 0.
+    /// Writes the states of all cells with fuel and of all agents. Other cells keep their value of 0.
     pub fn write(&self, layout: &Layout, asked: impl Fn(AgentId) -> bool, arrays: &mut SharedArrays<'_>) {
         for cell in self.fires.with_fuel() {
             let index = layout.frame.index(cell);
@@ -97,8 +97,8 @@ impl Sight<'_> {
         arrays.time_s.copy_from_slice(&[self.now, left].map(|time| time.as_seconds() as f32));
     }
 
-    /// Writes what an agent may choose; nobody, or one who is not asked, may only wait. Returns the cells that the
-    /// candidates are, if it chooses among the nearest.
+    /// Writes the choices of an agent; if none is asked, the only choice is to wait. Returns the cells of the candidates if
+    /// the agent chooses among the nearest.
     pub fn write_own(
         &self,
         layout: &Layout,
@@ -161,8 +161,8 @@ impl Sight<'_> {
 }
 
 impl Layout {
-    /// Returns what an action below [`Self::actions`] means to an agent who may choose these, or `None` if it must not
-    /// be chosen. `candidates` are the cells that [`Sight::write_own`] returned.
+    /// Returns the choice that an action below [`Self::actions`] stands for, given an agent's options, or `None` if it is
+    /// not allowed. `candidates` are the cells that [`Sight::write_own`] returned.
     pub fn choice(&self, action: usize, now: SimTime, options: &[Cell], candidates: &[Cell]) -> Option<Choice> {
         let Some(index) = action.checked_sub(1) else { return Some(self.waiting(now)) };
         let cell = match self.nearest {

@@ -1,4 +1,4 @@
-//! Paths, and the shortest curves between poses.
+//! Paths and shortest curves between poses.
 
 use numpy::{AllowTypeChange, PyArrayLike2};
 use pyo3::exceptions::PyValueError;
@@ -9,7 +9,7 @@ use wildfire::vehicle::{self, Dubins, ReedsShepp, Segment};
 
 use crate::arrays::{LARGEST, Poses, described, is_sane, is_sane_pose, rows};
 
-/// The most poses of a path, of which there can be no more in a file either.
+/// The largest number of poses of a path, the same as in a file.
 const MAX_SAMPLES: f64 = 1e7;
 
 /// A path of the rear axle: a pose, and segments of constant curvature from there on.
@@ -33,19 +33,21 @@ impl Path {
         }
         let rows = segments.extract::<PyArrayLike2<'_, f64, AllowTypeChange>>().ok();
         let Some(rows) = rows.filter(|rows| rows.as_array().ncols() == 2) else {
-            let sentence = format!("expected segments of the shape (n, 2), found {}", described(segments));
+            let sentence = format!("expected segments of shape (n, 2), found {}", described(segments));
             return Err(PyValueError::new_err(sentence));
         };
         let rows = rows.as_array();
         let segments: Vec<_> =
             rows.rows().into_iter().map(|row| Segment { curvature: row[0], length_m: row[1] }).collect();
         match segments.iter().position(|segment| !is_sane(segment.curvature) || !is_sane(segment.length_m)) {
-            Some(index) => Err(PyValueError::new_err(format!("segment {index} is not made of finite, sane numbers"))),
+            Some(index) => {
+                Err(PyValueError::new_err(format!("segment {index} has numbers that are not finite or too large")))
+            }
             None => Ok(Self(vehicle::Path { start, segments })),
         }
     }
 
-    /// Joins poses by the shortest Reeds-Shepp curves of a turning radius.
+    /// Joins poses by the shortest Reeds-Shepp curves for a turning radius.
     ///
     /// Parameters
     /// ----------
@@ -60,24 +62,26 @@ impl Path {
         let radius_m = checked_radius(radius)?;
         let (poses, _) = poses.listed(None);
         match poses.iter().position(|pose| !is_sane_pose(pose)) {
-            Some(index) => Err(PyValueError::new_err(format!("pose {index} is not made of finite, sane numbers"))),
+            Some(index) => {
+                Err(PyValueError::new_err(format!("pose {index} has numbers that are not finite or too large")))
+            }
             None => Ok(Self(through(start, &poses, radius_m))),
         }
     }
 
-    /// Returns the pose in which it begins.
+    /// Returns the start pose.
     #[getter]
     fn start(&self) -> (f64, f64, f64) {
         triple(self.0.start)
     }
 
-    /// Returns the pose in which it ends.
+    /// Returns the end pose.
     #[getter]
     fn end(&self) -> (f64, f64, f64) {
         triple(self.0.end())
     }
 
-    /// Returns curvature and signed length of each segment: shape (n, 2), 1/m and metres.
+    /// Returns the curvature and signed length of each segment: shape (n, 2), 1/m and metres.
     #[getter]
     fn segments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let segments: Vec<_> = self.0.segments.iter().map(|segment| [segment.curvature, segment.length_m]).collect();
@@ -96,17 +100,17 @@ impl Path {
         self.0.cusps()
     }
 
-    /// Returns poses along the way.
+    /// Returns poses along the path.
     ///
     /// Parameters
     /// ----------
     /// step : float
-    ///     The most metres between two of them. Start, end and all joints are among them.
+    ///     The largest distance between two of them in metres. Start, end and all joints are included.
     ///
     /// Returns
     /// -------
     /// array of shape (n, 4), float64
-    ///     x, y, heading, and the direction in which the truck arrives there: 1 forward, -1 in reverse.
+    ///     x, y, heading, and the direction in which the truck arrives: 1 forward, -1 in reverse.
     #[pyo3(signature = (step = 0.5))]
     fn poses<'py>(&self, py: Python<'py>, step: f64) -> PyResult<Bound<'py, PyAny>> {
         if !(step > 0.0 && self.0.length_m() / step <= MAX_SAMPLES) {
@@ -158,8 +162,8 @@ pub fn triple(pose: Pose) -> Triple {
 fn one(poses: Poses, name: &str) -> PyResult<Pose> {
     match poses {
         Poses::One(pose) if is_sane_pose(&pose) => Ok(pose),
-        Poses::One(_) => Err(PyValueError::new_err(format!("{name} is not made of finite, sane numbers"))),
-        Poses::Many(_) => Err(PyValueError::new_err(format!("{name} is many poses; expected one"))),
+        Poses::One(_) => Err(PyValueError::new_err(format!("{name} has numbers that are not finite or too large"))),
+        Poses::Many(_) => Err(PyValueError::new_err(format!("{name} has many poses; expected one"))),
     }
 }
 
@@ -187,14 +191,14 @@ pub fn through(start: Pose, poses: &[Pose], radius_m: f64) -> vehicle::Path {
 /// Parameters
 /// ----------
 /// a, b : array of shape (3,) or (n, 3)
-///     One pose goes with all of the others.
+///     A single pose is paired with all of the others.
 /// radius : float
 ///     The turning radius in metres.
 ///
 /// Returns
 /// -------
 /// float or array of shape (n,), float64
-///     Metres; nan of what is no pose.
+///     Metres; nan for an invalid pose.
 #[pyfunction]
 #[pyo3(signature = (a, b, radius))]
 pub fn reeds_shepp_length<'py>(py: Python<'py>, a: Poses, b: Poses, radius: f64) -> PyResult<Bound<'py, PyAny>> {
@@ -210,7 +214,7 @@ pub fn dubins_length<'py>(py: Python<'py>, a: Poses, b: Poses, radius: f64) -> P
     a.answer_pairs(b, py, |from, to| length(from, to, |from, to| curves.length_m(from, to)))
 }
 
-/// There is no curve between what is no pose.
+/// Returns nan for an invalid pose, which no curve can reach.
 fn length(from: Pose, to: Pose, length_m: impl Fn(Pose, Pose) -> f64) -> f64 {
     if is_sane_pose(&from) && is_sane_pose(&to) { length_m(from, to) } else { f64::NAN }
 }

@@ -1,4 +1,4 @@
-//! Drives of the truck by any planners: the rows of `wildfire plan`.
+//! Drives of the truck planned by any planners: the rows of `wildfire plan`.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -19,24 +19,24 @@ use crate::planner::{Factories, Interruption};
 #[pyo3(signature = (
     field = None, *, planner = None, planners = None, seed = 1, goals = None, cells = None, scenario = None, changes = None
 ))]
-/// Plans drives of the truck by any planners: the rows of ``wildfire plan``.
+/// Plans drives of the truck with any planners: the rows of ``wildfire plan``.
 ///
 /// Parameters
 /// ----------
 /// field : path or sequence of paths
-///     Field files; the scenario's field if it is left out.
+///     Field files; default: the scenario's field.
 /// planner : str or sequence of str
-///     Who is asked.
+///     The planners to run.
 /// planners : mapping
-///     Planners of one's own, as in `run`.
+///     Custom planners, as in `run`.
 /// seed : int
-///     Everything random follows from it.
+///     Determines everything random.
 /// goals, cells : int
-///     The number of random poses, or of random bushes, to drive to; 50 poses if both are left out.
+///     The number of random poses, or of random bushes, to drive to; default: 50 poses.
 /// scenario : str or path
-///     Whose first truck drives; `drives` if it is left out.
+///     The scenario whose first truck drives; default: `drives`.
 /// changes : mapping
-///     Changes of the scenario, as in `scenario`.
+///     Changes to the scenario, as in `scenario`.
 ///
 /// Returns
 /// -------
@@ -46,7 +46,7 @@ use crate::planner::{Factories, Interruption};
 /// Raises
 /// ------
 /// WildfireError
-///     A field or a planner is refused.
+///     A field or a planner is invalid.
 #[expect(clippy::too_many_arguments, reason = "each is a keyword of Python")]
 pub fn plan<'py>(
     py: Python<'py>,

@@ -1,8 +1,8 @@
-//! Planners of Python in a run: a factory of Python is a maker, what it makes a planner.
+//! Python planners in a run, created by Python factories.
 //!
-//! Whatever Python does is an answer. An exception is a failed query, and so is an object that is no path; an exception
-//! that is meant to end the program, such as `KeyboardInterrupt`, ends the run or the batch. A query that takes more CPU
-//! time than it may is failed as *timed out*. A truck is only ever driven by paths that the gate has let pass.
+//! Every result of a call counts as an answer. An exception is a failed query, and so is an object that is no path; an
+//! exception that ends the program, such as `KeyboardInterrupt`, ends the run or the batch. A query that exceeds its CPU
+//! time fails as *timed out*. A truck only drives paths that the gate has accepted.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -30,22 +30,22 @@ use crate::path;
 use crate::policy::GivenPolicies;
 use crate::query::{Query, Site};
 
-/// Bits of a seed: all whole numbers below 2^53 are also floats.
+/// Bits of a seed: every integer below 2^53 is exact as a float.
 pub const SEED_BITS: u32 = 53;
 
-/// What was handed in, by name: factories of planners, and policies.
+/// The custom planner factories and policies, by name.
 pub struct Factories {
     planners: Vec<(String, Py<PyAny>)>,
     policies: GivenPolicies,
-    /// Who starts the programs of scenarios.
+    /// Starts the programs of scenarios.
     programs: Option<Arc<dyn StartPrograms>>,
 }
 
 impl Factories {
-    /// Takes Python's mappings of names to factories and to policies.
+    /// Reads Python mappings of names to factories and to policies.
     ///
     /// # Errors
-    /// If a planner or a policy cannot have its name, or is none.
+    /// If a name is not allowed, or an object is no planner or policy.
     pub fn new(given: Option<&Bound<'_, PyMapping>>, policies: Option<&Bound<'_, PyMapping>>) -> PyResult<Self> {
         let mut factories = Vec::new();
         for item in given.map(PyMappingMethods::items).transpose()?.iter().flatten() {
@@ -53,7 +53,7 @@ impl Factories {
             if !factory.is_callable() {
                 let kind = factory.get_type().name()?;
                 let sentence =
-                    format!("the planner `{name}` is a {kind}; expected what makes one from a Site, such as a class");
+                    format!("the planner `{name}` is a {kind}; expected a callable that takes a Site, such as a class");
                 return Err(PyTypeError::new_err(sentence));
             }
             factories.push((name, factory.unbind()));
@@ -67,12 +67,12 @@ impl Factories {
         Ok(factories)
     }
 
-    /// Returns the same with somebody who starts the programs of scenarios.
+    /// Returns the same with a starter of scenarios' programs.
     pub fn with_programs(self, programs: Option<Arc<dyn StartPrograms>>) -> Self {
         Self { programs, ..self }
     }
 
-    /// Says whether a planner or a policy, as `kind` says, of this name was handed in.
+    /// Returns whether a planner or a policy (`kind`) of this name was passed in.
     pub fn knows(&self, kind: &str, name: &str) -> bool {
         match kind {
             "planner" => self.planners.iter().any(|(known, _)| known == name),
@@ -80,12 +80,12 @@ impl Factories {
         }
     }
 
-    /// Returns what was handed in, for one run, with the usual limits.
+    /// Returns the planners and policies for one run, with default limits.
     pub fn entrants(&self, py: Python<'_>, interruption: &Arc<Interruption>) -> Entrants {
         self.entrants_of(py, None, interruption)
     }
 
-    /// The same with the limits of a scenario's tables.
+    /// Returns the same with the limits of a scenario's tables.
     pub fn entrants_of(
         &self,
         py: Python<'_>,
@@ -97,12 +97,12 @@ impl Factories {
         Entrants { planners, policies, programs: self.programs.clone() }
     }
 
-    /// Says whether nothing was handed in.
+    /// Returns whether nothing was passed in.
     pub fn is_empty(&self) -> bool {
         self.planners.is_empty() && self.policies.0.is_empty()
     }
 
-    /// Notes in a plan which code was handed in: its version, or else a hash.
+    /// Adds to a plan the version of the custom code, or else its hash.
     pub fn sign(&self, py: Python<'_>, plan: &mut BatchPlan, version: Option<&str>) -> PyResult<()> {
         let hash = py.import("wildfire_contest.fingerprint")?.getattr("fingerprint")?;
         let planners = self.planners.iter().map(|(name, factory)| (true, name, factory));
@@ -141,21 +141,21 @@ impl Factories {
     }
 }
 
-/// Returns the CPU seconds that a query may take by the table of a name: where programs are held by a wall clock, the CPU
-/// clock is that of the thread.
+/// Returns the limit of CPU seconds per query from the table of a name: a limit of wall-clock time for programs counts CPU
+/// time of the thread here.
 pub fn cpu_limit_s(tables: Option<&Programs>, name: &str) -> f64 {
     let own = tables.and_then(|tables| tables.iter().find(|(known, _)| known.name() == name));
     let table = own.map(|(_, table)| table.clone()).unwrap_or_default();
     table.query_cpu_s.unwrap_or(table.query_limit_s)
 }
 
-/// Makes planners of one name in one run.
+/// Creates planners of one name in one run.
 struct Maker {
     name: String,
     limit_s: f64,
     factory: Py<PyAny>,
     interruption: Arc<Interruption>,
-    /// True if an exception of this run was printed whole.
+    /// True once an exception of this run was printed in full.
     has_printed: Arc<AtomicBool>,
 }
 
@@ -202,7 +202,7 @@ impl Maker {
     }
 }
 
-/// A planner that Python made.
+/// A planner created in Python.
 struct PythonPlanner {
     name: String,
     limit_s: f64,
@@ -216,7 +216,7 @@ struct PythonPlanner {
 impl TruckPlanner for PythonPlanner {
     fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
         if self.interruption.is_set() {
-            return Plan::failed(PlanFailure::Crashed, "it was not asked, as all was to stop");
+            return Plan::failed(PlanFailure::Crashed, "it was not asked, since everything was stopping");
         }
         let plan = Python::try_attach(|py| self.ask(py, start, goal));
         plan.unwrap_or_else(|| Plan::failed(PlanFailure::Crashed, "Python has ended"))
@@ -244,7 +244,7 @@ impl PythonPlanner {
         }
     }
 
-    /// Reads an answer. What is no path is a bad answer; an error is an exception that is meant to end the program.
+    /// Reads an answer. An object that is no path is a bad answer; an error is an exception that ends the program.
     fn read(&self, start: Pose, answer: &Bound<'_, PyAny>) -> PyResult<Plan> {
         if answer.is_none() {
             return Ok(Plan::from(Err(PlanFailure::Disconnected)));
@@ -257,13 +257,13 @@ impl PythonPlanner {
         let rows = match answer.extract::<PyArrayLike2<'_, f64, AllowTypeChange>>() {
             Ok(rows) => rows,
             Err(exception) if is_an_end(answer.py(), &exception) => return Err(exception),
-            // Nothing to drive has no columns.
+            // An empty list has no columns.
             Err(_) if answer.len().is_ok_and(|length| length == 0) => return Ok(Plan::from(Ok(Path::standing(start)))),
             Err(_) => return refuse(),
         };
         let rows = rows.as_array();
         if rows.nrows() > MOST_SEGMENTS {
-            return bad(format!("it has {} rows, the most is {MOST_SEGMENTS}", rows.nrows()));
+            return bad(format!("it has {} rows; expected at most {MOST_SEGMENTS}", rows.nrows()));
         }
         match rows.ncols() {
             _ if rows.nrows() == 0 => Ok(Plan::from(Ok(Path::standing(start)))),
@@ -276,7 +276,7 @@ impl PythonPlanner {
                 let poses: Vec<_> = rows.rows().into_iter().map(|row| pose(row[0], row[1], row[2])).collect();
                 if let Some(index) = poses.iter().position(|pose| !is_sane_pose(pose)) {
                     let count = poses.len();
-                    return bad(format!("pose {} of {count} is not made of finite, sane numbers", index + 1));
+                    return bad(format!("pose {} of {count} has numbers that are not finite or too large", index + 1));
                 }
                 let radius_m = self.checker.get().0.body().turning_radius_m;
                 Ok(Plan::from(Ok(path::through(start, &poses, radius_m))))
@@ -285,7 +285,7 @@ impl PythonPlanner {
         }
     }
 
-    /// Makes a failure out of an exception.
+    /// Converts an exception to a failure.
     fn failure(&self, py: Python<'_>, exception: PyErr) -> Plan {
         if exception.is_instance_of::<NoPath>(py) {
             let reason = exception.value(py).getattr("reason").and_then(|reason| reason.extract::<String>());
@@ -307,10 +307,9 @@ impl PythonPlanner {
     }
 }
 
-const EXPECTED: &str =
-    "a Path, segments of the shape (n, 2), poses of the shape (n, 3), or None where there is no path";
+const EXPECTED: &str = "a Path, segments of shape (n, 2), poses of shape (n, 3), or None if there is no path";
 
-/// Passes on an exception that is meant to end the program; of others the first of a run is printed whole.
+/// Passes on an exception that ends the program; of other exceptions, prints the first of a run in full.
 pub fn settle(py: Python<'_>, exception: PyErr, interruption: &Interruption, has_printed: &AtomicBool) {
     if is_an_end(py, &exception) {
         interruption.set(exception);

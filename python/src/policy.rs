@@ -1,7 +1,7 @@
-//! Policies of Python in a run: what environments show goes in, an action comes out.
+//! Python policies in a run: functions from an environment's observation to an action.
 //!
-//! `None` lets an agent wait. Whoever fails to answer, by an exception or by what is no action, waits too, and that is counted;
-//! the first exception of a run is printed.
+//! `None` lets an agent wait. After an exception or an invalid action the agent waits too, and the failure is counted; the
+//! first exception of a run is printed.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -21,10 +21,10 @@ use crate::interruption::Interruption;
 use crate::observation::{AGENT_NUMBERS, CANDIDATE_NUMBERS, Layout, OwnArrays, SharedArrays, Sight};
 use crate::planner::{SEED_BITS, cpu_limit_s, settle, words};
 
-/// What Python says of a policy.
+/// The Python attributes of a policy.
 pub struct Given {
     pub name: String,
-    /// All of it, of which the rest are parts.
+    /// The whole object; the other fields are parts of it.
     pub policy: Py<PyAny>,
     act: Py<PyAny>,
     nearest: Option<usize>,
@@ -39,14 +39,14 @@ impl Given {
     }
 }
 
-/// The policies that were handed in.
+/// The custom policies.
 pub struct GivenPolicies(pub Vec<Given>);
 
 impl GivenPolicies {
-    /// Takes Python's mapping of names to policies.
+    /// Reads a Python mapping of names to policies.
     ///
     /// # Errors
-    /// If one is no policy.
+    /// If an object is no policy.
     pub fn new(given: Option<&Bound<'_, PyMapping>>) -> PyResult<Self> {
         let mut policies = Vec::new();
         for item in given.map(PyMappingMethods::items).transpose()?.iter().flatten() {
@@ -69,10 +69,10 @@ impl GivenPolicies {
         self.0.iter().any(|given| given.name == name)
     }
 
-    /// Returns what was handed in, for one run.
+    /// Returns the policies for one run.
     ///
     /// # Errors
-    /// If a policy cannot have its name.
+    /// If a name is not allowed.
     pub fn policies(
         &self,
         py: Python<'_>,
@@ -92,12 +92,12 @@ impl GivenPolicies {
     }
 }
 
-/// Makes policies of one name.
+/// Creates policies of one name.
 struct Maker {
     given: Given,
     limit_s: f64,
     interruption: Arc<Interruption>,
-    /// True if an exception of this run was printed whole.
+    /// True once an exception of this run was printed in full.
     has_printed: Arc<AtomicBool>,
 }
 
@@ -129,7 +129,7 @@ impl Maker {
         }))
     }
 
-    /// Returns what is called in this run.
+    /// Returns the callable for this run.
     fn act(&self, py: Python<'_>, site: &PolicySite<'_>) -> PyResult<Py<PyAny>> {
         if !self.given.per_run {
             return Ok(self.given.act.clone_ref(py));
@@ -147,7 +147,7 @@ impl Maker {
     }
 }
 
-/// A policy that Python has.
+/// A policy written in Python.
 struct PythonPolicy {
     name: String,
     limit_s: f64,
@@ -155,7 +155,7 @@ struct PythonPolicy {
     layout: Layout,
     interruption: Arc<Interruption>,
     has_printed: Arc<AtomicBool>,
-    /// What there is to say of the last ask.
+    /// The report on the last decision.
     report: AskReport,
 }
 
@@ -209,7 +209,7 @@ impl PythonPolicy {
         })
     }
 
-    /// Makes the arrays that an environment would show.
+    /// Makes the arrays of an environment's observation.
     fn shown<'py>(
         &self,
         py: Python<'py>,

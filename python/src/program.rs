@@ -1,4 +1,4 @@
-//! The command line of the program, as Python starts it, and planners that are programs of their own.
+//! The command line started from Python, and planners that are separate programs.
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -10,7 +10,7 @@ use wildfire::cli;
 use wildfire::programs::{ProgramPool, Trust, supervisor};
 use wildfire::sim::{Entrants, StartPrograms};
 
-/// Returns who starts the programs that scenarios name, if these are trusted.
+/// Returns the starter of the programs that scenarios name, if they are trusted.
 pub fn programs(py: Python<'_>, trust: bool) -> Option<Arc<dyn StartPrograms>> {
     #[cfg(unix)]
     if trust {
@@ -20,7 +20,7 @@ pub fn programs(py: Python<'_>, trust: bool) -> Option<Arc<dyn StartPrograms>> {
     None
 }
 
-/// Programs that plan are held by this program started again, which is Python's here.
+/// Sets the supervisor of planner programs: the program runs itself again, which here is Python.
 #[cfg(unix)]
 fn set_supervisor(py: Python<'_>) {
     if let Ok(python) = py.import("sys").and_then(|sys| sys.getattr("executable")?.extract::<OsString>()) {
@@ -28,13 +28,13 @@ fn set_supervisor(py: Python<'_>) {
     }
 }
 
-/// Does what the program does with these words, the first of which is its name, and returns its exit code. Wrong words
-/// end the process. From then on signals end it too, as they end the program.
+/// Runs the program with these arguments, the first of which is its name, and returns its exit code. Invalid arguments end
+/// the process, and from then on signals end it too.
 #[pyfunction]
 pub fn command_line(py: Python<'_>, words: Vec<OsString>) -> u8 {
     #[cfg(unix)]
     set_supervisor(py);
     let exit = py.detach(|| cli::main_from(words, Entrants::default()));
-    // What a code is cannot be asked, only what it equals.
+    // An exit code can be compared, but not read.
     (0..=u8::MAX).find(|&code| ExitCode::from(code) == exit).unwrap_or(u8::MAX)
 }

@@ -1,4 +1,4 @@
-//! What a planner is told: the truck, its vehicle, its settings, and each query.
+//! The inputs of a planner: the truck, its vehicle, its settings, and each query.
 
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -21,9 +21,9 @@ pub struct Vehicle {
     width: f64,
     /// Distance between the axles.
     wheelbase: f64,
-    /// From the rear axle to the rear bumper.
+    /// Distance from the rear axle to the rear bumper.
     rear_overhang: f64,
-    /// Smallest radius that the middle of the rear axle can drive.
+    /// Smallest turning radius of the middle of the rear axle.
     min_turn_radius: f64,
 }
 
@@ -38,7 +38,7 @@ impl Vehicle {
         }
     }
 
-    /// Returns the body, if there can be such a one.
+    /// Returns the dimensions if they are possible.
     pub fn checked_body(&self) -> PyResult<Dimensions> {
         let sides = [self.length, self.width, self.min_turn_radius];
         let is_possible = sides.iter().all(|&side| side > 0.0 && is_sane(side))
@@ -76,7 +76,7 @@ impl Vehicle {
     }
 }
 
-/// One truck on one field: what a factory makes a planner for.
+/// One truck on one field, for which a factory creates a planner.
 #[pyclass(frozen, module = "wildfire_contest")]
 pub struct Site {
     truck: u16,
@@ -102,7 +102,7 @@ impl Site {
         self.truck
     }
 
-    /// Returns a seed for the planner's own chance, below 2**53: another one for each run, truck and name.
+    /// Returns a seed for the planner's random numbers, below 2**53: a different one for each run, truck and name.
     #[getter]
     fn seed(&self) -> u64 {
         self.seed
@@ -114,13 +114,13 @@ impl Site {
         self.settings.clone_ref(py)
     }
 
-    /// Returns the body.
+    /// Returns the vehicle.
     #[getter]
     fn vehicle(&self) -> Vehicle {
         self.vehicle.clone()
     }
 
-    /// Returns the highest speeds forward and in reverse, in metres a second.
+    /// Returns the top speeds forward and in reverse, in metres per second.
     #[getter]
     fn speeds(&self) -> (f64, f64) {
         (self.speeds.forward_mps, self.speeds.reverse_mps)
@@ -137,7 +137,7 @@ impl Site {
     }
 }
 
-/// A goal as Python has it: a `Disc`, or a pose as three numbers.
+/// A goal from Python: a `Disc`, or a pose as three numbers.
 pub struct GoalLike(pub Goal);
 
 impl<'py> FromPyObject<'_, 'py> for GoalLike {
@@ -154,7 +154,7 @@ impl<'py> FromPyObject<'_, 'py> for GoalLike {
             Goal::Pose(pose(x, y, last))
         };
         let is_possible = [x, y, last].into_iter().all(is_sane) && !(is_disc && last < 0.0);
-        if is_possible { Ok(Self(goal)) } else { Err(PyValueError::new_err("a goal is made of finite, sane numbers")) }
+        if is_possible { Ok(Self(goal)) } else { Err(PyValueError::new_err("the goal has numbers that are invalid")) }
     }
 }
 
@@ -175,7 +175,7 @@ pub fn goal_object(py: Python<'_>, goal: Goal) -> PyResult<Bound<'_, PyAny>> {
     }
 }
 
-/// A query to a planner: from where, to where, among what.
+/// A query to a planner: start, goal and obstacles.
 #[pyclass(frozen, module = "wildfire_contest")]
 pub struct Query {
     pub start: Pose,
@@ -190,13 +190,13 @@ impl Query {
         Self { start: pose(start.0, start.1, start.2), goal: goal.0, checker }
     }
 
-    /// Returns the pose in which the drive begins.
+    /// Returns the start pose.
     #[getter]
     fn start(&self) -> (f64, f64, f64) {
         (self.start.x, self.start.y, self.start.heading)
     }
 
-    /// Returns where it is to end: a `Disc` for the centre of the body, or a `Pose`.
+    /// Returns the goal: a `Disc` for the centre of the body, or a `Pose`.
     #[getter]
     fn goal<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         goal_object(py, self.goal)
@@ -208,9 +208,9 @@ impl Query {
         self.checker.clone_ref(py)
     }
 
-    /// Says whether a drive that ends in these poses has reached the goal.
+    /// Returns whether a drive that ends in these poses reaches the goal.
     ///
-    /// The centre of the body is in the disc, or the pose is within 1 mm and 0.001 rad.
+    /// It does if the centre of the body is in the disc, or the pose is within 1 mm and 0.001 rad.
     ///
     /// Parameters
     /// ----------

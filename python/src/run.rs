@@ -1,4 +1,4 @@
-//! One run, and what is asked of it.
+//! One run and its results.
 
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -30,17 +30,17 @@ use crate::program::programs;
 use crate::scenario::{Pickled, ScenarioLike, restorer};
 use crate::tables::Table;
 
-/// The most rows of a trace.
+/// The largest number of rows of a trace.
 const MAX_TRACE_ROWS: f64 = 1e7;
 
-/// A finished run: its outcome, its tables, its pictures.
+/// A finished run with its outcome, tables and pictures.
 ///
-/// Tables are `Columns`. Made by `run`.
+/// Tables are `Columns`. Created by `run`.
 #[pyclass(frozen, module = "wildfire_contest")]
 pub struct Run {
     pub timeline: Timeline,
     row: RunRow,
-    /// Made when the first picture is asked for.
+    /// Created with the first picture.
     view: OnceLock<RunView>,
     messages: Vec<String>,
 }
@@ -61,62 +61,61 @@ impl Run {
 
     /// Returns the outcome: the columns of ``runs.csv`` that are not measured.
     ///
-    /// The same scenario and seed have the same on every machine.
+    /// It is the same for the same scenario and seed on every machine.
     #[getter]
     fn outcome<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let values = self.values(py, |name| !is_measured(name))?;
         py.import("wildfire_contest.outcome")?.getattr("Outcome")?.call1((values,))
     }
 
-    /// Returns what was measured: CPU and real times in seconds, by column. They are never the same twice.
+    /// Returns the measurements: CPU and real times in seconds, by column. They differ between repetitions.
     #[getter]
     fn measured<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         self.values(py, is_measured)
     }
 
-    /// Returns sentences on what a reader should know of the run.
+    /// Returns notes for readers of the run's results.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.row.result.as_ref().map(wildfire::batch::notes).unwrap_or_default()
     }
 
-    /// Returns the first 20 messages on failed queries of planners that are not built in, such as why a path must not be
-    /// driven.
+    /// Returns the first 20 messages about failed queries of custom planners, such as why a path was rejected.
     #[getter]
     fn messages(&self) -> Vec<String> {
         self.messages.clone()
     }
 
-    /// Returns a row an agent, with the columns of ``agents.csv``.
+    /// Returns a row per agent, with the columns of ``agents.csv``.
     #[getter]
     fn agents<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         Table::Agents.of_run(py, &self.row)
     }
 
-    /// Returns a row a query to a planner, with the columns that ``wildfire schema planner-calls`` prints.
+    /// Returns a row per query to a planner, with the columns that ``wildfire schema planner-calls`` prints.
     #[getter]
     fn calls<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         Table::Calls.of_run(py, &self.row)
     }
 
-    /// Returns the number of bushes in each state, every sixtieth of the duration.
+    /// Returns the number of bushes in each state at every sixtieth of the duration.
     #[getter]
     fn states<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         Table::States.of_run(py, &self.row)
     }
 
-    /// Returns a row for each thing that happened: ``t_s, event, agent, col, row, detail``.
+    /// Returns a row per event: ``t_s, event, agent, col, row, detail``.
     #[getter]
     fn events<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         events(&self.timeline).map_err(error)?.finish(py)
     }
 
-    /// Returns where every agent was: ``t_s, agent, x_m, y_m, heading_rad, speed_mps, activity``.
+    /// Returns the position of every agent over time: ``t_s, agent, x_m, y_m, heading_rad, speed_mps, activity``.
     ///
     /// Parameters
     /// ----------
     /// step_s : float
-    ///     Simulated seconds between two rows of an agent; the last is at the end of the run.
+    ///     Simulated seconds between two rows of an agent; the last row is at the end of the run.
     ///
     /// Raises
     /// ------
@@ -135,24 +134,24 @@ impl Run {
         py.detach(|| trace(&self.timeline, step_s)).finish(py)
     }
 
-    /// Draws the run at a time.
+    /// Draws the state of the run at a given time.
     ///
     /// Parameters
     /// ----------
     /// at_s : float
-    ///     Simulated seconds; the end of the run if it is left out.
+    ///     Simulated seconds; default: the end of the run.
     /// size : int or tuple of int
     ///     Width and height in pixels, or one number for both.
     ///
     /// Returns
     /// -------
     /// array of shape (height, width, 4), uint8
-    ///     Red, green, blue and opacity of each pixel, the first row on top.
+    ///     Red, green, blue and opacity of each pixel; the first row is the top one.
     ///
     /// Raises
     /// ------
     /// ValueError
-    ///     The run has no such time, or a picture no such size.
+    ///     The time is outside the run, or the size is not allowed.
     #[pyo3(signature = (at_s = None, size = Size::Side(1000)))]
     fn picture<'py>(&self, py: Python<'py>, at_s: Option<f64>, size: Size) -> PyResult<Bound<'py, PyAny>> {
         let size @ (width, height) = match size {
@@ -210,7 +209,7 @@ impl Run {
     }
 }
 
-/// What a run is pickled as: its recording, its row as JSON, and its messages.
+/// The pickled form of a run: its recording, its row as JSON, and its messages.
 type RunParts = (Vec<u8>, String, Vec<String>);
 
 /// The size of a picture in pixels.
@@ -221,7 +220,7 @@ enum Size {
 }
 
 impl Run {
-    /// Names the run by its scenario and its seed.
+    /// Returns the scenario and seed as a name.
     pub fn name(&self) -> String {
         format!("{}, seed {}", self.row.label.scenario, self.row.label.seed)
     }
@@ -235,14 +234,14 @@ impl Run {
         Self { timeline: run.timeline, row, view: OnceLock::new(), messages: run.messages.first }
     }
 
-    /// Draws the run at a time: four colours of each pixel.
+    /// Draws the state of the run at a time: four bytes per pixel.
     fn pixels(&self, time: SimTime, size: (u32, u32)) -> Vec<u8> {
         let view = self.view.get_or_init(|| RunView::new(self.timeline.clone(), None));
         let request = FrameRequest { runs: &[view], time, options: &ViewOptions::default() };
         FrameRenderer::new(size, 1).paint(&request).to_vec()
     }
 
-    /// Returns the values of the columns of a run that are wanted.
+    /// Returns the values of selected columns of the run.
     fn values<'py>(&self, py: Python<'py>, is_wanted: impl Fn(&str) -> bool) -> PyResult<Bound<'py, PyDict>> {
         let values = PyDict::new(py);
         for column in RUN_COLUMNS.iter().filter(|column| is_wanted(column.name)) {
@@ -258,7 +257,7 @@ impl Run {
     }
 }
 
-/// Makes a run that was pickled.
+/// Restores a pickled run.
 #[pyfunction]
 #[pyo3(name = "_restored_run")]
 pub fn restored_run(bytes: &[u8], row: &str, messages: Vec<String>) -> PyResult<Run> {
@@ -276,11 +275,11 @@ fn events(timeline: &Timeline) -> Result<TableBuilder, Box<dyn std::error::Error
     write_events(timeline, &mut bytes)?;
     let mut table = TableBuilder::new([
         column("t_s", Kind::Real, Unit::Seconds, "simulated time"),
-        column("event", Kind::Text, Unit::None, "kind of what happened"),
-        column("agent", Kind::Text, Unit::None, "who did it"),
+        column("event", Kind::Text, Unit::None, "kind of event"),
+        column("agent", Kind::Text, Unit::None, "agent that caused it"),
         column("col", Kind::Count, Unit::None, "column of the cell, from the west"),
         column("row", Kind::Count, Unit::None, "row of the cell, from the south"),
-        column("detail", Kind::Text, Unit::None, "pairs key=value between semicolons"),
+        column("detail", Kind::Text, Unit::None, "pairs key=value separated by semicolons"),
     ]);
     let mut reader = csv::Reader::from_reader(bytes.as_slice());
     for line in reader.records() {
@@ -300,16 +299,26 @@ fn events(timeline: &Timeline) -> Result<TableBuilder, Box<dyn std::error::Error
     Ok(table)
 }
 
-/// Does what `wildfire run --trace` writes.
+/// Builds the table that `wildfire run --trace` writes.
 fn trace(timeline: &Timeline, step_s: f64) -> TableBuilder {
     let mut table = TableBuilder::new([
         column("t_s", Kind::Real, Unit::Seconds, "simulated time"),
-        column("agent", Kind::Text, Unit::None, "who"),
-        column("x_m", Kind::Real, Unit::Metres, "east of the south-west corner; of a truck its rear axle"),
-        column("y_m", Kind::Real, Unit::Metres, "north of the south-west corner; of a truck its rear axle"),
+        column("agent", Kind::Text, Unit::None, "the agent"),
+        column(
+            "x_m",
+            Kind::Real,
+            Unit::Metres,
+            "position east of the south-west corner; for a truck, of its rear axle",
+        ),
+        column(
+            "y_m",
+            Kind::Real,
+            Unit::Metres,
+            "position north of the south-west corner; for a truck, of its rear axle",
+        ),
         column("heading_rad", Kind::Real, Unit::None, "counter-clockwise from east"),
         column("speed_mps", Kind::Real, Unit::None, "never negative"),
-        column("activity", Kind::Text, Unit::None, "what it does"),
+        column("activity", Kind::Text, Unit::None, "current activity"),
     ]);
     let end = timeline.end_time();
     let mut replay = Replay::new(timeline);
@@ -337,24 +346,24 @@ fn trace(timeline: &Timeline, step_s: f64) -> TableBuilder {
 /// Parameters
 /// ----------
 /// scenario : str, path or Scenario
-///     `contest` if it is left out.
+///     Default: `contest`.
 /// seed : int
-///     From 0 to 2**64 - 1: everything random follows from it.
+///     From 0 to 2**64 - 1; determines everything random.
 /// planner : str
-///     The planner of all trucks, in place of the scenario's.
+///     The planner of all trucks; replaces the scenario's.
 /// planners : mapping
-///     Planners of one's own: what makes one from a `Site`, by name.
+///     Custom planners by name: callables that create one from a `Site`.
 /// policies : mapping
-///     Policies of one's own by name, see `wildfire_contest.policies`.
+///     Custom policies by name; see `wildfire_contest.policies`.
 /// record : path
-///     The file of a recording to be written.
+///     The file to write a recording to.
 /// trust : bool
-///     Whether programs that the scenario names may be started.
+///     Whether programs named by the scenario may be started.
 ///
 /// Raises
 /// ------
 /// ScenarioError
-///     The scenario is refused.
+///     The scenario is invalid.
 /// WildfireError
 ///     The run cannot take place: no room, too much memory, a planner that cannot be built.
 #[pyfunction]
@@ -379,7 +388,7 @@ pub fn run(
     let library = scenario.get().library();
     let interruption: Arc<Interruption> = Arc::default();
     let options = RunOptions::from(factories.entrants_of(py, Some(library), &interruption));
-    // Between two slices Python may be interrupted.
+    // Python can be interrupted between two slices.
     let check =
         || Python::attach(|py| -> PyResult<()> { py.check_signals() }).map_err(|exception| interruption.set(exception));
     let simulate = || simulate(library, seed, &options, || check().is_err() || interruption.is_set());
@@ -393,10 +402,10 @@ pub fn run(
     Ok(run)
 }
 
-/// Simulated seconds between two looks at whether the run is to stop.
+/// Simulated seconds between two checks for a stop.
 const SLICE_S: f64 = 10.0;
 
-/// Runs a scenario with a seed, unless it is to stop before the end. Into which slices its time is cut changes nothing.
+/// Runs a scenario with a seed, unless it is stopped early. The division of its time into slices does not affect the result.
 pub fn simulate(
     scenario: &library::Scenario,
     seed: u64,
@@ -405,7 +414,7 @@ pub fn simulate(
 ) -> Result<library_sim::Run, RunError> {
     let mut stopwatch = CpuStopwatch::start();
     let begun = Simulation::with(scenario, seed, options);
-    // A planner that ends the program while it is built is no reason for a run to fail.
+    // If a planner ends the program while it is built, the run does not count as failed.
     if is_to_stop() {
         return Err(RunError::Stopped);
     }

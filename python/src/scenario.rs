@@ -1,4 +1,4 @@
-//! Scenarios: built-in ones, files, and changes of them.
+//! Scenarios: built-in ones, files, and changes to them.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -13,30 +13,29 @@ use crate::errors::{error, scenario_error};
 use crate::literal;
 use crate::planner::Factories;
 
-/// A scenario that is complete and checked. It never changes.
+/// A complete, validated scenario. It is immutable.
 ///
-/// Made by `scenario`, `Scenario.from_toml` and `Scenario.with_`.
+/// Created by `scenario`, `Scenario.from_toml` and `Scenario.with_`.
 #[pyclass(frozen, module = "wildfire_contest")]
 pub struct Scenario {
     text: ScenarioText,
-    /// The changes that were asked for.
+    /// The requested changes.
     changes: Vec<String>,
-    /// Names of planners and policies that nobody knows yet, each with what is wrong if nobody brings one.
+    /// Names of planners and policies that are not known yet, each with the error if a run does not supply it.
     missing: Vec<Missing>,
     loaded: LoadedScenario,
 }
 
 /// A planner or a policy that is neither built in nor has a table.
 struct Missing {
-    /// The word for it in scenarios.
+    /// Its kind as named in scenarios.
     kind: &'static str,
     name: String,
     refusal: Box<ScenarioError>,
 }
 
 impl Scenario {
-    /// Loads a scenario. Planners and policies that it does not know may be brought when it is run; until then each has an empty
-    /// table.
+    /// Loads a scenario. Unknown planners and policies may be supplied when it is run; until then each has an empty table.
     fn load(text: ScenarioText, changes: Vec<String>) -> PyResult<Self> {
         let mut missing: Vec<Missing> = Vec::new();
         loop {
@@ -60,13 +59,13 @@ impl Scenario {
         &self.loaded.scenario
     }
 
-    /// Returns the scenario's text, and the changes to it that make the scenario.
+    /// Returns the scenario's text, and the changes to it that yield the scenario.
     pub fn parts(&self) -> (&ScenarioText, Vec<String>) {
         let tables = self.missing.iter().map(|missing| table_of(missing.kind, &missing.name));
         (&self.text, self.changes.iter().cloned().chain(tables).collect())
     }
 
-    /// Refuses a scenario with a planner or a policy that nobody has brought.
+    /// Rejects a scenario with a planner or a policy that was not supplied.
     pub fn expect_known(&self, factories: &Factories) -> PyResult<()> {
         let missing = self.missing.iter().find(|missing| !factories.knows(missing.kind, &missing.name));
         missing.map_or(Ok(()), |missing| Err(scenario_error(&missing.refusal)))
@@ -78,7 +77,7 @@ pub fn table_of(kind: &str, name: &str) -> String {
     format!("{kind}.\"{name}\".command=[]")
 }
 
-/// Returns the kind and the name of a planner or a policy that is not known, if that is what is wrong.
+/// Returns the kind and name of an unknown planner or policy, if that is the fault.
 fn unknown_name(fault: &Fault) -> Option<(&'static str, &str)> {
     match fault {
         Fault::UnknownName { kind, found, .. } => Some((kind, found)),
@@ -93,7 +92,7 @@ impl Scenario {
     /// Raises
     /// ------
     /// ScenarioError
-    ///     It is refused; the file is called ``<text>``.
+    ///     The scenario is invalid; the file is named ``<text>``.
     #[staticmethod]
     #[pyo3(signature = (text, /))]
     fn from_toml(text: String) -> PyResult<Self> {
@@ -101,13 +100,13 @@ impl Scenario {
         Self::load(source.map_err(|refusal| scenario_error(&refusal))?, Vec::new())
     }
 
-    /// Returns what tables call it.
+    /// Returns its name in tables.
     #[getter]
     fn name(&self) -> &str {
         &self.library().name
     }
 
-    /// Returns when a run ends at the latest, in simulated seconds.
+    /// Returns the longest duration of a run in simulated seconds.
     #[getter]
     fn duration_s(&self) -> f64 {
         self.library().duration_s
@@ -118,7 +117,7 @@ impl Scenario {
         toml::to_string(self.library()).map_err(error)
     }
 
-    /// Returns the scenario with more changes; see `scenario`.
+    /// Returns the scenario with further changes; see `scenario`.
     #[pyo3(signature = (changes, /))]
     fn with_(&self, changes: &Bound<'_, PyMapping>) -> PyResult<Self> {
         let changes = self.changes.iter().cloned().chain(literal::changes(changes)?).collect();
@@ -130,13 +129,13 @@ impl Scenario {
     /// Raises
     /// ------
     /// WildfireError
-    ///     There is no such truck, or the field cannot be drawn.
+    ///     There is no such truck, or the field cannot be generated.
     #[pyo3(signature = (seed = 1, truck = 0))]
     fn checker(&self, py: Python<'_>, seed: u64, truck: usize) -> PyResult<Checker> {
         let scenario = self.library();
         let trucks = scenario.unimog.len();
         let Some(unimog) = scenario.unimog.get(truck) else {
-            return Err(error(format_args!("there is no truck {truck}: the scenario has {trucks}, counted from 0")));
+            return Err(error(format_args!("there is no truck {truck}: the scenario has {trucks}, numbered from 0")));
         };
         let terrain = py.detach(|| Terrain::from_scenario(scenario, seed)).map_err(error)?;
         let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
@@ -158,15 +157,15 @@ impl Scenario {
     }
 }
 
-/// What pickle takes: a function, and what it is called with to make the same.
+/// The form that pickle expects: a function, and the arguments that restore the object.
 pub type Pickled<'py, T> = (Bound<'py, PyAny>, T);
 
-/// Returns a function that makes again what was pickled.
+/// Returns the function that restores a pickled object.
 pub fn restorer<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
     py.import("wildfire_contest._core")?.getattr(name)
 }
 
-/// Makes a scenario that was pickled. Where relative paths start is what they said before.
+/// Restores a pickled scenario. Relative paths keep their base.
 #[pyfunction]
 #[pyo3(name = "_restored_scenario")]
 pub fn restored_scenario(source: &str, text: String, changes: Vec<String>) -> PyResult<Scenario> {
@@ -174,7 +173,7 @@ pub fn restored_scenario(source: &str, text: String, changes: Vec<String>) -> Py
     Scenario::load(text.map_err(|refusal| scenario_error(&refusal))?, changes)
 }
 
-/// Whatever names a scenario: itself, the name of a built-in one, or a path.
+/// A scenario, or its name or path.
 #[derive(FromPyObject)]
 pub enum ScenarioLike<'py> {
     Loaded(Bound<'py, Scenario>),
@@ -182,12 +181,12 @@ pub enum ScenarioLike<'py> {
 }
 
 impl ScenarioLike<'_> {
-    /// Returns the contest where nothing is named.
+    /// Returns the scenario `contest` if none is given.
     pub fn or_contest(given: Option<Self>) -> Self {
         given.unwrap_or_else(|| Self::Named("contest".into()))
     }
 
-    /// Returns the scenario, loaded if need be, and with changes if there are some.
+    /// Returns the scenario with the changes applied, loading it if necessary.
     pub fn load(&self, py: Python<'_>, changes: Vec<String>) -> PyResult<Py<Scenario>> {
         match self {
             Self::Loaded(scenario) if changes.is_empty() => Ok(scenario.clone().unbind()),
@@ -204,20 +203,20 @@ impl ScenarioLike<'_> {
     }
 }
 
-/// Loads a scenario: a built-in one by its name, or a file by its path.
+/// Loads a scenario: a built-in one by name, or a file by path.
 ///
 /// Parameters
 /// ----------
 /// source : str, path or Scenario
-///     `contest` if it is left out.
+///     Default: `contest`.
 /// changes : mapping
 ///     Values by keys such as ``"fire.burn_out_s"``, ``"unimog.prm_rs.samples"`` (all trucks) or ``"unimog.0.speed_mps"``
-///     (the first); None is the word `none`. A planner that is not built in may be named: it is brought to the run.
+///     (the first); None becomes `none`. It may name a custom planner, which is then passed to the run.
 ///
 /// Raises
 /// ------
 /// ScenarioError
-///     It is refused, with file, line and column.
+///     The scenario is invalid; with file, line and column.
 #[pyfunction]
 #[pyo3(signature = (source = None, changes = None))]
 pub fn scenario(

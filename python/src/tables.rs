@@ -1,4 +1,4 @@
-//! The tables of runs: the columns of `runs.csv`, `agents.csv`, `planner_calls.parquet` and `states.parquet`.
+//! The tables of runs, with the columns of `runs.csv`, `agents.csv`, `planner_calls.parquet` and `states.parquet`.
 
 use pyo3::prelude::*;
 use wildfire::batch::{
@@ -18,7 +18,7 @@ pub enum Table {
 }
 
 impl Table {
-    /// Lists the columns, with those of what is swept; seeds may be up to this number.
+    /// Lists the columns, including swept ones; `largest_seed` determines the type of the seed column.
     fn columns(self, swept: &[FileColumn], largest_seed: u64) -> Vec<FileColumn> {
         let mut columns = match self {
             Self::Runs => TableOfRows::Runs.columns(swept),
@@ -32,7 +32,7 @@ impl Table {
         columns
     }
 
-    /// Adds what a run has in this table.
+    /// Adds the rows of a run.
     fn add(self, table: &mut TableBuilder, row: &RunRow) {
         let record: Vec<Value> = RUN_COLUMNS.iter().map(|column| (column.value)(row)).collect();
         let (label, rest) = record.split_at(COLUMNS_BEFORE_SWEPT);
@@ -62,7 +62,7 @@ impl Table {
         StartedTable { table: self, builder: TableBuilder::new(self.columns(swept, largest_seed)) }
     }
 
-    /// Makes the table of one run that belongs to no batch.
+    /// Builds the table of a single run outside a batch.
     pub fn of_run<'py>(self, py: Python<'py>, row: &RunRow) -> PyResult<Bound<'py, PyAny>> {
         let mut table = self.begin(&[], row.label.seed);
         table.add(row);
@@ -70,7 +70,7 @@ impl Table {
     }
 }
 
-/// A table to which runs are added.
+/// A table under construction, to which runs are added.
 pub struct StartedTable {
     table: Table,
     builder: TableBuilder,

@@ -232,7 +232,7 @@ def test_names_that_no_planner_can_have_are_refused(name: str) -> None:
 
 
 def test_what_makes_no_planner_is_refused_before_the_run() -> None:
-    with pytest.raises(TypeError, match="expected what makes one"):
+    with pytest.raises(TypeError, match="expected a callable"):
         wf.run("smoke", planners={"mine": 3})  # type: ignore[dict-item]
     with pytest.raises(TypeError):
         wf.run("smoke", planners={3: answering(lambda query: None)})  # type: ignore[dict-item]

@@ -1,4 +1,4 @@
-//! Reports of commands, in the form that was asked for.
+//! Reports of commands in the requested format.
 //!
 //! A command computes a report: an object for programs, and a document for people, which is printed as text, Markdown,
 //! HTML or LaTeX.
@@ -18,16 +18,16 @@ pub struct FormArguments {
     /// Print the report as Markdown.
     #[arg(help_heading = "Output", long)]
     pub md: bool,
-    /// Print the report as a web page that needs no other file.
+    /// Print the report as a self-contained web page.
     #[arg(help_heading = "Output", long)]
     pub html: bool,
-    /// Print the report as LaTeX, to be read into a paper with \input.
+    /// Print the report as LaTeX, for \input in a paper.
     #[arg(help_heading = "Output", long)]
     pub tex: bool,
 }
 
 impl FormArguments {
-    /// Says whether the report is text for people who look at a terminal; all else is a result for other programs.
+    /// Returns whether the report is text for a terminal; the other formats are input for programs.
     pub fn is_text(self) -> bool {
         !(self.json || self.md || self.html || self.tex)
     }

@@ -61,7 +61,7 @@ fn damaged_runs_end_in_exit_code_4_and_words() {
         let answer = story.tell(&["audit", path, "--jobs", jobs]).expect_code(4);
         assert!(answer.stdout.starts_with(&format!("Audit of 3 runs\n\n{name}")), "{}", answer.stdout);
         assert!(answer.stdout.contains("unimog/0: a leg begins 0.010000 m"), "{}", answer.stdout);
-        assert!(answer.stdout.contains("Violations: 1 of 3 runs have one."), "{}", answer.stdout);
+        assert!(answer.stdout.contains("Violations: in 1 of 3 runs."), "{}", answer.stdout);
     }
 }
 
@@ -128,7 +128,7 @@ fn runs_that_could_not_take_place_are_none_of_its_business() {
     let no_room = ["batch", "smoke", "--set", "field.start_clearance_m=300", "--seeds", "1..2", "--out", "out"];
     story.tell(&no_room).expect_code(1);
     let answer = story.tell(&["audit", "out"]).expect_code(0);
-    assert!(answer.stdout.contains("2 more could not take place."), "{}", answer.stdout);
+    assert!(answer.stdout.contains("2 more could not be run."), "{}", answer.stdout);
 }
 
 #[test]

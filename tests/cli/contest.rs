@@ -105,14 +105,14 @@ fn agents_that_can_do_nothing_are_told_by_the_check_the_run_and_the_batch() {
         let json: serde_json::Value = serde_json::from_str(&tell(&["run", "--json"])).expect("one JSON object");
         assert!(json["notes"][0].as_str().is_some_and(|said| said.contains(note)), "{json}");
         let batch = joined(&tell(&["batch", "--seeds", "1..3"]));
-        assert!(batch.contains("In 3 of 3 runs an agent could do next to nothing; seed 1:"), "{batch}");
+        assert!(batch.contains("In 3 of 3 runs an agent could do almost nothing; seed 1:"), "{batch}");
         assert!(batch.contains(note), "{batch}");
     }
     let json = story.tell(&["run", "smoke", "--json"]).expect_code(0).stdout;
     assert!(json.contains("\"notes\":[]") && !story.tell(&["check", "smoke"]).stdout.contains("hardly connected"));
     let sweep = ["batch", "smoke", "--seeds", "1..2", "--set", "wumpus.reach_m=2.4,6.25"];
     let overview = story.tell(&sweep).expect_code(0).stdout;
-    assert!(overview.contains("\n1: In 2 of 2 runs an agent could do next to nothing; seed 1:"), "{overview}");
+    assert!(overview.contains("\n1: In 2 of 2 runs an agent could do almost nothing; seed 1:"), "{overview}");
     assert!(!overview.contains("\n2: In "), "{overview}");
 }
 

@@ -156,7 +156,7 @@ fn a_variant_that_needs_too_much_is_a_failed_row_and_the_others_are_done() {
     assert!(story.read("out/plan.json").contains("\"memory_bytes\": 500000000"));
     let audit = story.tell(&["audit", "out"]);
     assert_eq!(audit.code, Some(0), "{}{}", audit.stdout, audit.stderr);
-    assert!(audit.stdout.contains("2 more could not take place"), "{}", audit.stdout);
+    assert!(audit.stdout.contains("2 more could not be run"), "{}", audit.stdout);
     let resumed = story.tell(&["batch", "--resume", "out", "--memory", "4GB"]);
     assert_eq!(resumed.code, Some(2), "the limit is part of the plan: {}", resumed.stderr);
 }

@@ -1,18 +1,18 @@
 #![doc = include_str!("../README.md")]
 //!
-//! The second opinion on finished timelines, with shapes and queries of rapier.
+//! The independent audit of finished timelines, with shapes and queries of rapier.
 //!
-//! Planners rely on `collision`; this module does not. It takes what really was driven and holds it against the rules,
-//! each in a file of its own:
+//! Planners rely on `collision`; this module does not. It checks the actual drives against the rules, each in a separate
+//! file:
 //!
 //! - every leg, in small steps: the footprint overlaps no bush and stays in the field, no turn is tighter than the
 //!   turning radius, and the states of the timeline are those to which the pieces of the leg lead;
 //! - speeds, and how they change, keep the limits that the timeline holds; at cusps a truck stands;
-//! - legs join, and what was broken off was driven as planned until then;
-//! - no two trucks overlap, at any time;
-//! - fires go out beside a truck that stands within reach for the whole dwell, and Wumpuses light where they arrived;
-//! - only what can burn catches fire, only what burns goes out, and fire keeps to its own times and distances;
-//! - fire that goes over ground comes to each cell when it is due there from the cells around, and to no other one.
+//! - legs join, and interrupted legs were driven as planned up to the interruption;
+//! - no two trucks overlap at any time;
+//! - a fire goes out only if a truck stands within reach for the whole dwell, and Wumpuses light only where they arrived;
+//! - only cells that can burn catch fire, only burning cells go out, and fire obeys its times and distances;
+//! - fire over ground reaches each cell exactly when it is due from the neighbouring cells.
 //!
 //! World frame, metres, seconds. It shares no code with `collision` and `planning`. Wumpuses walk axis-parallel squares
 //! and block nobody.

@@ -1,21 +1,21 @@
 #![doc = include_str!("../README.md")]
 //!
-//! Many runs: what is asked for, workers, a journal that loses nothing, tables in the order of the plan.
+//! Many runs: the plan, workers, a journal that loses nothing, tables in the order of the plan.
 //!
-//! A [`BatchPlan`] says which runs there are. A [`Batch`] runs them on several threads and keeps a journal with a line
-//! for each that is over; when all are, the tables are written from the journal. So a batch can end at any moment and
-//! be resumed, and memory grows by a few bytes with each run only. What a row says never depends on the number of
-//! workers, on slices or on interruptions, except for its `cpu_` and `wall_` columns. A run that fails, or panics, is a
-//! row like the others, with the reason.
+//! A [`BatchPlan`] lists the runs. A [`Batch`] executes them on several threads and keeps a journal with a line for each
+//! finished one; the tables are written from the journal when all have finished. So a batch can be stopped at any moment and
+//! resumed, and each run adds only a few bytes of memory. Apart from its `cpu_` and `wall_` columns, a row never depends on
+//! the number of workers, on slices or on interruptions. A run that fails or panics is a row like the others, with the
+//! reason.
 //!
-//! Four rooms, each of which imports those before it only, and three more beside the last:
-//! - `plan`: which runs there are, frozen in `plan.json`;
-//! - `execute`: workers, the journal, and the folder that it is in; a run leaves a [`RunRow`];
-//! - `table`: the columns, the files that are written from them, and the reader of these files;
-//! - `report`: what is said of one batch, from its summary to its page of charts, and its audit;
-//! - `maps`: what the runs of a batch leave on every cell of the field;
+//! Four modules, each of which imports only those before it, and three more beside the last:
+//! - `plan`: the runs, frozen in `plan.json`;
+//! - `execute`: workers, the journal and its folder; each run yields a [`RunRow`];
+//! - `table`: the columns, the files written from them, and the reader of these files;
+//! - `report`: reports on one batch, from its summary to its page of charts, and its audit;
+//! - `maps`: results of a batch for every cell of the field;
 //! - `drives`: queries to planners outside of runs, their table and their summary;
-//! - [`comparison`]: batches set against each other, those of other versions of the program among them.
+//! - [`comparison`]: comparisons of batches, including those of other versions of the program.
 
 pub mod comparison;
 mod drives;

@@ -1,11 +1,11 @@
 #![doc = include_str!("../README.md")]
 //!
-//! What burns: the state of every cell that can burn, and models of how fire goes from one to the next.
+//! The state of every cell that can burn, and models of the spread of fire between them.
 //!
-//! A [`FireField`] holds what has become of bushes and ground. A [`FireModel`] says what follows: after each change of a cell
-//! it forecasts arrivals of the fire and burn-outs, and when an arrival is due it says what catches fire. Neither keeps
-//! the time. The caller applies changes one after the other, lets the model follow each, and comes back with what was
-//! forecast when it is due; what has become void by then is recognised by its episode or revision and changes nothing.
+//! A [`FireField`] holds the states of bushes and ground. A [`FireModel`] predicts their changes: after each change of a cell
+//! it forecasts arrivals of the fire and burn-outs, and when an arrival is due it determines which cells catch fire. Neither
+//! keeps the time. The caller applies changes one by one, notifies the model of each, and returns each forecast when it is
+//! due; an outdated forecast is recognised by its episode or revision and has no effect.
 
 mod cell_set;
 pub mod chance;

@@ -2,7 +2,7 @@
 //!
 //! Grids of values and the classical algorithms on them.
 //!
-//! This layer knows only (row, column); which edge row 0 is at, and how long a cell is, is the caller's business.
+//! This layer uses only (row, column); the caller determines the edge of row 0 and the size of a cell.
 
 pub mod astar;
 pub mod brushfire;

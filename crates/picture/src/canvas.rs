@@ -1,4 +1,4 @@
-//! A sheet of pixels and the few ways to draw on it.
+//! A sheet of pixels and the operations that draw on it.
 //!
 //! Pixel (0, 0) is at the upper left; pixel (x, y) covers x to x + 1 and y to y + 1. All drawing is opaque, except
 //! [`Canvas::fill_through`], for what takes an [`Ink`] or a [`Pen`], and for sheets laid over others.
@@ -10,7 +10,7 @@ use tiny_skia::{
 use super::colours::{PAPER, Rgb};
 use super::png::Picture;
 
-/// A place on the sheet, in pixels to the right and down.
+/// A point on the sheet, in pixels to the right and down.
 pub type Point = (f32, f32);
 
 /// The most points that are stroked at once, which bounds the memory that a long line takes.
@@ -67,7 +67,7 @@ impl Canvas {
         Self { pixels }
     }
 
-    /// A sheet with nothing on it, to be laid over another one.
+    /// Creates a transparent sheet, to lay over another one.
     ///
     /// # Panics
     /// As [`Canvas::new`].
@@ -247,7 +247,7 @@ impl Canvas {
         &mut self.pixels_mut()[row * width + left..(row + 1) * width]
     }
 
-    /// The same sheet at half the size: the mean of each square of four pixels.
+    /// Returns the sheet at half the size: the mean of each square of four pixels.
     pub fn halved(self) -> Self {
         let (width, height) = (self.pixels.width() / 2, self.pixels.height() / 2);
         let mut half = Self::new(width, height, PAPER);

@@ -1,4 +1,4 @@
-//! Colours: of values, of zones, and of everything that has no value.
+//! Colours of values, of zones, and of everything without a value.
 
 use colorous::VIRIDIS;
 
@@ -25,17 +25,17 @@ pub const NOTE_INK: Rgb = [92, 92, 98];
 // Neutral, so that neither colour map holds them.
 pub const OBSTACLE: Rgb = [56, 56, 60];
 pub const WITHOUT_VALUE: Rgb = [226, 226, 228];
-/// Of cells that a search jumped through.
+/// The colour of cells that a search jumped through.
 pub const SWEPT: Rgb = [190, 214, 240];
 /// Of edges of trees and roadmaps, of which thousands may cross.
 pub const EDGE: Rgb = [146, 146, 152];
 pub const PATH: Rgb = [214, 0, 110];
 pub const GOAL: Rgb = [255, 214, 10];
-/// Of zones in order, from the set of eight that Okabe and Ito ("Color Universal Design", 2008) chose for the
+/// Colours of zones in order, from the set of eight that Okabe and Ito ("Color Universal Design", 2008) chose for the
 /// colour-blind: vermilion, yellow, bluish green, sky blue.
 pub const ZONES: [Rgb; 4] = [[213, 94, 0], [240, 228, 66], [0, 158, 115], [86, 180, 233]];
 
-/// Of ways in order: the path's own, then blue, bluish green and orange of the same set of eight.
+/// Colours of paths in order: the usual path colour, then blue, bluish green and orange of the same set of eight.
 pub const WAYS: [Rgb; 4] = [PATH, [0, 114, 178], [0, 158, 115], [230, 159, 0]];
 
 // States of bushes, from the set of Okabe and Ito where it has them; they differ by shape too.
@@ -61,7 +61,7 @@ pub const WATER: Rgb = [0, 114, 178];
 pub const FIELD: Rgb = [240, 234, 216];
 pub const BORDER: Rgb = [104, 98, 86];
 pub const OUTSIDE: Rgb = [214, 212, 206];
-/// Of agents, their ways and their goals.
+/// Colours of agents, their paths and their goals.
 pub const WUMPUS: Rgb = [126, 64, 152];
 pub const UNIMOG: Rgb = [176, 20, 48];
 

@@ -1,4 +1,4 @@
-//! Ways between two poses, drawn to scale as on a map: north is up.
+//! Paths between two poses, drawn to scale as on a map: north is up.
 
 use crate::canvas::{Canvas, Point};
 use crate::colours::{INK, PAPER, Rgb, WAYS};
@@ -10,12 +10,12 @@ use wildfire_base::geometry::Pose;
 use wildfire_base::vehicle::{Dimensions, Path};
 
 const MARK: f32 = 10.0;
-/// The first way is drawn as wide as this, and each further one wider by [`WIDER`], under those before it: ways that
-/// coincide are all seen.
+/// The width of the first path; each further one is wider by [`WIDER`] and drawn below, so that coinciding paths are all
+/// visible.
 const WIDTH: f32 = 3.0;
 const WIDER: f32 = 2.5;
 
-/// Ways from one pose of the rear axle to another, and what is drawn with them.
+/// Paths from one pose of the rear axle to another, with everything drawn around them.
 #[derive(Clone, Copy)]
 pub struct CurveScene<'a> {
     pub title: &'a str,
@@ -29,9 +29,9 @@ pub struct CurveScene<'a> {
     pub least_m: f64,
 }
 
-/// The ways to scale, reverse dashed, with start, goal, cusps, a key, and metres east and north along the edges.
+/// Draws the paths to scale, reverse dashed, with start, goal, cusps, a key, and metres east and north along the edges.
 ///
-/// The longer side of what is shown takes 720 pixels, the shorter one at least 288.
+/// The longer side of the drawing takes 720 pixels, the shorter one at least 288.
 pub fn draw_curves(scene: &CurveScene) -> Picture {
     let lines: Vec<Vec<WayRun>> = scene.ways.iter().map(|(_, path)| way_runs(path)).collect();
     let outlines: Vec<_> = bodies(scene).collect();

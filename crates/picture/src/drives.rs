@@ -1,4 +1,4 @@
-//! A field with its bushes, and drives on it, to scale: north is up.
+//! A field with its bushes and the drives on it, to scale: north is up.
 
 use std::f64::consts::TAU;
 
@@ -43,7 +43,7 @@ pub struct DrivenWays<'a> {
     pub paths: Vec<&'a Path>,
 }
 
-/// The drives to scale, reverse dashed, with bushes, start, goals, cusps, a key, and metres east and north along the
+/// Draws the drives to scale, reverse dashed, with bushes, start, goals, cusps, a key, and metres east and north along the
 /// edges.
 ///
 /// The field's longer side takes 720 pixels.

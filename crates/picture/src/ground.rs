@@ -1,4 +1,4 @@
-//! Ground in classes that the eye tells apart, and the light on slopes.
+//! Ground in classes with distinguishable colours, and shading of slopes.
 
 use crate::colours::{FIELD, Rgb, blend};
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame};

@@ -1,11 +1,11 @@
 #![doc = include_str!("../README.md")]
 //!
-//! Pictures drawn on the CPU: grid maps, their legends, surfaces; maps of values over a field, with contour lines; ways of a vehicle, drives on a field;
-//! [`charts`]; frames of runs, [`film`], and GIFs of them;
-//! scenes for viewers of robots' logs, [`write_mcap`].
+//! Pictures drawn on the CPU: grid maps with legends, and as surfaces; maps of values over a field, with contour lines; paths
+//! of a vehicle and drives on a field; [`charts`]; frames of runs ([`film`]) and GIFs of them; scenes for robotics log
+//! viewers ([`write_mcap`]).
 //!
-//! The same scene gives the same picture on every machine, byte for byte: drawing uses only arithmetic that is exact to
-//! the standard, and trigonometry from [`wildfire_base::geometry::ops`].
+//! The same scene gives the same picture on every machine, byte for byte: drawing uses only arithmetic that the standard
+//! defines exactly, and trigonometry from [`wildfire_base::geometry::ops`].
 
 mod canvas;
 pub mod charts;

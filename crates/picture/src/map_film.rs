@@ -1,4 +1,4 @@
-//! A search on a map as a GIF: cells get their colours, and trees their edges, in the order in which the search came to them.
+//! A search on a map as a GIF: cells get their colours, and trees their edges, in the order in which the search reached them.
 
 use std::io;
 use std::path::Path;
@@ -10,7 +10,7 @@ use crate::scene::MapScene;
 use crate::zoom::{BlockFace, Zoom};
 use wildfire_grid::Place;
 
-/// The order in which a map came to be.
+/// The order in which a map was filled.
 pub struct MapGrowth<'a> {
     /// The number of steps; edges of the scene come one in a step.
     pub steps: usize,
@@ -24,7 +24,7 @@ const MOST_FRAMES: usize = 100;
 const DELAY: u16 = 6;
 const LAST_DELAY: u16 = 250;
 
-/// Writes the film of a scene, which appears whole: at most about 100 frames over all steps, then the path.
+/// Writes the film of a scene, atomically: at most about 100 frames over all steps, then the path.
 pub fn write_map_film(scene: &MapScene, growth: &MapGrowth, path: &Path) -> io::Result<()> {
     // Which jump went through a cell is not known, nor when.
     let scene = &MapScene { swept: None, ..*scene };

@@ -1,4 +1,4 @@
-//! Path, start, goal and the place where a descent is stuck: told apart by shape, readable on any colour.
+//! Path, start, goal and the place where a descent is stuck: distinguished by shape, readable on any colour.
 
 use crate::canvas::{Canvas, Point};
 use crate::colours::{GOAL, INK, PAPER, PATH, Rgb};

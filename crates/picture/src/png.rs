@@ -62,7 +62,7 @@ impl Picture {
         Self { map: Some(carried::chunk(occupied)), ..self }
     }
 
-    /// Writes the picture as a PNG file, which appears whole.
+    /// Writes the picture as a PNG file, atomically.
     pub fn write_png(&self, path: &Path) -> io::Result<()> {
         let mut file = WholeFile::create(path)?;
         self.encode_png(&mut file)?;

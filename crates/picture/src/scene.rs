@@ -1,4 +1,4 @@
-//! Scenes: what a picture of a grid map shows.
+//! Scenes: the contents of a picture of a grid map.
 
 use wildfire_grid::{Grid, Place};
 
@@ -8,7 +8,7 @@ use super::values::ValueScale;
 /// A point of a map as (row, column) in cells, whole numbers at the centres of cells.
 pub type Spot = (f64, f64);
 
-/// A grid map and what is marked on it; all places lie on the map.
+/// A grid map with its marks; all places lie on the map.
 ///
 /// [`MapScene::new`] marks nothing; set what else is to be shown:
 /// `MapScene { goal: Some(goal), ..MapScene::new("Wavefront, 8 neighbours", "steps", &occupied, &value) }`.

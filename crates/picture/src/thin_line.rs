@@ -1,4 +1,4 @@
-//! Straight lines a few pixels wide, without the machinery of paths: frames have thousands of them.
+//! Straight lines a few pixels wide, drawn without general paths, since frames have thousands of them.
 
 use super::canvas::{Canvas, Ink, Point};
 

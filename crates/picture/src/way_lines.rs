@@ -1,5 +1,4 @@
-//! Ways of a vehicle as lines of points, and what they are drawn with: lines in both directions, cusps, arrows at
-//! poses.
+//! Paths of a vehicle as lines of points, and their symbols: lines in both directions, cusps, arrows at poses.
 
 use crate::canvas::{Canvas, Point};
 use crate::colours::{GOAL, INK, PAPER, Rgb};

@@ -1,5 +1,4 @@
-//! The number of pixels that a cell takes, or of cells that a pixel stands for: always a whole number, so that cells
-//! are squares of one size.
+//! The number of pixels per cell, or of cells per pixel: always an integer, so that cells are squares of one size.
 
 use std::ops::Range;
 

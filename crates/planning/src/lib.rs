@@ -1,25 +1,25 @@
 #![doc = include_str!("../README.md")]
 //!
-//! Planners for the truck behind one interface: a problem in; a path, the effort and a reason for failure out. The
-//! Wumpus's are in [`walk`].
+//! Planners for the truck behind one interface: a query in; a path, the effort and a reason for failure out. The planners of
+//! the Wumpus are in [`walk`].
 //!
-//! Effort is counted in samples and expansions and budgeted in the same units. Planners keep no clock and no record of
-//! their searches: whoever calls them passes an [`observer`].
+//! Effort is counted in samples and expansions and budgeted in the same units. Planners use no clock and keep no record of
+//! their searches: the caller passes an [`observer`].
 //!
-//! # Rooms
-//! [`kit`] has the parts that several planners are made of, [`planners`] the planners, which import the kit and never each
-//! other. The [`registry`] lists them by name, together with those that somebody else handed in; round these stands the
-//! [`gate`], which lets no path pass that the truck could not drive: the [`judge`] says which. [`reachability`] answers whether the truck can get somewhere at all,
-//! `smooth_steering` fits the paths of built-in planners to wheels that take their time to turn,
-//! [`memory`] counts what grows while a run goes on, and [`find_yield_pose`] and [`replan_around`] are for trucks that meet.
+//! # Modules
+//! [`kit`] has the building blocks that planners share, [`planners`] the planners, which import the kit and never each other.
+//! The [`registry`] lists them by name, together with custom planners; the [`gate`] around these rejects any path that the
+//! truck could not drive, as decided by the [`judge`]. [`reachability`] decides whether the truck can reach a place at all,
+//! `smooth_steering` adapts the paths of built-in planners to wheels that turn at a limited rate, [`memory`] counts memory
+//! that grows during a run, and [`find_yield_pose`] and [`replan_around`] are for trucks that meet.
 //!
-//! # The tower of fallbacks
-//! A planner that cannot do what it wants asks for less before it gives up, and a truck whose planner gives up has means
-//! of its own. [`Plan::found_by`] and the records of a run name the one that found a path. In this order:
+//! # The sequence of fallbacks
+//! A planner that finds no path relaxes its demands before it gives up, and a truck whose planner gives up has further
+//! fallbacks. [`Plan::found_by`] and the records of a run name the stage that found a path. In this order:
 //!
-//! 1. **`straight`**: the truck is in the goal already, or its shortest way there on an empty field (a Reeds-Shepp curve,
-//!    or a turn and a straight) is free at the wanted clearance. `hybrid-astar` and `prm-rs` ask this first;
-//!    `prm+primitives` stands still where it is in the goal.
+//! 1. **`straight`**: the truck is already in the goal, or its shortest path there on an empty field (a Reeds-Shepp curve, or
+//!    a turn and a straight) is free at the wanted clearance. `hybrid-astar` and `prm-rs` try this first; `prm+primitives`
+//!    stays where it is if that is in the goal.
 //! 2. **`roadmap`** or **`search`**: the planner's own method at the wanted clearance. The roadmap of `prm+primitives`
 //!    gives waypoints to [`kit::local_search`], that of `prm-rs` is searched together with motions about the start; a path
 //!    of `prm-rs` that leads over no milestone is a `search`, as are all of `hybrid-astar`. Where the roadmap of
@@ -52,8 +52,8 @@
 //!    flood's own path, which is sure to be free.
 //!
 //! A goal that the flood does not reach is given up for the run. The first four are set here, the last three by the
-//! simulation. What trucks do about each other ([`replan_around`], [`find_yield_pose`]) changes a path and not what found
-//! it.
+//! simulation. Avoiding other trucks ([`replan_around`], [`find_yield_pose`]) changes a path, but not the name of the stage
+//! that found it.
 
 pub mod collision;
 pub mod gate;

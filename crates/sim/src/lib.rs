@@ -2,14 +2,13 @@
 //!
 //! The world of one run: agents decide, plan, drive, light and extinguish.
 //!
-//! The clock jumps from instant to instant. [`Simulation::advance_to`] moves it to what is due next and makes
-//! [passes](schedule::Pass) over the world until nothing more is due at that instant; what happens first there is the
-//! order of [ranks](queue::Rank). Into which slices the time is cut changes nothing. Agents are entities; what happened
-//! is appended to the timeline.
+//! The clock jumps from instant to instant. [`Simulation::advance_to`] moves it to the next due event and makes
+//! [passes](schedule::Pass) over the world until nothing more is due at that instant, in the order of [ranks](queue::Rank).
+//! The division of time into slices does not affect the run. Agents are entities; events are appended to the timeline.
 //!
-//! Each concern is a plugin: [fire](fire::FirePlugin), [who hears of what](wake::WakePlugin), the
+//! Each concern is a plugin: [fire](fire::FirePlugin), [triggers of agents](wake::WakePlugin), the
 //! [Wumpus](wumpus::WumpusPlugin), the [truck](truck::TruckPlugin), [traffic](standoff::TrafficPlugin) and the
-//! [end](end::EndPlugin). Who goes where is decided by [policies].
+//! [end](end::EndPlugin). [Policies](policies) decide which agent goes where.
 
 mod agent;
 mod end;

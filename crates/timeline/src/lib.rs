@@ -1,9 +1,9 @@
 #![doc = include_str!("../README.md")]
 //!
-//! What happened in a run: facts in order of time, the state at any time, the outcome, the file.
+//! The record of a run: facts in chronological order, the state at any time, the outcome, the file.
 //!
-//! The simulation appends facts; windows, pictures, tables and audits read them and nothing else. The facts of one
-//! instant stand in the order in which they happened, and a state or a count at a time is that after all of its facts.
+//! The simulation appends facts; windows, pictures, tables and audits read only these. The facts of one instant are in the
+//! order in which they happened, and a state or a count at a time is the one after all facts of that time.
 
 mod agent_id;
 mod burn_map;

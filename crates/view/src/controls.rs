@@ -1,4 +1,4 @@
-//! Does what keys and mouse ask for; stills are saved to the current folder.
+//! Executes the commands of keys and mouse; stills are saved to the current folder.
 
 use std::path::{Path, PathBuf};
 
@@ -54,7 +54,7 @@ impl Controls<'_> {
         }
     }
 
-    /// One sees an event by standing still at it.
+    /// Pauses at an event, so that it can be seen.
     fn step_to(&mut self, event: Option<SimTime>) {
         if let Some(time) = event {
             self.player.pause();
@@ -87,7 +87,7 @@ impl Controls<'_> {
         }
     }
 
-    /// Who was followed is let go.
+    /// Stops following an agent.
     fn pan(&mut self, by: (f64, f64)) {
         self.viewer.options.camera = self.camera().panned(&self.frame(0), size_of(self.pane(0)), by);
         self.viewer.options.follows = None;
@@ -100,7 +100,7 @@ impl Controls<'_> {
         self.viewer.options.follows.take_if(|followed| *followed == Followed::Fleet);
     }
 
-    /// The camera that shows what is seen now, whoever is followed.
+    /// Returns the camera of the current view, regardless of who is followed.
     fn camera(&self) -> Camera {
         if self.viewer.options.follows.is_none() {
             return self.viewer.options.camera;
@@ -135,7 +135,7 @@ fn size_of((width, height): (u32, u32)) -> (f64, f64) {
     (f64::from(width), f64::from(height))
 }
 
-/// Writes a still and says where it is, or why it is not.
+/// Writes a still and returns a message with its path or the error.
 pub fn save_still(request: &FrameRequest, size: (u32, u32)) -> String {
     let path = free_name(&base_name(request.runs, request.time));
     match still(request, size).write_png(&path) {
@@ -144,14 +144,14 @@ pub fn save_still(request: &FrameRequest, size: (u32, u32)) -> String {
     }
 }
 
-/// The first name that no file has yet.
+/// Returns the first unused name.
 fn free_name(base: &str) -> PathBuf {
     let names = std::iter::once(format!("{base}.png")).chain((2..).map(|number| format!("{base}-{number}.png")));
     let free = names.map(PathBuf::from).find(|name| !is_taken(name));
     free.expect("numbers do not end")
 }
 
-/// A link that leads nowhere has a name, too.
+/// Returns whether a name is in use, also by a dangling link.
 fn is_taken(name: &Path) -> bool {
     name.symlink_metadata().is_ok()
 }

@@ -1,7 +1,7 @@
-//! Why there is no window.
+//! Errors that prevent a window.
 //!
-//! Bevy's plugins panic where there is no display or no adapter. Here such a panic becomes a sentence; nothing of it is
-//! printed.
+//! Bevy's plugins panic without a display or an adapter. This module converts such a panic to an error message and prints
+//! nothing of it.
 
 use std::env;
 use std::panic::{self, AssertUnwindSafe};
@@ -11,18 +11,18 @@ use thiserror::Error;
 /// The libraries that the window loads when it starts (Debian's names).
 const LIBRARIES: &str = "libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0";
 
-/// Why there is no window.
+/// The reason for the missing window.
 #[derive(Debug, Error)]
 pub enum ViewError {
     #[error(
-        "there is no display: DISPLAY is not set; start it on a desktop, or in a virtual one with xvfb-run (Debian: apt-get install xvfb)"
+        "there is no display: DISPLAY is not set; start the program on a desktop, or on a virtual one with xvfb-run (Debian: apt-get install xvfb)"
     )]
     NoDisplay,
     #[error("there is no X display, only a Wayland one: install XWayland (Debian: apt-get install xwayland)")]
     OnlyWayland,
-    #[error("the display {display} does not answer; DISPLAY must name one that runs")]
+    #[error("the display {display} does not answer; DISPLAY must name a running display")]
     DeadDisplay { display: String },
-    #[error("the X libraries are not complete: install them (Debian: apt-get install {LIBRARIES})")]
+    #[error("X libraries are missing: install them (Debian: apt-get install {LIBRARIES})")]
     NoLibraries,
     #[error(
         "there is no graphics adapter with a Vulkan driver: install one (Debian: apt-get install mesa-vulkan-drivers, which also draws on the processor)"
@@ -34,7 +34,7 @@ pub enum ViewError {
     AdapterLost { reason: String },
 }
 
-/// The display that the environment names.
+/// Returns the display named by the environment.
 pub fn display() -> Result<String, ViewError> {
     let named = |variable| env::var(variable).ok().filter(|value| !value.is_empty());
     match (named("DISPLAY"), named("WAYLAND_DISPLAY")) {
@@ -45,7 +45,7 @@ pub fn display() -> Result<String, ViewError> {
 }
 
 impl ViewError {
-    /// Explains what bevy's windows panicked with.
+    /// Converts a panic of bevy's windows to an error.
     pub fn from_window_panic(report: String, display: String) -> Self {
         if report.contains("XOpenDisplay") || report.contains("ConnectionRefused") {
             Self::DeadDisplay { display }
@@ -57,7 +57,7 @@ impl ViewError {
     }
 }
 
-/// Runs `work`; if it panics, returns what it panicked with, and prints nothing.
+/// Runs `work`; if it panics, returns the panic's message and prints nothing.
 pub fn quietly<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     let hook = panic::take_hook();
     panic::set_hook(Box::new(|_| {}));

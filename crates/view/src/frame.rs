@@ -1,4 +1,4 @@
-//! The steps of one frame, without the screen, and what the viewer has chosen to see.
+//! The steps of one frame without the screen, and the viewer's choices.
 
 use bevy::app::{App, Plugin, Update};
 use bevy::prelude::{
@@ -52,7 +52,7 @@ impl Plugin for PlayerPlugin {
     }
 }
 
-/// The clock goes on, unless the viewer holds it.
+/// Advances the clock, unless the viewer holds it.
 fn pass_time(mut player: ResMut<Player>, mouse: Res<Mouse>, time: Res<Time>) {
     if !player.is_paused() && !mouse.scrubs() {
         player.advance(time.delta());
@@ -99,14 +99,13 @@ pub struct Viewer {
 }
 
 impl Viewer {
-    /// The options of the window's frame.
+    /// Returns the options of the window's frame.
     pub fn options(&self, player: &Player) -> ViewOptions {
         let status = Status { is_paused: player.is_paused(), speed: player.speed(), message: self.message.clone() };
         ViewOptions { status: Some(status), ..self.options.clone() }
     }
 
-    /// Goes with the fleet of a run, if it has more than one truck, then with one agent after the other, and with none after
-    /// the last.
+    /// Follows the fleet of a run if it has several trucks, then one agent after the other, and none after the last.
     pub fn follow_next(&mut self, run: &RunView) {
         let agents = &run.timeline().setting.agents;
         let is_fleet = agents.iter().filter(|agent| agent.id.role.suppresses()).count() > 1;

@@ -55,7 +55,7 @@ impl FrameBuffer {
         self.painted = Some(self.renderer.paint(request).to_vec());
     }
 
-    /// Takes what was drawn since this was last asked: red, green, blue and opacity of every pixel, row by row.
+    /// Takes the frame if it was drawn since the last call: red, green, blue and opacity of every pixel, row by row.
     pub fn take_painted(&mut self) -> Option<Vec<u8>> {
         self.painted.take()
     }

@@ -1,4 +1,4 @@
-//! Keys and mouse: what a key asks for, and window events handed to the controls in the order in which they happened.
+//! Keys and mouse: the commands of keys, and window events passed to the controls in their order.
 
 use bevy::input::ButtonState;
 use bevy::input::keyboard::{Key, KeyboardInput};
@@ -77,7 +77,7 @@ pub enum Command {
     TogglePause,
     NextEvent,
     PreviousEvent,
-    /// Moves the clock by that many seconds, back where they are negative.
+    /// Moves the clock by this many seconds; negative ones go back.
     Seek(f64),
     Faster,
     Slower,

@@ -1,14 +1,14 @@
 #![doc = include_str!("../README.md")]
 //!
-//! The window: runs played, paused, scrubbed and compared.
+//! The window, in which runs are played, paused, scrubbed and compared.
 //!
-//! It shows finished timelines and knows no simulation: the command line hands it loaders of runs. Nothing in it can
-//! change an outcome.
+//! It shows finished timelines and does not depend on the simulation: the command line passes it loaders of runs. Nothing in
+//! it can change an outcome.
 //!
-//! What a window shows is drawn by [`wildfire_picture::film`] on the processor, one buffer of pixels a frame, as it is
-//! for stills and films; the window hands the buffer to the graphics adapter as one texture. So [`PlayerPlugin`] holds
-//! all that the window does with time, keys, mouse and further runs, and needs neither display nor adapter;
-//! [`ScreenPlugin`] adds those. A frame first lets the time pass, then does what was asked, then draws.
+//! [`wildfire_picture::film`] draws each frame on the CPU into one buffer of pixels, as for stills and films; the window
+//! passes the buffer to the graphics adapter as one texture. [`PlayerPlugin`] handles time, keys, mouse and further runs and
+//! needs neither display nor adapter; [`ScreenPlugin`] adds those. A frame first advances the time, then executes commands,
+//! then draws.
 
 mod controls;
 mod failure;
@@ -33,14 +33,14 @@ pub use window::{insert_resources, play, window};
 use wildfire_base::time::SimTime;
 use wildfire_picture::film::{RunView, ViewOptions};
 
-/// The configuration of a window: what it shows first, and where it gets further runs from.
+/// The configuration of a window: its initial view, and the source of further runs.
 pub struct ViewerConfig {
-    /// One run or two, each with its loader; a recording has none.
+    /// One or two runs, each with its loader; a recording has none.
     pub runs: Vec<(RunView, Option<Box<dyn RunLoader>>)>,
     pub options: ViewOptions,
-    /// Simulated seconds for a second, from [`Player::SLOWEST`] to [`Player::FASTEST`].
+    /// Simulated seconds per second, from [`Player::SLOWEST`] to [`Player::FASTEST`].
     pub speed: f64,
-    /// The first time shown; one beyond the end of all runs becomes that end.
+    /// The first time shown; limited to the end of the longest run.
     pub start: SimTime,
     pub is_paused: bool,
     /// Width and height in pixels.

@@ -1,10 +1,10 @@
-//! Gestures of the mouse: places and distances in pixels of the frame.
+//! Gestures of the mouse, with positions and distances in pixels of the frame.
 
 use bevy::prelude::Resource;
 
 use wildfire_picture::film::{FrameLayout, FramePart};
 
-/// The distance in pixels from which on the way of a pressed mouse is a drag and no click.
+/// The distance in pixels from which a pressed mouse drags instead of clicking.
 const CLICK: f64 = 4.0;
 
 type At = (f64, f64);

@@ -1,4 +1,4 @@
-//! The clock that all runs of a window are shown at.
+//! The clock of a window, shared by all its runs.
 
 use std::time::Duration;
 
@@ -44,7 +44,7 @@ impl Player {
         self.is_paused
     }
 
-    /// Lets real time pass.
+    /// Advances the clock by real time.
     pub fn advance(&mut self, real: Duration) {
         if self.is_paused {
             return;
@@ -61,7 +61,7 @@ impl Player {
         self.is_paused = false;
     }
 
-    /// Pauses, or plays on; from the end it plays from the beginning.
+    /// Pauses or plays; at the end, plays from the start.
     pub fn toggle_pause(&mut self) {
         if self.is_paused && self.clock == self.end {
             self.clock = SimTime::ZERO;
@@ -69,7 +69,7 @@ impl Player {
         self.is_paused = !self.is_paused;
     }
 
-    /// Sets the clock, to the end where that is earlier.
+    /// Sets the clock, at most to the end.
     pub fn seek(&mut self, time: SimTime) {
         self.clock = time.min(self.end);
     }
@@ -85,17 +85,17 @@ impl Player {
         self.seek(SimTime::from_seconds(share * self.end.as_seconds()));
     }
 
-    /// Takes the next larger of the usual speeds.
+    /// Switches to the next higher of the usual speeds.
     pub fn faster(&mut self) {
         self.speed = SPEEDS.into_iter().find(|&speed| speed > self.speed).unwrap_or(Self::FASTEST);
     }
 
-    /// Takes the next smaller of the usual speeds.
+    /// Switches to the next lower of the usual speeds.
     pub fn slower(&mut self) {
         self.speed = SPEEDS.into_iter().rev().find(|&speed| speed < self.speed).unwrap_or(Self::SLOWEST);
     }
 
-    /// Goes on with other runs at the same time, or at their end where that is earlier.
+    /// Continues with other runs at the same time, at most at their end.
     pub fn change_end(&mut self, end: SimTime) {
         self.end = end;
         self.seek(self.clock);

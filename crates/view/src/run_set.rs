@@ -1,4 +1,4 @@
-//! The runs that are shown, and how others take their place.
+//! The displayed runs, and their replacement by others.
 
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
@@ -10,17 +10,17 @@ use wildfire_picture::film::RunView;
 
 /// A source of further runs for a window.
 pub trait RunLoader: Send + Sync {
-    /// The run of a seed, simulated or read; takes as long as that takes.
+    /// Simulates or reads the run of a seed, which may take long.
     ///
     /// # Errors
-    /// A sentence for the viewer.
+    /// A message for the viewer.
     fn load(&self, seed: u64) -> Result<RunView, String>;
 
-    /// The seeds to walk through; `None` where any seed will do.
+    /// The seeds to step through; `None` if any seed is allowed.
     fn seeds(&self) -> Option<&[u64]>;
 }
 
-/// Which runs to get.
+/// The runs to request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SeedStep {
     Next,
@@ -29,7 +29,7 @@ pub enum SeedStep {
     Rerun,
 }
 
-/// The runs that are shown, and those that are on their way.
+/// The displayed runs, and the requested ones.
 #[derive(Resource)]
 pub struct RunSet {
     runs: Vec<LoadedRun>,
@@ -82,7 +82,7 @@ impl RunSet {
     /// A sentence that says why there are no other runs.
     pub fn request(&mut self, step: SeedStep) -> Result<String, String> {
         if self.is_waiting() {
-            return Err("one run after the other: the last one that was asked for is not there yet".into());
+            return Err("the run requested before is not ready yet".into());
         }
         let requests = self.runs.iter().map(|run| run.next_request(step)).collect::<Result<Vec<_>, _>>()?;
         let seeds: Vec<u64> = requests.iter().flatten().map(|(_, seed)| *seed).collect();
@@ -103,7 +103,7 @@ impl RunSet {
     /// A sentence that says why they do not come; the present runs stay.
     pub fn receive(&mut self) -> Option<Result<SeedStep, String>> {
         let (step, thread) = self.pending.take_if(|(_, thread)| thread.is_finished())?;
-        let runs = thread.join().unwrap_or_else(|_| Err("the simulation broke off, which is a bug".into()));
+        let runs = thread.join().unwrap_or_else(|_| Err("the simulation crashed, which is a bug".into()));
         Some(runs.map(|runs| {
             self.replace(runs);
             step

@@ -1,4 +1,4 @@
-//! Shows the frame, one texture on one sprite that covers the window, and what runs in the title of the window.
+//! Shows the frame as one texture on a sprite that covers the window, and the runs in the window's title.
 
 use std::time::Duration;
 

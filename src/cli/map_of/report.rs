@@ -193,7 +193,7 @@ impl BatchMapReport {
             self.simulated
         )];
         if self.not_run > 0 {
-            lines.push(format!("{} more could not take place.", count(self.not_run as usize, things)));
+            lines.push(format!("{} more could not be run.", count(self.not_run as usize, things)));
         }
         if self.unpaired > 0 {
             lines.push(format!(

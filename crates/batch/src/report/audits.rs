@@ -289,22 +289,22 @@ impl AuditReport {
         let mut sentences =
             vec![format!("Runs: {} recorded, {} simulated again from their plan.", self.recorded, self.simulated)];
         if self.not_run > 0 {
-            sentences.push(format!("{} more could not take place.", self.not_run));
+            sentences.push(format!("{} more could not be run.", self.not_run));
         }
         sentences.push(format!("Checked: {legs} legs, {metres} m, {poses} poses, {extinctions} extinctions."));
         if self.without_row > 0 {
-            sentences.push(format!("{} of the runs have no row in {RUNS_FILE} to be compared with.", self.without_row));
+            sentences.push(format!("{} of the runs have no row in {RUNS_FILE} to compare with.", self.without_row));
         }
         if self.without_limits > 0 {
             sentences.push(format!(
-                "{} of the recordings, older than format 3, do not say how fast agents may go and how fire spreads: that \
-                 was not checked.",
+                "{} of the recordings are older than format 3 and lack speed limits and rules of fire spread, so these \
+                                 were not checked.",
                 self.without_limits
             ));
         }
         sentences.push(match self.violations {
             0 => "Violations: none.".into(),
-            count => format!("Violations: {count} of {} runs have one.", self.runs() + self.not_run),
+            count => format!("Violations: in {count} of {} runs.", self.runs() + self.not_run),
         });
         sentences
     }

@@ -1,4 +1,4 @@
-//! Failures of planners and policies in words: a sentence for each, by reason, with the first words about one of them.
+//! Failures of planners and policies as text: a sentence for each, by reason, with the start of a message.
 
 use std::collections::BTreeMap;
 use std::ops::AddAssign;

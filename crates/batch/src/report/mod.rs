@@ -1,4 +1,4 @@
-//! What a finished batch reports: its tables and figures, who won, what went wrong, and the verdict of the audit.
+//! Reports on a finished batch: tables and figures, the champion, failures, and the audit's verdict.
 
 mod audits;
 mod failures;

@@ -1,4 +1,4 @@
-//! Notes on a run that is done, about what its numbers do not show: agents that could do next to nothing in it.
+//! Notes on a finished run about facts that its numbers do not show: agents that could do almost nothing.
 
 use crate::execute::RunResult;
 use wildfire_planning::is_hardly_connected;

@@ -19,7 +19,7 @@ pub struct Profile {
 type Part = (&'static str, bool, fn(&CpuSplit) -> f64);
 
 const PARTS: [Part; 13] = [
-    ("Drawing the field", false, |cpu| cpu.terrain_s),
+    ("Field generation", false, |cpu| cpu.terrain_s),
     ("Clearance field", false, |cpu| cpu.clearance_field_s),
     ("Roadmap sampling", false, |cpu| cpu.sampling_s),
     ("Roadmap connecting", false, |cpu| cpu.map_generation_s),
@@ -46,7 +46,7 @@ impl Profile {
     /// Returns a table, and how many facts a second of CPU time makes.
     pub fn blocks(&self, title: &str) -> Vec<Block> {
         if self.runs == 0 {
-            return vec![Block::Text(format!("No run of {title} is done, so there is no CPU time to divide."))];
+            return vec![Block::Text(format!("No run of {title} has finished, so there is no CPU time to show."))];
         }
         let row = |(name, seconds): (&str, f64)| {
             let (share, per_run_ms) = (seconds / self.total_s, 1e3 * seconds / self.runs as f64);

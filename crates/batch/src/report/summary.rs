@@ -1,4 +1,4 @@
-//! What a finished batch says besides its files: tables and tally of each variant, and means of all.
+//! The summary of a finished batch: tables and tally of each variant, and means over all.
 
 use crate::execute::RunRow;
 use crate::plan::{BatchPlan, Value, planner_of};

@@ -96,7 +96,7 @@ static CPU_TIMES: Layout = Layout {
 
 const LEGEND: [&str; 3] = [
     "PRM only: clearance field, sampling, map generation and roadmap search.",
-    "Unimog total: that, local search and reachability.",
+    "Unimog total: these, local search and reachability.",
     "Intervals are Student's t on a log scale, those of parts of a total on a logit scale.",
 ];
 
@@ -107,8 +107,8 @@ const CUSTOM: [&str; 2] = ["Custom\nstart", "Custom\nqueries"];
 const ROADMAP: [&str; 3] = ["Samp-\nling", "Map\ngener.", "Roadmap\nsearch"];
 const PRM_ONLY: &str = "PRM\nonly";
 
-const CUSTOM_LEGEND: &str = "Custom: starts of planners that are not built in, and queries to them.";
-const CUSTOM_TOTAL: &str = "Unimog total: that, clearance field, local search and reachability.";
+const CUSTOM_LEGEND: &str = "Custom: starts of custom planners, and queries to them.";
+const CUSTOM_TOTAL: &str = "Unimog total: these, clearance field, local search and reachability.";
 
 /// Collects rows, in the order of the plan, and makes the two tables.
 #[derive(Clone, Debug)]
@@ -191,7 +191,7 @@ impl RunTable {
 
     fn hidden_note(&self) -> Option<String> {
         let hidden = self.runs - self.shown.len() as u64;
-        (hidden > 0).then(|| format!("{hidden} more runs are in runs.csv; the statistics are of all finished runs."))
+        (hidden > 0).then(|| format!("{hidden} more runs are in runs.csv; the statistics cover all finished runs."))
     }
 
     /// The table with as many decimals as a terminal has room for, at most three.

@@ -1,4 +1,4 @@
-//! What a batch adds up to: how many runs went well, who won, who was stuck.
+//! The tally of a batch: finished and failed runs, the champion, stuck agents.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -94,7 +94,7 @@ impl Tally {
 }
 
 impl Tally {
-    /// Says who won, which runs went wrong, who was stuck, who could do next to nothing, whose planner was rescued or
+    /// Reports who won, which runs failed, who was stuck, who could do almost nothing, whose planner was rescued or
     /// stopped by a clock: a sentence for each.
     pub fn sentences(&self) -> Vec<String> {
         let runs = [self.champion(), Some(self.runs()), self.reason()];
@@ -119,7 +119,7 @@ impl Tally {
         let Self { done, failed, panicked, .. } = self;
         match self.not_done() {
             0 => format!("Runs: {done} finished, none failed."),
-            _ => format!("Runs: {done} finished, {failed} failed, {panicked} panicked; runs.csv says why."),
+            _ => format!("Runs: {done} finished, {failed} failed, {panicked} panicked; see runs.csv for the reasons."),
         }
     }
 
@@ -131,7 +131,7 @@ impl Tally {
         let (truck, wumpus) = (self.truck_stuck_s, self.wumpus_stuck_s);
         match self.stuck_runs {
             0 if self.done == 0 => None,
-            0 => Some("Stuck: nobody, in no run.".into()),
+            0 => Some("No agent got stuck.".into()),
             1 => Some(format!("Stuck: truck {truck:.1} s, Wumpus {wumpus:.1} s in all, in 1 run.")),
             runs => Some(format!("Stuck: truck {truck:.1} s, Wumpus {wumpus:.1} s in all, in {runs} runs.")),
         }
@@ -141,7 +141,7 @@ impl Tally {
     pub fn note(&self) -> Option<String> {
         let (seed, notes) = self.first_notes.as_ref()?;
         let (noted, done, notes) = (self.noted_runs, self.done, notes.join(" "));
-        Some(format!("In {noted} of {done} runs an agent could do next to nothing; seed {seed}: {notes}"))
+        Some(format!("In {noted} of {done} runs an agent could do almost nothing; seed {seed}: {notes}"))
     }
 
     /// Who has more points over the batch; `None` without runs that have agents on both sides.
@@ -154,7 +154,7 @@ impl Tally {
         let (name, first, second) = match self.truck_score.total_cmp(&self.wumpus_score) {
             Ordering::Greater => ("the Unimog", truck, wumpus),
             Ordering::Less => ("the Wumpus", wumpus, truck),
-            Ordering::Equal => ("nobody", truck, wumpus),
+            Ordering::Equal => ("none", truck, wumpus),
         };
         let ties = match self.contested - self.won_by_wumpus - self.won_by_truck {
             0 => String::new(),
@@ -184,14 +184,14 @@ mod tests {
         };
         let expected = "Champion: the Unimog, 500.5 points to 400; runs won 1 to 3, 1 tied.\n\
                         Runs: 5 finished, none failed.\n\
-                        Stuck: nobody, in no run.";
+                        No agent got stuck.";
         assert_eq!(tally.sentences().join("\n"), expected);
     }
 
     #[test]
     fn equal_points_have_no_champion() {
         let tally = Tally { done: 2, contested: 2, won_by_wumpus: 1, won_by_truck: 1, ..Tally::default() };
-        assert!(tally.sentences().join("\n").starts_with("Champion: nobody, 0 points to 0; runs won 1 to 1."));
+        assert!(tally.sentences().join("\n").starts_with("Champion: none, 0 points to 0; runs won 1 to 1."));
     }
 
     #[test]
@@ -208,14 +208,17 @@ mod tests {
         let notes = vec!["wumpus/0 can light nothing.".to_owned()];
         let tally = Tally { done: 9, noted_runs: 3, first_notes: Some((7, notes)), ..Tally::default() };
         let expected = "Runs: 9 finished, none failed.\n\
-                        Stuck: nobody, in no run.\n\
-                        In 3 of 9 runs an agent could do next to nothing; seed 7: wumpus/0 can light nothing.";
+                        No agent got stuck.\n\
+                        In 3 of 9 runs an agent could do almost nothing; seed 7: wumpus/0 can light nothing.";
         assert_eq!(tally.sentences().join("\n"), expected);
     }
 
     #[test]
     fn batch_without_results_says_so_and_nothing_more() {
         let tally = Tally { failed: 2, ..Tally::default() };
-        assert_eq!(tally.sentences().join("\n"), "Runs: 0 finished, 2 failed, 0 panicked; runs.csv says why.");
+        assert_eq!(
+            tally.sentences().join("\n"),
+            "Runs: 0 finished, 2 failed, 0 panicked; see runs.csv for the reasons."
+        );
     }
 }

@@ -1,10 +1,9 @@
 //! Charts: bars, curves, distributions, box plots and differences, each with its uncertainty.
 //!
-//! A chart becomes a [`Drawing`], a list of marks, which is written as SVG, PDF and PGF and painted as a picture: one
-//! geometry for all. Series differ in colour, and in hatching, dashes or the shape of their marks too, so that charts can be read
+//! A chart becomes a [`Drawing`], a list of marks, which is written as SVG, PDF and PGF or painted as a picture, with the
+//! same geometry in all formats. Series differ in colour and also in hatching, dashes or marks, so that charts are readable
 //! in grey print; the colours are those of Okabe and Ito ("Color Universal Design", 2008), chosen for the colour-blind.
-//! What does not fit into one pair of axes is shown in several, small multiples of one scale, on as many sheets as they
-//! take.
+//! Data that do not fit into one pair of axes are shown as small multiples of one scale, on as many sheets as needed.
 
 mod bars;
 mod boxes;

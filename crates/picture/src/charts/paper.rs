@@ -1,4 +1,4 @@
-//! Charts for papers: as PDF, in which letters are outlines, and as PGF, whose letters LaTeX sets in the paper's own font.
+//! Charts for papers: as PDF with letters as outlines, and as PGF, whose text LaTeX sets in the paper's font.
 
 use std::fmt::Write;
 

@@ -1,4 +1,4 @@
-//! The sheet of a chart: title, note, key, and the plot that they leave room for, with its axes.
+//! The sheet of a chart: title, note, key, and the plot with its axes in the remaining space.
 
 use crate::charts::Titles;
 use crate::charts::drawing::Drawing;

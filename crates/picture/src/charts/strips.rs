@@ -146,7 +146,7 @@ fn draw_strip(drawing: &mut Drawing, part: &Plot, scale: AxisScale, columns: usi
         Some(quantiles) => {
             draw_quantiles(drawing, base + quantiles_height / 2.0, quantiles.map(|value| part.x(scale, value)));
         }
-        None => drawing.text("no run has it", (part.left + 8.0, base - 6.0), Align::Left, LABEL, INK),
+        None => drawing.text("no values", (part.left + 8.0, base - 6.0), Align::Left, LABEL, INK),
     }
 }
 

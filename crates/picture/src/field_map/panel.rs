@@ -1,4 +1,4 @@
-//! One map with all that explains it: title above; scale of lengths, north arrow, bar of colours and key below.
+//! One map with its annotations: title above; scale bar, north arrow, colour bar and key below.
 
 use crate::canvas::{Canvas, Point};
 use crate::colours::{FAINT_INK, INK, PAPER, Rgb, WITHOUT_VALUE};
@@ -286,7 +286,7 @@ impl<'a> Panel<'a> {
             entries.push((KeySymbol::Ignition, "ignition".to_owned()));
         }
         if self.map.quantity == MapQuantity::Direction {
-            entries.push((KeySymbol::Arrow, "fire goes there".to_owned()));
+            entries.push((KeySymbol::Arrow, "direction of spread".to_owned()));
         }
         entries
     }

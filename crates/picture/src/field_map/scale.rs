@@ -1,4 +1,4 @@
-//! Scales of maps: which colour a value has, and which values are written beside the colours.
+//! Scales of maps: the colour of each value, and the labelled values.
 
 use colorous::{INFERNO, RED_BLUE, SINEBOW, VIRIDIS};
 

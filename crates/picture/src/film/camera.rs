@@ -1,4 +1,4 @@
-//! Which part of a field is seen, and where its points lie on the sheet.
+//! The visible part of a field, and the positions of its points on the sheet.
 
 use glam::DVec2;
 

@@ -1,4 +1,4 @@
-//! The places of a frame's parts.
+//! The layout of a frame.
 
 use crate::marks::to_f32;
 

@@ -1,4 +1,4 @@
-//! Lines of text that are drawn over and over: every letter is drawn once and stamped from then on.
+//! Lines of text that are drawn repeatedly: every letter is drawn once and then stamped.
 
 use tiny_skia::{PathBuilder, Transform};
 

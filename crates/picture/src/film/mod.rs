@@ -1,5 +1,5 @@
 //! Frames of runs: a field with its fires and agents at one time, or two of them side by side on one clock, with
-//! counts, curves and words about them.
+//! counts, curves and text.
 //!
 //! Windows, stills and films show the same pixels: a [`FrameRenderer`] draws a [`FrameRequest`] on a sheet.
 

@@ -1,4 +1,4 @@
-//! A run prepared for being shown.
+//! A run prepared for display.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;

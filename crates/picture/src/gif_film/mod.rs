@@ -1,8 +1,8 @@
 //! Films as GIF files.
 //!
-//! All frames share one palette. Of a frame only the rectangle that changed is written, and what did not change in it
-//! is transparent, so that the frame before shows through; that packs small. (GIF89a Specification, CompuServe, 1990;
-//! loops as Netscape's application extension defines them.)
+//! All frames share one palette. Only the rectangle that changed is written, and unchanged pixels in it are transparent, so
+//! that the previous frame shows through; this compresses well. (GIF89a Specification, CompuServe, 1990; loops as in
+//! Netscape's application extension.)
 
 mod palette;
 

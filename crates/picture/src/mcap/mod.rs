@@ -1,4 +1,4 @@
-//! A run for viewers of robots' logs, such as Foxglove: MCAP, with messages in JSON.
+//! Export of a run for robotics log viewers such as Foxglove: MCAP, with messages in JSON.
 //!
 //! | topic | message | when |
 //! |---|---|---|
@@ -11,8 +11,8 @@
 //! | `/unimog/0/search/local` | `foxglove.SceneUpdate`: what searches looked at | where recorded |
 //! | `/events` | `foxglove.Log` | when something happens |
 //!
-//! A viewer that goes to a time takes the last message of each topic up to then. So every message says all that its topic
-//! shows, and nothing has to be put together from several.
+//! A viewer that jumps to a time uses the last message of each topic before it. So every message is complete: none has to
+//! be combined with others.
 
 mod container;
 mod messages;

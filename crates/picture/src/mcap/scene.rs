@@ -1,4 +1,4 @@
-//! What is shown of a run: the cells, the bodies, the ways and the searches.
+//! The displayed parts of a run: cells, bodies, paths and searches.
 
 use data_encoding::BASE64;
 

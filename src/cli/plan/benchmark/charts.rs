@@ -59,7 +59,7 @@ impl Charts {
     fn admits(&mut self, what: &str, panels: usize) -> bool {
         if panels > MOST_PANELS {
             let sentence =
-                format!("No charts of {what}: they would have {panels} panels, at most {MOST_PANELS} are drawn.");
+                format!("No charts of {what}: they would need {panels} panels; at most {MOST_PANELS} are drawn.");
             self.refused.extend((!self.refused.contains(&sentence)).then_some(sentence));
         }
         panels <= MOST_PANELS

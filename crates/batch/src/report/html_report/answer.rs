@@ -58,7 +58,7 @@ fn of_one(planner: &str, values: &Values, tally: &Tally) -> String {
     };
     let ending = format!("in {runs}; {}{rest}.", stuck_words(tally.stuck_runs, tally.done));
     if tally.done == 0 {
-        return format!("No run came to its end{rest}.");
+        return format!("No run finished{rest}.");
     }
     let (shares, bushes) = (values.numbers(&SAVED), values.numbers(&BUSHES));
     let Some(share) = mean_of(&shares, SAVED.range()) else {
@@ -77,7 +77,7 @@ fn of_one(planner: &str, values: &Values, tally: &Tally) -> String {
     let most = bushes.iter().copied().fold(0.0, f64::max);
     let Some(saved) = mean_of(&saved, (0.0, most)) else { return format!("{who}: {ending}") };
     let all = mean_of(&bushes, (0.0, f64::INFINITY)).map_or(0.0, |mean| mean.value);
-    let all = if all == most { short(all) } else { format!("{} (in the mean)", rounded(all, 1)) };
+    let all = if all == most { short(all) } else { format!("{} (on average)", rounded(all, 1)) };
     let decimals = decimals(&saved, 1.0);
     let mut percent = format!("{} %", rounded(100.0 * share.value, 0));
     if let Some((low, high)) = saved.interval.filter(|(low, high)| low < high) {
@@ -92,7 +92,7 @@ fn of_one(planner: &str, values: &Values, tally: &Tally) -> String {
 
 fn stuck_words(stuck: u64, done: u64) -> String {
     match stuck {
-        0 => "nobody got stuck".into(),
+        0 => "no agent got stuck".into(),
         _ if stuck == done => "an agent got stuck in each".into(),
         _ => format!("an agent got stuck in {stuck} of them"),
     }

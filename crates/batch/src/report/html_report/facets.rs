@@ -1,9 +1,9 @@
 //! The division of variants among the panels of a chart, so that none is missing.
 //!
-//! Planners of which each is there with all else that differs are the series of every panel, each with one colour in all
-//! charts, and each combination of the rest makes a panel. Without such planners, a panel holds as many series as can be distinguished; where there are
-//! more, some of what differs makes the series, and the rest the panels. If nothing that differs takes so few values,
-//! the variants are divided as they come, each part with a chart of its own.
+//! If every planner occurs in all combinations of the other dimensions, planners are the series of every panel, with the
+//! same colours in all charts, and each combination of the rest makes a panel. Otherwise a panel holds as many series as
+//! can be distinguished: some dimensions make the series, the rest the panels. If no dimension has few enough values, the
+//! variants are divided in their order, with a chart for each part.
 
 use super::labels::Labels;
 use crate::plan::BatchPlan;

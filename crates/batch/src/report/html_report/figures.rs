@@ -130,7 +130,7 @@ impl Figures {
     fn admits(&mut self, what: &str, panels: usize) -> bool {
         if panels > MOST_PANELS {
             let sentence =
-                format!("No charts of {what}: they would have {panels} panels, at most {MOST_PANELS} are drawn.");
+                format!("No charts of {what}: they would need {panels} panels; at most {MOST_PANELS} are drawn.");
             self.refused.extend((!self.refused.contains(&sentence)).then_some(sentence));
         }
         panels <= MOST_PANELS
@@ -159,7 +159,7 @@ impl Figures {
             .enumerate()
             .map(|(variant, curves)| {
                 let label = labels.label(variant, &all);
-                let name = if curves.is_there() { label } else { format!("{label} (no run is done)") };
+                let name = if curves.is_there() { label } else { format!("{label} (no finished run)") };
                 CurvePanel { name, curves: state_curves(curves, &shown) }
             })
             .collect();
@@ -266,7 +266,7 @@ fn distribution(quantity: &'static Metric, panels: &[Facet], values: &[Values]) 
     Ok(StripChart {
         titles: Titles {
             title: quantity.title(),
-            note: "Columns count runs; the highest has its number. Below: median, middle half, middle 90 %.".into(),
+            note: "Bars count runs; the highest is labelled. Below: median, middle half, middle 90 %.".into(),
             x: quantity.axis().into(),
             y: "number of runs".into(),
         },
@@ -285,7 +285,7 @@ fn constant_words(quantity: &'static Metric, strips: &[&Strip], commonest: &[(f6
     let with_runs = || strips.iter().zip(commonest).filter(|(strip, _)| !strip.values.is_empty());
     let all: usize = with_runs().map(|(strip, _)| strip.values.len()).sum();
     let Some((_, &(value, _))) = with_runs().next() else {
-        return format!("{title}: no run has it.");
+        return format!("{title}: no run has a value.");
     };
     if with_runs().any(|(_, (other, _))| *other != value) {
         return format!("{title}: no distributions, since (almost) all runs of a variant have the same value.");
@@ -379,7 +379,7 @@ mod tests {
             format!("{title}: no distribution, since it is 0 s in 20 of 21 runs.")
         );
         assert!(said(&[strip(vec![1.0]), strip(vec![2.0])]).contains("of a variant have the same value"));
-        assert_eq!(said(&[strip(vec![])]), format!("{title}: no run has it."));
+        assert_eq!(said(&[strip(vec![])]), format!("{title}: no run has a value."));
         assert_eq!(commonest(&[1.0, 2.0, 2.0, 3.0, 3.0]), (2.0, 2));
     }
 

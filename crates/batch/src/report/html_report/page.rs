@@ -29,7 +29,7 @@ const FILES: [(&str, &str); 9] = [
     (TABLES_FILE, "the tables of all variants"),
     (SUMMARY_FILE, "the means of each variant"),
     (PLAN_FILE, "scenarios, seeds and settings"),
-    (MACHINES_FILE, "the machines that worked on it"),
+    (MACHINES_FILE, "the machines that ran it"),
 ];
 
 /// What is known of how the batch was made, besides its rows.
@@ -66,14 +66,14 @@ impl Page<'_> {
             ("Overview", summary(plan, collected, figures)),
             ("Runs to play", runs_to_play(plan, parts.playing)),
             ("Means", charts.of(Section::Means)),
-            ("Columns that were asked for", collected.report.column_tables(&parts.quantities.places())),
+            ("Requested columns", collected.report.column_tables(&parts.quantities.places())),
             ("Tables", tables(collected)),
             ("Fleets", fleets(collected)),
             ("Distributions", charts.of(Section::Distributions).into_iter().chain(constant).collect()),
             ("States over time", charts.of(Section::OverTime)),
             ("Sweeps", charts.of(Section::Sweeps)),
-            ("Runs without a result", runs(plan, &collected.failures, collected.report.not_done(), "Why")),
-            ("Runs in which an agent was stuck", runs(plan, &collected.stuck, stuck_runs, "For")),
+            ("Runs without a result", runs(plan, &collected.failures, collected.report.not_done(), "Reason")),
+            ("Runs in which an agent got stuck", runs(plan, &collected.stuck, stuck_runs, "Stuck for")),
             ("Files", files(batch)),
             ("Plan and version", plan_part(plan, origin)),
         ];
@@ -185,7 +185,7 @@ fn tables(collected: &Collected) -> Vec<Block> {
                 shown.map(|variant| Block::Folded(variant.title.clone(), variant.blocks())).collect();
             let more = several.len().saturating_sub(SHOWN_TABLES);
             if more > 0 {
-                blocks.push(Block::Text(format!("tables.md has those of {more} more variants.")));
+                blocks.push(Block::Text(format!("tables.md has the tables of {more} more variants.")));
             }
             blocks
         }
@@ -195,7 +195,7 @@ fn tables(collected: &Collected) -> Vec<Block> {
 fn fleets(collected: &Collected) -> Vec<Block> {
     let Some(table) = collected.report.fleets_table() else { return Vec::new() };
     let words = "Means over finished runs and all trucks of a run. A drive is wasted if it ends without an \
-                 extinction, and hopeless if its fire had to burn out before; the flock ratio is the share of goals with \
+                 extinction, and hopeless if its fire was bound to burn out first; the flock ratio is the share of goals with \
                  another truck's goal within 60 m.";
     vec![Block::Table(table), Block::Text(words.into())]
 }
@@ -212,7 +212,7 @@ fn runs(plan: &BatchPlan, shown: &[ListedRun], count: u64, heading: &str) -> Vec
         let run = plan.run(listed.number);
         vec![listed.number.to_string(), run.seed.to_string(), listed.words.clone(), run.repeating_command()]
     };
-    let headings = ["Run", "Seed", heading, "Shown again by"];
+    let headings = ["Run", "Seed", heading, "Command to replay it"];
     let table = Table { text_columns: 4, ..Table::new(&headings, shown.iter().map(row).collect()) };
     vec![Block::Text(text), Block::Table(table)]
 }
@@ -220,7 +220,7 @@ fn runs(plan: &BatchPlan, shown: &[ListedRun], count: u64, heading: &str) -> Vec
 fn plan_part(plan: &BatchPlan, origin: &Origin) -> Vec<Block> {
     let mut lines = vec![
         origin.writer.words(),
-        format!("Plan {}: its outcomes depend on nothing else than what has this SHA-256", plan.content_sha256()),
+        format!("Plan {}: the outcomes depend only on the data with this SHA-256", plan.content_sha256()),
         format!("Seeds {}", plan.seeds),
     ];
     lines.extend(plan.variants.iter().map(|variant| {

@@ -1,4 +1,4 @@
-//! Means over what a batch sweeps.
+//! Charts of means over swept keys.
 
 use super::collected::Values;
 use super::compared::Compared;

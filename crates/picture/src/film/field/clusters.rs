@@ -1,6 +1,6 @@
-//! What lies close together where cells are too small to be seen: agents as one mark with their number, fires as one glow.
+//! Clusters, where cells are too small to see: agents close together as one mark with their number, fires as one glow.
 //!
-//! Neighbours are found by the squares of a lattice that is fixed to the field, so that moving the view regroups nothing.
+//! Neighbours share a square of a lattice fixed to the field, so that moving the view does not regroup them.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! Flames on burning cells, the time that these have burned, and rings about cells that spread their fire.
+//! Flames on burning cells, their burning times, and rings around cells that spread fire.
 
 use crate::canvas::{Canvas, Ink, Pen, Point};
 use crate::colours::{BURNING, INK, PAPER, Rgb};

@@ -1,4 +1,4 @@
-//! Scales: a bar in metres, and the bar of the values that are shown.
+//! Scales: a bar in metres, and the bar of the displayed values.
 
 use crate::canvas::{Canvas, Point};
 use crate::colours::{INK, PAPER, Rgb};

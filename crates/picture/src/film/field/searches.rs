@@ -1,4 +1,4 @@
-//! Searches of planners: roadmaps, and the last search of each agent, as far as these were recorded.
+//! Searches of planners: roadmaps, and the last search of each agent, if they were recorded.
 
 use crate::canvas::{Canvas, Ink, Point};
 use crate::colours::{Rgb, blend};

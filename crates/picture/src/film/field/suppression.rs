@@ -1,4 +1,4 @@
-//! Trucks that suppress: how far they reach, the jet of water, and how much of the dwell is over.
+//! Suppressing trucks: their reach, the jet of water, and the elapsed share of the dwell.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! Values over the field, as planners use them: clearance, cost, cost to go. They are shown one at a time.
+//! Values over the field that planners use: clearance, cost, cost to go. One is shown at a time.
 
 use crate::canvas::Canvas;
 use crate::colours::{ColourMap, FIELD};

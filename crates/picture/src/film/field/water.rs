@@ -1,4 +1,4 @@
-//! Places where trucks fill their tanks.
+//! The places where trucks refill their tanks.
 
 use crate::canvas::{Canvas, Ink, Pen};
 use crate::colours::{PAPER, WATER};

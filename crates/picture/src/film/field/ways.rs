@@ -1,4 +1,4 @@
-//! Ways of agents: what they drove lately, and what they are about to drive.
+//! The paths of agents: those driven recently and those planned.
 
 use crate::canvas::{Canvas, Ink, Pen};
 use crate::colours::{PAPER, Rgb, agent_colour};

@@ -172,9 +172,8 @@ fn leader([wumpus, unimog]: [f64; 2]) -> Option<&'static str> {
 }
 
 fn lead_text(score: [f64; 2]) -> String {
-    leader(score).map_or("nobody leads".to_owned(), |name| {
-        format!("{name} leads by {}", points_text((score[0] - score[1]).abs()))
-    })
+    leader(score)
+        .map_or("tied".to_owned(), |name| format!("{name} leads by {}", points_text((score[0] - score[1]).abs())))
 }
 
 /// Points are whole numbers with ordinary rules.

@@ -67,7 +67,7 @@ pub fn agents_of(setting: &Setting, role: Role) -> usize {
     setting.agents.iter().filter(|agent| agent.id.role == role).count()
 }
 
-/// Tells what gives points to the sides that a run has; nothing where it has none.
+/// Explains how the sides of a run score; empty if it has no scoring.
 pub fn points_sentence(setting: &Setting) -> String {
     let Rules { score_wumpus_ignited, score_wumpus_burned_out, score_truck_extinguished, .. } = setting.rules;
     let of = |role, name: &str, points: &[(f64, &str)]| {
@@ -229,7 +229,7 @@ mod tests {
     fn only_sides_that_are_there_have_points_and_lead() {
         let scores = |agents: &[AgentId]| texts(&run(agents), |view| scores_block(view).into_iter().collect());
         let (wumpus, truck) = (AgentId::wumpus(0), AgentId::unimog(0));
-        assert_eq!(scores(&[wumpus, truck]), "Wumpus 0 Unimog 0 nobody leads ");
+        assert_eq!(scores(&[wumpus, truck]), "Wumpus 0 Unimog 0 tied ");
         assert_eq!(scores(&[truck]), "Unimog 0 ");
         assert_eq!(scores(&[wumpus]), "Wumpus 0 ");
         assert_eq!(scores(&[]), "");

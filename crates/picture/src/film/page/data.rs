@@ -1,7 +1,7 @@
-//! All that a page shows of its runs, found once and written as JSON that a script reads.
+//! The data of a page's runs, prepared once and written as JSON for its script.
 //!
-//! A table is a list for each of its columns. Names of columns end in their unit; those of times, cells and bushes hold
-//! differences, each number less the one before it, which pack small. Lengths and angles are whole numbers in small units.
+//! A table is a list per column. Column names end in their unit. Columns of times, cells and bushes hold the differences
+//! of successive numbers, which compress well. Lengths and angles are integers in small units.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! The ground of a run on a page: what grows there, when which cell burned or was wet, what embers lit, the wind.
+//! The ground of a run on a page: vegetation, burning and wet cells over time, fires lit by embers, the wind.
 
 use std::collections::BTreeMap;
 

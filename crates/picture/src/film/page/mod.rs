@@ -1,7 +1,7 @@
-//! Runs as a page: one file that plays them in a browser, without a network and without this program.
+//! Pages that play runs in a browser: one file each, which needs neither a network nor this program.
 //!
-//! Numbers, words, colours and sprites are found here and go into the page as data; its script (`assets/page/`) draws them as
-//! the other modules of [`film`](super) do. Layers of values over the whole field are left out.
+//! Numbers, texts, colours and sprites are prepared here and embedded in the page as data; its script (`assets/page/`)
+//! draws them as the other modules of [`film`](super) do. Layers of values over the whole field are left out.
 
 mod data;
 mod ground;
@@ -128,7 +128,7 @@ pub fn play_page(module: &[u8], game: &str) -> String {
         [element("module", &module), element("worker", WORKER), element("setup-data", &game.replace('<', "\\u003c"))];
     filled_in(&Filling {
         title: "wildfire",
-        sentence: "Watch an arsonist and fire trucks, or play one of them: everything is computed in this page.",
+        sentence: "Watch an arsonist and fire trucks, or play one side. The simulation runs in this page.",
         policy: "script-src 'unsafe-inline' 'wasm-unsafe-eval'; worker-src blob:",
         desk: DESK,
         question: QUESTION,
