@@ -12,16 +12,16 @@ use wildfire_base::document::Document;
 #[derive(Clone, Copy, Debug, Default, Args)]
 #[group(id = "report_form", multiple = false)]
 pub struct FormArguments {
-    /// Print the report as one JSON object, with everything that was computed.
+    /// Print the report as one JSON object, with all computed values.
     #[arg(help_heading = "Output", long)]
     pub json: bool,
     /// Print the report as Markdown.
     #[arg(help_heading = "Output", long)]
     pub md: bool,
-    /// Print the report as a web page that needs no other file.
+    /// Print the report as a self-contained web page.
     #[arg(help_heading = "Output", long)]
     pub html: bool,
-    /// Print the report as LaTeX, to be read into a paper with \input.
+    /// Print the report as LaTeX, for \input in a paper.
     #[arg(help_heading = "Output", long)]
     pub tex: bool,
 }

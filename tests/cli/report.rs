@@ -260,7 +260,7 @@ fn distribution_of_equal_numbers_is_left_out_with_a_sentence() {
     let lines: Vec<String> = rows.iter().map(|row| row.join(",")).collect();
     story.file("a/runs.csv", &(lines.join("\n") + "\n"));
     let page = report(&story);
-    let said = "Distance driven by the trucks: no distribution, since it is 12.5 m in all 4 runs.";
+    let said = "Distance driven by trucks: no distribution, since it is 12.5 m in all 4 runs.";
     assert!(page.contains(said), "{page}");
     assert!(!charts(&story, ".svg").contains(&"distribution-truck_distance_m".to_owned()));
 }
@@ -360,7 +360,7 @@ fn chart_that_would_have_too_many_panels_is_refused_with_words() {
     let set = format!("fire.burn_out_s={values}");
     let short = ["--set", "duration_s=5", "--set", &set];
     story.tell(&[&["batch", "smoke", "--seeds", "1", "--out", "a"], short.as_slice()].concat()).expect_code(0);
-    let said = "No charts of states over time: they would have 130 panels, at most 120 are drawn.";
+    let said = "No charts of states over time: they would have 130 panels; the limit is 120.";
     let answer = story.tell(&["report", "a"]).expect_code(0).stdout;
     assert!(answer.split_whitespace().collect::<Vec<_>>().join(" ").contains(said), "{answer}");
     assert!(story.read("a/report.html").contains(said));

@@ -24,7 +24,7 @@ pub struct Charts {
     pub curves: Vec<ChartSheet>,
     /// What they show: one for each chart.
     pub data: Vec<ChartData>,
-    /// Charts that are not drawn, since they would have too many panels: a sentence for each.
+    /// Omitted charts, since they would have too many panels: a sentence for each.
     pub refused: Vec<String>,
 }
 
@@ -58,8 +58,7 @@ impl Charts {
     /// Says whether a chart has few enough panels; if not, notes in a sentence that it is not drawn.
     fn admits(&mut self, what: &str, panels: usize) -> bool {
         if panels > MOST_PANELS {
-            let sentence =
-                format!("No charts of {what}: they would have {panels} panels, at most {MOST_PANELS} are drawn.");
+            let sentence = format!("No charts of {what}: they would have {panels} panels; the limit is {MOST_PANELS}.");
             self.refused.extend((!self.refused.contains(&sentence)).then_some(sentence));
         }
         panels <= MOST_PANELS
@@ -102,7 +101,9 @@ fn boxes(queries: &DriveTable, groups: &[PlannerSummary], measure: &Measure) -> 
     ends.any(|(low, high)| *low != first || *high != first).then(|| BoxChart {
         titles: Titles {
             title: measure.title.into(),
-            note: "Boxes: the middle half, with the median; lines: values within 1.5 boxes; points: all others.".into(),
+            note: "Boxes: the middle half, with the median; whiskers: values within 1.5 boxes; points: \
+                outliers."
+                .into(),
             x: measure.axis.into(),
             y: String::new(),
         },
