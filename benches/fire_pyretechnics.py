@@ -61,8 +61,8 @@ def compare(options):
     ours, theirs = (statistics.median(times[name]) for name in ("wildfire", "pyretechnics"))
     both, either = burned["wildfire"] & burned["pyretechnics"], burned["wildfire"] | burned["pyretechnics"]
     print(f"{options.side} x {options.side} cells of {CELL_M} m, {minutes:.0f} min, medians of {options.rounds} fires each")
-    print(f"wildfire      {ours:7.2f} us a burned cell, {len(burned['wildfire'])} cells")
-    print(f"pyretechnics  {theirs:7.2f} us a burned cell, {len(burned['pyretechnics'])} cells")
+    print(f"wildfire      {ours:7.2f} us per burned cell, {len(burned['wildfire'])} cells")
+    print(f"pyretechnics  {theirs:7.2f} us per burned cell, {len(burned['pyretechnics'])} cells")
     print(f"{theirs / ours:.1f} times; intersection over union of the burned areas {len(both) / len(either):.3f}")
     sys.exit(0 if len(both) > 0.9 * len(either) else 1)
 

@@ -12,7 +12,7 @@ pub fn changes(changes: &Bound<'_, PyMapping>) -> PyResult<Vec<String>> {
     let change = |item: Bound<'_, PyAny>| {
         let (key, value) = item.extract::<(String, Bound<'_, PyAny>)>()?;
         if key.contains('=') {
-            return Err(PyValueError::new_err(format!("`{key}` is no key of a scenario: it contains `=`")));
+            return Err(PyValueError::new_err(format!("`{key}` is not a key of a scenario: it has a `=`")));
         }
         let written = literal(&value).map_err(|error| named(&key, error, value.py()))?;
         Ok(format!("{key}={written}"))

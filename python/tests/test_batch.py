@@ -123,7 +123,7 @@ def test_a_folder_is_not_taken_for_that_of_another_planner(tmp_path: pathlib.Pat
             batch(other)
     assert batch(code.replace("None", "[]"), version="1", out=tmp_path / "other").not_done == 0
     assert batch(code, version="1", out=tmp_path / "other").not_done == 0
-    with pytest.raises(wf.WildfireError, match='version is "1" there, "2" is asked for'):
+    with pytest.raises(wf.WildfireError, match='version is "1" there, but "2" was requested'):
         batch(code, version="2", out=tmp_path / "other")
     assert fingerprint(wf.policies.Policy(lambda seen: 0)) != fingerprint(wf.policies.Policy(lambda seen: 1))
     makers = [lambda n=n: n for n in (1, 1, 2)]
@@ -237,8 +237,8 @@ def test_the_command_line_refuses_batches_with_planners_of_python(tmp_path: path
     wf.batch("smoke", "1..2", planner="mine", planners={"mine": first_curve}, out=tmp_path / "batch")
     command = [sys.executable, "-m", "wildfire_contest", "audit", str(tmp_path / "batch")]
     audited = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert audited.returncode == 2 and "planner `mine`, which was handed in" in audited.stderr and audited.stdout == ""
-    with pytest.raises(wf.WildfireError, match="planner `mine`, which was handed in"):
+    assert audited.returncode == 2 and "planner `mine`, which was registered" in audited.stderr and audited.stdout == ""
+    with pytest.raises(wf.WildfireError, match="planner `mine`, which was registered"):
         wf.audit(tmp_path / "batch")
     (tmp_path / "batch" / "runs.csv").unlink()
     journal = (tmp_path / "batch" / "runs.journal").read_bytes()

@@ -29,11 +29,11 @@ pub struct ScenarioArguments {
 /// Programs that plan.
 #[derive(Clone, Debug, Default, Args)]
 pub struct ProgramArguments {
-    /// Make a program known as the planner and the policy NAME, such as `rrt='python3 rrt.py'`; the command is split into
-    /// words as a shell does, and no shell is run. May be repeated.
+    /// Register a program as planner and policy NAME, such as `rrt='python3 rrt.py'`; the command is split as a shell
+    /// would, but no shell runs. May be repeated.
     #[arg(help_heading = "Programs", long = "command", value_name = "NAME=COMMAND", value_parser = parse_command)]
     pub commands: Vec<NamedCommand>,
-    /// Run the programs that tables of scenario files name.
+    /// Allow programs named in scenario files to run.
     #[arg(help_heading = "Programs", long)]
     pub trust: bool,
 }
@@ -93,8 +93,8 @@ fn shell_words(command: &str) -> Result<Vec<String>, String> {
 /// Arguments of every command that simulates.
 #[derive(Debug, Args)]
 pub struct MemoryArguments {
-    /// The memory that a run may take, such as `4GB`, `512MiB` or `4G`, which is 4 GB: one that would take more is not
-    /// run [default: 2GB, or what the plan of a batch says].
+    /// Memory limit of a run, such as `4GB`, `512MiB` or `4G` (4 GB); a run that would exceed it is refused [default:
+    /// 2GB, or the limit in the batch's plan].
     #[arg(long, value_name = "SIZE")]
     pub memory: Option<MemoryLimit>,
 }
@@ -108,16 +108,16 @@ impl MemoryArguments {
 /// Charts for papers.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct PaperArguments {
-    /// Also write the charts as PDF, for papers; letters are outlines.
+    /// Also write the charts as PDF, with text as outlines.
     #[arg(help_heading = "Papers", long)]
     pub pdf: bool,
-    /// Also write the charts as PGF, which LaTeX reads with `\input` and sets in the paper's own font.
+    /// Also write the charts as PGF, for `\input` in LaTeX, in the paper's font.
     #[arg(help_heading = "Papers", long)]
     pub pgf: bool,
-    /// The width of the charts on paper: a column has some 88 mm, a page some 180.
+    /// Width of the charts on paper: about 88 mm for a column, 180 mm for a page.
     #[arg(help_heading = "Papers", long, value_name = "MM", default_value = "88", value_parser = width_mm)]
     pub width_mm: f32,
-    /// The size of their letters in points.
+    /// Font size of the charts in points.
     #[arg(help_heading = "Papers", long, value_name = "PT", default_value = "8", value_parser = font_pt)]
     pub font_pt: f32,
 }
@@ -137,8 +137,8 @@ impl PaperArguments {
         let least = PaperSize::least_width_mm(font_pt).ceil();
         if (pdf || pgf) && width_mm < least {
             let sentence =
-                format!("--width-mm {width_mm} has no room for letters of {font_pt} pt; expected at least {least}");
-            return Err(CliError::bad_input(sentence, Some("--font-pt makes them smaller")));
+                format!("--width-mm {width_mm} is too narrow for a font of {font_pt} pt; expected at least {least}");
+            return Err(CliError::bad_input(sentence, Some("reduce the font size with --font-pt")));
         }
         Ok(PaperCharts { size: PaperSize { width_mm, font_pt }, pdf, pgf })
     }

@@ -44,7 +44,7 @@ pub fn write(folder: &Path) -> Result<(), CliError> {
     let file = |name: &str| shell_word(&folder.join(name).display().to_string());
     let [rules, anna, ben, cem] = ["rules.toml", "anna.toml", "ben.toml", "cem.toml"].map(file);
     terminal::print(&format!(
-        "{} holds the rules, {SEEDS} secret seeds ({SEEDS_FILE}), three sample entries and a hand-out.\n\
+        "{} holds the rules, {SEEDS} secret seeds ({SEEDS_FILE}), three sample entries and a handout.\n\
          Give rules.toml and handout.md to the students, and keep {SEEDS_FILE}. Then:\n\n  \
          wildfire batch --rules {rules} --agent {anna} {ben} {cem} --out runs/course\n  \
          wildfire rank runs/course --audit 2 --sheets runs/sheets\n",

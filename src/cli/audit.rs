@@ -27,21 +27,21 @@ Examples:
   wildfire audit run.wildfire
   wildfire audit runs/contest runs/dense --jobs 2
 
-It drives every leg once more in small steps, by other means than the planners', and
-exits with 4 if a rule is violated: it prints the first violation of every run, with
-time, place and rule.")]
+The audit re-drives every leg in small steps, with code that shares nothing with the
+planners. It prints the first violation of every run, with time, place and rule, and exits
+with 4 if there is one.")]
 pub struct AuditArguments {
-    /// Recordings, folders with recordings, or folders of batches; what a batch did not record is simulated again from
-    /// its plan.
+    /// Recordings, folders of recordings, or batch folders; unrecorded runs of a batch are simulated again from its
+    /// plan.
     #[arg(value_name = "RUN|DIR", required = true)]
     pub paths: Vec<PathBuf>,
-    /// Threads [default: as many as the machine runs at once].
+    /// Number of threads [default: the number of processors].
     #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
-    /// The most metres between two poses that are checked.
+    /// Largest distance between checked poses, in metres.
     #[arg(long, value_name = "METRES", default_value_t = 0.02, allow_hyphen_values = true, value_parser = parse_audit_step)]
     pub step: f64,
-    /// Run the programs that plans of batches name, where runs are simulated again.
+    /// Allow programs named in batch plans to run when runs are simulated again.
     #[arg(long)]
     pub trust: bool,
     #[command(flatten)]
@@ -77,7 +77,7 @@ fn source(path: &Path, context: &CommandContext) -> Result<AuditSource, CliError
         return Ok(AuditSource::Recordings(vec![path.to_owned()]));
     }
     if !FinishedBatch::is_there(path) {
-        return recordings(path, "no recordings and no plan of a batch");
+        return recordings(path, "no recordings and no batch plan");
     }
     match FinishedBatch::open(path) {
         Ok(batch) => {
@@ -89,7 +89,7 @@ fn source(path: &Path, context: &CommandContext) -> Result<AuditSource, CliError
         }
         Err(error @ FinishedError::Plan(PlanError::OtherVersion { .. })) => {
             if !context.quiet {
-                terminal::note(&format!("{error}: only what was recorded is audited"));
+                terminal::note(&format!("{error}: only recorded runs are audited"));
             }
             recordings(&path.join(RECORDINGS_FOLDER), "no recordings, and nothing else can be audited")
         }

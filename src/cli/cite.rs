@@ -17,10 +17,10 @@ Examples:
   wildfire cite runs/contest >> paper.bib
   wildfire cite runs/contest --json")]
 pub struct CiteArguments {
-    /// The folder of a batch, whose plan is named with its SHA-256: it decides all outcomes.
+    /// Batch folder; the entry gives the SHA-256 of its plan, which determines all outcomes.
     #[arg(value_name = "DIR")]
     pub folder: Option<PathBuf>,
-    /// Print the same as one JSON object.
+    /// Print one JSON object instead.
     #[arg(long)]
     pub json: bool,
 }

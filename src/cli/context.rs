@@ -88,7 +88,7 @@ impl CommandContext {
     fn expect_trusted_program(&self, used: &UsedProgram<'_>) -> Result<(), CliError> {
         let UsedProgram { kind, name, table } = used;
         #[cfg(not(unix))]
-        return Err(CliError::environment(format_args!("the {kind} `{name}` is a program: these run on Unix only")));
+        return Err(CliError::environment(format_args!("the {kind} `{name}` is a program; programs run only on Unix")));
         #[cfg(unix)]
         if self.trust().includes(kind, name) {
             return Ok(());
@@ -97,9 +97,10 @@ impl CommandContext {
             if table.works_in.as_os_str().is_empty() { ".".into() } else { table.works_in.display().to_string() };
         let command = table.command_line();
         let sentence = format!(
-            "the {kind} `{name}` is a program that a file names, and was not started; it would have run, in {folder}: {command}"
+            "the {kind} `{name}` is a program named in a file and was not started; it would have run in {folder}: \
+             {command}"
         );
-        Err(CliError::bad_input(sentence, Some("if you trust whoever wrote the file, say so with --trust")))
+        Err(CliError::bad_input(sentence, Some("if you trust the author of the file, pass --trust")))
     }
 
     /// Returns the planners that are known on a field of this scenario's run.

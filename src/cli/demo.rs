@@ -19,7 +19,7 @@ Examples:
   wildfire demo
   wildfire demo --out first-look")]
 pub struct DemoArguments {
-    /// A folder that is not there yet, or is empty; it stays, with pictures, pages and tables.
+    /// Output folder for pictures, pages and tables; must not exist or must be empty.
     #[arg(short, long, value_name = "DIR", default_value = "demo")]
     pub out: PathBuf,
 }
@@ -40,19 +40,16 @@ const STEPS: [Step; 7] = [
         why: "The same run to watch: a page for any browser, and a picture after ten minutes.",
         command: "render DIR/run.wildfire --page DIR/run.html --out DIR/run.png --at 600",
     },
+    Step { why: "Did anyone cheat? Independent code checks every leg, every 2 cm.", command: "audit DIR/run.wildfire" },
     Step {
-        why: "Did anybody cheat? Other code looks at every leg of the way, every 2 cm.",
-        command: "audit DIR/run.wildfire",
-    },
-    Step {
-        why: "One run is chance. Two planners, thirty fields each.",
+        why: "One run proves little. Two planners, thirty fields each.",
         command: "batch contest --seeds 1..30 --planner hybrid-astar,prm+primitives --out DIR/batch",
     },
     Step {
-        why: "Which is better? Pairs of the same field say it, with an interval.",
+        why: "Which is better? A paired comparison on the same fields, with an interval.",
         command: "compare DIR/batch --metric saved,truck_distance_m",
     },
-    Step { why: "All of that as a page with charts, for whoever was not here.", command: "report DIR/batch --pages" },
+    Step { why: "All of this as a page with charts, to pass on.", command: "report DIR/batch --pages" },
     Step {
         why: "Single drives between bushes, two planners side by side.",
         command: "plan --goals 8 --planner hybrid-astar,prm-rs --png DIR/drives.png",
@@ -69,7 +66,7 @@ Then try
   wildfire scenarios                              other contests: wind, hills, fleets
   wildfire run contest --set unimog.speed_mps=12  any value can be changed, and
   wildfire check contest                          explains them
-  wildfire new planner mine.py                    a planner of yours, in any language
+  wildfire new planner mine.py                    a custom planner, in any language
   wildfire map report --help                      the classical grid maps and searches
 ";
 
@@ -86,8 +83,9 @@ pub fn run(
     let begins_with_hyphen = arguments.out.as_os_str().as_encoded_bytes().starts_with(b"-");
     let folder = &if begins_with_hyphen { Path::new(".").join(&arguments.out) } else { arguments.out.clone() };
     expect_empty(folder)?;
-    fs::create_dir_all(folder)
-        .map_err(|error| CliError::environment(format_args!("cannot make the folder {}: {error}", folder.display())))?;
+    fs::create_dir_all(folder).map_err(|error| {
+        CliError::environment(format_args!("cannot create the folder {}: {error}", folder.display()))
+    })?;
     let shown = folder.display().to_string();
     let quiet = CommandContext::new(true, context.entrants.clone());
     for (index, Step { why, command }) in STEPS.iter().enumerate() {
@@ -113,7 +111,7 @@ pub fn expect_empty(folder: &Path) -> Result<(), CliError> {
     if is_empty {
         return Ok(());
     }
-    let sentence = format!("{} is there already; expected a folder that is empty or not there", folder.display());
+    let sentence = format!("{} already exists; expected a new or an empty folder", folder.display());
     Err(CliError::bad_input(sentence, Some("name another folder, or remove it")))
 }
 

@@ -54,7 +54,7 @@ impl CliError {
     pub fn unreadable(path: &Path, error: &io::Error) -> Self {
         let path = path.display();
         let sentence = match error.kind() {
-            ErrorKind::NotFound => format!("there is no {path}"),
+            ErrorKind::NotFound => format!("{path} does not exist"),
             _ => format!("cannot read {path}: {error}"),
         };
         Self::from_input_error(sentence, error.kind())
@@ -78,11 +78,11 @@ impl CliError {
                 Self::new(error, Some(&help), exit::ENVIRONMENT)
             }
             BatchError::Journal(JournalError::Rewritten { .. }) => {
-                let help = format!("a program that plays may have done it; to make all runs again, {help}");
+                let help = format!("a participating program may have done it; to repeat all runs, {help}");
                 Self::new(error, Some(&help), exit::ENVIRONMENT)
             }
             BatchError::Journal(JournalError::Changed { .. }) => {
-                Self::new(error, Some(&format!("put it back as it was and {help}")), exit::ENVIRONMENT)
+                Self::new(error, Some(&format!("restore it and {help}")), exit::ENVIRONMENT)
             }
             _ => error.into(),
         }
@@ -230,13 +230,16 @@ impl From<DriveError> for CliError {
     fn from(error: DriveError) -> Self {
         let help = match &error {
             DriveError::NoTruck { .. } => "planners take their settings from its first [[unimog]]".to_owned(),
-            DriveError::SameName { .. } => "tables tell fields apart by `field`, or by the file's name".to_owned(),
+            DriveError::SameName { .. } => "tables identify a field by `field`, or by its file's name".to_owned(),
             DriveError::NoGoals { what: "bushes", .. } => "leave out --cells, to drive to poses".to_owned(),
             DriveError::NoGoals { .. } => "list `goals`, or drive to bushes with --cells".to_owned(),
             DriveError::UnknownPlanner { name, known } => {
                 let nearest = nearest_name(name.name(), known.iter().map(String::as_str));
                 let nearest = nearest.map_or(String::new(), |nearest| format!("did you mean `{nearest}`? "));
-                format!("{nearest}known are {}; --command {name}='PROGRAM ...' makes it known", known.join(", "))
+                format!(
+                    "{nearest}expected one of {}; register a program with --command {name}='PROGRAM ...'",
+                    known.join(", ")
+                )
             }
             _ => {
                 return match error {
@@ -257,23 +260,27 @@ impl From<BatchError> for CliError {
             BatchError::HoldsResults { .. } => {
                 Some("name another folder with --out, resume it with --resume, or overwrite the results with --force")
             }
-            BatchError::Plan(PlanError::OtherVersion { .. }) => Some("go on with that version, or begin a new batch"),
+            BatchError::Plan(PlanError::OtherVersion { .. }) => Some(
+                "continue with that version, or start a new \
+                batch",
+            ),
             BatchError::Plan(PlanError::SourceChanged { .. }) => {
-                Some("undo the change to go on with this batch, or begin a new one")
+                Some("undo the change to resume this batch, or start a new one")
             }
             BatchError::Journal(JournalError::NoLock { .. }) => Some(
-                "this file system has no such lock: with --lock none, make sure that no other process works on this slice",
+                "this file system does not support the lock; with --lock none, make sure that no other process works \
+                 on this slice",
             ),
             BatchError::Journal(JournalError::Damaged { .. }) => {
-                Some("delete that line and all behind it to run those runs again")
+                Some("delete that line and all after it to repeat those runs")
             }
             BatchError::OtherSlices { path, asked, .. } if asked.is_whole() => {
                 help = help_on_unfinished(path);
                 help.as_deref()
             }
             BatchError::OtherSlices { .. } => Some("all slices of a batch are K/N with one N"),
-            BatchError::NotYetBegun { .. } => Some("begin the batch once more, with --out and this folder"),
-            BatchError::NoJournal { .. } => Some("begin a new batch, with --force to replace what is there"),
+            BatchError::NotYetBegun { .. } => Some("start the batch again, with --out and this folder"),
+            BatchError::NoJournal { .. } => Some("start a new batch, with --force to replace the old results"),
             _ => None,
         };
         let code = match &error {

@@ -29,8 +29,8 @@ Examples:
   wildfire export runs/contest --seed 3 -o run.csv
   wildfire export smoke --format json -o - | jq .outcome
 
-What is in each file is listed in docs/output-files.md; `wildfire schema export` prints the
-JSON Schema of the object.")]
+The contents of each file are listed in docs/output-files.md; `wildfire schema export` prints
+the JSON Schema of the object.")]
 pub struct ExportArguments {
     /// A recording, the folder of a batch, a scenario file, or the name of a built-in scenario.
     #[arg(value_name = "RUN|SCENARIO", default_value = "contest")]
@@ -45,24 +45,24 @@ pub struct ExportArguments {
     /// The seed of the run [default: 1, or the first of the batch].
     #[arg(short, long, allow_hyphen_values = true, value_parser = parse_seed)]
     pub seed: Option<u64>,
-    /// Record the searches of a run that is simulated, for JSON and MCAP.
+    /// Also export the planners' searches, for JSON and MCAP; only for simulated runs.
     #[arg(long)]
     pub record_searches: bool,
-    /// The form of the file [default: as its name ends].
+    /// File format [default: from the ending of the name].
     #[arg(long, value_enum)]
     pub format: Option<ExportFormat>,
-    /// The file to write; of CSV, NAME.csv stands for NAME-events.csv and NAME-trace.csv.
+    /// Output file; for CSV, NAME.csv means NAME-events.csv and NAME-trace.csv.
     #[arg(short, long, value_name = "FILE")]
     pub out: PathBuf,
-    /// Simulated seconds between two samples of where agents are [default: 0.1]; not for JSON, which has the legs themselves.
+    /// Simulated seconds between samples of the agents' poses [default: 0.1]; not for JSON, which holds the legs.
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = parse_step)]
     pub step: Option<f64>,
-    /// Sample this agent only, such as `unimog/0`; may be repeated.
+    /// Sample only this agent, such as `unimog/0`; may be repeated.
     #[arg(long = "agent", value_name = "AGENT", value_parser = parse_agent)]
     pub agents: Vec<AgentId>,
 }
 
-/// A form in which a run is written.
+/// A format in which a run is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ExportFormat {
     Json,
@@ -108,7 +108,7 @@ impl Outputs {
             ExportFormat::Npz => Self::Npz(out.clone()),
             ExportFormat::Mcap => Self::Mcap(out.clone()),
             ExportFormat::Csv if is_standard_stream(out) => {
-                let sentence = "--format csv writes two tables; expected the name of a file, and - is stdout";
+                let sentence = "--format csv writes two tables; expected a file name, not - (stdout)";
                 return Err(CliError::bad_input(sentence, None));
             }
             ExportFormat::Csv => Self::Csv { events: beside(out, "events")?, trace: beside(out, "trace")? },
@@ -116,7 +116,7 @@ impl Outputs {
         if let Self::Json(_) = outputs {
             let unused = [("--step", arguments.step.is_some()), ("--agent", !arguments.agents.is_empty())];
             if let Some((option, _)) = unused.into_iter().find(|(_, is_given)| *is_given) {
-                let sentence = format!("{option} is for samples, and JSON has the legs of all agents instead");
+                let sentence = format!("{option} applies to samples; JSON holds the legs of all agents instead");
                 return Err(CliError::bad_input(sentence, None));
             }
         }
@@ -178,12 +178,10 @@ fn format_of(arguments: &ExportArguments) -> Result<ExportFormat, CliError> {
     let mut named = by_ending.filter(|&format| ending.eq_ignore_ascii_case(known(format).get_name()));
     named.next().ok_or_else(|| {
         let sentence = match is_standard_stream(&arguments.out) {
-            true => "- has no ending that says which form is meant; expected --format json, npz or mcap".to_owned(),
+            true => "- (stdout) has no ending that selects a format; expected --format json, npz or mcap".to_owned(),
             false => {
                 let path = arguments.out.display();
-                format!(
-                    "{path} does not say which form is meant; expected a name that ends in .json, .csv, .npz or .mcap"
-                )
+                format!("the name {path} selects no format; expected a name that ends in .json, .csv, .npz or .mcap")
             }
         };
         CliError::bad_input(sentence, None)
@@ -193,7 +191,7 @@ fn format_of(arguments: &ExportArguments) -> Result<ExportFormat, CliError> {
 /// The name of one of two tables: `run.csv` becomes `run-events.csv`.
 fn beside(path: &Path, table: &str) -> Result<PathBuf, CliError> {
     let (Some(stem), Some(ending)) = (path.file_stem(), path.extension()) else {
-        let sentence = format!("{} would be tables; expected a name that ends in .csv", path.display());
+        let sentence = format!("{} would hold CSV tables; expected a name that ends in .csv", path.display());
         return Err(CliError::bad_input(sentence, None));
     };
     let mut name = stem.to_owned();

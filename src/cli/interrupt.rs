@@ -136,7 +136,7 @@ mod announcer {
     }
 
     fn announce() {
-        terminal::note("stopping; Ctrl-C once more to stop at once");
+        terminal::note("stopping; press Ctrl-C again to stop at once");
         let (announced, changed) = &ANNOUNCED;
         *announced.lock().unwrap_or_else(PoisonError::into_inner) = true;
         changed.notify_all();

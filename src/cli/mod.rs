@@ -81,7 +81,7 @@ use wildfire_sim::programs::supervisor;
 
 const EXAMPLES: &str = "\
 Examples:
-  wildfire demo                               a first minute
+  wildfire demo                               a tour in a minute
   wildfire batch                              the contest, five runs: two tables
   wildfire batch contest --seeds 1..1000      a thousand runs
   wildfire run contest --seed 7               one run: who won, what took time
@@ -95,14 +95,14 @@ Examples:
   wildfire map-of runs/contest --burn-probability --png probability.png
   wildfire plan field.json --planner prm-rs,hybrid-astar   compare planners
 
-Exit codes: 0 done, 1 some run failed, 2 bad input, 3 disk or other environment,
+Exit codes: 0 done, 1 a run failed, 2 bad input, 3 disk or other environment,
 4 an audit or a check found a violation, 75 stopped and resumable, 130 stopped.";
 
 /// A wildfire contest between planners: a Wumpus lights bushes, a fire truck puts them out.
 #[derive(Debug, Parser)]
 #[command(name = "wildfire", version, long_version = LONG_VERSION, after_help = EXAMPLES, max_term_width = 100)]
 pub struct Arguments {
-    /// Print results and errors only: no progress, no notes.
+    /// Print only results and errors, no progress or notes.
     #[arg(short, long, global = true, env = "WILDFIRE_QUIET", value_parser = FalseyValueParser::new())]
     pub quiet: bool,
     #[command(subcommand)]
@@ -111,7 +111,7 @@ pub struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Show in a minute what the program does, and leave a folder with pictures and pages.
+    /// Tour the program in a minute and fill a folder with pictures and pages.
     Demo(DemoArguments),
     /// Run a scenario once and print who won.
     Run(RunArguments),
@@ -121,27 +121,27 @@ pub enum Command {
     Page(PageArguments),
     /// Draw a run without a screen: a still, a GIF, an MP4.
     Render(RenderArguments),
-    /// Write a run for other tools: JSON, NumPy arrays, MCAP for Foxglove, CSV.
+    /// Export a run to other tools: JSON, NumPy arrays, MCAP for Foxglove, CSV.
     Export(ExportArguments),
-    /// Run scenarios with many seeds and print the tables of the contest.
+    /// Run scenarios with many seeds and print contest tables.
     Batch(BatchArguments),
     /// Show a batch's progress.
     Status(StatusArguments),
-    /// Put the slices of a batch together: check that all are there, and write its tables.
+    /// Merge the slices of a batch: check that all are complete and write its tables.
     Merge(MergeArguments),
     /// Write a report of a batch: a web page, and its charts as SVG and PNG.
     Report(ReportArguments),
-    /// Compare batches, or scenarios and planners inside one, in pairs by seed.
+    /// Compare batches, or scenarios and planners within a batch, paired by seed.
     Compare(CompareArguments),
-    /// Rank entries, all against all: batches, or planners and policies inside them.
+    /// Rank entries, all against all: batches, or planners and policies within them.
     Rank(RankArguments),
-    /// Check finished runs against the rules: recordings, and all runs of batches.
+    /// Audit finished runs against the rules: recordings, or all runs of batches.
     Audit(AuditArguments),
-    /// Write a template with comments: a scenario, or the plan of a batch.
+    /// Write a commented template: a scenario, the plan of a batch, a planner, a course.
     New(NewArguments),
-    /// Print what a file may say, or what columns mean, as JSON Schema.
+    /// Print the JSON Schema of a file format or of a table's columns.
     Schema(SchemaArguments),
-    /// Explain what a scenario means, its defaults, and its terrain.
+    /// Explain a scenario: its values, defaults and terrain.
     Check(CheckArguments),
     /// List the built-in scenarios, or print one.
     Scenarios(ScenariosArguments),
@@ -152,22 +152,22 @@ pub enum Command {
     },
     /// Map what runs leave on every cell: when fire came, how strong, how often over a batch, and what trucks change.
     MapOf(MapOfArguments),
-    /// Compute the shortest curves of a turning radius between two poses: Reeds-Shepp and Dubins.
+    /// Compute the shortest curves with a turning radius between two poses: Reeds-Shepp and Dubins.
     Curve(CurveArguments),
-    /// Compute how fire behaves and spreads on the ground, by fuel, wind, slope and moisture, without any truck.
+    /// Compute fire behavior and spread from fuel, wind, slope and moisture, without agents.
     Fire {
         #[command(subcommand)]
         command: FireCommand,
     },
-    /// Plan drives of the truck: any planners, on fields of yours or of a scenario, with figures and paths to check.
+    /// Plan drives of the truck with any planners, on your own fields or a scenario's; report figures and paths.
     Plan(PlanArguments),
-    /// Judge paths that were computed anywhere as the program judges its own, also beside planners of its own.
+    /// Judge paths from any source by the rules for planners, also next to built-in planners.
     Judge(JudgeArguments),
-    /// Print what a paper says about the program, and about a batch, as BibTeX.
+    /// Print a BibTeX entry for the program and a batch.
     Cite(CiteArguments),
-    /// Print the script that completes this program's arguments in a shell.
+    /// Print a shell completion script.
     Completions(CompletionsArguments),
-    /// Print the page for `man`, or write those of all commands.
+    /// Print the man page, or write the man pages of all commands.
     Man(ManArguments),
 }
 

@@ -31,6 +31,6 @@ pub fn help_on_unfinished(path: &Path) -> Option<String> {
     let Ok(BatchStatus { slices, .. }) = status else { return None };
     match next_command(path, &slices, "") {
         Some((purpose, command)) => Some(format!("{} with: {command}", purpose.to_lowercase())),
-        None => Some("its runs are still being made: wildfire status shows the progress".into()),
+        None => Some("its runs are still in progress: wildfire status shows how many are done".into()),
     }
 }

@@ -41,11 +41,11 @@ pub enum TableFault {
     Empty { expected: String },
     #[error("line {line}: the column {column} is missing; expected a header with {expected}")]
     Missing { line: u64, column: &'static str, expected: String },
-    #[error("line {line}: the column {column} is there twice; expected it once")]
+    #[error("line {line}: the column {column} appears twice; expected it once")]
     Twice { line: u64, column: &'static str },
-    #[error("line {line}: the column {column} is there already; expected a table without the columns that are added")]
+    #[error("line {line}: the column {column} already exists; expected a table without the columns to be added")]
     Taken { line: u64, column: &'static str },
-    #[error("line {line}: it is longer than {LONGEST_LINE} bytes; expected {row}")]
+    #[error("line {line}: the line is longer than {LONGEST_LINE} bytes; expected {row}")]
     TooLong { line: u64, row: &'static str },
     #[error("line {line}: found {found} columns, expected {expected} as in the header")]
     Ragged { line: u64, found: usize, expected: usize },

@@ -86,7 +86,7 @@ impl Format {
         let help = (self == Self::Png).then_some("films are written with `wildfire render --gif` and `--mp4`");
         let help = help.filter(|_| ending.eq_ignore_ascii_case("gif") || ending.eq_ignore_ascii_case("mp4"));
         Err(CliError::bad_input(
-            format_args!("{path} would be {name}; expected a name that ends in {endings}, or -"),
+            format_args!("{path} would hold {name}; expected a name that ends in {endings}, or -"),
             help,
         ))
     }
@@ -135,21 +135,24 @@ impl<'a> Files<'a> {
     /// Bad input; a fault of the environment where the system does not let the folder be looked at.
     pub fn check(&self) -> Result<Words, CliError> {
         if self.inputs.iter().filter(|path| is_standard_stream(path)).count() > 1 {
-            return Err(CliError::bad_input("- is stdin, which can be read once; expected it as one input", None));
+            return Err(CliError::bad_input(
+                "- is stdin, which can be read only once; expected it as a single input",
+                None,
+            ));
         }
         let on_stdout = self.outputs.iter().filter(|(_, path)| is_standard_stream(path)).count();
         let is_result = !self.form.is_text();
         if on_stdout + usize::from(is_result && on_stdout > 0) > 1 {
             let help = if is_result { "the report goes to stdout too" } else { "give the other outputs names" };
-            return Err(CliError::bad_input("- is stdout; expected it as the place of one result", Some(help)));
+            return Err(CliError::bad_input("- is stdout, which takes a single output; expected it once", Some(help)));
         }
         let mut seen: Vec<PathBuf> =
             self.inputs.iter().filter(|path| !is_standard_stream(path)).map(|path| resolved(path)).collect();
         let files = || self.outputs.iter().filter(|(_, path)| !is_standard_stream(path));
         for &(_, path) in files() {
             if seen.contains(&resolved(path)) {
-                let sentence = format_args!("{} cannot be two files at once", path.display()).to_string();
-                return Err(CliError::bad_input(sentence, Some("the input and every output need names of their own")));
+                let sentence = format_args!("{} is named for two files", path.display()).to_string();
+                return Err(CliError::bad_input(sentence, Some("the input and every output need different names")));
             }
             seen.push(resolved(path));
         }
@@ -179,7 +182,7 @@ fn check_place(path: &Path) -> Result<(), CliError> {
             return Err(CliError::unwritable(path, &error));
         }
         _ => {
-            let sentence = format!("cannot write {}: there is no such folder", path.display());
+            let sentence = format!("cannot write {}: the folder does not exist", path.display());
             return Err(CliError::bad_input(sentence, None));
         }
     }

@@ -17,18 +17,17 @@ Examples:
   wildfire play --seed 7 --with-seed 8
   wildfire play --with-set unimog.planner=hybrid-astar
 
-It shows recordings as they are and simulates scenarios first. In the window, ? shows
-all keys.")]
+Recordings play at once; scenarios are simulated first. In the window, ? shows all keys.")]
 pub struct PlayArguments {
     #[command(flatten)]
     pub show: ShowArguments,
-    /// Simulated seconds for a second, from 0.1 to 1000.
+    /// Playback speed in simulated seconds per second, from 0.1 to 1000.
     #[arg(long, value_name = "X", default_value_t = 10.0, allow_hyphen_values = true, value_parser = parse_speed)]
     speed: f64,
-    /// Begin at this simulated time: seconds, `h:mm:ss`, or a share of the run as `50%`.
+    /// Start at this simulated time: seconds, `h:mm:ss`, or a share of the run as `50%`.
     #[arg(long, value_name = "TIME", default_value = "0", allow_hyphen_values = true, value_parser = parse_moment)]
     at: Moment,
-    /// Begin with the clock stopped.
+    /// Start paused.
     #[arg(long)]
     paused: bool,
 }
@@ -71,6 +70,9 @@ pub fn run(_: &PlayArguments, _: &CommandContext) -> Result<ExitCode, CliError> 
 
     let given = std::env::args_os().skip(1).map(|word| shell_word(&word.to_string_lossy())).collect::<Vec<_>>();
     let given = given.join(" ");
-    terminal::note(&format!("built without its window; with it: cargo run --release --features view -- {given}"));
+    terminal::note(&format!(
+        "built without the window; to build with it: cargo run --release --features view -- \
+        {given}"
+    ));
     Ok(ExitCode::from(exit::ENVIRONMENT))
 }

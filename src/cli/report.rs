@@ -12,7 +12,7 @@ use wildfire_base::document::Document;
 #[derive(Clone, Copy, Debug, Default, Args)]
 #[group(id = "report_form", multiple = false)]
 pub struct FormArguments {
-    /// Print the report as one JSON object, with everything that was computed.
+    /// Print the report as one JSON object, with all computed values.
     #[arg(help_heading = "Output", long)]
     pub json: bool,
     /// Print the report as Markdown.

@@ -40,27 +40,27 @@ pub struct RunArguments {
     /// The seed of everything random in the run.
     #[arg(short, long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
     pub seed: u64,
-    /// Replay a game that was saved from a page, in place of a scenario and a seed.
+    /// Replay a game saved from a page, instead of a scenario and a seed.
     #[arg(long, value_name = "FILE.json", conflicts_with_all = ["source", "overrides", "seed"])]
     pub answers: Option<PathBuf>,
     #[command(flatten)]
     pub form: FormArguments,
-    /// Write a recording of the run, into this file or folder.
+    /// Record the run into this file or folder.
     #[arg(short, long, value_name = "FILE_OR_DIR")]
     pub out: Option<PathBuf>,
-    /// Record the searches too, so that they can be shown; the recording becomes about five times as large.
+    /// Also record the planners' searches; makes the recording about five times as large.
     #[arg(long, requires = "out")]
     pub record_searches: bool,
-    /// Write what happened: t_s,event,agent,col,row,detail.
+    /// Write the events: t_s,event,agent,col,row,detail.
     #[arg(long, value_name = "FILE.csv")]
     pub events: Option<PathBuf>,
-    /// Write where every agent was: t_s,agent,x_m,y_m,heading_rad,speed_mps,activity.
+    /// Write the trace of every agent: t_s,agent,x_m,y_m,heading_rad,speed_mps,activity.
     #[arg(long, value_name = "FILE.csv")]
     pub trace: Option<PathBuf>,
     /// Simulated seconds between two rows of the trace.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.1, requires = "trace", allow_hyphen_values = true, value_parser = parse_trace_step)]
     pub step: f64,
-    /// Keep this agent only in the trace, such as `unimog/0`; may be repeated.
+    /// Keep only this agent in the trace, such as `unimog/0`; may be repeated.
     #[arg(long = "agent", value_name = "AGENT", requires = "trace", value_parser = parse_agent)]
     pub agents: Vec<AgentId>,
 }
@@ -89,11 +89,8 @@ pub fn run(arguments: &RunArguments, context: &CommandContext) -> Result<ExitCod
     let (outputs, words) = Outputs::checked(arguments, &scenario, seed)?;
     let (row, timeline) = run_once(&scenario, seed, &options)?;
     if let Some((path, question)) = replay.and_then(|(path, unanswered)| Some((path, unanswered.take()?))) {
-        let sentence = format!("{}: the game does not go to its end: {question}", path.display());
-        return Err(CliError::bad_input(
-            sentence,
-            Some("a game that was played with another version may not fit this one"),
-        ));
+        let sentence = format!("{}: the game stops before the end of the run: {question}", path.display());
+        return Err(CliError::bad_input(sentence, Some("a game played with another version may not fit this one")));
     }
     let report = RunReport { row };
     // A run that failed is an object too, but says nothing to people besides its error.
@@ -113,7 +110,7 @@ fn run_once(scenario: &Scenario, seed: u64, options: &RunOptions) -> Result<(Run
     // The panic has been printed by then, with a backtrace if one was asked for.
     let caught = panic::catch_unwind(AssertUnwindSafe(|| wildfire_sim::run_with_options(scenario, seed, options)));
     let (wall, label) = (stopwatch.elapsed(), RunLabel::from_scenario(scenario, seed));
-    match caught.map_err(|_| CliError::run_failed("the run panicked: this is a fault of the program"))? {
+    match caught.map_err(|_| CliError::run_failed("the run panicked: this is a bug in wildfire"))? {
         Ok(run) => {
             let result = RunResult { asks: run.asks, ..RunResult::new(Outcome::new(&run.timeline), run.cost) };
             let row = RunRow { message: run.messages.to_string(), ..RunRow::done(label, result, wall) };
@@ -183,7 +180,7 @@ fn check_agents(named: &[AgentId], scenario: &Scenario) -> Result<(), CliError> 
     };
     let (role, found) = (stranger.role.name(), count(stranger.role));
     let sentence =
-        format!("--agent names {stranger}; the scenario has {found} of this kind, expected {role}/N below that");
+        format!("--agent names {stranger}; the scenario has {found} of this kind, expected {role}/N with N below that");
     Err(CliError::bad_input(sentence, None))
 }
 

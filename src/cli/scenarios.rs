@@ -31,8 +31,8 @@ use wildfire_sim::scenario::{self, BUILT_IN, LoadedScenario, MemoryEstimate, Mem
 use wildfire_timeline::export;
 
 const SCENARIO_HEAD: &str = "\
-# A scenario of your own. Every value is spelled out, as the built-in scenario `contest` has it; what is left out has
-# the value of `contest-1`. `wildfire check FILE` says what it means, scenarios/README.md what each choice does.
+# A custom scenario. Every value is spelled out as in the built-in scenario `contest`; omitted values default to
+# those of `contest-1`. `wildfire check FILE` explains the file, scenarios/README.md explains each choice.
 ";
 
 /// Planners to begin with, by the ending of their file.
@@ -46,10 +46,10 @@ const PLANNER_TEMPLATES: [(&str, &str); 3] = [
 pub struct NewArguments {
     /// The kind of file.
     pub what: NewFile,
-    /// The file to write, which must not be there yet [default: print it]. A planner is one in Python, C++ or Rust, as the
-    /// file's ending says: `.py`, `.cpp` or `.rs`. An assignment takes a folder, which must be empty or not there yet.
+    /// Output file; must not exist [default: print it]. The ending of a planner's file selects its language: `.py`,
+    /// `.cpp` or `.rs`. An assignment takes a folder, which must not exist or must be empty.
     pub file: Option<PathBuf>,
-    /// The same, named as for other commands.
+    /// The same, named as in other commands.
     #[arg(short, long, value_name = "FILE", conflicts_with = "file")]
     pub out: Option<PathBuf>,
     #[command(flatten)]
@@ -59,16 +59,16 @@ pub struct NewArguments {
 /// A map to begin a scenario with.
 #[derive(Debug, Args)]
 pub struct MapArguments {
-    /// Begin the scenario with the field of this map: any that `wildfire map` reads, text of `.` and `#`, or GeoJSON.
+    /// Start the scenario from this map: any format that `wildfire map` reads, text of `.` and `#`, or GeoJSON.
     #[arg(long, value_name = "FILE")]
     pub from_map: Option<PathBuf>,
-    /// The side of a cell in metres [default: 5, or what the map says].
+    /// Side of a cell in metres [default: 5, or the map's value].
     #[arg(long = "cell", alias = "cell-m", value_name = "METRES", allow_hyphen_values = true, value_parser = parse_cell, requires = "from_map")]
     pub cell_m: Option<f64>,
-    /// Pixels of an image are bushes where their grey value is at most this; `auto` chooses it [default: 50].
+    /// Largest grey value of an image's pixels that become bushes; `auto` picks it with Otsu's method [default: 50].
     #[arg(long, value_name = "GREY|auto", allow_hyphen_values = true, value_parser = parse_tolerance, requires = "from_map")]
     pub tolerance: Option<Tolerance>,
-    /// Take an image as its negative, and the free cells of other maps for bushes.
+    /// Invert the map: use an image's negative, or swap free cells and bushes.
     #[arg(long, requires = "from_map")]
     pub invert: bool,
 }
@@ -80,7 +80,7 @@ pub enum NewFile {
     Planner,
     /// 20 random seeds of 64 bits, for a course.
     Seeds,
-    /// A folder for a course: rules, secret seeds, sample entries, a hand-out.
+    /// A folder for a course: rules, secret seeds, sample entries, a handout.
     Assignment,
 }
 
@@ -103,17 +103,17 @@ pub enum SchemaOf {
     Export,
     /// The file machines.json of a batch.
     Machines,
-    /// What `wildfire batch --json` and `wildfire merge --json` print.
+    /// The output of `wildfire batch --json` and `wildfire merge --json`.
     BatchAnswer,
-    /// What `wildfire batch --dry-run --json` prints.
+    /// The output of `wildfire batch --dry-run --json`.
     DryRunAnswer,
-    /// What `wildfire batch --shard --json` prints.
+    /// The output of `wildfire batch --shard --json`.
     SliceAnswer,
-    /// What `wildfire report --json` prints.
+    /// The output of `wildfire report --json`.
     ReportAnswer,
-    /// What `wildfire check --json` prints.
+    /// The output of `wildfire check --json`.
     CheckAnswer,
-    /// What `wildfire scenarios --json` prints.
+    /// The output of `wildfire scenarios --json`.
     ScenariosAnswer,
 }
 
@@ -121,7 +121,7 @@ pub enum SchemaOf {
 pub struct CheckArguments {
     #[command(flatten)]
     pub scenario: ScenarioArguments,
-    /// The memory limit that the estimate is compared with [default: 2GB].
+    /// Memory limit to compare the estimate with [default: 2GB].
     #[arg(long, value_name = "SIZE", default_value_t, hide_default_value = true)]
     pub memory: MemoryLimit,
     #[command(flatten)]
@@ -142,7 +142,7 @@ pub struct ScenariosArguments {
 pub struct CheckAnswer {
     program_version: &'static str,
     name: String,
-    /// What stands in one section after the other, in words.
+    /// The sections in order, as text.
     sections: Vec<CheckSection>,
     /// The scenario with all values filled in, as `wildfire schema scenario` describes it.
     scenario: serde_json::Value,
@@ -194,7 +194,7 @@ pub struct ScenariosAnswer {
 #[derive(Serialize, JsonSchema)]
 struct ListedScenario {
     name: &'static str,
-    /// A sentence on what it is for.
+    /// A sentence about its purpose.
     purpose: String,
 }
 
@@ -259,8 +259,8 @@ fn first_sentence(text: &str) -> String {
 pub fn new(arguments: &NewArguments, quiet: bool) -> Result<ExitCode, CliError> {
     let file = arguments.file.as_deref().or(arguments.out.as_deref()).filter(|path| !is_standard_stream(path));
     if arguments.map.from_map.is_some() && arguments.what != NewFile::Scenario {
-        let help = "`wildfire new scenario --from-map FILE` begins a scenario with a map";
-        return Err(CliError::bad_input("--from-map goes with a scenario alone", Some(help)));
+        let help = "`wildfire new scenario --from-map FILE` creates a scenario from a map";
+        return Err(CliError::bad_input("--from-map applies only to a scenario", Some(help)));
     }
     let (format, text) = match arguments.what {
         NewFile::Scenario => match &arguments.map.from_map {
@@ -290,7 +290,7 @@ fn planner_template(file: Option<&Path>) -> Result<String, CliError> {
     let ending = file.extension().unwrap_or_default();
     let Some((_, text)) = PLANNER_TEMPLATES.iter().find(|(known, _)| ending == *known) else {
         let sentence = format!("{}: expected a name that ends in .py, .cpp or .rs", file.display());
-        return Err(CliError::bad_input(sentence, Some("the ending says in which language the planner begins")));
+        return Err(CliError::bad_input(sentence, Some("the ending selects the planner's language")));
     };
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     Ok(text.replace("FILE", &name))
@@ -326,8 +326,8 @@ fn scenario_from_map(map: &Path, options: &MapArguments, file: Option<&Path>, qu
     let metres = |side_m: f64| number_text((1e3 * side_m).round() / 1e3);
     let [wumpus, truck] = [scenario.wumpus[0].start_m, [scenario.unimog[0].start.x_m, scenario.unimog[0].start.y_m]];
     Ok(format!(
-        "# A contest on the map {}. What is left out has its default value; `wildfire check FILE` lists them all,\n\
-         # scenarios/README.md says what each does.\n\
+        "# A contest on the map {}. Omitted values have their defaults; `wildfire check FILE` lists all values,\n# \
+         scenarios/README.md explains them.\n\
          #\n\
          # The map: {} x {} cells of {} m, {} x {} m, {bushes} bushes ({} % of the cells).\n\
          # A start that a bush blocks is moved to the nearest free place when a run begins.\n\n\
@@ -405,7 +405,7 @@ fn write_new(path: &Path, format: Format, text: &str) -> Result<(), CliError> {
     let written = File::create_new(path).and_then(|mut file| file.write_all(text.as_bytes()));
     written.map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists => {
-            let sentence = format!("{} is there already; expected a name that is free", path.display());
+            let sentence = format!("{} already exists; expected a new name", path.display());
             CliError::bad_input(sentence, None)
         }
         _ => CliError::unwritable(path, &error),

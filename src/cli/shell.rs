@@ -25,7 +25,7 @@ Examples:
   wildfire man | man -l -
   wildfire man --out ~/.local/share/man/man1    then `man wildfire-batch`")]
 pub struct ManArguments {
-    /// A folder for the pages of all commands, which is made if need be [default: print the page of `wildfire`].
+    /// Folder for the pages of all commands, created if missing [default: print the page of `wildfire`].
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }

@@ -47,7 +47,7 @@ pub fn note_unknown_letters<'a>(drawn: impl IntoIterator<Item = &'a str>, quiet:
     if let Some(more @ 1..) = unknown.len().checked_sub(MOST_NAMED) {
         named.push_str(&format!(" and {more} more"));
     }
-    note(&format!("pictures show boxes for {named}: their font has letters of Latin, Greek and Cyrillic"));
+    note(&format!("pictures show boxes for {named}: their font covers Latin, Greek and Cyrillic"));
 }
 
 /// Progress on stderr: a bar on a terminal, and elsewhere, as in the log of a job, a line now and then.
@@ -69,7 +69,7 @@ impl Progress {
         let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let bar = ProgressBar::with_draw_target(Some(count), target);
         let template =
-            format!("{{bar:30}} {{human_pos}}/{{human_len}} {things}, {{elapsed}} gone, {{eta}} left {{msg}}");
+            format!("{{bar:30}} {{human_pos}}/{{human_len}} {things}, {{elapsed}} elapsed, {{eta}} left {{msg}}");
         bar.set_style(ProgressStyle::with_template(&template).expect("the template is well formed"));
         bar.enable_steady_tick(Duration::from_millis(200));
         let lines = (!quiet && !io::stderr().is_terminal()).then(|| Mutex::new(WallStopwatch::start()));
@@ -113,6 +113,11 @@ impl Progress {
         let left = gone.mul_f64(count.saturating_sub(done) as f64 / done.saturating_sub(self.held).max(1) as f64);
         let message = self.bar.message();
         let space = if message.is_empty() { "" } else { " " };
-        format!("{done}/{count} {}, {} s gone, {} s left{space}{message}", self.things, gone.as_secs(), left.as_secs())
+        format!(
+            "{done}/{count} {}, {} s elapsed, {} s left{space}{message}",
+            self.things,
+            gone.as_secs(),
+            left.as_secs()
+        )
     }
 }

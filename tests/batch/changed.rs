@@ -159,7 +159,7 @@ fn plan_that_a_program_rewrites_ends_the_batch() {
     });
     match ended {
         Err(BatchError::Journal(JournalError::Changed { path, change })) => {
-            assert_eq!((path, change.as_str()), (plan_file, "it is not the plan that was run"));
+            assert_eq!((path, change.as_str()), (plan_file, "it is not the plan that has run"));
         }
         other => panic!("{other:?}"),
     }

@@ -463,7 +463,7 @@ fn wrong_files_are_refused_where_they_are_wrong() {
         ("empty", Vec::new(), "there is no column `seed`"),
         ("other", b"a,b\n1,2\n".to_vec(), "there is no column `seed`"),
         ("no status", b"seed,planner\n1,2\n".to_vec(), "there is no column `status`"),
-        ("twice", b"seed,status,seed\n1,done,1\n".to_vec(), "the column `seed` is there twice"),
+        ("twice", b"seed,status,seed\n1,done,1\n".to_vec(), "the column `seed` appears twice"),
         ("no rows", with(""), "has no runs to compare"),
         ("torn", good.as_bytes()[..good.len() - 20].to_vec(), "line 3: 12 fields; expected 16"),
         ("seed", with(&row.replacen("s,1", "s,-1", 1)), "line 2: seed is `-1`; expected a seed"),

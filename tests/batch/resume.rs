@@ -105,7 +105,7 @@ fn damage_before_the_end_is_named_with_its_line() {
     let forged = lines[2][9..].replacen("\"intact\":", "\"intact\":1", 1);
     let forged = format!("{:08x} {forged}", crc32fast::hash(forged.as_bytes()));
     let (line, reason) = refusal(&[lines[0], lines[2], &forged]);
-    assert!(line == 3 && reason.starts_with("run 2 was there before and ended otherwise: its row says "), "{reason}");
+    assert!(line == 3 && reason.starts_with("run 2 appears twice with different results: its row says "), "{reason}");
     assert_eq!(refusal(&[lines[1], lines[2]]).0, 1);
     assert_eq!(refusal(&[lines[0], lines[0]]).0, 2);
 }
@@ -141,7 +141,7 @@ fn changed_scenario_is_refused_with_the_difference() {
     fs::write(&source, smoke.replace("burn_out_s = 60.0", "burn_out_s = 30.0")).expect("writable");
     match Batch::resume(out(), Slice::WHOLE).map(drop) {
         Err(BatchError::Plan(PlanError::SourceChanged { differences, .. })) => {
-            assert_eq!(differences, ["fire.burn_out_s is 60.0 there, 30.0 is asked for"]);
+            assert_eq!(differences, ["fire.burn_out_s is 60.0 there, but 30.0 was requested"]);
         }
         other => panic!("{other:?}"),
     }

@@ -78,7 +78,7 @@ fn slice_of_another_plan_is_refused_with_the_difference() {
     run_slice(scratch.path(), 1, 2, 1);
     let refusal = join(scratch.path(), "1..5", 2, 2).map(drop).expect_err("the seeds differ");
     assert!(matches!(refusal, BatchError::Plan(PlanError::Differs { .. })), "{refusal}");
-    assert!(refusal.to_string().contains("seeds is 1..23,100..111 there, 1..5 is asked for"), "{refusal}");
+    assert!(refusal.to_string().contains("seeds is 1..23,100..111 there, but 1..5 was requested"), "{refusal}");
     let refusal = join(scratch.path(), SEEDS, 1, 3).map(drop).expect_err("the slices are of another size");
     assert!(matches!(refusal, BatchError::OtherSlices { .. }), "{refusal}");
 }

@@ -96,11 +96,11 @@ fn rows_that_are_not_those_of_the_plan_are_refused_and_missing_ones_said() {
     let rows = story.read("out/runs.csv");
     let lines: Vec<&str> = rows.lines().collect();
     story.file("out/runs.csv", &[lines[0], lines[2], lines[1], lines[3]].join("\n"));
-    refuse(&story, &["audit", "out"], &["runs.csv", "seed 2 where that of seed 1 is expected"]);
+    refuse(&story, &["audit", "out"], &["runs.csv", "seed 2; expected that of seed 1"]);
     story.file("out/runs.csv", &lines[..3].join("\n"));
     refuse(&story, &["audit", "out"], &["runs.csv", "ends before the row of seed 3"]);
     story.file("out/runs.csv", &rows[..lines[0].len() + 1 + lines[1].len() / 2]);
-    refuse(&story, &["audit", "out"], &["runs.csv does not go with its plan", "line 2: ", "fields; expected"]);
+    refuse(&story, &["audit", "out"], &["runs.csv does not fit its plan", "line 2: ", "fields; expected"]);
     story.file("out/runs.csv", "seed,status\n1,done\n");
     refuse(&story, &["audit", "out"], &["runs.csv", "no column"]);
     fs::remove_file(story.path("out/runs.csv")).expect("it is there");

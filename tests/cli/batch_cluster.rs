@@ -75,7 +75,7 @@ fn missing_slices_are_all_named_with_the_array_that_runs_them() {
     for wait in ["--quiet", "--wait=0"] {
         let answer = story.tell(&["merge", "out", wait]).expect_code(2);
         answer.expect_complaint(&[
-            "3 of 6 slices that lack runs: 3 lacks 2 of 10, 4 has not begun, 6 has not begun",
+            "3 of 6 slices with missing runs: 3 lacks 2 of 10, 4 has not begun, 6 has not begun",
             "--array=3-4,6",
         ]);
     }

@@ -132,7 +132,7 @@ fn lost_recordings_are_made_again_and_named() {
     fs::write(recording(3), "").expect("writable");
     let answer = story.tell(&["batch", "--resume", "out"]).expect_code(0);
     answer.expect_complaint(&[
-        "runs whose recordings are lost are repeated",
+        "repeating runs whose recordings are missing",
         "seed-2.wildfire (missing)",
         "seed-3.wildfire (cut short",
     ]);
@@ -151,7 +151,7 @@ fn what_a_killed_batch_left_aside_is_named_when_it_goes_on() {
     let story = Story::begin();
     story.tell(&["batch", "smoke", "--out", "out"]).expect_code(0);
     story.file("out/plan.json.123.part", "{");
-    let words = ["removed files that a killed process had left: out/plan.json.123.part"];
+    let words = ["removed files left by a killed process: out/plan.json.123.part"];
     story.tell(&["batch", "--resume", "out"]).expect_code(0).expect_complaint(&words);
     assert!(!story.path("out/plan.json.123.part").exists());
 
@@ -161,5 +161,5 @@ fn what_a_killed_batch_left_aside_is_named_when_it_goes_on() {
     let words = ["begun holds no plan.json, but plan.json.123.part", "the batch had not begun", "--out"];
     story.tell(&["batch", "--resume", "begun"]).expect_code(2).expect_complaint(&words);
     let answer = story.tell(&["batch", "smoke", "--out", "begun"]).expect_code(0);
-    answer.expect_complaint(&["removed files that a killed process had left: begun/plan.json.123.part"]);
+    answer.expect_complaint(&["removed files left by a killed process: begun/plan.json.123.part"]);
 }

@@ -180,7 +180,7 @@ fn templates_can_be_run_as_they_are_and_replace_nothing() {
     story.tell(&["new", "plan", "plan.toml"]).expect_code(0);
     story.tell(&["batch", "plan.toml", "--dry-run"]).expect_code(0);
     let text = story.read("plan.toml");
-    refuse(&story, &["new", "plan", "plan.toml"], &["plan.toml", "is there already"]);
+    refuse(&story, &["new", "plan", "plan.toml"], &["plan.toml", "already exists"]);
     assert_eq!(story.tell(&["new", "plan"]).expect_code(0).stdout, text);
 }
 

@@ -133,7 +133,7 @@ fn what_the_rules_fix_is_refused_by_name_and_line() {
     let program = "[unimog]\nplanner = \"mine\"\n[planner.mine]\ncommand = [\"true\"]\n";
     refused(
         &format!("{program}reuse = true\n"),
-        &["ben.toml:5: `planner.mine.reuse` is true; in a course every run has a process of its own"],
+        &["ben.toml:5: `planner.mine.reuse` is true; in a course every run has its own process"],
     );
     refused(
         &format!("{program}query_cpu_s = 3\n"),
@@ -151,7 +151,7 @@ fn what_the_rules_fix_is_refused_by_name_and_line() {
         &["ben.toml:5: `planner.mine.query_limit_s` is 21; the rules allow at most 20"],
     );
     fs::remove_file(story.path("ben.toml")).expect("it is there");
-    refuse(&story, &with(&["--out", "course"]), &["ben.toml: there is no such file"]);
+    refuse(&story, &with(&["--out", "course"]), &["ben.toml: the file does not exist"]);
     refuse(&story, &["batch", "--rules", "rules.toml", "--agent", "anna.toml", "anna.toml"], &["it is given twice"]);
 }
 
@@ -330,7 +330,7 @@ fn others_run_where_refused_agents_are_left_out() {
     let story = course();
     story.file("ben.toml", "[field]\ncoverage = 0.01\n");
     let answer = story.tell(&with(&["--out", "course", "--skip-refused"])).expect_code(1);
-    answer.expect_complaint(&["left out: ben.toml:2: `field.coverage` is fixed by the rules"]);
+    answer.expect_complaint(&["skipped: ben.toml:2: `field.coverage` is fixed by the rules"]);
     assert!(story.tell(&["rank", "course"]).expect_code(0).stdout.starts_with("2 entries by saved"));
     story.file("anna.toml", "");
     story.file("cem.toml", "");
@@ -357,7 +357,7 @@ fn rules_that_cannot_be_used_are_refused() {
     refused("restarts = 1", "restarts = 1.5", &["rules.toml:6: `restarts` is 1.5"]);
     refused("query_cpu_s = 2", "query_cpu_s = -2", &["rules.toml:5: `query_cpu_s` is -2"]);
     refused("fire.relight", "fire.relit", &["rules.toml:10: unknown field `relit`"]);
-    refused("\"smoke\"", "\"smok\"", &["rules.toml:9: there is no file and no built-in scenario"]);
+    refused("\"smoke\"", "\"smok\"", &["rules.toml:9: there is neither a file nor a built-in scenario"]);
     refused("\"smoke\"", "7", &["rules.toml:9: `from` is 7; expected a name or a path"]);
     refused("\"@secret/seeds.txt\"", "\"5..1\"", &["rules.toml:2: the range `5..1` is empty"]);
     refused("seeds = \"@secret/seeds.txt\"", "", &["missing field `seeds`"]);
@@ -380,7 +380,7 @@ fn rules_that_cannot_be_used_are_refused() {
     refuse(&story, &["batch", "--rules", "rules.toml"], &["--agent"]);
     refuse(&story, &with(&["--set", "fire.relight=true"]), &["cannot be used with"]);
     fs::remove_file(story.path("rules.toml")).expect("it is there");
-    refuse(&story, &with(&["--out", "course"]), &["rules.toml: there is no such file"]);
+    refuse(&story, &with(&["--out", "course"]), &["rules.toml: the file does not exist"]);
 }
 
 #[test]
@@ -419,7 +419,7 @@ fn new_assignment_is_a_course_that_runs_and_is_ranked_with_sheets() {
     let secret = seeds(&story.read("logic/secret.csv"));
     assert!(secret.len() == 20 && secret.iter().filter(|&&seed| seed > 1 << 53).count() > 10, "{secret:?}");
     assert_ne!(seeds(&story.tell(&["new", "seeds"]).expect_code(0).stdout), secret, "they are random");
-    refuse(&story, &["new", "assignment", "logic"], &["logic is there already"]);
+    refuse(&story, &["new", "assignment", "logic"], &["logic already exists"]);
     refuse(&story, &["new", "assignment"], &["an assignment needs a folder"]);
 
     story.tell(&[&batch[..], &["--seeds", "1..4"]].concat()).expect_code(0);

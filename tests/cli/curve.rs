@@ -48,7 +48,7 @@ fn both_curves_are_told_with_length_word_and_segments() {
         let (_, curve) = answer.split_once(&format!("\n{name}: 20.420352 m, ")).expect("the length is told");
         let (word, segments) = curve.split_once('\n').expect("a line");
         let segment = segments.lines().nth(3).expect("a row under headings and a rule");
-        assert!(word.ends_with(" with 2 letters of no length, no cusp"), "{word}");
+        assert!(word.ends_with(", of which 2 letters of zero length, no cusp"), "{word}");
         assert_eq!(segment.split_whitespace().collect::<Vec<_>>(), quarter, "{answer}");
     }
     let answer = story.tell(&["curve", "--from", "0,0,0", "--to", "-26,10,0"]).expect_code(0).stdout;

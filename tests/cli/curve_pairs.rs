@@ -85,7 +85,7 @@ fn broken_tables_are_refused_with_line_and_column() {
         ("1,2,3,4,5,6\n".to_owned(), "line 1: the column x0 is missing"),
         (format!("x0,y0,th0,x1,y1,{row}"), "line 1: the column th1 is missing; expected a header with"),
         (format!("{HEADER},y1{row}"), "line 1: the column y1 is there twice"),
-        (format!("{HEADER},dubins_m{row}"), "line 1: the column dubins_m is there already"),
+        (format!("{HEADER},dubins_m{row}"), "line 1: the column dubins_m already exists"),
         (format!("{HEADER}{row}1,2,3,4,5\n"), "line 3: found 5 columns, expected 6"),
         (format!("{HEADER}{row}1,2,3,4,5,6,7\n"), "line 3: found 7 columns, expected 6"),
         (format!("{HEADER}{row}\n\r\n1,2,nan,4,5,6\n"), "line 5, column th0: found \"nan\", expected a number from"),
@@ -94,7 +94,7 @@ fn broken_tables_are_refused_with_line_and_column() {
         (format!("{HEADER}{row}1,2,3,4,,6\n"), "line 3, column y1: found \"\""),
         (format!("{HEADER}{row}1,2,3,4,5,\u{1b}[2J\n"), "found \"\\u{1b}[2J\""),
         (format!("{HEADER}{row}{},2,3,4,5,6\n", "9".repeat(5000)), "999\", expected"),
-        (format!("{HEADER}{row}{},2,3,4,5,6\n", "9".repeat(70_000)), "line 3: it is longer than 65536 bytes"),
+        (format!("{HEADER}{row}{},2,3,4,5,6\n", "9".repeat(70_000)), "line 3: the line is longer than 65536 bytes"),
         (format!("{HEADER},note{row}1,2,3,4,5,6,\"open\n"), "line 2: found 6 columns, expected 7"),
         (format!("{HEADER}{row}\"1,2,3,4,5,6\n"), "line 3, column x0: found"),
     ] {

@@ -17,7 +17,7 @@ fn a_first_minute_leaves_a_page_pictures_and_a_report() {
     }
     assert_eq!(story.entries(), ["first look"]);
     let again = story.tell(&["demo", "--out", "first look"]).expect_code(2);
-    assert!(again.stderr.contains("first look is there already"), "{}", again.stderr);
+    assert!(again.stderr.contains("first look already exists"), "{}", again.stderr);
     assert_eq!(again.stdout, "");
 }
 

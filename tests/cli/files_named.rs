@@ -127,9 +127,9 @@ fn two_results_on_stdout_are_refused() {
         "render smoke -o - --gif -",
         "render smoke -o - --html -",
     ] {
-        refuse(&story, &words(command), &["- is stdout; expected it as the place of one result"]);
+        refuse(&story, &words(command), &["- is stdout, which takes a single output; expected it once"]);
     }
-    refuse(&story, &words("render - --with - -o new.png"), &["- is stdin, which can be read once"]);
+    refuse(&story, &words("render - --with - -o new.png"), &["- is stdin, which can be read only once"]);
 }
 
 #[test]
@@ -178,7 +178,7 @@ fn one_cause_of_an_output_has_one_exit_code_in_all_commands() {
     for (command, ending, _) in OUTPUTS {
         for folder in ["missing", "file", "missing/below"] {
             let name = format!("{folder}/new.{ending}");
-            refuse(&story, &[&words(command)[..], &[&name]].concat(), &[&name, "there is no such folder"]);
+            refuse(&story, &[&words(command)[..], &[&name]].concat(), &[&name, "the folder does not exist"]);
         }
     }
     for command in

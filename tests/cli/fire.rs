@@ -84,7 +84,7 @@ fn winds_and_slopes_are_written_in_one_way_and_the_old_ways_are_read_still() {
     let behavior = ["behavior", "--fuel", "GR2", "--wind"];
     same(&[&behavior[..], &["5@200"]].concat(), &[&behavior[..], &["5", "--wind-from", "200"]].concat());
     let refused = Story::begin().tell(&["fire", "behavior", "--fuel", "GR2", "--wind", "5@200", "--wind-from", "90"]);
-    assert!(refused.expect_code(2).stderr.contains("expected no --wind-from beside it"));
+    assert!(refused.expect_code(2).stderr.contains("expected no --wind-from"));
     let spread = ["spread", "--model", "alexandridis", "--rows", "31", "--cols", "31", "--p0", "0.05"];
     let areas = |words: &[&str]| {
         let fire = object(&[&["fire"], &spread[..], words, &["--json"]].concat());
@@ -187,7 +187,7 @@ fn broken_tables_of_conditions_are_refused_with_line_and_column() {
         (String::new(), "the file is empty; expected a header with the columns number,m_1h"),
         ("number\n102\n".to_owned(), "line 1: the column m_1h is missing"),
         (format!("{HEADER},number\n"), "line 1: the column number is there twice"),
-        (format!("{HEADER},flame_m\n"), "line 1: the column flame_m is there already"),
+        (format!("{HEADER},flame_m\n"), "line 1: the column flame_m already exists"),
         (format!("{HEADER}\n{row}\n{row},1\n"), "line 3: found 11 columns, expected 10"),
         (format!("{HEADER}\n100{}\n", &row[3..]), "line 2, column number: found \"100\", expected the code or number"),
         (format!("{HEADER}\n102.5{}\n", &row[3..]), "line 2, column number: found \"102.5\""),

@@ -160,7 +160,7 @@ fn what_breaks_a_rule_is_told_with_line_and_place() {
     let sharp = path(&[(0.0, 3.0), (1.0 / 12.6, 5.0)]);
     let words = violation(0, &sharp, 0.5);
     assert!(
-        words.starts_with("line 9, 3.00 m along, at (23.00, 22.50): a curvature of 0.0794 1/m, the most is 0.0787"),
+        words.starts_with("line 9, 3.00 m along, at (23.00, 22.50): a curvature of 0.0794 1/m; the limit is 0.0787"),
         "{words}"
     );
     assert!(!violation(0, &path(&[(1.0 / 12.8, 5.0)]), 0.5).contains("curvature"), "a little more is allowed");
@@ -231,7 +231,12 @@ fn several_fields_are_told_apart_by_their_column() {
     assert_eq!(value(&rows(&story, "judged.csv")[3], "field"), "'=2+3, a \"field\"");
     story.file("nameless.csv", "goal,x_m,y_m,heading_rad,direction\n0,20,22.5,0,forward\n");
     let arguments = [&["judge"][..], &files, &["nameless.csv"]].concat();
-    refuse(&story, &arguments, &["nameless.csv: line 1: the column field is missing, which tells 2 fields apart"]);
+    refuse(
+        &story,
+        &arguments,
+        &["nameless.csv: line 1: the column field is missing, which identifies one of 2 \
+        fields"],
+    );
     refuse(&story, &["judge", "mine.json", "paths.csv"], &["paths.csv: line ", "column field: found", "expected mine"]);
 }
 
@@ -309,9 +314,9 @@ fn what_is_no_table_of_paths_is_refused_with_its_line() {
         ),
         (
             format!("{HEADER}\n{good}\nmine,1,theirs,20,22.5,0,forward\n{good}"),
-            "line 4: the path of theirs to goal 0 of the field mine begins again; expected its rows together",
+            "line 4: the path of theirs to goal 0 of the field mine begins again; expected its rows in one block",
         ),
-        (format!("{HEADER}\n{good}\n{long}"), "line 3: it is longer than 65536 bytes; expected a pose"),
+        (format!("{HEADER}\n{good}\n{long}"), "line 3: the line is longer than 65536 bytes; expected a pose"),
         ("\u{7f}ELF\u{1}\u{1}\u{0}\u{0}\u{0}".to_owned(), "line 1: the column goal is missing"),
     ] {
         story.file("paths.csv", &text);
@@ -319,7 +324,7 @@ fn what_is_no_table_of_paths_is_refused_with_its_line() {
     }
     let many: String = (0..60).map(|number| format!("mine,0,planner{number},20,22.5,0,forward\n")).collect();
     story.file("paths.csv", &format!("{HEADER}\n{many}"));
-    refuse(&story, &["judge", "mine.json", "paths.csv"], &["line 52: it is of planner number 51"]);
+    refuse(&story, &["judge", "mine.json", "paths.csv"], &["line 52: this is planner number 51"]);
     fs::write(story.path("paths.csv"), [0xff, 0xfe, 0x00, 0x80].repeat(1000)).expect("writable");
     refuse(&story, &["judge", "mine.json", "paths.csv"], &["paths.csv: "]);
 }
@@ -329,7 +334,12 @@ fn files_that_are_not_there_or_in_the_wrong_place_are_refused() {
     let story = begin();
     story.file("paths.csv", &format!("{HEADER}\nmine,0,theirs,20,22.5,0,forward\n"));
     refuse(&story, &["judge"], &["FIELD.json"]);
-    refuse(&story, &["judge", "mine.json"], &["mine.json is named as a field file; expected the table of paths last"]);
+    refuse(
+        &story,
+        &["judge", "mine.json"],
+        &["mine.json has the ending of a field file; expected the table of paths \
+    last"],
+    );
     refuse(&story, &["judge", "paths.csv", "mine.json"], &["mine.json is named as a field file"]);
     refuse(&story, &["judge", "paths.csv", "paths.csv"], &["paths.csv"]);
     refuse(&story, &["judge", "mine.json", "none.csv"], &["none.csv"]);
@@ -341,7 +351,7 @@ fn files_that_are_not_there_or_in_the_wrong_place_are_refused() {
     );
     refuse(&story, &["judge", "mine.json", "paths.csv", "--against", "prm-sr"], &["there is no planner `prm-sr`"]);
     refuse(&story, &["judge", "mine.json", "paths.csv", "--against", "PRM"], &["PRM"]);
-    refuse(&story, &["judge", "mine.json", "paths.csv", "--csv", "paths.csv"], &["cannot be two files at once"]);
+    refuse(&story, &["judge", "mine.json", "paths.csv", "--csv", "paths.csv"], &["is named for two files"]);
     refuse(&story, &["judge", "mine.json", "paths.csv", "--recording", "run.wildfire"], &["--recording"]);
     refuse(&story, &["judge", "paths.csv", "--scenario", "nowhere"], &["nowhere"]);
 }

@@ -43,7 +43,7 @@ fn searches_refuse_wrong_ends_as_the_wavefront_does() {
         refuse_map(&story, &format!("{command} map.txt --goal 1,0 --start 0,4"), &start);
     }
     refuse_map(&story, "report map.txt --goal 1,0 --start 1,1 --out map.txt", &["map.txt: it is no folder"]);
-    refuse_map(&story, "report map.txt --goal 1,0 --start 1,1 --out no/lab", &["no/lab: there is no such folder"]);
+    refuse_map(&story, "report map.txt --goal 1,0 --start 1,1 --out no/lab", &["no/lab: the folder does not exist"]);
 }
 
 #[test]

@@ -97,7 +97,7 @@ fn tolerance_is_chosen_and_told() {
     assert_eq!(negative["occupied"], 2);
     let doubts = story.tell(&["map", "occupancy", "walls.pgm", "--tolerance", "95"]).expect_code(0).stdout;
     let words = doubts.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(words.contains("--tolerance auto looks for one"), "{words}");
+    assert!(words.contains("--tolerance auto picks one"), "{words}");
     assert!(words.contains("--invert takes what is light for obstacles"), "{words}");
 }
 
@@ -146,7 +146,7 @@ fn a_scenario_is_begun_with_a_map_and_runs() {
     let missing = story.tell(&["new", "scenario", "--from-map", "nowhere.png", "other.toml"]).expect_code(2);
     assert!(missing.stderr.contains("nowhere.png") && !story.path("other.toml").exists(), "{}", missing.stderr);
     let plan = story.tell(&["new", "plan", "--from-map", "maps/hall.txt"]).expect_code(2);
-    assert!(plan.stderr.contains("--from-map goes with a scenario alone"), "{}", plan.stderr);
+    assert!(plan.stderr.contains("--from-map applies only to a scenario"), "{}", plan.stderr);
 }
 
 #[test]
@@ -192,7 +192,7 @@ fn what_a_scenario_leaves_out_of_its_map_is_named_by_check_run_and_batch() {
     );
     for (map, doubt) in [
         ("red.ppm", "15.0 % of the cells would be occupied instead of 5.0 %."),
-        ("lines.geojson", "Left out 2 points and lines of the GeoJSON file: only polygons become bushes."),
+        ("lines.geojson", "Ignored 2 points and lines of the GeoJSON file: only polygons become bushes."),
     ] {
         story.file("mine.toml", &format!("duration_s = 20\nunimog = []\n[[wumpus]]\n[field]\nmap = \"{map}\"\n"));
         let checked = story.tell(&["check", "mine.toml"]).expect_code(0).stdout;
@@ -283,7 +283,7 @@ fn a_contest_takes_its_field_from_any_map() {
     for (set, expected) in [
         (["field.map=plan.pgm", "field.map_tolerance=300"], "`field.map_tolerance` is 300; expected a whole number"),
         (["field.map=plan.pgm", "field.map_tolerance=some"], "\"auto\""),
-        (["field.coverage=0.1", "field.map_invert=true"], "`field.map_invert` needs `field.map` beside it"),
+        (["field.coverage=0.1", "field.map_invert=true"], "`field.map_invert` also needs `field.map`"),
     ] {
         let refusal = story.tell(&["check", "contest", "--set", set[0], "--set", set[1]]).expect_code(2);
         let words = refusal.stderr.split_whitespace().collect::<Vec<_>>().join(" ");

@@ -186,7 +186,7 @@ fn a_run_that_comes_to_its_limit_on_the_way_fails() {
     let limit = format!("{}kB", estimated_bytes(&story, &scenario) / 1_000 + 100);
     let run = story.tell(&[&["run"], &scenario[..], &["--seed", "3", "--memory", &limit]].concat());
     assert_eq!(run.stdout, "");
-    run.expect_code(1).expect_complaint(&["it came to the limit of memory", "are held for searches"]);
+    run.expect_code(1).expect_complaint(&["it reached the memory limit", "for searches; --memory"]);
 }
 
 #[test]

@@ -194,7 +194,7 @@ fn machines_are_named_beside_the_plan_and_put_together_by_merge() {
         "who wrote the plan is named, not who reads it"
     );
     story.file("whole/machines.json", "{");
-    refuse(&story, &["report", "whole"], &["whole/machines.json is no list of machines", "may be removed"]);
+    refuse(&story, &["report", "whole"], &["whole/machines.json is not a list of machines", "may be removed"]);
     story.tell(&["batch", "smoke", "--seeds", "1", "--out", "out", "--force"]).expect_code(0);
     assert!(!story.path("out/machines-1-of-2.json").exists(), "they go with their batch");
 }

@@ -245,7 +245,7 @@ fn questions_that_make_no_sense_are_refused() {
         ("plan contest", &["`contest` cannot be read", "--scenario contest"]),
         ("plan empty.json", &["`empty` has no goals", "--cells"]),
         ("plan empty.json --cells 3", &["`empty` has no bushes", "leave out --cells"]),
-        ("plan mine.json again.json", &["again.json", "another field is called `mine`"]),
+        ("plan mine.json again.json", &["again.json", "another field is also named `mine`"]),
         ("plan mine.json --planner rrt", &["--planner", "prm-rs", "hybrid-astar"]),
         ("plan mine.json --goals 3", &["--goals"]),
         ("plan --goals 3 --cells 3", &["--cells"]),

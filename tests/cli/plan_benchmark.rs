@@ -125,7 +125,7 @@ fn report_needs_no_other_file_and_is_the_same_again() {
     for words in [
         "<h1>Drives: bench</h1>",
         ">Boxes</h2>",
-        ">Medians over what is swept</h2>",
+        ">Medians over swept keys</h2>",
         "milliseconds",
         "field.coverage 0.05",
         "hybrid-astar",
@@ -185,15 +185,15 @@ fn what_is_no_benchmark_is_refused_and_nothing_is_written() {
         (&["plan", "--set", "field.coverage=0.1,0.2", "--paths", "a.csv"], &["--paths is of one variant"]),
         (&["plan", "--seeds", "1,2", "--repeat"], &["--repeat is of one variant"]),
         (&["plan", "--set", "field.coverage=0.1,"], &["`field.coverage`", "nothing"]),
-        (&["plan", "--set", "field.coverage=0.1,0.1"], &["`field.coverage` takes the value 0.1 twice"]),
+        (&["plan", "--set", "field.coverage=0.1,0.1"], &["`field.coverage` has the value 0.1 twice"]),
         (&["plan", "--set", "field.covrage=0.1,0.2"], &["coverage"]),
         (&["plan", "--set", "unimog.planner=lattice,prm-rs", "--planner", "all"], &["both name planners"]),
         (&["plan", "--seeds", "1..2", "--planner", "hybrid"], &["`hybrid`", "hybrid-astar"]),
         (&["plan", "--seeds", "1..2000000", "--goals", "1"], &["2000000 queries or more are too many"]),
         (&["plan", "f.json", "--seeds", "1..400000", "--planner", "all"], &["1600000 queries or more are too many"]),
-        (&["plan", "-", "--seeds", "1..2"], &["- is stdin, which can be read once"]),
+        (&["plan", "-", "--seeds", "1..2"], &["- is stdin, which can be read only once"]),
         (&["plan", "--seeds", "1,2", "--report", "taken"], &["taken is a file; expected a folder"]),
-        (&["plan", "--seeds", "1,2", "--csv", "nowhere/a.csv"], &["there is no such folder"]),
+        (&["plan", "--seeds", "1,2", "--csv", "nowhere/a.csv"], &["the folder does not exist"]),
         (&["plan", "--seeds", "1,2", "--jobs", "0"], &["from 1 to 1024"]),
     ] {
         refuse(&story, words, said);
@@ -244,7 +244,7 @@ fn tables_that_are_none_are_refused_with_their_line() {
         (columns.clone(), good.replace("10.0", "NaN"), &["line 3: length_m is `NaN`; expected a number from 0 up"]),
         (columns.clone(), good.replace("10.0", "-1"), &["line 3: length_m is `-1`"]),
         (columns.clone(), good.replace("10.0", ""), &["line 3: length_m is ``"]),
-        (columns.replace("seed", "goal"), good.to_owned(), &["the column `goal` is there twice"]),
+        (columns.replace("seed", "goal"), good.to_owned(), &["the column `goal` appears twice"]),
         (columns.clone(), good.replacen('1', "-1", 1), &["line 3: seed is `-1`; expected a seed"]),
     ] {
         story.file("t.csv", &table(&header, &row));

@@ -379,8 +379,7 @@ fn a_name_with_letters_that_the_font_lacks_is_noted_once() {
     {
         story.file(file, &format!("name = \"{name}\"\n{small}"));
     }
-    let note =
-        "pictures show boxes for 火 (U+706B), 災 (U+707D): their font has letters of Latin, Greek and Cyrillic\n";
+    let note = "pictures show boxes for 火 (U+706B), 災 (U+707D): their font covers Latin, Greek and Cyrillic\n";
     let commands: [&[&str]; 5] = [
         &["render", "a.toml", "--size", "320x240", "-o", "a.png", "--gif", "a.gif", "--to", "5"],
         &["render", "a.toml", "--with", "b.toml", "--size", "480x240", "-o", "a.png"],

@@ -260,7 +260,7 @@ fn distribution_of_equal_numbers_is_left_out_with_a_sentence() {
     let lines: Vec<String> = rows.iter().map(|row| row.join(",")).collect();
     story.file("a/runs.csv", &(lines.join("\n") + "\n"));
     let page = report(&story);
-    let said = "Distance driven by the trucks: no distribution, since it is 12.5 m in all 4 runs.";
+    let said = "Distance driven by trucks: no distribution, since it is 12.5 m in all 4 runs.";
     assert!(page.contains(said), "{page}");
     assert!(!charts(&story, ".svg").contains(&"distribution-truck_distance_m".to_owned()));
 }

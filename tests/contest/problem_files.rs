@@ -165,7 +165,7 @@ fn values_that_cannot_be_are_refused_where_they_stand() {
         ("\"pose\": [50, 60, -1.5]", "\"place\": 1", 16, "`goals.0` is neither; expected either a `pose` or a `disc`"),
         ("20.0, 10]", "20.0, -10]", 17, "`goals.1.disc.2` is -10; expected a number from 0"),
         ("20.0, 10]", "20.0, null]", 17, "`goals.1.disc.2` is NaN"),
-        ("\"field\": 7", "\"field\": [7]", 2, "expected a number or a text in quotes"),
+        ("\"field\": 7", "\"field\": [7]", 2, "expected a number or a string in quotes"),
         ("\"field\": 7", "\"field\": \"\"", 2, "`field` is \"\"; expected a line of 1 to 100 characters"),
         ("\"n\": 20", "\"n\": 1e9", 2, "`n` is 1000000000.0; expected a whole number from 0"),
         ("\"n\": 20", "\"n\": 21", 1, "how many cells it has"),
@@ -208,7 +208,7 @@ fn too_many_goals_are_refused() {
 #[test]
 fn what_is_no_file_of_text_is_refused() {
     let files = Files::new();
-    let refused = |path: PathBuf| Problem::open(&path, &Unimog::default()).map(|_| ()).expect_err("it is no file");
+    let refused = |path: PathBuf| Problem::open(&path, &Unimog::default()).map(|_| ()).expect_err("it is not a file");
     assert!(refused(files.0.path().join("none.json")).to_string().contains("cannot be read"));
     assert!(refused(files.0.path().to_owned()).to_string().contains("is a folder"));
     let path = files.path("");

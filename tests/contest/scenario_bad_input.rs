@@ -62,7 +62,7 @@ fn broken_toml_is_placed() {
 fn a_number_of_samples_and_a_density_contradict_each_other_unless_a_change_does_it() {
     for table in ["prm", "prm_rs"] {
         let text = format!("wumpus = []\n[[unimog]]\n[unimog.{table}]\nsamples = 100\nsamples_per_hectare = 80\n");
-        let words = format!("`unimog.{table}.samples_per_hectare` cannot go with `unimog.{table}.samples`");
+        let words = format!("`unimog.{table}.samples_per_hectare` cannot be combined with `unimog.{table}.samples`");
         assert_refused(&text, "5:1", &[&words]);
         let change = |change: &str| {
             scenario::load("contest", &[format!("unimog.{table}.{change}")]).expect("the change holds").unimog.remove(0)
@@ -152,7 +152,7 @@ fn wrong_types_say_what_is_expected() {
     assert_refused(&format!("{wumpus}start_m = 3"), "3:11", &["is 3; expected a list of two numbers"]);
     assert_refused(&format!("{wumpus}start_m = [1, \"x\"]"), "3:15", &["`wumpus.start_m.1`", "expected a number"]);
     assert_refused(&format!("{wumpus}goal = \"nearest\""), "3:8", &["is `nearest`", "no policy of this name"]);
-    assert_refused(&format!("{wumpus}goal = 4"), "3:8", &["expected a text in quotes"]);
+    assert_refused(&format!("{wumpus}goal = 4"), "3:8", &["expected a string in quotes"]);
     let bare = "wumpus = []\nunimog = []\n";
     assert_refused(&format!("{bare}field = 3"), "3:9", &["`field` is 3; expected a table"]);
     assert_refused(&format!("{bare}name = 3"), "3:8", &["`name` is 3; expected a text"]);
@@ -207,7 +207,7 @@ fn numbers_that_cannot_be_are_refused() {
             "[wumpus]",
             "potential = { escape = \"none\" }\nlattice_m = 0.15\nspeed_mps = 1000\nplanner = \"potential\"",
             24,
-            "expected \"wavefront\", where bushes times the steps of a run are more than 2.5e7, over all Wumpuses",
+            "expected \"wavefront\" if bushes times the steps of a run exceed 2.5e7, over all Wumpuses",
         ),
         ("[wumpus]", "safety = { map = \"costs\" }", 18, "`wumpus.safety.map` cannot be `costs`"),
         ("[unimog]", "safety = { weight = -1 }", 21, "`unimog.safety.weight` is -1"),
@@ -277,7 +277,7 @@ fn contradictions_are_refused() {
     assert_refused(
         &format!("{bare}coverage = 0.1\npieces = 3"),
         "5:1",
-        &["`field.pieces` cannot go with `field.coverage`"],
+        &["`field.pieces` cannot be combined with `field.coverage`"],
     );
     for (given, column) in [
         ("size_m = 250", 1),
@@ -288,17 +288,17 @@ fn contradictions_are_refused() {
         ("start_clearance_m = 0", 1),
     ] {
         let text = format!("{bare}map = \"field.txt\"\n{given}\n");
-        assert_refused(&text, &format!("5:{column}"), &["cannot go with `field.map`"]);
+        assert_refused(&text, &format!("5:{column}"), &["cannot be combined with `field.map`"]);
     }
 }
 
 #[test]
 fn changes_that_contradict_each_other_are_refused() {
     let error = refused("contest", &["field.coverage=0.2", "field.pieces=4"]);
-    assert!(error.to_string().contains("`field.pieces` cannot go with `field.coverage`"), "{error}");
+    assert!(error.to_string().contains("`field.pieces` cannot be combined with `field.coverage`"), "{error}");
     assert_eq!(place(&error), "--set:1:1");
     let error = refused("contest", &["field.map=field.txt", "field.size_m=100"]);
-    assert!(error.to_string().contains("`field.size_m` cannot go with `field.map`"), "{error}");
+    assert!(error.to_string().contains("`field.size_m` cannot be combined with `field.map`"), "{error}");
 }
 
 #[test]
@@ -308,7 +308,7 @@ fn faults_in_maps_are_placed_in_the_map() {
     for (map, at, words) in [
         ("", "1:1", "map is empty"),
         ("...\n..\n", "2:1", "this row has 2 cells, 3 like the first row"),
-        ("...\n.a.\n", "2:2", "`a` is no cell"),
+        ("...\n.a.\n", "2:2", "`a` is not a cell"),
         ("{\"n\": 3,\n \"cells_cr\": [[0, 3]]}", "2:21", "[0, 3] lies outside a field of 3 x 3 cells"),
         ("{\"n\": 3,\n \"cells_cr\": [[0, 3}", "2:20", "expected `,` or `]`"),
         ("{\"n\": 5000, \"cells_cr\": []}", "1:1", "at most 4096 are expected"),
@@ -351,7 +351,7 @@ fn files_that_cannot_be_scenarios_are_refused() {
 #[test]
 fn an_unknown_name_is_answered_with_the_built_in_ones() {
     let error = refused("contst", &[]);
-    assert_eq!(error.to_string(), "there is no file and no built-in scenario `contst`");
+    assert_eq!(error.to_string(), "there is neither a file nor a built-in scenario `contst`");
     let help = error.fault.advice().expect("there is advice");
     assert!(help.contains("did you mean `contest`?") && help.contains("report-2024"), "{help}");
     let help = refused("some/where/else.toml", &[]).fault.advice().expect("there is advice");

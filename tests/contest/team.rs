@@ -291,7 +291,7 @@ fn a_change_dispatches_trucks_that_have_goals_and_a_file_may_not_say_both() {
         scenario::load("contest", &changes).expect_err("both say where trucks go").to_string()
     };
     let refused = refusal(&["dispatch.policy=auction", "unimog.goal=oldest"]);
-    assert!(refused.contains("`unimog.goal` cannot go with `dispatch`"), "{refused}");
+    assert!(refused.contains("`unimog.goal` cannot be combined with `dispatch`"), "{refused}");
     assert!(refusal(&["dispatch.policy=auctoin"]).contains("auction"));
     assert!(refusal(&["dispatch.rollouts=0"]).contains("dispatch.rollouts"));
     assert!(refusal(&["sight.radius_m=-1"]).contains("sight.radius_m"));

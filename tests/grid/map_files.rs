@@ -346,7 +346,7 @@ fn conversion_to_eight_bit_grey_is_noted() {
 fn swamp_and_water_are_occupied_and_noted() {
     let map = Folder::new().read(b"type octile\nheight 1\nwidth 5\nmap\n.SGWW\n");
     assert_eq!(map.occupied.values(), [false, true, false, true, true]);
-    assert_eq!(map.notes, ["swamp (S) and water (W) are taken as occupied (cells: 3)"]);
+    assert_eq!(map.notes, ["swamp (S) and water (W) count as occupied (cells: 3)"]);
 }
 
 #[test]
@@ -370,8 +370,8 @@ fn faults_of_text_are_named_with_row_and_column() {
         (b"010\n0101\n", "row 1, column 3: the width of the row is 4, expected 3".into()),
         (b"010\n\n010\n", "row 1, column 0: the line is blank; expected a row of cells".into()),
         (b"\n010\n", "row 0, column 0: the line is blank; expected a row of cells".into()),
-        (b"\n \n", "the file is empty; a map is expected".into()),
-        (b"", "the file is empty; a map is expected".into()),
+        (b"\n \n", "the file is empty; expected a map".into()),
+        (b"", "the file is empty; expected a map".into()),
         (b"0,1\n0,2\n", format!("row 1, column 1: found \"2\", {cell}")),
         (b"0,0.5\n", format!("row 0, column 1: found \"0.5\", {cell}")),
         (b"0,1,\n", format!("row 0, column 2: found \"\", {cell}")),
@@ -389,8 +389,8 @@ fn faults_of_moving_ai_maps_are_named_with_their_line_or_cell() {
     let folder = Folder::new();
     let header = |text: &str| folder.objection(format!("type octile\n{text}").as_bytes());
     let unknown = "expected `type octile`, `height ROWS`, `width COLUMNS` or `map`";
-    assert_eq!(header("height x\nwidth 2\nmap\n"), "line 2: a size in whole cells is expected, found \"x\"");
-    assert_eq!(header("height -1\nwidth 2\nmap\n"), "line 2: a size in whole cells is expected, found \"-1\"");
+    assert_eq!(header("height x\nwidth 2\nmap\n"), "line 2: expected a size in whole cells, found \"x\"");
+    assert_eq!(header("height -1\nwidth 2\nmap\n"), "line 2: expected a size in whole cells, found \"-1\"");
     assert_eq!(header("height 2\n\nwidth 2\n"), format!("line 3: {unknown}"));
     assert_eq!(header("height 2\nmap\n..\n..\n"), "line 3: the header has no `width`");
     assert_eq!(header("height 2\nwidth 2\n"), "line 3: the file ends before a line `map`");
@@ -400,7 +400,7 @@ fn faults_of_moving_ai_maps_are_named_with_their_line_or_cell() {
     );
     assert_eq!(
         header("height 1\nwidth 2\nmap\n..\n..\n"),
-        "row 1, column 0: the file goes on; its header declares a height of 1"
+        "row 1, column 0: the file continues; its header declares a height of 1"
     );
     assert_eq!(header("height 2\nwidth 2\nmap\n..\n...\n"), "row 1, column 2: the width of the row is 3, expected 2");
     assert_eq!(
@@ -420,7 +420,7 @@ fn faults_of_netpbm_images_are_named_with_their_pixel() {
         (b"P6 3 2 255\nabcdefghijklmno", format!("row 1, column 2: the file ends; {declares}")),
         (b"P2 3 2 255 0 0 0 0", format!("row 1, column 1: the file ends; {declares}")),
         (b"P1 3 2 0 0", format!("row 0, column 2: the file ends; {declares}")),
-        (b"P5 3 2 255\nabcdefg", "row 2, column 0: the file goes on; its header declares a height of 2".into()),
+        (b"P5 3 2 255\nabcdefg", "row 2, column 0: the file continues; its header declares a height of 2".into()),
         (b"P2 2 1 255 0 x", "row 0, column 1: found 'x', expected a whole number".into()),
         (b"P1 2 1 0 2", "row 0, column 1: found '2', expected 0 or 1".into()),
         (b"P2 2 1 15 0 16", "row 0, column 1: found 16, expected at most 15, as the header declares".into()),
@@ -440,7 +440,7 @@ fn first_of_several_images_is_read_and_that_is_said() {
     let rgb: Vec<u8> = small_grey().values().iter().flat_map(|&value| [value; 3]).collect();
     let converted = "the image (GIF, RGB with alpha) was converted to 8-bit grey: laid over white, grey = 0.299 R + 0.587 G + \
                      0.114 B";
-    let several = "the file holds several images, of which the first was read";
+    let several = "the file holds several images; the first was read";
     assert_eq!(folder.read(&gif(&rgb, 1)).notes, [converted]);
     assert_eq!(folder.read(&gif(&rgb, 2)).notes, [converted, several]);
     let mut pages = tiff(8, 1, 1, &[], small_grey().values());
@@ -467,8 +467,8 @@ fn orientation_tag_is_applied() {
 #[test]
 fn arrays_that_are_no_maps_are_refused_with_their_place() {
     let folder = Folder::new();
-    let place =
-        "expected 0 (free) or 1 (occupied); `array == 0` or `array > 0` makes them so, whichever is an obstacle";
+    let place = "expected 0 (free) or 1 (occupied); `array == 0` or `array > 0` converts it, depending on which value is an \
+         obstacle";
     let by_dictionary = "expected a dictionary of `descr`, `fortran_order` and `shape`";
     let kinds = "expected bool, integers or floats of 32 or 64 bits";
     let types = format!("{kinds}: `array.astype(bool)` makes them so");
@@ -510,7 +510,7 @@ fn arrays_that_are_no_maps_are_refused_with_their_place() {
         ),
         (
             npy("'|b1'", "False", "(1, 2)", &[0; 3]),
-            "row 1, column 0: the file goes on; its header declares a height of 1".into(),
+            "row 1, column 0: the file continues; its header declares a height of 1".into(),
         ),
         (
             npy("'|b1'", "0", "(1, 2)", &[0; 2]),
@@ -543,8 +543,8 @@ fn ros_map_is_read_with_its_image_and_keeps_its_place() {
     assert_eq!(
         map.notes,
         [
-            "cells that are neither free nor occupied are taken as occupied (cells: 1)",
-            "the map is not turned by the heading of its origin, 0.5 radians"
+            "cells that are neither free nor occupied count as occupied (cells: 1)",
+            "the heading of the map's origin, 0.5 radians, is ignored"
         ]
     );
     let inverted = Reading { inverted: true, ..Reading::default() };
@@ -564,7 +564,7 @@ fn ros_map_is_read_with_its_image_and_keeps_its_place() {
     let bad = folder.file("maps/bad.yaml", yaml.replace("0.05", "0").as_bytes());
     assert_eq!(objection_to(&bad), "line 2: `resolution` is 0; expected a side in metres above 0");
     let long = folder.file("maps/long.yaml", yaml.repeat(1000).as_bytes());
-    assert_eq!(objection_to(&long), "the file has more than 65536 bytes; no file of this kind is expected to");
+    assert_eq!(objection_to(&long), "the file has more than 65536 bytes, the limit for files of this kind");
 }
 
 #[test]
@@ -679,7 +679,7 @@ fn sizes_beyond_the_limits_are_refused() {
         assert_eq!(size_of(format!("type octile\nheight {rows}\nwidth {cols}\nmap\n").as_bytes()), expected);
         assert_eq!(size_of(&png(cols, rows, 8, 0, &[], &[0])), expected);
     }
-    let goes_on = "the map goes on; at most 32767 rows, 32767 columns and 268435456 cells are expected";
+    let goes_on = "the map continues; expected at most 32767 rows, 32767 columns and 268435456 cells";
     assert_eq!(folder.objection(&b"0".repeat(32_768)), format!("row 0, column 32767: {goes_on}"));
     assert_eq!(folder.objection(&b"0,".repeat(32_768)[..65_535]), format!("row 0, column 32767: {goes_on}"));
     assert_eq!(folder.objection(&b"0\n".repeat(32_768)), format!("row 32767, column 0: {goes_on}"));
@@ -692,10 +692,16 @@ fn sizes_beyond_the_limits_are_refused() {
 fn what_is_no_map_file_is_refused_in_words() {
     let folder = Folder::new();
     assert!(objection_to(&folder.path("missing")).starts_with("cannot be read: "));
-    assert_eq!(objection_to(folder.0.path()), "this is a folder; a map file is expected");
+    assert_eq!(objection_to(folder.0.path()), "this is a folder; expected a map file");
     let formats = "expected an image (PNG, JPEG, WebP, GIF, BMP, TIFF, PBM, PGM or PPM), rows of 0 and 1 or of . and \
                    #, a table or a NumPy array of 0 and 1, a Moving AI map, or the YAML file of a ROS map";
-    assert_eq!(folder.objection(b"RIFF\0\0\0\0WAVE"), format!("this is a RIFF file that is no WebP image; {formats}"));
+    assert_eq!(
+        folder.objection(b"RIFF\0\0\0\0WAVE"),
+        format!(
+            "this is a RIFF file that is not a WebP image; \
+        {formats}"
+        )
+    );
     let boxed = |brands: &[u8]| [&(16 + brands.len() as u32).to_be_bytes(), b"ftyp", brands, b"\0\0\0\0mdat"].concat();
     let saved = "which a program for images can save as PNG";
     for (brands, kind) in [
@@ -705,7 +711,7 @@ fn what_is_no_map_file_is_refused_in_words() {
     ] {
         assert_eq!(folder.objection(&boxed(brands)), format!("this is {kind}; {formats}"));
     }
-    assert_eq!(folder.objection(b"\x1F\x8B\x08"), format!("this is a file packed by gzip; {formats}"));
+    assert_eq!(folder.objection(b"\x1F\x8B\x08"), format!("this is a gzip file; {formats}"));
     assert_eq!(folder.objection(b"\xFF\xFE0\x001\x00"), format!("this is UTF-16 text; {formats}"));
 }
 
@@ -714,7 +720,7 @@ fn what_is_no_map_file_is_refused_in_words() {
 fn endless_device_is_refused() {
     assert_eq!(
         objection_to(Path::new("/dev/zero")),
-        "line 1: the line is longer than 524272 bytes; no row of a map is"
+        "line 1: the line is longer than 524272 bytes, the limit for a row of a map"
     );
 }
 
@@ -725,7 +731,7 @@ fn huge_files_are_refused_at_once() {
     let path = folder.path("huge");
     let file = File::create(&path).expect("writable");
     file.set_len(5_000_000_000).expect("files may have holes");
-    assert_eq!(objection_to(&path), "the file has 5000000000 bytes; at most 4294967296 are expected");
+    assert_eq!(objection_to(&path), "the file has 5000000000 bytes; expected at most 4294967296");
     file.set_len(4_000_000_000).expect("files may have holes");
     assert!(objection_to(&path).starts_with("line 1: the line is longer than"));
 }

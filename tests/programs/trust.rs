@@ -96,7 +96,7 @@ fn runs_of_a_program_are_audited_with_trust_and_repeat() {
     shell.run(&["run", "mine.toml", "--trust", "--out", "run.wildfire"], &[0]);
     shell.run(&["audit", "run.wildfire"], &[0]);
     let said = shell.run(&["plan", "--scenario", "mine.toml", "--goals", "3", "--trust", "--repeat"], &[0]);
-    assert!(String::from_utf8_lossy(&said.stdout).contains("the same bit for bit"));
+    assert!(String::from_utf8_lossy(&said.stdout).contains("bit-identical"));
     let fickle = "answer=$(od -An -N2 -tu2 /dev/urandom | tr -d ' '); echo \"{\\\"type\\\":\\\"none\\\",\\\"id\\\":$id,\\\"reason\\\":\\\"disconnected\\\",\\\"expansions\\\":$answer}\"";
     shell.file("fickle.sh", &script(fickle));
     let arguments = ["plan", "--goals", "3", "--planner", "fickle", "--command", "fickle=sh fickle.sh", "--repeat"];

@@ -60,7 +60,7 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 /// Returns the error of an input with more than `most` bytes.
 pub fn too_large(most: u64) -> io::Error {
     let limit = most as f64 / 1e6;
-    io::Error::new(ErrorKind::FileTooLarge, format!("it is too large; at most {limit} MB are expected"))
+    io::Error::new(ErrorKind::FileTooLarge, format!("it is too large; expected at most {limit} MB"))
 }
 
 /// Reads an input of at most `most` bytes of UTF-8, without the byte order mark that some editors write.
@@ -141,7 +141,7 @@ mod tests {
         assert_eq!(read_text(&path, 7).expect("it has seven bytes"), "text");
         let refusal = read_text(&path, 6).expect_err("it has seven bytes");
         assert_eq!(refusal.kind(), ErrorKind::FileTooLarge);
-        assert_eq!(refusal.to_string(), "it is too large; at most 0.000006 MB are expected");
+        assert_eq!(refusal.to_string(), "it is too large; expected at most 0.000006 MB");
     }
 
     #[test]

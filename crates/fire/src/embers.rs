@@ -26,18 +26,18 @@ use wildfire_base::time::SimTime;
 pub struct EmberSettings {
     /// Embers for each megajoule of heat; of one cell at most 500 on average.
     pub per_mj: f64,
-    /// The least power of the front that gives off any.
+    /// The least power of a front that emits embers.
     pub i_min_kw_m: f64,
     /// The mean distance in metres is `d0` times the power in kW/m to the power of `a`, times the wind in m/s to the power
     /// of `b`.
     pub d0: f64,
     pub a: f64,
     pub b: f64,
-    /// The variance of the distance is this times its mean.
+    /// The ratio of the distance's variance to its mean.
     pub k: f64,
     /// The standard deviation across the wind.
     pub cross_sd_m: f64,
-    /// The probability that an ember sets fire to fuel without any water.
+    /// The probability that an ember ignites dry fuel.
     pub p_ign: f64,
     /// From landing to ignition.
     pub delay_s: f64,

@@ -41,12 +41,12 @@ pub enum WeatherTableError {
 impl fmt::Display for WeatherTableError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Empty => write!(f, "no weather is given, expected at least one row, for time 0"),
-            Self::NoBeginning { from } => write!(f, "the weather begins at {from}, expected the first row at 0 s"),
+            Self::Empty => write!(f, "no weather is given; expected at least one row, for time 0"),
+            Self::NoBeginning { from } => write!(f, "the weather begins at {from}; expected the first row at 0 s"),
             Self::OutOfOrder { interval, from, before } => {
                 write!(
                     f,
-                    "row {} begins at {from}, expected a time after {before}, that of the row before",
+                    "row {} begins at {from}; expected a time after {before}, the time of the previous row",
                     interval + 1
                 )
             }
@@ -114,6 +114,10 @@ mod tests {
         assert!(matches!(Weather::new(vec![interval(1.0, 0.0)]), Err(WeatherTableError::NoBeginning { .. })));
         let twice = Weather::new(vec![interval(0.0, 0.0), interval(5.0, 1.0), interval(5.0, 2.0)]);
         let error = twice.expect_err("two rows of one time");
-        assert_eq!(error.to_string(), "row 3 begins at 5.000 s, expected a time after 5.000 s, that of the row before");
+        assert_eq!(
+            error.to_string(),
+            "row 3 begins at 5.000 s, expected a time after 5.000 s, the time of the \
+            previous row"
+        );
     }
 }

@@ -218,32 +218,32 @@ impl fmt::Display for PathPlace {
 impl fmt::Display for BadPath {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::TooManySegments { found } => write!(f, "it has {found} segments, the most is {MOST_SEGMENTS}"),
+            Self::TooManySegments { found } => write!(f, "it has {found} segments; the limit is {MOST_SEGMENTS}"),
             Self::OtherStart { found, truck } => {
                 let (metres, radians) = apart(found, truck);
                 let (Pose { x, y, .. }, Pose { x: truck_x, y: truck_y, .. }) = (found, truck);
                 write!(f, "it begins at ({x:.2}, {y:.2}), {metres} m and {radians} rad from the truck's pose at ")?;
-                write!(f, "({truck_x:.2}, {truck_y:.2}), where it has to begin")
+                write!(f, "({truck_x:.2}, {truck_y:.2}), where it must begin")
             }
             Self::NotANumber { place, what, found } if found.is_subnormal() => {
                 write!(f, "{place}: its {what} is {found:e}, which is too small to compute with; 0 is allowed")
             }
             Self::NotANumber { place, what, found } => {
-                write!(f, "{place}: its {what} is {found}, and a finite number is expected")
+                write!(f, "{place}: its {what} is {found}; expected a finite number")
             }
             Self::TooLong { found_m, most_m } => {
                 let (found, most) = (told_apart(found_m, most_m, 2), most_m);
-                write!(f, "it is {found} m long, the most is {most} m, {MOST_FIELDS_LONG} times width and height of ")?;
-                write!(f, "the field")
+                write!(f, "it is {found} m long; the limit is {most} m, ")?;
+                write!(f, "{MOST_FIELDS_LONG} times width and height of the field")
             }
             Self::TooSharp { place, found, most } => {
                 let (radius_m, least_m) = (1.0 / found, 1.0 / most);
-                write!(f, "{place}: a turn of radius {} m, the least is {least_m} m", told_apart(radius_m, least_m, 2))
+                write!(f, "{place}: a turn of radius {} m; the least is {least_m} m", told_apart(radius_m, least_m, 2))
             }
             Self::TooNear { place, obstacle, found_m } => {
                 write!(f, "{place}: ")?;
                 match obstacle {
-                    Obstacle::Border if found_m < 0.0 => write!(f, "{} outside of the field", Gap(-found_m))?,
+                    Obstacle::Border if found_m < 0.0 => write!(f, "{} outside the field", Gap(-found_m))?,
                     _ if found_m <= 0.0 => write!(f, "touching {}", Named(obstacle))?,
                     _ => write!(f, "{} from {}", Gap(found_m), Named(obstacle))?,
                 }
@@ -379,11 +379,11 @@ mod tests {
     #[test]
     fn paths_without_end_are_refused() {
         let many = path(&vec![segment(0.0, 1e-4); MOST_SEGMENTS + 1]);
-        assert_eq!(refusal(&many), "it has 10001 segments, the most is 10000");
+        assert_eq!(refusal(&many), "it has 10001 segments; the limit is 10000");
         let round = [segment(1.0 / 13.0, 7500.0), segment(-1.0 / 13.0, -7500.01)];
         assert_eq!(
             refusal(&path(&round)),
-            "it is 15000.01 m long, the most is 15000 m, 100 times width and height of the field"
+            "it is 15000.01 m long; the limit is 15000 m, 100 times width and height of the field"
         );
         assert!(refusal(&path(&[segment(0.0, 1e308), segment(0.0, 1e308)])).contains("inf m long"));
     }
@@ -393,8 +393,8 @@ mod tests {
         let elsewhere = Path { start: Pose { y: 22.51, ..START }, segments: vec![segment(0.0, 5.0)] };
         assert_eq!(
             refusal(&elsewhere),
-            "it begins at (20.00, 22.51), 0.0100 m and 0.0000 rad from the truck's pose at (20.00, 22.50), \
-             where it has to begin"
+            "it begins at (20.00, 22.51), 0.0100 m and 0.0000 rad from the truck's pose at (20.00, 22.50), where it \
+             must begin"
         );
     }
 
@@ -403,7 +403,7 @@ mod tests {
         for side in [1.0, -1.0] {
             assert_eq!(
                 refusal(&path(&[segment(0.0, 3.0), segment(side / 12.9, 4.0)])),
-                "segment 2 of 2, 3.00 m along, at (23.00, 22.50): a turn of radius 12.90 m, the least is 13 m"
+                "segment 2 of 2, 3.00 m along, at (23.00, 22.50): a turn of radius 12.90 m; the least is 13 m"
             );
         }
         let hardly = 1.0 / 13.0 + f64::EPSILON;
@@ -423,7 +423,7 @@ mod tests {
         let words = judge().check(outside, START.into(), &Path { start: outside, segments: vec![segment(0.0, 9.0)] });
         assert_eq!(
             words.expect_err("it begins outside").to_string(),
-            "segment 1 of 1, 0.00 m along, at (0.50, 22.50): 450 mm outside of the field, the least is 10 mm"
+            "segment 1 of 1, 0.00 m along, at (0.50, 22.50): 450 mm outside the field, the least is 10 mm"
         );
         let words = judge().check(outside, outside.into(), &Path::standing(outside)).expect_err("it stands outside");
         assert!(words.to_string().starts_with("where it stays, at (0.50, 22.50): 450 mm outside"), "{words}");

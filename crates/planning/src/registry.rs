@@ -241,7 +241,7 @@ impl Planners {
             });
         }
         let Some(maker) = self.own.get(name) else {
-            let words = format!("`{name}` is not built in, was not handed in, and is no program that may be started");
+            let words = format!("`{name}` is neither built in nor registered, nor a program that may be started");
             return Err(MakeError(words));
         };
         Ok(Box::new(Gated::build(maker.as_ref(), site)?))
@@ -271,7 +271,7 @@ pub struct RoadmapSize {
 
 macro_rules! truck_planners {
     ($($(#[$doc:meta])* $kind:ident, $name:literal, $maker:expr;)+) => {
-        /// The planner by which a truck finds its way.
+        /// The truck's path planner.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
         pub enum TruckPlannerKind {
             $($(#[$doc])* #[serde(rename = $name)] $kind,)+
@@ -300,11 +300,11 @@ macro_rules! truck_planners {
 truck_planners! {
     /// A roadmap, and motion primitives along its waypoints.
     PrmPrimitives, "prm+primitives", prm_primitives::Maker;
-    /// A roadmap over poses with Reeds-Shepp curves, and a lattice search where it does not serve.
+    /// A roadmap over poses with Reeds-Shepp curves, with a lattice search as fallback.
     PrmRs, "prm-rs", prm_rs::Maker;
     /// A lattice search that looks ahead with Reeds-Shepp curves.
     HybridAstar, "hybrid-astar", hybrid_astar::Maker;
-    /// A flood over a lattice of poses: slow, and complete at its resolution.
+    /// A flood over a lattice of poses: slow, but complete at its resolution.
     Lattice, "lattice", lattice::Maker;
 }
 

@@ -137,11 +137,11 @@ impl Answer {
 /// Why a game cannot be replayed.
 #[derive(Debug, Error)]
 pub enum GameError {
-    #[error("this is no game: {0}")]
+    #[error("this is not a game file: {0}")]
     Malformed(#[from] serde_json::Error),
-    #[error("it is a game of format {found}; expected {FORMAT}")]
+    #[error("the game has format {found}; expected {FORMAT}")]
     Format { found: u32 },
-    #[error("it names no side that is played; expected `wumpus` or `unimog`")]
+    #[error("it does not name the side played; expected `wumpus` or `unimog`")]
     NobodyPlays,
 }
 
@@ -319,9 +319,12 @@ mod tests {
     #[test]
     fn what_is_no_game_is_refused() {
         for (text, words) in [
-            ("[]", "this is no game"),
+            ("[]", "this is not a game file"),
             (r#"{"wildfire_game": 2, "scenario": {"name": "smoke"}, "seed": 1, "plays": ["unimog"]}"#, "format 2"),
-            (r#"{"wildfire_game": 1, "scenario": {"name": "smoke"}, "seed": 1, "plays": []}"#, "no side"),
+            (
+                r#"{"wildfire_game": 1, "scenario": {"name": "smoke"}, "seed": 1, "plays": []}"#,
+                "does not name the side",
+            ),
             (r#"{"wildfire_game": 1, "scenario": {"name": "smoke"}, "seed": -1, "plays": []}"#, "line 1"),
         ] {
             let refusal = Game::from_json(text).expect_err(text).to_string();

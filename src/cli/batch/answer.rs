@@ -18,12 +18,12 @@ use wildfire_batch::{
 #[derive(Serialize, JsonSchema)]
 pub struct BatchObject {
     program_version: &'static str,
-    /// The commit that the program was built from; null where it is not known.
+    /// The commit that the program was built from; null if unknown.
     commit: Option<&'static str>,
     compiler: &'static str,
     /// The folder of the batch.
     folder: String,
-    /// The hash of the plan, which decides all outcomes.
+    /// The hash of the plan, which determines all outcomes.
     content_sha256: String,
     seeds: String,
     runs: u64,
@@ -45,11 +45,11 @@ struct VariantObject {
     panicked: u64,
     won_by_truck: u64,
     won_by_wumpus: u64,
-    /// Runs in which some agent was stuck.
+    /// Runs in which an agent got stuck.
     stuck_runs: u64,
-    /// What there is to say in words.
+    /// The findings as sentences.
     sentences: Vec<String>,
-    /// The columns of numbers of `runs.csv`, over the runs that are done; those that no run has are left out.
+    /// The numeric columns of `runs.csv`, over finished runs; columns without values are omitted.
     columns: BTreeMap<&'static str, ColumnObject>,
 }
 
@@ -59,7 +59,7 @@ struct ColumnObject {
     runs: u64,
     mean: Option<f64>,
     standard_deviation: Option<f64>,
-    /// The 95 % interval of the mean, which is in the range of the column.
+    /// The 95 % interval of the mean, from `low` to `high`, within the column's range.
     low: Option<f64>,
     high: Option<f64>,
 }
@@ -141,9 +141,9 @@ pub struct ReportAnswer {
     charts_folder: String,
     /// The charts, by the names of their files without endings.
     charts: Vec<String>,
-    /// Charts that are not drawn since they would have too many panels: a sentence for each.
+    /// Charts omitted because they would have too many panels, one sentence each.
     refused: Vec<String>,
-    /// The machines that worked on the batch, as far as they are known.
+    /// The machines that worked on the batch, if known.
     machines: Vec<Machine>,
 }
 

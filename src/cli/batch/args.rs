@@ -32,8 +32,8 @@ pub struct BatchArguments {
     /// Scenario files, or names of built-in scenarios [default: contest]; or one plan file.
     #[arg(value_name = "SCENARIO|PLAN.toml")]
     pub sources: Vec<String>,
-    /// Change a value of the scenarios; with several values between commas, or a range `FIRST..LAST:STEP`, run all of
-    /// them with each. Sweeps of several keys are multiplied; may be repeated.
+    /// Change a value of the scenarios, or sweep a list `A,B` or a range `FIRST..LAST:STEP`; sweeps of several keys run
+    /// all combinations. May be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE[,VALUE...]")]
     pub set: Vec<String>,
     #[command(flatten)]
@@ -41,7 +41,7 @@ pub struct BatchArguments {
     /// Planners of the trucks: short for `--set unimog.planner=`.
     #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',')]
     pub planner: Vec<String>,
-    /// The rules of a course, which fix everything but what they free for agents.
+    /// Rules of a course: they fix all values except those they free for agents.
     #[arg(
         long,
         value_name = "FILE.toml",
@@ -49,40 +49,40 @@ pub struct BatchArguments {
         conflicts_with_all = ["sources", "set", "planner", "memory", "shard"]
     )]
     pub rules: Option<PathBuf>,
-    /// Files of agents: what the rules leave free. All of them run with the same seeds, in turn.
+    /// Agent files, with the values that the rules leave free; all run with the same seeds.
     #[arg(long, value_name = "FILE.toml", num_args = 1.., requires = "rules")]
     pub agent: Vec<PathBuf>,
-    /// Leave agents out whose files are refused, and run the others; the exit code is then 1.
+    /// Skip agents whose files are invalid and run the others; the exit code is then 1.
     #[arg(long, requires = "rules")]
     pub skip_refused: bool,
-    /// Seeds: ranges with both ends, lists, or both, such as `1..5`, `1,5,9`, `1..100,200`; or `@FILE` that holds
-    /// them [default: 1..5].
+    /// Seeds: inclusive ranges and lists, such as `1..5`, `1,5,9` or `1..100,200`; or `@FILE` to read them from a file
+    /// [default: 1..5].
     #[arg(short, long, alias = "seed", allow_hyphen_values = true, value_parser = parse_seeds)]
     pub seeds: Option<SeedsArgument>,
-    /// Threads [default: as many as the machine runs at once, or as Slurm gives the task, in SLURM_CPUS_PER_TASK].
+    /// Number of threads [default: SLURM_CPUS_PER_TASK in a Slurm task, else the number of processors].
     #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
-    /// The memory that each run may take, such as `4GB`, `512MiB` or `4G`, which is 4 GB: one that would take more is a
-    /// failed row. As many runs as threads take place at once [default: 2GB].
+    /// Memory limit of each run, such as `4GB`, `512MiB` or `4G` (4 GB); a run that would exceed it becomes a failed
+    /// row. Every thread runs one run at a time [default: 2GB].
     #[arg(long, value_name = "SIZE")]
     pub memory: Option<MemoryLimit>,
-    /// The folder for the results [default: runs/NAME, or the next free runs/NAME-2, runs/NAME-3 ...].
+    /// Output folder [default: runs/NAME, or the next free runs/NAME-2, runs/NAME-3 ...].
     #[arg(short, long, value_name = "DIR", group = "shared_folder")]
     pub out: Option<PathBuf>,
-    /// Overwrite the results in the folder given with --out, and run more than 100000 runs if asked to.
+    /// Overwrite results in the --out folder, and allow more than 100000 runs.
     #[arg(long)]
     pub force: bool,
-    /// Keep recordings of `all` runs, of `failed` ones, or of `none` [default: none]; failed means here that some agent
-    /// was stuck: a run whose status is failed has no timeline.
+    /// Record `all` runs, `failed` runs, or `none` [default: none]; `failed` here means runs in which an agent got
+    /// stuck (runs with status `failed` have nothing to record).
     #[arg(long, value_name = "WHICH")]
     pub record: Option<Record>,
-    /// List what would be run, and run nothing.
+    /// List the planned runs without running them.
     #[arg(long)]
     pub dry_run: bool,
-    /// Also print where the CPU time went, by part.
+    /// Also print the CPU time of each part.
     #[arg(long, conflicts_with = "json")]
     pub profile: bool,
-    /// Continue the batch in this folder, which was stopped.
+    /// Resume the stopped batch in this folder.
     #[arg(
         long,
         value_name = "DIR",
@@ -90,7 +90,7 @@ pub struct BatchArguments {
         conflicts_with_all = ["sources", "set", "planner", "rules", "seeds", "memory", "out", "force", "record", "dry_run", "commands"]
     )]
     pub resume: Option<PathBuf>,
-    /// Run slice K of N of the plan only, in a folder that the slices share; `wildfire merge` puts them together.
+    /// Run only slice K of N of the plan, in a folder that all slices share; `wildfire merge` merges them.
     #[arg(long, value_name = "K/N", requires = "shared_folder")]
     pub shard: Option<Slice>,
     #[command(flatten)]
@@ -132,17 +132,17 @@ pub fn parse_seeds(text: &str) -> Result<SeedsArgument, String> {
 /// The tasks of a batch on a cluster.
 #[derive(Debug, Args)]
 pub struct SlurmArguments {
-    /// Print a script that runs the batch on a cluster with Slurm, and run nothing but a pilot, which sizes the tasks.
+    /// Print a Slurm script that runs the batch; only a short pilot runs now, to size the tasks.
     #[arg(
         help_heading = "Slurm",
         long,
         conflicts_with_all = ["resume", "shard", "rules", "dry_run", "profile", "report_form"]
     )]
     pub slurm: bool,
-    /// The time that a task is to take, also as `h:mm:ss`.
+    /// Target duration of a task in seconds, or as `h:mm:ss`.
     #[arg(help_heading = "Slurm", long, value_name = "MINUTES", default_value = "30", requires = "slurm", value_parser = parse_minutes)]
     pub target_minutes: f64,
-    /// The most tasks; where they would have to be more, each takes longer.
+    /// Largest number of tasks; if it is too low, each takes longer.
     #[arg(help_heading = "Slurm", long, value_name = "N", default_value = "200", requires = "slurm", value_parser = parse_tasks)]
     pub max_tasks: u64,
 }

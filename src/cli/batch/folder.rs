@@ -51,20 +51,19 @@ Examples:
   wildfire report runs/contest --pdf --width-mm 88
   wildfire report runs/contest --metric truck_distance_m,truck_cusps --tex > tables.tex
 
-PDF has the letters of charts as outlines of the program's own font, Arimo; in PGF they are
-text, which LaTeX sets in the font of the paper.")]
+In PDF charts, text is outlined in the built-in font Arimo; in PGF charts it stays text,
+which LaTeX sets in the paper's font.")]
 pub struct ReportArguments {
     /// The folder of a batch.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// Also write pages that play the runs in which the least and the most burned, and the median; what was not recorded is
-    /// simulated again.
+    /// Also write pages that play the runs with the least, median and most burned; unrecorded runs are simulated again.
     #[arg(long)]
     pub pages: bool,
-    /// Draw charts of these columns of runs.csv only, and print their tables; may be repeated.
+    /// Limit charts and printed tables to these columns of runs.csv; may be repeated.
     #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',')]
     pub metric: Vec<String>,
-    /// With --tex, --md or --html, print the rows of single runs too.
+    /// With --tex, --md or --html, also print a row for each run.
     #[arg(help_heading = "Papers", long, conflicts_with = "metric")]
     pub rows: bool,
     #[command(flatten)]
@@ -84,8 +83,7 @@ pub struct MergeArguments {
     /// The folder of a batch.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// Wait for slices that are not complete, until none has got a run for this time: seconds, or `h:mm:ss` [default:
-    /// 300].
+    /// Wait for incomplete slices until no run has finished for this long: seconds, or `h:mm:ss` [default: 300].
     #[arg(
         long,
         value_name = "TIME",
@@ -95,7 +93,7 @@ pub struct MergeArguments {
         value_parser = parse_wait
     )]
     pub wait: Option<f64>,
-    /// Threads [default: as many as the machine runs at once, or as Slurm gives the task, in SLURM_CPUS_PER_TASK].
+    /// Number of threads [default: SLURM_CPUS_PER_TASK in a Slurm task, else the number of processors].
     #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
     #[command(flatten)]
@@ -216,15 +214,15 @@ impl<'a> Waiting<'a> {
     }
 }
 
-/// Words what is missing, as `slices that lack runs, of 40: 3 lacks 12 of 150`.
+/// Words what is missing, as `slices with missing runs, of 40: 3 lacks 12 of 150`.
 fn words_for(missing: &[MissingRuns], of: &str) -> String {
     let lacking = missing.iter().map(|slice| match slice {
         MissingRuns { slice, missing, of } if missing == of => format!("{} has not begun", slice.number()),
         MissingRuns { slice, missing, of } => format!("{} lacks {missing} of {of}", slice.number()),
     });
     match list(lacking) {
-        Some(list) => format!("{} of {of} slices that lack runs: {list}", missing.len()),
-        None => "a process that is at work on a slice".into(),
+        Some(list) => format!("{} of {of} slices with missing runs: {list}", missing.len()),
+        None => "a process that is working on a slice".into(),
     }
 }
 
@@ -245,8 +243,8 @@ fn merge_error(error: BatchError, folder: &OutputFolder, lock: &LockArguments) -
     }
     let numbers: Vec<u64> = missing.iter().map(|slice| slice.slice.number()).collect();
     let help = format!(
-        "run the first with: {command}; as an array of Slurm all of them, with the script that was submitted: sbatch \
-         --array={} SCRIPT",
+        "run the first with: {command}; or all of them as a Slurm array, with the original script: sbatch --array={} \
+         SCRIPT",
         range_words(&numbers, "-")
     );
     CliError::bad_input(words_for(&missing, &first.of().to_string()), Some(&help))
@@ -314,7 +312,7 @@ fn median_field(
     let request = FrameRequest { runs: &[view], time: view.end_time(), options: &options };
     let percent = 100.0 * found[index].burned_ratio;
     let caption = format!(
-        "The field at the end of the {} run by the share that burned: seed {}, {percent:.1} % of the bushes burned.",
+        "The field at the end of the {} run by share burned: seed {}, {percent:.1} % of the bushes burned.",
         found[index].word, run.seed
     );
     Ok(Some(FieldPicture { caption, png: still(&request, FIELD).to_png() }))
@@ -442,7 +440,7 @@ impl From<&StatusReport> for Document {
         }
         let repeated = sum(|slice| slice.repeated);
         if repeated > 0 {
-            sentences.push(format!("{repeated} rows are there twice, equal in all that is not measured."));
+            sentences.push(format!("{repeated} rows appear twice, with equal values except for measured ones."));
         }
         Self::new(format!("{folder}: {}, seeds {seeds}", count(*variants, "variant")))
             .with(table)

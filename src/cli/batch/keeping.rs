@@ -11,8 +11,8 @@ use wildfire_batch::{JournalKeeping, Lock, shell_word};
 /// How journals are locked.
 #[derive(Clone, Debug, Args)]
 pub struct LockArguments {
-    /// How two processes are kept from one slice: `flock`, the system's lock, or `none`, where the system's is refused and
-    /// the scheduler keeps them apart.
+    /// Lock that keeps two processes off one slice: `flock` (the system's), or `none` if the file system refuses it and
+    /// the scheduler separates them.
     #[arg(help_heading = "Shared file systems", long, value_name = "HOW", default_value_t)]
     lock: Lock,
 }
@@ -22,11 +22,11 @@ pub struct LockArguments {
 pub struct KeepingArguments {
     #[command(flatten)]
     pub lock: LockArguments,
-    /// The longest time until a finished run is on the disk: seconds, or `h:mm:ss` [default: 1].
+    /// Longest delay until a finished run is on disk: seconds, or `h:mm:ss` [default: 1].
     #[arg(help_heading = "Shared file systems", long, value_name = "TIME", allow_hyphen_values = true, value_parser = parse_seconds)]
     sync_every: Option<f64>,
-    /// Write the journal in this folder, on a disk of this machine, and bring it to its place when the process ends or is
-    /// stopped. What a machine that fails had not brought there is lost and run again.
+    /// Write the journal to this folder on a local disk and move it into place when the process ends or is stopped. If
+    /// the machine fails first, its runs are lost and run again.
     #[arg(help_heading = "Shared file systems", long, value_name = "DIR")]
     pub journal_dir: Option<PathBuf>,
 }

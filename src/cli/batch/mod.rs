@@ -61,7 +61,7 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
             let plan = match &arguments.rules {
                 Some(rules) => {
                     let course = plan_of_course(arguments, rules)?;
-                    course.left_out.iter().for_each(|fault| terminal::note(&format!("left out: {fault}")));
+                    course.left_out.iter().for_each(|fault| terminal::note(&format!("skipped: {fault}")));
                     left_out = course.left_out.len() as u64;
                     course.plan
                 }
@@ -153,7 +153,7 @@ fn frozen_plan(arguments: &BatchArguments) -> Result<Option<BatchPlan>, CliError
         ("--memory", arguments.memory.is_some()),
     ];
     if let Some((option, _)) = changes.into_iter().find(|(_, is_given)| *is_given) {
-        let sentence = format!("{option} would change {source}, the plan of a batch that was run; expected it alone");
+        let sentence = format!("{option} would change {source}, the plan of a batch that has run; leave {option} out");
         return Err(CliError::bad_input(sentence, Some("a plan file in TOML can be changed: wildfire new plan")));
     }
     Ok(Some(BatchPlan::read_file(source.into()).map_err(BatchError::from)?))
@@ -180,7 +180,7 @@ fn request_from(sources: &[String]) -> Result<BatchRequest, CliError> {
         match BatchRequest::from_text(&text)? {
             Some(request) if sources.len() == 1 => return Ok(request),
             Some(_) => {
-                let sentence = format!("{source} is a plan; expected it alone, as it names its scenarios itself");
+                let sentence = format!("{source} is a plan, which names its scenarios; expected no other inputs");
                 return Err(CliError::bad_input(sentence, None));
             }
             None => texts.push(text),
@@ -209,20 +209,20 @@ fn exit_code(not_done: u64) -> ExitCode {
 /// Notes what was found damaged and has been repaired.
 fn note_repairs(found: &Found) {
     if found.has_torn_line {
-        terminal::note("the last line of the journal was incomplete; it was dropped, and its run is repeated");
+        terminal::note("dropped the incomplete last line of the journal; its run is repeated");
     }
     note_leftovers(&found.leftovers);
     note_repeated(found.repeated);
     let lost = found.lost_recordings.iter().map(|lost| format!("{} ({})", lost.path.display(), lost.reason));
     if let Some(list) = list(lost) {
-        terminal::note(&format!("runs whose recordings are lost are repeated: {list}"));
+        terminal::note(&format!("repeating runs whose recordings are missing: {list}"));
     }
 }
 
 /// Says which files were removed that were only half written.
 fn note_leftovers(leftovers: &[PathBuf]) {
     if let Some(list) = list(leftovers.iter().map(|path| path.display().to_string())) {
-        terminal::note(&format!("removed files that a killed process had left: {list}"));
+        terminal::note(&format!("removed files left by a killed process: {list}"));
     }
 }
 
@@ -230,8 +230,8 @@ fn note_leftovers(leftovers: &[PathBuf]) {
 fn note_repeated(repeated: u64) {
     if repeated > 0 {
         terminal::note(&format!(
-            "{repeated} rows are there twice and are taken once: two processes worked on one slice, and their rows are \
-             equal in all that is not measured"
+            "{repeated} rows appear twice and count once: two processes worked on one slice, and their rows are equal \
+             except for measured values"
         ));
     }
 }

@@ -44,7 +44,7 @@ impl Tasks {
 /// Writes the script of a batch, whose runs the pilot has measured.
 pub fn script(arguments: &BatchArguments, plan: &BatchPlan, context: &CommandContext) -> Result<String, CliError> {
     if !context.quiet {
-        terminal::note("a pilot of some runs, at most a minute or one run long, sizes the tasks");
+        terminal::note("sizing the tasks with a pilot of at most one minute or one run");
     }
     let pilot = Pilot::run(plan, &context.entrants);
     let jobs = arguments.jobs.map_or(1, |jobs| jobs.get() as u64);
@@ -54,7 +54,7 @@ pub fn script(arguments: &BatchArguments, plan: &BatchPlan, context: &CommandCon
         Some(path) => path.clone(),
         None => OutputFolder::next_free_path(Path::new(RUNS_FOLDER), name),
     };
-    let environment = |error| CliError::environment(format_args!("cannot say where this is: {error}"));
+    let environment = |error| CliError::environment(format_args!("cannot determine the current folder: {error}"));
     let script = Script {
         name: file_name_of(name),
         program: env::current_exe().map_err(environment)?,
@@ -75,7 +75,7 @@ pub fn refuse_pipes(arguments: &BatchArguments) -> Result<(), CliError> {
     });
     if seeds || arguments.sources.iter().any(|source| is_stdin(source)) {
         return Err(CliError::bad_input(
-            "- is the input of this process; expected a file that every task can read",
+            "- is the stdin of this process; expected a file that every task can read",
             None,
         ));
     }
@@ -104,7 +104,8 @@ impl Script {
         let (keeping, lock) = (self.keeping_words(arguments), arguments.keeping.lock.words());
         let hours = pilot.mean_s() * plan.count() as f64 / 3600.0;
         let estimate = format!(
-            "{} runs, of which {} took {:.1} ms each on this machine: {hours:.1} hours of one processor, {minutes:.1} minutes a task",
+            "{} runs, of which {} took {:.1} ms each on this machine: {hours:.1} hours of one processor, {minutes:.1} \
+             minutes per task",
             plan.count(),
             pilot.runs,
             1e3 * pilot.mean_s(),
@@ -114,7 +115,7 @@ impl Script {
             text,
             r#"#!/bin/bash
 # {estimate}.
-# Begin it with `bash THIS_FILE`: it submits itself as an array, and a job behind it that puts the slices together.
+# Start it with `bash THIS_FILE`: it submits itself as an array, followed by a job that merges the slices.
 #SBATCH --job-name={name}
 #SBATCH --array=1-{count}
 #SBATCH --cpus-per-task={jobs}
@@ -124,7 +125,7 @@ impl Script {
 #SBATCH --signal=B:TERM@90
 #SBATCH --chdir={works_in}
 #SBATCH --output={logs}/%a.log
-# Add what your cluster asks for, such as a partition, an account or memory; a run may take {memory}.
+# Add what your cluster requires, such as a partition, an account or memory; a run may use {memory}.
 
 program={program}
 folder={folder}
@@ -140,7 +141,7 @@ if [ -z "${{SLURM_ARRAY_TASK_ID:-}}" ]; then
     exit
 fi
 
-# The task goes on where an earlier one was stopped. Before its time is up it gets a signal, keeps what it has and ends
+# The task resumes where an earlier one stopped. Before its time is up it gets a signal, saves its runs and exits
 # with 75; then it is queued again.
 task=${{SLURM_ARRAY_JOB_ID}}_$SLURM_ARRAY_TASK_ID
 "$program" --quiet batch{batch} --out "$folder" \
@@ -154,12 +155,12 @@ while [ "$code" -eq 143 ] && kill -0 "$child" 2> /dev/null; do
     wait "$child"
     code=$?
 done
-# A task that was cancelled gets the same signal, and is running no more: it stays cancelled.
+# A cancelled task gets the same signal but is no longer running: it stays cancelled.
 if [ "$code" -eq 75 ] && [ "${{SLURM_RESTART_COUNT:-0}}" -lt 100 ] &&
     [ "$(squeue --noheader --jobs="$task" --format=%T)" = RUNNING ]; then
     scontrol requeue "$task" && sleep 60
 fi
-# 1 says that some run failed, which its row explains: the slice is complete all the same.
+# Code 1 means that a run failed, as its row explains; the slice is still complete.
 [ "$code" -eq 1 ] && code=0
 exit "$code"
 "#,

@@ -28,9 +28,9 @@ const RADII_M: RangeInclusive<f64> = 1e-3..=1e6;
 #[command(
     group = ArgGroup::new("what").args(["from", "pairs"]).required(true),
     after_help = "\
-Poses are those of the middle of the rear axle: metres east and north, and the
-heading in degrees counter-clockwise from east. Each of these numbers is at most
-1e6, the turning radius from 0.001 to 1e6 m.
+A pose is that of the middle of the rear axle: metres east and north, and a heading in
+degrees counter-clockwise from east. Each of these numbers is at most 1e6; the turning
+radius is from 0.001 to 1e6 m.
 
 Examples:
   wildfire curve --from 0,0,0 --to 20,15,180
@@ -39,30 +39,29 @@ Examples:
   wildfire curve --pairs pairs.csv --csv lengths.csv"
 )]
 pub struct CurveArguments {
-    /// The pose to start from.
+    /// Start pose.
     #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true, value_parser = pose, requires = "to")]
     pub from: Option<End>,
-    /// The pose to arrive at.
+    /// Goal pose.
     #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true, value_parser = pose, requires = "from")]
     pub to: Option<End>,
-    /// The smallest turning radius of the middle of the rear axle.
+    /// Smallest turning radius of the middle of the rear axle.
     #[arg(long, value_name = "METRES", default_value = "13", allow_hyphen_values = true, value_parser = radius)]
     pub radius: f64,
-    /// The price of a metre in reverse, in metres driven forward; adds the cheapest Reeds-Shepp curve [default: 1].
+    /// Cost of a metre in reverse, in metres driven forward; adds the cheapest Reeds-Shepp curve [default: 1].
     #[arg(long, value_name = "FACTOR", allow_hyphen_values = true, value_parser = price, conflicts_with = "pairs")]
     pub reverse_factor: Option<f64>,
-    /// The price of a cusp, in metres driven forward; adds the cheapest Reeds-Shepp curve [default: 0].
+    /// Cost of a cusp, in metres driven forward; adds the cheapest Reeds-Shepp curve [default: 0].
     #[arg(long, value_name = "METRES", allow_hyphen_values = true, value_parser = price, conflicts_with = "pairs")]
     pub cusp_m: Option<f64>,
-    /// Lengths and words of many pairs of poses, for --csv: a CSV file with the columns x0,y0,th0,x1,y1,th1 in any
-    /// order, angles in radians.
+    /// CSV file of pose pairs, for --csv: the columns x0,y0,th0,x1,y1,th1 in any order, angles in radians.
     #[arg(long, value_name = "FILE.csv", requires = "csv", conflicts_with = "report_form")]
     pub pairs: Option<PathBuf>,
     /// Write poses along the curves: curve,s_m,x_m,y_m,heading_rad,direction. With --pairs, write its columns and
     /// reeds_shepp_m,reeds_shepp_word,dubins_m,dubins_word.
     #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
-    /// The longest way between two poses in the CSV file; all joints are in it.
+    /// Largest distance between poses in the CSV file, in metres; all joints are included.
     #[arg(
         help_heading = "Output",
         long,

@@ -142,7 +142,7 @@ fn word(found: &FoundCurve) -> String {
     match (found.letters - found.path.segments.len(), &found.family) {
         (0, Some(family)) => format!("{word}, family {family}"),
         (0, None) => word.clone(),
-        (letters, _) => format!("{word} with {} of no length", count(letters, "letter")),
+        (letters, _) => format!("{word}, of which {} of zero length", count(letters, "letter")),
     }
 }
 

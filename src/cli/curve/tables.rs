@@ -61,7 +61,7 @@ pub fn check_samples(curves: &[FoundCurve], step_m: f64) -> Result<(), CliError>
         return Ok(());
     }
     let sentence = format!("--step is {step_m} m: the curves have {rows:.0} steps, expected at most {MOST_ROWS}");
-    Err(CliError::bad_input(sentence, Some("give a longer --step")))
+    Err(CliError::bad_input(sentence, Some("choose a larger --step")))
 }
 
 /// Writes `curve,s_m,x_m,y_m,heading_rad,direction`, the samples of [`poses_along`]. Numbers are the shortest decimals that read

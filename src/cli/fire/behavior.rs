@@ -40,11 +40,10 @@ blows to the east; a slope of aspect 180 goes up to the north. Rates are along \
 the slope.
 
 IN.csv has the columns number,m_1h,m_10h,m_100h,m_live_herb,m_live_woody,\
-wind_midflame_mps,wind_from_deg,slope_rise_run,aspect_deg in any order among \
-others, and may have wind_limit: 1 for rothermel-1972, 0 for none. OUT.csv has \
-all columns of IN.csv and then r0_m_min,i0_kw_m,r_m_min,azimuth_deg,\
-intensity_kw_m,flame_m,length_to_width,eccentricity; with --azimuths a row for \
-each of them, with azimuth_of_deg,front_normal_m_min,ray_m_min,\
+wind_midflame_mps,wind_from_deg,slope_rise_run,aspect_deg in any order among others, and optionally wind_limit: 1 for \
+rothermel-1972, 0 for none. OUT.csv has all columns of IN.csv, followed by r0_m_min,i0_kw_m,r_m_min,azimuth_deg,\
+intensity_kw_m,flame_m,length_to_width,eccentricity; with --azimuths it has a row for each azimuth, with \
+azimuth_of_deg,front_normal_m_min,ray_m_min,\
 ray_horizontal_m_min.
 
 Examples:
@@ -55,7 +54,7 @@ Examples:
   wildfire fire behavior --list-fuels"
 )]
 pub struct BehaviorArguments {
-    /// The code or number of a fuel model.
+    /// Code or number of a fuel model.
     #[arg(long, value_name = "NAME", value_parser = fuel)]
     pub fuel: Option<&'static FuelModel>,
     /// Moistures as fractions of the dry weight: dead 1-h, 10-h and 100-h, live herbaceous, live woody.
@@ -67,24 +66,24 @@ pub struct BehaviorArguments {
         value_parser = moisture
     )]
     pub moisture: FuelMoisture,
-    /// The wind at the middle of the flames, or at --wind-height: its speed in m/s and the azimuth that it comes from, such
-    /// as 5@270; without one it comes from 270.
+    /// Wind at mid-flame height, or at --wind-height: speed in m/s and the azimuth it blows from, such as 5@270
+    /// [default azimuth: 270].
     #[arg(long, value_name = "M/S@FROM", default_value = "0", allow_hyphen_values = true, value_parser = wind)]
     pub wind: Wind,
-    /// The azimuth that the wind comes from, beside a speed alone.
+    /// Azimuth the wind blows from, if --wind gives only a speed.
     #[arg(long, hide = true, value_name = "AZIMUTH", allow_hyphen_values = true, value_parser = azimuth)]
     pub wind_from: Option<f64>,
-    /// The height of --wind. That of 20 ft or 10 m is brought down to the flames for ground that nothing shelters.
+    /// Height of --wind; a wind at 20 ft or 10 m is reduced to mid-flame height for unsheltered ground.
     #[arg(long, value_enum, value_name = "HEIGHT", default_value = "midflame")]
     pub wind_height: WindHeight,
     #[command(flatten)]
     pub slope: SlopeArguments,
-    /// Azimuths to give rates for, such as 0,90,200; three points go on in equal steps to the whole turn: 0,5,...
+    /// Azimuths to compute rates for, such as 0,90,200; `0,5,...` continues in equal steps to the full circle.
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = azimuths)]
     pub azimuths: Option<Azimuths>,
     #[command(flatten)]
     pub choices: ChoiceArguments,
-    /// Conditions of many fires, for --csv.
+    /// CSV file with the conditions of many fires, for --csv.
     #[arg(
         long,
         value_name = "IN.csv",
@@ -92,7 +91,7 @@ pub struct BehaviorArguments {
         conflicts_with_all = ["report_form", "moisture", "wind", "wind_from", "wind_height", "slope", "aspect"]
     )]
     pub conditions: Option<PathBuf>,
-    /// Write the conditions and the fires that follow from them.
+    /// Write the conditions and the resulting fires.
     #[arg(help_heading = "Output", long, value_name = "OUT.csv", requires = "conditions")]
     pub csv: Option<PathBuf>,
     /// Print the fuel models.
@@ -108,10 +107,10 @@ impl BehaviorArguments {
     }
 }
 
-/// The height at which a wind is measured.
+/// Height at which a wind is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum WindHeight {
-    /// The middle of the flames.
+    /// Mid-flame height.
     Midflame,
     /// 20 ft above the vegetation, as fire weather stations measure.
     #[value(name = "20ft")]
@@ -162,7 +161,7 @@ fn azimuths(text: &str) -> Result<Azimuths, String> {
 
 pub fn run(arguments: &BehaviorArguments, quiet: bool) -> Result<(), CliError> {
     if let (Some(from_deg), Some(_)) = (arguments.wind.from_deg, arguments.wind_from) {
-        let sentence = format!("--wind names the azimuth {from_deg}; expected no --wind-from beside it");
+        let sentence = format!("--wind already gives the azimuth {from_deg}; expected no --wind-from");
         return Err(CliError::bad_input(sentence, None));
     }
     match (arguments.fuel, &arguments.conditions, &arguments.csv) {
@@ -176,7 +175,14 @@ fn write_fires(input: &Path, csv: &Path, arguments: &BehaviorArguments, quiet: b
     Files { inputs: vec![input], outputs: vec![(Format::Csv, csv)], ..Files::default() }.check()?;
     let [rows, without_fire] = conditions::write_fires(input, csv, &arguments.choices.options(), arguments.azimuths())?;
     if !quiet && !is_standard_stream(csv) {
-        let out = if without_fire == 0 { String::new() } else { format!("; in {without_fire} of them fire goes out") };
+        let out = if without_fire == 0 {
+            String::new()
+        } else {
+            format!(
+                "; the fire goes out in {without_fire} of \
+            them"
+            )
+        };
         terminal::note(&format!("wrote {}: conditions of {rows} fires{out}", csv.display()));
     }
     Ok(())
@@ -233,7 +239,7 @@ impl<'a> BehaviorReport<'a> {
         let wet = states.iter().filter_map(|&(name, state)| {
             let FuelState { moisture, extinction } = state.filter(|state| state.moisture >= state.extinction)?;
             let [moisture, extinction] = [moisture, extinction].map(percent);
-            Some(format!("the {name} fuel holds {moisture} % of water, and from {extinction} % on it does not burn"))
+            Some(format!("the {name} fuel has a moisture of {moisture} %; at {extinction} % or more it does not burn"))
         });
         let wet = wet.collect::<Vec<_>>().join("; ");
         let mut remarks = Vec::new();
@@ -244,7 +250,10 @@ impl<'a> BehaviorReport<'a> {
         }
         if self.bed.burns() && self.fire.wind_is_limited {
             let most = short((self.fire.effective_wind_mps * 100.0).round() / 100.0);
-            remarks.push(format!("Wind and slope count as {most} m/s at the flames, the limit of this fuel"));
+            remarks.push(format!(
+                "Wind and slope are capped at {most} m/s at mid-flame height, the limit for this \
+                fuel"
+            ));
         }
         remarks
     }
@@ -282,7 +291,7 @@ impl From<&BehaviorReport<'_>> for Document {
                 rounded(fire.eccentricity, 3)
             ),
             format!(
-                "A point flames for {} s and gives off {} kJ/m2",
+                "Each point flames for {} s and releases {} kJ/m2",
                 rounded(fire.residence_s, 1),
                 rounded(fire.heat_kj_m2(), 0)
             ),
@@ -290,8 +299,8 @@ impl From<&BehaviorReport<'_>> for Document {
         if !azimuths.is_empty() {
             document.add(Block::Table(directions_table(fire, azimuths)));
             document.add(Block::Text(
-                "Front: the rate of a piece of the front that faces there. Ray: the rate along a line from the \
-                 ignition, in the slope and on the map."
+                "Front: the rate of the part of the front that faces this azimuth. Ray: the rate along a line from \
+                 the ignition, on the slope and on the map."
                     .to_owned(),
             ));
         }
@@ -371,7 +380,8 @@ impl From<&FuelList> for Document {
         Self::new(count(FUEL_MODELS.len(), "fuel model"))
             .with([Block::Table(Table { text_columns: 3, ..Table::new(&headings, rows) })])
             .with([Block::Text(
-                "Loads are in short tons per acre. Out at: the moisture from which on dead fuel does not burn. 1 to 13: \
+                "Loads are in short tons per acre. Out at: the moisture at and above which dead fuel does not burn. 1 \
+                 to 13: \
                  Anderson, 1982; 91 to 99, without fuel, and 101 to 204: Scott and Burgan, 2005."
                     .to_owned(),
             )])

@@ -21,7 +21,7 @@ use crate::cli::error::CliError;
 pub enum FireCommand {
     /// Compute rate, intensity, flame length and shape of a fire, by Rothermel's equations.
     Behavior(BehaviorArguments),
-    /// Let a fire spread over a landscape without agents: when it reaches which cell.
+    /// Simulate a fire over a landscape without agents: when it reaches each cell.
     Spread(SpreadArguments),
 }
 

@@ -22,16 +22,16 @@ pub const LIVE_MOISTURES: RangeInclusive<f64> = 0.0..=5.0;
 /// Choices on which programs for fire behavior differ.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct ChoiceArguments {
-    /// Add wind and slope as vectors in the plane of the slope, or as horizontal ones, as BEHAVE does.
+    /// Add wind and slope as vectors in the slope's plane, or as horizontal vectors (BEHAVE).
     #[arg(help_heading = "Choices", long, value_name = "NAME", default_value = "plane", value_parser = choice::<Combine>(&["plane", "flat"]))]
     pub combine: Combine,
-    /// Take the share of live grass that is cured from the exact line, or with the rounded numbers of BEHAVE.
+    /// Formula for the cured share of live grass: exact, or with BEHAVE's rounded numbers.
     #[arg(help_heading = "Choices", long, value_name = "NAME", default_value = "exact", value_parser = choice::<Curing>(&["exact", "behave"]))]
     pub curing: Curing,
-    /// The wind beyond which more wind makes no faster fire.
+    /// Limit beyond which more wind does not speed up the fire.
     #[arg(help_heading = "Choices", long, value_name = "NAME", default_value = "rothermel-1972", value_parser = choice::<WindLimit>(&["rothermel-1972", "andrews-2013", "none"]))]
     pub wind_limit: WindLimit,
-    /// The rule by which a fire's shape follows from the wind.
+    /// Formula for a fire's shape from the wind.
     #[arg(help_heading = "Choices", long, value_name = "NAME", default_value = "anderson-1983", value_parser = choice::<LengthToWidth>(&["anderson-1983", "linear"]))]
     pub length_to_width: LengthToWidth,
 }
@@ -56,10 +56,10 @@ pub fn choice<T: DeserializeOwned + Clone + Send + Sync + 'static>(
 /// The slope of the ground.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct SlopeArguments {
-    /// How steep the ground is, rise over run: 0.3 is 30 percent.
+    /// Slope as rise over run: 0.3 is 30 percent.
     #[arg(long, value_name = "RISE/RUN", default_value = "0", allow_hyphen_values = true, value_parser = slope)]
     pub slope: f64,
-    /// The azimuth that the slope faces, downhill.
+    /// Azimuth that the slope faces, downhill.
     #[arg(long, value_name = "AZIMUTH", default_value = "180", allow_hyphen_values = true, value_parser = azimuth)]
     pub aspect: f64,
 }
@@ -90,7 +90,7 @@ pub struct Wind {
 pub fn wind(text: &str) -> Result<Wind, String> {
     let (speed, from) = text.split_once('@').map_or((text, None), |(speed, from)| (speed, Some(from)));
     let speed_mps = numbers::parse_within(speed, &WINDS_MPS, "metres per second");
-    let speed_mps = speed_mps.map_err(|expected| expected + ", such as 5@270 with the azimuth that it comes from")?;
+    let speed_mps = speed_mps.map_err(|expected| expected + ", such as 5@270 with the azimuth it blows from")?;
     Ok(Wind { speed_mps, from_deg: from.map(azimuth).transpose()? })
 }
 
@@ -156,7 +156,7 @@ pub fn wind_steps(text: &str) -> Result<WindSteps, String> {
         let refuse = || {
             format!(
                 "found {step:?}, expected SECONDS:SPEED@FROM such as 0:2.5@270: seconds from 0 to {MOST_SECONDS}, metres \
-                 per second {}, and the azimuth that it comes from",
+                 per second {}, and the azimuth it blows from",
                 numbers::range_words(&WINDS_MPS)
             )
         };
@@ -172,7 +172,7 @@ pub fn wind_steps(text: &str) -> Result<WindSteps, String> {
             None if from > SimTime::ZERO => return Err("expected the first wind at 0 seconds".to_owned()),
             Some(before) if before.from >= from => {
                 return Err(format!(
-                    "the wind of {step:?} begins no later than the one before; expected rising seconds"
+                    "the wind {step:?} does not begin after the previous one; expected increasing seconds"
                 ));
             }
             _ => steps.push(WindStep { from, speed_mps, from_deg }),

@@ -126,7 +126,7 @@ impl<'a> PathJudge<'a> {
             drive_s: Trajectory::from_path(&path, SimTime::ZERO, self.limits).duration_s(),
         };
         if is_endless {
-            return (figures, Some(format!("it is {length_m:.2} m long, the most is {most_m} m")));
+            return (figures, Some(format!("it is {length_m:.2} m long; the limit is {most_m} m")));
         }
         let begins = missed(Goal::Pose(self.problem.start), start, self.body());
         let begins = begins.map(|by| format!("line {}: it begins {by} away from the start", poses[0].line));
@@ -153,7 +153,7 @@ impl<'a> PathJudge<'a> {
                 let turn = match length_m {
                     0.0 => format!("it turns by {:.4} rad on the spot", arc.turn_rad),
                     _ => format!(
-                        "a curvature of {found:.4} 1/m, the most is {most:.4} 1/m (the turning radius is {radius_m} m)"
+                        "a curvature of {found:.4} 1/m; the limit is {most:.4} 1/m (turning radius {radius_m} m)"
                     ),
                 };
                 return Some(words(arc.line, along_m, arc.start, turn));
@@ -162,8 +162,11 @@ impl<'a> PathJudge<'a> {
             slipped_m = (slipped_m + arc.slip_m - is_allowed).max(0.0);
             if slipped_m > SLIP_ROUNDING_M {
                 let found = format!("it moves {:.1} mm sideways on {:.3} m", 1e3 * arc.slip_m, length_m);
-                let allowed =
-                    format!("the most is {:.1} mm, and {:.0} mm more once", 1e3 * is_allowed, 1e3 * SLIP_ROUNDING_M);
+                let allowed = format!(
+                    "the limit is {:.1} mm, plus {:.0} mm once per path",
+                    1e3 * is_allowed,
+                    1e3 * SLIP_ROUNDING_M
+                );
                 return Some(words(arc.line, along_m, arc.start, format!("{found}, {allowed}")));
             }
             for pose in arc.samples() {

@@ -36,7 +36,7 @@ PATHS.csv has a row for each pose of the rear axle, in the order in which they a
 driven: field,goal,planner,x_m,y_m,heading_rad,direction, as `wildfire plan --paths`
 writes them. Poses in a row are at most 0.5 m apart and are joined by arcs.
 
-It exits with 4 if anything is wrong with a path.
+The exit code is 4 if a path is invalid.
 
 Examples:
   wildfire judge field.json paths.csv
@@ -44,23 +44,22 @@ Examples:
   wildfire judge paths.csv --scenario dense --seed 7 --cells 50
   wildfire judge --recording run.wildfire --csv drives.csv")]
 pub struct JudgeArguments {
-    /// Field files, then the paths on them; without field files, paths on the field of the scenario, drawn with the
-    /// seed.
+    /// Field files, then the table of paths; without field files, the paths are on the scenario's field for the seed.
     #[arg(value_name = "FIELD.json|PATHS.csv", required_unless_present = "recording")]
     pub files: Vec<PathBuf>,
     /// Judge the drives of a recorded run, each as a path towards its goal.
     #[arg(long, value_name = "RUN", conflicts_with_all = ["files", "goals", "cells"])]
     pub recording: Option<PathBuf>,
-    /// A planner to set the paths beside: it is asked for the same goals; several names with commas or repeated.
+    /// Planner to compare with, given the same goals; several names with commas or repeated.
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub against: Vec<PlannerName>,
     /// The seed of everything random.
     #[arg(short, long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
     pub seed: u64,
-    /// The number of random free poses that were the goals on the scenario's field, as in `wildfire plan` [default: 50].
+    /// Number of random free goal poses on the scenario's field, as in `wildfire plan` [default: 50].
     #[arg(help_heading = "Goals", long, value_name = "N", value_parser = goal_count)]
     pub goals: Option<usize>,
-    /// The number of random bushes of each field that were the goals instead, as in `wildfire plan`.
+    /// Number of random goal bushes on each field instead, as in `wildfire plan`.
     #[arg(help_heading = "Goals", long, value_name = "N", conflicts_with = "goals", value_parser = goal_count)]
     pub cells: Option<usize>,
     /// The scenario whose first truck drives, with its planners' settings: a file, or a built-in name.
@@ -117,7 +116,7 @@ impl<'a> Asked<'a> {
         let mut planners: Vec<PlannerName> = Vec::new();
         for name in &arguments.against {
             if !makers.knows(name) {
-                let help = format!("known are {makers:?}");
+                let help = format!("expected one of {makers:?}");
                 return Err(CliError::bad_input(format_args!("there is no planner `{name}`"), Some(&help)));
             }
             if !planners.contains(name) {
@@ -188,12 +187,12 @@ fn judge_table(
 ) -> Result<ExitCode, CliError> {
     let &JudgeArguments { seed, goals, cells, .. } = asked.arguments;
     if paths.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")) {
-        let sentence = format!("{} is named as a field file; expected the table of paths last", paths.display());
+        let sentence = format!("{} has the ending of a field file; expected the table of paths last", paths.display());
         return Err(CliError::bad_input(sentence, Some("wildfire judge FIELD.json PATHS.csv")));
     }
     if goals.is_some() && !fields.is_empty() {
-        let sentence = "--goals draws goals on the scenario's field; expected no field files with it";
-        return Err(CliError::bad_input(sentence, Some("field files list their goals")));
+        let sentence = "--goals samples goals on the scenario's field; expected no field files with it";
+        return Err(CliError::bad_input(sentence, Some("field files contain their goals")));
     }
     let problems = DriveProblems { fields: fields.to_vec(), goals, cells };
     let problems = problems.load(&asked.loaded.scenario, seed)?;
@@ -255,7 +254,7 @@ fn judge_recording(
     let drives = recorded::recorded_drives(&timeline);
     let setting = &timeline.setting;
     if drives.is_empty() {
-        let sentence = format!("{}: no truck drives to anything in this run", recording.display());
+        let sentence = format!("{}: no truck drives in this run", recording.display());
         return Err(CliError::bad_input(sentence, None));
     }
     let mut judged: Vec<String> = drives.iter().map(|drive| drive.truck.to_string()).collect();

@@ -60,11 +60,11 @@ pub enum Fault {
     NoRows,
     #[error("line {line}: the column {column} is missing; expected a header with {}", COLUMNS.join(","))]
     Missing { line: u64, column: &'static str },
-    #[error("line {line}: the column field is missing, which tells {fields} fields apart")]
+    #[error("line {line}: the column field is missing, which identifies one of {fields} fields")]
     NoField { line: u64, fields: usize },
-    #[error("line {line}: the column {column} is there twice; expected it once")]
+    #[error("line {line}: the column {column} appears twice; expected it once")]
     Twice { line: u64, column: &'static str },
-    #[error("line {line}: it is longer than {LONGEST_LINE} bytes; expected a pose")]
+    #[error("line {line}: the line is longer than {LONGEST_LINE} bytes; expected a pose")]
     TooLong { line: u64 },
     #[error("line {line}: found {found} columns, expected {expected} as in the header")]
     Ragged { line: u64, found: usize, expected: usize },
@@ -78,19 +78,20 @@ pub enum Fault {
     Goal { line: u64, found: String, field: String, last: usize },
     #[error("line {line}, column planner: found {found:?}, expected a name of 1 to {LONGEST_NAME} characters")]
     Planner { line: u64, found: String },
-    #[error("line {line}: it is of planner number {}; expected at most {MOST_PLANNERS}", MOST_PLANNERS + 1)]
+    #[error("line {line}: this is planner number {}; expected at most {MOST_PLANNERS}", MOST_PLANNERS + 1)]
     TooManyPlanners { line: u64 },
     #[error("line {line}, column direction: found {found:?}, expected forward or reverse")]
     Direction { line: u64, found: String },
     #[error("line {line}: it is {metres:.3} m from the pose of line {before}; expected at most {MOST_APART_M} m")]
     Apart { line: u64, before: u64, metres: f64 },
     #[error(
-        "line {line}: it is {metres:.3} m {found} the pose of line {before}, and its direction is {direction}; expected \
-         poses in the order in which they are driven, each with the gear in which the truck arrives there"
+        "line {line}: it is {metres:.3} m {found} the pose of line {before}, and its direction is {direction}; \
+         expected poses in driving order, each with the direction in which the truck arrives there"
     )]
     WrongSide { line: u64, before: u64, metres: f64, found: &'static str, direction: &'static str },
     #[error(
-        "line {line}: the path of {planner} to goal {goal} of the field {field} begins again; expected its rows together"
+        "line {line}: the path of {planner} to goal {goal} of the field {field} begins again; expected its rows in \
+         one block"
     )]
     Again { line: u64, planner: String, goal: usize, field: String },
     #[error("line {line}: the path has more than {MOST_POSES} poses; expected fewer")]
@@ -261,7 +262,7 @@ fn problem(problems: &[Problem], line: u64, cell: &[u8]) -> Result<usize, Fault>
         let expected = match problems {
             [only] => visible_start(&only.name),
             [first, .., last] => {
-                format!("a field of those given, {} to {}", visible_start(&first.name), visible_start(&last.name))
+                format!("one of the given fields, {} to {}", visible_start(&first.name), visible_start(&last.name))
             }
             [] => "a field".into(),
         };

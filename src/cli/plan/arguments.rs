@@ -34,22 +34,22 @@ pub struct PlanArguments {
     pub command: Option<PlanCommand>,
     #[command(flatten)]
     pub problems: ProblemArguments,
-    /// The planner; several names, with commas or repeated, are compared, and `all` is every one that is known [default:
-    /// the scenario's].
+    /// Planner; several names (with commas or repeated) are compared, and `all` means every known planner [default: the
+    /// scenario's].
     #[arg(long = "planner", value_name = "NAME", value_delimiter = ',')]
     pub planners: Vec<PlannerName>,
-    /// The scenario whose first truck's settings planners have: a file, or a built-in name.
+    /// Scenario whose first truck's settings the planners use: a file, or a built-in name.
     #[arg(long, value_name = "SCENARIO", default_value = "drives")]
     pub scenario: String,
-    /// Change a value of the scenario, such as `unimog.hybrid.clearance_m=1`; with several values between commas, ask for
-    /// the drives with each. Several such keys are multiplied; may be repeated.
+    /// Change a value of the scenario, such as `unimog.hybrid.clearance_m=1`, or sweep a list `A,B`; sweeps of several
+    /// keys run all combinations. May be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE[,VALUE...]")]
     pub overrides: Vec<String>,
-    /// Seeds, each with a field, goals and random draws of its own, in place of one: ranges with both ends, lists, or both,
-    /// such as `1..30` or `1,5,9`; or `@FILE` that holds them.
+    /// Several seeds, each with its own field, goals and random numbers: inclusive ranges and lists, such as `1..30` or
+    /// `1,5,9`; or `@FILE` to read them from a file.
     #[arg(help_heading = "Benchmarks", long, conflicts_with = "seed", allow_hyphen_values = true, value_parser = parse_seeds)]
     pub seeds: Option<SeedsArgument>,
-    /// Threads that share the seeds and variants of a benchmark; they slow each other, which CPU times show [default: 1].
+    /// Number of threads of a benchmark; several inflate the CPU times [default: 1].
     #[arg(help_heading = "Benchmarks", short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
     /// Write all queries and a page with tables and charts into this folder; `wildfire plan report DIR` writes the page again.
@@ -57,7 +57,7 @@ pub struct PlanArguments {
     pub report: Option<PathBuf>,
     #[command(flatten)]
     pub programs: ProgramArguments,
-    /// Ask all planners twice, programs in another process, and say whether their answers repeat bit for bit.
+    /// Query all planners twice, programs in a new process, and report whether the answers are bit-identical.
     #[arg(long)]
     pub repeat: bool,
     #[command(flatten)]
@@ -70,10 +70,10 @@ pub struct PlanArguments {
     /// Write poses along the paths, at most 5 cm apart: field,goal,planner,s_m,x_m,y_m,heading_rad,direction.
     #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
     pub paths: Option<PathBuf>,
-    /// Write a benchmark log of OMPL, for Planner Arena.
+    /// Write an OMPL benchmark log, for Planner Arena.
     #[arg(help_heading = "Output", long, value_name = "FILE.log")]
     pub ompl: Option<PathBuf>,
-    /// Draw field and paths; of several fields into a file each, FILE-FIELD.png.
+    /// Draw field and paths; several fields go to separate files, FILE-FIELD.png.
     #[arg(help_heading = "Output", long, value_name = "FILE.png")]
     pub png: Option<PathBuf>,
 }
@@ -81,7 +81,7 @@ pub struct PlanArguments {
 /// Commands on what was planned before.
 #[derive(Debug, Subcommand)]
 pub enum PlanCommand {
-    /// Write a page on a table of queries: medians, box plots, and curves over what is swept.
+    /// Write a page about a table of queries: medians, box plots, and curves over swept keys.
     Report(PlanReportArguments),
 }
 
@@ -105,16 +105,16 @@ pub struct PlanReportArguments {
 /// The fields to plan on, and the goals there.
 #[derive(Debug, Args)]
 pub struct ProblemArguments {
-    /// Field files: JSON with bushes, start and goals [default: the field of the scenario, drawn with the seed].
+    /// Field files: JSON with bushes, start and goals [default: the scenario's field for the seed].
     #[arg(value_name = "FIELD.json")]
     pub fields: Vec<PathBuf>,
     /// The seed of everything random.
     #[arg(short, long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
     pub seed: u64,
-    /// The number of random free poses of the scenario's field to drive to [default: 50].
+    /// Number of random free goal poses on the scenario's field [default: 50].
     #[arg(help_heading = "Goals", long, value_name = "N", conflicts_with = "fields", value_parser = goal_count)]
     pub goals: Option<usize>,
-    /// The number of random bushes of each field to drive to instead: near enough to put out a fire there
+    /// Number of random goal bushes on each field instead; a drive must end near enough to put out a fire there
     /// (`suppression.reach_m`), at any heading.
     #[arg(help_heading = "Goals", long, value_name = "N", conflicts_with = "goals", value_parser = goal_count)]
     pub cells: Option<usize>,

@@ -30,10 +30,10 @@ impl Repeat {
         let Self { planner, goals, different, first } = self;
         let goals = count(*goals, "goal");
         match first {
-            None => format!("{planner}: asked twice, the answers for {goals} are the same bit for bit."),
+            None => format!("{planner}: queried twice, the answers for {goals} are bit-identical."),
             Some((field, goal)) => format!(
-                "{planner}: asked twice, {different} of the answers for {goals} differ, first on field {field}, goal {goal}: \
-                 its runs cannot be repeated."
+                "{planner}: queried twice, {different} of the answers for {goals} differ, first on field {field}, \
+                 goal {goal}: its runs are not reproducible."
             ),
         }
     }

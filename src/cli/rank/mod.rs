@@ -32,49 +32,48 @@ Examples:
   wildfire rank runs/course --audit 3 --trust
 
 An entry is the runs of a batch with one planner, one policy or one value of a
-key that is free; or all runs of a batch in which these do not vary. All entries
-have the same seeds and the same rules: what may differ is the planner, the
-truck's policy and their settings, and what --free names.
+free key, or all runs of a batch in which these do not vary. All entries share
+seeds and rules; they may differ in the planner, the truck's policy, their
+settings, and the keys that --free names.
 
-A run that failed counts as the worst value of the metric. Ranges of ranks, and
-groups with a letter in common, are those of entries that are not told apart.
-Metrics are those of `wildfire compare`.";
+A failed run counts as the worst value of the metric. Entries that share a letter
+or a range of ranks do not differ significantly. The metrics are those of
+`wildfire compare`.";
 
 #[derive(Clone, Debug, Args)]
 #[command(after_help = NOTES)]
 pub struct RankArguments {
-    /// Folders of batches, or their tables of runs.
+    /// Batch folders, or their tables of runs.
     #[arg(value_name = "BATCH", required = true)]
     pub batches: Vec<PathBuf>,
-    /// The metric that gives the order [default: saved].
+    /// Metric to rank by [default: saved].
     #[arg(long, value_name = "NAME")]
     pub metric: Option<String>,
-    /// Which values of the metric are better, where it does not say so itself.
+    /// Better values of the metric, for metrics without a usual direction.
     #[arg(long, value_name = "WHICH", value_parser = better())]
     pub better: Option<Better>,
-    /// A key besides the usual ones in which entries may differ, such as `wumpus.goal`, and all below it; may be
-    /// repeated.
+    /// Additional key in which entries may differ, with all keys below it, such as `wumpus.goal`; may be repeated.
     #[arg(long, value_name = "KEY")]
     pub free: Vec<String>,
-    /// Take only runs with this value in this column; may be repeated.
+    /// Use only runs with this value in this column; may be repeated.
     #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = parse_where)]
     pub only: Vec<(String, String)>,
-    /// Leave out the entry of this name; may be repeated.
+    /// Leave out the entry with this name; may be repeated.
     #[arg(long, value_name = "NAME")]
     pub without: Vec<String>,
-    /// Repeat and audit this many runs of each entry, its best among them; exit with 4 on a violation.
+    /// Repeat and audit this many runs of each entry, including its best; exit with 4 on a violation.
     #[arg(long, value_name = "N")]
     pub audit: Option<NonZeroUsize>,
-    /// Run the programs of the entries, where their runs are repeated.
+    /// Allow the entries' programs to run when runs are repeated.
     #[arg(long, requires = "audit")]
     pub trust: bool,
-    /// Threads of the audit [default: as many as the machine runs at once].
+    /// Number of threads of the audit [default: the number of processors].
     #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
     /// Write the table of entries to a CSV file.
     #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
-    /// Write a sheet for each entry into this folder, as Markdown: its rank, failed queries by reason, its worst runs.
+    /// Write a Markdown sheet for each entry into this folder: rank, failed queries by reason, worst runs.
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     pub sheets: Option<PathBuf>,
     #[command(flatten)]

@@ -42,7 +42,7 @@ pub struct Moments {
     pub to: SimTime,
     /// Simulated seconds for a second of the film.
     pub speed: f64,
-    /// Frames for a second of the film.
+    /// Frames per second of the film.
     pub fps: f64,
 }
 

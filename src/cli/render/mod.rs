@@ -36,40 +36,40 @@ Examples:
   wildfire render --with-set unimog.planner=hybrid-astar -o two.png --size 1400x900
   wildfire render --at 600 --follow unimog/0 --zoom 6 --layers local-search -o near.png
 
-It needs no screen. The same run gives the same pictures on every machine."
+No screen is needed. The same run gives the same pictures on every machine."
 )]
 pub struct RenderArguments {
     #[command(flatten)]
     pub show: ShowArguments,
-    /// Write a still, a PNG file.
+    /// Write a still as a PNG file.
     #[arg(short, long, value_name = "FILE.png")]
     pub out: Option<PathBuf>,
-    /// The simulated time of the still [default: the end of the run], and at which a page begins [default: 0]: seconds,
+    /// Simulated time of the still [default: the end of the run] or of the start of a page [default: 0]: seconds,
     /// `h:mm:ss`, or a share of the run as `50%`.
     #[arg(long, value_name = "TIME", requires = "moment", allow_hyphen_values = true, value_parser = parse_moment)]
     pub at: Option<Moment>,
     /// Write a film as GIF.
     #[arg(long, value_name = "FILE.gif")]
     pub gif: Option<PathBuf>,
-    /// Write a film as MP4; this needs the program ffmpeg.
+    /// Write a film as MP4; needs the program ffmpeg.
     #[arg(long, value_name = "FILE.mp4")]
     pub mp4: Option<PathBuf>,
-    /// Write a page that plays the run in a browser, offline; --size does not matter for it.
+    /// Write a page that plays the run in a browser, offline; --size has no effect on it.
     #[arg(long, alias = "html", value_name = "FILE.html")]
     pub page: Option<PathBuf>,
-    /// The simulated time at which the film begins, as for --at.
+    /// Simulated time at which the film begins, as for --at.
     #[arg(long, value_name = "TIME", default_value = "0", requires = "film", allow_hyphen_values = true, value_parser = parse_moment)]
     pub from: Moment,
-    /// The simulated time at which the film ends, as for --at [default: the end of the run].
+    /// Simulated time at which the film ends, as for --at [default: the end of the run].
     #[arg(long, value_name = "TIME", requires = "film", allow_hyphen_values = true, value_parser = parse_moment)]
     pub to: Option<Moment>,
-    /// Simulated seconds for a second of the film, from 0.1 to 1000.
+    /// Speed of the film in simulated seconds per second, from 0.1 to 1000.
     #[arg(long, value_name = "X", default_value_t = 60.0, requires = "film", allow_hyphen_values = true, value_parser = parse_speed)]
     pub speed: f64,
-    /// Frames for a second of the film.
+    /// Frames per second of the film.
     #[arg(long, value_name = "FRAMES", default_value_t = 20.0, requires = "film", allow_hyphen_values = true, value_parser = parse_fps)]
     pub fps: f64,
-    /// Also show the CPU time of planners, which is measured and so never the same twice.
+    /// Also show the CPU time of planners, which is measured and differs every time.
     #[arg(long)]
     pub cpu: bool,
 }

@@ -28,28 +28,28 @@ pub struct ShowArguments {
     /// The seed of the run [default: 1, or the first of the batch].
     #[arg(short, long, allow_hyphen_values = true, value_parser = parse_seed)]
     pub seed: Option<u64>,
-    /// Show a second run beside it [default: the same source, if its seed or a value is another].
+    /// Second run to show side by side [default: the same source, if --with-seed or --with-set is given].
     #[arg(long, value_name = "SCENARIO|RECORDING|DIR")]
     pub with: Option<String>,
-    /// The seed of the second run [default: that of the first].
+    /// Seed of the second run [default: that of the first].
     #[arg(long, value_name = "SEED", allow_hyphen_values = true, value_parser = parse_seed)]
     pub with_seed: Option<u64>,
     /// Change a value of the second run's scenario; may be repeated.
     #[arg(long = "with-set", value_name = "KEY=VALUE")]
     pub with_overrides: Vec<String>,
-    /// Layers to show besides the usual ones; `-NAME` takes one away, `none` all.
+    /// Additional layers to show; `-NAME` hides a layer, `none` hides all.
     #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',', allow_hyphen_values = true)]
     layers: Vec<LayerChange>,
     /// Width and height of the picture in pixels.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1000x1000")]
     pub size: Size,
-    /// Keep an agent in the middle, such as `unimog/0`; `fleet` keeps all trucks that do something in view.
+    /// Centre on an agent, such as `unimog/0`; `fleet` keeps all active trucks in view.
     #[arg(long, value_name = "AGENT|fleet", value_parser = parse_followed, conflicts_with = "centre")]
     pub follow: Option<Followed>,
-    /// The magnification, 1 where the whole field fits.
+    /// Magnification; 1 shows the whole field.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_hyphen_values = true, value_parser = parse_zoom)]
     pub zoom: f64,
-    /// The point of the field in the middle, in metres.
+    /// Point of the field to centre on, in metres.
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = parse_point)]
     pub centre: Option<DVec2>,
     /// Show the history of an agent, or of the bush in a cell.
@@ -111,7 +111,7 @@ fn check_fleet(zoom: f64, setting: &Setting) -> Result<(), CliError> {
     }
     if zoom != Camera::WHOLE.zoom {
         let message =
-            format_args!("--zoom is {zoom}; expected none beside --follow fleet, which goes as near as all fit");
+            format_args!("--zoom is {zoom}; expected none with --follow fleet, which fits all trucks into view");
         return Err(CliError::bad_input(message, None));
     }
     Ok(())
@@ -180,7 +180,7 @@ impl FromStr for LayerChange {
         };
         change.ok_or_else(|| {
             let names = Layer::ALL.map(Layer::name).join(", ");
-            format!("the layers are {names}; -NAME takes one away, none all")
+            format!("the layers are {names}; -NAME hides a layer, none hides all")
         })
     }
 }

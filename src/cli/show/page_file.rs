@@ -12,7 +12,7 @@ pub fn check_grounds(runs: &[&RunView]) -> Result<(), CliError> {
     let cells = |run: &&RunView| run.index().ground().map_or(0, |_| run.timeline().setting.frame.cell_count());
     let Some(cells) = runs.iter().map(cells).max().filter(|&cells| cells > MOST_GROUND_CELLS) else { return Ok(()) };
     let sentence = format!("the field has {cells} cells of ground; expected at most {MOST_GROUND_CELLS} for a page");
-    Err(CliError::bad_input(sentence, Some("stills and films have room for it")))
+    Err(CliError::bad_input(sentence, Some("write a still or a film instead")))
 }
 
 /// Writes a page that begins at the request's time, seen as its options say.

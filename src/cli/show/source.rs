@@ -121,13 +121,13 @@ impl Source {
             return Ok(source);
         }
         let name = named.path().display();
-        let sentence = format!("{name} is a run that took place; expected a scenario where values are changed");
+        let sentence = format!("{name} is a finished run; values can be changed only in a scenario");
         Err(CliError::bad_input(sentence, None))
     }
 
     fn from_batch(folder: &Path, memory: Option<MemoryLimit>, context: &CommandContext) -> Result<Self, CliError> {
         if !FinishedBatch::is_there(folder) {
-            let sentence = format!("{} holds no plan of a batch", folder.display());
+            let sentence = format!("{} holds no batch plan", folder.display());
             return Err(CliError::bad_input(sentence, Some("name one of the recordings in it, if there are any")));
         }
         let batch = Box::new(FinishedBatch::open(folder)?);
@@ -165,7 +165,7 @@ impl Source {
     pub fn note(&self) -> Option<String> {
         let Self::Batch { batch, title, .. } = self else { return None };
         let (folder, variants) = (batch.folder().display(), batch.plan().variants.len());
-        (variants > 1).then(|| format!("{folder} has {variants} variants; shown is the first, {title}"))
+        (variants > 1).then(|| format!("{folder} has {variants} variants; showing the first, {title}"))
     }
 
     /// The run of a seed, or the first one.
@@ -176,7 +176,7 @@ impl Source {
         match (self, seed) {
             (Self::Recording { path, bytes }, None) => recorded(path, file::decode(bytes)),
             (Self::Recording { path, .. }, Some(_)) => {
-                let sentence = format!("{} is one run, which has its seed; expected no seed", path.display());
+                let sentence = format!("{} is a single run with its own seed; expected no seed", path.display());
                 Err(CliError::bad_input(sentence, None))
             }
             (Self::Batch { batch, seeds, title, options }, seed) => {
@@ -225,7 +225,7 @@ fn simulated(scenario: &Scenario, seed: u64, searches: Searches, options: &RunOp
     let options = RunOptions { records_searches: searches == Searches::Recorded, ..options.clone() };
     // The panic has been printed by then, with a backtrace if one was asked for.
     let caught = panic::catch_unwind(AssertUnwindSafe(|| wildfire_sim::run_with_options(scenario, seed, &options)));
-    let run = caught.map_err(|_| CliError::run_failed("the run panicked: this is a fault of the program"))?;
+    let run = caught.map_err(|_| CliError::run_failed("the run panicked: this is a bug in wildfire"))?;
     let run = run.map_err(CliError::run_failed)?;
     Ok(ShownRun { title: scenario.name.clone(), timeline: run.timeline, cpu_samples: Some(run.cpu_samples) })
 }

@@ -41,7 +41,7 @@ pub struct Dimensions {
     pub rear_overhang_m: f64,
     /// Smallest radius that the middle of the rear axle can drive.
     pub turning_radius_m: f64,
-    /// How fast its front wheels turn, in degrees a second; `"none"`: at once.
+    /// Turning rate of the front wheels in degrees per second; `"none"`: at once.
     #[serde(with = "or_none")]
     #[schemars(with = "or_none::NumberOrNone")]
     pub steering_rate_deg_s: Option<f64>,

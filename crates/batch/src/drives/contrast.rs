@@ -35,8 +35,8 @@ pub struct DriveContrast {
 
 /// The words below the tables of contrasts.
 pub const COMPARED: &str = "\
-Differences are the first minus the second, of means over goals that both solved, of success over all goals, with 95 % \
-intervals by the method of `wildfire compare`; p is adjusted by Holm's method over all that is compared.";
+Differences are the first minus the second: of means over goals that both solved, and of success over all goals. \
+Intervals are 95 %, by the method of `wildfire compare`; p is adjusted by Holm's method over all comparisons.";
 
 static FIGURES: [(&str, &Measure); 5] = [
     ("length, m", &LENGTH),

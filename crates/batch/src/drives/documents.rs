@@ -24,13 +24,13 @@ const LONGEST_PLANNER: usize = 14;
 pub const DRIVE_LEGEND: [&str; 3] = [
     "Solved: goals with a path that the independent audit accepts (body sampled every 2 cm); it rejects violations.",
     "Query, build: CPU time in ms; building the clearance field counts as building.",
-    "Len./bound: length over a lower bound on any path's. Length, clearance, cusps: of solved goals.",
+    "Len./bound: length over a lower bound on the length of any path. Length, clearance, cusps: of solved goals.",
 ];
 
 /// The legend of [`interval_tables`].
 pub const INTERVAL_LEGEND: [&str; 3] = [
-    "Solved: queries with a path that the independent audit accepts; the interval is of their percentage.",
-    "All else: medians, with intervals by order statistics (Conover, 1999).",
+    "Solved: queries with a path that the independent audit accepts, with the interval of their percentage.",
+    "Other columns: medians, with intervals by order statistics (Conover, 1999).",
     "Len./bound, clearance: of solved queries. CPU: of all queries.",
 ];
 

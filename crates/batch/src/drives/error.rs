@@ -15,13 +15,13 @@ pub enum DriveError {
     Scenario(#[from] Box<ScenarioError>),
     #[error("the scenario `{scenario}` has no truck")]
     NoTruck { scenario: String },
-    #[error("--cells needs a reach, and `suppression.reach_m` is \"none\"")]
+    #[error("--cells needs a reach, but `suppression.reach_m` is \"none\"")]
     NoReach,
     #[error("{found} goals; expected a whole number from 1 to {MAX_GOALS}")]
     GoalCount { found: usize },
-    #[error("a number of random poses goes with neither field files nor a number of bushes")]
+    #[error("a number of random poses excludes field files and a number of bushes")]
     OtherGoals,
-    #[error("{}: another field is called `{name}` too", .path.display())]
+    #[error("{}: another field is also named `{name}`", .path.display())]
     SameName { path: PathBuf, name: String },
     #[error("the field `{field}` has no {what}")]
     NoGoals { field: String, what: &'static str },
@@ -30,7 +30,7 @@ pub enum DriveError {
     #[error(transparent)]
     Terrain(#[from] TerrainError),
     /// A name that is no built-in planner's, nobody's that was registered, and no table's of the scenario.
-    #[error("--planner names `{name}`, and no planner of this name is known")]
+    #[error("--planner names `{name}`, but no planner of this name is known")]
     UnknownPlanner { name: PlannerName, known: Vec<String> },
     #[error(transparent)]
     TakenName(#[from] NameError),

@@ -24,7 +24,7 @@ pub struct DriveProblems {
     pub fields: Vec<PathBuf>,
     /// The number of random free poses of the scenario's field to drive to.
     pub goals: Option<usize>,
-    /// The number of random bushes of each field to drive to instead: near enough to put out a fire there
+    /// Number of random goal bushes on each field instead; a drive must end near enough to put out a fire there
     /// (`suppression.reach_m`), at any heading.
     pub cells: Option<usize>,
 }

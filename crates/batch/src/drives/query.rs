@@ -27,7 +27,7 @@ pub struct DriveQuery {
     /// The figures of the path, with or without violation; `None` without a path.
     pub figures: Option<DriveFigures>,
     pub failure: Option<DriveFailure>,
-    /// The first violation that the audit finds on the path.
+    /// The first violation found by the audit on the path.
     pub violation: Option<Box<str>>,
     /// The planner's own message about a failure; no column.
     pub message: Option<Box<str>>,
@@ -82,8 +82,8 @@ impl DriveQuery {
 pub const DRIVE_COLUMNS: &[DriveColumn] = columns! { DriveColumn, query;
     field: Text None "name of the field" = query.field.to_string();
     goal: Count None "number of the goal on its field, from 0" = query.goal as u64;
-    planner: Text None "planner that was asked, or that computed the path" = query.planner.to_string();
-    success: Flag None "whether a path reaches the goal and the audit accepts it" = query.solved().is_some();
+    planner: Text None "planner that was queried, or that computed the path" = query.planner.to_string();
+    success: Flag None "whether a path reaches the goal and passes the audit" = query.solved().is_some();
     reason: optional Text None "why the goal was not reached" = query.failure.map(|failure| failure.to_string());
     cpu_build_s: optional Real CpuSeconds "CPU time: clearance field and the planner's preparation"
         = query.cost.map(|cost| cost.cpu_build_s);
@@ -91,11 +91,11 @@ pub const DRIVE_COLUMNS: &[DriveColumn] = columns! { DriveColumn, query;
     length_m: optional Real Metres "length of the path" = query.figures.map(|path| path.length_m);
     lower_bound_ratio: optional Real None "length over a lower bound on the length of any path"
         = query.figures.and_then(|path| path.lower_bound_ratio);
-    min_clearance_m: optional Real Metres "least distance to a bush or the border"
+    min_clearance_m: optional Real Metres "smallest distance to a bush or the border"
         = query.figures.map(|path| path.min_clearance_m);
     cusps: optional Count None "changes between forward and reverse" = query.figures.map(|path| path.cusps);
     drive_s: optional Real Seconds "time of the drive" = query.figures.map(|path| path.drive_s);
     expansions: optional Count None "nodes expanded" = query.cost.map(|cost| cost.expansions);
-    violation: optional Text None "first violation that the audit finds on the path"
+    violation: optional Text None "first violation found by the audit on the path"
         = query.violation.as_deref().map(str::to_owned);
 };

@@ -50,7 +50,7 @@ impl Measure {
 }
 
 pub static LOWER_BOUND_RATIO: Measure =
-    Measure::new("lower_bound_ratio", "Length over the shortest that could be", "length / bound", |query| {
+    Measure::new("lower_bound_ratio", "Length over the lower bound", "length / bound", |query| {
         query.solved()?.lower_bound_ratio
     });
 
@@ -59,7 +59,7 @@ pub static CPU_QUERY: Measure =
         .in_milliseconds()
         .logarithmic();
 
-pub static CLEARANCE: Measure = Measure::new("min_clearance_m", "Least clearance of a drive", "metres", |query| {
+pub static CLEARANCE: Measure = Measure::new("min_clearance_m", "Smallest clearance of a drive", "metres", |query| {
     Some(query.solved()?.min_clearance_m)
 });
 
@@ -82,7 +82,7 @@ pub static CUSPS: Measure = Measure::new("cusps", "Changes between forward and r
 });
 
 static EXPANSIONS: Measure =
-    Measure::new("expansions", "Nodes that a query expanded", "nodes", |query| Some(query.cost?.expansions as f64))
+    Measure::new("expansions", "Nodes expanded in a query", "nodes", |query| Some(query.cost?.expansions as f64))
         .logarithmic();
 
 /// All of them, in the order of the charts.

@@ -151,7 +151,7 @@ impl<'a> Reading<'a> {
             self.table.rows.push(row);
         }
         if self.table.rows.is_empty() {
-            return Err(unfit(self.path, "there are no queries in it; expected rows".into()));
+            return Err(unfit(self.path, "it has no queries; expected rows".into()));
         }
         Ok(self.table)
     }
@@ -189,7 +189,7 @@ impl<'a> Reading<'a> {
                 expansions: reader.count(at("expansions"), "a whole number")?,
             })
         };
-        let known = |known: Option<_>| known.ok_or_else(|| reader.wrong_value(reason, "a reason why there is no path"));
+        let known = |known: Option<_>| known.ok_or_else(|| reader.wrong_value(reason, "a reason for having no path"));
         let success = match reader.bytes(success) {
             b"true" => true,
             b"false" => false,

@@ -28,18 +28,18 @@ pub enum BatchError {
     Journal(#[from] JournalError),
     #[error(transparent)]
     Strange(#[from] StrangeEntry),
-    #[error("{} holds no {PLAN_FILE}, but {leftover}, which a process that was killed left: the batch had not begun", path.display())]
+    #[error("{} has no {PLAN_FILE}, but {leftover}, left by a killed process: the batch had not begun", path.display())]
     NotYetBegun { path: PathBuf, leftover: String },
     #[error(
-        "the recording {} cannot be made again: {difference}; another machine or program wrote the row",
+        "the recording {} cannot be repeated: {difference}; another machine or program wrote the row",
         path.display()
     )]
     OtherOutcome { path: PathBuf, difference: String },
     #[error("the batch was stopped before its end")]
     Stopped,
-    #[error("{} holds slice {found} of its batch, which does not go with {asked}", path.display())]
+    #[error("{} holds slice {found} of its batch, which does not fit {asked}", path.display())]
     OtherSlices { path: PathBuf, found: Slice, asked: Slice },
-    #[error("{} is no list of machines: {reason}; nothing depends on it, and it may be removed", path.display())]
+    #[error("{} is not a list of machines: {reason}; nothing depends on it, so you may remove it", path.display())]
     NoMachines { path: PathBuf, reason: String },
     #[error("{} holds no journal of a batch", path.display())]
     NoJournal { path: PathBuf },

@@ -31,17 +31,17 @@ const MAX_NAME: usize = 200;
 /// A machine that worked on a batch, and the program that it worked with.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Machine {
-    /// The model of its processor; none where the system does not tell it.
+    /// The model of its processor; none if unknown.
     pub cpu: Option<String>,
     /// The number of processors that the process could use.
     pub processors: usize,
-    /// The memory of the machine; none where the system does not tell it.
+    /// The memory of the machine; none if unknown.
     pub memory_bytes: Option<u64>,
     /// The operating system with its version, such as `Linux 6.1.0`.
     pub system: String,
     /// The kind of processor, such as `x86_64`.
     pub architecture: String,
-    /// The number of threads that made runs.
+    /// The number of threads that executed runs.
     pub threads: usize,
     pub program_version: String,
     /// The commit and the compiler that the program was built from.
@@ -93,7 +93,7 @@ impl Machines {
     /// Reads the machines of a batch's folder; none if no file says which they were.
     ///
     /// # Errors
-    /// If the file cannot be read, or is no list of machines.
+    /// If the file cannot be read, or is not a list of machines.
     pub fn read(folder: &Path) -> Result<Self, BatchError> {
         Self::from_file(&folder.join(MACHINES.name(Slice::WHOLE)))
     }
@@ -273,7 +273,7 @@ mod tests {
         }
         fs::write(scratch.path().join(MACHINES.name(slice(2))), "{\"machines\": 7}").expect("writable");
         let refusal = merge_machines(&folder, &RealDisk).expect_err("it is damaged").to_string();
-        assert!(refusal.contains("machines-2-of-3.json is no list of machines"), "{refusal}");
+        assert!(refusal.contains("machines-2-of-3.json is not a list of machines"), "{refusal}");
     }
 
     #[test]

@@ -53,7 +53,7 @@ impl OutputFolder {
             }
         }
         let name = file_name_of(name);
-        let full = io::Error::other(format!("{name} to {name}-{MAX_NUMBERED} exist already"));
+        let full = io::Error::other(format!("{name} to {name}-{MAX_NUMBERED} already exist"));
         Err(BatchError::unwritable(parent, full))
     }
 

@@ -81,7 +81,7 @@ impl RunRow {
         let first = value_differences(&outcomes[0], &outcomes[1]).into_iter().next()?;
         let [said, found] = first.values.map(|value| value.map_or("nothing".into(), |value| value.to_string()));
         let name = first.key.trim_start_matches("outcome.");
-        Some(format!("its row says {name} {said}, its run gives {found}"))
+        Some(format!("its row has {name} {said}, its run gives {found}"))
     }
 }
 

@@ -212,7 +212,7 @@ impl Batch {
         if fs::read(&path).ok().map(|bytes| Sha256::digest(bytes).into()) == self.written_plan {
             return Ok(());
         }
-        Err(JournalError::Changed { path, change: "it is not the plan that was run".into() })
+        Err(JournalError::Changed { path, change: "it is not the plan that has run".into() })
     }
 
     /// Returns the disk to which this batch writes.

@@ -16,16 +16,18 @@ pub enum MapsError {
     Finished(#[from] FinishedError),
     #[error(transparent)]
     Batch(#[from] BatchError),
-    #[error("{} has no column `{column}`; its variants differ in {known}", folder.display())]
+    #[error("{} has no column `{column}`; expected one of those in which its variants differ: {known}",
+folder.display())]
     UnknownColumn { folder: PathBuf, column: String, known: String },
-    #[error("{} has {} that fit: {}; expected a single one, chosen by {columns}", folder.display(), many(*count), list(titles))]
+    #[error("{} has {} that match: {}; expected a single variant, chosen by {columns}", folder.display(),
+many(*count), list(titles))]
     WhichVariant { folder: PathBuf, count: usize, titles: Vec<String>, columns: String },
     #[error("{} has no seed {seed}; its seeds are {seeds}", folder.display())]
     NoSuchSeed { folder: PathBuf, seed: u64, seeds: String },
-    #[error("{} has the seeds {}, {} has {}; expected seeds that both have", first.0, first.1, second.0, second.1)]
+    #[error("{} has the seeds {}, {} has {}; expected common seeds", first.0, first.1, second.0, second.1)]
     NoPairs { first: (String, String), second: (String, String) },
     #[error(
-        "{run} is on a field of {}, the first run on one of {}; expected one field for all",
+        "{run} has a field of {}, the first run one of {}; expected the same size for all",
         size(other),
         size(first)
     )]
@@ -42,7 +44,7 @@ pub enum MapsError {
     Unreadable { path: PathBuf, source: FileError },
     #[error("{} is of {scenario}, seed {seed}; expected the run of seed {expected} of its batch", path.display())]
     OtherRun { path: PathBuf, scenario: String, seed: u64, expected: u64 },
-    #[error("none of the runs could take place")]
+    #[error("no run could start")]
     NoRuns,
 }
 

@@ -19,7 +19,7 @@ pub fn differences(there: &BatchPlan, asked: &BatchPlan) -> Vec<String> {
     compare("seeds", there.seeds.to_string(), asked.seeds.to_string());
     compare("record", format!("{:?}", there.record).to_lowercase(), format!("{:?}", asked.record).to_lowercase());
     compare("memory", there.memory.to_string(), asked.memory.to_string());
-    compare("what is swept", listed(&there.swept_keys), listed(&asked.swept_keys));
+    compare("the swept keys", listed(&there.swept_keys), listed(&asked.swept_keys));
     compare("the number of variants", there.variants.len().to_string(), asked.variants.len().to_string());
     for (one, other) in there.variants.iter().zip(&asked.variants) {
         found.extend(differences_of_scenarios(&one.scenario, &other.scenario));
@@ -74,7 +74,7 @@ fn are_tables(one: &[Value], other: &[Value]) -> bool {
 }
 
 fn sentence(what: &str, there: &str, asked: &str) -> String {
-    format!("{what} is {there} there, {asked} is asked for")
+    format!("{what} is {there} there, but {asked} was requested")
 }
 
 fn listed(keys: &[String]) -> String {
@@ -110,8 +110,11 @@ mod tests {
     #[test]
     fn each_value_that_differs_is_named_with_both_values() {
         let found = differences_of_scenarios(&smoke(&[]), &smoke(&["fire.relight=true", "unimog.0.speed_mps=7"]));
-        let expected =
-            ["fire.relight is false there, true is asked for", "unimog.0.speed_mps is 8.0 there, 7.0 is asked for"];
+        let expected = [
+            "fire.relight is false there, but true was requested",
+            "unimog.0.speed_mps is 8.0 there, but 7.0 was \
+            requested",
+        ];
         assert_eq!(found, expected);
     }
 

@@ -31,7 +31,7 @@ pub const PLAN_TEMPLATE: &str = include_str!("template.toml");
 /// Keys that a plan file has at its top, and a scenario never has.
 const KEYS: [&str; 7] = ["scenarios", "seeds", "planners", "set", "sweep", "record", "memory"];
 
-/// A plan file: what a batch is asked to do.
+/// A plan file: the runs of a batch.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct PlanFile {
@@ -42,7 +42,7 @@ struct PlanFile {
     /// Planners of the trucks, one after the other.
     #[serde(default)]
     planners: Vec<String>,
-    /// Values that are changed in all scenarios.
+    /// Values changed in all scenarios.
     #[serde(default)]
     #[schemars(with = "serde_json::Map<String, serde_json::Value>")]
     set: Table,
@@ -51,7 +51,7 @@ struct PlanFile {
     #[schemars(with = "Vec<serde_json::Map<String, serde_json::Value>>")]
     sweep: Vec<Table>,
     record: Option<Record>,
-    /// The memory that each run may take, such as `4GB` or `512MiB`; 2 GB if it is not given.
+    /// Memory limit of each run, such as `4GB` or `512MiB`; 2 GB by default.
     memory: Option<String>,
 }
 
@@ -250,6 +250,6 @@ mod tests {
         assert!(refusal("[[sweep]]\nfield.coverage = 0.1\n").contains("expected a list of values"));
         assert!(refusal("[[sweep]]\nfield.coverage = []\n").contains("`field.coverage` has no values"));
         assert!(refusal("[[sweep]]\n[[sweep]]\na = [1]\n").contains("is empty"));
-        assert!(refusal("[[sweep]]\na = [1, 2]\nb = [1]\n").contains("one has 2 of them and the other 1"));
+        assert!(refusal("[[sweep]]\na = [1, 2]\nb = [1]\n").contains("one has 2 values and the other 1"));
     }
 }

@@ -28,7 +28,7 @@ pub struct FreeKeys {
 /// A reason for which a pattern of keys is refused.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum FreeKeysError {
-    #[error("`{pattern}` is no key: expected steps with dots between them, such as `unimog.planner` or `planner.*`")]
+    #[error("`{pattern}` is not a key: expected steps separated by dots, such as `unimog.planner` or `planner.*`")]
     NoKey { pattern: String },
     #[error("`{pattern}` would free everything; expected it to begin with the name of a table or value")]
     Everything { pattern: String },

@@ -31,31 +31,32 @@ const MAX_FILE_BYTES: u64 = MAX_PLAN_BYTES + 1_000_000;
 /// A reason for which the plan of a folder cannot be used.
 #[derive(Debug, Error)]
 pub enum PlanError {
-    #[error("{} holds no {PLAN_FILE}; expected the folder of a batch", folder.display())]
+    #[error("{} has no {PLAN_FILE}; expected the folder of a batch", folder.display())]
     Missing { folder: PathBuf },
     #[error(
-        "{} has the {kind} `{name}`, which was handed in from Rust or Python: resume and audit the batch from there, with \
-         the same names",
+        "{} has the {kind} `{name}`, which was registered in Rust or Python: resume and audit the batch from there, \
+         with the same names",
         path.display()
     )]
     HandedIn { path: PathBuf, kind: &'static str, name: PlannerName },
     #[error("cannot read {}: {source}", path.display())]
     Unreadable { path: PathBuf, source: io::Error },
-    #[error("{} is no plan of a batch: {reason}", path.display())]
+    #[error("{} is not a batch plan: {reason}", path.display())]
     NotAPlan { path: PathBuf, reason: String },
     #[error(
         "{} was written by wildfire {found}; this is {PROGRAM_VERSION}, whose runs may differ",
         path.display()
     )]
     OtherVersion { path: PathBuf, found: String },
-    #[error("{} was changed after it was written: its contents have the hash {found}, it names {expected}", path.display())]
+    #[error("{} was changed after it was written: its contents have the hash {found}, expected {expected}",
+path.display())]
     Tampered { path: PathBuf, found: String, expected: String },
-    #[error("{} holds a scenario that is refused: {fault}", path.display())]
+    #[error("{} contains an invalid scenario: {fault}", path.display())]
     Refused { path: PathBuf, fault: Box<Fault> },
-    #[error("{} is another plan than what is asked for: {}", path.display(), list(.differences))]
+    #[error("{} differs from the requested plan: {}", path.display(), list(.differences))]
     Differs { path: PathBuf, differences: Vec<String> },
     #[error(
-        "`{scenario}` has changed since the batch began: {}; the rest of the batch would not go with what is done",
+        "`{scenario}` has changed since the batch began: {}; the remaining runs would not match the finished runs",
         list(.differences)
     )]
     SourceChanged { scenario: String, differences: Vec<String> },
@@ -120,7 +121,7 @@ fn variants_within_limit<'de, D: Deserializer<'de>>(deserializer: D) -> Result<V
             while let Some(variant) = seq.next_element::<Variant>()? {
                 bytes += variant.bytes();
                 if bytes > MAX_PLAN_BYTES || variants.len() as u64 == MAX_VARIANTS {
-                    return Err(A::Error::custom("it has more variants, or larger ones, than a batch takes"));
+                    return Err(A::Error::custom("it has more or larger variants than a batch takes"));
                 }
                 variants.push(variant);
             }
@@ -428,7 +429,7 @@ mod tests {
         let changed = tight.to_json().replacen("\"memory_bytes\": 1000000", "\"memory_bytes\": 2000000", 1);
         assert!(matches!(read_back(&changed), Err(PlanError::Tampered { .. })));
         let refusal = usual.expect_same(&tight, Path::new("out")).expect_err("they differ").to_string();
-        assert!(refusal.contains("memory is 2 GB there, 1 MB is asked for"), "{refusal}");
+        assert!(refusal.contains("memory is 2 GB there, but 1 MB was requested"), "{refusal}");
     }
 
     #[test]
@@ -462,6 +463,6 @@ mod tests {
         let (one, other) = (plan("smoke", &[]), plan("smoke", &["fire.burn_out_s=30"]));
         assert!(one.expect_same(&one, Path::new("out")).is_ok());
         let refusal = one.expect_same(&other, Path::new("out")).expect_err("they differ").to_string();
-        assert!(refusal.contains("fire.burn_out_s is 60.0 there, 30.0 is asked for"), "{refusal}");
+        assert!(refusal.contains("fire.burn_out_s is 60.0 there, but 30.0 was requested"), "{refusal}");
     }
 }

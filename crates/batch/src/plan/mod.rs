@@ -64,7 +64,7 @@ pub const ENTRY_COLUMN: &str = "entry";
 #[serde(rename_all = "kebab-case")]
 pub enum Record {
     All,
-    /// Those in which some agent was stuck. (A run that could not take place has no timeline.)
+    /// Runs in which an agent got stuck. (A run that could not start has no timeline.)
     Failed,
     #[default]
     None,

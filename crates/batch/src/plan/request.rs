@@ -65,7 +65,7 @@ pub enum RequestError {
     ManyRuns { count: u128 },
     #[error("{count} runs are too many: a batch takes at most {MAX_RUNS}")]
     TooManyRuns { count: u128 },
-    #[error("{count} combinations of what is swept are too many: a batch takes at most {MAX_VARIANTS}")]
+    #[error("{count} combinations of swept values are too many: a batch takes at most {MAX_VARIANTS}")]
     TooManyVariants { count: u128 },
     #[error(
         "the plan would take more than {} MB; expected fewer combinations, smaller maps, or fewer agents",
@@ -75,7 +75,7 @@ pub enum RequestError {
     #[error("{count} {what} are too many: a batch takes at most {limit}")]
     TooManyChanges { count: usize, what: &'static str, limit: usize },
     #[error(
-        "`{one}` and `{other}` are both named `{name}`; name one of them otherwise, as its tables could not be told apart"
+        "`{one}` and `{other}` are both named `{name}`; rename one of them, as their tables would be indistinguishable"
     )]
     SameName { one: String, other: String, name: String },
     #[error("{one} and {other} are the same scenario; expected all combinations to differ")]

@@ -32,7 +32,7 @@ pub enum SeedsError {
     Nothing,
     #[error("the range `{found}` is empty: its first seed must not be greater than its last")]
     Backwards { found: String },
-    #[error("seed {seed} is asked for twice")]
+    #[error("seed {seed} is listed twice")]
     Twice { seed: u64 },
     #[error("{count} runs are too many: a batch takes at most {MAX_RUNS}")]
     TooMany { count: u128 },

@@ -31,19 +31,17 @@ pub struct Setting {
 /// A reason for which something cannot be swept.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum SweepError {
-    #[error("the values of `{key}` end with nothing, or have nothing between two commas; expected a value there")]
+    #[error("the values of `{key}` have an empty place at the end or between two commas; expected a value there")]
     EmptyValue { key: String },
-    #[error("`{key}` has no values to take")]
+    #[error("`{key}` has no values")]
     NoValues { key: String },
-    #[error("`{key}` takes the value {value} twice")]
+    #[error("`{key}` has the value {value} twice")]
     Twice { key: String, value: String },
-    #[error(
-        "`{one}` and `{other}` take their values together, but one has {one_count} of them and the other {other_count}"
-    )]
+    #[error("`{one}` and `{other}` are swept together, but one has {one_count} values and the other {other_count}")]
     Unequal { one: String, one_count: usize, other: String, other_count: usize },
     #[error("the range {range} of `{key}` {problem}")]
     Range { key: String, range: String, problem: String },
-    #[error("`{one}` and `{other}` contradict each other: both say what the same value is")]
+    #[error("`{one}` and `{other}` contradict each other: both set the same value")]
     Contradiction { one: String, other: String },
 }
 
@@ -152,7 +150,7 @@ impl<'a> Range<'a> {
         let [first, last, step] = self.numbers;
         if step <= 0 || last < first {
             return Err(refuse(
-                "leads nowhere; expected FIRST..LAST:STEP with a step above 0 and the last not below the first".into(),
+                "is invalid; expected FIRST..LAST:STEP with a step above 0 and LAST not below FIRST".into(),
             ));
         }
         let count = (last - first) / step + 1;

@@ -49,7 +49,7 @@ impl<'de> Deserialize<'de> for Value {
             type Value = Value;
 
             fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a number, a text, or null")
+                f.write_str("a number, a string, or null")
             }
 
             fn visit_unit<E>(self) -> Result<Value, E> {

@@ -164,23 +164,23 @@ pub const COLUMNS_BEFORE_SWEPT: usize = 5;
 #[rustfmt::skip]
 pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     scenario: Text None "name of the scenario" = row.label.scenario.clone();
-    seed: Count None "seed from which all that is random in the run follows" = row.label.seed;
+    seed: Count None "seed of all randomness in the run" = row.label.seed;
     run: Count None "number of the run in the plan, from 1" = row.label.run;
-    planner: optional Text None "planner of the trucks; `;` between those of trucks that differ"
+    planner: optional Text None "planner of the trucks, separated by `;` if trucks differ"
         = unless_empty(&row.label.planner);
-    policy: optional Text None "policy that chooses where the trucks go; `;` between those of trucks that differ"
+    policy: optional Text None "policy that chooses where the trucks go, separated by `;` if trucks differ"
         = unless_empty(&row.label.policy());
     status: Text None "done, failed or panicked" = row.status.to_string();
-    message: optional Text None "why a run is not done, or what its planners and policies had to say about failures"
+    message: optional Text None "why a run is not done, or its planners' and policies' messages about failures"
         = unless_empty(&row.message);
     obstacles: optional Count Cells "bush cells of the field" = outcome(row, |o| o.obstacles), title("Bush cells");
-    intact: optional Count Cells "bush cells that never burned, at the end" = outcome(row, |o| o.intact),
+    intact: optional Count Cells "bush cells that never burned" = outcome(row, |o| o.intact),
         title("Intact"), better(Higher);
-    burning: optional Count Cells "bush cells that burn at the end" = outcome(row, |o| o.burning), title("Burning"),
+    burning: optional Count Cells "bush cells still burning at the end" = outcome(row, |o| o.burning), title("Burning"),
         better(Lower);
     burned_out: optional Count Cells "bush cells that burned out" = outcome(row, |o| o.burned_out), title("Burned out"),
         better(Lower);
-    extinguished: optional Count Cells "bush cells that were put out" = outcome(row, |o| o.extinguished),
+    extinguished: optional Count Cells "bush cells extinguished by trucks" = outcome(row, |o| o.extinguished),
         title("Extinguished"), better(Higher),
         phrase("extinguishes", "more obstacles per run", "fewer obstacles per run");
     intact_ratio: optional Real Share "share of all bush cells" = outcome(row, Outcome::intact_ratio),
@@ -189,155 +189,156 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
         = outcome(row, Outcome::burned_ratio), title("Share burned"), better(Lower);
     extinguished_ratio: optional Real Share "share of all bush cells" = outcome(row, Outcome::extinguished_ratio),
         title("Share extinguished"), better(Higher);
-    lit_by_wumpus: optional Count Cells "ignitions of bushes by Wumpuses; one that is lit again counts again"
+    lit_by_wumpus: optional Count Cells "ignitions of bushes by Wumpuses; a bush lit again counts again"
         = outcome(row, |o| o.lit_by_wumpus), title("Lit by Wumpuses");
     caught_by_spread: optional Count Cells "ignitions of bushes by spread" = outcome(row, |o| o.caught_by_spread),
         title("Caught by spread"), better(Lower);
     truck_stuck_s: optional Real Seconds
-        "time in which trucks did nothing though there was a fire that they could reach"
-        = outcome(row, |o| o.truck_stuck_s), title("Time that trucks were stuck"), better(Lower);
+        "time in which trucks did nothing although they could reach a fire"
+        = outcome(row, |o| o.truck_stuck_s), title("Truck stuck time"), better(Lower);
     wumpus_stuck_s: optional Real Seconds
-        "time in which Wumpuses did nothing though there was something that they could light"
-        = outcome(row, |o| o.wumpus_stuck_s), title("Time that Wumpuses were stuck");
+        "time in which Wumpuses did nothing although they could light something"
+        = outcome(row, |o| o.wumpus_stuck_s), title("Wumpus stuck time");
     lit_by_schedule: optional Count Cells "ignitions of bushes by the scenario" = outcome(row, |o| o.lit_by_schedule),
         title("Lit by the scenario");
     ended_s: optional Real Seconds "simulated time at the end" = outcome(row, |o| o.ended_s), title("End of the run");
     burning_cell_s: optional Real CellSeconds "number of burning bush cells integrated over time"
         = outcome(row, |o| o.burning_cell_s), title("Burning cells over time"), better(Lower),
         phrase("has", "more seconds of a burning cell per run", "fewer seconds of a burning cell per run");
-    peak_burning: optional Count Cells "most bush cells that burned at once" = outcome(row, |o| o.peak_burning),
-        title("Most bushes that burned at once"), better(Lower);
-    mean_response_s: optional Real Seconds "from ignition to extinction, mean over the extinctions of bushes"
+    peak_burning: optional Count Cells "largest number of bush cells burning at once"
+        = outcome(row, |o| o.peak_burning), title("Most bushes burning at once"), better(Lower);
+    mean_response_s: optional Real Seconds "mean time from ignition to extinction, over extinguished bushes"
         = outcome(row, |o| o.mean_response_s), title("Time from ignition to extinction"), better(Lower),
         phrase("puts a fire out", "s later", "s sooner"),
         aim("put fires out soonest", ["put fires out after", ""], "s sooner");
     first_fire_s: optional Real Seconds "time of the first ignition of a bush" = outcome(row, |o| o.first_fire_s),
         title("First fire");
-    all_out_s: optional Real Seconds "end of the last fire of a bush, if none burned at the end"
+    all_out_s: optional Real Seconds "end of the last bush fire, if no bush burned at the end"
         = outcome(row, |o| o.all_out_s), title("End of the last fire");
-    wumpus_score: optional Real Points "points of the Wumpuses by the scenario's rules"
+    wumpus_score: optional Real Points "score of the Wumpuses by the scenario's rules"
         = outcome(row, |o| o.wumpus_score), title("Points of the Wumpuses"), better(Lower);
-    truck_score: optional Real Points "points of the trucks by the scenario's rules" = outcome(row, |o| o.truck_score),
+    truck_score: optional Real Points "score of the trucks by the scenario's rules" = outcome(row, |o| o.truck_score),
         title("Points of the trucks"), better(Higher);
     winner: optional Text None "wumpus, unimog or tie" = outcome(row, winner);
-    least_burned: optional Count Cells "bush cells that would burn whatever the trucks did, at least"
-        = outcome(row, |o| o.least_burned), title("Least that would burn");
-    regret: optional Count Cells "bush cells burned that trucks which know what will be lit might have saved, at most"
+    least_burned: optional Count Cells "lower bound on the bush cells that burn whatever the trucks do"
+        = outcome(row, |o| o.least_burned), title("Lower bound on burned bushes");
+    regret: optional Count Cells "upper bound on the burned bush cells that trucks knowing all future ignitions could \
+        have saved"
         = outcome(row, Outcome::regret), title("Regret"), better(Lower);
-    truck_plans: optional Count None "queries of trucks for a plan, failed ones included"
-        = trucks_count(row, |a| a.plans.into()), title("Queries of trucks");
+    truck_plans: optional Count None "planner queries of trucks, including failed queries"
+        = trucks_count(row, |a| a.plans.into()), title("Truck queries");
     truck_failed_start_blocked: optional Count None "failed queries: the truck's own pose is not free"
         = failed(row, PlanFailure::StartBlocked), title("Failed queries: start blocked"), better(Lower);
-    truck_failed_goal_blocked: optional Count None "failed queries: no free place from which the goal could be reached"
+    truck_failed_goal_blocked: optional Count None "failed queries: no free place within reach of the goal"
         = failed(row, PlanFailure::GoalBlocked), title("Failed queries: goal blocked"), better(Lower);
     truck_failed_disconnected: optional Count None "failed queries: start and goal are not connected"
         = failed(row, PlanFailure::Disconnected), title("Failed queries: not connected"), better(Lower);
     truck_failed_budget_spent: optional Count None "failed queries: the budget of expansions ran out"
         = failed(row, PlanFailure::BudgetSpent), title("Failed queries: budget spent"), better(Lower);
-    truck_failed_timed_out: optional Count None "failed queries: a planner that is not built in did not answer in time"
+    truck_failed_timed_out: optional Count None "failed queries: a custom planner did not answer in time"
         = failed(row, PlanFailure::TimedOut), title("Failed queries: timed out"), better(Lower);
-    truck_failed_crashed: optional Count None "failed queries: a planner that is not built in ended or failed"
+    truck_failed_crashed: optional Count None "failed queries: a custom planner ended or failed"
         = failed(row, PlanFailure::Crashed), title("Failed queries: crashed"), better(Lower);
-    truck_failed_bad_answer: optional Count None "failed queries: an answer that is no path, or must not be driven"
+    truck_failed_bad_answer: optional Count None "failed queries: an answer that is not a valid path"
         = failed(row, PlanFailure::BadAnswer), title("Failed queries: bad answer"), better(Lower);
-    truck_lattice_plans: optional Count None "plans that the reachability flood found after the planner had failed"
-        = trucks_count(row, |a| a.lattice_plans.into()), title("Plans that the flood found"), better(Lower);
+    truck_lattice_plans: optional Count None "plans found by the reachability flood after the planner had failed"
+        = trucks_count(row, |a| a.lattice_plans.into()), title("Plans found by the flood"), better(Lower);
     truck_roadmap_samples: optional Count None "milestones of the roadmaps"
         = trucks_count(row, |a| a.roadmap_samples.into()), title("Milestones of the roadmaps");
     truck_roadmap_edges: optional Count None "edges of the roadmaps" = trucks_count(row, |a| a.roadmap_edges.into()),
         title("Edges of the roadmaps");
     truck_roadmap_components: optional Count None
-        "connected components of the roadmaps; 0 where they were not counted, as planners do that join them late"
+        "connected components of the roadmaps; 0 if not counted, as with planners that join them on demand"
         = trucks_count(row, |a| a.roadmap_components.into()), title("Components of the roadmaps");
     truck_roadmap_expansions: optional Count None "nodes expanded in the roadmaps"
         = trucks_count(row, |a| a.roadmap_expansions), title("Nodes expanded in roadmaps"), better(Lower);
     truck_local_expansions: optional Count None "nodes expanded in local searches"
         = trucks_count(row, |a| a.local_expansions), title("Nodes expanded in local searches"), better(Lower);
-    truck_distance_m: optional Real Metres "way driven" = trucks(row, |a| a.distance_m),
-        title("Distance driven by the trucks"), better(Lower);
+    truck_distance_m: optional Real Metres "distance driven" = trucks(row, |a| a.distance_m),
+        title("Distance driven by trucks"), better(Lower);
     truck_driving_s: optional Real Seconds "time spent driving" = trucks(row, |a| a.driving_s),
-        title("Time that trucks drove");
-    truck_planning_s: optional Real Seconds "planning time that the scenario charges" = trucks(row, |a| a.planning_s),
-        title("Time that trucks planned"), better(Lower);
-    truck_suppressing_s: optional Real Seconds "time spent on putting fires out" = trucks(row, |a| a.suppressing_s),
-        title("Time that trucks put fires out");
-    truck_standing_s: optional Real Seconds "time spent on none of these" = trucks(row, |a| a.standing_s),
-        title("Time that trucks stood"), better(Lower);
-    truck_longest_idle_s: optional Real Seconds "longest time in which a truck stood while something burned"
-        = trucks_longest(row, |a| a.longest_idle_s), title("Longest stand of a truck"), better(Lower);
+        title("Truck driving time");
+    truck_planning_s: optional Real Seconds "simulated planning time charged by the scenario"
+        = trucks(row, |a| a.planning_s), title("Truck planning time"), better(Lower);
+    truck_suppressing_s: optional Real Seconds "time spent extinguishing fires" = trucks(row, |a| a.suppressing_s),
+        title("Truck extinguishing time");
+    truck_standing_s: optional Real Seconds "time spent neither driving, planning nor extinguishing"
+        = trucks(row, |a| a.standing_s), title("Truck standing time"), better(Lower);
+    truck_longest_idle_s: optional Real Seconds "longest time that a truck stood while something burned"
+        = trucks_longest(row, |a| a.longest_idle_s), title("Longest truck standstill"), better(Lower);
     truck_cusps: optional Count None "changes between forward and reverse" = trucks_count(row, |a| a.cusps.into()),
         title("Changes of driving direction"), better(Lower);
     truck_wasted_drives: optional Count None "drives that ended without an extinction"
         = trucks_count(row, |a| a.wasted_drives.into()), title("Wasted drives"), better(Lower);
-    truck_waiting_s: optional Real Seconds "time spent on waiting for other trucks" = trucks(row, |a| a.waiting_s),
-        title("Time that trucks waited"), better(Lower);
-    truck_deadlocks: optional Count None "deadlocks of trucks that were broken"
-        = trucks_count(row, |a| a.deadlocks.into()), title("Deadlocks of trucks"), better(Lower);
-    wumpus_plans: optional Count None "queries of Wumpuses for a plan, failed ones included"
-        = wumpuses_count(row, |a| a.plans.into()), title("Queries of Wumpuses");
+    truck_waiting_s: optional Real Seconds "time spent waiting for other trucks" = trucks(row, |a| a.waiting_s),
+        title("Truck waiting time"), better(Lower);
+    truck_deadlocks: optional Count None "deadlocks of trucks that were resolved"
+        = trucks_count(row, |a| a.deadlocks.into()), title("Truck deadlocks"), better(Lower);
+    wumpus_plans: optional Count None "planner queries of Wumpuses, including failed queries"
+        = wumpuses_count(row, |a| a.plans.into()), title("Wumpus queries");
     wumpus_failed_plans: optional Count None "failed queries of Wumpuses"
-        = wumpuses_count(row, |a| a.failures.sum().into()), title("Failed queries of Wumpuses");
-    wumpus_local_minima: optional Count None "local minima that descents on a potential field met"
-        = wumpuses_count(row, |a| a.local_minima.into()), title("Local minima of Wumpuses");
+        = wumpuses_count(row, |a| a.failures.sum().into()), title("Failed Wumpus queries");
+    wumpus_local_minima: optional Count None "local minima met by descents on a potential field"
+        = wumpuses_count(row, |a| a.local_minima.into()), title("Wumpus local minima");
     wumpus_expansions: optional Count None "nodes expanded by Wumpuses"
         = wumpuses_count(row, |a| a.roadmap_expansions + a.local_expansions), title("Nodes expanded by Wumpuses");
-    wumpus_distance_m: optional Real Metres "way walked" = wumpuses(row, |a| a.distance_m),
-        title("Distance walked by the Wumpuses");
+    wumpus_distance_m: optional Real Metres "distance walked" = wumpuses(row, |a| a.distance_m),
+        title("Distance walked by Wumpuses");
     wumpus_walking_s: optional Real Seconds "time spent walking" = wumpuses(row, |a| a.driving_s),
-        title("Time that Wumpuses walked");
-    wumpus_planning_s: optional Real Seconds "planning time that the scenario charges"
-        = wumpuses(row, |a| a.planning_s), title("Time that Wumpuses planned");
+        title("Wumpus walking time");
+    wumpus_planning_s: optional Real Seconds "simulated planning time charged by the scenario"
+        = wumpuses(row, |a| a.planning_s), title("Wumpus planning time");
     wumpus_standing_s: optional Real Seconds "time spent standing" = wumpuses(row, |a| a.standing_s),
-        title("Time that Wumpuses stood");
-    wumpus_longest_idle_s: optional Real Seconds "longest time in which a Wumpus stood while something could be lit"
-        = wumpuses_longest(row, |a| a.longest_idle_s), title("Longest stand of a Wumpus");
-    ground_cells: optional Count Cells "cells of ground that can burn; this and what follows only where ground burns"
-        = ground(row, |g| g.cells), title("Cells of ground");
+        title("Wumpus standing time");
+    wumpus_longest_idle_s: optional Real Seconds "longest time that a Wumpus stood while it could light something"
+        = wumpuses_longest(row, |a| a.longest_idle_s), title("Longest Wumpus standstill");
+    ground_cells: optional Count Cells "cells of ground that can burn; this and the next columns only if ground burns"
+        = ground(row, |g| g.cells), title("Ground cells");
     ground_burned: optional Count Cells "cells of ground that caught fire" = ground(row, |g| g.burned),
         title("Ground burned");
-    ground_extinguished: optional Count Cells "cells of ground that trucks put out" = ground(row, |g| g.extinguished),
-        title("Ground extinguished");
-    ground_peak_burning: optional Count Cells "most cells of ground that burned at once"
-        = ground(row, |g| g.peak_burning), title("Most ground that burned at once");
+    ground_extinguished: optional Count Cells "cells of ground extinguished by trucks"
+        = ground(row, |g| g.extinguished), title("Ground extinguished");
+    ground_peak_burning: optional Count Cells "largest number of ground cells burning at once"
+        = ground(row, |g| g.peak_burning), title("Most ground burning at once");
     spotted: optional Count Cells "ignitions by embers, of bushes and of ground" = ground(row, |g| g.spotted),
         title("Ignitions by embers");
     burned_ha: optional Real Hectares "area of all bushes and ground that caught fire" = ground(row, |g| g.burned_ha),
         title("Burned area"), phrase("burns", "more hectares per run", "fewer hectares per run"),
         aim("lost the least area", ["lost", " of area"], "ha less");
-    reached_edge_s: optional Real Seconds "when a cell at the border, bush or ground, first caught fire, if one did"
-        = ground(row, |g| g.reached_edge_s), title("When fire reached the border");
+    reached_edge_s: optional Real Seconds "time at which a border cell, bush or ground, first caught fire, if any"
+        = ground(row, |g| g.reached_edge_s), title("Time fire reached the border");
     truck_idle_s: optional Real Seconds
-        "time in which trucks had nothing to go for, or their policy wanted them to wait or be elsewhere"
-        = trucks(row, |a| a.idle_s), title("Time that trucks were idle");
-    truck_relocations: optional Count None "drives of trucks to places where they wait, or to water"
-        = trucks_count(row, |a| a.relocations.into()), title("Relocations of trucks");
-    truck_refills: optional Count None "times that trucks filled their tanks" = trucks_count(row, |a| a.refills.into()),
-        title("Refills of tanks");
-    truck_refilling_s: optional Real Seconds "time that this took" = trucks(row, |a| a.refilling_s),
-        title("Time that refills took");
+        "time in which trucks had no goal, or their policy made them wait or relocate"
+        = trucks(row, |a| a.idle_s), title("Truck idle time");
+    truck_relocations: optional Count None "drives of trucks to waiting places or to water"
+        = trucks_count(row, |a| a.relocations.into()), title("Truck relocations");
+    truck_refills: optional Count None "number of tank refills" = trucks_count(row, |a| a.refills.into()),
+        title("Tank refills");
+    truck_refilling_s: optional Real Seconds "time spent refilling" = trucks(row, |a| a.refilling_s),
+        title("Tank refill time");
     truck_hopeless_drives: optional Count None
-        "wasted drives whose fire had to burn out before the truck could have put it out"
+        "wasted drives to a fire that would burn out before the truck could extinguish it"
         = trucks_count(row, |a| a.hopeless_drives.into()), title("Hopeless drives");
-    truck_goals: optional Count None "plans of trucks that led to a fire" = trucks_count(row, |a| a.goals.into()),
-        title("Goals of trucks");
+    truck_goals: optional Count None "plans of trucks to a fire" = trucks_count(row, |a| a.goals.into()),
+        title("Truck goals");
     truck_flock_ratio: optional Real Share
-        "share of these goals that had another truck's goal within 60 m; none without goals"
+        "share of truck goals within 60 m of another truck's goal; none without goals"
         = row.result.as_ref().and_then(flock_ratio), title("Flock ratio");
     policy_asked: optional Count None
-        "asks of policies that are not built in; this and what follows only where there are any"
-        = asks(row, |a| a.asked), title("Asks of custom policies");
-    policy_failed_timed_out: optional Count None "failed asks: no answer in time" = asks(row, |a| a.timed_out),
-        title("Failed asks: timed out");
-    policy_failed_crashed: optional Count None "failed asks: the policy ended or failed" = asks(row, |a| a.crashed),
-        title("Failed asks: crashed");
-    policy_failed_bad_answer: optional Count None "failed asks: an answer of no known form"
-        = asks(row, |a| a.bad_answer), title("Failed asks: bad answer");
-    policy_illegal: optional Count None "asks answered with what was no option of the agent, which waited then"
-        = asks(row, |a| a.illegal), title("Asks with an illegal answer");
-    cpu_sampling_s: optional Real CpuSeconds "CPU time: drawing the roadmaps' samples" = cpu(row, |c| c.sampling_s),
+        "queries to custom policies; this and the next columns only if there are any"
+        = asks(row, |a| a.asked), title("Policy queries");
+    policy_failed_timed_out: optional Count None "failed policy queries: no answer in time"
+        = asks(row, |a| a.timed_out), title("Failed policy queries: timed out");
+    policy_failed_crashed: optional Count None "failed policy queries: the policy ended or failed"
+        = asks(row, |a| a.crashed), title("Failed policy queries: crashed");
+    policy_failed_bad_answer: optional Count None "failed policy queries: an answer in an unknown format"
+        = asks(row, |a| a.bad_answer), title("Failed policy queries: bad answer");
+    policy_illegal: optional Count None "policy queries answered with a choice that was not an option; the agent waited"
+        = asks(row, |a| a.illegal), title("Policy queries with an illegal answer");
+    cpu_sampling_s: optional Real CpuSeconds "CPU time: sampling the roadmaps" = cpu(row, |c| c.sampling_s),
         title("Sampling"), better(Lower);
-    cpu_map_generation_s: optional Real CpuSeconds "CPU time: connecting them" = cpu(row, |c| c.map_generation_s),
-        title("Connecting"), better(Lower);
+    cpu_map_generation_s: optional Real CpuSeconds "CPU time: connecting the samples"
+        = cpu(row, |c| c.map_generation_s), title("Connecting"), better(Lower);
     cpu_roadmap_search_s: optional Real CpuSeconds "CPU time: queries to the roadmaps"
         = cpu(row, |c| c.roadmap_search_s), title("Roadmap search"), better(Lower);
     cpu_local_search_s: optional Real CpuSeconds "CPU time: local searches of trucks" = cpu(row, |c| c.local_search_s),
@@ -357,19 +358,19 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     cpu_dispatch_s: optional Real CpuSeconds "CPU time: decisions of the policy that dispatches the trucks"
         = cpu(row, |c| c.dispatch_s), title("Dispatch"), better(Lower);
     cpu_custom_start_s: optional Real CpuSeconds
-        "CPU time: making the trucks' planners that are not built in, with every start of their programs"
+        "CPU time: building the trucks' custom planners, including all starts of their programs"
         = cpu(row, |c| c.custom_start_s), title("Custom planner: start"), better(Lower);
-    cpu_custom_queries_s: optional Real CpuSeconds "CPU time: queries to the trucks' planners that are not built in"
+    cpu_custom_queries_s: optional Real CpuSeconds "CPU time: queries to the trucks' custom planners"
         = cpu(row, |c| c.custom_queries_s), title("Custom planner: queries"), better(Lower);
     cpu_policy_s: optional Real CpuSeconds
-        "CPU time: policies that are not built in, with every start of their programs" = cpu(row, |c| c.policy_s),
+        "CPU time: custom policies, including all starts of their programs" = cpu(row, |c| c.policy_s),
         title("Custom policies"), better(Lower);
-    cpu_terrain_s: optional Real CpuSeconds "CPU time: drawing the field" = cpu(row, |c| c.terrain_s),
-        title("Drawing the field"), better(Lower);
+    cpu_terrain_s: optional Real CpuSeconds "CPU time: generating the field" = cpu(row, |c| c.terrain_s),
+        title("Field generation"), better(Lower);
     cpu_run_s: optional Real CpuSeconds "CPU time: the whole run" = cpu(row, |c| c.run_s), title("CPU time of the run"),
         better(Lower);
     cpu_source: optional Text None
-        "who measured queries of planners that are not built in: thread, process, reported; the least trusted of them"
+        "source of CPU times of custom planners: thread, process or reported; the least trusted if several"
         = row.result.as_ref().and_then(|result| cpu_source(&result.cost));
     wall_run_s: Real WallSeconds "real time: the whole run" = row.wall.as_secs_f64(), title("Real time of the run"),
         better(Lower);
@@ -379,58 +380,58 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
 #[rustfmt::skip]
 pub const AGENT_COLUMNS: &[AgentColumn] = columns! { AgentColumn, row;
     scenario: Text None "name of the scenario" = row.label.scenario.clone();
-    seed: Count None "seed from which all that is random in the run follows" = row.label.seed;
+    seed: Count None "seed of all randomness in the run" = row.label.seed;
     run: Count None "number of the run in the plan, from 1" = row.label.run;
     agent: Text None "unimog/0, wumpus/0 ..." = row.outcome.agent.to_string();
-    policy: optional Text None "policy that chooses where it goes" = row.policy().map(str::to_owned);
-    cells: Count Cells "bush cells that a Wumpus lit, or a truck put out" = row.outcome.cells;
-    plans: Count None "queries for a plan, failed ones included" = row.outcome.plans;
+    policy: optional Text None "policy that chooses the agent's goals" = row.policy().map(str::to_owned);
+    cells: Count Cells "bush cells lit by the Wumpus or extinguished by the truck" = row.outcome.cells;
+    plans: Count None "planner queries, including failed queries" = row.outcome.plans;
     failed_start_blocked: Count None "failed queries: the agent's own pose is not free" = row.outcome.failures[PlanFailure::StartBlocked];
-    failed_goal_blocked: Count None "failed queries: no free place from which the goal could be reached"
+    failed_goal_blocked: Count None "failed queries: no free place within reach of the goal"
         = row.outcome.failures[PlanFailure::GoalBlocked];
     failed_disconnected: Count None "failed queries: start and goal are not connected" = row.outcome.failures[PlanFailure::Disconnected];
     failed_budget_spent: Count None "failed queries: the budget of expansions ran out" = row.outcome.failures[PlanFailure::BudgetSpent];
     failed_local_minimum: Count None "failed queries: a descent ended in a local minimum" = row.outcome.failures[PlanFailure::LocalMinimum];
-    failed_timed_out: Count None "failed queries: a planner that is not built in did not answer in time"
+    failed_timed_out: Count None "failed queries: a custom planner did not answer in time"
         = row.outcome.failures[PlanFailure::TimedOut];
-    failed_crashed: Count None "failed queries: a planner that is not built in ended or failed"
+    failed_crashed: Count None "failed queries: a custom planner ended or failed"
         = row.outcome.failures[PlanFailure::Crashed];
-    failed_bad_answer: Count None "failed queries: an answer that is no path, or must not be driven"
+    failed_bad_answer: Count None "failed queries: an answer that is not a valid path"
         = row.outcome.failures[PlanFailure::BadAnswer];
-    lattice_plans: Count None "plans that the reachability flood found after the planner had failed"
+    lattice_plans: Count None "plans found by the reachability flood after the planner had failed"
         = row.outcome.lattice_plans;
-    local_minima: Count None "local minima that descents on a potential field met" = row.outcome.local_minima;
+    local_minima: Count None "local minima met by descents on a potential field" = row.outcome.local_minima;
     roadmap_samples: Count None "milestones of the roadmap" = row.outcome.roadmap_samples;
     roadmap_edges: Count None "edges of the roadmap" = row.outcome.roadmap_edges;
     roadmap_components: Count None "connected components of the roadmap; 0 if they were not counted"
         = row.outcome.roadmap_components;
     roadmap_expansions: Count None "nodes expanded in the roadmap" = row.outcome.roadmap_expansions;
     local_expansions: Count None "nodes expanded in local searches" = row.outcome.local_expansions;
-    distance_m: Real Metres "way driven or walked" = row.outcome.distance_m;
+    distance_m: Real Metres "distance driven or walked" = row.outcome.distance_m;
     driving_s: Real Seconds "time spent driving or walking" = row.outcome.driving_s;
-    planning_s: Real Seconds "planning time that the scenario charges" = row.outcome.planning_s;
-    suppressing_s: Real Seconds "time spent on putting fires out" = row.outcome.suppressing_s;
-    standing_s: Real Seconds "time spent on none of these" = row.outcome.standing_s;
-    stuck_s: Real Seconds "time in which the agent did nothing though there was something that it could reach"
+    planning_s: Real Seconds "simulated planning time charged by the scenario" = row.outcome.planning_s;
+    suppressing_s: Real Seconds "time spent extinguishing fires" = row.outcome.suppressing_s;
+    standing_s: Real Seconds "time spent neither driving, planning nor extinguishing" = row.outcome.standing_s;
+    stuck_s: Real Seconds "time in which the agent did nothing although it could reach a target"
         = row.outcome.stuck_s;
-    longest_idle_s: Real Seconds "longest time of standing while there was something to do"
+    longest_idle_s: Real Seconds "longest time that the agent stood while there was something to do"
         = row.outcome.longest_idle_s;
     cusps: Count None "changes between forward and reverse" = row.outcome.cusps;
     wasted_drives: Count None "drives that ended without an extinction" = row.outcome.wasted_drives;
-    waiting_s: Real Seconds "time spent on waiting for other trucks" = row.outcome.waiting_s;
-    deadlocks: Count None "deadlocks that this agent broke" = row.outcome.deadlocks;
-    idle_s: Real Seconds "time in which a truck had nothing to go for, or its policy wanted it to wait or be elsewhere"
+    waiting_s: Real Seconds "time spent waiting for other trucks" = row.outcome.waiting_s;
+    deadlocks: Count None "deadlocks that this agent resolved" = row.outcome.deadlocks;
+    idle_s: Real Seconds "time in which a truck had no goal, or its policy made it wait or relocate"
         = row.outcome.idle_s;
-    relocations: Count None "drives of a truck to places where it waits, or to water" = row.outcome.relocations;
-    refills: Count None "times that a truck filled its tank" = row.outcome.refills;
-    refilling_s: Real Seconds "time that this took it" = row.outcome.refilling_s;
-    hopeless_drives: Count None "wasted drives whose fire had to burn out before the truck could have put it out"
+    relocations: Count None "drives of a truck to waiting places or to water" = row.outcome.relocations;
+    refills: Count None "number of tank refills" = row.outcome.refills;
+    refilling_s: Real Seconds "time spent refilling" = row.outcome.refilling_s;
+    hopeless_drives: Count None "wasted drives to a fire that would burn out before the truck could extinguish it"
         = row.outcome.hopeless_drives;
-    goals: Count None "plans of a truck that led to a fire" = row.outcome.goals;
-    flocked_goals: Count None "those of them that had another truck's goal within 60 m" = row.outcome.flocked_goals;
-    cpu_sampling_s: optional Real CpuSeconds "CPU time: drawing the roadmap's samples"
+    goals: Count None "plans of a truck to a fire" = row.outcome.goals;
+    flocked_goals: Count None "goals within 60 m of another truck's goal" = row.outcome.flocked_goals;
+    cpu_sampling_s: optional Real CpuSeconds "CPU time: sampling the roadmap"
         = row.cost.map(|cost| cost.sampling.as_secs_f64());
-    cpu_map_generation_s: optional Real CpuSeconds "CPU time: connecting them"
+    cpu_map_generation_s: optional Real CpuSeconds "CPU time: connecting the samples"
         = row.cost.map(|cost| cost.connecting.as_secs_f64());
     cpu_roadmap_search_s: optional Real CpuSeconds "CPU time: queries to the roadmap"
         = row.cost.map(|cost| cost.roadmap_search.as_secs_f64());
@@ -439,49 +440,50 @@ pub const AGENT_COLUMNS: &[AgentColumn] = columns! { AgentColumn, row;
     cpu_reachability_s: optional Real CpuSeconds "CPU time: reachability floods and the searches in them"
         = row.cost.map(|cost| cost.reachability.as_secs_f64());
     cpu_custom_start_s: optional Real CpuSeconds
-        "CPU time: making a planner that is not built in, with every start of its program"
+        "CPU time: building a custom planner, including all starts of its program"
         = row.cost.map(|cost| cost.starting.as_secs_f64());
-    cpu_custom_queries_s: optional Real CpuSeconds "CPU time: queries to a planner that is not built in"
+    cpu_custom_queries_s: optional Real CpuSeconds "CPU time: queries to a custom planner"
         = row.cost.map(|cost| cost.queries.as_secs_f64());
     cpu_source: optional Text None
-        "who measured queries of a planner that is not built in: thread, process, reported; the least trusted of them"
+        "source of CPU times of a custom planner: thread, process or reported; the least trusted if several"
         = row.cost.and_then(|cost| cost.source).map(|source| source.name().to_owned());
 };
 
 /// The columns of `planner_calls.parquet`, in their order, after those of the run.
 #[rustfmt::skip]
 pub const CALL_COLUMNS: &[CallColumn] = columns! { CallColumn, call;
-    agent: Text None "who asks: unimog/0, wumpus/0 ..." = call.agent.to_string();
+    agent: Text None "agent that plans: unimog/0, wumpus/0 ..." = call.agent.to_string();
     t_s: Real Seconds "simulated time of the query" = call.time.as_seconds();
     goal_col: Count None "column of the cell that the agent goes for, from the west" = u64::from(call.goal.0);
     goal_row: Count None "row of the cell that the agent goes for, from the south" = u64::from(call.goal.1);
-    solved: Flag None "whether there is a plan" = call.answer.is_ok();
-    status: Text None "solved, or why there is no plan"
+    solved: Flag None "whether a plan was found" = call.answer.is_ok();
+    status: Text None "solved, or the reason for the failure"
         = call.answer.err().map_or("solved".to_owned(), |failure| failure.to_string());
-    solution_length_m: optional Real Metres "length of the way" = call.answer.ok().map(|plan| plan.length_m);
-    solution_segments: optional Count None "straights and arcs of the way" = call.answer.ok().map(|plan| plan.segments);
+    solution_length_m: optional Real Metres "length of the path" = call.answer.ok().map(|plan| plan.length_m);
+    solution_segments: optional Count None "number of straight lines and arcs of the path"
+        = call.answer.ok().map(|plan| plan.segments);
     cusps: optional Count None "changes between forward and reverse" = call.answer.ok().map(|plan| plan.cusps);
-    drive_s: optional Real Seconds "simulated time that the way takes, waits included"
+    drive_s: optional Real Seconds "simulated duration of the path, including waits"
         = call.answer.ok().map(|plan| plan.duration_s);
     roadmap_expansions: Count None "nodes expanded in the roadmap" = call.effort.roadmap_expansions;
     local_expansions: Count None "nodes expanded in the local search" = call.effort.local_expansions;
-    by_lattice: optional Flag None "whether the reachability flood found it after the planner had failed"
+    by_lattice: optional Flag None "whether the reachability flood found the plan after the planner had failed"
         = call.answer.ok().map(|plan| plan.by_lattice());
     found_by: optional Text None
         "what found the plan of a truck: straight, roadmap, search, relaxed, lattice, reachability, backing-out or way-home"
         = call.answer.ok().and_then(|plan| plan.found_by).map(|found_by| found_by.to_string());
-    cpu_query_s: optional Real CpuSeconds "CPU time of the query: of the agent's planning since its query before"
+    cpu_query_s: optional Real CpuSeconds "CPU time of the query: the agent's planning since its previous query"
         = call.cpu.map(|cpu| cpu.as_secs_f64());
 };
 
 /// The columns of `states.parquet`, in their order, after those of the run.
 #[rustfmt::skip]
 pub const STATE_COLUMNS: &[StateColumn] = columns! { StateColumn, state;
-    t_s: Real Seconds "simulated time: sixtieths of the scenario's duration" = state.time.as_seconds();
+    t_s: Real Seconds "simulated time, in steps of a sixtieth of the scenario's duration" = state.time.as_seconds();
     intact: Count Cells "cells that never burned" = state.intact;
-    burning: Count Cells "cells that burn" = state.burning;
+    burning: Count Cells "cells that are burning" = state.burning;
     burned_out: Count Cells "cells that have burned out" = state.burned_out;
-    extinguished: Count Cells "cells that were put out and do not burn" = state.extinguished;
+    extinguished: Count Cells "cells that were extinguished and are not burning" = state.extinguished;
 };
 
 /// Returns the index of a column of [`RUN_COLUMNS`]; a name that is not there is an error when the program is compiled.

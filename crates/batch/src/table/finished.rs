@@ -22,7 +22,7 @@ pub enum FinishedError {
     Plan(#[from] PlanError),
     #[error(transparent)]
     Strange(#[from] StrangeEntry),
-    #[error("{} does not go with its plan: {reason}", path.display())]
+    #[error("{} does not fit its plan: {reason}", path.display())]
     OtherRows { path: PathBuf, reason: String },
     #[error("cannot read {}: {reason}", path.display())]
     Damaged { path: PathBuf, reason: String },
@@ -133,7 +133,7 @@ impl FinishedRows {
         let values = columns.map(|(&place, column)| self.table.value(place, column.kind));
         let record = RunRecord::from_values(values.collect::<Result<_, _>>()?);
         if (record.seed(), record.number_in_plan()) != (seed, run.number) {
-            let reason = format!("it has the row of seed {} where that of seed {seed} is expected", record.seed());
+            let reason = format!("it has the row of seed {}; expected that of seed {seed}", record.seed());
             return Err(other(&self.table, reason));
         }
         Ok(record)

@@ -57,7 +57,7 @@ impl QueryTally {
         let rescued = (self.rescued > 0).then(|| {
             let share = 100.0 * self.rescued as f64 / self.drives.max(1) as f64;
             let share = if share < 0.05 { "under 0.1".to_owned() } else { rounded(share, 1) };
-            format!("Rescued: {share} % of the drives of {planner}.")
+            format!("Rescued: {share} % of the drives by {planner}.")
         });
         rescued.into_iter().chain(self.machine_sentence(planner)).collect()
     }
@@ -115,7 +115,7 @@ mod tests {
         tally += QueryTally { drives: 100, ..QueryTally::default() };
         assert_eq!(
             tally.sentences("rrt"),
-            ["Rescued: 6.0 % of the drives of rrt.", "Outcomes depend on this machine: 10 queries of rrt timed out."]
+            ["Rescued: 6.0 % of the drives by rrt.", "Outcomes depend on this machine: 10 queries of rrt timed out."]
         );
         let limited = QueryTally::of_run(|_| 0, "planner `rrt` took 70 MB of memory and was killed");
         assert_eq!(

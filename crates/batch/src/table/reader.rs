@@ -21,7 +21,7 @@ const MAX_ROW_BYTES: u64 = 1 << 20;
 pub enum TableError {
     #[error("cannot read {}: {source}", path.display())]
     Unreadable { path: PathBuf, source: io::Error },
-    #[error("{}: the column `{column}` is there twice", path.display())]
+    #[error("{}: the column `{column}` appears twice", path.display())]
     ColumnTwice { path: PathBuf, column: String },
     #[error("{}: line {line}: {complaint}", path.display())]
     Damaged { path: PathBuf, line: u64, complaint: String },

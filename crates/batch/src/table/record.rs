@@ -109,6 +109,6 @@ impl RunRecord {
             word if word.is_empty() => "nothing".into(),
             word => word,
         });
-        Some(format!("its row says {} {said}, its run gives {found}", column.name))
+        Some(format!("its row has {} {said}, its run gives {found}", column.name))
     }
 }

@@ -72,14 +72,14 @@ pub enum Curing {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Combine {
-    /// As vectors in the plane of the slope, onto which the wind is lifted; as ELMFIRE and pyretechnics do.
+    /// As vectors in the plane of the slope, onto which the wind is lifted (ELMFIRE, pyretechnics).
     #[default]
     Plane,
-    /// As horizontal vectors, as BEHAVE does.
+    /// As horizontal vectors (BEHAVE).
     Flat,
 }
 
-/// Selects the wind beyond which more wind makes no faster fire.
+/// Selects the limit beyond which more wind does not speed up the fire.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum WindLimit {
     #[serde(rename = "none")]
@@ -100,7 +100,7 @@ pub enum LengthToWidth {
     #[default]
     #[serde(rename = "anderson-1983")]
     Anderson1983,
-    /// One, and a quarter more for each mile per hour.
+    /// One, plus a quarter for each mile per hour.
     #[serde(rename = "linear")]
     Linear,
 }

@@ -27,14 +27,14 @@ pub fn read_colours(path: &Path, most: u32) -> Result<Grid<[u8; 3]>, MapError> {
 fn colours(bytes: Vec<u8>, most: u32) -> Result<Grid<[u8; 3]>, Fault> {
     let damaged = |error: image::ImageError| Fault::Image { message: error.to_string() };
     if !bytes.starts_with(SIGNATURE) {
-        return Err(Fault::Image { message: "it is no PNG image".into() });
+        return Err(Fault::Image { message: "it is not a PNG image".into() });
     }
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MAX_PIXEL_BYTES);
     let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(damaged)?;
     let (cols, rows) = decoder.dimensions();
     if cols > most || rows > most || decoder.total_bytes() > MAX_PIXEL_BYTES {
-        let message = format!("it has {cols} x {rows} pixels; at most {most} along a side are expected");
+        let message = format!("it has {cols} x {rows} pixels; expected at most {most} along a side");
         return Err(Fault::Image { message });
     }
     let image = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgba8();

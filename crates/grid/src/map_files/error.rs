@@ -22,11 +22,11 @@ pub struct MapError {
 pub enum Fault {
     #[error("cannot be read: {0}")]
     Unreadable(#[from] io::Error),
-    #[error("this is a folder; a map file is expected")]
+    #[error("this is a folder; expected a map file")]
     Folder,
-    #[error("the file has {bytes} bytes; at most {MAX_BYTES} are expected")]
+    #[error("the file has {bytes} bytes; expected at most {MAX_BYTES}")]
     TooLarge { bytes: u64 },
-    #[error("the file is empty; a map is expected")]
+    #[error("the file is empty; expected a map")]
     Empty,
     #[error(
         "this is {found}; expected an image (PNG, JPEG, WebP, GIF, BMP, TIFF, PBM, PGM or PPM), rows of 0 and 1 or of . and #, \
@@ -38,8 +38,8 @@ pub enum Fault {
     )]
     Size { rows: usize, cols: usize },
     #[error(
-        "row {row}, column {col}: the map goes on; at most {MAX_SIDE} rows, {MAX_SIDE} columns and {MAX_CELLS} cells \
-         are expected"
+        "row {row}, column {col}: the map continues; expected at most {MAX_SIDE} rows, {MAX_SIDE} columns and \
+         {MAX_CELLS} cells"
     )]
     Beyond { row: usize, col: usize },
     #[error("row {row}, column {col}: found {found}, expected {expected}")]
@@ -50,15 +50,15 @@ pub enum Fault {
     Blank { row: usize },
     #[error("row {row}, column {col}: the file ends; its header declares a height of {rows} and a width of {cols}")]
     Ends { row: usize, col: usize, rows: usize, cols: usize },
-    #[error("row {rows}, column 0: the file goes on; its header declares a height of {rows}")]
+    #[error("row {rows}, column 0: the file continues; its header declares a height of {rows}")]
     GoesOn { rows: usize },
     #[error("line {line}: {message}")]
     Line { line: usize, message: String },
     #[error("the image is damaged: {message}")]
     Image { message: String },
-    #[error("this kind of {format} is not read: {reason}; convert it, e.g. to PNG")]
+    #[error("this kind of {format} is not supported: {reason}; convert it, e.g. to PNG")]
     Unread { format: &'static str, reason: String },
-    #[error("the file has more than {most} bytes; no file of this kind is expected to")]
+    #[error("the file has more than {most} bytes, the limit for files of this kind")]
     GoesBeyond { most: u64 },
     #[error("the pixels of the image take {bytes} bytes, expected at most {limit}; 8-bit grey takes the least")]
     ImageTooLarge { bytes: u64, limit: u64 },

@@ -82,7 +82,7 @@ impl MapFile {
                 let (tolerance, note) = match Histogram::from_grey(grey.values()).threshold() {
                     Some(tolerance) => (tolerance, format!("the tolerance is {tolerance}, by Otsu's method")),
                     None => {
-                        let note = "all pixels have one grey value, which no tolerance separates: it stays at 50";
+                        let note = "all pixels have the same grey value, so the tolerance stays at 50";
                         (50, note.to_owned())
                     }
                 };
@@ -120,7 +120,7 @@ impl MapFile {
             let percent = 100.0 * near;
             let advice = match (&by_auto, self.reading.tolerance) {
                 (Some(by_auto), _) => format!("; with {by_auto}"),
-                (None, Tolerance::Grey(_)) => "; --tolerance auto looks for one.".to_owned(),
+                (None, Tolerance::Grey(_)) => "; --tolerance auto picks one.".to_owned(),
                 (None, Tolerance::Auto) => ".".to_owned(),
             };
             doubts.push(format!(
@@ -135,9 +135,9 @@ impl MapFile {
         if occupied > MANY_OCCUPIED && !is_explained {
             let percent = 100.0 * occupied;
             let advice = if self.reading.inverted {
-                "what is light was taken for obstacles, as --invert asks."
+                "--invert took light pixels as obstacles."
             } else {
-                "the image may be inverted, obstacles are dark; --invert takes what is light for obstacles."
+                "the image may be inverted: dark pixels are obstacles; --invert takes light pixels instead."
             };
             doubts.push(format!("{percent:.1} % of the cells are occupied: {advice}"));
         }
@@ -290,10 +290,7 @@ mod tests {
         let negative = [(80, 0), (20, 255)];
         assert!(doubts(&negative, 50).contains("--invert takes what is light"));
         let inverted = doubts(&[(80, 255), (20, 0)], Reading { inverted: true, ..Reading::default() });
-        assert_eq!(
-            inverted,
-            "80.0 % of the cells are occupied: what is light was taken for obstacles, as --invert asks."
-        );
+        assert_eq!(inverted, "80.0 % of the cells are occupied: --invert took light pixels as obstacles.");
     }
 
     #[test]

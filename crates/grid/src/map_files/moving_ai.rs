@@ -27,7 +27,7 @@ pub(super) fn read(source: impl BufRead, bytes: u64) -> Result<(Grid<bool>, Opti
         cells.extend(line.iter().map(|byte| !matches!(byte, b'.' | b'G')));
         Ok(())
     })?;
-    let note = (wet_cells > 0).then(|| format!("swamp (S) and water (W) are taken as occupied (cells: {wet_cells})"));
+    let note = (wet_cells > 0).then(|| format!("swamp (S) and water (W) count as occupied (cells: {wet_cells})"));
     Ok((occupied, note))
 }
 
@@ -56,5 +56,5 @@ fn read_header<R: BufRead>(lines: &mut TextLines<R>) -> Result<(usize, usize), F
 }
 
 fn side(number: &str) -> Result<usize, String> {
-    number.parse().map_err(|_| format!("a size in whole cells is expected, found {number:?}"))
+    number.parse().map_err(|_| format!("expected a size in whole cells, found {number:?}"))
 }

@@ -16,7 +16,8 @@ pub(super) const SIGNATURE: &[u8] = b"\x93NUMPY";
 const MAX_HEADER: u32 = 1 << 16;
 
 /// Which of 0 and 255 are obstacles, only who made the array knows.
-const EXPECTED: &str = "0 (free) or 1 (occupied); `array == 0` or `array > 0` makes them so, whichever is an obstacle";
+const EXPECTED: &str = "0 (free) or 1 (occupied); `array == 0` or `array > 0` converts it, depending on which value \
+    is an obstacle";
 
 /// Reads an array from a file of at least `bytes` bytes.
 pub(super) fn read(mut source: impl BufRead, bytes: u64) -> Result<Grid<bool>, Fault> {

@@ -24,7 +24,7 @@ pub(super) const MAX_DECODED: u64 = MAX_CELLS as u64;
 pub(super) const MAX_FILE: u64 = MAX_DECODED + decoded::MAX_EXTRAS;
 
 /// What a note says of an animation or of a file of several pages.
-pub(super) const FIRST_OF_SEVERAL: &str = "the file holds several images, of which the first was read";
+pub(super) const FIRST_OF_SEVERAL: &str = "the file holds several images; the first was read";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PictureFormat {

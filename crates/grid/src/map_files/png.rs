@@ -38,7 +38,7 @@ pub(super) fn read_bytes(mut bytes: Vec<u8>, rest: impl Read) -> Result<Vec<u8>,
     let most = header.most_bytes();
     rest.take((most + 1).saturating_sub(bytes.len() as u64)).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
-        let message = format!("it goes on after {most} bytes, more than an image of its size has");
+        let message = format!("it continues after {most} bytes, more than an image of its size needs");
         return Err(Fault::Image { message });
     }
     Ok(bytes)

@@ -80,10 +80,10 @@ fn read_ros_map(map: &RosMap, folder: &Path, reading: Reading) -> Result<MapFile
     let GreyImage { grey, mut notes } = found.map_err(|found| MapError { path, fault: Fault::NoImage { found } })?;
     let (occupied, unknown) = map.occupied(&grey, reading.inverted);
     if unknown > 0 {
-        notes.push(format!("cells that are neither free nor occupied are taken as occupied (cells: {unknown})"));
+        notes.push(format!("cells that are neither free nor occupied count as occupied (cells: {unknown})"));
     }
     if map.place.origin[2] != 0.0 {
-        notes.push(format!("the map is not turned by the heading of its origin, {} radians", map.place.origin[2]));
+        notes.push(format!("the heading of the map's origin, {} radians, is ignored", map.place.origin[2]));
     }
     Ok(MapFile { place: Some(map.place), reading, notes, ..MapFile::from_cells(occupied) })
 }
@@ -132,12 +132,12 @@ fn read_file<R: BufRead + Seek>(mut source: R, bytes: u64) -> Result<Content, Fa
 fn read_carried(mut source: impl Read, length: usize, bytes: u64) -> Result<Content, Fault> {
     let end = carried::HEADER_BYTES + length;
     if end as u64 > bytes {
-        return Err(Fault::Image { message: "the file ends within the map that it carries".to_owned() });
+        return Err(Fault::Image { message: "the file ends within its embedded map".to_owned() });
     }
     let mut start = with_room(end)?;
     source.by_ref().take(end as u64).read_to_end(&mut start)?;
     let occupied = carried::read(&start[carried::HEADER_BYTES..])?;
-    Ok(Content::Cells(occupied, Some("the picture carries the map that it shows, which is read".to_owned())))
+    Ok(Content::Cells(occupied, Some("the picture embeds its map, which is read".to_owned())))
 }
 
 /// Reads an input that has no way back, a pipe, a device or stdin: its first bytes are kept, as they show the format,
@@ -223,12 +223,12 @@ enum SequentialFormat {
 
 /// The first bytes of files that people may take for maps.
 const FOREIGN: &[(&[u8], &str)] = &[
-    (b"RIFF", "a RIFF file that is no WebP image"),
+    (b"RIFF", "a RIFF file that is not a WebP image"),
     (b"%PDF", "a PDF document"),
     (b"P7\n", "a PAM image"),
     (b"<", "an SVG image or another XML document"),
     (b"{", "JSON text"),
-    (b"\x1F\x8B", "a file packed by gzip"),
+    (b"\x1F\x8B", "a gzip file"),
     (b"PK\x03\x04", "a ZIP archive"),
     (b"\xFF\xFE", "UTF-16 text"),
     (b"\xFE\xFF", "UTF-16 text"),
@@ -245,9 +245,9 @@ fn boxed_kind(start: &[u8]) -> Option<&'static str> {
     let brands = start.get(8..length.min(start.len())).unwrap_or_default();
     let has = |known: &[&[u8]]| brands.chunks_exact(4).any(|brand| known.contains(&brand));
     Some(if has(&[b"avif", b"avis"]) {
-        "an AVIF image, which a program for images can save as PNG"
+        "an AVIF image, which an image editor can save as PNG"
     } else if has(&[b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"msf1"]) {
-        "a HEIC image, which a program for images can save as PNG"
+        "a HEIC image, which an image editor can save as PNG"
     } else {
         "a film or another file of the MP4 family"
     })

@@ -130,7 +130,7 @@ impl<R: BufRead> TextLines<R> {
         }
         self.number += 1;
         if self.line.len() > LONGEST_LINE {
-            let message = format!("the line is longer than {LONGEST_LINE} bytes; no row of a map is");
+            let message = format!("the line is longer than {LONGEST_LINE} bytes, the limit for a row of a map");
             return Err(Fault::Line { line: self.number, message });
         }
         let start = if self.number == 1 { without_mark(&self.line) } else { &self.line };

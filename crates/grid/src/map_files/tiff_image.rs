@@ -36,7 +36,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<GreyImage, Fault> {
     let decoded = rows as u64 * samples.bytes_per_row(size.1) as u64;
     check_decoded(decoded, MAX_DECODED, bytes.len() as u64, size)?;
     if decoder.image_buffer_layout().map_err(damaged)?.planes > 1 {
-        return Err(unfit("its colours lie in planes of their own"));
+        return Err(unfit("its colours are in separate planes"));
     }
     let orientation = decoder.find_tag_unsigned::<u8>(Tag::Orientation).map_err(damaged)?;
     let orientation = orientation.and_then(Orientation::from_exif).unwrap_or(Orientation::NoTransforms);
@@ -63,19 +63,19 @@ fn shown_reason(reason: &TiffUnsupportedError) -> String {
             "its colours come from a palette".to_owned()
         }
         TiffUnsupportedError::UnsupportedCompressionMethod(CompressionMethod::JPEG | CompressionMethod::ModernJPEG) => {
-            "its pixels are packed as JPEG".to_owned()
+            "its pixels are compressed as JPEG".to_owned()
         }
-        TiffUnsupportedError::UnsupportedCompressionMethod(method) => format!("its pixels are packed as {method:?}"),
+        TiffUnsupportedError::UnsupportedCompressionMethod(method) => format!(
+            "its pixels are compressed as \
+            {method:?}"
+        ),
         TiffUnsupportedError::UnsupportedSampleFormat(_) => FLOAT_OR_SIGNED.to_owned(),
         reason => reason.to_string(),
     }
 }
 
 fn unfit(reason: &str) -> Fault {
-    Fault::Unread {
-        format: "TIFF",
-        reason: format!("{reason}, where grey or RGB of up to 16 bits a sample is expected"),
-    }
+    Fault::Unread { format: "TIFF", reason: format!("{reason}; expected grey or RGB of up to 16 bits per sample") }
 }
 
 /// The samples of a pixel and their bits.

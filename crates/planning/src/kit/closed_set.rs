@@ -120,7 +120,7 @@ pub fn check_bins(bin_m: f64, frame: &FieldFrame) -> Result<(), OutOfRange> {
     if bins < MAX_BINS_A_SIDE {
         return Ok(());
     }
-    let expected = format!("less than {MAX_BINS_A_SIDE} bins along a side of the field, which here has {bins:.0}");
+    let expected = format!("fewer than {MAX_BINS_A_SIDE} bins along a side of the field; it has {bins:.0}");
     Err(OutOfRange::new("bin_m", bin_m, expected))
 }
 

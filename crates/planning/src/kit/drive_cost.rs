@@ -12,14 +12,14 @@ use super::motion_price::MotionPrice;
 use wildfire_base::trajectory::SpeedLimits;
 use wildfire_base::vehicle::{Dimensions, Segment};
 
-/// What the drives of a truck cost: metres, or seconds.
+/// The cost of a truck's drives: metres or seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum DriveCost {
-    /// Their length, and for each cusp what the planner's `cusp_cost` says.
+    /// Length, plus the planner's `cusp_cost` for each cusp.
     #[default]
     Length,
-    /// The time that they take within the truck's limits of speed and acceleration.
+    /// Duration within the truck's limits of speed and acceleration.
     Time,
 }
 

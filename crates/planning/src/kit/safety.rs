@@ -65,7 +65,7 @@ pub enum SafetyMap {
     Cost,
 }
 
-/// The place at which the outer zone of the map `cost` begins to fall.
+/// The place where the outer zone of the map `cost` begins to fall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SafetyForm {

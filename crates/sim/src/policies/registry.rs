@@ -183,9 +183,7 @@ impl Policies {
     pub fn make(&self, site: &PolicySite<'_>) -> Result<Box<dyn Policy>, MakeError> {
         let name = site.name;
         let unknown = || {
-            MakeError::new(format!(
-                "`{name}` is not built in, was not handed in, and is no program that may be started"
-            ))
+            MakeError::new(format!("`{name}` is neither built in nor registered, nor a program that may be started"))
         };
         self.own.get(name).ok_or_else(unknown)?.make(site)
     }

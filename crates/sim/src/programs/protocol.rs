@@ -61,7 +61,7 @@ pub struct FieldMessage<'a> {
     /// The number of the truck that it plans for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub truck: Option<u16>,
-    /// For the program's own chance: below 2^53, and another one for each run.
+    /// Seed for the program's random numbers: below 2^53, different for each run.
     pub seed: u64,
     /// Cells from west to east.
     pub cols: u16,
@@ -115,9 +115,9 @@ pub struct LimitsMessage {
     pub acceleration: Option<f64>,
     /// Loss of speed.
     pub braking: Option<f64>,
-    /// Across the way, in turns.
+    /// Lateral acceleration in turns.
     pub lateral: Option<f64>,
-    /// How fast the front wheels turn. The truck stands where a path asks for more than they turn in 0.1 s.
+    /// Turning rate of the front wheels. The truck stops where a path needs more than they turn in 0.1 s.
     pub steering: Option<f64>,
 }
 
@@ -149,7 +149,7 @@ pub struct AskQuery<'a> {
     pub id: u64,
     /// Seconds since the start of the contest.
     pub t_s: f64,
-    /// The agents that are asked.
+    /// The agents that need a choice.
     pub agents: Vec<String>,
     /// Column and row of each cell that burns, bush or ground, and the seconds since it began.
     pub burning: &'a [(u16, u16, f64)],
@@ -174,7 +174,7 @@ pub struct AgentMessage {
     pub activity: String,
     /// Column and row of the bush that it goes for.
     pub goal: Option<[u16; 2]>,
-    /// Column and row of what it may choose, if it is asked.
+    /// Column and row of its options, if it needs a choice.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub options: Option<Vec<[u16; 2]>>,
 }
@@ -265,7 +265,7 @@ pub enum Reason {
     StartBlocked,
     /// No free pose is in the goal.
     GoalBlocked,
-    /// The planner's own budget is spent.
+    /// The planner's own budget is exhausted.
     BudgetSpent,
 }
 

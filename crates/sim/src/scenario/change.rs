@@ -97,7 +97,7 @@ impl Change {
             }
             (Value::Array(list), PathStep::Key(_)) => {
                 if list.is_empty() {
-                    return Err(format!("`{here}` is an empty list, there is nothing to change"));
+                    return Err(format!("`{here}` is an empty list; there is nothing to change"));
                 }
                 let all = [std::slice::from_ref(step), rest].concat();
                 for (index, inner) in list.iter_mut().enumerate() {
@@ -108,9 +108,9 @@ impl Change {
                 return Ok(());
             }
             (Value::Table(_), PathStep::Index(_)) => {
-                return Err(format!("`{here}` is a table, it has no numbered entries"));
+                return Err(format!("`{here}` is a table; it has no numbered entries"));
             }
-            (_, _) => return Err(format!("`{here}` is a plain value, it has no fields")),
+            (_, _) => return Err(format!("`{here}` is a plain value; it has no fields")),
         }
         here.0.pop();
         Ok(())

@@ -107,7 +107,7 @@ impl TablePath {
         let mut before_s = f64::NEG_INFINITY;
         for (number, at_s) in times_s.enumerate() {
             if at_s <= before_s {
-                let expected = format!("a time after {} s, that of the entry before", number_text(before_s));
+                let expected = format!("a time after {} s, the time of the previous entry", number_text(before_s));
                 return self.inner(name).item(number).refuse("at_s", number_text(at_s), expected);
             }
             before_s = at_s;

@@ -17,36 +17,36 @@ const SLOPE: &str = "fire.rothermel.slope";
 const ASPECT: &str = "fire.rothermel.aspect";
 const SLOPE_DEG: &str = "fire.rothermel.slope_deg";
 
-const STEEPNESS: &str = "each says how steep the ground is";
+const STEEPNESS: &str = "each sets the slope of the ground";
 
 /// Values of which a file gives one, and why; `*` stands for any number in a list. A change of one replaces the other.
 const EITHER: [(&[&str], &[&str], &str); 9] = [
-    (&["field.pieces"], &["field.coverage"], "each says how many bushes there are"),
-    (&["unimog.*.goal"], &["dispatch"], "each says where trucks go"),
-    (&[FUEL_MAP], &["landscape.image"], "each says what grows where"),
+    (&["field.pieces"], &["field.coverage"], "each sets the number of bushes"),
+    (&["unimog.*.goal"], &["dispatch"], "each chooses where trucks go"),
+    (&[FUEL_MAP], &["landscape.image"], "each sets what grows where"),
     (&[ELEVATION], &[SLOPE, ASPECT], STEEPNESS),
     (&[SLOPE_DEG], &[ELEVATION, SLOPE, ASPECT], STEEPNESS),
     (&["landscape.hills"], &[ELEVATION, SLOPE, ASPECT, SLOPE_DEG], STEEPNESS),
-    (&["wind"], &["wind_file"], "each says how the wind changes"),
+    (&["wind"], &["wind_file"], "each sets the changes of the wind"),
     (
         &["weather.samples"],
         &["weather.speed_sd_mps", "weather.toward_sd_deg", "weather.moisture_sd"],
-        "each says how uncertain the weather is",
+        "each sets the uncertainty of the weather",
     ),
-    (&["weather.samples"], &["weather.moisture"], "a row of it holds for the whole run"),
+    (&["weather.samples"], &["weather.moisture"], "one of its rows holds for the whole run"),
 ];
 
 /// Values that files beside them decide, and why. A change of a file replaces them; a change of them is refused, as it
 /// would lose a map.
 const DECIDED: [(&[&str], &[&str], &str); 5] = [
-    (&GENERATED_ONLY, &["field.map"], "a map says itself where the bushes are"),
-    (&["fire.rothermel.ground"], &[FUEL_MAP], "a map of fuels says itself what grows"),
-    (&["fire.rothermel.ground"], &["landscape.image"], "an image says itself what grows"),
+    (&GENERATED_ONLY, &["field.map"], "a map sets the bushes itself"),
+    (&["fire.rothermel.ground"], &[FUEL_MAP], "a fuel map sets the vegetation itself"),
+    (&["fire.rothermel.ground"], &["landscape.image"], "an image sets the vegetation itself"),
     (&["field.size_m"], &["landscape.image"], "an image has a pixel for each cell"),
     (
         &["field.size_m", "field.cell_m"],
         &[FUEL_MAP, ELEVATION, SLOPE],
-        "a raster says itself how large the field and its cells are",
+        "a raster sets the size of the field and its cells itself",
     ),
 ];
 
@@ -106,5 +106,5 @@ pub(super) fn first(written: &Value) -> Option<(FieldPath, Fault)> {
     }
     let is_given = |dotted: &str| FieldPath::parse(dotted).leads_to(written);
     let (one, other) = NEEDS.into_iter().find(|(one, other)| is_given(one) && !is_given(other))?;
-    Some((FieldPath::parse(one), Fault::Rule { message: format!("`{one}` needs `{other}` beside it") }))
+    Some((FieldPath::parse(one), Fault::Rule { message: format!("`{one}` also needs `{other}`") }))
 }

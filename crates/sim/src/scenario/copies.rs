@@ -338,7 +338,7 @@ mod tests {
         let loaded = LoadedScenario::open("smoke", &changes).expect("it loads");
         let text = explain(&loaded, super::super::MemoryLimit::default()).to_text();
         let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(words.contains("1 to 29: like 0, at places drawn from the stream `starts/unimog/0`."), "{words}");
+        assert!(words.contains("1 to 29: like 0, at random places from the stream `starts/unimog/0`."), "{words}");
         assert_eq!(words.matches("turning_radius_m=").count(), 1, "{words}");
         assert!(loaded.is_given("unimog.17.start.x_m") && !loaded.is_given("unimog.17.rescue"));
     }

@@ -17,10 +17,10 @@ const MAX_ROLLOUTS: f64 = 100_000.0;
 pub struct Dispatch {
     pub policy: DispatchPolicy,
     pub idle: IdleRule,
-    /// How many futures the policy `rollout` looks at in one decision.
+    /// Number of futures that the policy `rollout` simulates for one decision.
     pub rollouts: u32,
-    /// Simulated time that a decision of the team costs for each pair of a truck and a fire that it looks at, or for each
-    /// rollout; those that set out for something wait for it.
+    /// Simulated time that a team decision costs for each pair of truck and fire that it considers, or for each
+    /// rollout; trucks with a new goal wait for it.
     pub seconds_per_evaluation: f64,
 }
 
@@ -30,23 +30,23 @@ impl Default for Dispatch {
     }
 }
 
-/// Says which truck goes to which fire.
+/// Selects which truck goes to which fire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum DispatchPolicy {
-    /// Each truck to the nearest fire, one truck after the other in the order of their numbers.
+    /// Each truck to the nearest fire, in the order of truck numbers.
     Nearest,
-    /// The same with the fire that is nearest by drive, as the planner finds.
+    /// The same with the nearest fire by planned drive.
     NearestByDrive,
-    /// The nearest fire that can still be put out, the truck that is there first before all others.
+    /// The nearest fire that can still be extinguished, for the truck that gets there first.
     NearestSavable,
-    /// The assignment of free trucks to fires with the least cost in all.
+    /// The assignment of free trucks to fires with the lowest total cost.
     Hungarian,
     /// The fire that threatens the most bushes first.
     ThreatFirst,
-    /// Routes with deadlines: each fire goes to the truck whose route it fits best, anew at each event.
+    /// Routes with deadlines: each fire goes to the truck whose route it fits best, recomputed at each event.
     Auction,
-    /// What the futures of several assignments come to, of which the best is taken.
+    /// The best of several assignments, by their simulated futures.
     Rollout,
 }
 
@@ -82,7 +82,7 @@ impl fmt::Display for DispatchPolicy {
     }
 }
 
-/// Says where trucks wait that have no fire to go for.
+/// Selects where trucks without a goal wait.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum IdleRule {
@@ -131,7 +131,7 @@ ranges! { Dispatch { rollouts: 1.0..=MAX_ROLLOUTS, seconds_per_evaluation: 0.0..
 #[serde(deny_unknown_fields, default)]
 pub struct Sight {
     pub field: SightOfField,
-    /// How far a truck sees from the middle of its body; only for `field = "radius"`.
+    /// Sight radius from the middle of a truck's body; only for `field = "radius"`.
     pub radius_m: f64,
     /// True if trucks see the Wumpuses, as far as they see the field; following an arsonist ends the contest.
     pub wumpuses: bool,
@@ -147,11 +147,11 @@ impl Default for Sight {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SightOfField {
-    /// What burns, and which bushes are intact.
+    /// All fires and all intact bushes.
     Everything,
-    /// What burns; of a bush that does not burn they know from the map that it is there, not what became of it.
+    /// All fires; bushes that do not burn are known from the map, but not their state.
     Burning,
-    /// What is within `radius_m` of any of them; of the rest they have the map.
+    /// Everything within `radius_m` of a truck; the rest only from the map.
     Radius,
 }
 
@@ -162,35 +162,37 @@ pub(super) fn warn_of_team(scenario: &Scenario, found: &mut Vec<String>) {
     let Some(dispatch) = &scenario.dispatch else {
         if scenario.sight.is_some() {
             found.push(
-                "The table `sight` does nothing: without `dispatch` trucks follow their own goals, which know all that \
-                 burns."
+                "The table `sight` has no effect: without `dispatch` trucks follow their own goals and know all fires."
                     .into(),
             );
         }
         return;
     };
     if scenario.unimog.is_empty() {
-        found.push("The table `dispatch` does nothing: there are no trucks.".into());
+        found.push("The table `dispatch` has no effect: there are no trucks.".into());
     }
     if dispatch.policy != DispatchPolicy::Rollout && dispatch.rollouts != Dispatch::default().rollouts {
-        found.push(format!("`dispatch.rollouts` does nothing: the policy `{}` has none.", dispatch.policy));
+        found.push(format!(
+            "`dispatch.rollouts` has no effect: the policy `{}` does not use rollouts.",
+            dispatch.policy
+        ));
     }
     let keeps = dispatch.policy != DispatchPolicy::Nearest;
     if keeps && scenario.unimog.iter().any(|truck| truck.retarget != super::Retarget::Never) {
         found.push(format!(
-            "`unimog.retarget` does nothing: the policy `{}` says itself when trucks change their goals.",
+            "`unimog.retarget` has no effect: the policy `{}` decides when trucks change their goals.",
             dispatch.policy
         ));
     }
     if dispatch.idle == IdleRule::Regions && scenario.unimog.len() == 1 {
-        found.push("`dispatch.idle` \"regions\" is \"stay\" for one truck: the whole field is its region.".into());
+        found.push("`dispatch.idle` \"regions\" equals \"stay\" for one truck: the whole field is its region.".into());
     }
     let Some(sight) = &scenario.sight else { return };
     if sight.field != SightOfField::Radius && sight.radius_m != Sight::default().radius_m {
-        found.push("`sight.radius_m` does nothing: only `sight.field` \"radius\" asks for it.".into());
+        found.push("`sight.radius_m` has no effect: only `sight.field` \"radius\" uses it.".into());
     }
     if sight.wumpuses && scenario.wumpus.is_empty() {
-        found.push("`sight.wumpuses` does nothing: there is no Wumpus.".into());
+        found.push("`sight.wumpuses` has no effect: there is no Wumpus.".into());
     }
 }
 
@@ -209,15 +211,15 @@ mod tests {
     #[test]
     fn values_that_do_nothing_are_warned_of() {
         for (changes, words) in [
-            (&["sight.wumpuses=true"][..], "The table `sight` does nothing"),
-            (&["dispatch.policy=auction", "dispatch.rollouts=7"], "`dispatch.rollouts` does nothing"),
-            (&["dispatch.policy=auction", "unimog.retarget=on-event"], "`unimog.retarget` does nothing"),
-            (&["dispatch.policy=auction", "sight.radius_m=7"], "`sight.radius_m` does nothing"),
+            (&["sight.wumpuses=true"][..], "The table `sight` has no effect"),
+            (&["dispatch.policy=auction", "dispatch.rollouts=7"], "`dispatch.rollouts` has no effect"),
+            (&["dispatch.policy=auction", "unimog.retarget=on-event"], "`unimog.retarget` has no effect"),
+            (&["dispatch.policy=auction", "sight.radius_m=7"], "`sight.radius_m` has no effect"),
         ] {
             let text = explained(changes);
             assert!(text.contains(words), "`{words}` is not in {text}");
         }
-        assert!(!explained(&["dispatch.policy=auction", "dispatch.idle=centroids"]).contains("does nothing"));
+        assert!(!explained(&["dispatch.policy=auction", "dispatch.idle=centroids"]).contains("has no effect"));
     }
 
     #[test]

@@ -28,7 +28,7 @@ pub struct ScenarioError {
 /// A fault of a scenario, without its location.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Fault {
-    #[error("there is no file and no built-in scenario `{name}`")]
+    #[error("there is neither a file nor a built-in scenario `{name}`")]
     NotFound { name: String, nearest: Option<String> },
     #[error("`{path}` cannot be read: {reason}")]
     Unreadable { path: String, kind: ErrorKind, reason: String },
@@ -40,7 +40,7 @@ pub enum Fault {
     UnknownField { name: String, table: String, known: Vec<String>, nearest: Option<String> },
     #[error("missing field `{name}`{}", in_table(.table))]
     MissingField { name: String, table: String },
-    #[error("`{field}` cannot be `{found}`: one of {} is expected", listed(.known))]
+    #[error("`{field}` cannot be `{found}`; expected one of {}", listed(.known))]
     UnknownWord { field: String, found: String, known: Vec<String>, nearest: Option<String> },
     #[error("`{field}` is `{found}`, and no {kind} of this name is known")]
     UnknownName { kind: &'static str, field: String, found: String, known: Vec<String>, nearest: Option<String> },
@@ -48,7 +48,7 @@ pub enum Fault {
     Value { field: String, found: String, expected: String },
     #[error("{message}")]
     Rule { message: String },
-    #[error("`{one}` cannot go with `{other}`: {reason}")]
+    #[error("`{one}` cannot be combined with `{other}`: {reason}")]
     Conflict { one: String, other: String, reason: &'static str },
     #[error("a change is written path=value, as in unimog.prm.samples=1000")]
     NoChange,
@@ -61,23 +61,23 @@ pub enum Fault {
 /// A fault of a map.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum MapFault {
-    #[error("the map is empty: a line of `.` and `#` for each row of cells is expected")]
+    #[error("the map is empty; expected a line of `.` and `#` for each row of cells")]
     Empty,
-    #[error("`{found}` is no cell: `.` or `0` for a free cell, `#` or `1` for a bush are expected")]
+    #[error("`{found}` is not a cell; expected `.` or `0` for a free cell, `#` or `1` for a bush")]
     UnknownCharacter { found: char },
-    #[error("this row has {found} cells, {expected} like the first row are expected")]
+    #[error("this row has {found} cells; expected {expected} as in the first row")]
     Ragged { found: usize, expected: usize },
-    #[error("the map has more than {most} cells along a side, at most {most} are expected")]
+    #[error("the map has more than {most} cells along a side; expected at most {most}")]
     TooLarge { most: u16 },
     #[error("{message}")]
     Json { message: String },
-    #[error("the map must say how many cells it has: `n`, or `size_m` as a whole number of cells, is expected")]
+    #[error("the map does not give its number of cells; expected `n`, or `size_m` as a whole number of cells")]
     NoSize,
-    #[error("a cell of {found} m is no cell: a size above 0 m is expected")]
+    #[error("a cell of {found} m is impossible; expected a size above 0 m")]
     CellSize { found: f64 },
-    #[error("this GeoJSON has no polygon; a Polygon or a MultiPolygon is expected, whose inside is bushes")]
+    #[error("this GeoJSON has no polygon; expected a Polygon or a MultiPolygon, whose inside becomes bushes")]
     NoPolygon,
-    #[error("a point of the polygons has coordinates that are no degrees, and the file names no other system")]
+    #[error("a point of the polygons has coordinates that are not degrees, and the file names no other system")]
     Coordinate,
     #[error(
         "the polygons extend over {} x {} m, more than {most} cells of {cell_m} m along a side; larger cells are \
@@ -134,7 +134,7 @@ impl Fault {
         match self {
             Self::NotFound { nearest, .. } => {
                 let names: Vec<_> = BUILT_IN.iter().map(|(name, _)| *name).collect();
-                Some(format!("{}built in are {}", did_you_mean(nearest.as_deref()), names.join(", ")))
+                Some(format!("{}the built-in scenarios are {}", did_you_mean(nearest.as_deref()), names.join(", ")))
             }
             Self::Unreadable { path, kind: ErrorKind::NotFound, .. }
                 if BUILT_IN.iter().any(|(name, _)| name == path) =>
@@ -142,11 +142,11 @@ impl Fault {
                 Some(format!("a scenario of this name is built in: `--scenario {path}`"))
             }
             Self::UnknownField { nearest, known, .. } if !known.is_empty() => {
-                Some(format!("{}known here are {}", did_you_mean(nearest.as_deref()), known.join(", ")))
+                Some(format!("{}expected one of {}", did_you_mean(nearest.as_deref()), known.join(", ")))
             }
             Self::UnknownWord { nearest: Some(nearest), .. } => Some(format!("did you mean `{nearest}`?")),
             Self::UnknownName { kind, nearest, known, .. } => Some(format!(
-                "{}known are {}; a table [{kind}.NAME] makes another one known, as does --command NAME='PROGRAM ...'",
+                "{}expected one of {}; register another one with a table [{kind}.NAME] or --command NAME='PROGRAM ...'",
                 did_you_mean(nearest.as_deref()),
                 known.join(", ")
             )),
@@ -294,6 +294,6 @@ mod tests {
     #[test]
     fn what_a_fault_quotes_cannot_act_on_a_terminal() {
         let error = Fault::NotFound { name: "\u{1b}[31m\u{2066}".into(), nearest: None }.nowhere();
-        assert_eq!(error.to_string(), "there is no file and no built-in scenario `\\u001b[31m\\u2066`");
+        assert_eq!(error.to_string(), "there is neither a file nor a built-in scenario `\\u001b[31m\\u2066`");
     }
 }

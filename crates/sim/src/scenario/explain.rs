@@ -51,8 +51,8 @@ pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> Document {
     let left = values.all.iter().filter(|value| value.is_default).count();
     let given = values.all.len() - left;
     let counts = match left {
-        0 => format!("All {given} values are given."),
-        _ => format!("{given} values are given, {left} are left to their defaults, which are marked by {DEFAULT}."),
+        0 => format!("All {given} values are set."),
+        _ => format!("{given} values are set, {left} have their defaults, marked by {DEFAULT}."),
     };
     add("Values", vec![counts]);
     let terrain = Terrain::from_scenario(scenario, SHOWN_SEED);
@@ -70,7 +70,7 @@ pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> Document {
             document = document.with(section("Fire on level ground in the first weather", fires));
         }
     }
-    document = document.with([Block::Heading("Memory of a run, at most".into())]).with(list_memory(scenario, limit));
+    document = document.with([Block::Heading("Maximum memory of a run".into())]).with(list_memory(scenario, limit));
     let warnings = warnings(scenario, terrain.as_ref().ok());
     if !warnings.is_empty() {
         document = document.with(section("Warnings", warnings));
@@ -178,8 +178,8 @@ fn describe_agents(agents: &dyn AgentList, loaded: &LoadedScenario, values: &Val
         let last = (number + 1..agents.len()).take_while(|&other| copies.is_copy(kind, other)).last();
         if let (Some(last), Some(entry)) = (last, copies.entry(kind, number)) {
             let numbers = if last == number + 1 { last.to_string() } else { format!("{} to {last}", number + 1) };
-            let places = if last == number + 1 { "a place" } else { "places" };
-            let stream = format!("drawn from the stream `starts/{kind}/{entry}`.");
+            let places = if last == number + 1 { "a random place" } else { "random places" };
+            let stream = format!("from the stream `starts/{kind}/{entry}`.");
             add(&numbers, [Vec::new(), vec![&format!("like {number}, at {places} {stream}")]]);
         }
     }
@@ -208,18 +208,18 @@ fn describe_terrain(scenario: &Scenario, terrain: &Terrain) -> Vec<Block> {
 /// Lists the memory that a run needs, part by part, what can be added as it goes on, and whether the limit allows it.
 fn list_memory(scenario: &Scenario, limit: MemoryLimit) -> Vec<Block> {
     let estimate = MemoryEstimate::new(scenario);
-    let needed = MemoryPart { name: format!("in all, of {limit} that a run may take"), bytes: estimate.needed() };
+    let needed = MemoryPart { name: format!("in total; the limit of a run is {limit}"), bytes: estimate.needed() };
     // A part that is tiny beside the others is not worth a line.
     let parts = estimate.parts.iter().filter(|part| part.bytes >= estimate.needed() / 100);
     let term = |part: &MemoryPart| (format!("{:>8}", bytes_text(part.bytes)), part.name.clone());
     let terms = Block::Terms(parts.chain([&needed]).map(term).collect());
     let sentence = if estimate.meter(limit).is_err() {
-        "No run takes place: that is more than the limit, and --memory sets another."
+        "No run can start: that is more than the limit; --memory sets another."
     } else if estimate.has_trucks {
-        "Searches, floods, curves and the timeline come on top of it; they are counted as they grow, and a run that comes \
-         to the limit fails."
+        "Searches, floods, curves and the timeline need more; they are counted as they grow, and a run that reaches \
+         the limit fails."
     } else {
-        "What the timeline holds comes on top of it; that is counted as it grows, and a run that comes to the limit fails."
+        "The timeline needs more; it is counted as it grows, and a run that reaches the limit fails."
     };
     vec![terms, Block::Text(sentence.to_owned())]
 }
@@ -261,7 +261,7 @@ fn draw_sketch(terrain: &Terrain, scenario: &Scenario) -> String {
     let lines = rows.iter().rev().map(|row| format!("{INDENT}{}\n", row.iter().collect::<String>()));
     let scale = match cells_a_character {
         1 => String::new(),
-        n => format!("{INDENT}A character stands for {n} x {n} cells.\n"),
+        n => format!("{INDENT}Each character is {n} x {n} cells.\n"),
     };
     lines.collect::<String>() + &scale
 }
@@ -323,7 +323,7 @@ mod tests {
     fn values_are_listed_with_what_their_words_mean_and_defaults_are_marked() {
         let rules = ["spread_delay_s=9.0,", "spread_from=\"lit\": Only what a Wumpus", "62 tetrominoes."];
         assert_explained("original-2024", &[], &rules, &[]);
-        assert_explained("contest", &[], &["All 121 values are given. Field of seed"], &["*,"]);
+        assert_explained("contest", &[], &["All 121 values are set. Field of seed"], &["*,"]);
         let left = ["dwell_s=5.0*", "prm_rs.max_edge_m=40.0*", "prm_rs.neighbours=7,"];
         assert_explained("smoke", &["unimog.prm_rs.neighbours=7"], &left, &["prm_rs.neighbours=7*"]);
     }
@@ -331,7 +331,7 @@ mod tests {
     #[test]
     fn settings_of_other_planners_are_left_out() {
         let walks = ["wumpus.planner=potential", "wumpus.potential.escape=none"];
-        let expected = ["potential.escape=\"none\": It gives the goal up there.", "prm.samples=500"];
+        let expected = ["potential.escape=\"none\": It gives up the goal.", "prm.samples=500"];
         assert_explained("report-2024", &walks, &expected, &["heuristic=", "prm_rs"]);
         let unused = ["potential", "prm.samples", "lattice.", "safety"];
         assert_explained("contest", &[], &["prm_rs.samples=200", "heuristic=\"octile\": Length of"], &unused);

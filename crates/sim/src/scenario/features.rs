@@ -60,9 +60,9 @@ pub struct Hill {
 #[serde(deny_unknown_fields, default)]
 pub struct River {
     pub width_m: f64,
-    /// How far it swings to either side.
+    /// Amplitude of its bends to either side.
     pub swing_m: f64,
-    /// The share of the field that lies west (south) of it where it does not swing.
+    /// The share of the field west (south) of its centre line.
     pub at: f64,
     pub runs: Runs,
     /// Bridges straight across it, at equal distances along it.

@@ -32,9 +32,9 @@ pub struct Field {
     pub cell_m: f64,
     /// Share of the cells under bushes, reached from below in whole pieces. With a map, the map's own share.
     pub coverage: f64,
-    /// Exactly this many pieces instead of `coverage`.
+    /// Number of pieces, instead of `coverage`.
     pub pieces: Option<u32>,
-    /// The shapes that pieces are drawn from.
+    /// The shapes of pieces, chosen at random.
     pub shapes: Vec<Shape>,
     pub overlaps: Overlaps,
     /// No bush within this distance of an agent's body centre at its start.
@@ -45,7 +45,7 @@ pub struct Field {
     /// The grey value up to which pixels of a map that is an image are bushes: 50 if it is left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_tolerance: Option<MapTolerance>,
-    /// Take an image as its negative, and the free cells of other maps for bushes.
+    /// Invert the map: use an image's negative, or swap free cells and bushes.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub map_invert: bool,
     /// The content of the file at `map`. Loading fills it in, so that a resolved scenario is complete without the file.
@@ -138,13 +138,13 @@ impl Visitor<'_> for MapToleranceVisitor {
     }
 }
 
-/// Says what happens where a new piece would cover an old one.
+/// Selects what happens where a new piece would cover an old one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Overlaps {
-    /// Pieces are drawn from the placements that touch no earlier piece's cells.
+    /// Pieces are placed at random where they cover no earlier piece.
     Never,
-    /// Pieces fall anywhere; cells that are covered already count once.
+    /// Pieces are placed anywhere; covered cells count once.
     Dropped,
 }
 
@@ -216,7 +216,7 @@ impl Field {
             frame.cell_m
         );
         if self.map.is_some() {
-            return format!("{size} The bushes are those of the map, the same for every seed.");
+            return format!("{size} The bushes come from the map, the same for every seed.");
         }
         format!("{size} {} tetrominoes.", self.wanted_pieces())
     }

@@ -24,23 +24,23 @@ const PIECE_CELLS: f64 = 64.0;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Fire {
-    /// The rule by which fire goes on. What follows here is for `radius`, except that `burn_out_s` and `relight` hold for
-    /// all: under `rothermel` a cell flames for `burn_out_s`, or for the residence time of its fuel if that is longer.
+    /// The spread model. The other values are for `radius`, except that `burn_out_s` and `relight` apply to all models:
+    /// under `rothermel` a cell flames for `burn_out_s`, or for the residence time of its fuel if that is longer.
     pub model: FireModelName,
     pub spread_delay_s: f64,
-    /// Between cell centres, inclusive.
+    /// Distance between cell centres, inclusive.
     pub spread_radius_m: f64,
     pub spread_from: SpreadFrom,
-    /// From ignition to burned out; `"none"`: it burns for ever.
+    /// Time from ignition to burned out; `"none"`: it burns forever.
     #[serde(with = "or_none")]
     #[schemars(with = "or_none::NumberOrNone")]
     pub burn_out_s: Option<f64>,
-    /// Lets extinguished cells burn again.
+    /// Whether extinguished cells can burn again.
     pub relight: bool,
-    /// What the model `rothermel` needs.
+    /// Settings of the model `rothermel`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rothermel: Option<RothermelSettings>,
-    /// What the model `alexandridis` needs besides ground and slope, which are those of `rothermel`.
+    /// Settings of the model `alexandridis`; ground and slope are those of `rothermel`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alexandridis: Option<AlexandridisSettings>,
     /// Embers of the model `rothermel`; without this table there are none.
@@ -52,7 +52,7 @@ pub struct Fire {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum FireModelName {
-    /// Bushes set on fire what is within a radius, after a delay.
+    /// Bushes ignite other bushes within a radius, after a delay.
     #[default]
     Radius,
     /// Fronts by Rothermel's equations, through bushes and ground.
@@ -77,12 +77,12 @@ impl Default for Fire {
     }
 }
 
-/// Selects the burning cells that set others on fire.
+/// Selects the burning cells that spread fire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SpreadFrom {
     All,
-    /// Only what a Wumpus or an `[[ignition]]` lit.
+    /// Only cells lit by a Wumpus or an `[[ignition]]`.
     Lit,
     None,
 }
@@ -185,7 +185,7 @@ impl Fire {
     /// Adds warnings about rules by which no fire spreads.
     pub(super) fn warn(&self, frame: &FieldFrame, found: &mut Vec<String>) {
         if self.embers.is_some() && self.model != FireModelName::Rothermel {
-            found.push("No ember flies: `[fire.embers]` is for the model `rothermel`.".to_owned());
+            found.push("`[fire.embers]` has no effect: only the model `rothermel` has embers.".to_owned());
         }
         if self.model != FireModelName::Radius {
             return;

@@ -36,8 +36,8 @@ impl FuelImage {
                     let [red, green, blue] = colour;
                     let known = legend.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
                     return Err(format!(
-                        "{name}: row {row}, column {col}: found the colour #{red:02x}{green:02x}{blue:02x}, expected one \
-                         of the legend: {known}"
+                        "{name}: row {row}, column {col}: found the colour #{red:02x}{green:02x}{blue:02x}, expected \
+                         a colour of the legend: {known}"
                     ));
                 };
                 fuel.push(number);

@@ -79,7 +79,7 @@ impl GivenField {
         let field = geojson::parse(text, cell_m, MAX_CELLS_A_SIDE)
             .map_err(|error| json_fault(text, &error, FieldPath::default()))?;
         let (frame, occupied, left_out) = field.map_err(|fault| fault.at(0..0))?;
-        let doubt = || format!("Left out {} of the GeoJSON file: only polygons become bushes.", objects(left_out));
+        let doubt = || format!("Ignored {} of the GeoJSON file: only polygons become bushes.", objects(left_out));
         Ok(Self { frame, occupied, doubts: (left_out > 0).then(doubt).into_iter().collect() })
     }
 

@@ -87,9 +87,9 @@ goals! {
     /// Chooses the burning cell that a truck goes for. Distances run from its body's centre to the cell's; ties go to the
     /// lower cell index.
     TruckGoal;
-    /// The fire that is nearest in a straight line.
+    /// The nearest fire in a straight line.
     NearestBurning, "nearest-burning";
-    /// The fire that is nearest by drive, as the planner finds.
+    /// The nearest fire by planned drive.
     NearestByDrive, "nearest-by-drive";
     /// The fire that has burned longest.
     Oldest, "oldest";
@@ -100,14 +100,14 @@ goals! {
 goals! {
     /// Chooses the intact cell that a Wumpus goes for.
     WumpusGoal;
-    /// A random one.
+    /// A random intact cell.
     RandomIntact, "random-intact";
-    /// The nearest one.
+    /// The nearest intact cell.
     NearestIntact, "nearest-intact";
-    /// The one that is farthest from all trucks.
+    /// The intact cell farthest from all trucks.
     FarthestFromTruck, "farthest-from-truck";
-    /// The cell with most to burn in reach of its fire, per metre of way.
+    /// The cell with the most fuel within reach of its fire, per metre of path.
     Densest, "densest";
-    /// The same, kept apart from other Wumpuses, their goals and trucks.
+    /// The same, but away from other Wumpuses, their goals and trucks.
     DensestApart, "densest-apart";
 }

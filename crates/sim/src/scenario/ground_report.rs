@@ -64,7 +64,7 @@ pub fn describe_ground(scenario: &Scenario, terrain: &Terrain) -> Vec<String> {
     if empty > 0 {
         listed.push(format!("nothing {} %", percent(empty as f64 / cells)));
     }
-    let mut lines = vec![format!("Fuels by their share: {}.", listed.join(", ")), describe_relief(landscape)];
+    let mut lines = vec![format!("Fuels by share: {}.", listed.join(", ")), describe_relief(landscape)];
     let blocked = terrain.blocked.len();
     if blocked > 0 {
         let usual = LandscapeSettings::default();
@@ -72,7 +72,7 @@ pub fn describe_ground(scenario: &Scenario, terrain: &Terrain) -> Vec<String> {
         let codes: Vec<String> = blocks.iter().map(ToString::to_string).collect();
         let share = percent(blocked as f64 / cells);
         lines.push(format!(
-            "{blocked} cells, {share} %, hold {}: trucks and Wumpuses cannot cross them.",
+            "{blocked} cells, {share} %, contain {}: trucks and Wumpuses cannot cross them.",
             codes.join(" or ")
         ));
     }
@@ -122,7 +122,7 @@ pub fn describe_weather(scenario: &Scenario) -> Vec<String> {
         .map(|change| format!("From {} s: {}.", change.at_s, describe_wind(change.speed_mps, change.toward_deg)))
         .collect();
     if scenario.wind.len() > SHOWN_CHANGES {
-        lines.push(format!("{} more changes of the wind follow.", scenario.wind.len() - SHOWN_CHANGES));
+        lines.push(format!("and {} more changes of the wind.", scenario.wind.len() - SHOWN_CHANGES));
     }
     if scenario.wind.first().is_none_or(|change| change.at_s > 0.0) {
         lines.insert(0, "From 0 s: calm.".into());
@@ -138,13 +138,13 @@ pub fn describe_weather(scenario: &Scenario) -> Vec<String> {
     }
     if !settings.rows.is_empty() {
         lines.push(format!(
-            "Each run draws one of {} rows of weather instead, the same for a seed.",
+            "Instead, each run picks one of {} rows of weather at random, the same for a seed.",
             settings.rows.len()
         ));
     } else if settings.is_uncertain() {
         lines.push(format!(
-            "Each run draws its own, the same for a seed: speeds with a deviation of {} m/s, directions of {} deg, dead \
-             moistures of {} %.",
+            "Each run varies them at random, the same for a seed; standard deviations: speed {} m/s, direction {} \
+             deg, dead moisture {} %.",
             settings.speed_sd_mps,
             settings.toward_sd_deg,
             percent(settings.moisture_sd)
@@ -183,11 +183,11 @@ pub fn describe_fires(scenario: &Scenario, terrain: &Terrain, weather: &Weather)
     let line = |share: FuelShare| {
         let fire = fire_of(share.model, weather, 0, &options);
         if fire.rate_mps == 0.0 {
-            return format!("{}: does not burn, it is too moist.", share.model.code);
+            return format!("{}: too moist to burn.", share.model.code);
         }
         let intensity = fire.intensity_kw_m(fire.rate_mps);
         format!(
-            "{}: its head goes {} m/min with flames of {} m ({intensity:.0} kW/m), its back {} m/min.",
+            "{}: the head spreads at {} m/min with flames of {} m ({intensity:.0} kW/m), the back at {} m/min.",
             share.model.code,
             digits(60.0 * fire.rate_mps),
             digits(wildfire_fire::surface::flame_length_m(intensity)),
@@ -216,19 +216,17 @@ pub fn warn_of_ground(scenario: &Scenario, terrain: &Terrain, weather: &Weather,
     let burning = landscape.fuel.iter().filter(|&&number| FuelModel::by_number(number).is_some_and(FuelModel::burns));
     let between = burning.count().saturating_sub(terrain.bushes.len());
     if between == 0 {
-        found.push("Nothing burns between the bushes: fire spreads among those that touch each other only.".into());
+        found.push("Nothing burns between the bushes: fire spreads only among bushes that touch.".into());
     }
     let Some(features) = &scenario.landscape else { return };
     let cell_m = landscape.frame.cell_m;
     let narrow_roads = features.roads.iter().filter(|road| road.width_m < cell_m).count();
     if narrow_roads > 0 {
         let roads = if narrow_roads == 1 { "A road is".to_owned() } else { format!("{narrow_roads} roads are") };
-        found.push(format!(
-            "{roads} narrower than a cell of {cell_m} m, and drawn a cell wide: less cannot be expressed."
-        ));
+        found.push(format!("{roads} narrower than a cell of {cell_m} m, and drawn one cell wide, the least possible."));
     }
     if features.river.as_ref().is_some_and(|river| river.width_m < cell_m) {
-        found.push(format!("The river is narrower than a cell of {cell_m} m, and drawn a cell wide."));
+        found.push(format!("The river is narrower than a cell of {cell_m} m, and drawn one cell wide."));
     }
 }
 
@@ -242,7 +240,8 @@ fn warn_of_moisture(landscape: &Landscape, weather: &Weather, options: &SurfaceO
             let since = intervals[at].from.as_seconds();
             let code = share.model.code;
             found.push(format!(
-                "{code} does not burn from {since} s on: its moisture is above that of extinction, and fire in it goes out."
+                "{code} does not burn from {since} s on: its moisture exceeds the moisture of extinction, and fire in \
+                 it goes out."
             ));
         }
     }

@@ -26,13 +26,13 @@ use wildfire_grid::Grid;
 /// The most colours of a legend.
 const MAX_COLOURS: usize = 256;
 
-/// A landscape that is drawn or generated, and what blocks the way.
+/// A drawn or generated landscape, and the fuels that block agents.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LandscapeSettings {
     /// Fuels whose cells trucks and Wumpuses cannot cross.
     pub blocks: Vec<FuelName>,
-    /// A PNG image with a pixel for each cell, whose colours are fuels: a landscape drawn by hand.
+    /// A PNG image with one pixel per cell, whose colours are fuels: a hand-drawn landscape.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub image: Option<PathBuf>,
     /// The fuel of each colour of the image, `"#RRGGBB"`.
@@ -245,9 +245,9 @@ mod tests {
             ("fuel_map = \"nowhere.asc\"", "nowhere.asc: cannot be read"),
             (
                 "fuel_map = \"fuel.asc\"\nground = \"GR2\"",
-                "`fire.rothermel.ground` cannot go with `fire.rothermel.fuel_map`",
+                "`fire.rothermel.ground` cannot be combined with `fire.rothermel.fuel_map`",
             ),
-            ("fuel_map = \"fuel.asc\"\n[field]\nsize_m = 250", "`field.size_m` cannot go with"),
+            ("fuel_map = \"fuel.asc\"\n[field]\nsize_m = 250", "`field.size_m` cannot be combined with"),
             ("slope = \"hole.asc\"", "`fire.rothermel.slope` needs `fire.rothermel.aspect`"),
             ("[landscape]\ngiven = 1", "unknown field `given`"),
             ("[landscape]\nblocks = [\"none\"]", "`landscape.blocks.0` is \"none\"; expected the code"),
@@ -283,7 +283,7 @@ mod tests {
         draw(&[green, green, green, [255, 0, 1]]);
         let found = loaded(folder.path(), &text).expect_err("a colour is unknown");
         assert!(
-            found.contains("row 1, column 1: found the colour #ff0001, expected one of the legend: #0000FF"),
+            found.contains("row 1, column 1: found the colour #ff0001, expected a colour of the legend: #0000FF"),
             "{found}"
         );
     }

@@ -142,13 +142,12 @@ struct PerCell {
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum MemoryExceeded {
     #[error(
-        "it would take up to {} of memory, {} of that for {}; the limit is {limit}, and --memory sets another",
+        "it would use up to {} of memory, {} of that for {}; the limit is {limit}, and --memory sets another",
         bytes_text(*.needed), bytes_text(.largest.bytes), .largest.name
     )]
     Needed { needed: u64, largest: MemoryPart, limit: MemoryLimit },
     #[error(
-        "it came to the limit of memory, {limit}: beside {} that it needs in any case, {} are held for {kind}; --memory sets \
-         another limit",
+        "it reached the memory limit, {limit}: {} for its fixed parts, {} for {kind}; --memory sets another limit",
         bytes_text(*.needed), bytes_text(*.bytes)
     )]
     Grown { needed: u64, kind: Growing, bytes: u64, limit: MemoryLimit },
@@ -192,7 +191,7 @@ impl MemoryEstimate {
             counted += of_kind.counted;
             has_trucks |= of_kind.searches;
         }
-        parts.push(MemoryPart::new("what is only needed while the field is made", laying));
+        parts.push(MemoryPart::new("temporary data while the field is generated", laying));
         parts.retain(|part| part.bytes > 0);
         Self { parts, counted, has_trucks }
     }

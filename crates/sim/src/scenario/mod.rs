@@ -121,8 +121,8 @@ pub fn schema() -> schemars::Schema {
     // Files may say how many agents an entry is; once they are loaded each agent has an entry.
     for (kind, agent) in [("Wumpus", "Wumpuses"), ("Unimog", "trucks")] {
         let count = schemars::json_schema!({
-            "description": format!("The number of {agent} that the entry is. The first starts where it says, the others \
-                                    at places that are drawn, the same in every run."),
+            "description": format!("The number of {agent} in the entry. The first starts where the entry says, the \
+             others at random places, the same in every run."),
             "type": "integer",
             "minimum": 0,
             "maximum": copies::MOST_COPIES,
@@ -135,25 +135,25 @@ pub fn schema() -> schemars::Schema {
     schema
 }
 
-/// A contest: where, under which rules, between whom, for how long.
+/// A contest: its field, rules, agents and duration.
 ///
 /// The limits on lists here only keep other files from filling the memory; [`Self::check`] sets lower ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
-    /// What tables call the scenario.
+    /// The name of the scenario in tables.
     #[serde(default)]
     pub name: String,
-    /// When a run ends, at the latest.
+    /// The latest end of a run.
     #[serde(default = "defaults::duration_s")]
     pub duration_s: f64,
     /// The field and its bushes.
     #[serde(default)]
     pub field: Field,
-    /// How fire behaves.
+    /// The behavior of fire.
     #[serde(default)]
     pub fire: Fire,
-    /// How trucks put fires out.
+    /// How trucks extinguish fires.
     #[serde(default)]
     pub suppression: Suppression,
     /// Points for both sides.
@@ -165,16 +165,16 @@ pub struct Scenario {
     /// The fire trucks.
     #[serde(deserialize_with = "list_of_at_most::<2_000, _, _>")]
     pub unimog: Vec<Unimog>,
-    /// How the trucks are sent to fires, all together; without it each follows its `goal`.
+    /// How the trucks are dispatched to fires as a team; without it each follows its `goal`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dispatch: Option<Dispatch>,
-    /// What a dispatched team sees; without it everything but the Wumpuses.
+    /// What a dispatched team sees; without it, everything except the Wumpuses.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sight: Option<Sight>,
-    /// What trucks do about others that are in their way.
+    /// What trucks do about other trucks in their way.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub traffic: Option<TrafficRules>,
-    /// The tanks of trucks; without it water does not matter.
+    /// The tanks of trucks; without it water is unlimited.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub water: Option<Water>,
     /// Bushes that catch fire by themselves.
@@ -189,13 +189,13 @@ pub struct Scenario {
     /// Moisture in the course of a run, and how uncertain the weather is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub weather: Option<WeatherSettings>,
-    /// A landscape that is drawn or generated.
+    /// A drawn or generated landscape.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub landscape: Option<LandscapeSettings>,
-    /// Planners that are not built in, by their names.
+    /// Custom planners by name.
     #[serde(default, skip_serializing_if = "Programs::is_empty")]
     pub planner: Programs,
-    /// Policies that are not built in, by their names.
+    /// Custom policies by name.
     #[serde(default, skip_serializing_if = "Programs::is_empty")]
     pub policy: Programs,
 }

@@ -105,7 +105,7 @@ impl<'de> Deserialize<'de> for Name {
             type Value = Name;
 
             fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a number or a text in quotes")
+                f.write_str("a number or a string in quotes")
             }
 
             fn visit_u64<E: Error>(self, number: u64) -> Result<Name, E> {
@@ -294,7 +294,7 @@ fn check_vehicle(vehicle: &VehicleMembers, frame: &FieldFrame) -> Check {
     let front_m = vehicle.length - vehicle.rear_overhang;
     match vehicle.front_from_rear_axle {
         Some(found) if (found - front_m).abs() > ROUNDING_M => {
-            let expected = format!("what is left of the length ahead of the rear axle, {front_m}");
+            let expected = format!("at most the length ahead of the rear axle, {front_m}");
             table.refuse("front_from_rear_axle", found.to_string(), expected)
         }
         _ => Ok(()),

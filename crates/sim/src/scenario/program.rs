@@ -31,7 +31,7 @@ const MAX_PROGRAMS: usize = 100;
 /// The most words of a command, and files of a table.
 const MAX_WORDS: usize = 1000;
 
-/// A planner or a policy that is not built in.
+/// A custom planner or policy.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Program {
@@ -39,31 +39,31 @@ pub struct Program {
     /// scenario's folder, which is also the program's working folder.
     #[serde(deserialize_with = "list_of_at_most::<MAX_WORDS, _, _>")]
     pub command: Vec<String>,
-    /// The folder that takes the place of the scenario's, for the command and its files; relative to the scenario's.
+    /// Folder of the command and its files instead of the scenario's; relative to the scenario's folder.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub folder: Option<PathBuf>,
     /// Files whose contents belong to a batch's plan; those that `command` names always do.
     #[serde(deserialize_with = "list_of_at_most::<MAX_WORDS, _, _>")]
     pub files: Vec<PathBuf>,
-    /// Handed on as they are.
+    /// Passed on unchanged.
     pub settings: Map<String, Value>,
-    /// Seconds from a start until it is ready, building included: of wall clock, and where `query_cpu_s` is set of CPU time
-    /// too.
+    /// Limit of the seconds from a start until it is ready, including building: wall clock, and also CPU time if
+    /// `query_cpu_s` is set.
     pub start_limit_s: f64,
-    /// Wall clock of a query.
+    /// Wall-clock limit of a query.
     pub query_limit_s: f64,
     /// CPU seconds of its whole process group in a query; `"none"`: no limit.
     #[serde(with = "or_none")]
     #[schemars(with = "or_none::NumberOrNone")]
     pub query_cpu_s: Option<f64>,
-    /// Of its process group.
+    /// Memory limit of its process group.
     pub memory_limit_mb: u32,
     /// Simulated planning time for each expansion that an answer reports.
     pub seconds_per_expansion: f64,
-    /// Expansions that each query of a planner counts for at least, whatever the answer reports.
+    /// Least number of expansions charged for each query of a planner, whatever the answer reports.
     pub expansions_per_query: u32,
-    /// Failed attempts to start it again that a run bears; after one more, all later queries fail as crashed. A query that
-    /// times out, crashes or has a bad answer costs that query alone.
+    /// Failed restarts tolerated in a run; after one more, all later queries fail as crashed. A query that times out,
+    /// crashes or has a bad answer costs only that query.
     pub restarts: u32,
     /// One process for all runs of a worker instead of one for each run.
     pub reuse: bool,
@@ -144,7 +144,7 @@ impl Program {
         }
         for (index, file) in self.files.iter().enumerate() {
             let hash = hash_of(&self.works_in.join(file)).map_err(|error| (index, error))?;
-            let hash = hash.ok_or_else(|| (index, io::Error::new(ErrorKind::InvalidInput, "it is no file")))?;
+            let hash = hash.ok_or_else(|| (index, io::Error::new(ErrorKind::InvalidInput, "it is not a file")))?;
             hashes.insert(file.display().to_string(), hash);
         }
         Ok(hashes)
@@ -157,8 +157,8 @@ impl Program {
         }
         let changed = self.sha256.iter().filter_map(|(name, before)| match hash_of(&self.works_in.join(name)) {
             Ok(Some(now)) if now == *before => None,
-            Ok(Some(_)) => Some(format!("{name} has other contents")),
-            Ok(None) => Some(format!("{name} is no file")),
+            Ok(Some(_)) => Some(format!("{name} has changed")),
+            Ok(None) => Some(format!("{name} is not a file")),
             Err(error) => Some(format!("{name}: {error}")),
         });
         changed.collect()
@@ -169,7 +169,7 @@ impl Program {
         if self.command.is_empty() {
             format!("The {kind} `{name}` must be registered when the scenario is run.")
         } else {
-            format!("The {kind} `{name}` is a program that only runs where it is trusted: {}.", self.command_line())
+            format!("The {kind} `{name}` is a program that runs only if trusted: {}.", self.command_line())
         }
     }
 }
@@ -246,7 +246,7 @@ pub(super) fn check_programs(kind: &str, programs: &Programs, is_built_in: impl 
     TablePath::named("").count(kind, programs.len(), MAX_PROGRAMS)?;
     for (name, program) in programs {
         if is_built_in(name) {
-            let expected = format!("a name of its own: this one is a built-in {kind}'s");
+            let expected = format!("another name; this is the name of a built-in {kind}");
             return all.refuse(name.name(), "a table".into(), expected);
         }
         let table = all.inner(name.name());

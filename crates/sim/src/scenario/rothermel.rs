@@ -10,7 +10,7 @@ use wildfire_base::ranges;
 use wildfire_fire::models::Neighbours;
 use wildfire_fire::surface::{Combine, Curing, FuelMoisture, LengthToWidth, SurfaceOptions, WindLimit};
 
-/// The fire model `rothermel`: a front that goes through all that burns.
+/// The fire model `rothermel`: a front that spreads through all fuel.
 ///
 /// Angles are degrees counter-clockwise from east, as everywhere in scenarios; files of slope and aspect have compass
 /// azimuths.
@@ -37,9 +37,9 @@ pub struct RothermelSettings {
     pub combine: Combine,
     pub wind_limit: WindLimit,
     pub length_to_width: LengthToWidth,
-    /// Cells around each cell that fire goes to in a straight line: 8, 16 or 32.
+    /// Neighbours that fire reaches from a cell in a straight line: 8, 16 or 32.
     pub neighbours: Neighbours,
-    /// For how long a stop of a truck wets the cells in its reach that do not burn; 0: not at all.
+    /// Duration for which a truck's stop wets cells within reach that are not burning; 0: none.
     pub wet_s: f64,
     /// Lets Wumpuses light ground as well as bushes.
     pub lights_ground: bool,

@@ -18,7 +18,7 @@ use wildfire_base::rng;
 /// The most `[[ignition]]` entries, and the most cells that they name in all.
 const MAX_IGNITIONS: usize = 10_000;
 
-/// Rules by which a truck puts fires out.
+/// Rules for extinguishing fires.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Suppression {
@@ -26,7 +26,7 @@ pub struct Suppression {
     #[serde(with = "or_none")]
     #[schemars(with = "or_none::NumberOrNone")]
     pub reach_m: Option<f64>,
-    /// Time that the truck must stand still for it, uninterrupted.
+    /// Time that the truck must stand still, without interruption.
     pub dwell_s: f64,
     pub extinguishes: Extinguishes,
 }
@@ -39,12 +39,12 @@ impl Default for Suppression {
 
 ranges! { Suppression { reach_m: 0.0..=1e6, dwell_s: 0.1..=1e6 } }
 
-/// Selects what one stop puts out.
+/// Selects what one stop extinguishes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Extinguishes {
     One,
-    /// Everything that burns in reach when the dwell ends.
+    /// Every burning cell within reach when the dwell ends.
     AllInReach,
 }
 
@@ -149,7 +149,7 @@ impl TryFrom<IgnitionEntry> for Ignition {
             (None, Some(count), Some(file)) => {
                 IgnitionCells::Density(Box::new(IgnitionDensity { file, count, weights: entry.weights }))
             }
-            (None, None, Some(_)) => return Err("`density` needs `random` beside it: how many cells it lights"),
+            (None, None, Some(_)) => return Err("`density` also needs `random`, the number of cells that it lights"),
             _ => return Err("an ignition needs either `cells` or `random`"),
         };
         Ok(Self { at_s: entry.at_s, cells })
@@ -221,6 +221,7 @@ pub(super) fn describe_ignitions(ignitions: &[Ignition]) -> String {
     let times = ignitions.iter().map(|ignition| ignition.at_s);
     let (first, last) = (times.clone().fold(f64::INFINITY, f64::min), times.fold(0.0, f64::max));
     let count = ignitions.len();
-    let by_density = if drawn > 0 { format!(", and {drawn} drawn from maps of weights") } else { String::new() };
+    let by_density =
+        if drawn > 0 { format!(", and {drawn} chosen at random by maps of weights") } else { String::new() };
     format!("{count} from {first} s to {last} s: {random} random bushes and {named} named cells{by_density}.")
 }

@@ -91,7 +91,7 @@ fn within_limits(bytes: Vec<u8>) -> io::Result<Vec<u8>> {
     }
     let brackets = bytes.iter().filter(|&&byte| byte == b'[' || byte == b'{').count();
     if brackets > MAX_BRACKETS {
-        let reason = format!("{brackets} brackets and braces open in it; at most {MAX_BRACKETS} are expected");
+        let reason = format!("it has {brackets} opening brackets and braces; expected at most {MAX_BRACKETS}");
         return Err(io::Error::new(ErrorKind::FileTooLarge, reason));
     }
     Ok(bytes)

@@ -41,7 +41,7 @@ pub struct Terrain {
 pub enum TerrainError {
     #[error("no placement left for piece {piece} of {wanted}")]
     NoPlacementLeft { piece: u32, wanted: u32 },
-    #[error("no place for the river that keeps `start_clearance_m` away from every start")]
+    #[error("no place for the river at least `start_clearance_m` away from every start")]
     NoRiver,
 }
 

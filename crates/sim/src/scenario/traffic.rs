@@ -1,15 +1,15 @@
-//! What trucks do about others that are in their way.
+//! What trucks do about other trucks in their way.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use wildfire_base::ranges;
 
-/// What a truck tries before it waits for others that are in the way of all that it goes for.
+/// What a truck tries before it waits for trucks that block all its goals.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TrafficRules {
-    /// Goals that it looks at in one decision though others are in the way to them.
+    /// Number of goals considered in one decision although other trucks block them.
     pub goals: u32,
     pub detours: Detours,
 }
@@ -20,13 +20,13 @@ impl Default for TrafficRules {
     }
 }
 
-/// Says to which goals a truck looks for a way round others.
+/// Selects the goals to which a truck looks for a path around other trucks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Detours {
-    /// To the first, and only once all others have been looked at too.
+    /// To the first goal, and only after all others have been considered.
     First,
-    /// To each, before it looks at the next.
+    /// To each goal, before the next is considered.
     Each,
 }
 

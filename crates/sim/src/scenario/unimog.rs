@@ -53,14 +53,14 @@ pub struct Unimog {
     pub speed_mps: f64,
     pub reverse_speed_mps: f64,
     pub limits: Limits,
-    /// What drives are compared by: their length, or the time that they take.
+    /// The cost by which drives are compared: length or time.
     pub cost: DriveCost,
     pub goal: TruckGoal,
     pub retarget: Retarget,
     #[schemars(schema_with = "planner_schema")]
     pub planner: PlannerName,
     pub rescue: Rescue,
-    /// Least simulated planning time of each expansion of its planner, whichever that is.
+    /// Least simulated planning time charged per expansion of its planner, whichever planner it is.
     pub seconds_per_expansion: f64,
     pub prm: PrmSettings,
     pub primitives: PrimitiveSettings,
@@ -304,7 +304,7 @@ pub struct Limits {
     pub lateral_mps2: Option<f64>,
 }
 
-/// Says when a truck that is driving chooses its goal anew.
+/// Selects when a driving truck reconsiders its goal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Retarget {
@@ -370,7 +370,7 @@ impl AgentList for Vec<Unimog> {
             warn_of_truck(number, truck, found);
             if scenario.suppression.reach_m.is_none() && truck.prm.goal == RoadmapGoal::InReach {
                 found.push(format!(
-                    "Truck {number} extinguishes from where it stands and never drives: with `suppression.reach_m` \
+                    "Truck {number} extinguishes fires from its start and never drives: with `suppression.reach_m` \
                      \"none\" every fire is in reach; `prm.goal` \"nearest-milestone\" would make it drive."
                 ));
             }
@@ -475,11 +475,11 @@ fn warn_of_truck(number: usize, unimog: &Unimog, found: &mut Vec<String>) {
     let (planner, settings) = (unimog.built_in(), unimog.planner_settings());
     let used = planner.map_or(&[][..], BuiltInPlanner::tables);
     for table in settings.tables().filter(|table| !table.is_default && !used.contains(&table.name)) {
-        found.push(format!("The `{}` of truck {number} does nothing: its planner does not use it.", table.name));
+        found.push(format!("The `{}` of truck {number} has no effect: its planner does not use it.", table.name));
     }
     if unimog.cost == DriveCost::Time && planner.is_some_and(|own| !own.knows_time()) {
         found.push(format!(
-            "`cost = \"time\"` of truck {number} does nothing: {} compares drives by its own costs.",
+            "`cost = \"time\"` of truck {number} has no effect: {} compares drives by its own costs.",
             unimog.planner
         ));
     }
@@ -510,9 +510,9 @@ fn warn_of_roadmaps(trucks: &[Unimog], field: &ScenarioField<'_>, found: &mut Ve
             let others = milestones as f64 / area_m2 * PI * max_edge_m * max_edge_m;
             if others < PERCOLATION_DEGREE {
                 found.push(format!(
-                    "The roadmap of truck {number} will fall apart: a milestone has {others:.1} others within \
-                     `max_edge_m`, {max_edge_m} m, on average, and below {PERCOLATION_DEGREE} no component spans the \
-                     field. More samples mend it, or `samples_per_hectare`."
+                    "The roadmap of truck {number} will be disconnected: a milestone has on average {others:.1} \
+                     others within `max_edge_m`, {max_edge_m} m, and below {PERCOLATION_DEGREE} no component spans \
+                     the field. Increase `samples`, or set `samples_per_hectare`."
                 ));
             }
             continue;
@@ -534,7 +534,7 @@ fn warn_of_roadmaps(trucks: &[Unimog], field: &ScenarioField<'_>, found: &mut Ve
             let apart_m = (terrain.frame.width_m() * terrain.frame.height_m() / f64::from(samples)).sqrt();
             found.push(format!(
                 "On the field of seed {SHOWN_SEED} the roadmap of truck {number} is hardly connected: {samples} milestones \
-                 in {components} components. They are some {apart_m:.0} m apart, and no edge is longer than \
+                 in {components} components. They are about {apart_m:.0} m apart, and no edge is longer than \
                  `max_edge_m`, {max_edge_m} m."
             ));
         }

@@ -57,7 +57,7 @@ fn grave_warnings(field: &ScenarioField<'_>, without_place: Option<String>) -> V
     let is_bare = field.terrain.bushes.is_empty() && field.terrain.landscape.is_none();
     let bare = is_bare.then(|| "Nothing can burn: the field has no bushes.".to_owned());
     let without_place = without_place.map(|agent| {
-        format!("{agent} cannot start: no free place was found for it on this field, so that no run takes place.")
+        format!("{agent} cannot start: no free place was found for it on this field, so no run can start.")
     });
     bare.into_iter().chain(without_place).collect()
 }
@@ -82,10 +82,10 @@ fn warn_of_rules(scenario: &Scenario, found: &mut Vec<String>) {
     if scenario.fire.model == FireModelName::Radius {
         let tables = [("landscape", scenario.landscape.is_some()), ("weather", scenario.weather.is_some())];
         for (table, _) in tables.iter().filter(|(_, is_given)| *is_given) {
-            found.push(format!("The table `{table}` does nothing: fire of the model `radius` knows bushes only."));
+            found.push(format!("The table `{table}` has no effect: the fire model `radius` burns only bushes."));
         }
         if !scenario.wind.is_empty() {
-            found.push("The wind does nothing: fire of the model `radius` has none.".into());
+            found.push("The wind has no effect: the fire model `radius` ignores it.".into());
         }
     }
 }
@@ -93,7 +93,7 @@ fn warn_of_rules(scenario: &Scenario, found: &mut Vec<String>) {
 fn warn_of_ignitions(scenario: &Scenario, terrain: Option<&Terrain>, found: &mut Vec<String>) {
     let late = scenario.ignition.iter().filter(|ignition| ignition.at_s > scenario.duration_s).count();
     if late > 0 {
-        found.push(format!("{late} of the ignitions come after the end of the run."));
+        found.push(format!("{late} ignitions come after the end of the run."));
     }
     let (Some(terrain), Some(_)) = (terrain, &scenario.field.given) else { return };
     let named = scenario.ignition.iter().filter_map(|ignition| match &ignition.cells {
@@ -102,7 +102,7 @@ fn warn_of_ignitions(scenario: &Scenario, terrain: Option<&Terrain>, found: &mut
     });
     let bare = named.flatten().filter(|cell| !terrain.occupied[(cell.row.into(), cell.col.into())]).count();
     if bare > 0 {
-        found.push(format!("{bare} of the cells that an ignition names are no bushes of the map."));
+        found.push(format!("{bare} cells named by an ignition are not bushes of the map."));
     }
 }
 
@@ -134,14 +134,14 @@ mod tests {
                 vec!["wumpus.planner=wavefront", "wumpus.heuristic_weight=2"],
                 "The `heuristic` and `heuristic_weight` of Wumpus 0 do nothing",
             ),
-            ("report-2024", vec!["unimog.hybrid.step_m=2"], "The `hybrid` of truck 0 does nothing"),
+            ("report-2024", vec!["unimog.hybrid.step_m=2"], "The `hybrid` of truck 0 has no effect"),
             (
                 "contest",
                 vec!["unimog.planner=hybrid-astar", "unimog.safety.map=cost"],
-                "The `safety` of truck 0 does nothing",
+                "The `safety` of truck 0 has no effect",
             ),
-            ("local-minima", vec!["wumpus.safety.map=cost"], "The `safety` of Wumpus 0 does nothing"),
-            ("fleet", vec!["wumpus.1.potential.q=3"], "The `potential` of Wumpus 1 does nothing"),
+            ("local-minima", vec!["wumpus.safety.map=cost"], "The `safety` of Wumpus 0 has no effect"),
+            ("fleet", vec!["wumpus.1.potential.q=3"], "The `potential` of Wumpus 1 has no effect"),
             (
                 "report-2024",
                 vec!["field.size_m=2500", "unimog.prm.samples=500"],
@@ -150,21 +150,22 @@ mod tests {
             (
                 "report-2024",
                 vec!["field.size_m=2500", "unimog.prm.samples=25000", "unimog.prm.max_edge_m=10"],
-                "The roadmap of truck 0 will fall apart: a milestone has 1.3 others within `max_edge_m`, 10 m",
+                "The roadmap of truck 0 will be disconnected: a milestone has on average 1.3 others within \
+                 `max_edge_m`, 10 m",
             ),
             ("contest", vec!["unimog.prm_rs.samples=0", "unimog.prm_rs.corner_places=0"], "truck 0 has no milestones"),
             (
                 "contest",
                 vec!["wumpus.reach_m=4.9"],
-                "Wumpus 0 can light none of the 248 bushes: no bush's centre is within `reach_m`, 4.9 m, of a place to \
-                 which its own can walk; the nearest is 5.000 m away.",
+                "Wumpus 0 can light none of the 248 bushes: no bush's centre is within `reach_m`, 4.9 m, of a place \
+                 that it can reach; the nearest is 5.000 m away.",
             ),
             (
                 "contest",
                 vec!["wumpus.lattice_m=1", "wumpus.reach_m=2.4"],
-                "`reach_m`, 2.4 m, of a place to which its own can walk; the nearest is 4.000 m away.",
+                "`reach_m`, 2.4 m, of a place that it can reach; the nearest is 4.000 m away.",
             ),
-            ("fleet", vec!["suppression.reach_m=none"], "Truck 2 extinguishes from where it stands and never drives"),
+            ("fleet", vec!["suppression.reach_m=none"], "Truck 2 extinguishes fires from its start and never drives"),
         ] {
             let found = warned(source, &changes);
             assert!(found.contains(words), "{source} {changes:?}: {found}");

@@ -19,20 +19,20 @@ use wildfire_planning::collision::CollisionChecker;
 /// The most places with water.
 const MAX_PLACES: usize = 1000;
 
-/// The tanks of trucks, and where they are filled. By default a tank and a pump as fire trucks have them, and a stop that
-/// empties a twentieth of it.
+/// The tanks of trucks, and where they are filled. Defaults: a tank and a pump like those of fire trucks, and a stop
+/// that uses a twentieth of the tank.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Water {
-    /// What a tank holds, litres; it is full at the start.
+    /// Capacity of a tank, litres; it is full at the start.
     pub tank_l: f64,
-    /// What a stop at a fire takes, litres; it is taken when the stop begins.
+    /// Water used by a stop at a fire, litres; used when the stop begins.
     pub stop_l: f64,
-    /// How fast a tank is filled, litres per second.
+    /// Filling rate of a tank, litres per second.
     pub fill_lps: f64,
-    /// How near to a place with water the middle of a truck has to be, metres.
+    /// Largest distance from the middle of a truck to the water, metres.
     pub reach_m: f64,
-    /// Where there is water; without any, at the starts of all trucks.
+    /// Places with water; if empty, the starts of all trucks.
     #[serde(deserialize_with = "list_of_at_most::<2_000, _, _>")]
     pub place: Vec<WaterPlace>,
 }
@@ -95,7 +95,7 @@ impl Water {
     /// Warns of places that no truck gets near enough to.
     pub(super) fn warn(&self, scenario: &Scenario, field: Option<&ScenarioField<'_>>, found: &mut Vec<String>) {
         let Some(truck) = scenario.unimog.first() else {
-            found.push("The table `water` does nothing: there are no trucks.".into());
+            found.push("The table `water` has no effect: there are no trucks.".into());
             return;
         };
         let Some(field) = field else { return };
@@ -174,7 +174,7 @@ mod tests {
         assert!(explained.contains("enough for 10 stops"), "{explained}");
         assert!(explained.contains("an empty one is filled in 50 s"), "{explained}");
         assert!(!text(&[]).contains("full tank"));
-        assert!(text(&["water.tank_l=1000", "unimog=[]"]).contains("The table `water` does nothing"));
+        assert!(text(&["water.tank_l=1000", "unimog=[]"]).contains("The table `water` has no effect"));
         let close = "water.place=[{x_m=0,y_m=0}]";
         assert!(text(&[close, "water.reach_m=1"]).contains("no truck finds room within 1 m of (0, 0)"));
         assert!(!text(&[close]).contains("no truck finds room"));

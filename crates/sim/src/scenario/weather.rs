@@ -39,8 +39,8 @@ pub struct WeatherSettings {
     /// Standard deviation of the moisture of dead fuel, a fraction: one draw for a run is added to `d1`, `d10` and `d100`,
     /// which stay at 0.01 or above.
     pub moisture_sd: f64,
-    /// A CSV file of weathers, one in a row, of which each run has one for all its time: `speed_mps,from_deg` (compass), `d1,
-    /// d10, d100, herb, woody`, or all seven.
+    /// A CSV file with one weather per row; each run uses one row throughout: `speed_mps,from_deg` (compass), `d1, d10,
+    /// d100, herb, woody`, or all seven.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub samples: Option<PathBuf>,
     /// The rows of `samples`. Loading fills them in, so that a resolved scenario is complete without the file.

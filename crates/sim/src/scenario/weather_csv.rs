@@ -39,7 +39,7 @@ pub(super) fn read_wind(path: &Path) -> Result<Vec<WindChange>, String> {
     for row in &table.rows {
         let at_s = table.number(row, at, 0.0, 1e6)?;
         if let Some(before) = changes.last().filter(|before| at_s <= before.at_s) {
-            return Err(table.wrong(row, at, &format!("a time after {} s, that of the row before", before.at_s)));
+            return Err(table.wrong(row, at, &format!("a time after {} s, the time of the previous row", before.at_s)));
         }
         let speed_mps = table.number(row, speed, 0.0, MAX_WIND_MPS)?;
         let toward_deg = house_angle(table.number(row, from, -360.0, 360.0)?);
@@ -115,7 +115,7 @@ impl CsvTable {
             if cells.len() != names.len() {
                 let (found, expected) = (cells.len(), names.len());
                 return Err(format!(
-                    "{name}: line {line}: it has {found} cells, expected {expected} as the first line"
+                    "{name}: line {line}: it has {found} cells, expected {expected} as in the first line"
                 ));
             }
             if rows.len() == MAX_CHANGES {
@@ -124,7 +124,7 @@ impl CsvTable {
             rows.push(CsvRow { line, cells });
         }
         if rows.is_empty() {
-            Err(format!("{name}: it has no row below its names"))
+            Err(format!("{name}: it has no row after its header"))
         } else {
             Ok(Self { name, names, rows })
         }

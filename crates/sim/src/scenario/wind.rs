@@ -15,9 +15,9 @@ pub(super) const MAX_WIND_MPS: f64 = 150.0;
 pub struct WindChange {
     #[serde(default)]
     pub at_s: f64,
-    /// At 10 m above the ground.
+    /// Speed at 10 m above the ground.
     pub speed_mps: f64,
-    /// Where it blows to, counter-clockwise from east.
+    /// Direction it blows to, counter-clockwise from east.
     pub toward_deg: f64,
 }
 

@@ -91,7 +91,7 @@ fn expected_words(expected: &str) -> String {
         "u16" => format!("a whole number from 0 to {}", u16::MAX),
         "u32" => format!("a whole number from 0 to {}", u32::MAX),
         "a sequence" => "a list".into(),
-        "a string" | "path string" | "string only" => "a text in quotes".into(),
+        "a string" | "path string" | "string only" => "a string in quotes".into(),
         "a boolean" => "true or false".into(),
         "an array of length 2" | "fewer elements in array" => "a list of two numbers".into(),
         "a tuple of size 2" | "fewer elements in sequence" => "a pair [column, row]".into(),

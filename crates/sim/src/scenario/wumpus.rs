@@ -49,7 +49,7 @@ pub struct Wumpus {
     /// From a lattice point to the centre of the cell that it lights, inclusive.
     pub reach_m: f64,
     pub goal: WumpusGoal,
-    /// Keep a goal that is no longer intact.
+    /// Whether a Wumpus keeps a goal that is no longer intact.
     pub keep_goal: bool,
     /// Spacing of its lattice, anchored at its start; `"none"`: the cell centres.
     #[serde(with = "or_none")]
@@ -181,12 +181,12 @@ impl WalkGround {
     }
 }
 
-/// The planner by which a Wumpus finds its way.
+/// The Wumpus's path planner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum WumpusPlanner {
     Astar,
-    /// Down the exact cost-to-go, from one sweep over all of the lattice for every goal.
+    /// Down the exact cost-to-go, from one sweep over the whole lattice for each goal.
     Wavefront,
     /// Down the gradient of a potential field, into local minima too.
     Potential,
@@ -198,13 +198,13 @@ pub enum WumpusPlanner {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct WumpusPotential {
-    /// Factor of half the squared distance that attracts; it only matters without a scale.
+    /// Factor of the attraction, half the squared distance; matters only without a scale.
     pub zeta: f64,
     /// The greatest attraction on the lattice; `"none"`: as `zeta` makes it.
     #[serde(with = "or_none")]
     #[schemars(with = "or_none::NumberOrNone")]
     pub scale: Option<f64>,
-    /// The distance within which bushes repel, and the distance from its goal within which none does.
+    /// The distance within which bushes repel, and the distance from the goal within which no bush repels.
     pub q: f64,
     /// Strength of repulsion.
     pub eta: f64,
@@ -217,13 +217,13 @@ impl Default for WumpusPotential {
     }
 }
 
-/// Says what a Wumpus does in a local minimum.
+/// Selects what a Wumpus does in a local minimum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Escape {
-    /// It goes on down the exact cost-to-go.
+    /// It continues down the exact cost-to-go.
     Wavefront,
-    /// It gives the goal up there.
+    /// It gives up the goal.
     None,
 }
 
@@ -242,7 +242,7 @@ pub enum StepCost {
 pub enum StepTime {
     /// Its length at the Wumpus's speed.
     Distance,
-    /// Every step as long as an orthogonal one, diagonals too.
+    /// Every step as long as an orthogonal step, diagonals too.
     Uniform,
 }
 
@@ -297,10 +297,8 @@ impl AgentList for Vec<Wumpus> {
                 tries += bushes * own_points.min(scenario.duration_s * wumpus.speed_mps / pitch_m);
             }
             if tries > MAX_TRIES {
-                let expected = format!(
-                    "\"wavefront\", where bushes times the steps of a run are more than {MAX_TRIES:e}, over all \
-                     Wumpuses"
-                );
+                let expected =
+                    format!("\"wavefront\" if bushes times the steps of a run exceed {MAX_TRIES:e}, over all Wumpuses");
                 return table.inner("potential").refuse("escape", "\"none\"".into(), expected);
             }
         }
@@ -404,17 +402,21 @@ fn warn_of_wumpus(number: usize, wumpus: &Wumpus, found: &mut Vec<String>) {
     let heuristic = (wumpus.heuristic, wumpus.heuristic_weight) != (usual.heuristic, usual.heuristic_weight);
     if heuristic && wumpus.planner != WumpusPlanner::Astar {
         found.push(format!(
-            "The `heuristic` and `heuristic_weight` of Wumpus {number} do nothing: only the planner \"astar\" uses them."
+            "The `heuristic` and `heuristic_weight` of Wumpus {number} have no effect: only the planner \"astar\" \
+             uses them."
         ));
     }
     let goes_by_cost = wumpus.planner != WumpusPlanner::Potential || wumpus.potential.escape == Escape::Wavefront;
     if wumpus.safety.map != SafetyMap::None && !goes_by_cost {
         found.push(format!(
-            "The `safety` of Wumpus {number} does nothing: descent on a potential field goes by no cost but in its escape."
+            "The `safety` of Wumpus {number} has no effect: descent on a potential field uses costs only in its escape."
         ));
     }
     if wumpus.potential != WumpusPotential::default() && wumpus.planner != WumpusPlanner::Potential {
-        found.push(format!("The `potential` of Wumpus {number} does nothing: only the planner \"potential\" uses it."));
+        found.push(format!(
+            "The `potential` of Wumpus {number} has no effect: only the planner \"potential\" uses \
+            it."
+        ));
     }
 }
 
@@ -459,8 +461,8 @@ fn warn_of_idle_wumpuses(wumpuses: &[Wumpus], terrain: &Terrain, found: &mut Vec
         let farther = iter::successors(Some(terrain.frame.cell_m), |metres| Some(2.0 * metres));
         let least_m = farther.take_while(is_quick).find_map(nearest);
         found.push(format!(
-            "On the field of seed {SHOWN_SEED} Wumpus {number} can light none of the {} bushes: no bush's centre is within \
-             `reach_m`, {} m, of a place to which its own can walk{}.",
+            "On the field of seed {SHOWN_SEED} Wumpus {number} can light none of the {} bushes: no bush's centre is \
+             within `reach_m`, {} m, of a place that it can reach{}.",
             bushes.len(),
             wumpus.reach_m,
             least_m.map_or(String::new(), |least_m| format!("; the nearest is {least_m:.3} m away"))

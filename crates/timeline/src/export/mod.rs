@@ -35,9 +35,9 @@ pub enum ExportError {
     Step { found: f64 },
     #[error("there is no {found} in this run, only {known}")]
     NoSuchAgent { found: AgentId, known: String },
-    #[error("{found} samples of agents; expected at most {MOST_SAMPLES}: take a longer step, or fewer agents")]
+    #[error("{found} samples of agents; expected at most {MOST_SAMPLES}: choose a longer step, or fewer agents")]
     TooManySamples { found: u64 },
-    #[error("the field has {found} cells; expected at most {limit} for this form")]
+    #[error("the field has {found} cells; expected at most {limit} for this formatat")]
     FieldTooLarge { found: usize, limit: usize },
     #[error(transparent)]
     Write(#[from] io::Error),

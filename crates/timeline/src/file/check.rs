@@ -99,7 +99,7 @@ fn check_setting(setting: &Setting) -> Result<(), FileError> {
 fn check_water(water: &WaterRules) -> Result<(), FileError> {
     limit("places with water", water.places.len(), MAX_AGENTS)?;
     let are_somewhere = !water.places.is_empty() && water.places.iter().all(|place| place.is_finite());
-    require(are_somewhere, || "its water is nowhere".into())?;
+    require(are_somewhere, || "it has no place with water".into())?;
     let is_tank = water.full_tank > 0 && is_size(water.reach_m);
     require(is_tank, || "its tanks hold nothing, or cannot be filled".into())
 }
@@ -123,7 +123,7 @@ fn check_spread(spread: &SpreadSetting, frame: FieldFrame) -> Result<(), FileErr
         SpreadSetting::Alexandridis { rules, .. } => {
             let numbers = [rules.p0, rules.wind_c1, rules.wind_c2, rules.slope_a];
             let is_possible = numbers.iter().all(|number| number.abs() <= 1.0) && rules.step > SimTime::ZERO;
-            require(is_possible, || "its automaton has a probability, a coefficient or a step that none has".into())
+            require(is_possible, || "its automaton has an impossible probability, coefficient or step".into())
         }
     }
 }
@@ -136,17 +136,17 @@ fn check_landscape(landscape: &Landscape, frame: FieldFrame) -> Result<(), FileE
         Relief::Gradient(gradients) => (gradients.len(), gradients.iter().flatten().all(|part| part.is_finite())),
     };
     let is_of_field = landscape.frame == frame && landscape.fuel.len() == cells && reliefs == cells;
-    require(is_of_field, || "its landscape is not that of its field".into())?;
+    require(is_of_field, || "its landscape does not fit its field".into())?;
     require(is_finite, || "its landscape is not finite".into())?;
     let known: Vec<bool> = (0..=u8::MAX).map(|number| number == 0 || FuelModel::by_number(number).is_some()).collect();
     let stranger = landscape.fuel.iter().find(|&&number| !known[usize::from(number)]);
-    stranger.map_or(Ok(()), |number| require(false, || format!("its landscape has fuel model {number}, which is none")))
+    stranger.map_or(Ok(()), |number| require(false, || format!("its landscape has the unknown fuel model {number}")))
 }
 
 fn check_ground(timeline: &Timeline) -> Result<(), FileError> {
     let Timeline { setting, ground, .. } = timeline;
     limit("facts about the ground", ground.len(), MAX_GROUND_FACTS)?;
-    require(ground.is_empty() || setting.spread.is_some(), || "its ground burns, and it has none".into())?;
+    require(ground.is_empty() || setting.spread.is_some(), || "its ground burns, but it has no ground".into())?;
     let is_in_order = ground.is_sorted_by_key(|event| event.time);
     require(is_in_order, || "its facts about the ground are not in order of time".into())?;
     ground.iter().try_for_each(|event| check_ground_event(event, setting))
@@ -224,7 +224,7 @@ fn check_event(event: &Event, setting: &Setting) -> Result<(), FileError> {
         Fact::Agent(_, AgentFact::Relocated { x_m, y_m, .. } | AgentFact::RelocationFailed { x_m, y_m, .. })
             if !(x_m.is_finite() && y_m.is_finite()) =>
         {
-            require(false, || "a truck is sent nowhere".into())
+            require(false, || "a truck is sent to an impossible place".into())
         }
         Fact::Agent(_, AgentFact::PlanFailed { until, .. } | AgentFact::RelocationFailed { until, .. }) => {
             require(*until >= event.time, || "planning time ends before it begins".into())
@@ -239,7 +239,7 @@ fn check_event(event: &Event, setting: &Setting) -> Result<(), FileError> {
             | AgentFact::Relocated { trajectory, .. },
         ) => {
             let sets_out_later = trajectory.start_time() >= event.time;
-            require(sets_out_later, || "a leg sets out before it is planned".into())?;
+            require(sets_out_later, || "a leg starts before it is planned".into())?;
             check_leg(trajectory)
         }
         Fact::Agent(_, AgentFact::Dropped { trajectory, .. } | AgentFact::Halted { trajectory }) => {
@@ -248,10 +248,10 @@ fn check_event(event: &Event, setting: &Setting) -> Result<(), FileError> {
         Fact::Agent(_, AgentFact::Searched { graph, .. }) => {
             let holds = |place: u32| (place as usize) < graph.places.len();
             let leads_somewhere = graph.edges.iter().all(|&(from, to)| holds(from) && holds(to));
-            require(leads_somewhere, || "a search leads to a place that it does not hold".into())
+            require(leads_somewhere, || "a search leads to a place that it does not contain".into())
         }
         Fact::Agent(_, AgentFact::LocalMinimum { x_m, y_m, .. }) => {
-            require(x_m.is_finite() && y_m.is_finite(), || "a local minimum lies nowhere".into())
+            require(x_m.is_finite() && y_m.is_finite(), || "a local minimum has no position".into())
         }
         _ => Ok(()),
     }
@@ -269,8 +269,8 @@ fn check_cell(cell: Cell, setting: &Setting) -> Result<(), FileError> {
 
 /// A leg's end is finite only if all of its way is.
 fn check_leg(leg: &Trajectory) -> Result<(), FileError> {
-    require(is_finite(leg.start()), || "a leg starts nowhere".into())?;
-    require(leg.pieces().iter().all(is_motion), || "a leg has a piece that is no motion".into())?;
+    require(is_finite(leg.start()), || "a leg has no start".into())?;
+    require(leg.pieces().iter().all(is_motion), || "a leg has a piece that is not a motion".into())?;
     require(leg.duration_s().is_finite() && is_finite(leg.end()), || "a leg has no end".into())
 }
 

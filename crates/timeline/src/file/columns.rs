@@ -7,7 +7,7 @@
 use super::FileError;
 
 const TOO_FEW: FileError = FileError::Damaged("a column in it is too short");
-const NO_NUMBER: FileError = FileError::Damaged("a column in it holds what is no number");
+const NO_NUMBER: FileError = FileError::Damaged("a column in it contains an invalid number");
 
 /// Folds a difference so that small ones of either sign are small numbers.
 fn fold(difference: u64) -> u64 {

@@ -101,10 +101,10 @@ const FOUND_BY: [Option<FoundBy>; 9] = [
     Some(FoundBy::BackingOut),
     Some(FoundBy::WayHome),
 ];
-pub const NO_SUCH_BUSH: FileError = FileError::Damaged("it refers to a bush that it does not hold");
-pub const NO_SUCH_AGENT: FileError = FileError::Damaged("it refers to an agent that it does not hold");
-const NO_SUCH_LEG: FileError = FileError::Damaged("it refers to a leg that it does not hold");
-pub const NO_SUCH_TIME: FileError = FileError::Damaged("it holds a time beyond all times");
+pub const NO_SUCH_BUSH: FileError = FileError::Damaged("it refers to a bush that it does not contain");
+pub const NO_SUCH_AGENT: FileError = FileError::Damaged("it refers to an agent that it does not contain");
+const NO_SUCH_LEG: FileError = FileError::Damaged("it refers to a leg that it does not contain");
+pub const NO_SUCH_TIME: FileError = FileError::Damaged("it contains a time out of range");
 pub const NO_SUCH_WORD: FileError = FileError::Damaged("a record in it cannot be read");
 
 fn number_of<T: PartialEq>(words: &[T], word: &T) -> u32 {
@@ -392,7 +392,7 @@ impl<'a> FactReader<'a> {
             }
         }
         let all_read = self.delays.is_empty() && self.records.is_empty() && self.numbers.is_finished();
-        if all_read { Ok(self.events) } else { Err(FileError::Damaged("it holds more than its facts need")) }
+        if all_read { Ok(self.events) } else { Err(FileError::Damaged("it contains more than its facts need")) }
     }
 
     fn push(&mut self, fact: Fact) {

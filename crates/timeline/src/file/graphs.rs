@@ -5,7 +5,7 @@
 use super::{FileError, append, take};
 use wildfire_base::query::SearchGraph;
 
-const NO_SUCH_PLACE: FileError = FileError::Damaged("a search in it leads to a place that it does not hold");
+const NO_SUCH_PLACE: FileError = FileError::Damaged("a search in it leads to a place that it does not contain");
 
 /// Appends the edges of a graph, then its places.
 pub fn append_graph(bytes: &mut Vec<u8>, graph: &SearchGraph) {

@@ -20,7 +20,7 @@ const FARTHEST: i32 = 4;
 const DIRECTIONS: i32 = 2 * FARTHEST + 1;
 
 const NO_SUCH_CELL: FileError = FileError::Damaged("it refers to a cell beyond the field");
-const MISCOUNTED: FileError = FileError::Damaged("its ground log holds another number of facts than it says");
+const MISCOUNTED: FileError = FileError::Damaged("its ground log has a different number of facts than declared");
 
 /// Kinds of records of what is not an ordinary ignition; never given twice.
 mod kind {

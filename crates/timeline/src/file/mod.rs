@@ -73,10 +73,10 @@ pub enum FileError {
     Newer { found: u16 },
     #[error(
         "written by an older wildfire: format {found}, this program reads format {FORMAT}; \
-         its scenario and seed give the same run again"
+         simulate its scenario and seed again"
     )]
     Older { found: u16 },
-    #[error("cut short: {found} of {expected} bytes are there")]
+    #[error("truncated: {found} of {expected} bytes found")]
     Truncated { expected: u64, found: u64 },
     #[error("damaged: {0}")]
     Damaged(&'static str),
@@ -241,10 +241,10 @@ fn checked_payload(bytes: &[u8]) -> Result<&[u8], FileError> {
         return Err(FileError::Truncated { expected, found });
     }
     if payload.len() > expected {
-        return Err(FileError::Damaged("more bytes follow than its header says"));
+        return Err(FileError::Damaged("it has more bytes than its header declares"));
     }
     if crc32fast::hash(payload) != word(14) {
-        return Err(FileError::Damaged("its checksum does not fit its bytes"));
+        return Err(FileError::Damaged("its checksum does not match its bytes"));
     }
     Ok(payload)
 }
@@ -506,8 +506,8 @@ mod tests {
             decode(&bytes).expect_err("the format is unknown").to_string()
         };
         assert_eq!(refusal(FORMAT + 1), "written by a newer wildfire: format 10, this program reads format 9");
-        let older = "written by an older wildfire: format 8, this program reads format 9; its scenario and seed give the same \
-                     run again";
+        let older = "written by an older wildfire: format 8, this program reads format 9; simulate its scenario and \
+            seed again";
         assert_eq!(refusal(FORMAT - 1), older);
         let foreign = decode(b"\x89PNG\r\n\x1a\n and so on").expect_err("it is a picture");
         assert_eq!(foreign.to_string(), "not a wildfire recording");
@@ -543,7 +543,7 @@ mod tests {
         let refused = encode(&astray).expect_err("there are three places");
         assert_eq!(
             refused.to_string(),
-            "not a possible run: a search leads to a place that it does not hold in a fact at 10.000 s"
+            "not a possible run: a search leads to a place that it does not contain in a fact at 10.000 s"
         );
         let mut barren = sample::on_ground();
         barren.setting.spread = None;

@@ -77,7 +77,7 @@ impl<'a> NumberReader<'a> {
             SINGLE => self.single.next(),
             reference => self.recurring.get(reference as usize - 1),
         };
-        number.copied().ok_or(FileError::Damaged("it refers to a number that it does not hold"))
+        number.copied().ok_or(FileError::Damaged("it refers to a number that it does not contain"))
     }
 
     /// Returns true if every number has been read.

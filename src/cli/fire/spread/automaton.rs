@@ -43,7 +43,7 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
 fn lit_at_start(arguments: &SpreadArguments, frame: FieldFrame) -> Result<Vec<Cell>, CliError> {
     let at_start = |lit: LitCell| {
         let LitCell { cell: cell @ Cell { col, row }, seconds } = lit;
-        let sentence = || format!("--ignite {row},{col}@{seconds}: the automaton is lit at 0 s only");
+        let sentence = || format!("--ignite {row},{col}@{seconds}: the automaton ignites only at 0 s");
         if seconds > 0.0 { Err(CliError::bad_input(sentence(), None)) } else { Ok(cell) }
     };
     arguments.lit(frame)?.into_iter().map(at_start).collect()

@@ -17,46 +17,46 @@ const HEADING: &str = "Automaton (--model alexandridis)";
 /// Settings of the automaton alone; the field, the wind and the cells that are lit are those of every lone fire.
 #[derive(Debug, Args)]
 pub struct AutomatonArguments {
-    /// The probability that a burning cell sets a neighbour on fire, without wind and slope.
+    /// Probability that a burning cell ignites a neighbour, without wind and slope.
     #[arg(help_heading = HEADING, long, value_name = "SHARE", default_value = "0.58", value_parser = share)]
     pub p0: f64,
-    /// The factor of a wind V at an angle t is exp(V (c1 + c2 (cos t - 1))).
+    /// Coefficient c1 of the wind factor exp(V (c1 + c2 (cos t - 1))), for a wind V at an angle t.
     #[arg(help_heading = HEADING, long, value_name = "C1", default_value = "0.045", value_parser = coefficient)]
     pub wind_c1: f64,
-    /// The other number of that factor.
+    /// Coefficient c2 of the wind factor.
     #[arg(help_heading = HEADING, long, value_name = "C2", default_value = "0.131", value_parser = coefficient)]
     pub wind_c2: f64,
-    /// The factor of a slope s in degrees is exp(a s).
+    /// Coefficient a of the slope factor exp(a s), for a slope s in degrees.
     #[arg(help_heading = HEADING, long, value_name = "A", default_value = "0.078", value_parser = coefficient)]
     pub slope_a: f64,
-    /// The kind of vegetation, which makes spread less likely by 0.3, as likely, or more likely by 0.4.
+    /// Kind of vegetation; changes the probability of spread by -30 %, 0 % or +40 %.
     #[arg(help_heading = HEADING, long, value_name = "NAME", default_value = "thickets", value_parser = choice::<Vegetation>(&["agricultural", "thickets", "pine"]))]
     pub vegetation: Vegetation,
-    /// Its density, which makes spread less likely by 0.4, as likely, or more likely by 0.3.
+    /// Density of the vegetation; changes the probability of spread by -40 %, 0 % or +30 %.
     #[arg(help_heading = HEADING, long, value_name = "NAME", default_value = "normal", value_parser = choice::<Density>(&["sparse", "normal", "dense"]))]
     pub density: Density,
-    /// The slope of the whole field, in degrees, instead of --slope.
+    /// Slope of the whole field in degrees, instead of --slope.
     #[arg(help_heading = HEADING, long, hide = true, value_name = "DEGREES", conflicts_with = "slope", value_parser = slope_deg)]
     slope_deg: Option<f64>,
-    /// The azimuth of the way up, instead of --aspect.
+    /// Uphill azimuth, instead of --aspect.
     #[arg(help_heading = HEADING, long, hide = true, value_name = "AZIMUTH", conflicts_with = "aspect", allow_hyphen_values = true, value_parser = azimuth)]
     uphill_deg: Option<f64>,
-    /// The most steps of a fire [default: until it goes out].
+    /// Largest number of steps of a fire [default: until it goes out].
     #[arg(help_heading = HEADING, long, value_name = "N", value_parser = steps)]
     pub steps: Option<u32>,
-    /// The length of a step in seconds, which matters where the wind changes.
+    /// Length of a step in seconds; matters only if the wind changes.
     #[arg(help_heading = HEADING, long, value_name = "SECONDS", default_value = "10", value_parser = seconds)]
     pub step_s: f64,
-    /// The number of fires, each with a seed of its own, one after the other.
+    /// Number of fires, with consecutive seeds.
     #[arg(help_heading = HEADING, long, value_name = "N", default_value = "1", value_parser = runs)]
     pub runs: u32,
-    /// The seed of the first fire.
+    /// Seed of the first fire.
     #[arg(help_heading = HEADING, short, long, value_name = "N", default_value = "1", value_parser = parse_seed)]
     pub seed: u64,
-    /// The number of threads; results do not depend on it [default: the cores of the machine].
+    /// Number of threads; results do not depend on it [default: the number of processors].
     #[arg(help_heading = HEADING, short, long, env = "WILDFIRE_JOBS", value_name = "N", value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
-    /// Write the cells that burned in each fire, and the last step in which one caught fire: run,area,last_step.
+    /// Write each fire's burned cells and the last step with an ignition: run,area,last_step.
     #[arg(help_heading = HEADING, long, value_name = "FILE.csv")]
     pub areas: Option<PathBuf>,
 }

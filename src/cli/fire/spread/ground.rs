@@ -31,7 +31,7 @@ impl<'a> GroundSources<'a> {
     pub fn new(arguments: &'a SpreadArguments) -> Result<Self, CliError> {
         let Some(name) = &arguments.fuel else {
             let help = "such as --fuel GR2; wildfire fire behavior --list-fuels prints all fuel models";
-            return Err(CliError::bad_input("--fuel is missing: what burns?", Some(help)));
+            return Err(CliError::bad_input("--fuel is missing; expected a fuel model or a raster", Some(help)));
         };
         let elevation = arguments.elevation.as_deref().map(|path| (LayerKind::Elevation, path));
         if let Some(model) = FuelModel::by_name(name.trim()) {
@@ -89,6 +89,7 @@ fn check_memory(frame: &FieldFrame, arguments: &SpreadArguments) -> Result<(), C
         frame.cols,
         bytes_text(needed)
     );
-    let help = "--memory sets another limit; gdal_translate -srcwin COL ROW COLS ROWS in.tif out.tif cuts a part out";
+    let help = "raise the limit with --memory, or cut out a part with gdal_translate -srcwin COL ROW COLS ROWS in.tif \
+        out.tif";
     Err(CliError::bad_input(sentence, Some(help)))
 }

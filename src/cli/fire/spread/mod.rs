@@ -37,12 +37,10 @@ const USUAL_CELL_M: f64 = 5.0;
 #[command(after_help = "\
 Rows count from the south, columns from the west, both from 0. Directions are \
 compass azimuths: degrees clockwise from north. A wind from 270 blows to the \
-east; a slope of aspect 180 goes up to the north. Winds are those at 10 m; \
-nothing shelters the ground from them.
+east; a slope of aspect 180 goes up to the north. Winds are at 10 m, over unsheltered ground.
 
-Fire goes from cell to cell along straight lines to 8, 16 or 32 neighbours, and \
-from between two burned cells. Roads and water (fuels 91 to 99) stop it, and so \
-do chains of such cells that touch at corners.
+Fire spreads from cell to cell along straight lines to 8, 16 or 32 neighbours, and from points between two burned \
+cells. Roads and water (fuels 91 to 99) stop it, as do chains of such cells that touch at corners.
 
 Examples:
   wildfire fire spread --rows 201 --cols 201 --cell 5 --fuel GR2 --ignite 100,40 \
@@ -54,10 +52,10 @@ Examples:
   wildfire fire spread --model alexandridis --rows 121 --cols 121 --steps 40 --runs 1000
   wildfire fire spread --model alexandridis --p0 0.3 --wind 8@270 --areas areas.csv")]
 pub struct SpreadArguments {
-    /// The rule by which fire goes on.
+    /// Spread model.
     #[arg(long, value_enum, value_name = "NAME", default_value = "rothermel")]
     model: ModelName,
-    /// The code or number of a fuel model, or a raster of numbers: ESRI ASCII (.asc) or GeoTIFF (.tif).
+    /// Code or number of a fuel model, or a raster of numbers: ESRI ASCII (.asc) or GeoTIFF (.tif).
     #[arg(long, value_name = "NAME|FILE")]
     pub fuel: Option<String>,
     /// Rows of the field; rasters have their own [default: 201].
@@ -83,20 +81,20 @@ pub struct SpreadArguments {
         value_parser = moisture
     )]
     pub moisture: FuelMoisture,
-    /// The wind at 10 m above the ground: its speed in m/s and the azimuth that it comes from, such as 2.5@270, and others
-    /// from later seconds on, such as 2.5@270,4800:3@180 [default: none].
+    /// Wind at 10 m above the ground: speed in m/s and the azimuth it blows from, such as 2.5@270, with changes at
+    /// later seconds, such as 2.5@270,4800:3@180 [default: none].
     #[arg(long, value_name = "M/S@FROM,SECONDS:M/S@FROM,...", allow_hyphen_values = true, value_parser = wind_steps)]
     pub wind: Option<WindSteps>,
-    /// A cell that is lit, at the start or some seconds later; may be given several times [default: the one in the middle].
+    /// Cell to ignite, at the start or some seconds later; may be repeated [default: the middle cell].
     #[arg(long, value_name = "ROW,COL[@SECONDS]", allow_hyphen_values = true, value_parser = ignition)]
     pub ignite: Vec<LitCell>,
-    /// How long the fire burns, in seconds.
+    /// Duration of the fire in seconds.
     #[arg(long, value_name = "TIME", default_value = "3600", allow_hyphen_values = true, value_parser = time_s)]
     pub duration: f64,
-    /// Cells that fire goes to from a cell in a straight line: 8, 16 or 32.
+    /// Neighbours that fire reaches in a straight line: 8, 16 or 32.
     #[arg(long, value_name = "N", default_value = "32", value_parser = neighbours)]
     pub neighbours: Neighbours,
-    /// The memory that the fire may take, such as 4GB [default: 2GB].
+    /// Memory limit of the fire, such as 4GB [default: 2GB].
     #[arg(long, value_name = "SIZE")]
     pub memory: Option<MemoryLimit>,
     #[command(flatten)]
@@ -106,7 +104,7 @@ pub struct SpreadArguments {
     /// Write when each cell caught fire, in seconds, -9999 where nothing burned; the name ends in .asc, .tif or .npy.
     #[arg(help_heading = "Output", long, value_name = "FILE")]
     pub arrival: Option<PathBuf>,
-    /// Draw when each cell caught fire, with contour lines.
+    /// Draw arrival times with contour lines.
     #[arg(help_heading = "Output", long, value_name = "FILE.png")]
     pub png: Option<PathBuf>,
     #[command(flatten)]

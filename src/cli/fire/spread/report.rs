@@ -173,7 +173,7 @@ impl SpreadReport {
             format!("Moisture of dead fuel {d1}, {d10} and {d100} %, of live grass {herb} %, of live wood {woody} %"),
         ];
         if !self.too_wet.is_empty() {
-            lines.push(format!("Too wet to burn, so that fire goes out in it: {}", self.too_wet.join(", ")));
+            lines.push(format!("Fuel too wet to burn: {}", self.too_wet.join(", ")));
         }
         let winds = self.winds.iter().take(5).map(|wind| {
             let blows = match wind.speed_mps {
@@ -184,7 +184,7 @@ impl SpreadReport {
         });
         let winds = winds.collect::<Vec<_>>().join(", ");
         let more =
-            if self.winds.len() > 5 { format!(" and {} changes more", self.winds.len() - 5) } else { String::new() };
+            if self.winds.len() > 5 { format!(" and {} more changes", self.winds.len() - 5) } else { String::new() };
         lines.push(format!("Wind at 10 m: {winds}{more}"));
         lines
     }
@@ -259,15 +259,15 @@ impl From<&SpreadReport> for Document {
         if report.is_enclosed() {
             let (burned, could) = (count(report.burned_cells, "cell"), report.burnable_cells);
             remarks.push(format!(
-                "The fire ended after {burned} of {could} that can burn: bare ground, roads, water or moist fuel enclose it"
+                "The fire ended after {burned} of {could} that can burn, enclosed by bare ground, roads, water or \
+                 moist fuel"
             ));
         }
         if report.reached_edge_s.is_some() {
-            remarks
-                .push("What would burn beyond the edge is not known, nor what would come back from there".to_owned());
+            remarks.push("Fire beyond the edge, and fire that would return from there, is not simulated".to_owned());
         }
         if let Some(cost) = report.cpu_us_per_burned_cell {
-            remarks.push(format!("CPU time {} s, {} us a burned cell", rounded(report.cpu_s, 3), rounded(cost, 2)));
+            remarks.push(format!("CPU time {} s, {} us per burned cell", rounded(report.cpu_s, 3), rounded(cost, 2)));
         }
         document.add_list(remarks);
         document

@@ -106,7 +106,7 @@ fn ignitions(arguments: &SpreadArguments, landscape: &Landscape) -> Result<Vec<(
             return Ok((SimTime::from_seconds(lit.seconds), lit.cell));
         }
         let Cell { col, row } = lit.cell;
-        let sentence = format!("--ignite {row},{col}: nothing burns there, its fuel is {fuel}");
+        let sentence = format!("--ignite {row},{col}: this cell cannot burn, its fuel is {fuel}");
         Err(CliError::bad_input(sentence, Some("rows count from the south, from 0")))
     };
     arguments.lit(landscape.frame)?.into_iter().map(ignition).collect()

@@ -59,8 +59,8 @@ impl<'a> Benchmark<'a> {
     pub fn new(arguments: &'a PlanArguments, context: &'a CommandContext) -> Result<Self, CliError> {
         if arguments.problems.fields.iter().any(|path| is_standard_stream(path)) {
             let sentence =
-                "- is stdin, which can be read once; a benchmark reads its fields for every variant and seed";
-            return Err(CliError::bad_input(sentence, Some("write the field to a file first")));
+                "- is stdin, which can be read only once; a benchmark reads its fields for every variant and seed";
+            return Err(CliError::bad_input(sentence, Some("save the field to a file first")));
         }
         let text = ScenarioText::open(&arguments.scenario)?;
         let mut request = BatchRequest {
@@ -75,7 +75,13 @@ impl<'a> Benchmark<'a> {
         let sweeps_planners = request.sweeps.iter().flat_map(Sweep::keys).any(|key| key == PLANNER_KEY);
         if sweeps_planners && !arguments.planners.is_empty() {
             let sentence = format!("--planner and --set {PLANNER_KEY}= both name planners; expected one of them");
-            return Err(CliError::bad_input(sentence, Some("--planner asks all that it names for the same drives")));
+            return Err(CliError::bad_input(
+                sentence,
+                Some(
+                    "--planner gives all planners that it names the same \
+                drives",
+                ),
+            ));
         }
         let plan = request.resolve(true)?;
         let planners: Vec<_> =
@@ -129,7 +135,7 @@ impl<'a> Benchmark<'a> {
         }
         if queries > MAX_QUERIES {
             let sentence = format!("{queries} queries or more are too many: a benchmark takes at most {MAX_QUERIES}");
-            return Err(CliError::bad_input(sentence, Some("ask for fewer seeds, variants, goals or planners")));
+            return Err(CliError::bad_input(sentence, Some("use fewer seeds, variants, goals or planners")));
         }
         Ok(())
     }

@@ -24,7 +24,7 @@ pub struct Charts {
     pub curves: Vec<ChartSheet>,
     /// What they show: one for each chart.
     pub data: Vec<ChartData>,
-    /// Charts that are not drawn, since they would have too many panels: a sentence for each.
+    /// Omitted charts, since they would have too many panels: a sentence for each.
     pub refused: Vec<String>,
 }
 
@@ -102,7 +102,9 @@ fn boxes(queries: &DriveTable, groups: &[PlannerSummary], measure: &Measure) -> 
     ends.any(|(low, high)| *low != first || *high != first).then(|| BoxChart {
         titles: Titles {
             title: measure.title.into(),
-            note: "Boxes: the middle half, with the median; lines: values within 1.5 boxes; points: all others.".into(),
+            note: "Boxes: the middle half, with the median; whiskers: values within 1.5 boxes; points: \
+                outliers."
+                .into(),
             x: measure.axis.into(),
             y: String::new(),
         },

@@ -63,8 +63,8 @@ fn begin<'a>(arguments: &'a PlanArguments, context: &'a CommandContext) -> Resul
     let asked_for =
         [("--paths", arguments.paths.is_some()), ("--png", arguments.png.is_some()), ("--repeat", arguments.repeat)];
     if let Some((option, _)) = asked_for.into_iter().find(|(_, is_asked)| *is_asked) {
-        let sentence = format!("{option} is of one variant and one seed; expected --seed, and one value of each key");
-        return Err(CliError::bad_input(sentence, Some("leave it out, or ask for the drives of one field again")));
+        let sentence = format!("{option} needs a single variant and seed; expected --seed, and one value of each key");
+        return Err(CliError::bad_input(sentence, Some("leave it out, or plan the drives of one field separately")));
     }
     Benchmark::new(arguments, context)
 }
@@ -177,14 +177,14 @@ pub fn report(arguments: &PlanReportArguments, quiet: bool) -> Result<ExitCode, 
         None if is_folder => source.join(PAGE_FILE),
         None if is_standard_stream(source) => {
             return Err(CliError::bad_input(
-                "- is stdin, beside which there is no page; expected --out FILE.html",
+                "- is stdin, from which no page name follows; expected --out FILE.html",
                 None,
             ));
         }
         None => source.with_extension("html"),
     };
     if is_standard_stream(&page) {
-        let sentence = "- is stdout, beside which there is no folder for charts; expected a name that ends in .html";
+        let sentence = "- is stdout, but the charts need a folder; expected a name that ends in .html";
         return Err(CliError::bad_input(sentence, None));
     }
     let files = Files { inputs: vec![&table], outputs: vec![(Format::Html, &page)], ..Files::default() };

@@ -21,7 +21,7 @@ use wildfire_picture::charts::SCREEN_WIDTH;
 pub struct WrittenPage {
     pub charts_folder: PathBuf,
     pub charts: usize,
-    /// Charts that are not drawn: a sentence for each.
+    /// Omitted charts: a sentence for each.
     pub refused: Vec<String>,
     /// All text in charts.
     pub texts: Vec<String>,
@@ -102,9 +102,9 @@ fn document(queries: &DriveTable, groups: &[PlannerSummary], charts: &Charts, ti
     let sections = [
         ("Tables", tables),
         ("Boxes", figures(&charts.boxes)),
-        ("Medians over what is swept", figures(&charts.curves)),
-        ("Charts that are not drawn", charts.refused.iter().cloned().map(Block::Text).collect()),
-        ("How to read it", vec![Block::List(notes())]),
+        ("Medians over swept keys", figures(&charts.curves)),
+        ("Omitted charts", charts.refused.iter().cloned().map(Block::Text).collect()),
+        ("How to read this page", vec![Block::List(notes())]),
     ];
     let mut document = Document::new(title).with([Block::Text(summary), Block::Contents]);
     for (heading, blocks) in sections {
@@ -117,10 +117,10 @@ fn document(queries: &DriveTable, groups: &[PlannerSummary], charts: &Charts, ti
 
 fn notes() -> Vec<String> {
     let lines = [
-        "All planners were asked for the same drives: of each variant and seed one field, start and goals.",
-        "Intervals take queries as independent. Goals on one field have its bushes in common: one goal for each seed \
-         (--goals 1) is safe.",
-        "CPU times differ from machine to machine, and a little from run to run; nothing else does.",
+        "All planners planned the same drives: one field, start and set of goals for each variant and seed.",
+        "Intervals assume independent queries. Goals on one field share its bushes: one goal per seed (--goals 1) is \
+         safe.",
+        "Only CPU times differ between machines and, slightly, between runs.",
     ];
     lines.map(str::to_owned).to_vec()
 }

@@ -235,11 +235,11 @@ fn digest(line: &[u8]) -> u64 {
 pub(super) fn expect_same_row(path: &Path, first: u64, line: &[u8]) -> Result<(), String> {
     let row: RunRow = decode(line)?;
     let read = File::open(path).and_then(|file| read_line_at(&file, first));
-    let first = read.map_err(|error| format!("its run was there before and cannot be read: {error}"))?;
+    let first = read.map_err(|error| format!("its run was read before and can no longer be read: {error}"))?;
     let first: RunRow = decode(&first)?;
     match first.outcome_difference(&row) {
         None => Ok(()),
-        Some(difference) => Err(format!("run {} was there before and ended otherwise: {difference}", row.label.run)),
+        Some(difference) => Err(format!("run {} appears twice with different results: {difference}", row.label.run)),
     }
 }
 

@@ -91,7 +91,7 @@ pub fn decode<'a, T: Deserialize<'a>>(line: &'a [u8]) -> Result<T, String> {
 }
 
 fn from_json<'a, T: Deserialize<'a>>(json: &'a [u8]) -> Result<T, String> {
-    serde_json::from_slice(json).map_err(|error| format!("its contents are not those of a journal: {error}"))
+    serde_json::from_slice(json).map_err(|error| format!("its contents do not belong in a journal: {error}"))
 }
 
 /// The line's JSON, if the checksum is right.

@@ -30,12 +30,13 @@ pub enum JournalError {
     Unreadable { path: PathBuf, source: io::Error },
     #[error("{} is damaged in line {line}: {reason}", path.display())]
     Damaged { path: PathBuf, line: u64, reason: String },
-    #[error("{} belongs to another plan: it names the plan {found}, expected {expected}", path.display())]
+    #[error("{} belongs to another plan: found the plan {found}, expected {expected}", path.display())]
     OtherPlan { path: PathBuf, found: String, expected: String },
     #[error("{} was changed by another program: {change}", path.display())]
     Changed { path: PathBuf, change: String },
     #[error(
-        "{} was rewritten by another program: the row of run {run} is not the one that was written; all its rows were dropped",
+        "{} was rewritten by another program: the row of run {run} differs from the one written; all its rows were \
+         dropped",
         path.display()
     )]
     Rewritten { path: PathBuf, run: u64 },

@@ -25,7 +25,12 @@ impl AgentFile {
     pub fn read(path: &Path) -> Result<Self, CourseError> {
         let (text, table) = read_toml(path)?;
         if table.is_empty() {
-            return Err(fault(path, None, "it is empty; expected what the rules leave free, such as [unimog] planner"));
+            return Err(fault(
+                path,
+                None,
+                "it is empty; expected values that the rules leave free, such as [unimog] \
+                planner",
+            ));
         }
         Ok(Self { path: path.to_owned(), text, table })
     }
@@ -64,8 +69,10 @@ impl AgentFile {
                 let at = Leaf { keys: vec![list.into(), name.clone()], value: TomlValue::Boolean(true) };
                 let line = at.line_in(&self.text);
                 let Some(key) = at.key() else {
-                    let message =
-                        format!("`{name}` is no name: expected 1 to 40 of a-z 0-9 + - _ . with a letter first");
+                    let message = format!(
+                        "`{name}` is not a valid name: expected 1 to 40 of a-z 0-9 + - _ . with a letter \
+                            first"
+                    );
                     return Err(fault(&self.path, Some(line), &message));
                 };
                 let folder = own.join(table.get("folder").and_then(TomlValue::as_str).unwrap_or_default());
@@ -92,7 +99,7 @@ fn change(leaf: &Leaf, course: &Course) -> Result<Option<String>, String> {
         && list.iter().any(TomlValue::is_table)
     {
         let kind = &leaf.keys[0];
-        return Err(format!("`{written}` is a list of tables; expected a table [{kind}], which is of all agents"));
+        return Err(format!("`{written}` is a list of tables; expected a table [{kind}], which applies to all agents"));
     }
     if !free.has(&steps) {
         if let Some(unknown) = unknown_key(leaf, course) {
@@ -103,13 +110,13 @@ fn change(leaf: &Leaf, course: &Course) -> Result<Option<String>, String> {
     }
     let Some(key) = leaf.key() else {
         return Err(format!(
-            "`{written}` is no key of a scenario: expected letters, digits, `-`, `+`, `_` and `.` in its steps"
+            "`{written}` is not a key of a scenario: expected letters, digits, `-`, `+`, `_` and `.` in its steps"
         ));
     };
     let is_of_program = TABLES_OF_PROGRAMS.contains(&steps[0]) && steps.len() == 3;
     match steps.last() {
         Some(&"reuse") if is_of_program && leaf.value.as_bool() != Some(false) => {
-            return Err(format!("`{written}` is {}; in a course every run has a process of its own", leaf.value));
+            return Err(format!("`{written}` is {}; in a course every run has its own process", leaf.value));
         }
         // It is made a path that holds wherever the batch is resumed.
         Some(&"folder") if is_of_program && leaf.value.is_str() => return Ok(None),

@@ -68,7 +68,7 @@ impl fmt::Display for Place<'_> {
 pub enum CourseRefusal {
     #[error(transparent)]
     Rules(CourseError),
-    #[error("{} faults in the files of agents, the first of them: {}", .0.len(), .0[0])]
+    #[error("{} errors in agent files, the first: {}", .0.len(), .0[0])]
     Agents(Vec<CourseError>),
     #[error(transparent)]
     Request(RequestError),
@@ -155,7 +155,7 @@ impl CourseRequest {
         let are_distinct = stems.len() == self.agents.len();
         let named = |(index, path): (usize, &PathBuf)| {
             if self.agents[..index].contains(path) {
-                return Err(fault(path, None, "it is given twice; expected every agent once"));
+                return Err(fault(path, None, "it is named twice; expected every agent once"));
             }
             Ok(if are_distinct { stem(path) } else { path.with_extension("").to_string_lossy().into_owned() })
         };
@@ -191,7 +191,7 @@ impl SharedRules {
         let freedom = Freedom::parse(&freed).map_err(|error| error.to_string())?;
         let scenario = serde_json::to_value(&variant.scenario).expect("scenarios hold names, numbers and lists only");
         if let Some(table) = kept_program(&scenario) {
-            return Err(format!("`{table}.reuse` is true by {rules}; in a course every run has a process of its own"));
+            return Err(format!("{rules} sets `{table}.reuse` to true; in a course every run has its own process"));
         }
         let ours = rules_of(scenario, &freedom.keys);
         let (first, theirs) = self.0.get_or_insert_with(|| (name, ours.clone()));
@@ -199,7 +199,7 @@ impl SharedRules {
         let steps: Vec<&str> = difference.key.split('.').filter(|step| step.parse::<usize>().is_err()).collect();
         let [theirs, ours] = difference.values.map(|value| value.map_or("nothing".into(), |value| value.to_string()));
         Err(format!(
-            "its `{}` is {ours} and that of {first} is {theirs}; expected [scenario] in {rules} to fix it for all",
+            "its `{}` is {ours}, but {theirs} in {first}; expected [scenario] in {rules} to fix it for all",
             steps.join(".")
         ))
     }
@@ -273,7 +273,7 @@ fn fault(path: &Path, line: Option<usize>, message: &str) -> CourseError {
 fn read_toml(path: &Path) -> Result<(String, Table), CourseError> {
     let text = wildfire_base::input_file::read_text(path, MAX_SCENARIO_BYTES).map_err(|error| {
         let message = match error.kind() {
-            ErrorKind::NotFound => "there is no such file".to_owned(),
+            ErrorKind::NotFound => "the file does not exist".to_owned(),
             _ => format!("it cannot be read: {error}"),
         };
         CourseError { unreadable: Some(error.kind()), ..fault(path, None, &message) }

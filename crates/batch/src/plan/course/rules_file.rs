@@ -20,7 +20,7 @@ const USUAL_SCENARIO: &str = "contest";
 const WALL_OF_CPU: f64 = 10.0;
 const LONGEST_WALL_S: f64 = 3600.0;
 
-/// A rules file: what agents may set, and all that they may not.
+/// A rules file: the values that agents may set, and all fixed values.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct RulesFile {
@@ -36,12 +36,12 @@ struct RulesFile {
     #[schemars(with = "serde_json::Map<String, serde_json::Value>")]
     scenario: Table,
     record: Option<Record>,
-    /// The memory that each run may take, such as `4GB`; 2 GB if it is not given.
+    /// Memory limit of each run, such as `4GB`; 2 GB by default.
     memory: Option<String>,
 }
 
-/// What a program of an agent may ask for at most; of prices, at least: `seconds_per_expansion`, which every planner pays,
-/// and `expansions_per_query`, which every program does.
+/// Upper limits for an agent's program; lower limits for the charges `seconds_per_expansion` of every planner and
+/// `expansions_per_query` of every program.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProgramLimits {
@@ -121,7 +121,7 @@ impl Course {
         let file: RulesFile = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
         let at = |key: &str, message: &str| fault(path, Some(FieldPath::parse(key).line_in(&text)), message);
         if file.free.is_empty() {
-            return Err(at("free", "`free` is empty, so that no agent could set anything; expected at least one key"));
+            return Err(at("free", "`free` is empty, so agents could set nothing; expected at least one key"));
         }
         if file.free.len() > MAX_FREE_KEYS {
             let message = format!("{} keys are free; expected at most {MAX_FREE_KEYS}", file.free.len());
@@ -151,10 +151,11 @@ impl Course {
         let mut changes = Vec::new();
         for (leaf, is_given) in &rules {
             let line = format!("scenario.{}", leaf.keys.join("."));
-            let key =
-                leaf.key().ok_or_else(|| at(&line, &format!("`{}` is no key of a scenario", leaf.keys.join("."))))?;
+            let key = leaf
+                .key()
+                .ok_or_else(|| at(&line, &format!("`{}` is not a key of a scenario", leaf.keys.join("."))))?;
             if *is_given && frees_within(&free, leaf) {
-                let message = format!("`{key}` is set by [scenario] and free too; expected one of them");
+                let message = format!("`{key}` is both set by [scenario] and free; expected one of them");
                 return Err(at(&line, &message));
             }
             changes.push(leaf.change(&key));

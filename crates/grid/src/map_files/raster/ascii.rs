@@ -85,7 +85,7 @@ impl Head {
                 return wrong(format!("found {}, expected one of {}", shown(word), KEYS.join(", ")));
             };
             if head.iter().any(|(earlier, _)| *earlier == key) {
-                return wrong(format!("`{key}` is given a second time"));
+                return wrong(format!("`{key}` is given twice"));
             }
             words.next();
             let Some(word) = words.next() else { return wrong(format!("`{key}` has no number")) };

@@ -20,23 +20,24 @@ pub struct RasterError {
 pub enum RasterFault {
     #[error("cannot be read: {0}")]
     Unreadable(#[from] io::Error),
-    #[error("the file is empty; an ESRI ASCII grid or a GeoTIFF is expected")]
+    #[error("the file is empty; expected an ESRI ASCII grid or a GeoTIFF")]
     Empty,
     #[error(
-        "this is no raster that is read; expected an ESRI ASCII grid, which begins with `ncols`, or a GeoTIFF, which \
-         `gdal_translate in out.tif` makes of most other formats"
+        "this is not a supported raster; expected an ESRI ASCII grid, which begins with `ncols`, or a GeoTIFF, which \
+         `gdal_translate in out.tif` makes from most other formats"
     )]
     Foreign,
     #[error(
-        "the raster has {rows} rows and {cols} columns; expected 1 to {MAX_RASTER_SIDE} each, and at most {MAX_RASTER_CELLS} \
-         cells, which take 268 MB; gdal_translate -srcwin COL ROW COLS ROWS in.tif out.tif cuts a part out"
+        "the raster has {rows} rows and {cols} columns; expected 1 to {MAX_RASTER_SIDE} each, and at most \
+         {MAX_RASTER_CELLS} cells, which take 268 MB; cut out a part with gdal_translate -srcwin COL ROW COLS ROWS \
+         in.tif out.tif"
     )]
     Size { rows: u64, cols: u64 },
-    #[error("a cell of {found} is no cell; expected a side above 0 m and up to 1e9 m")]
+    #[error("the cell size is {found}; expected a side above 0 m and up to 1e9 m")]
     CellSize { found: f64 },
-    #[error("cells of {x} by {y} are not square; gdalwarp -tr SIDE SIDE in.tif out.tif makes them so")]
+    #[error("cells of {x} by {y} are not square; gdalwarp -tr SIDE SIDE in.tif out.tif makes them square")]
     NotSquare { x: f64, y: f64 },
-    #[error("its south-west corner is at ({west_m}, {south_m}), which is no place in metres")]
+    #[error("its south-west corner is at ({west_m}, {south_m}), which is not a position in metres")]
     Place { west_m: f64, south_m: f64 },
     #[error("line {line}: {message}")]
     Header { line: usize, message: String },
@@ -46,7 +47,7 @@ pub enum RasterFault {
     Cell { row: usize, col: usize, found: String },
     #[error("row {row}, column {col}: the file ends; its header declares {rows} rows and {cols} columns")]
     Ends { row: usize, col: usize, rows: usize, cols: usize },
-    #[error("after row {row}, column {col}: the file goes on; its header declares {rows} rows and {cols} columns")]
+    #[error("after row {row}, column {col}: the file continues; its header declares {rows} rows and {cols} columns")]
     GoesOn { row: usize, col: usize, rows: usize, cols: usize },
     #[error("the TIFF image is damaged: {message}")]
     Damaged { message: String },

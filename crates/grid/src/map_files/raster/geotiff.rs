@@ -44,7 +44,7 @@ pub(super) fn parse(mut bytes: Vec<u8>) -> Result<Raster, RasterFault> {
     let damaged_chunk = |message| RasterFault::Damaged { message };
     let mut decoder = tiff_chunks::open(&bytes, MAX_CHUNK).map_err(damaged_chunk)?.map_err(damaged)?;
     if decoder.dimensions().map_err(damaged)? != (cols as u32, rows as u32) {
-        return Err(RasterFault::Damaged { message: "its head says its size twice".into() });
+        return Err(RasterFault::Damaged { message: "its header gives its size twice".into() });
     }
     let crs = geo_keys(&mut decoder)?;
     let place = Place::read(&mut decoder, crs.as_ref())?;
@@ -84,7 +84,7 @@ impl Pixels {
         let (width, height) = decoder.chunk_dimensions();
         let (width, height) = (width as usize, (height as usize).min(self.rows));
         if width == 0 || height == 0 || width * height > MAX_RASTER_CELLS {
-            return Err(RasterFault::Damaged { message: "its strips or tiles have no size that fits".into() });
+            return Err(RasterFault::Damaged { message: "its strips or tiles have an impossible size".into() });
         }
         let across = match decoder.get_chunk_type() {
             ChunkType::Strip => 1,
@@ -128,7 +128,8 @@ fn numbers(samples: DecodingResult) -> Result<Vec<f32>, RasterFault> {
         DecodingResult::I32(samples) => samples.into_iter().map(|sample| sample as f32).collect(),
         DecodingResult::U64(_) | DecodingResult::I64(_) | DecodingResult::F16(_) => {
             return unfit(
-                "its numbers have 64 bits without a point, or 16 with one; gdal_translate -ot Float32 in.tif out.tif helps",
+                "its numbers are 64-bit integers or 16-bit floats; gdal_translate -ot Float32 in.tif out.tif converts \
+                 them",
             );
         }
     })
@@ -148,7 +149,7 @@ fn nodata(decoder: &mut TiffDecoder<'_>) -> Result<Option<f32>, RasterFault> {
         Ok(nodata) => Ok(Some(narrowed(nodata))),
         Err(_) => Err(RasterFault::Damaged {
             message: format!(
-                "`{}`, its value for no data, is no number",
+                "`{}`, its value for no data, is not a number",
                 wildfire_base::untrusted::visible_start(text)
             ),
         }),
@@ -166,18 +167,19 @@ fn geo_keys(decoder: &mut TiffDecoder<'_>) -> Result<Option<GeoKeys>, RasterFaul
         ascii: ascii.map(Value::into_string).transpose().map_err(damaged)?.unwrap_or_default().replace(is_no_text, "?"),
     };
     if crs.directory.len() < 4 {
-        return Err(RasterFault::Damaged { message: "its geo keys have no head".into() });
+        return Err(RasterFault::Damaged { message: "its geo keys have no header".into() });
     }
     if crs.short(MODEL_TYPE) == Some(GEOGRAPHIC) {
         return unfit(
-            "its cells are measured in degrees; gdalwarp -t_srs EPSG:NUMBER in.tif out.tif gives it a grid of metres",
+            "its cells are measured in degrees; gdalwarp -t_srs EPSG:NUMBER in.tif out.tif converts it to a grid in \
+             metres",
         );
     }
     match crs.short(LINEAR_UNITS) {
         None | Some(METRE | USER_DEFINED | UNDEFINED) => Ok(Some(crs)),
         Some(unit) => unfit(format!(
             "its cells are not measured in metres but in unit {unit} (9002 and 9003 are feet); gdalwarp -t_srs \
-             EPSG:NUMBER in.tif out.tif gives it a grid of metres"
+             EPSG:NUMBER in.tif out.tif converts it to a grid in metres"
         )),
     }
 }
@@ -234,20 +236,23 @@ impl Place {
             }
             (_, _, Some(&[x, x_by_row, _, east, y_by_col, y, _, north, ..])) => {
                 if x_by_row != 0.0 || y_by_col != 0.0 {
-                    return unfit("its rows do not run from west to east; gdalwarp in.tif out.tif turns it");
+                    return unfit("its rows do not run from west to east; gdalwarp in.tif out.tif rotates it");
                 }
                 ([x, -y], east, north)
             }
             _ => {
                 return unfit(
-                    "it does not say where its cells are; gdal_translate -a_ullr WEST NORTH EAST SOUTH in.tif out.tif \
-                     says it",
+                    "it does not give the position of its cells; gdal_translate -a_ullr WEST NORTH EAST SOUTH in.tif \
+                     out.tif adds it",
                 );
             }
         };
         // A scale below zero is read in one way by the standard and in another by GDAL; a matrix says what is meant.
         if scale.is_some() && y < 0.0 {
-            return unfit("its rows may go either way by a scale below 0; gdal_translate in.tif out.tif decides it");
+            return unfit(
+                "its scale is below 0, which makes the direction of its rows ambiguous; gdal_translate \
+                in.tif out.tif fixes it",
+            );
         }
         if (x - y.abs()).abs() > 1e-6 * x.abs() {
             return Err(RasterFault::NotSquare { x, y });

@@ -99,7 +99,7 @@ fn unpack(bytes: &[u8], most: usize) -> Result<Option<Vec<u8>>, String> {
             }
         }
         if plain.len() < limit {
-            return wrong("its packed cells end early, or are damaged");
+            return wrong("its compressed cells end early, or are damaged");
         }
         starts.push(if packed.is_empty() { 0 } else { start as u32 });
         sizes.push((limit - start) as u32);

@@ -52,20 +52,18 @@ pub(super) fn check(bytes: &mut [u8]) -> Result<TiffSize, RasterFault> {
     let head = TiffHead::find(bytes).ok_or_else(cut_off)?;
     let number = |tag| head.number(bytes, tag);
     let required = |tag, name: &str| {
-        number(tag)?.ok_or_else(|| RasterFault::Damaged { message: format!("its head does not say its {name}") })
+        number(tag)?.ok_or_else(|| RasterFault::Damaged { message: format!("its header does not give its {name}") })
     };
     let (rows, cols) = (required(LENGTH, "length")?, required(WIDTH, "width")?);
     check_size(rows, cols)?;
     let bands = number(SAMPLES)?.unwrap_or(1);
     if bands != 1 {
         let message =
-            format!("it has {bands} bands, expected one; gdal_translate -b NUMBER in.tif out.tif takes one out");
+            format!("it has {bands} bands, expected one; gdal_translate -b NUMBER in.tif out.tif extracts one");
         return Err(RasterFault::Unfit { message });
     }
     if number(PLANAR)?.is_some_and(|planar| planar > 2) || number(ROWS_PER_STRIP)? == Some(0) {
-        return Err(RasterFault::Damaged {
-            message: "its head says how it is laid out in numbers that none has".into(),
-        });
+        return Err(RasterFault::Damaged { message: "its header gives an unknown layout".into() });
     }
     for tag in [TILE_WIDTH, TILE_LENGTH] {
         if number(tag)?.is_some_and(|side| !(1..=MAX_TILE_SIDE).contains(&side)) {
@@ -88,8 +86,8 @@ pub(super) fn check(bytes: &mut [u8]) -> Result<TiffSize, RasterFault> {
             _ => "an unknown kind",
         };
         let message = format!(
-            "its cells are packed by {name} (number {packing}); gdal_translate -co COMPRESS=DEFLATE in.tif out.tif makes a \
-             file that is read"
+            "its cells are compressed by {name} (number {packing}); gdal_translate -co COMPRESS=DEFLATE in.tif \
+             out.tif makes a supported file"
         );
         return Err(RasterFault::Unfit { message });
     }
@@ -106,7 +104,7 @@ pub(super) fn check(bytes: &mut [u8]) -> Result<TiffSize, RasterFault> {
 }
 
 fn cut_off() -> RasterFault {
-    RasterFault::Damaged { message: "the file ends within its head".into() }
+    RasterFault::Damaged { message: "the file ends within its header".into() }
 }
 
 /// The place of the first list of tags.
@@ -213,7 +211,7 @@ impl TiffHead {
     /// Returns the first number of a tag, `None` if there is no such tag.
     fn number(&self, bytes: &[u8], tag: u16) -> Result<Option<u64>, RasterFault> {
         let Some(entry) = self.entry(bytes, tag) else { return Ok(None) };
-        let damaged = || RasterFault::Damaged { message: format!("its tag {tag} holds no whole number") };
+        let damaged = || RasterFault::Damaged { message: format!("its tag {tag} is not a whole number") };
         entry.value.map(Some).ok_or_else(damaged)
     }
 }

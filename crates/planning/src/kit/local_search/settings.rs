@@ -18,7 +18,7 @@ pub struct PrimitiveSettings {
     pub bin_m: f64,
     /// Bins per full turn.
     pub headings: u32,
-    /// Clearance of the body from bushes and border; where that leads nowhere, half of it, then a tenth, at least 1 cm.
+    /// Clearance of the body from bushes and border; if no path is found, half of it, then a tenth, at least 1 cm.
     pub clearance_m: f64,
     pub cost: MotionCost,
     /// Added for motions that turn.
@@ -27,7 +27,7 @@ pub struct PrimitiveSettings {
     pub reverse_cost: f64,
     /// Added for every change between forward and reverse.
     pub cusp_cost: f64,
-    /// Factor of the estimated metres still to drive.
+    /// Weight of the estimated distance to the goal.
     pub heuristic_weight: f64,
     /// Besides lattice motions, offer turns of the right length followed by a straight to a waypoint or into the goal.
     pub aimed: bool,
@@ -37,7 +37,7 @@ pub struct PrimitiveSettings {
     pub waypoint_tolerance_m: f64,
     /// Start a new search at every waypoint passed, from the pose that passed it.
     pub restart_at_waypoints: bool,
-    /// Where the roadmap, or the drive along it, leads nowhere: search again without waypoints, directly for the goal.
+    /// If the roadmap or the drive along it finds no path, search again without waypoints, directly for the goal.
     pub search_alone: bool,
     /// Nodes that one query may expand, over all its searches.
     ///

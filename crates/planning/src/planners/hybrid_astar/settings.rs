@@ -11,7 +11,7 @@ use wildfire_base::ranges;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct HybridSettings {
-    /// Clearance of the body from bushes and border; where that leads nowhere, two thirds of it, then a third, then a
+    /// Clearance of the body from bushes and border; if no path is found, two thirds of it, then a third, then a
     /// twenty-fifth, at least 1 cm.
     pub clearance_m: f64,
     /// Length of a lattice motion.
@@ -22,14 +22,14 @@ pub struct HybridSettings {
     pub headings: u32,
     /// Added for every change between forward and reverse.
     pub cusp_cost: f64,
-    /// Factor of the estimated metres still to drive.
+    /// Weight of the estimated distance to the goal.
     pub heuristic_weight: f64,
     /// Shortcuts tried on the path found.
     pub shortcuts: u32,
-    /// Rounds in which the bends of that path are pulled tight; with 0 none are, and with more a path that is nearly
-    /// the shortest curve between its ends is left as it is.
+    /// Rounds of tightening the bends of that path; 0: none. A path that is nearly the shortest curve between its ends
+    /// is left unchanged.
     pub pulls: u32,
-    /// Nodes that are expanded at the wanted clearance before less is asked for.
+    /// Nodes expanded at the full clearance before it is reduced.
     pub first_expansions: u32,
     /// Nodes that one query may expand, over all its searches.
     pub max_expansions: u32,

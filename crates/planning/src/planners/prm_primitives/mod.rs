@@ -199,8 +199,8 @@ impl BuiltInPlanner for Maker {
         let clearance_m = settings.prm.clearance_m;
         (clearance_m < 0.5 * body.width_m).then(|| {
             format!(
-                "The roadmap of {truck} keeps {clearance_m} m clear, less than half the truck's width: it may lead \
-                 where the truck cannot go."
+                "The roadmap of {truck} has a clearance of {clearance_m} m, less than half the truck's width: it may \
+                 lead where the truck does not fit."
             )
         })
     }

@@ -13,12 +13,12 @@ use wildfire_base::ranges;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PrmSettings {
-    /// Milestones to draw.
+    /// Number of random milestones.
     pub samples: u32,
-    /// Milestones to draw for every hectare, in place of `samples`: as dense a roadmap on fields of all sizes.
+    /// Number of random milestones per hectare, instead of `samples`: the same density on fields of all sizes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub samples_per_hectare: Option<f64>,
-    /// The number of nearest milestones to which each is joined, those to which the straight line is free.
+    /// Number of nearest milestones to which each milestone is joined if the straight line is free.
     pub neighbours: u32,
     /// The longest edge.
     pub max_edge_m: f64,
@@ -71,10 +71,10 @@ pub enum RoadmapSearch {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RoadmapGoal {
-    /// Those from which the fire can be reached; the drive ends in the goal disc.
+    /// All milestones within reach of the fire; the drive ends in the goal disc.
     InReach,
-    /// The one nearest to the fire, of those from which it can be reached; the drive ends about that milestone, where
-    /// the fire is in reach.
+    /// The milestone nearest to the fire among those within reach; the drive ends near that milestone, with the fire in
+    /// reach.
     NearestMilestone,
 }
 

@@ -11,40 +11,41 @@ use wildfire_base::ranges;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PrmRsSettings {
-    /// Poses to draw, besides those at the corners of bushes.
+    /// Number of random poses, besides those at the corners of bushes.
     pub samples: u32,
-    /// Poses to draw for every hectare, in place of `samples`.
+    /// Number of random poses per hectare, instead of `samples`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub samples_per_hectare: Option<f64>,
-    /// Places around every convex corner of a bush at which the truck may pass it, in either direction.
+    /// Number of places around every convex corner of a bush where the truck may pass it, in either direction.
     pub corner_places: u32,
-    /// The number of nearest earlier poses to which each is joined.
+    /// Number of nearest earlier poses to which each pose is joined.
     pub neighbours: u32,
-    /// The highest cost of an edge.
+    /// The largest cost of an edge.
     pub max_edge_m: f64,
-    /// Clearance of the body from bushes and border; where that leads nowhere, a third of it, then a twenty-fifth, at
-    /// least 1 cm.
+    /// Clearance of the body from bushes and border; if no path is found, a third of it, then a twenty-fifth, at least
+    /// 1 cm.
     pub clearance_m: f64,
     /// Added for every change between forward and reverse.
     pub cusp_cost: f64,
     /// Shortcuts tried on the path found.
     pub shortcuts: u32,
-    /// When what does not hang together is joined, on fields whose roadmap is made as a whole.
+    /// When disconnected components are joined, for roadmaps built in one go.
     pub join: Join,
-    /// Rounds in which the bends of that path are pulled tight; with 0 none are, and with more a path that is nearly
-    /// the shortest curve between its ends is left as it is.
+    /// Rounds of tightening the bends of that path; 0: none. A path that is nearly the shortest curve between its ends
+    /// is left unchanged.
     pub pulls: u32,
     /// Simulated planning time charged, during which the truck stands still.
     pub seconds_per_expansion: f64,
 }
 
-/// When the components of a roadmap are joined: edges between them are swept, and more poses are tried about small ones.
+/// Selects when the components of a roadmap are joined: by edges between them, and by more poses around small
+/// components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Join {
-    /// While it is made.
+    /// While the roadmap is built.
     AtOnce,
-    /// When a query finds no way on it for the first time. Its components are not counted.
+    /// When a query first finds no path on the roadmap. Its components are not counted.
     WhenNeeded,
 }
 

@@ -50,7 +50,7 @@ enum Happened<'a> {
         leg: Option<u32>,
         #[serde(flatten)]
         effort: EffortObject,
-        /// What found the way; null of a Wumpus.
+        /// What found the path; null for a Wumpus.
         #[schemars(with = "Option<String>")]
         found_by: Option<Word<FoundBy>>,
     },

@@ -47,7 +47,7 @@ impl LegTable {
     }
 }
 
-/// A way that an agent followed. Before it begins the agent stands at its start, after its last piece at its end.
+/// A path that an agent followed. Before it begins the agent stands at its start, after its last piece at its end.
 #[derive(Serialize, JsonSchema)]
 pub struct LegObject {
     agent: AgentName,
@@ -60,7 +60,7 @@ pub struct LegObject {
     /// When its first piece begins; until then planning time is charged.
     begins_ns: u64,
     start: PoseObject,
-    /// One after the other; those that the agent did not come to are among them.
+    /// In order, including pieces that the agent did not reach.
     pieces: Vec<PieceObject>,
 }
 

@@ -62,18 +62,17 @@ struct RunObject<'a> {
     #[schemars(with = "WinnerName")]
     winner: Winner,
     setting: SettingObject<'a>,
-    /// What agents did and what happened to bushes, in the order in which it happened. What happened to ground is
-    /// among the fires and wettings.
+    /// Events of agents and bushes, in order of time. Events of ground are among the fires and wettings.
     #[schemars(with = "Vec<EventObject<'static>>")]
     events: Events<'a>,
-    /// The ways that agents followed, agent by agent, each in order of time.
+    /// The paths that agents followed, agent by agent, each in order of time.
     #[schemars(with = "Vec<LegObject>")]
     legs: Legs<'a>,
     /// Every time that a bush or a cell of ground burned, in order of time.
     fires: Vec<FireObject>,
     /// Cells that trucks wetted so that they could not burn for a while, in order of time.
     wettings: Vec<WettingObject>,
-    /// The run in numbers, as the tables of batches have them.
+    /// The outcome in numbers, as in the tables of batches.
     outcome: OutcomeObject<'a>,
 }
 

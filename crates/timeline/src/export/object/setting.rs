@@ -44,7 +44,7 @@ struct AgentObject {
     agent: AgentName,
     start: PoseObject,
     body: BodyObject,
-    /// Null where the recording does not say.
+    /// Null if the recording does not contain it.
     limits: Option<LimitsObject>,
 }
 
