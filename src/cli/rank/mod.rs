@@ -36,9 +36,9 @@ key that is free; or all runs of a batch in which these do not vary. All entries
 have the same seeds and the same rules: what may differ is the planner, the
 truck's policy and their settings, and what --free names.
 
-A run that failed counts as the worst value of the metric. Ranges of ranks, and
-groups with a letter in common, are those of entries that are not told apart.
-Metrics are those of `wildfire compare`.";
+A run that failed counts as the worst value of the metric. Entries that share a
+letter, or a range of ranks, are not significantly different. Metrics are those
+of `wildfire compare`.";
 
 #[derive(Clone, Debug, Args)]
 #[command(after_help = NOTES)]
@@ -49,7 +49,7 @@ pub struct RankArguments {
     /// The metric that gives the order [default: saved].
     #[arg(long, value_name = "NAME")]
     pub metric: Option<String>,
-    /// Which values of the metric are better, where it does not say so itself.
+    /// Which values are better, for metrics without a built-in side.
     #[arg(long, value_name = "WHICH", value_parser = better())]
     pub better: Option<Better>,
     /// A key besides the usual ones in which entries may differ, such as `wumpus.goal`, and all below it; may be
