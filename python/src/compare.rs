@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use wildfire::batch::comparison::{Selection, compare as library_compare};
+use wildfire::batch::comparison::{Amount, Questions, Selection, compare as library_compare};
 use wildfire::batch::{FileColumn, Kind, Unit};
 
 use crate::batch::{Batch, OneOrMore};
@@ -17,6 +17,13 @@ use crate::errors::error;
 pub enum By {
     Column(String),
     Values(String, Vec<String>),
+}
+
+/// A difference: a number, or one with a unit.
+#[derive(FromPyObject)]
+pub enum Size {
+    Number(f64),
+    Words(String),
 }
 
 /// Compares batches, or the parts of one, paired by seed.
@@ -32,23 +39,31 @@ pub enum By {
 /// metric : str or sequence of str
 ///     Numeric columns of ``runs.csv``, and ``saved``, ``burned``, ``truck_won``, ``wumpus_won``; default: the usual ones.
 ///
+/// power : float or str
+///     How many seeds detect a difference of this size? A number in the unit of the metrics, or with a unit: ``"5 ms"``.
+/// equivalent : float or str
+///     Are the sides equal within this margin? As ``power``.
+///
 /// Returns
 /// -------
 /// Columns
-///     A row per metric and side: means, their difference with a 95 % interval, p-values, and the verdict in words.
+///     A row per metric and side: means, their difference with a 95 % interval, p-values, the verdict in words, and
+///     the answers about power and equivalence, which are missing where they were not asked for.
 ///
 /// Raises
 /// ------
 /// WildfireError
 ///     A batch cannot be read, or the batches do not match.
 #[pyfunction]
-#[pyo3(signature = (*batches, by = None, r#where = None, metric = None))]
+#[pyo3(signature = (*batches, by = None, r#where = None, metric = None, power = None, equivalent = None))]
 pub fn compare<'py>(
     py: Python<'py>,
     batches: &Bound<'py, PyTuple>,
     by: Option<By>,
     r#where: Option<Vec<(String, String)>>,
     metric: Option<OneOrMore<String>>,
+    power: Option<Size>,
+    equivalent: Option<Size>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let path = |batch: Bound<'_, PyAny>| match batch.cast::<Batch>() {
         Ok(batch) => Ok(batch.get().path().to_owned()),
@@ -64,7 +79,9 @@ pub fn compare<'py>(
     });
     let selection = Selection { by, only: r#where.unwrap_or_default() };
     let metrics = metric.map_or_else(Vec::new, OneOrMore::into_vec);
-    let comparison = py.detach(|| library_compare(&paths, &selection, &metrics)).map_err(error)?;
+    let questions = Questions { power: amount("power", power)?, equivalent: amount("equivalent", equivalent)? };
+    let compared = py.detach(|| library_compare(&paths, &selection, &metrics)).map_err(error)?;
+    let comparison = compared.asking(questions).map_err(error)?;
     let mut table = TableBuilder::new(columns());
     let description = |letter| {
         let side = comparison.sides.iter().find(|side| side.letter == letter);
@@ -93,10 +110,26 @@ pub fn compare<'py>(
                 contrast.p_method.name().to_owned().into(),
                 judged.verdict.name().to_owned().into(),
                 judged.sentence(against.letter).into(),
+                judged.power.map(|answer| answer.power).into(),
+                judged.power.and_then(|answer| answer.seeds_needed).into(),
+                judged.power.map(|answer| answer.detectable).into(),
+                judged.equivalence.map(|found| found.is_equivalent()).into(),
+                judged.equivalence.map(|found| found.interval.low).into(),
+                judged.equivalence.map(|found| found.interval.high).into(),
+                judged.equivalence.map(|found| found.p_value).into(),
             ]);
         }
     }
     table.finish(py)
+}
+
+/// Reads the argument of this name.
+fn amount(name: &str, size: Option<Size>) -> PyResult<Option<Amount>> {
+    let text = size.map(|size| match size {
+        Size::Number(number) => number.to_string(),
+        Size::Words(words) => words,
+    });
+    text.map(|text| text.parse().map_err(|reason| error(format!("{name} {text}: {reason}")))).transpose()
 }
 
 fn columns() -> Vec<FileColumn> {
@@ -125,6 +158,13 @@ fn columns() -> Vec<FileColumn> {
         ("p_method", Kind::Text, "method behind the p-value"),
         ("verdict", Kind::Text, "difference, no-evidence, no-evidence-among-several-tests or equal"),
         ("sentence", Kind::Text, "the verdict in words"),
+        ("power", Kind::Real, "probability that these seeds detect the difference asked about"),
+        ("seeds_needed", Kind::Count, "seeds that detect it with 80 % power"),
+        ("detectable", Kind::Real, "smallest difference that these seeds detect with 80 % power"),
+        ("equivalent", Kind::Flag, "whether the sides are equal within the margin, at 5 %"),
+        ("equivalence_low", Kind::Real, "lower end of the 90 % interval of the difference"),
+        ("equivalence_high", Kind::Real, "upper end of the 90 % interval of the difference"),
+        ("equivalence_p", Kind::Real, "p-value of the two one-sided tests"),
     ]
     .map(column)
     .into()

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use wildfire::batch::comparison::{
-    BesideReport, Comparison, ComparisonError, Contrast, JudgedContrast, Method, Selection, Verdict, compare,
+    BesideReport, Comparison, ComparisonError, Contrast, JudgedContrast, Method, Questions, Selection, Verdict, compare,
 };
 use wildfire::stats::RESOLUTION;
 
@@ -106,6 +106,37 @@ fn difference_that_is_there_is_found_and_said() {
     assert!((judged.contrast.difference - 6.0).abs() < 1e-9);
     let said = judged.sentence('B');
     assert!(said.starts_with("B saves 6.00 more obstacles per run, 95 % interval 5."), "{said}");
+}
+
+#[test]
+fn power_and_equivalence_are_those_of_the_differences_by_seed() {
+    let scratch = Scratch::new();
+    let a = scratch.batch("a", &runs(1..=60, noise));
+    let b = scratch.batch("b", &runs(1..=60, |seed| noise(seed) + 4 + seed % 5));
+    let asked = |power: &str, equivalent: &str| {
+        let amount = |text: &str| Some(text.parse().expect("it is an amount"));
+        compared(&[&a, &b], &["saved", "truck_won"])
+            .asking(Questions { power: amount(power), equivalent: amount(equivalent) })
+    };
+    let comparison = asked("0.5 cells", "6.2").expect("both have an answer");
+    let judged = only_judged(&comparison);
+    // In Python: x = numpy.repeat([4, 5, 6, 7, 8], 12); effect = 0.5 / x.std(ddof=1); with statsmodels 0.15,
+    // TTestPower().power(effect, 60, 0.05), .solve_power(effect_size=effect, power=0.8, alpha=0.05) rounded up, and
+    // .solve_power(nobs=60, power=0.8, alpha=0.05) * x.std(ddof=1)
+    let power = judged.power.expect("differences vary");
+    assert_eq!((power.difference, power.seeds_needed), (0.5, Some(66)));
+    assert!((power.power - 0.7615494804032632).abs() < 1e-9, "{power:?}");
+    assert!((power.detectable - 0.524400805).abs() < 1e-5, "{power:?}");
+    // DescrStatsW(x).ttost_mean(-6.2, 6.2)[0], .tconfint_mean(alpha=0.1)
+    let equivalence = judged.equivalence.expect("differences vary");
+    assert!((equivalence.p_value - 0.1408871408911236).abs() < 1e-9 && !equivalence.is_equivalent(), "{equivalence:?}");
+    assert!((equivalence.interval.low - 5.692326834099681).abs() < 1e-9, "{equivalence:?}");
+    assert!(
+        only_judged(&asked("1", "6.5").expect("both have an answer")).equivalence.expect("as above").is_equivalent()
+    );
+    let refusal = asked("5 m", "1").expect_err("nothing is in metres").to_string();
+    assert_eq!(refusal, "--power 5 m: no metric has this unit; expected one of saved: cells, truck_won: below 100 %");
+    assert!(asked("1", "100 %").is_err(), "no two shares differ by that much");
 }
 
 #[test]
@@ -221,7 +252,7 @@ fn mean_over_what_is_swept_is_taken_apart_where_it_hides_something() {
     let judged = only_judged(&comparison);
     let strata = judged.by_stratum.as_ref().expect("three coverages");
     assert!(strata.differ() && strata.seeds == 40 && strata.p_adjusted.is_some_and(|p| p < 1e-6), "{strata:?}");
-    assert!(judged.sentence('B').ends_with("; it depends on field.coverage, p < 0.0005"), "{}", judged.sentence('B'));
+    assert!(judged.sentence('B').ends_with("; it depends on field.coverage, p < 0.001"), "{}", judged.sentence('B'));
     let expected = [(27.0, Verdict::Difference), (1.0, Verdict::Difference), (0.0, Verdict::NoEvidence)];
     for ((_, stratum), (difference, verdict)) in strata.strata.iter().zip(expected) {
         assert!((stratum.contrast.difference - difference).abs() < 1e-9, "{stratum:?}");

@@ -116,7 +116,10 @@ fn statistics_are_of_all_runs_and_tables_fit_a_terminal() {
     let report = run(scratch.path(), "18446744073709551000..18446744073709551049", 2);
     let text = text_of(&report);
     assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
-    assert!(text.contains("30 more runs are in runs.csv"), "{text}");
+    assert!(text.contains("All 50 runs are in runs.csv, one row each."), "{text}");
+    assert!(!text.contains("18446744073709551000"), "beyond twenty runs there are no rows of single ones: {text}");
+    let first = Document::default().with(report.tables.first_rows()).to_text();
+    assert!(first.contains("30 more runs are in runs.csv") && first.contains("18446744073709551019"), "{first}");
     let outcomes = outcomes(&scratch.path().join("runs.csv"));
     let column = outcomes[0].iter().position(|name| name == "extinguished").expect("it is promised");
     let numbers: Vec<f64> = outcomes[1..].iter().filter_map(|row| row[column].parse().ok()).collect();

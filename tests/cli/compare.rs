@@ -30,7 +30,7 @@ fn hostile_batch(story: &Story) {
 fn batches_are_compared_in_every_form() {
     let story = two_batches();
     let text = story.tell(&["compare", "a", "b"]).expect_code(0).stdout;
-    for words in ["A: a/runs.csv (scenario smoke", "6 pairs of runs.", "saved: ", "B less A", "Fewer than 10 seeds"] {
+    for words in ["A: a/runs.csv (scenario smoke", "6 pairs of runs.", "saved: ", "B − A", "Fewer than 10 seeds"] {
         assert!(text.contains(words), "`{words}` is missing:\n{text}");
     }
     assert!(widest(&text) <= 80, "{text}");
@@ -39,7 +39,7 @@ fn batches_are_compared_in_every_form() {
     assert!(markdown.contains("\n| saved |"), "{markdown}");
     let page = story.tell(&["compare", "a", "b", "--html"]).expect_code(0).stdout;
     assert!(page.starts_with("<!DOCTYPE html>") && page.contains(">saved</td>"), "{page}");
-    assert!(page.contains("<svg ") && page.contains("B less A (% of A"), "a forest of the differences");
+    assert!(page.contains("<svg ") && page.contains("B − A (% of A"), "a forest of the differences");
     let paper = story.tell(&["compare", "a", "b", "--tex"]).expect_code(0).stdout;
     assert!(paper.contains("\\midrule\nsaved & 6 & "), "{paper}");
     let json = story.tell(&["compare", "a", "b", "--json", "--metric", "saved,truck_cusps"]).expect_code(0).stdout;
@@ -86,6 +86,46 @@ fn differences_are_written_as_csv() {
         assert!((number(percent) * number(mean).abs() - 100.0 * number(difference)).abs() < 1e-6 * number(mean).abs());
     }
     refuse(&story, &["compare", "a", "b", "--csv", "differences.png"], &["differences.png"]);
+}
+
+#[test]
+fn power_and_equivalence_are_answered_in_every_form() {
+    let story = two_batches();
+    let asked =
+        ["compare", "a", "b", "--metric", "saved,truck_won,mean_response_s", "--power", "1", "--equivalent", "30"];
+    let text = story.tell(&asked).expect_code(0).stdout;
+    for words in ["Seeds that a difference between A and B needs", "1 cell ", "Equivalence of A and B", "30 cells"] {
+        assert!(text.contains(words), "`{words}` is missing:\n{text}");
+    }
+    assert!(widest(&text) <= 80, "{text}");
+    let with = |more: &[&str]| story.tell(&[&asked[..], more].concat()).expect_code(0).stdout;
+    assert!(with(&["--tex"]).contains("Equivalence of A and B"), "{}", with(&["--tex"]));
+    let json: Value = serde_json::from_str(&with(&["--json"])).expect("it is JSON");
+    let saved = &json["comparisons"][0]["metrics"][0];
+    let needed = saved["power"]["seeds_needed"].as_u64().expect("a number of seeds");
+    let power = saved["power"]["power"].as_f64().expect("a probability");
+    assert_eq!((needed <= 6, saved["power"]["difference"].as_f64()), (power >= 0.8, Some(1.0)));
+    assert_eq!(saved["equivalence"]["margin"], 30.0);
+    // A share cannot differ by 1; nobody asks about it then.
+    assert_eq!(json["comparisons"][0]["metrics"][1].get("power"), None);
+    with(&["--csv", "differences.csv"]);
+    let written = story.read("differences.csv");
+    let mut table = csv::Reader::from_reader(written.as_bytes());
+    let headers = table.headers().expect("a table").clone();
+    let place = |name: &str| headers.iter().position(|known| known == name).expect(name);
+    let row = table.records().next().expect("a row").expect("it is read");
+    assert_eq!(row[place("seeds_needed")], needed.to_string());
+    assert_eq!(row[place("equivalence_p")].parse().ok(), saved["equivalence"]["p_value"].as_f64());
+    let alone = story.tell(&["compare", "a", "b", "--metric", "saved", "--json"]).expect_code(0).stdout;
+    assert!(!alone.contains("seeds_needed") && !alone.contains("equivalen"), "{alone}");
+    for (option, value, words) in [
+        ("--power", "0", "expected a number above 0"),
+        ("--power", "-1", "expected a number above 0"),
+        ("--equivalent", "1 parsec", "there is no unit `parsec`"),
+        ("--equivalent", "5 m", "--equivalent 5 m: no metric has this unit; expected one of"),
+    ] {
+        refuse(&story, &["compare", "a", "b", option, value], &[words]);
+    }
 }
 
 /// A batch of `smoke` in `folder` with these changes.
@@ -208,7 +248,7 @@ fn comparison_by_planner_says_what_it_is_a_mean_over() {
         text.contains("it depends on duration_s and field.coverage"),
         "lattice drives more where more burns:\n{text}"
     );
-    assert!(text.contains("duration_s 200, field.coverage 0.05: B has truck_distance_m"), "{text}");
+    assert!(text.contains("duration_s 200, field.coverage 0.05: truck_distance_m is"), "{text}");
     let json: Value = serde_json::from_str(&flat(&story, &["a", "--by", "planner", "--json"])).expect("it is JSON");
     let of_planner = &json["comparisons"][0];
     assert_eq!(of_planner["mean_over"]["columns"], serde_json::json!(["duration_s", "field.coverage"]));

@@ -191,6 +191,33 @@ fn run_that_cannot_take_place_says_why() {
 }
 
 #[test]
+fn a_batch_opens_with_who_won_and_what_was_saved_and_ends_with_a_command_that_shows_a_run() {
+    let story = Story::begin();
+    let batch = |arguments: &[&str]| story.tell(&[&["batch"], arguments].concat()).expect_code(0).stdout;
+    // Lines without the breaks of sentences.
+    let flat = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let opening = |text: &str| flat(text.split("\n\n").nth(1).expect("there is an opening"));
+    let text = batch(&["smoke", "--seeds", "1..30", "--out", "many"]);
+    assert!(opening(&text).starts_with("The ") && opening(&text).contains(" of 30 runs"), "{text}");
+    assert!(opening(&text).contains(" % of ") && opening(&text).contains(" bushes (mean; 95 % interval "), "{text}");
+    assert!(text.contains("\nPage with charts: wildfire report many\n"), "{text}");
+    let table = text.find("TABLE I.").expect("it is there");
+    assert!(text.find("wildfire report").is_some_and(|place| place < table), "the answer comes first: {text}");
+    assert!(text.contains("All 30 runs are in runs.csv") && !text.contains("Seed"), "{text}");
+    let last = text.lines().last().expect("a line");
+    let command = last.strip_prefix("Watch a run: wildfire ").expect(last);
+    assert_eq!(command, "render many --seed 1 --page seed-1.html");
+    story.tell(&command.split(' ').collect::<Vec<_>>()).expect_code(0);
+    assert!(story.read("seed-1.html").starts_with("<!DOCTYPE html>"));
+    let one = batch(&["smoke", "--seeds", "7", "--out", "one"]);
+    assert!(!opening(&one).contains("mean") && !opening(&one).contains(" of 1 "), "{one}");
+    let alone = batch(&["wumpus-alone", "--seeds", "1..3", "--out", "alone"]);
+    assert!(opening(&alone).starts_with("Without trucks, ") && opening(&alone).ends_with("did not burn."), "{alone}");
+    let several = batch(&["smoke", "--planner", "prm-rs,lattice", "--seeds", "1..3", "--out", "several"]);
+    assert!(opening(&several).starts_with("6 runs of 2 variants finished; "), "{several}");
+}
+
+#[test]
 fn agents_of_one_side_play_no_contest() {
     let story = Story::begin();
     for name in ["wumpus-alone", "unimog-alone"] {

@@ -50,7 +50,7 @@ fn table_of_entries_is_written_whole() {
     assert_eq!(header[..4], ["place", "entry", "planner", "rank_from"]);
     let rows: Vec<_> = reader.records().map(|row| row.expect("a row")).collect();
     assert_eq!((rows.len(), &rows[0][0], &rows[0][6]), (3, "1", "burned"));
-    assert_eq!(&rows[0][8], "", "the first is not less than itself");
+    assert_eq!(&rows[0][8], "", "the first has no difference from itself");
     let on_stdout = story.tell(&["rank", "all", "--csv", "-", "--metric", "burned"]).expect_code(0).stdout;
     assert_eq!(on_stdout, story.read("ranking.csv"));
 }
@@ -70,7 +70,7 @@ fn what_cannot_be_ranked_is_refused() {
     story.tell(&["rank", "anna", "other", "--free", "fire.relight"]).expect_code(0);
     refuse(&story, &["rank", "nowhere"], &["expected a folder with a runs.csv, or such a file"]);
     refuse(&story, &["rank", "anna", "--metric", "savd"], &["there is no metric `savd`: did you mean `saved`?"]);
-    refuse(&story, &["rank", "anna", "--metric", "ended_s"], &["say `--better higher` or `--better lower`"]);
+    refuse(&story, &["rank", "anna", "--metric", "ended_s"], &["add `--better higher` or `--better lower`"]);
     refuse(&story, &["rank", "anna", "--where", "planner=nobody"], &["no run has planner `nobody`"]);
     refuse(&story, &["rank", "anna", "--csv", "ranking.png"], &["expected a name that ends in .csv or .txt"]);
     refuse(&story, &["rank"], &["BATCH"]);

@@ -213,7 +213,7 @@ fn one_batch_has_one_interval_and_the_headline_gives_where_it_holds() {
         (Some("hybrid-astar"), [-high, -low])
     );
     assert!(said.contains(&format!("(95 % interval {low:.2} to {high:.2})")), "{low} {high} {said}");
-    let dependence = "The difference from prm+primitives depends on field.coverage, p < 0.0005: hybrid-astar is \
+    let dependence = "The difference from prm+primitives depends on field.coverage, p < 0.001: hybrid-astar is \
                       significantly ahead at field.coverage 0.1; no evidence of a difference at field.coverage 0.05.";
     assert!(said.contains(&dependence.replace('<', "&lt;")), "{said}");
     // The chart shows these differences, with the intervals of the strata.

@@ -1,4 +1,4 @@
-//! What is said of a batch that is over, by `batch`, `merge` and `report`.
+//! The results of a finished batch, as `batch`, `merge` and `report` print them.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,8 +9,8 @@ use serde::Serialize;
 use wildfire_base::document::{Block, Document};
 use wildfire_batch::stats::{Interval, Series};
 use wildfire_batch::{
-    BatchPlan, BatchReport, COMMIT, COMPILER, Machine, OutputFolder, PROGRAM_VERSION, RUN_COLUMNS, Tally,
-    VariantReport, WrittenReport,
+    BatchPlan, BatchReport, COMMIT, COMPILER, Machine, OutputFolder, PROGRAM_VERSION, RUN_COLUMNS, Record, Tally,
+    VariantReport, WrittenReport, shell_word,
 };
 
 /// The JSON object that `wildfire batch --json` and `wildfire merge --json` print, and the beginning of that of
@@ -113,21 +113,35 @@ impl BatchObject {
     }
 }
 
-/// Words the result of a finished batch.
+/// Words the result of a finished batch: the answer first, then the tables, and last the command that shows a run.
 pub fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport) -> Document {
-    let files = format!("Files: {}", folder.path().display());
-    match report.variants.as_slice() {
-        [one] => {
-            let sentences = one.tally.sentences().into_iter().chain([files]).collect();
-            let title = format!("{}, seeds {}", one.title, plan.seeds);
-            Document::new(title).with(one.tables.blocks()).with([Block::List(sentences)])
-        }
+    let path = shell_word(&folder.path().display().to_string());
+    let (title, tables, sentences) = match report.variants.as_slice() {
+        [one] => (format!("{}, seeds {}", one.title, plan.seeds), one.tables.blocks(), one.tally.sentences()),
         _ => {
-            let sentences = report.notes().into_iter().chain(report.failure_sentences()).chain([files]).collect();
-            let title = format!("Seeds {} of each variant", plan.seeds);
-            Document::new(title).with(report.overview()).with([Block::List(sentences)])
+            let sentences = report.notes().into_iter().chain(report.failure_sentences()).collect();
+            (format!("Seeds {} of each variant", plan.seeds), report.overview(), sentences)
         }
-    }
+    };
+    let files = format!("Files: {}", folder.path().display());
+    let opening = Block::Text(report.opening());
+    let sentences = Block::List(sentences.into_iter().chain([files]).collect());
+    // Commands are copied, so that their lines are not broken.
+    let page = page_command(plan, &path, report).map(|command| Block::Verbatim(format!("Watch a run: {command}")));
+    let charts = page.as_ref().map(|_| Block::Verbatim(format!("Page with charts: wildfire report {path}")));
+    let blocks = [opening].into_iter().chain(charts).chain(tables).chain([sentences]).chain(page);
+    Document::new(title).with(blocks)
+}
+
+/// Returns the command that writes a page of a run in the batch at this path, a word of the shell: of the first run that
+/// finished; `None` if none did.
+fn page_command(plan: &BatchPlan, path: &str, report: &BatchReport) -> Option<String> {
+    // Commands on a batch show its first variant.
+    let seed = report.variants.first()?.first_done?;
+    let has_programs = || plan.variants.iter().any(|variant| !variant.scenario.used_programs().is_empty());
+    // A run that was not recorded is simulated again.
+    let trust = if plan.record != Record::All && has_programs() { " --trust" } else { "" };
+    Some(format!("wildfire render {path} --seed {seed}{trust} --page seed-{seed}.html"))
 }
 
 /// The tables of a batch for a paper, and the files of a report.
@@ -184,7 +198,7 @@ impl ShownTables<'_> {
             }
             for variant in tables.variants.iter().filter(|_| rows || tables.variants.len() == 1) {
                 document.add(Block::Heading(variant.title.clone()));
-                document = document.with(if rows { variant.blocks() } else { variant.means() });
+                document = document.with(if rows { variant.first_rows() } else { variant.means() });
             }
             document = document.with(tables.fleets_table());
         } else {

@@ -12,7 +12,7 @@ use crate::cli::next_command::help_on_unfinished;
 use crate::cli::output_files::{Files, Format, write_all};
 use crate::cli::report::FormArguments;
 use wildfire_batch::TableError;
-use wildfire_batch::comparison::{BesideReport, ComparisonError, Selection, compare};
+use wildfire_batch::comparison::{Amount, BesideReport, ComparisonError, Questions, Selection, compare};
 
 const NOTES: &str = "\
 Examples:
@@ -23,35 +23,46 @@ Examples:
   wildfire compare runs/original --with report
   wildfire compare runs/planners --by planner --html > planners.html
   wildfire compare runs/contest runs/other --csv differences.csv
+  wildfire compare runs/contest runs/other --metric saved --power 1
+  wildfire compare runs/contest runs/other --metric truck_won --equivalent 5%
 
 Metrics: any column of numbers in runs.csv, and
   saved       obstacles intact or extinguished    truck_won   runs that the truck wins
   burned      obstacles burning or burned out     wumpus_won  runs that the Wumpus wins
   all_out_s   until nothing burns, cut off where a run ended before
 
-A pair is the same seed, and the same of all that varies within a batch, on both
-sides. Differences are differences of means: the other side's mean less A's. The
-report begins with the settings in which the sides differ, from their plan.json.";
+A pair is two runs of one seed, with the same values of everything else that
+varies within a batch. Differences are differences of means: B - A. The output
+begins with the settings in which the sides differ, from their plan.json.
+
+--power and --equivalent take a number in the metric's unit, as in runs.csv, or
+with a unit: cells, ha, %, ms, s, min, cells s, m, km, points.";
 
 #[derive(Debug, Args)]
 #[command(after_help = NOTES)]
 pub struct CompareArguments {
-    /// Folders of batches, or their tables of runs: each is compared with the first; or a single one, whose parts are.
+    /// Batches or their tables of runs, each compared with the first; or a single one, whose parts are compared.
     #[arg(value_name = "BATCH", required = true)]
     pub batches: Vec<PathBuf>,
-    /// Compare runs by this column: scenario, planner or a swept key; all its values with the first, or those given
-    /// [default: what varies, if a single one does].
+    /// Compare runs by this column: scenario, planner or a swept key; all its values or those given with the first
+    /// [default: the only column that varies].
     #[arg(long, value_name = "COLUMN[=VALUE,...]", value_parser = parse_by)]
     pub by: Option<(String, Vec<String>)>,
     /// Take only runs with this value in this column; may be repeated.
     #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = parse_where)]
     pub only: Vec<(String, String)>,
-    /// Set a batch beside published tables instead.
+    /// Compare a batch with published tables instead.
     #[arg(long, value_name = "WHAT", conflicts_with_all = ["by", "metric"])]
     pub with: Option<Published>,
     /// The metrics to compare; may be repeated.
     #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',')]
     pub metric: Vec<String>,
+    /// Print how many seeds detect a difference of this size with 80 % power, and the power of the seeds at hand.
+    #[arg(long, value_name = "DIFFERENCE", conflicts_with = "with", allow_hyphen_values = true)]
+    pub power: Option<Amount>,
+    /// Test whether the sides are equal within this margin.
+    #[arg(long, value_name = "MARGIN", conflicts_with = "with", allow_hyphen_values = true)]
+    pub equivalent: Option<Amount>,
     /// Write the differences to a CSV file, a row for each metric of each side.
     #[arg(help_heading = "Output", long, value_name = "FILE.csv", conflicts_with = "with")]
     pub csv: Option<PathBuf>,
@@ -59,7 +70,7 @@ pub struct CompareArguments {
     pub form: FormArguments,
 }
 
-/// Published tables that a batch can stand beside.
+/// Published tables that a batch can be compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Published {
     /// Tables I and II of the five runs published in 2024, whose rules `original-2024` keeps.
@@ -95,7 +106,8 @@ pub fn run(arguments: &CompareArguments, quiet: bool) -> Result<ExitCode, CliErr
     let words = files.check()?;
     match (arguments.with, &arguments.batches[..]) {
         (None, batches) => {
-            let comparison = compare(batches, &selection, &arguments.metric)?;
+            let questions = Questions { power: arguments.power.clone(), equivalent: arguments.equivalent.clone() };
+            let comparison = compare(batches, &selection, &arguments.metric)?.asking(questions)?;
             words.print(&form.render(&comparison))?;
             write_all(&[(arguments.csv.as_deref(), &|path| table::write(path, &comparison))], quiet)?;
         }
@@ -103,7 +115,7 @@ pub fn run(arguments: &CompareArguments, quiet: bool) -> Result<ExitCode, CliErr
             words.print(&form.render(&BesideReport::from_batch(batch, &selection)?))?;
         }
         (Some(_), several) => {
-            let sentence = format!("{} batches; expected a single one beside the report", several.len());
+            let sentence = format!("{} batches; expected a single one to compare with the report", several.len());
             return Err(CliError::bad_input(sentence, None));
         }
     }

@@ -180,6 +180,8 @@ pub fn escaped(text: &str) -> String {
                 escaped.push('\\');
                 escaped.push(letter);
             }
+            // A minus sign is no letter of T1.
+            '−' => escaped.push_str("$-$"),
             letter => escaped.push(letter),
         }
     }

@@ -37,10 +37,9 @@ pub fn percent(share: f64) -> String {
     rounded(100.0 * share, 1)
 }
 
-/// A probability with three decimals, or that it is smaller than the resamples of a bootstrap can tell, which is also
-/// where three decimals end.
+/// A probability with three decimals, or that it is smaller than these can show.
 pub fn probability(p: f64) -> String {
-    if p < 0.0005 { "<0.0005".into() } else { rounded(p, 3) }
+    if p < 0.001 { "<0.001".into() } else { rounded(p, 3) }
 }
 
 /// A number of things, such as `1 goal` or `2 goals`.
@@ -74,7 +73,7 @@ mod tests {
     #[test]
     fn what_there_is_none_of_is_a_dash_and_one_thing_is_no_plural() {
         assert_eq!([optional(None, 2), optional(Some(0.5), 2)], ["-", "0.50"]);
-        assert_eq!([probability(0.0004), probability(0.04)], ["<0.0005", "0.040"]);
+        assert_eq!([probability(0.0004), probability(0.04)], ["<0.001", "0.040"]);
         assert_eq!([count(1, "goal"), count(0, "goal")], ["1 goal", "0 goals"]);
         assert_eq!(percent(0.12345), "12.3");
     }

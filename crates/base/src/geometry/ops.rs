@@ -49,6 +49,11 @@ pub fn ln(number: f64) -> f64 {
     libm::log(number)
 }
 
+/// Natural logarithm of one more than a number, exact for small numbers.
+pub fn ln_1p(number: f64) -> f64 {
+    libm::log1p(number)
+}
+
 /// The base, zero or more, to the power of the exponent.
 pub fn pow(base: f64, exponent: f64) -> f64 {
     libm::pow(base, exponent)

@@ -42,6 +42,8 @@ pub struct Contrast {
     /// The method behind the p-value.
     pub p_method: Method,
     pub effect_dz: Option<f64>,
+    /// The standard deviation of the independent differences, one for each seed; `None` of fewer than two.
+    pub spread: Option<f64>,
     pub ranks: Option<SignedRanks>,
     pub cut_off: Option<CutOff>,
 }
@@ -266,6 +268,7 @@ fn contrast_numbers(metric: &Metric, pairs: &[[f64; 2]], differences: &[f64]) ->
         p_value: estimate.p_value.or(ranks.map(|ranks| ranks.p_value)),
         p_method: method(estimate.p_method),
         effect_dz: cohens_dz(differences),
+        spread: Series::from_values(differences).standard_deviation(),
         ranks,
         cut_off: None,
     })
@@ -273,17 +276,19 @@ fn contrast_numbers(metric: &Metric, pairs: &[[f64; 2]], differences: &[f64]) ->
 
 /// Contrasts answers yes or no in several strata by the differences of their rates, one for each seed.
 fn contrast_rates(metric: &Metric, pairs: &[[f64; 2]], differences: &[f64], strata: usize) -> Option<Contrast> {
+    let series = Series::from_values(differences);
     Some(Contrast {
         metric: metric.clone(),
         pairs: pairs.len(),
         seeds: differences.len(),
         means: means(pairs),
-        difference: Series::from_values(differences).mean()?,
+        difference: series.mean()?,
         interval: mean_rate_difference_interval(differences, strata),
         method: Method::Answers,
         p_value: SignedRanks::from_differences(differences).map(|ranks| ranks.p_value),
         p_method: Method::Ranks,
         effect_dz: None,
+        spread: series.standard_deviation(),
         ranks: None,
         cut_off: None,
     })
@@ -298,8 +303,11 @@ fn means(pairs: &[[f64; 2]]) -> [f64; 2] {
 }
 
 fn contrast_answers(metric: &Metric, pairs: impl Iterator<Item = (bool, bool)>) -> Option<Contrast> {
-    let mut answers = PairedAnswers::default();
-    pairs.for_each(|(ours, theirs)| answers.add(ours, theirs));
+    let (mut answers, mut differences) = (PairedAnswers::default(), Series::default());
+    pairs.for_each(|(ours, theirs)| {
+        answers.add(ours, theirs);
+        differences.add(f64::from(i8::from(theirs) - i8::from(ours)));
+    });
     let differ = answers.only_first + answers.only_second > 0;
     Some(Contrast {
         metric: metric.clone(),
@@ -312,6 +320,7 @@ fn contrast_answers(metric: &Metric, pairs: impl Iterator<Item = (bool, bool)>) 
         p_value: differ.then(|| answers.mcnemar_p_value()),
         p_method: Method::Answers,
         effect_dz: None,
+        spread: differences.standard_deviation(),
         ranks: None,
         cut_off: None,
     })

@@ -1,29 +1,41 @@
 //! A comparison as a document.
 
+use crate::comparison::questions::amount_words;
 use crate::comparison::{
     AgainstA, Comparison, Contrast, CutOff, JudgedContrast, JudgedStrata, Method, Pairs, SideSummary, Verdict, p_words,
 };
 use crate::stats::Interval;
-use wildfire_base::document::number::{optional, probability, rounded, two_digits};
+use wildfire_base::document::number::{count, optional, percent, probability, rounded, two_digits};
 use wildfire_base::document::{Block, Document, Figure, Table};
 use wildfire_base::untrusted::visible_start;
 use wildfire_picture::charts::{Estimate, ForestChart, ForestRow, SCREEN_WIDTH, Titles};
 
 const LEGEND: &str = "\
-Differences are of means over pairs, with 95 % intervals; p is adjusted by Holm's method over all that is shown, and so \
-is that of Wilcoxon's test by ranks, beside it; dz is Cohen's, in standard deviations of the difference; r is the \
-rank-biserial correlation, from -1 to 1. The bootstrap cannot give a p below 0.0005 before it is adjusted; further out p \
-is Student's, as the column `by` shows.";
+Differences are of means over pairs, with 95 % intervals. Both p, that of the means and that of Wilcoxon's test by \
+ranks, are adjusted by Holm's method over all metrics and sides shown. dz is Cohen's: the difference in standard \
+deviations of the differences. r is the rank-biserial correlation, from -1 to 1. The bootstrap cannot resolve p below \
+0.0005 before adjustment; beyond that p is Student's, as the column `by` shows.";
 
 const STRATA_LEGEND: &str = "\
-With strata all figures go by seed: each seed's differences are averaged over its strata, which are taken as fixed. p strata: that the difference is the same in all strata, the values that it is a mean over; an analysis of variance of \
-the differences with a row for each seed, by Greenhouse and Geisser. Such p-values are adjusted among themselves, and so \
-are those of the strata.";
+With strata all figures are by seed: the differences of a seed are averaged over its strata, which are treated as \
+fixed. p strata tests that the difference is the same in all strata, the values it is averaged over: an analysis of \
+variance of the differences with a row for each seed, by Greenhouse and Geisser. These p-values are a family of their \
+own for Holm's method, and so are those of the strata.";
 
 /// As `cargo bench --bench coverage` measured it, 4000 samples each.
 const FEW_PAIRS: &str = "\
-Fewer than 10 seeds: intervals are Student's t. Of samples of five of this program's own outcomes they held the truth \
-in 93 to 96 %, of strongly skewed (log-normal) numbers in 82 %.";
+Fewer than 10 seeds: intervals are Student's t. For samples of five of this program's own outcomes they contain the \
+true value in 93 to 96 % of cases, for strongly skewed (log-normal) numbers in 82 %.";
+
+const POWER_LEGEND: &str = "\
+Power: the probability that the paired t-test, two-sided at 5 %, detects this difference, by the noncentral t \
+distribution, if the differences vary as here. Seeds for 80 %: the number that detects it with 80 % power; detectable: \
+the smallest difference that the seeds at hand detect with 80 % power.";
+
+const EQUIVALENCE_LEGEND: &str = "\
+Equivalent: two one-sided t-tests (Schuirmann, 1987) both find at 5 % that the difference lies within the margin on \
+either side of zero; then its 90 % interval does too. Otherwise nothing is shown: a difference may be there or not. These \
+p-values are not adjusted.";
 
 impl From<&Comparison> for Document {
     /// Says what the sides differ in first, then the verdicts, then the figures behind them.
@@ -39,6 +51,8 @@ impl From<&Comparison> for Document {
             document.add_list(judged.iter().map(|judged| verdict(judged, *letter)).collect());
             document.add(forest(against));
             document = document.with([differences(against), tests(against)]).with(strata(against));
+            let asked = [power(against, comparison), equivalence(against, comparison)];
+            document = document.with(asked.into_iter().flatten());
             document.add_list(notes(against));
         }
         let missing = comparison.missing.iter();
@@ -51,6 +65,12 @@ impl From<&Comparison> for Document {
         if comparison.against_a.iter().any(has_strata) {
             document.add(Block::Text(STRATA_LEGEND.into()));
         }
+        if comparison.questions.power.is_some() {
+            document.add(Block::Text(POWER_LEGEND.into()));
+        }
+        if comparison.questions.equivalent.is_some() {
+            document.add(Block::Text(EQUIVALENCE_LEGEND.into()));
+        }
         let mut contrasts = comparison.against_a.iter().flat_map(|against| &against.judged);
         if contrasts.any(|judged| judged.contrast.seeds < 10) {
             document.add(Block::Text(FEW_PAIRS.into()));
@@ -62,21 +82,22 @@ impl From<&Comparison> for Document {
 fn side(side: &SideSummary) -> String {
     let SideSummary { letter, description, runs, failed, .. } = side;
     let failed = if *failed == 0 { String::new() } else { format!(", {failed} of them failed") };
-    format!("{letter}: {description}: {runs} runs{failed}")
+    format!("{letter}: {description}: {}{failed}", count(*runs, "run"))
 }
 
 /// Says how many pairs there are, what was left out, and what the differences are means over.
 fn pairing(pairs: &Pairs, letter: char) -> String {
-    let mut text = format!("{} pairs of runs.", pairs.runs.len());
+    let runs = pairs.runs.len();
+    let mut text = if runs == 1 { "1 pair of runs.".into() } else { format!("{runs} pairs of runs.") };
     let [ours, theirs] = pairs.without_partner;
     if ours + theirs > 0 {
-        text += &format!(" Left out for want of a partner: {ours} of A, {theirs} of {letter}.");
+        text += &format!(" Left out without a partner: {ours} of A, {theirs} of {letter}.");
     }
     let [only_a, only_other, both] = pairs.failed;
     if only_a + only_other + both > 0 {
         text += &format!(
             " Left out because a run failed: {only_a} in A only, {only_other} in {letter} only, {both} in both; \
-             if runs fail where they would have gone badly, the other figures flatter."
+             if runs fail where they would have gone badly, the remaining figures are too good."
         );
     }
     if let several @ [_, _, ..] = &pairs.strata[..] {
@@ -122,8 +143,8 @@ fn verdict(judged: &JudgedContrast, letter: char) -> String {
 fn forest(against: &AgainstA) -> Block {
     let row = |judged: &JudgedContrast| {
         let Contrast { metric, means: [mean_a, _], .. } = &judged.contrast;
-        let is_told_apart = judged.verdict == Verdict::Difference;
-        let row = judged.contrast.forest_row(metric.name.to_string(), decimals(&judged.contrast), is_told_apart);
+        let is_different = judged.verdict == Verdict::Difference;
+        let row = judged.contrast.forest_row(metric.name.to_string(), decimals(&judged.contrast), is_different);
         let unit = match metric.about.unit.symbol() {
             "" | "1" => String::new(),
             symbol => format!(" {symbol}"),
@@ -142,9 +163,10 @@ fn forest(against: &AgainstA) -> Block {
     };
     let letter = against.letter;
     let titles = Titles {
-        title: format!("{letter} less A, with 95 % intervals"),
-        note: "All in per cent of A's mean; at the right in their own units. Filled: evidence of a difference.".into(),
-        x: format!("{letter} less A (% of A's mean)"),
+        title: format!("{letter} − A, with 95 % intervals"),
+        note: "In per cent of A's mean; at the right in the metric's own unit. Filled: evidence of a difference."
+            .into(),
+        x: format!("{letter} − A (% of A's mean)"),
         y: String::new(),
     };
     let chart = ForestChart { titles, rows: against.judged.iter().map(row).collect() };
@@ -153,7 +175,7 @@ fn forest(against: &AgainstA) -> Block {
 
 fn differences(against: &AgainstA) -> Table {
     let letter = against.letter;
-    let headings = ["Metric", "Pairs", "A", &letter.to_string(), &format!("{letter} less A"), "95% low", "95% high"];
+    let headings = ["Metric", "Pairs", "A", &letter.to_string(), &format!("{letter} − A"), "95% low", "95% high"];
     let row = |judged: &JudgedContrast| {
         let contrast = &judged.contrast;
         let decimals = decimals(contrast);
@@ -193,13 +215,59 @@ fn strata(against: &AgainstA) -> Vec<Block> {
     let of_metric = |judged: &JudgedContrast| {
         let JudgedStrata { by, strata, p_adjusted, .. } = judged.by_stratum.as_ref().filter(|it| it.differ())?;
         let p = p_words((*p_adjusted)?);
-        let heading = format!("{} by {by}: {letter} less A is not the same in all, {p}", judged.contrast.metric.name);
+        let heading = format!("{} by {by}: {letter} − A is not the same in all, {p}", judged.contrast.metric.name);
         let line = |(stratum, judged): &(usize, JudgedContrast)| {
             format!("{}: {}", pairs.stratum_words(*stratum), judged.sentence(*letter))
         };
         Some([Block::Text(heading), Block::List(strata.iter().map(line).collect())])
     };
     judged.iter().filter_map(of_metric).flatten().collect()
+}
+
+/// A difference with its uncertainty's digits, in the unit of the amounts that people give.
+fn sized(value: f64, contrast: &Contrast) -> String {
+    let unit = contrast.metric.about.unit;
+    let digits = 10_f64.powi(i32::try_from(two_digits(value)).unwrap_or(0));
+    amount_words((value * digits).round() / digits, unit)
+}
+
+/// The power of the seeds at hand, and how many would suffice.
+fn power(against: &AgainstA, comparison: &Comparison) -> Option<Table> {
+    comparison.questions.power.as_ref()?;
+    let row = |judged: &JudgedContrast| {
+        let contrast = &judged.contrast;
+        let cells = judged.power.map(|answer| {
+            let needed = answer.seeds_needed.map_or("over 1e9".to_owned(), |seeds| seeds.to_string());
+            let size = amount_words(answer.difference, contrast.metric.about.unit);
+            [size, percent(answer.power), needed, sized(answer.detectable, contrast)]
+        });
+        let cells = cells.unwrap_or_else(|| std::array::from_fn(|_| "-".into()));
+        [contrast.metric.name.to_string(), contrast.seeds.to_string()].into_iter().chain(cells).collect()
+    };
+    let headings = ["Metric", "Seeds", "Difference", "Power\n%", "Seeds\nfor 80 %", "Detectable"];
+    let caption = format!("Seeds that a difference between A and {} needs", against.letter);
+    Some(Table::new(&headings, against.judged.iter().map(row).collect()).with_caption(&caption))
+}
+
+/// The tests whether the sides are equal but for a margin.
+fn equivalence(against: &AgainstA, comparison: &Comparison) -> Option<Table> {
+    comparison.questions.equivalent.as_ref()?;
+    let row = |judged: &JudgedContrast| {
+        let contrast = &judged.contrast;
+        let cells = judged.equivalence.map(|found| {
+            let decimals = two_digits(0.5 * (found.interval.high - found.interval.low));
+            let ends = [found.interval.low, found.interval.high].map(|end| rounded(end, decimals));
+            let margin = amount_words(found.margin, contrast.metric.about.unit);
+            let answer = if found.is_equivalent() { "yes" } else { "not shown" };
+            let [low, high] = ends;
+            [margin, low, high, probability(found.p_value), answer.into()]
+        });
+        let cells = cells.unwrap_or_else(|| std::array::from_fn(|_| "-".into()));
+        [contrast.metric.name.to_string()].into_iter().chain(cells).collect()
+    };
+    let headings = ["Metric", "Margin", "90% low", "90% high", "p", "Equivalent"];
+    let caption = format!("Equivalence of A and {}", against.letter);
+    Some(Table::new(&headings, against.judged.iter().map(row).collect()).with_caption(&caption))
 }
 
 fn method(method: Method) -> &'static str {
@@ -227,12 +295,12 @@ fn notes(against: &AgainstA) -> Vec<String> {
     let fewer = against.judged.iter().filter(|judged| judged.contrast.pairs < against.pairs.runs.len());
     let fewer = fewer.map(|judged| {
         let left_out = against.pairs.runs.len() - judged.contrast.pairs;
-        format!("{}: {left_out} pairs left out that do not have it on both sides", judged.contrast.metric.name)
+        format!("{}: {left_out} pairs left out, which do not have it on both sides", judged.contrast.metric.name)
     });
     let untested = against.judged.iter().filter(|judged| judged.by_stratum.as_ref().is_some_and(|it| it.seeds < 2));
     let untested = untested.map(|judged| {
         let name = &judged.contrast.metric.name;
-        format!("{name}: fewer than two seeds have it in all strata, so that it is not tested whether these differ")
+        format!("{name}: fewer than two seeds have it in all strata, so the strata are not tested")
     });
     against.judged.iter().filter_map(note).chain(fewer).chain(untested).collect()
 }

@@ -35,10 +35,12 @@ pub enum ComparisonError {
     WhatToCompare { path: PathBuf, varying: Vec<String> },
     #[error("{}: all runs have {column} `{value}`; expected at least two values to compare", path.display())]
     OneLevel { path: PathBuf, column: String, value: String },
-    #[error("{}: seed {seed} is there twice; expected every seed once under the same conditions", path.display())]
+    #[error("{}: seed {seed} occurs twice; expected every seed once under the same conditions", path.display())]
     SeedTwice { path: PathBuf, seed: u64 },
-    #[error("A and {other} share no seed{}, so that no run can be set against another", under_equal(.varying))]
+    #[error("A and {other} share no seed{}, so no runs can be paired", under_equal(.varying))]
     NoPairs { other: char, varying: Vec<String> },
+    #[error("{option} {amount}: no metric has this unit; expected one of {}", .units.join(", "))]
+    NoSuchUnit { option: &'static str, amount: String, units: Vec<String> },
     #[error("{count} batches are too many; expected at most {limit}")]
     TooManySides { count: usize, limit: usize },
 }

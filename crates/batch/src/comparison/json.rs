@@ -6,9 +6,9 @@ use serde::{Serialize, Serializer};
 
 use crate::PROGRAM_VERSION;
 use crate::comparison::{
-    AgainstA, Comparison, Difference, JudgedContrast, JudgedStrata, Pairs, SettingsDifference, SideSummary,
+    AgainstA, Comparison, Difference, JudgedContrast, JudgedStrata, Pairs, PowerAnswer, SettingsDifference, SideSummary,
 };
-use crate::stats::CONFIDENCE;
+use crate::stats::{CONFIDENCE, Equivalence};
 use wildfire_base::object;
 
 impl Serialize for Comparison {
@@ -79,6 +79,11 @@ fn metric(judged: &JudgedContrast, letter: char, pairs: &Pairs) -> impl Serializ
         // Without strata there is no member.
         #[serde(flatten)]
         strata: strata.map(|strata| object!(Strata { by_stratum: by_stratum(strata, letter, pairs) })),
+        // Nor without a question.
+        #[serde(flatten)]
+        power: judged.power.map(|power| object!(Asked { power: power_of(power) })),
+        #[serde(flatten)]
+        equivalence: judged.equivalence.map(|it| object!(Tested { equivalence: equivalence_of(it) })),
     })
 }
 
@@ -111,6 +116,17 @@ fn figures(judged: &JudgedContrast, letter: char) -> impl Serialize {
         wilcoxon,
         cut_off: &contrast.cut_off,
     })
+}
+
+fn power_of(answer: PowerAnswer) -> impl Serialize {
+    let PowerAnswer { difference, power, seeds_needed, detectable } = answer;
+    object!(Power { difference, power, seeds_needed, detectable })
+}
+
+/// The interval is of 90 %.
+fn equivalence_of(found: Equivalence) -> impl Serialize {
+    let Equivalence { margin, interval, p_value } = found;
+    object!(Equivalent { margin, equivalent: found.is_equivalent(), interval_90: interval, p_value })
 }
 
 /// The test is the analysis of variance of repeated measures, with Greenhouse and Geisser's epsilon.

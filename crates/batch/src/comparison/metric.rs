@@ -52,17 +52,17 @@ pub type NamedMetric = Column<fn(()) -> MetricKind>;
 #[rustfmt::skip]
 pub const NAMED_METRICS: &[NamedMetric] = columns! { NamedMetric, _run;
     saved: Count Cells "bush cells that did not burn, or were put out" = MetricKind::Sum(SAVED), title("Saved"),
-        better(Higher), phrase("saves", "more obstacles per run", "fewer obstacles per run"),
+        better(Higher), phrase("$ saves", "more obstacles per run", "fewer obstacles per run"),
         aim("saved the most bushes", ["saved", " of the bushes"], "points more");
     burned: Count Cells "bush cells that burn or have burned out" = MetricKind::Sum(BURNED), better(Lower),
-        phrase("loses", "more obstacles per run", "fewer obstacles per run");
+        phrase("$ loses", "more obstacles per run", "fewer obstacles per run");
     truck_won: Flag Share "whether the trucks won" = MetricKind::Answer { column: "winner", yes: "unimog" },
-        better(Higher), phrase("wins for the truck", "more runs of a hundred", "fewer runs of a hundred"), in_hundreds();
+        better(Higher), phrase("with $ the truck wins", "more runs in 100", "fewer runs in 100"), scaled_by(100.0);
     wumpus_won: Flag Share "whether the Wumpuses won" = MetricKind::Answer { column: "winner", yes: "wumpus" },
-        better(Lower), phrase("wins for the Wumpus", "more runs of a hundred", "fewer runs of a hundred"), in_hundreds();
+        better(Lower), phrase("with $ the Wumpus wins", "more runs in 100", "fewer runs in 100"), scaled_by(100.0);
     all_out_s: optional Real Seconds "end of the last fire of a bush; the end of the run, if one burned then"
         = MetricKind::Time { event: "all_out_s", end: "ended_s", begun: "first_fire_s" }, better(Lower),
-        phrase("has all fires out", "s later", "s sooner");
+        phrase("with $ all fires are out", "s later", "s sooner");
 };
 
 impl Metric {

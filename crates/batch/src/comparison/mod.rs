@@ -1,7 +1,7 @@
 //! Batches, or parts of one, set against each other: runs of the same seed in pairs.
 //!
 //! Side A is what the others are compared with. A metric's difference is that of its means over the pairs, the other
-//! side's less A's; its interval and its test are those of [`estimate_mean`](crate::stats::estimate_mean), of yes and
+//! side's minus A's; its interval and its test are those of [`estimate_mean`](crate::stats::estimate_mean), of yes and
 //! no those of [`PairedAnswers`](crate::stats::PairedAnswers), and Wilcoxon's test is given beside them. Where several
 //! metrics or sides are compared, p-values are adjusted by Holm's method over all of them, those of means and answers
 //! as one family, those of ranks as another; intervals are not. There is evidence of a difference where the adjusted
@@ -16,6 +16,9 @@
 //! The difference of the sides' settings is read from their plans, see [`SettingsDifference`].
 //!
 //! Pairs in which a run failed are left out, and counted.
+//!
+//! A comparison can also be asked how many seeds a difference needs, and whether sides are equal but for a margin, see
+//! [`Questions`].
 
 mod contrast;
 mod document;
@@ -25,6 +28,7 @@ mod metric;
 mod pairs;
 mod published;
 mod published_document;
+mod questions;
 mod ranking;
 mod runs_table;
 mod settings;
@@ -40,6 +44,7 @@ pub use error::ComparisonError;
 pub use metric::{Metric, MetricKind, NAMED_METRICS, NamedMetric};
 pub use pairs::{Pairs, Stratum};
 pub use published::{BesideReport, PublishedState, PublishedTime};
+pub use questions::{Amount, PowerAnswer, Questions};
 pub use ranking::{
     EntryAudit, MAX_ENTRIES, RankedEntry, RankedPair, Ranking, RankingError, RankingRequest, USUAL_METRIC,
     USUALLY_FREE, WorstRun, decimals, rank, ranks,
@@ -47,7 +52,7 @@ pub use ranking::{
 pub use settings::{Difference, SettingsDifference};
 pub use sides::{MAX_SIDES, Selection};
 
-use crate::stats::{RepeatedMeasures, holm};
+use crate::stats::{Equivalence, RepeatedMeasures, holm};
 use crate::table::QueryTally;
 use runs_table::RunsTable;
 use settings::KnownSettings;
@@ -68,6 +73,8 @@ pub struct Comparison {
     pub against_a: Vec<AgainstA>,
     /// Metrics that no pair has on both sides, with the letter of the other side.
     pub missing: Vec<(char, String)>,
+    /// What else is asked of all metrics.
+    pub questions: Questions,
 }
 
 /// The runs of a side, in short.
@@ -106,6 +113,10 @@ pub struct JudgedContrast {
     pub verdict: Verdict,
     /// The strata by themselves, if the difference is a mean over several.
     pub by_stratum: Option<JudgedStrata>,
+    /// The answer to [`Questions::power`], if that is asked of the metric and its differences have a spread.
+    pub power: Option<PowerAnswer>,
+    /// The answer to [`Questions::equivalent`], likewise.
+    pub equivalence: Option<Equivalence>,
 }
 
 /// A metric stratum by stratum, judged together with all others.
@@ -181,7 +192,8 @@ pub fn compare(paths: &[PathBuf], selection: &Selection, metrics: &[String]) -> 
         }
         against_a.push(Unjudged { letter: other.letter, settings, pairs, contrasts });
     }
-    Ok(Comparison { sides: sides.iter().map(summary).collect(), against_a: judged(against_a), missing })
+    let sides = sides.iter().map(summary).collect();
+    Ok(Comparison { sides, against_a: judged(against_a), missing, questions: Questions::default() })
 }
 
 /// A side compared with A, before p-values are adjusted.
@@ -265,7 +277,15 @@ impl TestFamily {
     fn judge(&mut self, contrast: Contrast) -> JudgedContrast {
         let (p_adjusted, ranks_p_adjusted) = (self.means.next().flatten(), self.ranks.next().flatten());
         let verdict = Verdict::from_p_values(contrast.p_value, p_adjusted);
-        JudgedContrast { contrast, p_adjusted, ranks_p_adjusted, verdict, by_stratum: None }
+        JudgedContrast {
+            contrast,
+            p_adjusted,
+            ranks_p_adjusted,
+            verdict,
+            by_stratum: None,
+            power: None,
+            equivalence: None,
+        }
     }
 }
 
@@ -292,20 +312,20 @@ impl JudgedContrast {
     /// The verdict as a sentence, without a full stop.
     pub fn sentence(&self, letter: char) -> String {
         let Contrast { metric, difference, interval, pairs, .. } = &self.contrast;
-        let said = sentence(&metric.name, metric.about.phrase, letter, *difference, *interval);
+        let found = sentence(&metric.name, metric.about.phrase, letter, *difference, *interval);
         let of_interval =
-            |interval| format!("95 % interval of {letter} less A: {}", interval_words(metric.about.phrase, interval));
-        let not_sure = interval.map_or_else(|| said.clone(), of_interval);
+            |interval| format!("95 % interval for {letter} − A: {}", interval_words(metric.about.phrase, interval));
+        let not_sure = interval.map_or_else(|| found.clone(), of_interval);
         let by_ranks = self.by_ranks(letter);
-        let said = match self.verdict {
-            Verdict::Difference => said,
+        let words = match self.verdict {
+            Verdict::Difference => found,
             Verdict::NoEvidence => format!("no evidence of a difference ({not_sure}){by_ranks}"),
             Verdict::NotAmongSoMany => {
-                format!("no evidence of a difference, as one of several tests ({not_sure}){by_ranks}")
+                format!("no evidence of a difference after adjustment for several tests ({not_sure}){by_ranks}")
             }
             Verdict::Equal => format!("equal in all {pairs} pairs"),
         };
-        said + &self.dependence()
+        words + &self.dependence()
     }
 
     /// Says that the difference is not the same in all strata, where that is so.
@@ -324,11 +344,11 @@ impl JudgedContrast {
             return String::new();
         };
         let side = if ranks.above > ranks.below { "higher" } else { "lower" };
-        format!("; by ranks {letter} is {side} more often than not, {}", p_words(p))
+        format!("; by ranks {letter} is more often {side}, {}", p_words(p))
     }
 }
 
-/// `p = 0.012`, or `p < 0.0005`.
+/// `p = 0.012`, or `p < 0.001`.
 pub fn p_words(p: f64) -> String {
     let p = probability(p);
     p.strip_prefix('<').map_or_else(|| format!("p = {p}"), |bound| format!("p < {bound}"))

@@ -13,25 +13,26 @@ pub fn sentence(
     difference: f64,
     interval: Option<Interval>,
 ) -> String {
-    let named = format!("has {metric}");
-    let (verb, [more, less], scale) = match &phrase {
-        Some(phrase) => (phrase.verb, phrase.more, phrase.scale),
-        None => (named.as_str(), ["higher", "lower"], 1.0),
-    };
-    let sign = if difference < 0.0 { -1.0 } else { 1.0 };
-    let scaled = |value: f64| sign * scale * value;
+    let scale = phrase.map_or(1.0, |phrase| phrase.scale);
+    let is_less = difference < 0.0;
+    let scaled = |value: f64| if is_less { -scale * value } else { scale * value };
     let decimals = interval.map_or_else(|| two_digits(difference * scale), |it| decimals_of_interval(it, scale));
-    let direction = if difference < 0.0 { less } else { more };
-    let said = format!("{side} {verb} {} {direction}", rounded(scaled(difference), decimals));
+    let amount = number(scaled(difference), decimals);
+    let words = match phrase {
+        Some(Phrase { subject, more, .. }) => {
+            format!("{} {amount} {}", subject.replace('$', &side.to_string()), more[usize::from(is_less)])
+        }
+        None => format!("{metric} is {amount} {} with {side}", if is_less { "lower" } else { "higher" }),
+    };
     match interval {
         Some(Interval { low, high }) => {
-            format!("{said}, 95 % interval {}", ends([low, high].map(scaled), decimals))
+            format!("{words}, 95 % interval {}", ends([low, high].map(scaled), decimals))
         }
-        None => said,
+        None => words,
     }
 }
 
-/// An interval of a difference as it is, such as `-0.4 to 1.2`.
+/// An interval of a difference as it is, such as `−0.4 to 1.2`.
 pub fn interval_words(phrase: Option<Phrase>, interval: Interval) -> String {
     let scale = phrase.map_or(1.0, |phrase| phrase.scale);
     ends([interval.low, interval.high].map(|end| end * scale), decimals_of_interval(interval, scale))
@@ -42,8 +43,13 @@ fn decimals_of_interval(interval: Interval, scale: f64) -> usize {
 }
 
 fn ends(ends: [f64; 2], decimals: usize) -> String {
-    let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])].map(|end| rounded(end, decimals));
+    let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])].map(|end| number(end, decimals));
     format!("{low} to {high}")
+}
+
+/// A number in a sentence, with a minus sign in place of a hyphen.
+fn number(number: f64, decimals: usize) -> String {
+    rounded(number, decimals).replace('-', "−")
 }
 
 /// Joins words to a list: `a`, `a and b`, `a, b and c`.
@@ -62,12 +68,15 @@ mod tests {
     use super::*;
 
     const SAVES: Option<Phrase> =
-        Some(Phrase { verb: "saves", more: ["more obstacles per run", "fewer obstacles per run"], scale: 1.0 });
-    const WINS: Option<Phrase> =
-        Some(Phrase { verb: "wins", more: ["more runs of a hundred", "fewer runs of a hundred"], scale: 100.0 });
+        Some(Phrase { subject: "$ saves", more: ["more obstacles per run", "fewer obstacles per run"], scale: 1.0 });
+    const WINS: Option<Phrase> = Some(Phrase {
+        subject: "with $ the truck wins",
+        more: ["more runs in 100", "fewer runs in 100"],
+        scale: 100.0,
+    });
 
     #[test]
-    fn differences_are_said_in_the_direction_they_have() {
+    fn differences_are_worded_in_the_direction_they_have() {
         let interval = Interval { low: 4.78, high: 7.41 };
         assert_eq!(
             sentence("saved", SAVES, 'B', 6.1, Some(interval)),
@@ -79,14 +88,14 @@ mod tests {
             "C saves 6.1 fewer obstacles per run, 95 % interval 4.8 to 7.4"
         );
         assert_eq!(sentence("saved", SAVES, 'B', 2.0, None), "B saves 2.0 more obstacles per run");
-        assert_eq!(sentence("truck_cusps", None, 'B', -31.0, None), "B has truck_cusps 31 lower");
+        assert_eq!(sentence("truck_cusps", None, 'B', -31.0, None), "truck_cusps is 31 lower with B");
     }
 
     #[test]
-    fn rates_are_said_in_hundreds() {
+    fn rates_are_given_in_hundreds() {
         let interval = Some(Interval { low: -0.2, high: -0.05 });
-        let said = sentence("truck_won", WINS, 'B', -0.125, interval);
-        assert_eq!(said, "B wins 12.5 fewer runs of a hundred, 95 % interval 5.0 to 20.0");
+        let words = sentence("truck_won", WINS, 'B', -0.125, interval);
+        assert_eq!(words, "with B the truck wins 12.5 fewer runs in 100, 95 % interval 5.0 to 20.0");
     }
 
     #[test]

@@ -6,6 +6,7 @@ mod finish;
 mod html_report;
 mod json;
 mod notes;
+mod opening;
 mod profile;
 mod summary;
 mod tables;

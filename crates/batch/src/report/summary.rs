@@ -25,12 +25,11 @@ pub struct VariantReport {
     pub title: String,
     pub tables: Tables,
     pub tally: Tally,
-    /// True if the scenario has agents on both sides.
-    is_contest: bool,
+    /// The seed of the first run that is done.
+    pub first_done: Option<u64>,
     /// A series for each of the columns of runs; of those without numbers it is empty.
     columns: Vec<Series>,
     profile: Profile,
-    trucks: usize,
 }
 
 /// A mean that a table of several variants shows, over runs that are done.
@@ -75,15 +74,16 @@ const FLEET_MEANS: [Mean; 9] = [
 impl VariantReport {
     /// The report of a variant, without any run yet.
     pub fn new(title: String, scenario: &Scenario) -> Self {
-        let is_contest = !scenario.wumpus.is_empty() && !scenario.unimog.is_empty();
         let columns = vec![Series::default(); RUN_COLUMNS.len()];
-        Self { title, is_contest, trucks: scenario.unimog.len(), columns, ..Self::default() }
+        let tally = Tally::new(scenario.unimog.len(), scenario.wumpus.len());
+        Self { title, tally, columns, ..Self::default() }
     }
 
     /// Adds the next run of the plan.
     pub fn add(&mut self, run: &RunRecord) {
         self.tables.add(run);
-        self.tally.add(run, self.is_contest);
+        self.tally.add(run);
+        self.first_done = self.first_done.or(run.is_done().then(|| run.seed()));
         for (place, series) in self.columns.iter_mut().enumerate().filter(|_| run.is_done()) {
             run.number(place).into_iter().for_each(|number| series.add(number));
         }
@@ -176,8 +176,8 @@ impl BatchReport {
 
     /// Returns how the fleets worked, of variants with more than one truck; `None` if there are none.
     pub fn fleets_table(&self) -> Option<Table> {
-        let fleets = self.variants.iter().filter(|variant| variant.trucks > 1);
-        let labels = |variant: &VariantReport| [variant.title.clone(), variant.trucks.to_string()];
+        let fleets = self.variants.iter().filter(|variant| variant.tally.trucks > 1);
+        let labels = |variant: &VariantReport| [variant.title.clone(), variant.tally.trucks.to_string()];
         let row = |variant| labels(variant).into_iter().chain(variant.mean_cells(&FLEET_MEANS)).collect();
         let rows: Vec<Vec<String>> = fleets.map(row).collect();
         let headings: Vec<&str> =
@@ -258,6 +258,11 @@ impl VariantReport {
         let mut blocks = self.tables.blocks();
         blocks.push(Block::List(self.tally.sentences()));
         blocks
+    }
+
+    /// Returns the tables with the rows of the first runs, however many there are, and the tally.
+    pub fn first_rows(&self) -> Vec<Block> {
+        self.tables.first_rows().into_iter().chain([Block::List(self.tally.sentences())]).collect()
     }
 
     /// Returns the statistics of the tables, without single runs, and the tally.

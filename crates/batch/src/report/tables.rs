@@ -1,15 +1,15 @@
 //! Tables I and II of a batch: obstacle states, and CPU time by planner, run by run with mean and spread.
 //!
 //! They hold what the tables of the contest's reports hold, and beside each mean its standard deviation and its 95 %
-//! confidence interval, within the range of the quantity. Rows of single runs are kept for the first of a batch only; the statistics are
-//! of all runs that are done.
+//! confidence interval, within the range of the quantity. Single runs have rows where there are few of them; the
+//! statistics are of all runs that are done.
 
 use crate::stats::{Interval, Series};
 use crate::table::{RunRecord, run_column};
 use wildfire_base::document::number::optional;
 use wildfire_base::document::{Block, Table};
 
-/// The most runs that a table shows one by one.
+/// The most runs that tables show one by one.
 pub const SHOWN_RUNS: usize = 20;
 
 /// A column of a table: a number of every run.
@@ -127,21 +127,34 @@ impl Tables {
 
     /// Returns both tables with their statistics alone, without the rows of single runs.
     pub fn means(&self) -> Vec<Block> {
-        let table = |table: &RunTable| Block::Table(RunTable { shown: Vec::new(), ..table.clone() }.fitted());
-        self.0.iter().map(table).chain([Block::List(LEGEND.map(str::to_owned).to_vec())]).collect()
+        self.blocks_with(false, None)
     }
 
-    /// Returns both tables under their captions, and notes on them: runs that are not shown one by one, and what columns
-    /// mean. No line is wider than a terminal.
+    /// Returns both tables under their captions, and notes on them: where single runs are if there are too many to show,
+    /// and what columns mean. No line is wider than a terminal.
     pub fn blocks(&self) -> Vec<Block> {
-        let [states, times] = self.0.each_ref().map(|table| Block::Table(table.fitted()));
-        let hidden = self.0[0].hidden_note();
+        match self.0[0].runs {
+            runs if runs <= SHOWN_RUNS as u64 => self.blocks_with(true, None),
+            runs => self.blocks_with(false, Some(format!("All {runs} runs are in runs.csv, one row each."))),
+        }
+    }
+
+    /// Returns the same with the rows of the first runs, however many there are.
+    pub fn first_rows(&self) -> Vec<Block> {
+        self.blocks_with(true, self.0[0].hidden_note())
+    }
+
+    fn blocks_with(&self, shows_runs: bool, note: Option<String>) -> Vec<Block> {
+        let [states, times] = self.0.each_ref().map(|table| match shows_runs {
+            true => Block::Table(table.fitted()),
+            false => Block::Table(RunTable { shown: Vec::new(), ..table.clone() }.fitted()),
+        });
         let legend = match (self.0[1].has_any(&CUSTOM), self.0[1].has_any(&ROADMAP)) {
             (false, _) => LEGEND.to_vec(),
             (true, true) => [CUSTOM_LEGEND].into_iter().chain(LEGEND).collect(),
             (true, false) => vec![CUSTOM_LEGEND, CUSTOM_TOTAL, LEGEND[2]],
         };
-        let legend = hidden.into_iter().chain(legend.into_iter().map(str::to_owned)).collect();
+        let legend = note.into_iter().chain(legend.into_iter().map(str::to_owned)).collect();
         vec![states, times, Block::List(legend)]
     }
 }

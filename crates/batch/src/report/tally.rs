@@ -17,6 +17,9 @@ const TRUCK_STUCK_S: usize = run_column("truck_stuck_s");
 /// Counts and sums over the runs of a batch.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tally {
+    /// The numbers of trucks and of Wumpuses in the scenario.
+    pub trucks: usize,
+    pub wumpuses: usize,
     pub done: u64,
     pub failed: u64,
     pub panicked: u64,
@@ -28,8 +31,10 @@ pub struct Tally {
     pub won_by_truck: u64,
     pub wumpus_score: f64,
     pub truck_score: f64,
-    /// Runs in which some agent was stuck, and for how long in all.
+    /// Runs in which some agent got stuck, a truck, and a Wumpus, and for how long in all.
     pub stuck_runs: u64,
+    pub truck_stuck_runs: u64,
+    pub wumpus_stuck_runs: u64,
     pub truck_stuck_s: f64,
     pub wumpus_stuck_s: f64,
     /// The number of runs that have notes.
@@ -44,8 +49,13 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Adds a run, of a scenario with agents on both sides or not.
-    pub fn add(&mut self, run: &RunRecord, is_contest: bool) {
+    /// A tally without runs, of a scenario with so many agents on each side.
+    pub fn new(trucks: usize, wumpuses: usize) -> Self {
+        Self { trucks, wumpuses, ..Self::default() }
+    }
+
+    /// Adds a run.
+    pub fn add(&mut self, run: &RunRecord) {
         match run.status() {
             Status::Done => self.done += 1,
             Status::Failed => self.failed += 1,
@@ -66,7 +76,7 @@ impl Tally {
             *self.failures.entry(planner.to_owned()).or_default() += Failures::of_queries(run);
         }
         let number = |column| run.number(column).unwrap_or(0.0);
-        if is_contest {
+        if self.trucks > 0 && self.wumpuses > 0 {
             self.contested += 1;
             self.won_by_wumpus += u64::from(run.text(WINNER) == "wumpus");
             self.won_by_truck += u64::from(run.text(WINNER) == "unimog");
@@ -75,6 +85,8 @@ impl Tally {
         }
         let (truck_stuck_s, wumpus_stuck_s) = (number(TRUCK_STUCK_S), number(WUMPUS_STUCK_S));
         self.stuck_runs += u64::from(truck_stuck_s > 0.0 || wumpus_stuck_s > 0.0);
+        self.truck_stuck_runs += u64::from(truck_stuck_s > 0.0);
+        self.wumpus_stuck_runs += u64::from(wumpus_stuck_s > 0.0);
         self.truck_stuck_s += truck_stuck_s;
         self.wumpus_stuck_s += wumpus_stuck_s;
     }
@@ -127,14 +139,47 @@ impl Tally {
         self.first_failure.as_ref().map(|(seed, message)| format!("The first of these, seed {seed}: {message}"))
     }
 
+    /// Says who got stuck, in how many of the runs, and for how long.
     fn stuck(&self) -> Option<String> {
-        let (truck, wumpus) = (self.truck_stuck_s, self.wumpus_stuck_s);
-        match self.stuck_runs {
-            0 if self.done == 0 => None,
-            0 => Some("No agent got stuck.".into()),
-            1 => Some(format!("Stuck: truck {truck:.1} s, Wumpus {wumpus:.1} s in all, in 1 run.")),
-            runs => Some(format!("Stuck: truck {truck:.1} s, Wumpus {wumpus:.1} s in all, in {runs} runs.")),
+        if self.done == 0 {
+            return None;
         }
+        let [trucks, wumpuses] = [("truck", self.trucks), ("Wumpus", self.wumpuses)];
+        let one_of = |(role, count): (&str, usize)| match (role, count) {
+            (_, 2..) => format!("a {role}"),
+            ("truck", _) => "the Unimog".to_owned(),
+            _ => format!("the {role}"),
+        };
+        let part = |who: (&str, usize), runs: u64, stuck_s: f64| {
+            (runs > 0).then(|| format!("{} got stuck in {}, for {stuck_s:.1} s", one_of(who), self.part_of_runs(runs)))
+        };
+        let parts = [
+            part(trucks, self.truck_stuck_runs, self.truck_stuck_s),
+            part(wumpuses, self.wumpus_stuck_runs, self.wumpus_stuck_s),
+        ];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        let in_all = if self.stuck_runs > 1 { " in all" } else { "" };
+        Some(if parts.is_empty() { "No agent got stuck.".into() } else { sentence(&parts.join("; ")) + in_all + "." })
+    }
+
+    /// Words a part of the runs that are done, at least one: `2 of 50 runs`, `all 5 runs`, `the run`.
+    pub(super) fn part_of_runs(&self, part: u64) -> String {
+        let finished = if self.not_done() > 0 { "finished " } else { "" };
+        match (part, self.done) {
+            (_, 1) => format!("the {finished}run"),
+            (part, done) if part == done => format!("all {done} {finished}runs"),
+            (part, done) => format!("{part} of {done} {finished}runs"),
+        }
+    }
+
+    /// Names the trucks, or the only one.
+    pub(super) fn trucks_name(&self) -> &'static str {
+        if self.trucks > 1 { "the trucks" } else { "the Unimog" }
+    }
+
+    /// Names the Wumpuses, or the only one.
+    pub(super) fn wumpuses_name(&self) -> &'static str {
+        if self.wumpuses > 1 { "the Wumpuses" } else { "the Wumpus" }
     }
 
     /// Returns the notes of the first run that has any, and says how many such runs there are.
@@ -152,8 +197,8 @@ impl Tally {
         let truck = (self.truck_score, self.won_by_truck);
         let wumpus = (self.wumpus_score, self.won_by_wumpus);
         let (name, first, second) = match self.truck_score.total_cmp(&self.wumpus_score) {
-            Ordering::Greater => ("the Unimog", truck, wumpus),
-            Ordering::Less => ("the Wumpus", wumpus, truck),
+            Ordering::Greater => (self.trucks_name(), truck, wumpus),
+            Ordering::Less => (self.wumpuses_name(), wumpus, truck),
             Ordering::Equal => ("none", truck, wumpus),
         };
         let ties = match self.contested - self.won_by_wumpus - self.won_by_truck {
@@ -165,6 +210,12 @@ impl Tally {
             first.0, second.0, first.1, second.1
         ))
     }
+}
+
+/// Makes a sentence of words: its first letter is large.
+pub(super) fn sentence(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 #[cfg(test)]
@@ -196,11 +247,20 @@ mod tests {
 
     #[test]
     fn runs_that_went_wrong_and_agents_that_were_stuck_are_named() {
-        let tally = Tally { done: 2, failed: 3, panicked: 1, stuck_runs: 1, truck_stuck_s: 2.25, ..Tally::default() };
+        let stuck = Tally { stuck_runs: 1, truck_stuck_runs: 1, truck_stuck_s: 2.25, ..Tally::new(1, 1) };
+        let tally = Tally { done: 2, failed: 3, panicked: 1, ..stuck.clone() };
         let text = tally.sentences().join("\n");
         assert!(text.contains("2 finished, 3 failed, 1 panicked"), "{text}");
-        assert!(text.contains("truck 2.2 s, Wumpus 0.0 s in all, in 1 run."), "{text}");
+        assert!(text.contains("The Unimog got stuck in 1 of 2 finished runs, for 2.2 s."), "{text}");
         assert!(!text.contains("Champion"), "{text}");
+        let last = |tally: Tally| tally.sentences().pop();
+        assert_eq!(last(Tally { done: 1, ..stuck }).as_deref(), Some("The Unimog got stuck in the run, for 2.2 s."));
+        let both = Tally { stuck_runs: 5, truck_stuck_runs: 2, wumpus_stuck_runs: 5, ..Tally::new(3, 1) };
+        let both = Tally { done: 5, truck_stuck_s: 7.5, wumpus_stuck_s: 30.0, ..both };
+        assert_eq!(
+            last(both).as_deref(),
+            Some("A truck got stuck in 2 of 5 runs, for 7.5 s; the Wumpus got stuck in all 5 runs, for 30.0 s in all.")
+        );
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Estimators with their uncertainty, and tests of differences, for numbers that go into papers.
 //!
-//! Everything here is a plain function of numbers that are finite; units are the caller's. Every interval is a 95 %
-//! confidence interval and every p-value is two-sided. Methods were chosen by the coverage that `cargo bench --bench
+//! Everything here is a plain function of numbers that are finite; units are the caller's. But for tests of equivalence,
+//! every interval is a 95 % confidence interval and every p-value is two-sided. Methods were chosen by the coverage that `cargo bench --bench
 //! coverage` measures, on normal and on skewed data.
 //!
 //! | of | value | interval | test |
@@ -16,6 +16,8 @@
 //! | paired differences by rank | [`SignedRanks`] | - | Wilcoxon |
 //! | times, some of them cut off | [`SurvivalCurve`] | Greenwood, on the log-log scale | - |
 //! | means under several conditions | - | - | [`RepeatedMeasures`], that they are equal |
+//! | a mean within a margin of zero | - | Student's t, 90 % | [`Equivalence`], two one-sided tests |
+//! | the power of a paired test | [`paired_power`], [`pairs_for_power`], [`detectable_effect`] | - | - |
 //! | several tests at once | - | - | [`holm()`] |
 
 use serde::{Serialize, Serializer};
@@ -23,8 +25,10 @@ use serde::{Serialize, Serializer};
 mod answers;
 mod bootstrap;
 mod distributions;
+mod equivalence;
 mod holm;
 mod mean;
+mod power;
 mod quantiles;
 mod repeated_measures;
 mod series;
@@ -33,8 +37,10 @@ mod survival;
 
 pub use answers::{PairedAnswers, mean_rate_difference_interval, wilson_interval};
 pub use bootstrap::{RESAMPLES, RESOLUTION, studentised_bootstrap};
+pub use equivalence::Equivalence;
 pub use holm::holm;
 pub use mean::{cohens_dz, estimate_mean};
+pub use power::{POWER, detectable_effect, paired_power, pairs_for_power};
 pub use quantiles::{quantile, quantile_interval};
 pub use repeated_measures::RepeatedMeasures;
 pub use series::{Series, welch_interval};

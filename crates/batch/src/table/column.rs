@@ -127,14 +127,14 @@ impl<F: Copy> Column<F> {
     }
 
     /// `more` and `less` follow the amount of a difference above zero, and of one below.
-    pub(crate) const fn phrase(self, verb: &'static str, more: &'static str, less: &'static str) -> Self {
-        Self { phrase: Some(Phrase { verb, more: [more, less], scale: 1.0 }), ..self }
+    pub(crate) const fn phrase(self, subject: &'static str, more: &'static str, less: &'static str) -> Self {
+        Self { phrase: Some(Phrase { subject, more: [more, less], scale: 1.0 }), ..self }
     }
 
-    /// Gives the amount of a rate as runs of a hundred.
-    pub(crate) const fn in_hundreds(self) -> Self {
+    /// Multiplies the amounts in the phrase by this.
+    pub(crate) const fn scaled_by(self, scale: f64) -> Self {
         match self.phrase {
-            Some(phrase) => Self { phrase: Some(Phrase { scale: 100.0, ..phrase }), ..self },
+            Some(phrase) => Self { phrase: Some(Phrase { scale, ..phrase }), ..self },
             None => self,
         }
     }
@@ -197,8 +197,8 @@ impl FileColumn {
 /// Words for a difference of a metric between two batches: `B saves 6.1 more obstacles per run`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phrase {
-    /// The verb for what a batch does: `saves`.
-    pub verb: &'static str,
+    /// The words before the amount, with `$` for the letter of the side: `$ saves`.
+    pub subject: &'static str,
     /// The words after the amount of a difference above zero, and of one below.
     pub more: [&'static str; 2],
     /// The factor of the amount.

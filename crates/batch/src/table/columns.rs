@@ -182,7 +182,7 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
         better(Lower);
     extinguished: optional Count Cells "bush cells extinguished by trucks" = outcome(row, |o| o.extinguished),
         title("Extinguished"), better(Higher),
-        phrase("extinguishes", "more obstacles per run", "fewer obstacles per run");
+        phrase("$ extinguishes", "more obstacles per run", "fewer obstacles per run");
     intact_ratio: optional Real Share "share of all bush cells" = outcome(row, Outcome::intact_ratio),
         title("Share intact"), better(Higher);
     burned_ratio: optional Real Share "share of all bush cells that burn or have burned out"
@@ -204,12 +204,12 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     ended_s: optional Real Seconds "simulated time at the end" = outcome(row, |o| o.ended_s), title("End of the run");
     burning_cell_s: optional Real CellSeconds "number of burning bush cells integrated over time"
         = outcome(row, |o| o.burning_cell_s), title("Burning cells over time"), better(Lower),
-        phrase("has", "more seconds of a burning cell per run", "fewer seconds of a burning cell per run");
+        phrase("$ has", "more cell-seconds of fire per run", "fewer cell-seconds of fire per run");
     peak_burning: optional Count Cells "largest number of bush cells burning at once"
         = outcome(row, |o| o.peak_burning), title("Most bushes burning at once"), better(Lower);
     mean_response_s: optional Real Seconds "mean time from ignition to extinction, over extinguished bushes"
         = outcome(row, |o| o.mean_response_s), title("Time from ignition to extinction"), better(Lower),
-        phrase("puts a fire out", "s later", "s sooner"),
+        phrase("$ puts a fire out", "s later", "s sooner"),
         aim("put fires out soonest", ["put fires out after", ""], "s sooner");
     first_fire_s: optional Real Seconds "time of the first ignition of a bush" = outcome(row, |o| o.first_fire_s),
         title("First fire");
@@ -303,7 +303,7 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     spotted: optional Count Cells "ignitions by embers, of bushes and of ground" = ground(row, |g| g.spotted),
         title("Ignitions by embers");
     burned_ha: optional Real Hectares "area of all bushes and ground that caught fire" = ground(row, |g| g.burned_ha),
-        title("Burned area"), phrase("burns", "more hectares per run", "fewer hectares per run"),
+        title("Burned area"), phrase("$ loses", "more hectares per run", "fewer hectares per run"),
         aim("lost the least area", ["lost", " of area"], "ha less");
     reached_edge_s: optional Real Seconds "time at which a border cell, bush or ground, first caught fire, if any"
         = ground(row, |g| g.reached_edge_s), title("Time fire reached the border");
@@ -347,7 +347,7 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
         = cpu(row, CpuSplit::prm_total_s), title("CPU time of the roadmap planner"), better(Lower);
     cpu_unimog_total_s: optional Real CpuSeconds "CPU time: all planning of the trucks"
         = cpu(row, CpuSplit::unimog_total_s), title("CPU time of the trucks' planning"), better(Lower),
-        phrase("has the truck's planners take", "more CPU seconds per run", "fewer CPU seconds per run"),
+        phrase("with $ the planners use", "ms more CPU per run", "ms less CPU per run"), scaled_by(1e3),
         aim("planned in the least CPU time", ["planned in", " of CPU time"], "ms less");
     cpu_wumpus_s: optional Real CpuSeconds "CPU time: all planning of the Wumpuses" = cpu(row, |c| c.wumpus_s),
         title("Wumpus"), better(Lower);

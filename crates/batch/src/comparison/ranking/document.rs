@@ -17,11 +17,10 @@ const MOST_DRAWN: usize = 60;
 const LONGEST_NAME: usize = 24;
 
 const LEGEND: &str = "\
-Rank: the ranks that an entry may have, from the pairs that are told apart; all ranges together hold the true ranks with \
-95 % confidence (Mogstad, Romano, Shaikh, Wilhelm, 2024). Groups: entries with a letter in common are not told apart \
-(Piepho, 2004). Differences are paired by seed, with 95 % intervals that are not adjusted, by the \
-method of `wildfire compare`; p is adjusted by Holm's method over all pairs, and pairs with p of at most 0.05 count as \
-different.";
+Rank: the ranks that an entry may have, given the pairs that differ; all ranges together contain the true ranks with \
+95 % confidence (Mogstad, Romano, Shaikh, Wilhelm, 2024). Group: entries that share a letter are not significantly \
+different (Piepho, 2004). Differences are paired by seed; their 95 % intervals, by the method of `wildfire compare`, are \
+not adjusted. p is adjusted by Holm's method over all pairs; pairs with p ≤ 0.05 count as different.";
 
 impl From<&Ranking> for Document {
     fn from(ranking: &Ranking) -> Self {
@@ -88,7 +87,7 @@ fn table(ranking: &Ranking) -> Table {
     let decimals = decimals(ranking);
     let mut headings = vec!["Entry", "Rank"];
     headings.extend(has_groups.then_some("Group"));
-    headings.extend(["Mean", "less\nfirst", "95%\nlow", "95%\nhigh"]);
+    headings.extend(["Mean", "− first", "95%\nlow", "95%\nhigh"]);
     headings.extend(has_failed.then_some("Failed\nruns %"));
     headings.extend(has_failed_queries.then_some("Failed\nqueries %"));
     headings.extend(has_failed_asks.then_some("Failed\nasks %"));
@@ -124,9 +123,9 @@ fn forest(ranking: &Ranking) -> Block {
     let symbol = ranking.metric.about.unit.symbol();
     let (metric, unit) = (visible_start(&ranking.metric.name), if symbol.is_empty() { "1" } else { symbol });
     let titles = Titles {
-        title: format!("Less {}, with 95 % intervals", name(&ranking.entries[0])),
-        note: "Differences from the first, paired by seed. Filled: told apart from it.".into(),
-        x: format!("{metric}, less the first's ({unit})"),
+        title: format!("Difference from {}, 95 % intervals", name(&ranking.entries[0])),
+        note: "Differences from the first, paired by seed. Filled: significantly different from it.".into(),
+        x: format!("{metric} minus the first's ({unit})"),
         y: String::new(),
     };
     let chart = ForestChart { titles, rows: rows.take(MOST_DRAWN).collect() };
@@ -138,12 +137,12 @@ fn remarks(ranking: &Ranking) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(worst) = ranking.worst {
         let worst = wildfire_base::document::number::short(worst);
-        lines.push(format!("Runs that failed, or have no value of it, count as {worst}, the worst value of all"));
+        lines.push(format!("Runs that failed, or have no value, count as {worst}, the worst value of all"));
     }
     let metric = visible_start(&ranking.metric.name);
     lines.extend(ranking.entries.iter().filter(|entry| entry.without_value > 0).map(|entry| {
         let runs = count(entry.without_value, "run");
-        format!("{}: {runs} that did not fail without a value of {metric}", name(entry))
+        format!("{}: {runs} finished without a value of {metric}", name(entry))
     }));
     lines.extend(ranking.entries.iter().filter_map(|entry| entry.queries.machine_sentence(&name(entry))));
     lines.extend(audit_words(ranking));
@@ -163,7 +162,10 @@ fn audit_words(ranking: &Ranking) -> Vec<String> {
         .map(|(entry, audit)| {
             let EntryAudit { runs, violations, first_violation } = audit;
             let first = first_violation.as_deref().unwrap_or_default();
-            format!("{}: {violations} of {runs} audited runs violate a rule or give another row: {first}", name(entry))
+            format!(
+                "{}: {violations} of {runs} audited runs violate a rule or give a different row: {first}",
+                name(entry)
+            )
         })
         .collect();
     if lines.is_empty() && !audits.is_empty() {
@@ -183,12 +185,12 @@ fn pairs(ranking: &Ranking) -> Table {
         let [first, second] = pair.places.map(|place| name(&ranking.entries[place]));
         let Contrast { difference, interval, .. } = &pair.contrast;
         let decimals = interval.map_or_else(|| decimals(ranking), |it| two_digits(0.5 * (it.high - it.low)));
-        let told = if pair.is_told_apart() { "yes" } else { "no" };
+        let differs = if pair.is_told_apart() { "yes" } else { "no" };
         let ends = Interval::ends(*interval).map(|end| optional(end, decimals));
-        let cells = [first, second, told.into(), rounded(*difference, decimals)];
+        let cells = [first, second, differs.into(), rounded(*difference, decimals)];
         cells.into_iter().chain(ends).chain([probability(pair.p_adjusted)]).collect()
     };
-    let headings = ["First", "Second", "Told\napart", "Second\nless first", "95%\nlow", "95%\nhigh", "p"];
+    let headings = ["First", "Second", "Differ", "Second\n− first", "95%\nlow", "95%\nhigh", "p"];
     let rows = ranking.pairs.iter().filter(is_shown).map(row).collect();
     Table { text_columns: 3, ..Table::new(&headings, rows) }
 }
@@ -199,10 +201,10 @@ fn notes(ranking: &Ranking) -> Vec<String> {
     }
     let apart = ranking.pairs.iter().filter(|pair| pair.is_told_apart());
     let least = apart.clone().map(|pair| pair.p_adjusted).fold(0.0, f64::max);
-    let mut lines = vec![format!("Shown are neighbours; --json has all {} pairs", ranking.pairs.len())];
-    let told = apart.count();
-    if told > 0 {
-        lines.push(format!("Told apart are {told} pairs, the least sure of them with {}", p_words(least)));
+    let mut lines = vec![format!("Only neighbours are shown; --json has all {} pairs", ranking.pairs.len())];
+    let differing = apart.count();
+    if differing > 0 {
+        lines.push(format!("{differing} pairs differ significantly, the least certain with {}", p_words(least)));
     }
     lines
 }

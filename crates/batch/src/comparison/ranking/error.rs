@@ -25,7 +25,7 @@ pub enum RankingError {
     #[error("{} and {} did not play by the same rules: {differences}", names[0], names[1])]
     OtherRules { names: [String; 2], differences: String },
     #[error(
-        "{entry} has `reuse = true` in [{table}]: its program is kept from run to run, so that knowledge may pass between them; \
+        "{entry} has `reuse = true` in [{table}]: its program is kept from run to run, so knowledge may pass between them; \
          expected a program for each run"
     )]
     Reuse { entry: String, table: String },
@@ -39,7 +39,7 @@ pub enum RankingError {
     EntryTwice { name: String },
     #[error("{count} or more entries are too many; expected at most {limit}")]
     TooMany { count: usize, limit: usize },
-    #[error("`{metric}` may be better higher or lower: say `--better higher` or `--better lower`")]
+    #[error("`{metric}` has no built-in better side: add `--better higher` or `--better lower`")]
     WhichIsBetter { metric: String },
     #[error("no run has a value of `{metric}`; expected another metric")]
     NoValues { metric: String },

@@ -1,0 +1,200 @@
+//! The first sentence about a finished batch: who won, and how much was saved.
+
+use crate::report::summary::{BatchReport, VariantReport};
+use crate::report::tally::{Tally, sentence};
+use crate::stats::Interval;
+use crate::table::run_column;
+use wildfire_base::document::number::{count, rounded, short, two_digits};
+
+const OBSTACLES: usize = run_column("obstacles");
+const BURNED_RATIO: usize = run_column("burned_ratio");
+const BURNED_HA: usize = run_column("burned_ha");
+
+impl BatchReport {
+    /// Returns a sentence that says who won and how much was saved; of several variants, which saved the most and the
+    /// least. Whether variants differ by more than chance is not for this sentence.
+    pub fn opening(&self) -> String {
+        match self.variants.as_slice() {
+            [one] => of_one(one),
+            several => of_several(several),
+        }
+    }
+}
+
+fn of_one(variant: &VariantReport) -> String {
+    let tally = &variant.tally;
+    if tally.done == 0 {
+        return "No run finished.".into();
+    }
+    let won = winners(tally);
+    let saved = Saved::new(variant).map(|saved| saved.words(variant));
+    let burned = || burned_area(variant);
+    let trucks = tally.trucks_name();
+    let words = match (won, saved) {
+        // Whoever saves and won is named once.
+        (Some(Won::Trucks(won)), Some(saved)) => format!("{won} and saved {saved}"),
+        (Some(won), Some(saved)) => format!("{}; {trucks} saved {saved}", won.words()),
+        (Some(won), None) => format!("{}{}", won.words(), burned().map_or(String::new(), |area| format!("; {area}"))),
+        (None, Some(saved)) if tally.trucks == 0 => format!("without trucks, {saved} did not burn"),
+        (None, Some(saved)) => format!("{trucks} saved {saved}"),
+        (None, None) => burned().unwrap_or_else(|| format!("{} finished", count_of(tally.done))),
+    };
+    sentence(&words) + "."
+}
+
+/// The side that won the most runs, in words.
+enum Won {
+    Trucks(String),
+    Others(String),
+}
+
+impl Won {
+    fn words(self) -> String {
+        let (Self::Trucks(words) | Self::Others(words)) = self;
+        words
+    }
+}
+
+/// Says who won how many runs; `None` where no run has agents on both sides.
+fn winners(tally: &Tally) -> Option<Won> {
+    if tally.contested == 0 {
+        return None;
+    }
+    let (truck, wumpus) = (tally.won_by_truck, tally.won_by_wumpus);
+    let ties = tally.contested - truck - wumpus;
+    let each = if truck == wumpus { " each" } else { "" };
+    let won = |who: &str, runs: u64| {
+        // Of a single run there is nothing to count.
+        let what = if tally.done == 1 { String::new() } else { format!(" {}{each}", tally.part_of_runs(runs)) };
+        let tied = if ties > 0 { format!(" ({ties} tied)") } else { String::new() };
+        format!("{who} won{what}{tied}")
+    };
+    Some(match truck.cmp(&wumpus) {
+        std::cmp::Ordering::Greater => Won::Trucks(won(tally.trucks_name(), truck)),
+        std::cmp::Ordering::Less => Won::Others(won(tally.wumpuses_name(), wumpus)),
+        std::cmp::Ordering::Equal if truck == 0 && tally.done == 1 => Won::Others("the run was tied".into()),
+        std::cmp::Ordering::Equal if truck == 0 => Won::Others(format!("{} were tied", tally.part_of_runs(ties))),
+        std::cmp::Ordering::Equal => {
+            let both = format!("{} and {}", tally.trucks_name(), tally.wumpuses_name());
+            Won::Others(won(&both, truck))
+        }
+    })
+}
+
+/// The share of bushes that were saved, over runs that are done.
+struct Saved {
+    mean: f64,
+    interval: Option<Interval>,
+}
+
+impl Saved {
+    /// `None` of a field without bushes.
+    fn new(variant: &VariantReport) -> Option<Self> {
+        variant.column(OBSTACLES).largest().filter(|&bushes| bushes > 0.0)?;
+        let flipped = |Interval { low, high }| Interval { low: 1.0 - high, high: 1.0 - low };
+        Some(Self {
+            mean: 1.0 - variant.column(BURNED_RATIO).mean()?,
+            interval: variant.interval(BURNED_RATIO).filter(|it| it.low < it.high).map(flipped),
+        })
+    }
+
+    /// Writes `64 % of 248 bushes (mean; 95 % interval 57 to 70 %)`.
+    fn words(&self, variant: &VariantReport) -> String {
+        let bushes = variant.column(OBSTACLES);
+        let are_equal = bushes.mean() == bushes.largest();
+        let bushes = match bushes.largest().filter(|_| are_equal) {
+            Some(1.0) => "the only bush".into(),
+            Some(number) => format!("{} bushes", short(number)),
+            None => "the bushes".into(),
+        };
+        let (percent, interval) = self.percent();
+        let mean = if variant.tally.done > 1 { "mean" } else { "" };
+        let about: Vec<&str> = [mean, &interval].into_iter().filter(|part| !part.is_empty()).collect();
+        let about = if about.is_empty() { String::new() } else { format!(" ({})", about.join("; ")) };
+        format!("{percent} of {bushes}{about}")
+    }
+
+    /// Returns the mean and its interval, which is empty if there is none.
+    fn percent(&self) -> (String, String) {
+        let width = |interval: Interval| 50.0 * (interval.high - interval.low);
+        let decimals = self.interval.map_or(0, |interval| two_digits(width(interval)).saturating_sub(1));
+        let number = |share: f64| rounded(100.0 * share, decimals);
+        let interval = self.interval.map_or_else(String::new, |Interval { low, high }| {
+            format!("95 % interval {} to {} %", number(low), number(high))
+        });
+        (format!("{} %", number(self.mean)), interval)
+    }
+}
+
+/// Says how much ground burned, of a field without bushes.
+fn burned_area(variant: &VariantReport) -> Option<String> {
+    let mean = variant.column(BURNED_HA).mean()?;
+    let interval = variant.interval(BURNED_HA).filter(|it| it.low < it.high);
+    let decimals = interval.map_or_else(|| two_digits(mean).min(2), |it| two_digits(0.5 * (it.high - it.low)));
+    let number = |area: f64| rounded(area, decimals);
+    let about = interval.map_or_else(String::new, |Interval { low, high }| {
+        format!(" (mean; 95 % interval {} to {} ha)", number(low), number(high))
+    });
+    Some(format!("{} ha burned{about}", number(mean)))
+}
+
+fn of_several(variants: &[VariantReport]) -> String {
+    let done: u64 = variants.iter().map(|variant| variant.tally.done).sum();
+    if done == 0 {
+        return "No run finished.".into();
+    }
+    let finished = format!("{} of {} variants finished", count_of(done), variants.len());
+    let saved = variants.iter().enumerate().filter_map(|(index, variant)| Some((index, Saved::new(variant)?)));
+    let saved: Vec<(usize, Saved)> = saved.collect();
+    let by_mean = |one: &&(usize, Saved), other: &&(usize, Saved)| {
+        // Of equal ones the first.
+        one.1.mean.total_cmp(&other.1.mean).then(other.0.cmp(&one.0))
+    };
+    let (Some(best), Some(worst)) = (saved.iter().max_by(by_mean), saved.iter().min_by(by_mean)) else {
+        return finished + ".";
+    };
+    let name = |index: usize| format!("variant {} ({})", index + 1, variants[index].title);
+    let (percent, interval) = best.1.percent();
+    if best.1.mean == worst.1.mean {
+        return format!("{finished}; in each, {percent} of the bushes were saved.");
+    }
+    let interval = if interval.is_empty() { interval } else { format!(" ({interval})") };
+    let least = format!("{} the least, {}", name(worst.0), worst.1.percent().0);
+    format!("{finished}; {} saved the most bushes, {percent}{interval}, and {least}.", name(best.0))
+}
+
+fn count_of(runs: u64) -> String {
+    count(usize::try_from(runs).unwrap_or(usize::MAX), "run")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn won(done: u64, won_by_truck: u64, won_by_wumpus: u64) -> String {
+        let tally = Tally { done, contested: done, won_by_truck, won_by_wumpus, ..Tally::new(1, 1) };
+        winners(&tally).map_or_else(String::new, Won::words)
+    }
+
+    #[test]
+    fn winner_is_named_with_its_share_of_the_runs() {
+        assert_eq!(won(5, 3, 2), "the Unimog won 3 of 5 runs");
+        assert_eq!(won(5, 0, 5), "the Wumpus won all 5 runs");
+        assert_eq!(won(5, 3, 1), "the Unimog won 3 of 5 runs (1 tied)");
+        assert_eq!(won(5, 2, 2), "the Unimog and the Wumpus won 2 of 5 runs each (1 tied)");
+        assert_eq!(won(5, 0, 0), "all 5 runs were tied");
+        assert_eq!(
+            [won(1, 1, 0), won(1, 0, 1), won(1, 0, 0)],
+            ["the Unimog won", "the Wumpus won", "the run was tied"]
+        );
+        let fleet = Tally { done: 4, failed: 1, contested: 4, won_by_truck: 3, ..Tally::new(20, 2) };
+        assert_eq!(winners(&fleet).map(Won::words).as_deref(), Some("the trucks won 3 of 4 finished runs (1 tied)"));
+        assert!(winners(&Tally { done: 4, ..Tally::new(0, 1) }).is_none(), "no contest");
+    }
+
+    #[test]
+    fn batch_without_a_finished_run_says_only_that() {
+        let report = |count| BatchReport { variants: vec![VariantReport::default(); count] };
+        assert_eq!([report(1).opening(), report(3).opening()], ["No run finished.", "No run finished."]);
+    }
+}
