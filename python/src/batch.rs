@@ -1,6 +1,6 @@
 //! Batches of runs, as on the command line, run and read from Python.
 
-use std::path::{Path, PathBuf};
+use std::path::{Path, PathBuf, absolute};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::thread;
@@ -10,8 +10,9 @@ use pyo3::prelude::*;
 use pyo3::types::{PyInt, PyMapping, PyString};
 use tempfile::TempDir;
 use wildfire::batch::{
-    self as library, BatchError, BatchPlan, BatchReport, BatchRequest, FinishedBatch, OutputFolder, PlanError, Record,
-    RequestError, Seeds, Setting, Slice, Sweep, read_report, read_rows, swept_columns, with_threads,
+    self as library, BatchError, BatchPlan, BatchReport, BatchRequest, FinishedBatch, MAX_SLICES, Merged, OutputFolder,
+    PlanError, RealDisk, Record, RequestError, Seeds, Setting, Slice, SliceError, Sweep, merge, read_report, read_rows,
+    swept_columns, with_threads,
 };
 use wildfire::scenario::{Fault, ScenarioText};
 use wildfire::sim::{RunError, RunOptions};
@@ -153,7 +154,7 @@ struct Request<'a, 'py> {
 #[pyfunction]
 #[pyo3(signature = (
     scenarios = None, seeds = None, *, planner = None, planners = None, policies = None, sweep = None, jobs = 1, out = None,
-    record = None, version = None, trust = false
+    record = None, version = None, trust = false, executor = None, shards = None
 ))]
 /// Runs scenarios with many seeds.
 ///
@@ -183,13 +184,19 @@ struct Request<'a, 'py> {
 ///     numbers and strings, but not lists or objects.
 /// trust : bool
 ///     Whether programs named by scenarios may be started.
+/// executor : Executor, or a callable that returns one
+///     Where the shards run, such as a ``concurrent.futures.ProcessPoolExecutor``: its ``submit`` returns a future with a
+///     ``result``. Its workers must see the folder. A shard whose worker dies is submitted again, twice at most; a pool of
+///     processes is then broken, and only a callable, such as ``lambda: ProcessPoolExecutor(4)``, gives another one.
+/// shards : int
+///     The number of shards that go to the executor; each runs with `jobs` threads.
 ///
 /// Raises
 /// ------
 /// ScenarioError
 ///     A scenario is invalid.
 /// WildfireError
-///     The seeds or the folder are invalid, or the disk is full.
+///     The seeds or the folder are invalid, the disk is full, or a shard failed; the message names it.
 /// KeyboardInterrupt
 ///     Ctrl-C was pressed, or a planner raised it: the batch in `out` can be resumed.
 #[expect(clippy::too_many_arguments, reason = "each is a keyword of Python")]
@@ -206,8 +213,11 @@ pub fn batch(
     record: Option<&str>,
     version: Option<&str>,
     trust: bool,
+    executor: Option<&Bound<'_, PyAny>>,
+    shards: Option<u64>,
 ) -> PyResult<Batch> {
     let jobs = threads(jobs)?;
+    let spread = Spread::new(executor, shards)?;
     let scenarios = scenarios.map_or_else(|| vec![ScenarioLike::or_contest(None)], OneOrMore::into_vec);
     let request = Request {
         scenarios: scenarios.iter().map(|named| named.load(py, Vec::new())).collect::<PyResult<_>>()?,
@@ -229,13 +239,52 @@ pub fn batch(
             (scratch.path().to_owned(), Some(scratch))
         }
     };
-    let (report, plan, found) = run_to_its_end(py, plan, &path, &factories, jobs)?;
+    let (report, plan, found) = match spread {
+        None => run_to_its_end(py, plan, &path, &factories, jobs)?,
+        Some(spread) => {
+            let path = spread.prepare(plan, &path, &factories)?;
+            let workers = (planners, policies, jobs, version, trust);
+            let found = spread.run(py, &path, workers)?;
+            let merged = merged(py, &path, &factories, jobs)?;
+            (merged.report, merged.plan, found)
+        }
+    };
     let was_read = found == plan.count();
     if was_read {
         say(py, &format!("read from {}, nothing was run", path.display()));
     }
     let folder = OutputFolder::existing(&path).map_err(error)?;
     Ok(Batch { plan, folder, scratch, report, was_read })
+}
+
+/// Runs what is missing of a shard of a batch in a folder, and returns how many of its runs were there before.
+///
+/// The planners and policies must be those of the batch.
+#[pyfunction]
+#[pyo3(signature = (folder, number, of, /, planners, policies, jobs, version, trust))]
+#[expect(clippy::too_many_arguments, reason = "they travel to a worker one by one")]
+pub fn run_shard(
+    py: Python<'_>,
+    folder: PathBuf,
+    number: u64,
+    of: u64,
+    planners: Option<&Bound<'_, PyMapping>>,
+    policies: Option<&Bound<'_, PyMapping>>,
+    jobs: usize,
+    version: Option<&str>,
+    trust: bool,
+) -> PyResult<u64> {
+    let slice = Slice::new(number, of).ok_or_else(|| error(SliceError))?;
+    let factories = Arc::new(Factories::new(planners, policies)?.with_programs(programs(py, trust)));
+    let mut own = BatchPlan::read(&folder).map_err(error)?;
+    factories.sign(py, &mut own, version)?;
+    interruptible(py, &factories, jobs, |interruption| {
+        let mut batch = library::Batch::resume(OutputFolder::existing(&folder)?, slice)?;
+        batch.plan().expect_same(&own, &folder)?;
+        let found = batch.progress().held().0;
+        run_missing(&mut batch, &factories, jobs, interruption)?;
+        Ok(found)
+    })
 }
 
 /// Reads a finished batch from its folder.
@@ -363,6 +412,53 @@ fn seeds_from(seeds: &Bound<'_, PyAny>) -> PyResult<Seeds> {
     Seeds::from_parts(parts.iter().map(String::as_str)).map_err(error)
 }
 
+/// A batch that is spread over the workers of an executor.
+struct Spread<'a, 'py> {
+    executor: &'a Bound<'py, PyAny>,
+    shards: u64,
+}
+
+impl<'a, 'py> Spread<'a, 'py> {
+    fn new(executor: Option<&'a Bound<'py, PyAny>>, shards: Option<u64>) -> PyResult<Option<Self>> {
+        match (executor, shards) {
+            (None, None) => Ok(None),
+            (Some(executor), Some(shards)) if Slice::new(1, shards).is_some() => Ok(Some(Self { executor, shards })),
+            (Some(_), Some(shards)) => {
+                Err(PyValueError::new_err(format!("shards is {shards}; expected a number from 1 to {MAX_SLICES}")))
+            }
+            _ => Err(PyValueError::new_err("expected `executor` and `shards` together, or neither of them")),
+        }
+    }
+
+    /// Begins the first shard, so that the folder has the plan, and what does not go with it is refused here and at once.
+    /// Returns the folder as workers find it.
+    fn prepare(&self, plan: BatchPlan, path: &Path, factories: &Factories) -> PyResult<PathBuf> {
+        let begin = || {
+            let folder = match FinishedBatch::is_there(path) {
+                true => OutputFolder::existing(path)?,
+                false => OutputFolder::named(path, false)?,
+            };
+            let first = Slice::new(1, self.shards).expect("the number was checked before");
+            library::Batch::join(plan, folder, first)
+        };
+        begin().map_err(|refusal| refused(refusal, factories))?;
+        absolute(path).map_err(error)
+    }
+
+    /// Runs all shards, and returns how many of their runs were there before.
+    fn run(&self, py: Python<'py>, path: &Path, rest: impl IntoPyObject<'py>) -> PyResult<u64> {
+        let spread = py.import("wildfire_contest.executors")?.getattr("run_shards")?;
+        spread.call1((self.executor, path, self.shards, rest))?.extract()
+    }
+}
+
+/// Puts the shards of a batch together.
+fn merged(py: Python<'_>, path: &Path, factories: &Factories, jobs: usize) -> PyResult<Merged> {
+    interruptible(py, factories, jobs, |interruption| {
+        merge(&OutputFolder::existing(path)?, &RealDisk, interruption.stop())
+    })
+}
+
 /// Runs the missing runs of a folder and writes the tables. Also returns the number of runs that it held before.
 fn run_to_its_end(
     py: Python<'_>,
@@ -371,31 +467,52 @@ fn run_to_its_end(
     factories: &Arc<Factories>,
     jobs: usize,
 ) -> PyResult<(BatchReport, BatchPlan, u64)> {
+    interruptible(py, factories, jobs, |interruption| {
+        let mut batch = begin_or_go_on(plan, path)?;
+        let found = batch.progress().held().0;
+        run_missing(&mut batch, factories, jobs, interruption)?;
+        let report = batch.finish(interruption.stop())?;
+        Ok((report, batch.plan().clone(), found))
+    })
+}
+
+/// Does work on threads of its own, which Ctrl-C and exceptions of the factories' code end.
+fn interruptible<T: Send>(
+    py: Python<'_>,
+    factories: &Factories,
+    jobs: usize,
+    work: impl FnOnce(&Arc<Interruption>) -> Result<T, BatchError> + Send,
+) -> PyResult<T> {
     let interruption: Arc<Interruption> = Arc::default();
-    let work = || with_threads(jobs, || work_off(plan, path, factories, jobs, &interruption)).and_then(|done| done);
+    let work = || with_threads(jobs, || work(&interruption)).and_then(|done| done);
     let ended = interruption.work_aside(py, work)?;
     match (ended, interruption.take()) {
         (Ok(done), _) => Ok(done),
         (Err(BatchError::Stopped), Some(exception)) => Err(exception),
-        (Err(refusal @ BatchError::Plan(PlanError::Differs { .. })), _) if !factories.is_empty() => {
-            let advice =
-                "if code has changed, use another folder, or pass `version=` in all calls if it plans the same";
-            Err(error(format_args!("{refusal} ({advice})")))
-        }
-        (Err(refusal), _) => Err(error(refusal)),
+        (Err(refusal), _) => Err(refused(refusal, factories)),
     }
 }
 
-fn work_off(
-    plan: BatchPlan,
-    path: &Path,
+/// Makes the exception of a refusal, with advice where code that was handed in may be the reason.
+fn refused(refusal: BatchError, factories: &Factories) -> PyErr {
+    match refusal {
+        BatchError::Plan(PlanError::Differs { .. }) if !factories.is_empty() => {
+            let advice =
+                "if code has changed, use another folder, or pass `version=` in all calls if it plans the same";
+            error(format_args!("{refusal} ({advice})"))
+        }
+        refusal => error(refusal),
+    }
+}
+
+/// Runs what the journal of a batch, or of a shard, does not hold.
+fn run_missing(
+    batch: &mut library::Batch,
     factories: &Arc<Factories>,
     jobs: usize,
     interruption: &Arc<Interruption>,
-) -> Result<(BatchReport, BatchPlan, u64), BatchError> {
-    let memory = plan.memory;
-    let mut batch = begin_or_go_on(plan, path)?;
-    let found = batch.progress().held().0;
+) -> Result<(), BatchError> {
+    let memory = batch.plan().memory;
     let run = {
         let (factories, interruption) = (Arc::clone(factories), Arc::clone(interruption));
         move |scenario: &wildfire::scenario::Scenario, seed| {
@@ -415,9 +532,7 @@ fn work_off(
         interruption.stop().store(true, Ordering::Relaxed);
     }
     interruption.wait_for_runs();
-    ran?;
-    let report = batch.finish(interruption.stop())?;
-    Ok((report, batch.plan().clone(), found))
+    ran
 }
 
 /// Starts a batch, or continues the same one where it was stopped.

@@ -33,7 +33,7 @@ mod _core {
     #[pymodule_export]
     use crate::audit::{Violation, audit};
     #[pymodule_export]
-    use crate::batch::{Batch, batch, read_batch};
+    use crate::batch::{Batch, batch, read_batch, run_shard};
     #[pymodule_export]
     use crate::checker::Checker;
     #[pymodule_export]

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 
 from wildfire_contest.columns import Columns
+from wildfire_contest.executors import Executor
 from wildfire_contest.outcome import Outcome
 from wildfire_contest.planners import Disc, Planner, Pose
 
@@ -42,6 +43,7 @@ __all__ = [
     "read_batch",
     "reeds_shepp_length",
     "run",
+    "run_shard",
     "scenario",
 ]
 
@@ -300,7 +302,20 @@ def batch(
     record: Literal["all", "failed", "none"] | None = None,
     version: str | None = None,
     trust: bool = False,
+    executor: Executor | Callable[[], Executor] | None = None,
+    shards: int | None = None,
 ) -> Batch: ...
+def run_shard(
+    folder: _PathLike,
+    number: int,
+    of: int,
+    /,
+    planners: _Planners | None,
+    policies: _Policies | None,
+    jobs: int,
+    version: str | None,
+    trust: bool,
+) -> int: ...
 def read_batch(folder: _PathLike, /) -> Batch: ...
 def plan(
     field: _PathLike | Sequence[_PathLike] | None = None,

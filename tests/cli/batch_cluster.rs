@@ -87,6 +87,33 @@ fn missing_slices_are_all_named_with_the_array_that_runs_them() {
 }
 
 #[test]
+fn tasks_of_an_array_of_any_scheduler_are_slices() {
+    let story = tiny();
+    story.tell(&["batch", "tiny.toml", "--seeds", "1..60", "--out", "whole"]).expect_code(0);
+    let array =
+        ["batch", "tiny.toml", "--seeds", "1..60", "--out", "out", "--array-env", "SGE_TASK_ID", "--slices", "3"];
+    let task = |value: Option<&str>| {
+        let mut command = story.command(&array);
+        value.map(|value| command.env("SGE_TASK_ID", value));
+        Answer::of(&command.output().expect("the program can be started"))
+    };
+    for (value, found) in
+        [(None, "not set"), (Some("undefined"), "`undefined`"), (Some("0"), "`0`"), (Some("4"), "`4`")]
+    {
+        let expected = format!("SGE_TASK_ID is {found}; expected the number of a task, from 1 to 3");
+        task(value).expect_code(2).expect_complaint(&[&expected, "number them from 1 to 3"]);
+    }
+    for number in ["2", "1", "3"] {
+        task(Some(number)).expect_code(0);
+    }
+    story.tell(&["merge", "out"]).expect_code(0);
+    assert_like_the_whole(&story, "out");
+    refuse(&story, &array[..8], &["--slices"]);
+    refuse(&story, &[&array[..], &["--shard", "1/3"]].concat(), &["--shard"]);
+    refuse(&story, &[&array[..8], &["--slices", "10001"]].concat(), &["10001"]);
+}
+
+#[test]
 fn merge_waits_for_slices_that_others_are_working_on() {
     let story = tiny();
     story.tell(&["batch", "tiny.toml", "--seeds", "1..60", "--out", "whole"]).expect_code(0);

@@ -43,6 +43,7 @@ mod render;
 mod report;
 #[cfg(target_os = "linux")]
 mod signals;
+mod stability;
 mod story;
 mod untrusted;
 mod watch_guide;

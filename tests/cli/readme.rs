@@ -264,6 +264,7 @@ hold! {
     python: "docs/python.md", pictures below 0;
     recording_format: "docs/recording-format.md", pictures below 0;
     scenarios: "docs/scenarios.md", pictures below 0;
+    stability: "docs/stability.md", pictures below 0;
     watch: "docs/watch.md", pictures below 3_000_000;
     words: "docs/words.md", pictures below 0;
 }

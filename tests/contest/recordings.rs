@@ -1,5 +1,6 @@
-//! A recording that an earlier build wrote is read, and says what the program computes anew.
+//! A recording that an earlier build wrote is read, says what the program computes anew, and passes the audit.
 
+use wildfire::audit::{SampleStep, audit_timeline};
 use wildfire::scenario;
 use wildfire::sim;
 use wildfire::timeline::{Outcome, RunIndex, file};
@@ -13,4 +14,6 @@ fn a_recording_of_the_format_says_what_the_program_computes_anew() {
     let anew = sim::run(&scenario, recorded.setting.seed).expect("it takes place").timeline;
     assert!(recorded == anew, "another run");
     assert_eq!(Outcome::new(&recorded), *RunIndex::new(&anew).outcome());
+    let verdict = audit_timeline(&recorded, SampleStep::default());
+    assert!(verdict.knows_limits && verdict.violation.is_none(), "{:?}", verdict.violation);
 }

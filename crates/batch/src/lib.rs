@@ -47,9 +47,10 @@ pub use maps::{
 };
 pub use plan::{
     BatchPlan, BatchRequest, COMMIT, COMPILER, CourseError, CoursePlan, CourseRefusal, CourseRequest, LONG_VERSION,
-    MAX_RUNS, MAX_SEEDS_BYTES, MAX_VARIANTS, PLAN_FILE, PLAN_TEMPLATE, PLANNER_KEY, PROGRAM_VERSION, PlanError,
-    PlanWriter, PlannedRun, RUNS_WITHOUT_FORCE, Record, RequestError, RunLabel, Seeds, SeedsError, Setting, Slice,
-    SliceError, Sweep, SweepError, Value, Variant, plan_schema, planner_of, range_words, rules_schema, shell_word,
+    MAX_RUNS, MAX_SEEDS_BYTES, MAX_SLICES, MAX_VARIANTS, PLAN_FILE, PLAN_TEMPLATE, PLANNER_KEY, PROGRAM_VERSION,
+    PlanError, PlanWriter, PlannedRun, RUNS_WITHOUT_FORCE, Record, RequestError, RunLabel, Seeds, SeedsError, Setting,
+    Slice, SliceError, Sweep, SweepError, Value, Variant, plan_schema, planner_of, range_words, rules_schema,
+    shell_word,
 };
 pub use report::{
     AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, ChartData, ChosenQuantities, Facet, FacetSeries,

@@ -1,5 +1,6 @@
 //! The arguments of `wildfire batch`.
 
+use std::env;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -11,7 +12,7 @@ use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::cli::report::FormArguments;
 use wildfire_base::input_file;
-use wildfire_batch::{MAX_SEEDS_BYTES, Record, Seeds, SeedsError, Slice};
+use wildfire_batch::{MAX_SEEDS_BYTES, MAX_SLICES, Record, Seeds, SeedsError, Slice};
 use wildfire_sim::scenario::MemoryLimit;
 
 /// The folder, in the current one, that holds a folder for each batch.
@@ -27,6 +28,7 @@ Examples:
   wildfire batch --resume runs/contest
   wildfire batch --rules official.toml --agent anna.toml ben.toml --out runs/course
   wildfire batch plan.toml --shard 2/5 --out runs/cluster
+  wildfire batch plan.toml --array-env SGE_TASK_ID --slices 40 --out runs/cluster
   wildfire batch plan.toml --out runs/cluster --slurm > fleet.sh && bash fleet.sh")]
 pub struct BatchArguments {
     /// Scenario files, or names of built-in scenarios [default: contest]; or one plan file.
@@ -46,7 +48,7 @@ pub struct BatchArguments {
         long,
         value_name = "FILE.toml",
         requires = "agent",
-        conflicts_with_all = ["sources", "set", "planner", "memory", "shard"]
+        conflicts_with_all = ["sources", "set", "planner", "memory", "slice"]
     )]
     pub rules: Option<PathBuf>,
     /// Agent files, with the values that the rules leave free; all run with the same seeds.
@@ -91,14 +93,41 @@ pub struct BatchArguments {
     )]
     pub resume: Option<PathBuf>,
     /// Run only slice K of N of the plan, in a folder that all slices share; `wildfire merge` merges them.
-    #[arg(long, value_name = "K/N", requires = "shared_folder")]
+    #[arg(long, value_name = "K/N", requires = "shared_folder", group = "slice")]
     pub shard: Option<Slice>,
+    /// Run the slice of an array job's task: the variable in which the scheduler passes the number of the task, from 1,
+    /// such as SLURM_ARRAY_TASK_ID, PBS_ARRAY_INDEX, SGE_TASK_ID or LSB_JOBINDEX.
+    #[arg(long, value_name = "VARIABLE", requires_all = ["shared_folder", "slices"], group = "slice")]
+    pub array_env: Option<String>,
+    /// The number of tasks of the array: one for each slice.
+    #[arg(long, value_name = "N", requires = "array_env", value_parser = parse_slices)]
+    pub slices: Option<u64>,
     #[command(flatten)]
     pub keeping: KeepingArguments,
     #[command(flatten)]
     pub slurm: SlurmArguments,
     #[command(flatten)]
     pub form: FormArguments,
+}
+
+impl BatchArguments {
+    /// Returns the slice that is asked for, by its number or by that of the task that this process is.
+    ///
+    /// # Errors
+    /// If the variable for the task does not hold the number of one.
+    pub fn slice(&self) -> Result<Slice, CliError> {
+        let (Some(variable), Some(slices)) = (&self.array_env, self.slices) else {
+            return Ok(self.shard.unwrap_or(Slice::WHOLE));
+        };
+        let value = env::var_os(variable);
+        let number = value.as_ref().and_then(|value| value.to_str()?.parse().ok());
+        number.and_then(|number| Slice::new(number, slices)).ok_or_else(|| {
+            let found = value.map_or("not set".into(), |value| format!("`{}`", value.display()));
+            let help = format!("the scheduler sets it in tasks of an array; number them from 1 to {slices}");
+            let sentence = format!("{variable} is {found}; expected the number of a task, from 1 to {slices}");
+            CliError::bad_input(sentence, Some(&help))
+        })
+    }
 }
 
 /// Seeds, or the file that holds them.
@@ -136,7 +165,7 @@ pub struct SlurmArguments {
     #[arg(
         help_heading = "Slurm",
         long,
-        conflicts_with_all = ["resume", "shard", "rules", "dry_run", "profile", "report_form"]
+        conflicts_with_all = ["resume", "slice", "rules", "dry_run", "profile", "report_form"]
     )]
     pub slurm: bool,
     /// Target duration of a task in seconds, or as `h:mm:ss`.
@@ -145,6 +174,10 @@ pub struct SlurmArguments {
     /// Largest number of tasks; if it is too low, each takes longer.
     #[arg(help_heading = "Slurm", long, value_name = "N", default_value = "200", requires = "slurm", value_parser = parse_tasks)]
     pub max_tasks: u64,
+}
+
+fn parse_slices(text: &str) -> Result<u64, String> {
+    numbers::parse_within(text, &(1..=MAX_SLICES), "a whole number")
 }
 
 fn parse_minutes(text: &str) -> Result<f64, String> {

@@ -40,7 +40,7 @@ const LISTED_VARIANTS: usize = 50;
 const LISTED_FILES: usize = 10;
 
 pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
-    let slice = arguments.shard.unwrap_or(Slice::WHOLE);
+    let slice = arguments.slice()?;
     let mut left_out = 0;
     let mut batch = match &arguments.resume {
         Some(folder) => {

@@ -30,7 +30,7 @@ pub use program::{COMMIT, COMPILER, LONG_VERSION, PROGRAM_VERSION, PlanWriter};
 pub use recorded::{RecordedPlan, RecordedVariant};
 pub use request::{BatchRequest, MAX_VARIANTS, RUNS_WITHOUT_FORCE, RequestError};
 pub use seeds::{MAX_RUNS, MAX_SEEDS_BYTES, Seeds, SeedsError, range_words};
-pub use slice::{Slice, SliceError};
+pub use slice::{MAX_SLICES, Slice, SliceError};
 pub use sweep::{Setting, Sweep, SweepError, is_same_value};
 pub use value::Value;
 
