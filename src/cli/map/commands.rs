@@ -11,7 +11,6 @@ use crate::cli::map::{fields, graphs, searches};
 use crate::cli::output_files::Format;
 use wildfire_grid::Grid;
 use wildfire_grid::parameter::BadParameter;
-use wildfire_grid::path_search::SearchOrder;
 
 /// A command's files, and the parameters of its algorithm. Serialised it is the parameters in the JSON.
 #[derive(Debug, Args, Serialize)]
@@ -43,9 +42,9 @@ pub trait ArgumentGroup {
 }
 
 /// Makes the enumeration of all computations from lines `Name(parameters) = function;` below the text of their help. The
-/// function takes the map, the parameters and what stands behind its name.
+/// function takes the map and the parameters.
 macro_rules! computations {
-    ($($(#[$words:meta])* $name:ident($parameters:ty) = $compute:path $(, $more:expr)?;)*) => {
+    ($($(#[$words:meta])* $name:ident($parameters:ty) = $compute:path;)*) => {
         /// A computation on a map, with its parameters.
         #[derive(Debug, Subcommand, Serialize)]
         #[serde(tag = "command", content = "parameters", rename_all = "kebab-case")]
@@ -69,7 +68,7 @@ macro_rules! computations {
             /// Does what the command asks, on a map.
             pub fn compute(&self, occupied: &Grid<bool>) -> Result<Computed, BadQuestion> {
                 match self {
-                    $(Self::$name(question) => $compute(occupied, &question.parameters $(, $more)?),)*
+                    $(Self::$name(question) => $compute(occupied, &question.parameters),)*
                 }
             }
         }
@@ -186,7 +185,7 @@ Examples:
     --png a.png
   wildfire map astar assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
     --expansions order.csv --gif search.gif")]
-    Astar(searches::Search<searches::SearchParameters>) = searches::best_first, SearchOrder::AStar;
+    Astar(searches::Search<searches::AstarParameters>) = searches::best_first;
 
     /// A cheapest path by Dijkstra's search, in the order of the cost so far.
     #[command(after_help = "\
@@ -195,7 +194,7 @@ As `wildfire map astar`, but without an estimate of the cost to go.
 Example:
   wildfire map dijkstra assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
     --png d.png")]
-    Dijkstra(searches::Search<searches::SearchParameters>) = searches::best_first, SearchOrder::Dijkstra;
+    Dijkstra(searches::Search<searches::SearchParameters>) = searches::best_first;
 
     /// Some path by greedy best-first search, in the order of the distance to go.
     #[command(after_help = "\
@@ -205,7 +204,7 @@ a cheapest one. A cell keeps the way by which it was reached first.
 Example:
   wildfire map greedy assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
     --png g.png")]
-    Greedy(searches::Search<searches::SearchParameters>) = searches::best_first, SearchOrder::Greedy;
+    Greedy(searches::Search<searches::GreedyParameters>) = searches::best_first;
 
     /// A path that turns at any angle, by Theta*.
     #[command(after_help = "\

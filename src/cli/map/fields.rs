@@ -1,5 +1,7 @@
 //! Maps of values: their parameters, and computing them.
 
+use std::path::PathBuf;
+
 use clap::Args;
 use serde::Serialize;
 
@@ -11,6 +13,7 @@ use crate::cli::map::options::{
     CornerArguments, GoalArguments, NeighbourArguments, choices, parse_number, parse_place,
 };
 use crate::cli::numbers;
+use crate::cli::output_files::Format;
 use wildfire_grid::brushfire;
 use wildfire_grid::cost_map::{self, cost_map};
 use wildfire_grid::descent::{descend, descend_or_escape};
@@ -23,8 +26,25 @@ use wildfire_grid::{Connectivity, Grid, Place, TieOrder, potential};
 #[derive(Debug, Args, Serialize)]
 pub struct NoParameters {}
 
+/// The film of a front that spreads.
+#[derive(Debug, Default, Args)]
+pub struct FilmArguments {
+    /// Draw the spreading front as an animation.
+    #[arg(help_heading = "Output", long, value_name = "FILE.gif")]
+    pub gif: Option<PathBuf>,
+}
+
+impl FilmArguments {
+    fn more_files(&self) -> [(Format, &Option<PathBuf>); 2] {
+        [(Format::Csv, &None), (Format::Gif, &self.gif)]
+    }
+}
+
 #[derive(Debug, Args, Serialize)]
 pub struct BrushfireArguments {
+    #[command(flatten)]
+    #[serde(skip)]
+    pub film: FilmArguments,
     #[command(flatten)]
     #[serde(flatten)]
     pub neighbours: NeighbourArguments,
@@ -57,6 +77,9 @@ pub struct CostArguments {
 
 #[derive(Debug, Args, Serialize)]
 pub struct WavefrontArguments {
+    #[command(flatten)]
+    #[serde(skip)]
+    pub film: FilmArguments,
     #[command(flatten)]
     #[serde(flatten)]
     pub goal: GoalArguments,
@@ -180,7 +203,11 @@ pub struct Scale(pub Option<f64>);
 
 impl ArgumentGroup for NoParameters {}
 
-impl ArgumentGroup for BrushfireArguments {}
+impl ArgumentGroup for BrushfireArguments {
+    fn more_files(&self) -> [(Format, &Option<PathBuf>); 2] {
+        self.film.more_files()
+    }
+}
 
 impl ArgumentGroup for CostArguments {
     /// Accepts what the zones accept. Of costs that do not go together, one may be left to its default: options are named.
@@ -216,6 +243,10 @@ impl CostArguments {
 impl ArgumentGroup for WavefrontArguments {
     fn check(&self) -> Result<(), BadParameter> {
         self.scale.map_or(Ok(()), |scale| BadParameter::unless_positive("the scale", scale))
+    }
+
+    fn more_files(&self) -> [(Format, &Option<PathBuf>); 2] {
+        self.film.more_files()
     }
 
     fn has_start(&self) -> bool {
