@@ -55,7 +55,7 @@ pub struct BrushfireArguments {
 
 #[derive(Debug, Args, Serialize)]
 pub struct CostArguments {
-    /// The outer zone as the formula of its source has it, with a jump, or as its text promises, without.
+    /// Formula of the outer zone: literal, with a jump at its inner edge, or continuous.
     #[arg(long, value_enum, value_name = "NAME", default_value = "literal")]
     pub form: Form,
     /// Cost of obstacles.
@@ -70,7 +70,7 @@ pub struct CostArguments {
     /// Width of the safety zone in cells, at least 1.
     #[arg(long, value_name = "CELLS", default_value_t = 12, allow_hyphen_values = true, value_parser = parse_distance)]
     pub safety_distance: u16,
-    /// The cost that each further cell takes off, beyond the safety zone.
+    /// Decrease of the cost per cell beyond the safety zone.
     #[arg(long, value_name = "COST", default_value_t = 15.0, allow_hyphen_values = true, value_parser = parse_number)]
     pub cost_rate: f64,
 }
@@ -83,13 +83,13 @@ pub struct WavefrontArguments {
     #[command(flatten)]
     #[serde(flatten)]
     pub goal: GoalArguments,
-    /// The cell in which a path begins.
+    /// Start of the path.
     #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse_place)]
     pub start: Option<Place>,
     #[command(flatten)]
     #[serde(flatten)]
     pub neighbours: NeighbourArguments,
-    /// The order in which a path tries neighbours that are equally good: S N E W SE SW NE NW, or W N E S NW NE SE SW.
+    /// Order of equally good neighbours: S N E W SE SW NE NW, or W N E S NW NE SE SW.
     #[arg(
         long,
         value_enum,
@@ -99,7 +99,7 @@ pub struct WavefrontArguments {
         conflicts_with = "shortest"
     )]
     pub tie_order: Order,
-    /// The shortest path, a diagonal step counting the square root of 2, instead of one with the fewest steps.
+    /// Find the path of least length (diagonal steps: square root of 2), not of fewest steps.
     #[arg(long, requires = "start")]
     pub shortest: bool,
     #[command(flatten)]
@@ -148,7 +148,7 @@ pub struct FieldArguments {
 
 #[derive(Debug, Args, Serialize)]
 pub struct DescendArguments {
-    /// The cell in which the descent begins.
+    /// Start of the descent.
     #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse_place)]
     pub start: Place,
     #[command(flatten)]
@@ -157,20 +157,20 @@ pub struct DescendArguments {
     #[command(flatten)]
     #[serde(flatten)]
     pub corners: CornerArguments,
-    /// The way out of a local minimum: the wavefront's path to the goal.
+    /// Leave a local minimum along the wavefront's path to the goal.
     #[arg(long, value_enum, value_name = "NAME")]
     pub escape: Option<Escape>,
 }
 
 #[derive(Debug, Args, Serialize)]
 pub struct AttractionOptions {
-    /// zeta / 2 x the square of the Euclidean distance from the goal, or the city-block distance.
+    /// d2: zeta / 2 x the squared Euclidean distance from the goal; manhattan: city-block distance.
     #[arg(long, value_enum, value_name = "NAME", default_value = "d2")]
     pub distance: Distance,
-    /// Strength of the attraction `d2`; it shows with `--scale none` only.
+    /// Strength of the attraction `d2`; only has an effect with `--scale none`.
     #[arg(long, default_value_t = 1.0, allow_hyphen_values = true, value_parser = parse_number)]
     pub zeta: f64,
-    /// The largest attraction, to which all are scaled, or `none`.
+    /// Largest attraction after scaling, or `none`.
     #[arg(long, value_name = "S|none", default_value = "10", allow_hyphen_values = true, value_parser = parse_scale)]
     pub scale: Scale,
 }
@@ -183,7 +183,7 @@ pub struct RepulsionOptions {
     /// Strength of the repulsion.
     #[arg(long, default_value_t = 15.0, allow_hyphen_values = true, value_parser = parse_number)]
     pub eta: f64,
-    /// Take the distance itself, one less than the brushfire value, as textbooks do: obstacles become infinitely high.
+    /// Use the distance, as textbooks do: brushfire value - 1, obstacles infinitely high.
     #[arg(long)]
     pub true_distance: bool,
 }

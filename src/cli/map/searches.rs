@@ -26,7 +26,7 @@ use wildfire_grid::{CornerCutting, Grid, Place};
 /// Files that only searches write.
 #[derive(Debug, Default, Args)]
 pub struct SearchFiles {
-    /// Write the cells in the order in which they were expanded, as order,row,col,cost.
+    /// Write the cells in the order of expansion: order,row,col,cost.
     #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
     pub expansions: Option<PathBuf>,
     /// Draw the search as an animation, expansion by expansion.
@@ -83,7 +83,7 @@ pub trait Ordered {
 /// Parameters of searches that have 8 neighbours always.
 #[derive(Debug, Args, Serialize)]
 pub struct EightSearchParameters {
-    /// Neighbours of a cell: this search has 8, those that share a side or a corner.
+    /// Neighbours of a cell: always 8 in this search.
     #[arg(
         long = "neighbours",
         alias = "connectivity",
@@ -99,13 +99,13 @@ pub struct EightSearchParameters {
 
 #[derive(Debug, Args, Serialize)]
 pub struct VoronoiArguments {
-    /// What counts as one obstacle: connected components and each wall, or cells that are seen 60 degrees apart.
+    /// Sites: connected obstacles and each wall, or single cells seen at least 60 degrees apart.
     #[arg(long, value_enum, value_name = "NAME", default_value = "obstacles")]
     pub sites: SiteKind,
-    /// The cell in which a path along the diagram begins.
+    /// Start of a path along the diagram.
     #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse_place, requires = "goal")]
     pub start: Option<Place>,
-    /// The cell in which it ends.
+    /// Goal of the path.
     #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse_place, requires = "start")]
     pub goal: Option<Place>,
     #[command(flatten)]

@@ -74,7 +74,7 @@ impl GraphTrace {
         let cost = self.cost.map(|cost| format!(", cost {}", rounded(cost, 3))).unwrap_or_default();
         let (samples, edges) = (count(self.samples as usize, "sample"), count(self.edges.len(), "edge"));
         let points = count(self.vertices, "point");
-        format!("{samples} drawn, {points} and {edges}{cost}.")
+        format!("{samples}, {points} and {edges}{cost}.")
     }
 
     /// Writes the edges under the names of their columns.
