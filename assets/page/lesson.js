@@ -214,7 +214,6 @@ function cellsWidget(root) {
         pane.cells = new Cells(pane.picture, board);
         pane.choice = choice("Method", [], (run) => ((pane.run = run), prepare()));
         pane.choice.select.setAttribute("aria-label", "method");
-        pane.choice.label.prepend();
         pane.element = element("div", { class: "pane" }, pane.choice.label, pane.picture.canvas, pane.note);
         const picks = (cell) => {
             if (!board.runs[pane.run].next || board.walls[cell] === "1") return;
@@ -266,7 +265,7 @@ function cellsWidget(root) {
         const isSeen = (cell) => isField || (run.order[cell] >= 0 && run.order[cell] < step);
         const share = (cell) => run.values[cell] / pane.most;
         cells.ground(context, width, height, (cell) => isSeen(cell) && run.values[cell] !== null && colour(share(cell)));
-        if (!isField && data.boards[0].runs[0].next === undefined && step >= 1 && !run.path) {
+        if (!isField && !run.path) {
             cells.numbers(context, (cell) => isSeen(cell) && [run.values[cell], board.walls[cell] === "1" || share(cell) < 0.6 ? "#ffffff" : "#202024"]);
         }
         if (isField) {
@@ -331,7 +330,7 @@ function treesWidget(root) {
         pane.element = element("div", { class: "pane" }, pane.choice.label, pane.picture.canvas, pane.note);
         return pane;
     });
-    const player = new Player(5, () => panes.forEach((pane) => (pane.picture.paint(), note(pane))));
+    const player = new Player(3, () => panes.forEach((pane) => (pane.picture.paint(), note(pane))));
     const stage = (pane) => board.runs[pane.run].stages[player.step - 1];
 
     function draw(pane, context, width, height) {
@@ -371,7 +370,7 @@ function treesWidget(root) {
             pane.cells.board = board;
             pane.picture.aspect = board.rows / board.cols;
         }
-        player.reset(board.runs[0].stages.length, 3);
+        player.reset(board.runs[0].stages.length, 4);
     }
     root.prepend(
         element("div", { class: "bar" }, boards.label, ...player.controls),

@@ -215,7 +215,7 @@ pub fn potentials() -> Value {
 }
 
 /// Numbers of samples at which trees and roadmaps are shown.
-const STAGES: [u32; 6] = [25, 50, 100, 200, 400, 800];
+const STAGES: [u32; 5] = [25, 50, 100, 200, 400];
 /// Those of the chart, and its seeds.
 const COST_STAGES: [u32; 6] = [50, 100, 200, 400, 800, 1600];
 const COST_SEEDS: u64 = 12;
@@ -230,7 +230,7 @@ pub fn samples() -> Value {
             grow_tree(&board.occupied, ends, kind, &settings).expect("both ends are free")
         };
         let roadmap = |seed, samples| {
-            let settings = PrmSettings { seed, samples, neighbours: Some(6), radius: None };
+            let settings = PrmSettings { seed, samples, neighbours: Some(12), radius: None };
             probabilistic_roadmap(&board.occupied, ends, &settings).expect("both ends are free")
         };
         let mut runs = Vec::new();

@@ -21,7 +21,7 @@ const PLANNERS: [&str; 2] = ["hybrid-astar", "prm-rs"];
 const POLICIES: [&str; 4] = ["nearest", "nearest-by-drive", "hungarian", "auction"];
 /// Seeds of their table, and those that are shown.
 const DISPATCH_SEEDS: u64 = 10;
-const SHOWN_SEEDS: u64 = 3;
+const SHOWN_SEEDS: u64 = 2;
 /// Simulated seconds between two positions.
 const STEP_S: u32 = 2;
 const DISPATCH_S: u32 = 600;
