@@ -393,7 +393,7 @@ function costsWidget(root) {
         context.textAlign = "right";
         for (let i = 0; i < 5; i++) {
             const cost = low + ((high - low) * (i + 0.5)) / 5;
-            context.fillText(cost.toFixed(0), left - 6, y(cost) + 4);
+            context.fillText(cost.toFixed(1), left - 6, y(cost) + 4);
         }
         const line = (points, style, thick) => Cells.prototype.line(context, points, style, thick);
         line([[left, y(costs.reference)], [width - 16, y(costs.reference)]], css("--good"), 2);
@@ -551,16 +551,18 @@ function growingWidget(root) {
         const span = Math.max(...metric.differences.map(Math.abs)) * 1.05;
         const bottom = height - 36;
         const x = (value) => width / 2 + (value / span) * (width / 2 - 16);
-        const ticks = [-1, -0.5, 0, 0.5, 1].map((share) => [x(share * span * 0.95), signed(share * span * 0.95)]);
+        const unit = Number((span / 2.4).toPrecision(1));
+        const ticks = [-2, -1, 0, 1, 2].map((times) => [x(times * unit), signed(times * unit)]);
         axes(context, { left: 8, bottom, width, ticks, title: `difference per pair, B − A (${metric.unit})` });
         Cells.prototype.line(context, [[x(0), 8], [x(0), bottom]], css("--faint"), 1.5);
         const stacks = {};
+        const dot = width > 600 ? 10 : 6;
         context.fillStyle = css("--focus");
         for (const value of values) {
-            const place = Math.round(x(value) / 7);
+            const place = Math.round(x(value) / dot);
             stacks[place] = (stacks[place] || 0) + 1;
             context.beginPath();
-            context.arc(place * 7, bottom - 5 - stacks[place] * 7, 3, 0, 7);
+            context.arc(place * dot, bottom + 3 - stacks[place] * (dot - 1), dot * 0.4, 0, 7);
             context.fill();
         }
         if (values.length < 2) return;
@@ -643,7 +645,7 @@ function missesWidget(root) {
 function fleetWidget(root) {
     let film = 0;
     const trucks = ["#0072b2", "#cc79a7", "#009e73"];
-    const states = ["#7cb342", "#e65100", "#3e3a38", "#29b6f6"];
+    const states = ["#7cb342", "#e65100", "#776d68", "#29b6f6"];
     const panes = (root.dataset.first || "0 3").split(" ").map((first) => {
         const pane = { policy: data.policies[Number(first)], note: element("p", { class: "note" }) };
         pane.picture = new Picture(1, "field", (...canvas) => draw(pane, ...canvas));

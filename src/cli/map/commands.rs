@@ -114,7 +114,7 @@ step cuts a corner, so --no-corner-cutting changes nothing.
 
 Examples:
   wildfire map wavefront assets/maps/u-trap.txt --goal 10,27 --png wave.png
-  wildfire map wavefront assets/maps/u-trap.txt --goal 10,27 --start 10,2 \
+  wildfire map wavefront assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
     --gif wave.gif")]
     Wavefront(fields::WavefrontArguments) = fields::wave;
 
@@ -187,7 +187,7 @@ manhattan` and 8 neighbours, the path may be longer than the shortest: the outpu
 then has the bound and the difference.
 
 Examples:
-  wildfire map astar assets/maps/u-trap.txt --goal 10,27 --start 10,2 \
+  wildfire map astar assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
     --weight 2 --json
   wildfire map astar assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
     --png a.png
