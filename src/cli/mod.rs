@@ -23,6 +23,7 @@ mod fire;
 mod fuzz;
 mod interrupt;
 mod judge;
+mod lessons;
 mod map;
 mod map_of;
 mod next_command;

@@ -1,4 +1,4 @@
-//! `wildfire page`: a page that computes runs itself, to watch and to play, in one file.
+//! `wildfire page`: a page that computes runs itself, to watch and to play, in one file; or pages for a course.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -8,6 +8,7 @@ use clap::{Args, ValueEnum};
 
 use crate::cli::args::parse_seed;
 use crate::cli::error::CliError;
+use crate::cli::lessons;
 use crate::cli::output_files::{Files, Format, write_all};
 use wildfire_base::input_file;
 use wildfire_base::whole_file::write_whole;
@@ -27,29 +28,34 @@ Examples:
   wildfire page -o play.html
   wildfire page fleet --seed 7 --side unimog -o dispatcher.html
   wildfire page --game game.json -o game.html
+  wildfire page --lessons lessons
 
-The page needs the program as a WebAssembly module. It is looked for beside the program; to build it:
+The page needs the program as a WebAssembly module. The program looks for it in its own folder.
+Lessons do not need it. To build it:
   rustup target add wasm32-unknown-unknown
   cargo build -p wildfire-web --profile web --target wasm32-unknown-unknown")]
 pub struct PageArguments {
-    /// The scenario that the page begins with: a built-in one, or a file without maps of its own.
+    /// Scenario that the page opens with: a built-in one, or a file that uses no map files.
     #[arg(value_name = "SCENARIO", default_value = "contest", conflicts_with = "game")]
     pub scenario: String,
-    /// The seed that the page begins with.
+    /// Seed that the page opens with.
     #[arg(short, long, default_value_t = 1, value_parser = parse_seed, conflicts_with = "game")]
     pub seed: u64,
-    /// A side that the reader plays; may be repeated.
+    /// Side that the reader plays; may be repeated.
     #[arg(long = "side", value_enum, value_name = "SIDE", conflicts_with = "game")]
     pub sides: Vec<PlayedSide>,
-    /// A game that the page goes on with.
+    /// Continue this saved game.
     #[arg(long, value_name = "FILE.json")]
     pub game: Option<PathBuf>,
-    /// The module, in place of the one beside the program.
+    /// WebAssembly module [default: the one in the program's folder].
     #[arg(long, value_name = "FILE.wasm")]
     pub module: Option<PathBuf>,
-    /// Write the page to this file.
-    #[arg(short, long, value_name = "FILE.html")]
-    pub out: PathBuf,
+    /// Output file.
+    #[arg(short, long, value_name = "FILE.html", required_unless_present = "lessons")]
+    pub out: Option<PathBuf>,
+    /// Write seven lessons and their index to this folder instead.
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["out", "scenario", "seed", "sides", "game", "module"])]
+    pub lessons: Option<PathBuf>,
 }
 
 /// A side of the contest, as options name it.
@@ -71,17 +77,22 @@ impl From<PlayedSide> for Side {
 }
 
 pub fn run(arguments: &PageArguments, quiet: bool) -> Result<ExitCode, CliError> {
+    let Some(out) = &arguments.out else {
+        let folder = arguments.lessons.as_deref().expect("the arguments require --out or --lessons");
+        lessons::write(folder, quiet)?;
+        return Ok(ExitCode::SUCCESS);
+    };
     let game = match &arguments.game {
         Some(path) => read_game(path)?,
         None => first_game(arguments)?,
     };
     game.load()?;
     let inputs = arguments.game.iter().chain(&arguments.module).map(PathBuf::as_path).collect();
-    Files { inputs, outputs: vec![(Format::Html, &arguments.out)], ..Files::default() }.check()?;
+    Files { inputs, outputs: vec![(Format::Html, out)], ..Files::default() }.check()?;
     let module = read_module(arguments.module.as_deref())?;
     let setup = serde_json::to_string(&game).expect("names and numbers are JSON");
     let page = play_page(&module, &setup);
-    write_all(&[(Some(&arguments.out), &|path| write_whole(path, page.as_bytes()))], quiet)?;
+    write_all(&[(Some(out), &|path| write_whole(path, page.as_bytes()))], quiet)?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -222,7 +222,7 @@ fn enclosed_goal_and_unreachable_start_are_answers() {
                 (&answer["path"], &answer["steps"], &answer["length"]),
                 (&Value::Null, &Value::Null, &Value::Null)
             );
-            assert!(tell(&story, &arguments).stdout.contains("Unreachable: no way leads from the start"));
+            assert!(tell(&story, &arguments).stdout.contains("Unreachable: no path leads from the start"));
             assert!(path(&story, &arguments).is_empty());
         }
     }
@@ -266,7 +266,7 @@ fn map_of_one_cell_has_every_answer() {
 fn json_has_its_members_in_one_order() {
     let story = story();
     let members = "program_version map rows cols cells occupied no_obstacle tolerance near_tolerance remove_edges \
-                   command parameters maximum unreached answer minimum path_cells steps length cost expansions touched samples vertices \
+                   command parameters maximum unreached answer minimum path_cells steps length cost shortest_cost cost_bound expansions touched samples vertices \
                    edges path notes measured";
     for arguments in
         ["occupancy trap.txt", "wavefront trap.txt --goal 2,5 --start 0,0", "descend trap.txt --goal 2,5 --start 2,1"]
@@ -525,5 +525,37 @@ fn an_image_that_is_white_on_black_is_said() {
     for map in ["dense.pgm", "full.txt"] {
         let text = tell(&story, &format!("occupancy {map}")).stdout;
         assert!(!text.contains("inverted"), "{text}");
+    }
+}
+
+#[test]
+fn a_weight_is_reported_with_its_bound_and_what_it_costs() {
+    let story = story();
+    let ends = "--goal 2,5 --start 2,1";
+    let shortest = object(&story, &format!("astar trap.txt {ends}"));
+    assert_eq!((&shortest["cost_bound"], &shortest["shortest_cost"]), (&Value::Null, &Value::Null));
+    for (options, bound) in [("--weight 3", json!(3.0)), ("--heuristic manhattan", json!(SQRT_2))] {
+        let found = object(&story, &format!("a* trap.txt {ends} {options}"));
+        assert_eq!((&found["cost_bound"], &found["shortest_cost"]), (&bound, &shortest["cost"]), "{options}");
+        assert!(found["notes"].to_string().contains("may be longer than the shortest, at most"), "{found}");
+    }
+    let greedy = object(&story, &format!("greedy trap.txt {ends}"));
+    assert_eq!((&greedy["cost_bound"], &greedy["shortest_cost"]), (&Value::Null, &shortest["cost"]));
+    let [zero, dijkstra] =
+        ["astar --heuristic zero", "dijkstra"].map(|command| object(&story, &format!("{command} trap.txt {ends}")));
+    assert_eq!((&zero["cost"], &zero["expansions"]), (&dijkstra["cost"], &dijkstra["expansions"]));
+}
+
+#[test]
+fn fronts_that_spread_are_films() {
+    let story = story();
+    for command in
+        ["brushfire trap.txt", "nf1 trap.txt --goal 2,5 --start 2,1", "wavefront trap.txt --goal 2,5 --scale 9"]
+    {
+        tell(&story, &format!("{command} --gif front.gif"));
+        let film = std::fs::read(story.path("front.gif")).expect("it was written");
+        // A graphic control extension opens each frame (GIF89a, section 23).
+        let frames = film.windows(3).filter(|bytes| bytes.starts_with(b"\x21\xf9\x04")).count();
+        assert!(film.starts_with(b"GIF89a") && frames > 3, "{command}: {frames} frames");
     }
 }

@@ -42,8 +42,12 @@ fn searches_refuse_wrong_ends_as_the_wavefront_does() {
         let start = ["map.txt: the start at row 0, column 4 lies outside the map of 2 rows and 4 columns"];
         refuse_map(&story, &format!("{command} map.txt --goal 1,0 --start 0,4"), &start);
     }
-    refuse_map(&story, "report map.txt --goal 1,0 --start 1,1 --out map.txt", &["map.txt: it is no folder"]);
-    refuse_map(&story, "report map.txt --goal 1,0 --start 1,1 --out no/lab", &["no/lab: the folder does not exist"]);
+    refuse_map(&story, "report map.txt --goal 1,0 --start 1,1 --out map.txt", &["map.txt: it is not a folder"]);
+    refuse_map(
+        &story,
+        "report map.txt --goal 1,0 --start 1,1 --out no/lab",
+        &["no/lab: its parent folder does not exist"],
+    );
 }
 
 #[test]
@@ -138,14 +142,14 @@ fn options_that_do_not_go_together_are_refused() {
         ("wavefront map.txt", "--goal"),
         ("astar map.txt --goal 1,0", "--start"),
         ("voronoi map.txt --goal 1,0", "--start"),
-        ("voronoi map.txt --path path.csv", "--path without a start"),
-        ("brushfire map.txt --gif film.gif", "--gif"),
+        ("voronoi map.txt --path path.csv", "--path needs --start"),
+        ("euclidean map.txt --gif film.gif", "--gif"),
         ("rrt map.txt --goal 1,0 --start 1,1 --expansions order.csv", "--expansions"),
         ("wavefront map.txt --goal 1,0 --shortest", "--start"),
         ("wavefront map.txt --goal 1,0 --tie-order west-first", "--start"),
         ("wavefront map.txt --goal 1,0 --start 1,1 --shortest --tie-order west-first", "cannot be used with"),
-        ("wavefront map.txt --goal 1,0 --path path.csv", "--path without a start"),
-        ("brushfire map.txt --path path.csv", "--path without a start"),
+        ("wavefront map.txt --goal 1,0 --path path.csv", "--path needs --start"),
+        ("brushfire map.txt --path path.csv", "--path needs --start"),
         ("brushfire map.txt --colormap jet", "--png"),
         ("brushfire map.txt --goal 1,0", "--goal"),
         ("brushfire", "MAP"),
@@ -208,5 +212,5 @@ fn file_that_cannot_be_written_costs_neither_the_answer_nor_the_other_files() {
 #[test]
 fn tolerance_on_a_map_without_greys_is_noted() {
     let answer = story().tell(&["map", "occupancy", "map.txt", "--tolerance", "90", "--json"]).expect_code(0);
-    assert_eq!(answer.stderr, "--tolerance has no effect: the map is no image.\n");
+    assert_eq!(answer.stderr, "--tolerance has no effect: the map is not an image.\n");
 }

@@ -170,7 +170,7 @@ fn what_there_is_to_say_of_a_map_is_said_of_a_scenario_and_a_page() {
     story.file("table.csv", &"0,0,0,0,0,0,0,0,0,0,0,1\n".repeat(12));
     let begun = story.tell(&["new", "scenario", "--from-map", "table.csv", "--tolerance", "9", "--cell-m", "10"]);
     let begun = begun.expect_code(0);
-    assert!(begun.stderr.contains("--tolerance has no effect: the map is no image."), "{}", begun.stderr);
+    assert!(begun.stderr.contains("--tolerance has no effect: the map is not an image."), "{}", begun.stderr);
     assert!(!begun.stderr.contains("Nothing can burn"), "{}", begun.stderr);
 }
 

@@ -1,5 +1,7 @@
 //! Pages that compute runs, and games that come from them.
 
+use serde_json::Value;
+
 use crate::story::Story;
 
 /// The first bytes of every module.
@@ -60,4 +62,53 @@ fn a_game_that_does_not_go_to_its_end_is_no_run() {
     assert!(answer.stderr.contains("wumpus/0 is asked at"), "{}", answer.stderr);
     assert!(answer.stderr.contains("there are 1 answers"), "{}", answer.stderr);
     assert!(!story.path("run.wildfire").exists());
+}
+
+#[test]
+fn lessons_are_self_contained_and_their_data_keep_the_laws() {
+    let story = Story::begin();
+    story.tell(&["page", "--lessons", "course"]).expect_code(0);
+    let mut names: Vec<String> = Vec::new();
+    for entry in std::fs::read_dir(story.path("course")).expect("the folder is there") {
+        names.push(entry.expect("readable").file_name().into_string().expect("a name"));
+    }
+    names.sort();
+    assert_eq!(names.len(), 8, "{names:?}");
+    let mut bytes = 0;
+    for name in &names {
+        let page = story.read(&format!("course/{name}"));
+        bytes += page.len();
+        for foreign in ["http:", "https:", "src=", "@import", "url(", "{{", "@DATA@", "@TEXT@", "@SCRIPT@"] {
+            assert!(!page.contains(foreign), "{name} has {foreign}");
+        }
+        for link in page.split("href=\"").skip(1).map(|rest| rest.split('"').next().unwrap_or_default()) {
+            assert!(names.iter().any(|name| name == link), "{name} links to {link}");
+        }
+        assert_eq!(page.contains("class=\"quiz\""), name != "index.html", "{name}");
+    }
+    assert!(bytes < 1_500_000, "{bytes} bytes");
+    let pairs = lesson_data(&story, "6-intervals.html");
+    let length = |value: &Value| value.as_array().map(Vec::len);
+    assert_eq!(length(&pairs["metrics"][0]["differences"]), pairs["seeds"].as_u64().map(|seeds| seeds as usize));
+    // Student's t for 2 and for 100 pairs: 12.706 and 1.984 (tables).
+    assert_eq!((&pairs["reach"][0], &pairs["reach"][98]), (&12.7062.into(), &1.9842.into()));
+    // The same seed has the same bushes under every policy.
+    let policies = lesson_data(&story, "7-dispatch.html")["policies"].take();
+    assert!((1..4).all(|policy| policies[policy]["films"][0]["bushes"] == policies[0]["films"][0]["bushes"]));
+    // RRT* is never longer with more samples.
+    for board in lesson_data(&story, "4-sampling.html")["boards"].as_array().expect("boards") {
+        for seed in board["costs"]["seeds"].as_array().expect("seeds") {
+            let costs: Vec<f64> = seed.as_array().expect("costs").iter().filter_map(Value::as_f64).collect();
+            assert!(!costs.is_empty() && costs.windows(2).all(|pair| pair[1] <= pair[0]), "{seed}");
+        }
+    }
+    let answer = story.tell(&["page", "--lessons", "course", "-o", "p.html"]).expect_code(2);
+    assert!(answer.stderr.contains("cannot be used with"), "{}", answer.stderr);
+}
+
+/// The data that a lesson shows.
+fn lesson_data(story: &Story, name: &str) -> Value {
+    let page = story.read(&format!("course/{name}"));
+    let data = page.split("id=\"data\">").nth(1).and_then(|rest| rest.split("</script>").next());
+    serde_json::from_str(data.expect("a lesson has data")).expect("they are JSON")
 }

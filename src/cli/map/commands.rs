@@ -11,7 +11,6 @@ use crate::cli::map::{fields, graphs, searches};
 use crate::cli::output_files::Format;
 use wildfire_grid::Grid;
 use wildfire_grid::parameter::BadParameter;
-use wildfire_grid::path_search::SearchOrder;
 
 /// A command's files, and the parameters of its algorithm. Serialised it is the parameters in the JSON.
 #[derive(Debug, Args, Serialize)]
@@ -43,9 +42,9 @@ pub trait ArgumentGroup {
 }
 
 /// Makes the enumeration of all computations from lines `Name(parameters) = function;` below the text of their help. The
-/// function takes the map, the parameters and what stands behind its name.
+/// function takes the map and the parameters.
 macro_rules! computations {
-    ($($(#[$words:meta])* $name:ident($parameters:ty) = $compute:path $(, $more:expr)?;)*) => {
+    ($($(#[$words:meta])* $name:ident($parameters:ty) = $compute:path;)*) => {
         /// A computation on a map, with its parameters.
         #[derive(Debug, Subcommand, Serialize)]
         #[serde(tag = "command", content = "parameters", rename_all = "kebab-case")]
@@ -69,7 +68,7 @@ macro_rules! computations {
             /// Does what the command asks, on a map.
             pub fn compute(&self, occupied: &Grid<bool>) -> Result<Computed, BadQuestion> {
                 match self {
-                    $(Self::$name(question) => $compute(occupied, &question.parameters $(, $more)?),)*
+                    $(Self::$name(question) => $compute(occupied, &question.parameters),)*
                 }
             }
         }
@@ -77,26 +76,27 @@ macro_rules! computations {
 }
 
 computations! {
-    /// The occupied cells: 1 occupied, 0 free.
+    /// Compute the occupied cells: 1 occupied, 0 free.
     #[command(after_help = "\
 Example:
   wildfire map occupancy assets/maps/drawing.png --tolerance 128 --csv cells.csv")]
     Occupancy(fields::NoParameters) = fields::occupancy;
 
-    /// The distance of every cell from the nearest obstacle.
-    #[command(after_help = "\
-A map without obstacles is 0 everywhere, and a note says so; a full one is 1 \
+    /// Compute the distance from every cell to the nearest obstacle.
+    #[command(aliases = ["grassfire"], after_help = "\
+A map without obstacles is 0 everywhere, and a note reports it; a full map is 1 \
 everywhere.
 
-Example:
-  wildfire map brushfire assets/maps/maze.txt --neighbours 4 --png fire.png")]
+Examples:
+  wildfire map brushfire assets/maps/maze.txt --neighbours 4 --png fire.png
+  wildfire map brushfire assets/maps/basic-14x20.txt --gif fire.gif")]
     Brushfire(fields::BrushfireArguments) = fields::brushfire;
 
-    /// Cost that falls with the distance from obstacles, in two zones.
-    #[command(after_help = "\
-The distance d is the city-block one from the nearest obstacle (4 neighbours). \
-Obstacles cost --max-cost. Inside the safety zone, 0 < d < --safety-distance, \
-cost falls in a line from --safety-max at d = 0 to --safety-min at its edge. \
+    /// Compute costs that fall with the distance from obstacles, in two zones.
+    #[command(aliases = ["costmap"], after_help = "\
+d is the city-block distance to the nearest obstacle (4 neighbours). \
+Obstacles cost --max-cost. In the safety zone, 0 < d < --safety-distance, \
+cost falls linearly from --safety-max at d = 0 to --safety-min at its edge. \
 Beyond, it is --safety-min - --cost-rate x d, at least 0, in the literal form, and \
 --safety-min - --cost-rate x (d - --safety-distance), at least 0, in the \
 continuous one. Without obstacles all cost is 0.
@@ -105,27 +105,29 @@ Example:
   wildfire map cost assets/maps/drawing.png --form continuous --overlay cost.png")]
     Cost(fields::CostArguments) = fields::cost;
 
-    /// The number of steps from every cell to the goal; with --start, a path.
-    #[command(after_help = "\
-Obstacles hold 1, the goal 2, a cell that n steps lead to 2 + n, free cells that \
-the wave never reaches 0. With --scale all values, those of obstacles too, are \
-divided by the largest and multiplied by S. With 4 neighbours no step cuts a \
-corner, so --no-corner-cutting changes nothing.
+    /// Count the steps from every cell to the goal; with --start, find a path.
+    #[command(aliases = ["nf1"], after_help = "\
+Obstacles have the value 1, the goal 2, a cell n steps from the goal 2 + n, and \
+free cells that the wave never reaches 0. --scale divides all values, including \
+those of obstacles, by the largest and multiplies them by S. With 4 neighbours no \
+step cuts a corner, so --no-corner-cutting changes nothing.
 
-Example:
-  wildfire map wavefront assets/maps/u-trap.txt --goal 10,27 --png wave.png")]
+Examples:
+  wildfire map wavefront assets/maps/u-trap.txt --goal 10,27 --png wave.png
+  wildfire map wavefront assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
+    --gif wave.gif")]
     Wavefront(fields::WavefrontArguments) = fields::wave;
 
-    /// A potential that grows with the distance from the goal.
-    #[command(after_help = "\
-The goal may lie in an obstacle: attraction does not see obstacles.
+    /// Compute a potential that grows with the distance from the goal.
+    #[command(aliases = ["attractive"], after_help = "\
+The goal may lie in an obstacle: attraction ignores obstacles.
 
 Example:
   wildfire map attraction assets/maps/u-trap.txt --goal 10,27 --surface pull.png")]
     Attraction(fields::AttractionArguments) = fields::attraction;
 
-    /// A potential that grows towards obstacles.
-    #[command(after_help = "\
+    /// Compute a potential that grows towards obstacles.
+    #[command(aliases = ["repulsive"], after_help = "\
 With D the brushfire value, 1 on obstacles: 0 where D > Q, else \
 eta / 2 x (1 / D - 1 / Q)^2. Without obstacles it is 0 everywhere.
 
@@ -133,17 +135,17 @@ Example:
   wildfire map repulsion assets/maps/two-rooms.txt --q 4 --surface push.png")]
     Repulsion(fields::RepulsionArguments) = fields::repulsion;
 
-    /// The sum of attraction and repulsion.
-    #[command(after_help = "\
+    /// Compute the sum of attraction and repulsion.
+    #[command(aliases = ["potential"], after_help = "\
 Example:
   wildfire map total assets/maps/u-trap.txt --goal 10,27 --surface total.png")]
     Total(fields::FieldArguments) = fields::total;
 
-    /// Gradient descent on the total potential: reached, or stuck in a local minimum.
-    #[command(after_help = "\
-From the start to the lowest neighbour, ties to the first in W N E S NW NE SE SW, \
-as long as it is strictly lower; obstacles are not entered. It ends at the goal or \
-in a local minimum, which is named. The values are those of `wildfire map total`.
+    /// Descend the total potential to the goal or into a local minimum.
+    #[command(aliases = ["gradient-descent"], after_help = "\
+Each step leads to the lowest neighbour if it is strictly lower; ties go to the \
+first in W N E S NW NE SE SW. Obstacles are not entered. The descent ends at the \
+goal or in a local minimum, which is reported. The values are those of `wildfire map total`.
 
 Examples:
   wildfire map descend assets/maps/u-trap.txt --goal 10,27 --start 10,2
@@ -151,23 +153,24 @@ Examples:
     --escape wavefront")]
     Descend(fields::DescendArguments) = fields::descent;
 
-    /// The Euclidean distance of every cell's centre from that of the nearest obstacle.
-    #[command(after_help = "\
-Exact, between centres: obstacles 0, a cell beside one 1, beside its corner the \
-square root of 2. A map without obstacles is 0 everywhere, and a note says so.
+    /// Compute the Euclidean distance from every cell to the nearest obstacle.
+    #[command(aliases = ["edt", "distance-transform"], after_help = "\
+Exact distances between centres of cells: obstacles 0, a cell beside one 1, a cell \
+at its corner the square root of 2. A map without obstacles is 0 everywhere, and a \
+note reports it.
 
 Example:
   wildfire map euclidean assets/maps/drawing.png --png distances.png")]
     Euclidean(fields::NoParameters) = fields::euclidean;
 
-    /// The cells equally far from two obstacles; with --start and --goal, a path along them.
-    #[command(after_help = "\
-Of two cells side by side whose nearest sites differ, the one belongs to the \
-diagram that is less far from the other's nearest obstacle cell, or both. Sites are \
-connected obstacles and the four walls around the map; where one obstacle is all \
-around, as in a maze, `--sites cells` has a diagram all the same. Values: the \
-distance from the nearest site on the diagram, 0 off it. The path is the one with \
-the least length off the diagram, and of those the shortest.
+    /// Compute the Voronoi diagram of the obstacles; with --start and --goal, a path along it.
+    #[command(aliases = ["gvd"], after_help = "\
+Where the nearest sites of two adjacent cells differ, the cell closer to the \
+other's nearest obstacle cell belongs to the diagram, or both do. Sites are \
+connected obstacles and the four walls around the map; in a maze all obstacles are \
+one site, and `--sites cells` still gives a diagram. Values: the distance to the \
+nearest site on the diagram, 0 off it. The path has the least length off the \
+diagram; among equals it is the shortest.
 
 Examples:
   wildfire map voronoi assets/maps/drawing.png --png voronoi.png
@@ -175,86 +178,92 @@ Examples:
     --goal 19,29 --start 1,1")]
     Voronoi(searches::VoronoiArguments) = searches::diagram;
 
-    /// A cheapest path by A*: cost so far plus the least that the rest can cost.
-    #[command(after_help = "\
-Values are costs from the start where the search knows them, inf elsewhere. A step \
-costs 1, a diagonal one the square root of 2. Ties go to the larger cost so far, \
-then to the first in reading order.
+    /// Find a shortest path by A*, ordered by cost so far plus estimated cost to go.
+    #[command(aliases = ["a*"], after_help = "\
+Values are the costs from the start of all cells reached, inf elsewhere. A step \
+costs 1, a diagonal step the square root of 2. Ties go to the larger cost so far, \
+then to the first in reading order. With --weight above 1, or `--heuristic \
+manhattan` and 8 neighbours, the path may be longer than the shortest: the output \
+then has the bound and the difference.
 
 Examples:
+  wildfire map astar assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
+    --weight 2 --json
   wildfire map astar assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
     --png a.png
   wildfire map astar assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
     --expansions order.csv --gif search.gif")]
-    Astar(searches::Search<searches::SearchParameters>) = searches::best_first, SearchOrder::AStar;
+    Astar(searches::Search<searches::AstarParameters>) = searches::best_first;
 
-    /// A cheapest path by Dijkstra's search, in the order of the cost so far.
-    #[command(after_help = "\
-As `wildfire map astar`, but without an estimate of the cost to go.
+    /// Find a shortest path by Dijkstra's search, ordered by cost so far.
+    #[command(aliases = ["uniform-cost"], after_help = "\
+Like `wildfire map astar --heuristic zero`.
 
 Example:
   wildfire map dijkstra assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
     --png d.png")]
-    Dijkstra(searches::Search<searches::SearchParameters>) = searches::best_first, SearchOrder::Dijkstra;
+    Dijkstra(searches::Search<searches::SearchParameters>) = searches::best_first;
 
-    /// Some path by greedy best-first search, in the order of the distance to go.
-    #[command(after_help = "\
-As `wildfire map astar`, but the cost so far does not count, so the path need not be \
-a cheapest one. A cell keeps the way by which it was reached first.
+    /// Find a path by greedy best-first search, ordered by estimated cost to go.
+    #[command(aliases = ["gbfs"], after_help = "\
+Like `wildfire map astar`, but the cost so far does not count: the path may be \
+longer than the shortest, without a bound. A cell keeps the path by which it was \
+first reached.
 
 Example:
   wildfire map greedy assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
     --png g.png")]
-    Greedy(searches::Search<searches::SearchParameters>) = searches::best_first, SearchOrder::Greedy;
+    Greedy(searches::Search<searches::GreedyParameters>) = searches::best_first;
 
-    /// A path that turns at any angle, by Theta*.
-    #[command(after_help = "\
-The path is a row of cells, joined by straight segments between centres that enter \
-no obstacle. With --no-corner-cutting they touch none either, not even at a corner. \
-It never costs more than a cheapest path in steps.
+    /// Find a path that turns at any angle, by Theta*.
+    #[command(aliases = ["theta*"], after_help = "\
+The path consists of straight segments between centres of cells that enter no \
+obstacle. With --no-corner-cutting they touch none either, not even at a corner. \
+The path never costs more than the shortest path in steps.
 
 Example:
   wildfire map theta assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
     --path turns.csv")]
     Theta(searches::Search<searches::EightSearchParameters>) = searches::any_angle;
 
-    /// A cheapest path by jump point search.
-    #[command(after_help = "\
-A* that expands only cells at which a shortest path may have to turn; costs are \
-known there alone. It costs what A* costs, with and without --no-corner-cutting. \
-Cells touched are those that the jumps went through.
+    /// Find a shortest path by jump point search.
+    #[command(aliases = ["jump-point-search"], after_help = "\
+A* that expands only cells where a shortest path may have to turn; only these have \
+a cost. The path costs the same as that of A*, with and without \
+--no-corner-cutting. Touched cells are those that the jumps passed through.
 
 Example:
   wildfire map jps assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
     --png jumps.png")]
     Jps(searches::Search<searches::EightSearchParameters>) = searches::jumps;
 
-    /// A path by a rapidly-exploring random tree of points.
+    /// Find a path by a rapidly-exploring random tree (RRT).
     #[command(after_help = "\
-Points are drawn with equal chance over the map, between cells too, from the centre \
-of the start to that of the goal; segments touch no obstacle. The tree ends when it \
-reaches the goal. Values: the least cost of a point of the tree in the cell, inf \
-without one. A seed gives the same tree everywhere.
+Samples are uniformly random over the map, not only centres of cells; edges touch \
+no obstacle. The tree stops when it reaches the goal. Values: the least cost of a \
+point of the tree in the cell, inf without one. A seed gives the same tree on every \
+machine.
 
 Example:
   wildfire map rrt assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
     --png tree.png")]
     Rrt(graphs::Search<graphs::Growth>) = graphs::rrt;
 
-    /// A path by RRT*, which gets shorter with more samples.
-    #[command(after_help = "\
-As `wildfire map rrt`, but all samples are drawn: a point joins the neighbour that \
-makes its way shortest, and neighbours join it anew where theirs gets shorter.
+    /// Find a path by RRT*, which more samples make shorter.
+    #[command(aliases = ["rrt*"], after_help = "\
+Like `wildfire map rrt`, but uses all samples: a new point connects to the \
+neighbour that gives it the shortest path, and neighbours reconnect through it \
+where that shortens theirs.
 
 Example:
   wildfire map rrt-star assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
     --samples 2000 --png tree.png")]
     RrtStar(graphs::Search<graphs::RrtStarParameters>) = graphs::rrt_star;
 
-    /// A path through a probabilistic roadmap of points.
-    #[command(after_help = "\
-Points are drawn as by `wildfire map rrt`, each is joined with its nearest ones where \
-the segment is free, and the path is a shortest one through the roadmap.
+    /// Find a path through a probabilistic roadmap (PRM).
+    #[command(aliases = ["roadmap"], after_help = "\
+Samples as in `wildfire map rrt`; each is connected to its nearest neighbours where \
+the segment is free. The path is the shortest through the roadmap.
 
 Example:
   wildfire map prm assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\

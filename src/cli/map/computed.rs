@@ -304,16 +304,16 @@ impl Walk {
         match (self.way.answer, minimum) {
             (WalkResult::Reached, None) => format!("Reached the goal: {measures}."),
             (WalkResult::Reached, Some(stuck)) => {
-                format!("{stuck}; reached the goal from there by the wavefront: {measures} in all.")
+                format!("{stuck}; reached the goal from there along the wavefront: {measures} in total.")
             }
             (WalkResult::Unreachable, None) => {
-                format!("Unreachable: no way leads from the start, {start}, to the goal, {goal}.")
+                format!("Unreachable: no path leads from the start, {start}, to the goal, {goal}.")
             }
             (WalkResult::Unreachable, Some(stuck)) => {
-                format!("{stuck}. Unreachable: no way leads from there to the goal, {goal}.")
+                format!("{stuck}. Unreachable: no path leads from there to the goal, {goal}.")
             }
             (WalkResult::Stuck, stuck) => format!("{}: {measures}.", stuck.unwrap_or_default()),
-            (WalkResult::NotFound, _) => "No path found: all samples were drawn.".to_owned(),
+            (WalkResult::NotFound, _) => "No path found with these samples.".to_owned(),
             (WalkResult::StartOccupied, _) => format!("No path: the start, {start}, lies in an obstacle."),
         }
     }

@@ -1,5 +1,7 @@
 //! Maps of values: their parameters, and computing them.
 
+use std::path::PathBuf;
+
 use clap::Args;
 use serde::Serialize;
 
@@ -11,6 +13,7 @@ use crate::cli::map::options::{
     CornerArguments, GoalArguments, NeighbourArguments, choices, parse_number, parse_place,
 };
 use crate::cli::numbers;
+use crate::cli::output_files::Format;
 use wildfire_grid::brushfire;
 use wildfire_grid::cost_map::{self, cost_map};
 use wildfire_grid::descent::{descend, descend_or_escape};
@@ -23,8 +26,25 @@ use wildfire_grid::{Connectivity, Grid, Place, TieOrder, potential};
 #[derive(Debug, Args, Serialize)]
 pub struct NoParameters {}
 
+/// The film of a front that spreads.
+#[derive(Debug, Default, Args)]
+pub struct FilmArguments {
+    /// Draw the spreading front as an animation.
+    #[arg(help_heading = "Output", long, value_name = "FILE.gif")]
+    pub gif: Option<PathBuf>,
+}
+
+impl FilmArguments {
+    fn more_files(&self) -> [(Format, &Option<PathBuf>); 2] {
+        [(Format::Csv, &None), (Format::Gif, &self.gif)]
+    }
+}
+
 #[derive(Debug, Args, Serialize)]
 pub struct BrushfireArguments {
+    #[command(flatten)]
+    #[serde(skip)]
+    pub film: FilmArguments,
     #[command(flatten)]
     #[serde(flatten)]
     pub neighbours: NeighbourArguments,
@@ -35,7 +55,7 @@ pub struct BrushfireArguments {
 
 #[derive(Debug, Args, Serialize)]
 pub struct CostArguments {
-    /// The outer zone as the formula of its source has it, with a jump, or as its text promises, without.
+    /// Formula of the outer zone: literal, with a jump at its inner edge, or continuous.
     #[arg(long, value_enum, value_name = "NAME", default_value = "literal")]
     pub form: Form,
     /// Cost of obstacles.
@@ -50,7 +70,7 @@ pub struct CostArguments {
     /// Width of the safety zone in cells, at least 1.
     #[arg(long, value_name = "CELLS", default_value_t = 12, allow_hyphen_values = true, value_parser = parse_distance)]
     pub safety_distance: u16,
-    /// The cost that each further cell takes off, beyond the safety zone.
+    /// Decrease of the cost per cell beyond the safety zone.
     #[arg(long, value_name = "COST", default_value_t = 15.0, allow_hyphen_values = true, value_parser = parse_number)]
     pub cost_rate: f64,
 }
@@ -58,15 +78,18 @@ pub struct CostArguments {
 #[derive(Debug, Args, Serialize)]
 pub struct WavefrontArguments {
     #[command(flatten)]
+    #[serde(skip)]
+    pub film: FilmArguments,
+    #[command(flatten)]
     #[serde(flatten)]
     pub goal: GoalArguments,
-    /// The cell in which a path begins.
+    /// Start of the path.
     #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse_place)]
     pub start: Option<Place>,
     #[command(flatten)]
     #[serde(flatten)]
     pub neighbours: NeighbourArguments,
-    /// The order in which a path tries neighbours that are equally good: S N E W SE SW NE NW, or W N E S NW NE SE SW.
+    /// Order of equally good neighbours: S N E W SE SW NE NW, or W N E S NW NE SE SW.
     #[arg(
         long,
         value_enum,
@@ -76,7 +99,7 @@ pub struct WavefrontArguments {
         conflicts_with = "shortest"
     )]
     pub tie_order: Order,
-    /// The shortest path, a diagonal step counting the square root of 2, instead of one with the fewest steps.
+    /// Find the path of least length (diagonal steps: square root of 2), not of fewest steps.
     #[arg(long, requires = "start")]
     pub shortest: bool,
     #[command(flatten)]
@@ -125,7 +148,7 @@ pub struct FieldArguments {
 
 #[derive(Debug, Args, Serialize)]
 pub struct DescendArguments {
-    /// The cell in which the descent begins.
+    /// Start of the descent.
     #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse_place)]
     pub start: Place,
     #[command(flatten)]
@@ -134,20 +157,20 @@ pub struct DescendArguments {
     #[command(flatten)]
     #[serde(flatten)]
     pub corners: CornerArguments,
-    /// The way out of a local minimum: the wavefront's path to the goal.
+    /// Leave a local minimum along the wavefront's path to the goal.
     #[arg(long, value_enum, value_name = "NAME")]
     pub escape: Option<Escape>,
 }
 
 #[derive(Debug, Args, Serialize)]
 pub struct AttractionOptions {
-    /// zeta / 2 x the square of the Euclidean distance from the goal, or the city-block distance.
+    /// d2: zeta / 2 x the squared Euclidean distance from the goal; manhattan: city-block distance.
     #[arg(long, value_enum, value_name = "NAME", default_value = "d2")]
     pub distance: Distance,
-    /// Strength of the attraction `d2`; it shows with `--scale none` only.
+    /// Strength of the attraction `d2`; only has an effect with `--scale none`.
     #[arg(long, default_value_t = 1.0, allow_hyphen_values = true, value_parser = parse_number)]
     pub zeta: f64,
-    /// The largest attraction, to which all are scaled, or `none`.
+    /// Largest attraction after scaling, or `none`.
     #[arg(long, value_name = "S|none", default_value = "10", allow_hyphen_values = true, value_parser = parse_scale)]
     pub scale: Scale,
 }
@@ -160,7 +183,7 @@ pub struct RepulsionOptions {
     /// Strength of the repulsion.
     #[arg(long, default_value_t = 15.0, allow_hyphen_values = true, value_parser = parse_number)]
     pub eta: f64,
-    /// Take the distance itself, one less than the brushfire value, as textbooks do: obstacles become infinitely high.
+    /// Use the distance, as textbooks do: brushfire value - 1, obstacles infinitely high.
     #[arg(long)]
     pub true_distance: bool,
 }
@@ -180,7 +203,11 @@ pub struct Scale(pub Option<f64>);
 
 impl ArgumentGroup for NoParameters {}
 
-impl ArgumentGroup for BrushfireArguments {}
+impl ArgumentGroup for BrushfireArguments {
+    fn more_files(&self) -> [(Format, &Option<PathBuf>); 2] {
+        self.film.more_files()
+    }
+}
 
 impl ArgumentGroup for CostArguments {
     /// Accepts what the zones accept. Of costs that do not go together, one may be left to its default: options are named.
@@ -216,6 +243,10 @@ impl CostArguments {
 impl ArgumentGroup for WavefrontArguments {
     fn check(&self) -> Result<(), BadParameter> {
         self.scale.map_or(Ok(()), |scale| BadParameter::unless_positive("the scale", scale))
+    }
+
+    fn more_files(&self) -> [(Format, &Option<PathBuf>); 2] {
+        self.film.more_files()
     }
 
     fn has_start(&self) -> bool {

@@ -22,10 +22,10 @@ use wildfire_grid::{Grid, Place};
 /// Files that only trees and roadmaps are written to.
 #[derive(Debug, Default, Args)]
 pub struct GraphFiles {
-    /// Write the edges in the order in which they came, as order,from_row,from_col,to_row,to_col.
+    /// Write the edges in the order in which they were added: order,from_row,from_col,to_row,to_col.
     #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
     pub edges: Option<PathBuf>,
-    /// Draw the tree or the roadmap as it grew, as an animation.
+    /// Draw the growing tree or roadmap as an animation.
     #[arg(help_heading = "Output", long, value_name = "FILE.gif")]
     pub gif: Option<PathBuf>,
 }
@@ -33,16 +33,16 @@ pub struct GraphFiles {
 /// How a tree grows.
 #[derive(Debug, Args, Serialize)]
 pub struct Growth {
-    /// The number that decides all draws.
+    /// Seed of the random samples.
     #[arg(short, long, default_value_t = 1)]
     pub seed: u64,
-    /// Points that are drawn at most, from 1 to 100000.
+    /// Maximum number of samples, from 1 to 100000.
     #[arg(long, default_value_t = 5000, allow_hyphen_values = true, value_parser = parse_count)]
     pub samples: u32,
-    /// The longest edge in cells; `auto` is a twentieth of the map's longer side, at least 5.
+    /// Maximum edge length in cells; `auto`: 1/20 of the map's longer side, at least 5.
     #[arg(long, value_name = "CELLS|auto", default_value = "auto", allow_hyphen_values = true, value_parser = parse_step)]
     pub step: TreeStep,
-    /// The chance that the goal is drawn in place of a point.
+    /// Probability of sampling the goal instead of a random point.
     #[arg(long, value_name = "SHARE", default_value_t = 0.05, allow_hyphen_values = true, value_parser = parse_number)]
     pub goal_bias: f64,
 }
@@ -50,10 +50,10 @@ pub struct Growth {
 /// Which points are neighbours.
 #[derive(Debug, Args, Serialize)]
 pub struct Near {
-    /// How many nearest points are neighbours, from 1 to 1000 [default: 2e ln n of n points].
+    /// Number of nearest points that are neighbours, from 1 to 1000 [default: 2e ln n of n points].
     #[arg(long, value_name = "K", allow_hyphen_values = true, value_parser = parse_count)]
     pub neighbours: Option<u32>,
-    /// The distance in cells within which points are neighbours [default: no limit].
+    /// Maximum distance of neighbours in cells [default: no limit].
     #[arg(long, value_name = "CELLS", allow_hyphen_values = true, value_parser = parse_number)]
     pub radius: Option<f64>,
 }
@@ -70,10 +70,10 @@ pub struct RrtStarParameters {
 
 #[derive(Debug, Args, Serialize)]
 pub struct PrmParameters {
-    /// The number that decides all draws.
+    /// Seed of the random samples.
     #[arg(short, long, default_value_t = 1)]
     pub seed: u64,
-    /// Points that are drawn, from 1 to 100000; those in obstacles are left out.
+    /// Number of samples, from 1 to 100000; those in obstacles are discarded.
     #[arg(long, default_value_t = 500, allow_hyphen_values = true, value_parser = parse_count)]
     pub samples: u32,
     #[command(flatten)]

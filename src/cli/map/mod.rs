@@ -2,6 +2,7 @@
 
 mod commands;
 mod computed;
+mod explained;
 mod fields;
 mod graphs;
 mod options;
@@ -35,9 +36,9 @@ use wildfire_picture::{MapScene, Picture, draw_map, draw_overlay, draw_surface};
 pub enum MapCommand {
     #[command(flatten)]
     Compute(Computation),
-    /// CPU time of brushfire and wavefront on maps, as a table.
+    /// Measure the CPU time of brushfire and wavefront on maps.
     Timing(TimingArguments),
-    /// All maps and searches of one problem, as a page for a report.
+    /// Write a page with all maps and searches of one problem.
     Report(PageArguments),
 }
 
@@ -75,8 +76,8 @@ fn refused(map: &Path, problem: &BadQuestion) -> CliError {
 fn check_files(computation: &Computation) -> Result<Words, CliError> {
     let files = computation.files();
     if files.output.path.is_some() && !computation.parameters().has_start() {
-        let help = "wavefront, descend, voronoi and all searches find paths, from --start";
-        return Err(CliError::bad_input("--path without a start: there is no path to write", Some(help)));
+        let help = "wavefront, descend, voronoi and all searches find a path from --start";
+        return Err(CliError::bad_input("--path needs --start: without a start there is no path to write", Some(help)));
     }
     let inputs = vec![files.input.map.as_path()];
     Files { inputs, form: files.output.form, ..Files::default() }

@@ -64,25 +64,22 @@ pub struct InputArguments {
 /// Options of reading a map.
 #[derive(Debug, Args)]
 pub struct ReadingArguments {
-    /// Pixels of an image are occupied where their grey value, 0 black to 255 white, is at most this; `auto` takes the
-    /// value that separates dark from light best, by Otsu's method [default: 50].
+    /// Largest grey value of an occupied pixel, 0 black to 255 white; `auto` picks it with Otsu's method [default: 50].
     #[arg(long, value_name = "GREY|auto", allow_hyphen_values = true, value_parser = parse_tolerance)]
     pub tolerance: Option<Tolerance>,
-    /// Take an image as its negative, so that what is light is occupied; in other maps occupied cells become free and
-    /// free ones occupied.
+    /// Swap occupied and free: in an image, light pixels are occupied.
     #[arg(long)]
     pub invert: bool,
     /// Free the first and last K rows and columns of the file.
     #[arg(long, value_name = "K", default_value_t = 0, allow_hyphen_values = true, value_parser = parse_edge)]
     pub remove_edges: usize,
-    /// Lay this many columns and rows of cells over the map: a cell is occupied where anything in it is, so that no wall
-    /// is lost.
+    /// Resample the map to this many columns and rows; a cell with anything occupied in it is occupied.
     #[arg(long, value_name = "COLSxROWS", allow_hyphen_values = true, value_parser = parse_size)]
     pub resize: Option<MapSize>,
 }
 
 /// Says that `--tolerance` was given for a map that has no grey values.
-pub const NO_IMAGE: &str = "--tolerance has no effect: the map is no image.";
+pub const NO_IMAGE: &str = "--tolerance has no effect: the map is not an image.";
 
 /// The size of a map, as people say it: columns first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,7 +134,7 @@ pub struct OutputArguments {
     /// Draw the values as a surface in space.
     #[arg(help_heading = "Output", long, value_name = "FILE.png")]
     pub surface: Option<PathBuf>,
-    /// Write the path, ROW,COLUMN per line from the start on; an empty file if there is none.
+    /// Write the path, ROW,COLUMN per line from the start; an empty file without a path.
     #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
     pub path: Option<PathBuf>,
     /// Colours of the pictures.
@@ -200,7 +197,7 @@ pub struct GoalArguments {
 /// Where a search begins and ends.
 #[derive(Debug, Args, Serialize)]
 pub struct EndArguments {
-    /// The cell in which the path begins.
+    /// Start of the path.
     #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse_place)]
     pub start: Place,
     #[command(flatten)]

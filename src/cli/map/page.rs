@@ -11,6 +11,7 @@ use clap::{Args, Parser};
 use crate::cli::error::CliError;
 use crate::cli::map::commands::Computation;
 use crate::cli::map::computed::{Computed, Value, WalkResult};
+use crate::cli::map::explained::{cost, explanation};
 use crate::cli::map::graphs::{TreeStep, parse_count, parse_step};
 use crate::cli::map::options::{CornerArguments, EndArguments, NeighbourArguments, ReadingArguments};
 use crate::cli::map::report::{MapReport, with_scene};
@@ -27,9 +28,9 @@ use wildfire_picture::draw_small_map;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-The folder is made if need be; it gets report.html, which needs no other file, and \
-searches.csv. Theta* and jump point search have 8 neighbours whatever is asked for. \
-CPU times are of one run each.
+Writes report.html, which is self-contained, and searches.csv, and creates the \
+folder if it is missing. Theta* and jump point search always have 8 neighbours. \
+Each CPU time is that of a single run.
 
 Example:
   wildfire map report assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
@@ -46,16 +47,16 @@ pub struct PageArguments {
     pub neighbours: NeighbourArguments,
     #[command(flatten)]
     pub corners: CornerArguments,
-    /// The number that decides what trees and roadmaps draw.
+    /// Seed of the random samples of trees and roadmaps.
     #[arg(short, long, default_value_t = 1)]
     pub seed: u64,
-    /// Points that trees draw at most, from 1 to 100000 [default: 5000].
+    /// Maximum number of samples of the trees, from 1 to 100000 [default: 5000].
     #[arg(long, allow_hyphen_values = true, value_parser = parse_count)]
     pub samples: Option<u32>,
-    /// The longest edge of trees in cells; `auto` is a twentieth of the map's longer side, at least 5.
+    /// Maximum edge length of trees in cells; `auto`: 1/20 of the map's longer side, at least 5.
     #[arg(long, value_name = "CELLS|auto", default_value = "auto", allow_hyphen_values = true, value_parser = parse_step)]
     pub step: TreeStep,
-    /// The folder to write to.
+    /// Output folder.
     #[arg(short, long, value_name = "FOLDER")]
     pub out: PathBuf,
 }
@@ -113,11 +114,11 @@ fn check_folder(folder: &Path) -> Result<(), CliError> {
         |reason: &str| Err(CliError::bad_input(format_args!("cannot write to {}: {reason}", folder.display()), None));
     let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if is_standard_stream(folder) {
-        refuse("a page does not go to stdout; expected a folder")
+        refuse("a page cannot be written to stdout; expected a folder")
     } else if folder.exists() && !folder.is_dir() {
-        refuse("it is no folder")
+        refuse("it is not a folder")
     } else if !parent.is_dir() {
-        refuse("there is no such folder to make it in")
+        refuse("its parent folder does not exist")
     } else {
         Ok(())
     }
@@ -201,13 +202,15 @@ fn page(arguments: &PageArguments, map: &MapFile, parts: &[Part], cpu_read: Dura
     document.add(Block::Heading("Searches".into()));
     document.add(search_table(parts));
     document.add(Block::Text(
-        "Costs are lengths in cells. CPU times are of one thread and one run each, reading left out.".into(),
+        "Costs are lengths in cells. Each CPU time is that of one run on one thread, without reading the map.".into(),
     ));
     document.add(Block::Heading("Maps".into()));
     document.add(map_table(parts));
+    let find = |command: &str| parts.iter().find(|part| part.words[0] == command).map(|part| &part.computed);
     for part in parts {
         let (lines, png) = report(part);
         document.add(Block::Heading(part.computed.title.clone()));
+        document.add(Block::Text(explanation(&part.computation, &part.computed, &find)));
         document.add_list(lines);
         document.add(Block::Image { caption: part.command_line(), png });
     }
@@ -244,8 +247,7 @@ impl Part {
 
     /// The length of its path, if it has one that reaches the goal.
     fn cost(&self) -> Option<f64> {
-        let search = self.computed.search.as_ref().and_then(|search| search.cost);
-        search.or_else(|| self.computed.graph.as_ref().and_then(|graph| graph.cost))
+        cost(&self.computed)
     }
 
     fn cpu(&self) -> Duration {

@@ -143,6 +143,8 @@ impl Serialize for MapReport<'_> {
             steps: way.map(|cells| cells.len() - 1),
             length: way.and(walk).map(|walk| walk.way.length),
             cost: search.and_then(|search| search.cost).or(graph.and_then(|graph| graph.cost)),
+            shortest_cost: search.and_then(|search| search.shortest).map(|shortest| shortest.cost),
+            cost_bound: search.and_then(|search| search.shortest).and_then(|shortest| shortest.bound),
             expansions: search.map(|search| search.expanded.len()),
             touched: search.map(|search| search.touched),
             samples: graph.map(|graph| graph.samples),
@@ -269,27 +271,40 @@ fn drawn_value(report: &MapReport, place: Place) -> Option<f64> {
     (!is_bare).then_some(value)
 }
 
-/// Writes the film of a search: cells as they were expanded, or edges as they came.
+/// Writes the film of a computation: cells as they were expanded, edges as they were added, or values in ascending order.
 pub fn write_film(report: &MapReport, path: &Path) -> io::Result<()> {
     let (rows, cols) = (report.map.occupied.rows(), report.map.occupied.cols());
     let mut order = Grid::filled(rows, cols, None::<usize>);
-    let mut steps = 0;
-    if let Some(search) = &report.computed.search {
-        steps = search.expanded.len();
-        for (step, &index) in search.expanded.iter().enumerate() {
-            order.values_mut()[index as usize] = Some(step);
-        }
-    }
-    if let Some(graph) = &report.computed.graph {
-        steps = graph.edges.len();
-        // A cell has the value of a point of the graph, which comes with its first edge.
-        for (step, &[from, to]) in graph.edges.iter().enumerate() {
-            for (row, col) in [from, to] {
-                let cell = (row.round() as usize, col.round() as usize);
-                order[cell].get_or_insert(step);
+    let steps = match (&report.computed.search, &report.computed.graph) {
+        (Some(search), _) => {
+            for (step, &index) in search.expanded.iter().enumerate() {
+                order.values_mut()[index as usize] = Some(step);
             }
+            search.expanded.len()
         }
-    }
+        (None, Some(graph)) => {
+            // A cell has the value of a point of the graph, which comes with its first edge.
+            for (step, &[from, to]) in graph.edges.iter().enumerate() {
+                for (row, col) in [from, to] {
+                    let cell = (row.round() as usize, col.round() as usize);
+                    order[cell].get_or_insert(step);
+                }
+            }
+            graph.edges.len()
+        }
+        // A front that spreads gives all cells of a step the same value, the next larger one.
+        (None, None) => {
+            let places = || (0..rows).flat_map(|row| (0..cols).map(move |col| (row, col)));
+            let mut values: Vec<f64> = places().filter_map(|place| drawn_value(report, place)).collect();
+            values.sort_by(f64::total_cmp);
+            values.dedup();
+            for place in places() {
+                let value = drawn_value(report, place);
+                order[place] = value.and_then(|value| values.binary_search_by(|other| other.total_cmp(&value)).ok());
+            }
+            values.len()
+        }
+    };
     with_scene(report, |scene| write_map_film(scene, &MapGrowth { steps, step_of: &|place| order[place] }, path))
 }
 

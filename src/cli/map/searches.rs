@@ -10,12 +10,15 @@ use crate::cli::map::computed::{
     BadQuestion, Bare, Computed, Values, Walk, check_problem, check_size, timed, title_with_neighbours,
 };
 use crate::cli::map::options::{
-    CornerArguments, NeighbourArguments, Neighbours, PathArguments, choices, neighbours, parse_place,
+    CornerArguments, NeighbourArguments, Neighbours, PathArguments, choices, neighbours, parse_number, parse_place,
 };
-use crate::cli::map::traces::SearchTrace;
+use crate::cli::map::traces::{SearchTrace, ShortestCost};
 use crate::cli::output_files::Format;
 use wildfire_base::document::number::count;
-use wildfire_grid::path_search::{PathSearch, SearchOrder, jump_point_search, search_best_first, theta_star};
+use wildfire_grid::parameter::BadParameter;
+use wildfire_grid::path_search::{
+    Heuristic, PathSearch, SearchOrder, jump_point_search, search_best_first, theta_star,
+};
 use wildfire_grid::segment::line_length;
 use wildfire_grid::voronoi::{Sites, path_along, voronoi};
 use wildfire_grid::{CornerCutting, Grid, Place};
@@ -23,10 +26,10 @@ use wildfire_grid::{CornerCutting, Grid, Place};
 /// Files that only searches write.
 #[derive(Debug, Default, Args)]
 pub struct SearchFiles {
-    /// Write the cells in the order in which they were expanded, as order,row,col,cost.
+    /// Write the cells in the order of expansion: order,row,col,cost.
     #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
     pub expansions: Option<PathBuf>,
-    /// Draw the search as it went on, as an animation.
+    /// Draw the search as an animation, expansion by expansion.
     #[arg(help_heading = "Output", long, value_name = "FILE.gif")]
     pub gif: Option<PathBuf>,
 }
@@ -41,10 +44,46 @@ pub struct SearchParameters {
     pub corners: CornerArguments,
 }
 
+#[derive(Debug, Args, Serialize)]
+pub struct GreedyParameters {
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub search: SearchParameters,
+    /// Estimate of the cost to the goal [default: octile, with 4 neighbours manhattan].
+    #[arg(long, value_enum, value_name = "NAME")]
+    pub heuristic: Option<HeuristicName>,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct AstarParameters {
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub estimate: GreedyParameters,
+    /// Factor of the estimate, from 0 to 1000; above 1 the path may be longer than the shortest.
+    #[arg(
+        long,
+        value_name = "FACTOR",
+        default_value_t = 1.0,
+        allow_hyphen_values = true,
+        value_parser = parse_number
+    )]
+    pub weight: f64,
+}
+
+/// The parameters of a search in the order of costs and estimates.
+pub trait Ordered {
+    fn search(&self) -> &SearchParameters;
+
+    fn order(&self) -> SearchOrder;
+
+    /// The words that open the title, and the subcommand.
+    fn names(&self) -> (String, &'static str);
+}
+
 /// Parameters of searches that have 8 neighbours always.
 #[derive(Debug, Args, Serialize)]
 pub struct EightSearchParameters {
-    /// Neighbours of a cell: this search has 8, those that share a side or a corner.
+    /// Neighbours of a cell: always 8 in this search.
     #[arg(
         long = "neighbours",
         alias = "connectivity",
@@ -60,13 +99,13 @@ pub struct EightSearchParameters {
 
 #[derive(Debug, Args, Serialize)]
 pub struct VoronoiArguments {
-    /// What counts as one obstacle: connected components and each wall, or cells that are seen 60 degrees apart.
+    /// Sites: connected obstacles and each wall, or single cells seen at least 60 degrees apart.
     #[arg(long, value_enum, value_name = "NAME", default_value = "obstacles")]
     pub sites: SiteKind,
-    /// The cell in which a path along the diagram begins.
+    /// Start of a path along the diagram.
     #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse_place, requires = "goal")]
     pub start: Option<Place>,
-    /// The cell in which it ends.
+    /// Goal of the path.
     #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse_place, requires = "start")]
     pub goal: Option<Place>,
     #[command(flatten)]
@@ -76,6 +115,7 @@ pub struct VoronoiArguments {
 
 choices! {
     SiteKind for Sites { Obstacles, Cells }
+    HeuristicName for Heuristic { Zero, Euclidean, Octile, Manhattan }
 }
 
 impl ArgumentGroup for SearchFiles {
@@ -85,6 +125,70 @@ impl ArgumentGroup for SearchFiles {
 }
 
 impl ArgumentGroup for SearchParameters {}
+
+impl ArgumentGroup for GreedyParameters {}
+
+impl ArgumentGroup for AstarParameters {
+    fn check(&self) -> Result<(), BadParameter> {
+        self.order().check()
+    }
+}
+
+impl GreedyParameters {
+    fn heuristic(&self) -> Heuristic {
+        let exact = Heuristic::exact(self.search.neighbours.connectivity.into());
+        self.heuristic.map_or(exact, Heuristic::from)
+    }
+
+    /// The name of a search with the estimate, if it was chosen.
+    fn named(&self, name: &str) -> String {
+        let Some(heuristic) = self.heuristic else { return name.to_owned() };
+        format!("{name}, heuristic {}", format!("{heuristic:?}").to_lowercase())
+    }
+}
+
+impl Ordered for SearchParameters {
+    fn search(&self) -> &SearchParameters {
+        self
+    }
+
+    fn order(&self) -> SearchOrder {
+        SearchOrder::Dijkstra
+    }
+
+    fn names(&self) -> (String, &'static str) {
+        ("Dijkstra's search".to_owned(), "dijkstra")
+    }
+}
+
+impl Ordered for GreedyParameters {
+    fn search(&self) -> &SearchParameters {
+        &self.search
+    }
+
+    fn order(&self) -> SearchOrder {
+        SearchOrder::Greedy { heuristic: self.heuristic() }
+    }
+
+    fn names(&self) -> (String, &'static str) {
+        (self.named("Greedy search"), "greedy")
+    }
+}
+
+impl Ordered for AstarParameters {
+    fn search(&self) -> &SearchParameters {
+        &self.estimate.search
+    }
+
+    fn order(&self) -> SearchOrder {
+        SearchOrder::AStar { heuristic: self.estimate.heuristic(), weight: self.weight }
+    }
+
+    fn names(&self) -> (String, &'static str) {
+        let weight = if self.weight == 1.0 { String::new() } else { format!(", weight {}", self.weight) };
+        (self.estimate.named("A*") + &weight, "astar")
+    }
+}
 
 impl ArgumentGroup for EightSearchParameters {}
 
@@ -97,20 +201,22 @@ impl ArgumentGroup for VoronoiArguments {
 /// Arguments of a search.
 pub type Search<P> = PathArguments<SearchFiles, P>;
 
-pub fn best_first(
+pub fn best_first<P: Args + Ordered>(
     occupied: &Grid<bool>,
-    Search { ends, parameters, .. }: &Search<SearchParameters>,
-    order: SearchOrder,
+    Search { ends, parameters, .. }: &Search<P>,
 ) -> Result<Computed, BadQuestion> {
-    let (name, command) = match order {
-        SearchOrder::AStar => ("A*", "astar"),
-        SearchOrder::Dijkstra => ("Dijkstra's search", "dijkstra"),
-        SearchOrder::Greedy => ("Greedy search", "greedy"),
-    };
-    let (ends, neighbours, corners) = (ends.places(), parameters.neighbours.connectivity, parameters.corners.rule());
-    let search = || search_best_first(occupied, ends, order, neighbours.into(), corners);
-    let title = with_corners(title_with_neighbours(name, neighbours), corners);
-    Ok(Computed { title, ..answer(occupied, command, ends, search)? })
+    let SearchParameters { neighbours, corners } = parameters.search();
+    let (ends, neighbours, corners) = (ends.places(), neighbours.connectivity, corners.rule());
+    let ((name, command), order, connectivity) = (parameters.names(), parameters.order(), neighbours.into());
+    let search = |order| search_best_first(occupied, ends, order, connectivity, corners);
+    let title = with_corners(title_with_neighbours(&name, neighbours), corners);
+    let mut found = answer(occupied, command, ends, || search(order))?;
+    let bound = order.cost_bound(connectivity);
+    if let Some(trace) = found.search.as_mut().filter(|trace| trace.cost.is_some() && bound != Some(1.0)) {
+        let shortest = search(SearchOrder::astar(connectivity)).expect("both ends are on the map");
+        trace.shortest = shortest.cost.map(|cost| ShortestCost { cost, bound });
+    }
+    Ok(Computed { title, ..found })
 }
 
 pub fn any_angle(
@@ -153,7 +259,7 @@ fn answer<E: std::fmt::Debug>(
         bare: Bare::Infinite("not reached"),
         goal: Some(goal),
         walk: Some(Walk { start, goal, way: route.into() }),
-        search: Some(SearchTrace { cost, expanded, touched, swept }),
+        search: Some(SearchTrace { cost, shortest: None, expanded, touched, swept }),
         ..Computed::new("", "cost from start", (Values::Reals(costs), cpu_map))
     })
 }

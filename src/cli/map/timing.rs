@@ -20,9 +20,9 @@ use wildfire_grid::{Connectivity, CornerCutting, Grid, Place};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Both with 8 neighbours. The goal of the wavefront is the free cell nearest the \
-map's centre. Each figure is the median of at least five repetitions and at least \
-0.2 s of CPU time of one thread, into memory that is warm; reading is not in it.
+Both with 8 neighbours. The goal of the wavefront is the free cell nearest to the \
+centre of the map. Each figure is the median of at least five repetitions and at \
+least 0.2 s of CPU time on one thread, into warm memory, without reading the map.
 
 Example:
   wildfire map timing assets/maps/*.png")]

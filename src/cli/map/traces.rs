@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use wildfire_base::document::number::{count, rounded};
+use wildfire_base::document::number::{count, percent, rounded, short};
 use wildfire_base::whole_file::{WholeFile, write_whole};
 use wildfire_grid::map_files::MapValue;
 use wildfire_grid::{Grid, Place};
@@ -14,6 +14,8 @@ use wildfire_picture::Spot;
 pub struct SearchTrace {
     /// The cost of the path; `None` without one.
     pub cost: Option<f64>,
+    /// The cost of a shortest path, of a path that may be longer.
+    pub shortest: Option<ShortestCost>,
     /// Cells in the order in which they were expanded, as `row * cols + col`.
     pub expanded: Vec<u32>,
     pub touched: usize,
@@ -21,10 +23,25 @@ pub struct SearchTrace {
     pub swept: Option<Grid<bool>>,
 }
 
+/// What a search that need not find a shortest path is compared with.
+#[derive(Clone, Copy, Debug)]
+pub struct ShortestCost {
+    pub cost: f64,
+    /// How many times this cost the path found costs at most; `None` without such a bound.
+    pub bound: Option<f64>,
+}
+
 impl SearchTrace {
     pub fn sentence(&self) -> String {
         let cost = self.cost.map(|cost| format!(", cost {}", rounded(cost, 3))).unwrap_or_default();
-        format!("{} expanded, {} touched{cost}.", count(self.expanded.len(), "cell"), self.touched)
+        let expanded = format!("{} expanded, {} touched{cost}.", count(self.expanded.len(), "cell"), self.touched);
+        let Some((cost, ShortestCost { cost: least, bound })) = self.cost.zip(self.shortest) else { return expanded };
+        let limit = bound.map_or(", without a bound".to_owned(), |bound| format!(", at most {} times", short(bound)));
+        let excess = if least > 0.0 { percent(cost / least - 1.0) } else { "0.0".to_owned() };
+        format!(
+            "{expanded} The path may be longer than the shortest{limit}: the shortest costs {}, this one {excess} % more.",
+            rounded(least, 3)
+        )
     }
 
     /// Writes the order of expansion under the names of its columns.
@@ -57,7 +74,7 @@ impl GraphTrace {
         let cost = self.cost.map(|cost| format!(", cost {}", rounded(cost, 3))).unwrap_or_default();
         let (samples, edges) = (count(self.samples as usize, "sample"), count(self.edges.len(), "edge"));
         let points = count(self.vertices, "point");
-        format!("{samples} drawn, {points} and {edges}{cost}.")
+        format!("{samples}, {points} and {edges}{cost}.")
     }
 
     /// Writes the edges under the names of their columns.

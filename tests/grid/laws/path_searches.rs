@@ -1,6 +1,8 @@
 //! Laws of the searches, and of the trees and roadmaps of points.
 
-use wildfire::grid::path_search::{PathSearch, SearchOrder, jump_point_search, search_best_first, theta_star};
+use wildfire::grid::path_search::{
+    Heuristic, PathSearch, SearchOrder, jump_point_search, search_best_first, theta_star,
+};
 use wildfire::grid::place::octile_length;
 use wildfire::grid::sampling::{
     PointGraph, PointRoute, PrmSettings, RrtSettings, TreeKind, grow_tree, probabilistic_roadmap,
@@ -14,6 +16,10 @@ const CORNERS: [CornerCutting; 2] = [CornerCutting::Allowed, CornerCutting::Forb
 
 fn search(occupied: &Grid<bool>, ends: (Place, Place), order: SearchOrder, way: Way) -> PathSearch {
     search_best_first(occupied, ends, order, way.0, way.1).expect("both ends are free")
+}
+
+fn greedy_order(connectivity: Connectivity) -> SearchOrder {
+    SearchOrder::Greedy { heuristic: Heuristic::exact(connectivity) }
 }
 
 fn cells(search: &PathSearch) -> &[Place] {
@@ -31,7 +37,7 @@ fn astar_dijkstra_and_jumps_cost_what_another_dijkstra_says() {
         for way in WAYS {
             let expected = lengths_by_petgraph(&occupied, start, way).get(&goal).copied();
             let mut found = vec![
-                search(&occupied, (start, goal), SearchOrder::AStar, way),
+                search(&occupied, (start, goal), SearchOrder::astar(way.0), way),
                 search(&occupied, (start, goal), SearchOrder::Dijkstra, way),
             ];
             if way.0 == Connectivity::Eight {
@@ -66,7 +72,7 @@ fn costs_of_what_was_expanded_are_the_lengths_of_shortest_walks() {
         let (occupied, start, goal) = random_problem(seed);
         for way in WAYS {
             let lengths = lengths_by_petgraph(&occupied, start, way);
-            for order in [SearchOrder::AStar, SearchOrder::Dijkstra] {
+            for order in [SearchOrder::astar(way.0), SearchOrder::Dijkstra] {
                 let found = search(&occupied, (start, goal), order, way);
                 let known = found.costs.values().iter().filter(|cost| cost.is_finite()).count();
                 assert_eq!(known, found.touched, "seed {seed}");
@@ -89,8 +95,8 @@ fn greedy_search_arrives_where_astar_does_and_costs_no_less() {
     for seed in 0..150 {
         let (occupied, start, goal) = random_problem(seed);
         for way in WAYS {
-            let greedy = search(&occupied, (start, goal), SearchOrder::Greedy, way);
-            let astar = search(&occupied, (start, goal), SearchOrder::AStar, way);
+            let greedy = search(&occupied, (start, goal), greedy_order(way.0), way);
+            let astar = search(&occupied, (start, goal), SearchOrder::astar(way.0), way);
             assert_eq!(greedy.cost.is_some(), astar.cost.is_some(), "seed {seed}, {way:?}");
             if let Some((cost, least)) = greedy.cost.zip(astar.cost) {
                 assert_is_walk(&occupied, cells(&greedy), start, goal, way);
@@ -103,13 +109,52 @@ fn greedy_search_arrives_where_astar_does_and_costs_no_less() {
 }
 
 #[test]
+fn weighted_astar_keeps_its_bound_and_a_zero_estimate_is_dijkstras() {
+    let (mut longer, mut fewer) = (0, 0);
+    for seed in 0..150 {
+        let (occupied, start, goal) = random_problem(seed);
+        for way in WAYS {
+            let dijkstra = search(&occupied, (start, goal), SearchOrder::Dijkstra, way);
+            let astar = search(&occupied, (start, goal), SearchOrder::astar(way.0), way);
+            assert!(astar.expanded.len() <= dijkstra.expanded.len(), "seed {seed}, {way:?}");
+            for heuristic in [Heuristic::Zero, Heuristic::Euclidean, Heuristic::Octile, Heuristic::Manhattan] {
+                for weight in [0.0, 0.5, 1.0, 1.5, 4.0, 1000.0] {
+                    let case = format!("seed {seed}, {way:?}, {heuristic:?}, weight {weight}");
+                    let order = SearchOrder::AStar { heuristic, weight };
+                    let found = search(&occupied, (start, goal), order, way);
+                    assert_eq!(found.cost.is_some(), dijkstra.cost.is_some(), "{case}");
+                    if heuristic == Heuristic::Zero || weight == 0.0 {
+                        assert_eq!(found, dijkstra, "{case}");
+                    }
+                    let Some((cost, least)) = found.cost.zip(dijkstra.cost) else { continue };
+                    assert_is_walk(&occupied, cells(&found), start, goal, way);
+                    let bound = order.cost_bound(way.0).expect("A* has a bound");
+                    assert!(cost >= least && cost <= bound * least + 1e-9, "{case}: {cost} and {least}");
+                    assert!(bound > 1.0 || cost == least, "{case}: {cost} and {least}");
+                    longer += usize::from(cost > least);
+                    fewer += usize::from(weight > 1.0 && found.expanded.len() < astar.expanded.len());
+                }
+            }
+        }
+    }
+    assert!(longer > 100 && fewer > 500, "{longer} paths were longer, {fewer} searches expanded less");
+    let refused = SearchOrder::AStar { heuristic: Heuristic::Octile, weight: -1.0 }.check();
+    assert!(refused.is_err_and(|problem| problem.to_string().contains("the weight")));
+}
+
+#[test]
 fn any_angle_paths_are_free_and_cost_no_more_than_steps() {
     let mut shorter = 0;
     for seed in 0..200 {
         let (occupied, start, goal) = random_problem(seed);
         for corners in CORNERS {
             let found = theta_star(&occupied, (start, goal), corners).expect("both ends are free");
-            let astar = search(&occupied, (start, goal), SearchOrder::AStar, (Connectivity::Eight, corners));
+            let astar = search(
+                &occupied,
+                (start, goal),
+                SearchOrder::astar(Connectivity::Eight),
+                (Connectivity::Eight, corners),
+            );
             assert_eq!(found.cost.is_some(), astar.cost.is_some(), "seed {seed}, {corners:?}");
             let Some((cost, in_steps)) = found.cost.zip(astar.cost) else { continue };
             assert!(cost <= in_steps + 1e-9, "seed {seed}, {corners:?}: {cost} and {in_steps}");
@@ -132,8 +177,8 @@ fn wrong_ends_are_refused_and_an_occupied_start_is_an_answer() {
     let searches = |ends: (Place, Place)| {
         let way = (Connectivity::Eight, CornerCutting::Allowed);
         vec![
-            search_best_first(&wall, ends, SearchOrder::AStar, way.0, way.1).map(|found| found.route),
-            search_best_first(&wall, ends, SearchOrder::Greedy, way.0, way.1).map(|found| found.route),
+            search_best_first(&wall, ends, SearchOrder::astar(way.0), way.0, way.1).map(|found| found.route),
+            search_best_first(&wall, ends, greedy_order(way.0), way.0, way.1).map(|found| found.route),
             theta_star(&wall, ends, way.1).map(|found| found.route),
             jump_point_search(&wall, ends, way.1).map(|found| found.route),
         ]

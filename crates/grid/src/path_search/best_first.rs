@@ -9,17 +9,80 @@ use std::f64::consts::SQRT_2;
 use super::{PathSearch, index_of, place_of};
 use crate::astar::AStar;
 use crate::octile::{START_LENGTH, StepLength, UNSEEN, legal_moves, length_from_start, longer};
+use crate::parameter::BadParameter;
 use crate::{BadPlace, Connectivity, CornerCutting, Grid, Place, Route, place};
 
-/// What the open list is ordered by.
+/// An estimate of the cost from a cell to the goal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Heuristic {
+    Zero,
+    /// The straight distance.
+    Euclidean,
+    /// The length of a shortest path with eight neighbours and no obstacles.
+    Octile,
+    /// The length of a shortest path with four neighbours and no obstacles.
+    Manhattan,
+}
+
+/// What the open list is ordered by.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SearchOrder {
-    /// The cost so far plus the least cost that the rest can have: the octile distance, with four neighbours the city-block one.
-    AStar,
+    /// The cost so far plus the estimate times the weight, which is not negative.
+    AStar { heuristic: Heuristic, weight: f64 },
     /// The cost so far.
     Dijkstra,
-    /// The least cost that the rest can have, alone. A cell keeps the way that it was first reached by.
-    Greedy,
+    /// The estimate alone. A cell keeps the path by which it was first reached.
+    Greedy { heuristic: Heuristic },
+}
+
+impl Heuristic {
+    /// Returns the largest estimate that never exceeds the cost of a path.
+    pub fn exact(connectivity: Connectivity) -> Self {
+        match connectivity {
+            Connectivity::Four => Self::Manhattan,
+            Connectivity::Eight => Self::Octile,
+        }
+    }
+
+    fn estimate(self, from: Place, to: Place) -> f64 {
+        let (rows, cols) = (from.0.abs_diff(to.0), from.1.abs_diff(to.1));
+        match self {
+            Self::Zero => 0.0,
+            Self::Euclidean => ((rows * rows + cols * cols) as f64).sqrt(),
+            Self::Octile => rows.abs_diff(cols) as f64 + rows.min(cols) as f64 * SQRT_2,
+            Self::Manhattan => (rows + cols) as f64,
+        }
+    }
+}
+
+impl SearchOrder {
+    /// Accepts weights from 0 to 1000.
+    pub fn check(self) -> Result<(), BadParameter> {
+        let Self::AStar { weight, .. } = self else { return Ok(()) };
+        BadParameter::unless((0.0..=1000.0).contains(&weight), "the weight", "a number from 0 to 1000", weight)
+    }
+
+    /// Returns the order of A* with weight 1 and the [exact](Heuristic::exact) estimate.
+    pub fn astar(connectivity: Connectivity) -> Self {
+        Self::AStar { heuristic: Heuristic::exact(connectivity), weight: 1.0 }
+    }
+
+    /// Returns how many times the cost of a shortest path the path found costs at most; `None` without such a bound.
+    ///
+    /// All estimates here are a factor times a consistent one, and with a consistent estimate times a weight of at least 1
+    /// every cell is expanded at a cost of at most the weight times the least, although no cell is expanded twice (M.
+    /// Likhachev, G. Gordon, S. Thrun, "ARA*: Anytime A* with Provable Bounds on Sub-Optimality", NIPS 2003, theorem 1).
+    pub fn cost_bound(self, connectivity: Connectivity) -> Option<f64> {
+        match self {
+            Self::Dijkstra | Self::AStar { heuristic: Heuristic::Zero, .. } => Some(1.0),
+            Self::AStar { heuristic, weight } => {
+                // The city-block distance is at most the square root of 2 times the octile one, a diagonal step.
+                let is_too_large = (heuristic, connectivity) == (Heuristic::Manhattan, Connectivity::Eight);
+                Some(f64::max(1.0, if is_too_large { weight * SQRT_2 } else { weight }))
+            }
+            Self::Greedy { .. } => None,
+        }
+    }
 }
 
 /// Searches from start to goal.
@@ -27,7 +90,7 @@ pub enum SearchOrder {
 /// A goal outside or in an obstacle is an error, and so is a start outside.
 ///
 /// # Panics
-/// If the map has more cells than 32 bits can number.
+/// If the map has more cells than 32 bits can number, or [`SearchOrder::check`] refuses the order.
 pub fn search_best_first(
     occupied: &Grid<bool>,
     (start, goal): (Place, Place),
@@ -35,17 +98,19 @@ pub fn search_best_first(
     connectivity: Connectivity,
     corners: CornerCutting,
 ) -> Result<PathSearch, BadPlace> {
+    order.check().expect("the order was checked");
     if !place::check_ends(occupied, start, goal)? {
         return Ok(PathSearch::from_occupied_start(occupied));
     }
     let moves = legal_moves(occupied, connectivity, corners);
     let (first, last) = (index_of(occupied, start), index_of(occupied, goal));
     // Without costs of its own the search is ordered by the estimate, and no later way to a cell is a better one.
-    let step_costs = if order == SearchOrder::Greedy { (0.0, 0.0) } else { (1.0, SQRT_2) };
-    let estimate = |index: usize, _: usize| match order {
-        SearchOrder::Dijkstra => 0.0,
-        SearchOrder::AStar | SearchOrder::Greedy => least_length(place_of(occupied, index), goal, connectivity),
+    let (step_costs, heuristic, weight) = match order {
+        SearchOrder::AStar { heuristic, weight } => ((1.0, SQRT_2), heuristic, weight),
+        SearchOrder::Dijkstra => ((1.0, SQRT_2), Heuristic::Zero, 1.0),
+        SearchOrder::Greedy { heuristic } => ((0.0, 0.0), heuristic, 1.0),
     };
+    let estimate = |index: usize, _: usize| weight * heuristic.estimate(place_of(occupied, index), goal);
     let mut search = AStar::new(moves.values().len());
     let found = search.search(&moves, first, step_costs, |index| index == last, estimate);
 
@@ -75,13 +140,4 @@ pub fn search_best_first(
 fn follow(lengths: &mut Grid<StepLength>, from: Place, to: Place) {
     let offset = (to.0 as isize - from.0 as isize, to.1 as isize - from.1 as isize);
     lengths[to] = longer(lengths[from], offset);
-}
-
-/// The length of a shortest way between two cells if nothing were between them.
-fn least_length(from: Place, to: Place, connectivity: Connectivity) -> f64 {
-    let (rows, cols) = (from.0.abs_diff(to.0), from.1.abs_diff(to.1));
-    match connectivity {
-        Connectivity::Four => (rows + cols) as f64,
-        Connectivity::Eight => rows.abs_diff(cols) as f64 + rows.min(cols) as f64 * SQRT_2,
-    }
 }

@@ -8,7 +8,7 @@ mod best_first;
 mod jps;
 mod theta;
 
-pub use best_first::{SearchOrder, search_best_first};
+pub use best_first::{Heuristic, SearchOrder, search_best_first};
 pub use jps::jump_point_search;
 pub use theta::theta_star;
 

@@ -1,0 +1,147 @@
+//! `wildfire page --lessons`: pages for a course, whose data this program computes when it writes them.
+
+mod curves;
+mod grids;
+mod runs;
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::cli::error::CliError;
+use crate::cli::output_files::write_all;
+use wildfire_base::document::escaped_html;
+use wildfire_base::whole_file::write_whole;
+use wildfire_batch::PROGRAM_VERSION;
+
+const TEMPLATE: &str = include_str!("../../../assets/lessons/lesson.html");
+const STYLES: [&str; 2] =
+    [include_str!("../../../assets/page/page.css"), include_str!("../../../assets/page/lesson.css")];
+const SCRIPT: &str = include_str!("../../../assets/page/lesson.js");
+
+/// A lesson: its text, and the data that its widgets show.
+struct Lesson {
+    file: &'static str,
+    title: &'static str,
+    text: &'static str,
+    data: fn() -> Result<Value, CliError>,
+}
+
+/// Makes the lessons, in the order in which they are read, from their names, titles and data.
+macro_rules! lessons {
+    ($($name:literal, $title:literal, $data:expr;)*) => {
+        [$(Lesson {
+            file: concat!($name, ".html"),
+            title: $title,
+            text: include_str!(concat!("../../../assets/lessons/", $name, ".html")),
+            data: $data,
+        }),*]
+    };
+}
+
+const LESSONS: [Lesson; 7] = lessons! {
+    "1-fronts", "Brushfire and wavefront", || Ok(grids::fronts());
+    "2-astar", "A* and its relatives", || Ok(grids::searches());
+    "3-potentials", "Potential fields and local minima", || Ok(grids::potentials());
+    "4-sampling", "Sampling: PRM, RRT and RRT*", || Ok(grids::samples());
+    "5-curves", "Curves for cars", || Ok(curves::curves());
+    "6-intervals", "Confidence intervals", runs::pairs;
+    "7-dispatch", "Which truck takes which fire?", runs::dispatch;
+};
+
+/// Writes all lessons and their index to a folder, which is created if it is missing.
+pub fn write(folder: &Path, quiet: bool) -> Result<(), CliError> {
+    fs::create_dir_all(folder).map_err(|error| CliError::unwritable(folder, &error))?;
+    let mut pages = vec![(folder.join("index.html"), index())];
+    for (number, lesson) in LESSONS.iter().enumerate() {
+        let data = (lesson.data)()?;
+        pages.push((folder.join(lesson.file), page(number, lesson, &data)));
+    }
+    for (path, page) in &pages {
+        write_all(&[(Some(path), &|path| write_whole(path, page.as_bytes()))], quiet)?;
+    }
+    Ok(())
+}
+
+fn page(number: usize, lesson: &Lesson, data: &Value) -> String {
+    let link = |other: Option<&Lesson>, name: &str| {
+        other.map_or(String::new(), |other| format!("<a href=\"{}\">{name}: {}</a>", other.file, other.title))
+    };
+    let before = link(number.checked_sub(1).map(|before| &LESSONS[before]), "Previous");
+    let links = format!("{before}<a href=\"index.html\">All lessons</a>{}", link(LESSONS.get(number + 1), "Next"));
+    let title = format!("{}. {}", number + 1, lesson.title);
+    filled_in(&title, &with_numbers(lesson.text, data), &links, data)
+}
+
+fn index() -> String {
+    let item = |lesson: &Lesson| format!("<li><a href=\"{}\">{}</a></li>\n", lesson.file, lesson.title);
+    let list: String = LESSONS.iter().map(item).collect();
+    let text = include_str!("../../../assets/lessons/index.html").replace("@LESSONS@", &list);
+    filled_in("Seven lessons in motion planning", &text, "", &Value::Null)
+}
+
+fn filled_in(title: &str, text: &str, links: &str, data: &Value) -> String {
+    TEMPLATE
+        .replace("@TITLE@", &escaped_html(title))
+        .replace("@STYLE@", &STYLES.concat())
+        .replace("@SCRIPT@", SCRIPT)
+        .replace("@LINKS@", links)
+        .replace("@VERSION@", PROGRAM_VERSION)
+        .replace("@TEXT@", text)
+        // The last, so that nothing in it is replaced. No text of the data ends the element that it is in.
+        .replace("@DATA@", &data.to_string().replace('<', "\\u003c"))
+}
+
+/// Returns a text in which `{{a.b}}` is the number `a.b` of the data.
+///
+/// # Panics
+/// If the data have no such number: texts and data belong together.
+fn with_numbers(text: &str, data: &Value) -> String {
+    let mut parts = text.split("{{");
+    let mut filled = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (name, rest) = part.split_once("}}").expect("a place in a text ends");
+        let value = data.pointer(&format!("/{}", name.replace('.', "/")));
+        let value = value.unwrap_or_else(|| panic!("the data of a lesson have no {name}"));
+        filled += value.as_str().map_or_else(|| value.to_string(), str::to_owned).as_str();
+        filled += rest;
+    }
+    filled
+}
+
+/// A number with a few decimals, so that pages stay small.
+fn short(number: f64, decimals: i32) -> f64 {
+    let scale = 10_f64.powi(decimals);
+    (number * scale).round() / scale
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn astar_with_an_admissible_estimate_costs_what_dijkstra_costs_and_weights_keep_their_bounds() {
+        let data = grids::searches();
+        for board in data["boards"].as_array().expect("boards") {
+            let runs = board["runs"].as_array().expect("runs");
+            let least = runs[0]["cost"].as_f64().expect("Dijkstra's search finds a path");
+            for run in runs {
+                let (cost, name) = (run["cost"].as_f64().expect("a cost"), &run["name"]);
+                match run["bound"].as_f64() {
+                    Some(bound) => assert!(cost <= bound * least + 0.001, "{name}: {cost} of {least}"),
+                    None => assert!(cost >= least, "{name}"),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn texts_have_the_numbers_of_their_data() {
+        let data = serde_json::json!({"a": {"b": 3}, "c": ["x"]});
+        assert_eq!(with_numbers("{{a.b}} and {{c.0}}.", &data), "3 and x.");
+        let lesson = &LESSONS[4];
+        let page = page(4, lesson, &(lesson.data)().expect("curves"));
+        assert!(page.contains("href=\"4-sampling.html\"") && page.contains("href=\"6-intervals.html\""));
+    }
+}

@@ -1,0 +1,149 @@
+//! Data of the lessons on intervals and on dispatch: runs of the contest, computed when the pages are written.
+
+use std::num::NonZero;
+use std::thread;
+
+use serde_json::{Value, json};
+
+use super::short;
+use crate::cli::error::CliError;
+use wildfire_base::time::SimTime;
+use wildfire_batch::stats::{Series, t_reach};
+use wildfire_sim::run;
+use wildfire_sim::scenario::{Scenario, load};
+use wildfire_timeline::{AgentId, Outcome, Role, RunIndex, Timeline};
+
+/// Seeds of the pairs, and the planners that are compared on them.
+const PAIR_SEEDS: u64 = 100;
+const PLANNERS: [&str; 2] = ["hybrid-astar", "prm-rs"];
+
+/// Policies of dispatch; the first is what the others are compared with.
+const POLICIES: [&str; 4] = ["nearest", "nearest-by-drive", "hungarian", "auction"];
+/// Seeds of their table, and those that are shown.
+const DISPATCH_SEEDS: u64 = 10;
+const SHOWN_SEEDS: u64 = 2;
+/// Simulated seconds between two positions.
+const STEP_S: u32 = 2;
+const DISPATCH_S: u32 = 600;
+
+/// Runs all seeds from 1 to `last` of a scenario, on all processors; what becomes of each run is in the order of seeds.
+fn run_seeds<T: Send>(
+    scenario: &Scenario,
+    last: u64,
+    use_run: impl Fn(u64, &Timeline) -> T + Sync,
+) -> Result<Vec<T>, CliError> {
+    let threads = thread::available_parallelism().map_or(1, NonZero::get) as u64;
+    let use_run = &use_run;
+    let part = move |first| {
+        let seeds = (first..=last).step_by(threads as usize);
+        seeds.map(|seed| Ok((seed, use_run(seed, &run(scenario, seed)?.timeline)))).collect::<Result<Vec<_>, _>>()
+    };
+    let parts = thread::scope(|scope| {
+        let parts: Vec<_> = (1..=threads).map(|first| scope.spawn(move || part(first))).collect();
+        parts.into_iter().map(|part| part.join().expect("a run does not panic")).collect::<Result<Vec<_>, _>>()
+    });
+    let parts = parts.map_err(|error: wildfire_sim::RunError| CliError::run_failed(error.to_string()))?;
+    let mut all: Vec<_> = parts.into_iter().flatten().collect();
+    all.sort_by_key(|&(seed, _)| seed);
+    Ok(all.into_iter().map(|(_, kept)| kept).collect())
+}
+
+/// Differences between two planners on the same seeds, and Student's quantiles for their intervals.
+pub fn pairs() -> Result<Value, CliError> {
+    let of_planner = |planner: &str| {
+        let scenario = load("contest", &[format!("unimog.planner={planner}")])?;
+        run_seeds(&scenario, PAIR_SEEDS, |_, timeline| {
+            let outcome = Outcome::new(timeline);
+            let driven: f64 =
+                outcome.agents.iter().filter(|agent| is_truck(agent.agent)).map(|agent| agent.distance_m).sum();
+            [f64::from(outcome.intact + outcome.extinguished), driven]
+        })
+    };
+    let [a, b] = [of_planner(PLANNERS[0])?, of_planner(PLANNERS[1])?];
+    let metrics = [("bushes saved", "bushes", 0), ("distance driven", "m", 1)].map(|(name, unit, column)| {
+        let differences: Vec<f64> = a.iter().zip(&b).map(|(a, b)| short(b[column] - a[column], 1)).collect();
+        json!({"name": name, "unit": unit, "differences": differences, "all": mean(&differences)})
+    });
+    // By sample size; there is no interval of fewer than two.
+    let reach: Vec<f64> = (2..=PAIR_SEEDS).map(|size| short(t_reach((size - 1) as f64), 4)).collect();
+    Ok(json!({"planners": PLANNERS, "seeds": PAIR_SEEDS, "metrics": metrics, "reach": reach}))
+}
+
+/// A mean with its 95 % interval.
+fn mean(values: &[f64]) -> Value {
+    let series = Series::from_values(values);
+    let interval = series.mean_interval();
+    let [low, high] = interval.map_or([None; 2], |interval| [Some(interval.low), Some(interval.high)]);
+    let text = |number: Option<f64>| number.map(|number| format!("{number:.1}").replace('-', "−"));
+    json!({"mean": text(series.mean()), "low": text(low), "high": text(high)})
+}
+
+/// Runs of a fleet under several policies, and what each policy saves.
+pub fn dispatch() -> Result<Value, CliError> {
+    let mut policies = Vec::new();
+    let mut saved_by_nearest = Vec::new();
+    for policy in POLICIES {
+        let changes = [format!("dispatch.policy={policy}"), format!("duration_s={DISPATCH_S}")];
+        let scenario = load("fleet", &changes)?;
+        let runs = run_seeds(&scenario, DISPATCH_SEEDS, |seed, timeline| {
+            let outcome = Outcome::new(timeline);
+            let film = (seed <= SHOWN_SEEDS).then(|| film(timeline));
+            (f64::from(outcome.intact + outcome.extinguished), film)
+        })?;
+        let saved: Vec<f64> = runs.iter().map(|run| run.0).collect();
+        if saved_by_nearest.is_empty() {
+            saved_by_nearest.clone_from(&saved);
+        }
+        let differences: Vec<f64> = saved.iter().zip(&saved_by_nearest).map(|(saved, other)| saved - other).collect();
+        let films: Vec<Value> = runs.into_iter().filter_map(|run| run.1).collect();
+        policies.push(json!({"name": policy, "saved": saved, "difference": mean(&differences), "films": films}));
+    }
+    Ok(json!({"step": STEP_S, "duration": DISPATCH_S, "seeds": DISPATCH_SEEDS, "policies": policies}))
+}
+
+fn is_truck(agent: AgentId) -> bool {
+    agent.role == Role::Unimog
+}
+
+/// A run to be drawn: bushes, when they change, and where agents are at equal steps, in metres and degrees.
+fn film(timeline: &Timeline) -> Value {
+    let frame = timeline.setting.frame;
+    let bushes: Vec<[u16; 2]> = timeline.setting.bushes.iter().map(|bush| [bush.col, bush.row]).collect();
+    let changes: Vec<Value> = timeline
+        .events
+        .iter()
+        .filter_map(|event| {
+            let (cell, state) = event.bush_change()?;
+            let state = state.kind() as usize;
+            Some(json!([short(event.time.as_seconds(), 1), timeline.setting.bush_index(cell)?, state]))
+        })
+        .collect();
+    let index = RunIndex::new(timeline);
+    let states = |agent: usize| -> Vec<Value> {
+        let at = |second: u32| index.agent_at(agent, SimTime::from_seconds(f64::from(second)));
+        (0..=DISPATCH_S)
+            .step_by(STEP_S as usize)
+            .map(|second| {
+                let state = at(second);
+                let goal =
+                    state.goal.map_or(-1, |goal| i64::from(goal.row) * i64::from(frame.cols) + i64::from(goal.col));
+                let degrees = state.pose.heading.to_degrees().round();
+                json!([short(state.pose.x, 1), short(state.pose.y, 1), degrees, goal])
+            })
+            .collect()
+    };
+    let agents = timeline
+        .setting
+        .agents
+        .iter()
+        .enumerate()
+        .map(|(number, start)| json!({"truck": is_truck(start.id), "states": states(number)}));
+    json!({
+        "cols": frame.cols,
+        "rows": frame.rows,
+        "cell": frame.cell_m,
+        "bushes": bushes,
+        "changes": changes,
+        "agents": agents.collect::<Vec<_>>(),
+    })
+}
