@@ -99,7 +99,7 @@ fn what_cannot_be_exported_is_refused() {
     story.tell(&["run", "smoke", "--out", "run.wildfire"]).expect_code(0);
     refuse(&story, &["export", "smoke", "-o", "run.xml"], &["run.xml", "expected a name that ends in .json, .csv"]);
     refuse(&story, &["export", "smoke", "-o", "run"], &["expected a name that ends in .json"]);
-    refuse(&story, &["export", "smoke", "-o", "-"], &["- has no ending", "--format json"]);
+    refuse(&story, &["export", "smoke", "-o", "-"], &["- (stdout) has no ending", "--format json"]);
     refuse(&story, &["export", "smoke", "--format", "csv", "-o", "-"], &["two tables"]);
     refuse(&story, &["export", "smoke", "--format", "npz", "-o", "run.json"], &["run.json", ".npz"]);
     refuse(&story, &["export", "smoke", "-o", "run.json", "--step", "1"], &["--step is for samples"]);
@@ -110,7 +110,7 @@ fn what_cannot_be_exported_is_refused() {
     refuse(&story, &["export", "run.wildfire", "-o", "run.mcap", "--agent", "unimog/9"], &[stranger]);
     refuse(&story, &["export", "run.wildfire", "-o", "x.csv", "--agent", "unimog/9"], &[stranger]);
     refuse(&story, &["export", "run.wildfire", "--seed", "3", "-o", "run.npz"], &["expected no seed"]);
-    refuse(&story, &["export", "nothing.wildfire", "-o", "run.npz"], &["there is no nothing.wildfire"]);
+    refuse(&story, &["export", "nothing.wildfire", "-o", "run.npz"], &["nothing.wildfire does not exist"]);
     let trace = ["run", "smoke", "--trace", "trace.csv", "--agent", "unimog/9"];
     refuse(&story, &trace, &["--agent names unimog/9", "expected unimog/N below that"]);
 }

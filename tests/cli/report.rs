@@ -360,7 +360,7 @@ fn chart_that_would_have_too_many_panels_is_refused_with_words() {
     let set = format!("fire.burn_out_s={values}");
     let short = ["--set", "duration_s=5", "--set", &set];
     story.tell(&[&["batch", "smoke", "--seeds", "1", "--out", "a"], short.as_slice()].concat()).expect_code(0);
-    let said = "No charts of states over time: they would have 130 panels; the limit is 120.";
+    let said = "No charts of states over time: they would have 130 panels, at most 120 are drawn.";
     let answer = story.tell(&["report", "a"]).expect_code(0).stdout;
     assert!(answer.split_whitespace().collect::<Vec<_>>().join(" ").contains(said), "{answer}");
     assert!(story.read("a/report.html").contains(said));
