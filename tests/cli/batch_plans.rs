@@ -65,7 +65,7 @@ fn plans_that_make_no_sense_are_refused() {
     refuse(&story, &batch(&["--seeds", "1..100001"]), &["100001 runs are many", "--force"]);
     refuse(&story, &batch(&["--seeds", "@none"]), &["none", "there are no seeds"]);
     refuse(&story, &batch(&["smoke"]), &["are the same scenario"]);
-    refuse(&story, &batch(&["plan.toml"]), &["plan.toml is a plan", "alone"]);
+    refuse(&story, &batch(&["plan.toml"]), &["plan.toml is a plan", "expected no other inputs"]);
     refuse(&story, &["batch", "wrong.toml"], &["wrong.toml:2", "planers", "planners"]);
     refuse(&story, &batch(&["--shard", "3/2", "--out", "out"]), &["expected K/N"]);
     refuse(&story, &["batch", "smoke", "--resume", "out"], &["--resume"]);

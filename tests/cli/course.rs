@@ -351,7 +351,7 @@ fn rules_that_cannot_be_used_are_refused() {
     );
     refused("\"planner.*\"", "\"*\"", &["rules.toml:1: `*` would free everything"]);
     refused("\"planner.*\"", "\"planner..x\"", &["rules.toml:1: `planner..x` is not a key"]);
-    refused("\"planner.*\"", "\"fire.*\"", &["rules.toml:10: `fire.relight` is set by [scenario] and free too"]);
+    refused("\"planner.*\"", "\"fire.*\"", &["rules.toml:10: `fire.relight` is both set by [scenario] and free"]);
     refused("restarts = 1", "restart = 1", &["rules.toml:6: unknown field `restart`"]);
     refused("restarts = 1", "restarts = 1.5", &["rules.toml:6: `restarts` is 1.5"]);
     refused("query_cpu_s = 2", "query_cpu_s = -2", &["rules.toml:5: `query_cpu_s` is -2"]);

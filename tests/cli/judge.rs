@@ -306,7 +306,7 @@ fn what_is_no_table_of_paths_is_refused_with_its_line() {
         ),
         (
             format!("{HEADER}\n{good}\nmine,0,theirs,20.4,22.5,0,reverse"),
-            "line 3: it is 0.400 m ahead of the pose of line 2, and its direction is reverse; expected poses in the order",
+            "line 3: it is 0.400 m ahead of the pose of line 2, and its direction is reverse; expected poses in driving order",
         ),
         (
             format!("{HEADER}\nmine,0,theirs,20.4,22.5,0,forward\n{good}"),
@@ -347,7 +347,7 @@ fn files_that_are_not_there_or_in_the_wrong_place_are_refused() {
     refuse(
         &story,
         &["judge", "mine.json", "paths.csv", "--goals", "5"],
-        &["--goals draws goals on the scenario's field"],
+        &["--goals samples goals on the scenario's field"],
     );
     refuse(&story, &["judge", "mine.json", "paths.csv", "--against", "prm-sr"], &["there is no planner `prm-sr`"]);
     refuse(&story, &["judge", "mine.json", "paths.csv", "--against", "PRM"], &["PRM"]);

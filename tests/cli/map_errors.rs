@@ -180,7 +180,7 @@ fn files_that_are_no_maps_are_refused_with_the_place() {
 fn one_file_for_two_purposes_is_refused() {
     let story = story();
     refuse_map(&story, "brushfire map.txt --csv a --npy ./a", &["a is named for two files"]);
-    refuse_map(&story, "brushfire map.txt --png map.txt", &["map.txt cannot be two files"]);
+    refuse_map(&story, "brushfire map.txt --png map.txt", &["map.txt is named for two files"]);
     assert_eq!(story.read("map.txt"), "0100\n0000\n");
 }
 

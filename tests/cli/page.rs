@@ -39,7 +39,7 @@ fn what_cannot_be_a_page_is_refused() {
         (&["page", "-o", "p.html", "--module", "gone.wasm"], "gone.wasm: it cannot be read"),
         (&["page", "-o", "p.html", "--module", "text.wasm"], "text.wasm: it is no WebAssembly module"),
         (&["page", "-o", "p.png", "--module", "m.wasm"], "p.png would hold a page"),
-        (&["page", "nowhere", "-o", "p.html", "--module", "m.wasm"], "no built-in scenario `nowhere`"),
+        (&["page", "nowhere", "-o", "p.html", "--module", "m.wasm"], "nor a built-in scenario `nowhere`"),
         (&["page", "wrong.toml", "-o", "p.html", "--module", "m.wasm"], "unknown field `fires`"),
         (&["page", "--game", "game.json", "-o", "p.html", "--module", "m.wasm"], "the game has format 7; expected 1"),
         (&["run", "--answers", "game.json"], "the game has format 7; expected 1"),

@@ -205,12 +205,12 @@ fn looks_that_make_no_sense_are_refused() {
     refuse(&story, &["render", "nothing", "-o", "x.png"], &["nothing", "contest"]);
     refuse(&story, &["render", "smoke"], &["--out", "--gif", "--mp4"]);
     refuse(&story, &["render", "smoke", "-o", "x.gif"], &["x.gif", "PNG", "--gif"]);
-    refuse(&story, &["render", "smoke", "--gif", "x", "--mp4", "x"], &["x cannot be two files"]);
+    refuse(&story, &["render", "smoke", "--gif", "x", "--mp4", "x"], &["x is named for two files"]);
     refuse(&story, &["render", "nothing", "--html", "x.html"], &["nothing", "contest"]);
     refuse(&story, &["render", "smoke", "--html", "x.html", "--from", "5"], &["--gif"]);
     story.file("notes.wildfire", "no recording");
     refuse(&story, &["render", "notes.wildfire", "--html", "x.html"], &["notes.wildfire"]);
-    refuse(&story, &["render", "notes.wildfire", "--html", "notes.wildfire"], &["cannot be two files"]);
+    refuse(&story, &["render", "notes.wildfire", "--html", "notes.wildfire"], &["is named for two files"]);
     fs::create_dir(story.path("folder")).expect("the scratch folder is writable");
     refuse(&story, &["render", "folder", "-o", "x.png"], &["folder", "no plan of a batch"]);
     refuse(&story, &["render", "smoke", "-o", "nowhere/x.png"], &["nowhere/x.png", "the folder does not exist"]);
