@@ -225,7 +225,7 @@ def test_batches_of_python_are_audited_from_python(tmp_path: pathlib.Path, first
     assert wf.audit(batch, planners=planners) == [] and wf.audit(tmp_path / "batch", planners=planners) == []
     # Another planner of that name gives other runs, which the rows do not say.
     violations = wf.audit(batch, planners={"mine": lambda site: Silent()})
-    assert violations and "seed" in violations[0].run and "its row says" in violations[0].text and violations[0].time_s is None
+    assert violations and "seed" in violations[0].run and "its row has" in violations[0].text and violations[0].time_s is None
     recorded = wf.batch("smoke", "1..2", record="all", out=tmp_path / "recorded")
     assert wf.audit([recorded, tmp_path / "recorded" / "recordings"]) == []
     for wrong in (tmp_path / "nowhere", tmp_path):

@@ -302,14 +302,14 @@ fn other_seeds_and_other_rules_are_refused_with_what_differs() {
     // Other programs, other memory.
     for (from, to, words) in [
         ("\"program_version\": \"", "\"program_version\": \"9.", "the program's version is"),
-        ("\"format\": 2", "\"format\": 1", "is no plan"),
+        ("\"format\": 2", "\"format\": 1", "is not a batch plan"),
     ] {
         let d = scratch.batch("d", &runs("prm-rs", 1..=5, same));
         let plan = fs::read_to_string(d.join("plan.json")).expect("it is there").replacen(from, to, 1);
         fs::write(d.join("plan.json"), plan).expect("writable");
         match rank(&[a.clone(), d], &usual) {
             Err(error) => assert!(error.to_string().contains(words), "{error}"),
-            Ok(_) => assert_eq!(words, "is no plan", "an older format that can be read"),
+            Ok(_) => assert_eq!(words, "is not a batch plan", "an older format that can be read"),
         }
     }
     fs::remove_file(a.join("plan.json")).expect("it is there");

@@ -63,7 +63,7 @@ fn lost_recordings_of_a_finished_batch_are_made_again_and_nothing_else_changes()
     let mut batch = resumed(folder, Slice::WHOLE);
     let found = lost(&batch);
     assert_eq!(found.iter().map(|(run, _)| *run).collect::<Vec<_>>(), [1, 2, 3, 4]);
-    for ((_, reason), words) in found.iter().zip(["missing", "cut short", "cut short", "checksum"]) {
+    for ((_, reason), words) in found.iter().zip(["missing", "truncated", "truncated", "checksum"]) {
         assert!(reason.contains(words), "{reason}");
     }
     go_on(&mut batch, Box::new(made_up_run), false).expect("the disk is fine");

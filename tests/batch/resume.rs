@@ -105,7 +105,7 @@ fn damage_before_the_end_is_named_with_its_line() {
     let forged = lines[2][9..].replacen("\"intact\":", "\"intact\":1", 1);
     let forged = format!("{:08x} {forged}", crc32fast::hash(forged.as_bytes()));
     let (line, reason) = refusal(&[lines[0], lines[2], &forged]);
-    assert!(line == 3 && reason.starts_with("run 2 appears twice with different results: its row says "), "{reason}");
+    assert!(line == 3 && reason.starts_with("run 2 appears twice with different results: its row has "), "{reason}");
     assert_eq!(refusal(&[lines[1], lines[2]]).0, 1);
     assert_eq!(refusal(&[lines[0], lines[0]]).0, 2);
 }

@@ -99,7 +99,7 @@ fn rows_of_one_run_that_differ_are_damage() {
     for refusal in refusals {
         let words = refusal.to_string();
         assert!(words.contains("damaged in line 20: run "), "{words}");
-        assert!(words.contains(" appears twice with different results: its row says intact "), "{words}");
+        assert!(words.contains(" appears twice with different results: its row has intact "), "{words}");
     }
 }
 

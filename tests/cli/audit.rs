@@ -82,7 +82,7 @@ fn row_that_says_something_else_is_a_violation() {
     story.file("out/runs.csv", &lines.collect::<String>());
     let answer = story.tell(&["audit", "out"]).expect_code(4);
     assert!(
-        answer.stdout.starts_with("Audit of 3 runs\n\nout, seed 2: its row says extinguished 999, its run gives "),
+        answer.stdout.starts_with("Audit of 3 runs\n\nout, seed 2: its row has extinguished 999, its run gives "),
         "{}",
         answer.stdout
     );
@@ -163,7 +163,7 @@ fn what_is_no_recording_is_refused_by_name() {
     let story = Story::begin();
     story.file("notes.wildfire", "not at all");
     refuse(&story, &["audit", "notes.wildfire"], &["notes.wildfire", "not a wildfire recording"]);
-    refuse(&story, &["audit", "nothing.wildfire"], &["there is no nothing.wildfire"]);
+    refuse(&story, &["audit", "nothing.wildfire"], &["nothing.wildfire does not exist"]);
     fs::create_dir(story.path("empty")).expect("writable");
     refuse(&story, &["audit", "empty"], &["empty", "holds no recordings"]);
     fs::create_dir(story.path("other")).expect("writable");

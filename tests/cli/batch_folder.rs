@@ -134,7 +134,7 @@ fn lost_recordings_are_made_again_and_named() {
     answer.expect_complaint(&[
         "repeating runs whose recordings are missing",
         "seed-2.wildfire (missing)",
-        "seed-3.wildfire (cut short",
+        "seed-3.wildfire (truncated",
     ]);
     let after: Vec<_> = (1..=4).map(|seed| fs::read(recording(seed)).expect("it is there")).collect();
     assert!(after == before, "another recording");
@@ -158,7 +158,7 @@ fn what_a_killed_batch_left_aside_is_named_when_it_goes_on() {
     fs::create_dir(story.path("begun")).expect("writable");
     story.file("begun/plan.json.123.part", "{");
     story.file("begun/runs.journal", "");
-    let words = ["begun holds no plan.json, but plan.json.123.part", "the batch had not begun", "--out"];
+    let words = ["begun has no plan.json, but plan.json.123.part", "the batch had not begun", "--out"];
     story.tell(&["batch", "--resume", "begun"]).expect_code(2).expect_complaint(&words);
     let answer = story.tell(&["batch", "smoke", "--out", "begun"]).expect_code(0);
     answer.expect_complaint(&["removed files left by a killed process: begun/plan.json.123.part"]);

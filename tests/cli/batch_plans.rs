@@ -59,13 +59,13 @@ fn plans_that_make_no_sense_are_refused() {
     refuse(&story, &batch(&["--planner", "prm+primitives,hybrid"]), &["`hybrid`", "hybrid-astar"]);
     refuse(&story, &batch(&["--set", "field.covrage=0.1,0.2"]), &["covrage", "coverage"]);
     refuse(&story, &batch(&["--set", "field.coverage=0.1,"]), &["field.coverage", "expected a value"]);
-    refuse(&story, &batch(&["--set", "field.coverage=0.1,0.1"]), &["takes the value 0.1 twice"]);
+    refuse(&story, &batch(&["--set", "field.coverage=0.1,0.1"]), &["has the value 0.1 twice"]);
     let both = ["--planner", "prm+primitives,hybrid-astar", "--set", "unimog.0.planner=hybrid-astar"];
     refuse(&story, &batch(&both), &["contradict"]);
     refuse(&story, &batch(&["--seeds", "1..100001"]), &["100001 runs are many", "--force"]);
     refuse(&story, &batch(&["--seeds", "@none"]), &["none", "there are no seeds"]);
     refuse(&story, &batch(&["smoke"]), &["are the same scenario"]);
-    refuse(&story, &batch(&["plan.toml"]), &["plan.toml is a plan", "alone"]);
+    refuse(&story, &batch(&["plan.toml"]), &["plan.toml is a plan", "expected no other inputs"]);
     refuse(&story, &["batch", "wrong.toml"], &["wrong.toml:2", "planers", "planners"]);
     refuse(&story, &batch(&["--shard", "3/2", "--out", "out"]), &["expected K/N"]);
     refuse(&story, &["batch", "smoke", "--resume", "out"], &["--resume"]);
@@ -101,7 +101,9 @@ fn slices_in_one_folder_are_merged_into_the_rows_of_the_whole() {
         assert_eq!(outcomes(&story.path("out").join(file)), outcomes(&story.path("whole").join(file)));
     }
     let again = story.tell(&["batch", "contest", "--seeds", "1..7", "--out", "out", "--shard", "1/2"]);
-    again.expect_code(2).expect_complaint(&["is another plan", "what is swept is duration_s there"]);
+    again
+        .expect_code(2)
+        .expect_complaint(&["differs from the requested plan", "the list of swept keys is duration_s there"]);
 }
 
 #[test]
@@ -110,7 +112,7 @@ fn torn_journal_is_said_and_gone_on_with() {
     story.tell(&["batch", "smoke", "--out", "out"]).expect_code(0);
     let journal = story.read("out/runs.journal");
     story.file("out/runs.journal", &journal[..journal.len() - 100]);
-    story.tell(&["batch", "--resume", "out"]).expect_code(0).expect_complaint(&["was incomplete"]);
+    story.tell(&["batch", "--resume", "out"]).expect_code(0).expect_complaint(&["dropped the incomplete last line"]);
     story.file("out/runs.journal", &journal.replacen("\"seed\":1", "\"seed\":2", 1));
     story.tell(&["batch", "--resume", "out"]).expect_code(2).expect_complaint(&["runs.journal is damaged in line"]);
 }

@@ -152,7 +152,7 @@ fn what_the_rules_fix_is_refused_by_name_and_line() {
     );
     fs::remove_file(story.path("ben.toml")).expect("it is there");
     refuse(&story, &with(&["--out", "course"]), &["ben.toml: the file does not exist"]);
-    refuse(&story, &["batch", "--rules", "rules.toml", "--agent", "anna.toml", "anna.toml"], &["it is given twice"]);
+    refuse(&story, &["batch", "--rules", "rules.toml", "--agent", "anna.toml", "anna.toml"], &["it is named twice"]);
 }
 
 /// A program of the shell that has no path for anybody, and whose greeting is in a file beside it.
@@ -179,8 +179,7 @@ fn programs_work_in_the_folder_of_their_entry_within_the_limits_of_the_rules() {
     let batch = ["batch", "--rules", "rules.toml", "--agent", "anna.toml", "dora/dora.toml", "--seeds", "1..2"];
     let with = |more: &[&'static str]| [&batch[..], &["--out", "course"], more].concat();
     // What a ranking would refuse is refused before the first run.
-    let unequal =
-        "dora/dora.toml: its `unimog.rescue` is false and that of anna is true; expected [scenario] in rules.toml";
+    let unequal = "dora/dora.toml: its `unimog.rescue` is false, but true in anna; expected [scenario] in rules.toml";
     refuse(&story, &with(&["--trust"]), &[unequal]);
     story.file("rules.toml", &RULES.replace("fire.relight = true", "unimog.rescue = false"));
     refuse(&story, &with(&[]), &["planner `mine`", "sh silent.sh", "--trust"]);
@@ -351,8 +350,8 @@ fn rules_that_cannot_be_used_are_refused() {
         &["rules.toml:1: `free` is empty"],
     );
     refused("\"planner.*\"", "\"*\"", &["rules.toml:1: `*` would free everything"]);
-    refused("\"planner.*\"", "\"planner..x\"", &["rules.toml:1: `planner..x` is no key"]);
-    refused("\"planner.*\"", "\"fire.*\"", &["rules.toml:10: `fire.relight` is set by [scenario] and free too"]);
+    refused("\"planner.*\"", "\"planner..x\"", &["rules.toml:1: `planner..x` is not a key"]);
+    refused("\"planner.*\"", "\"fire.*\"", &["rules.toml:10: `fire.relight` is both set by [scenario] and free"]);
     refused("restarts = 1", "restart = 1", &["rules.toml:6: unknown field `restart`"]);
     refused("restarts = 1", "restarts = 1.5", &["rules.toml:6: `restarts` is 1.5"]);
     refused("query_cpu_s = 2", "query_cpu_s = -2", &["rules.toml:5: `query_cpu_s` is -2"]);

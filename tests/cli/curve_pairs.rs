@@ -84,7 +84,7 @@ fn broken_tables_are_refused_with_line_and_column() {
         ("\n\n \n".to_owned(), "the file is empty"),
         ("1,2,3,4,5,6\n".to_owned(), "line 1: the column x0 is missing"),
         (format!("x0,y0,th0,x1,y1,{row}"), "line 1: the column th1 is missing; expected a header with"),
-        (format!("{HEADER},y1{row}"), "line 1: the column y1 is there twice"),
+        (format!("{HEADER},y1{row}"), "line 1: the column y1 appears twice"),
         (format!("{HEADER},dubins_m{row}"), "line 1: the column dubins_m already exists"),
         (format!("{HEADER}{row}1,2,3,4,5\n"), "line 3: found 5 columns, expected 6"),
         (format!("{HEADER}{row}1,2,3,4,5,6,7\n"), "line 3: found 7 columns, expected 6"),

@@ -102,7 +102,7 @@ fn places_in_no_folder_are_refused() {
     let story = Story::begin();
     story.file("file", "");
     refuse(&story, &["batch", "smoke", "--out", "file/below"], &["file/below", "expected a folder"]);
-    refuse(&story, &["run", "smoke", "--events", "nowhere/e.csv"], &["nowhere/e.csv", "no such folder"]);
+    refuse(&story, &["run", "smoke", "--events", "nowhere/e.csv"], &["nowhere/e.csv", "the folder does not exist"]);
     story.file("runs", "in the way");
     refuse(&story, &["batch", "smoke"], &["runs", "expected a folder"]);
 }

@@ -99,18 +99,18 @@ fn what_cannot_be_exported_is_refused() {
     story.tell(&["run", "smoke", "--out", "run.wildfire"]).expect_code(0);
     refuse(&story, &["export", "smoke", "-o", "run.xml"], &["run.xml", "expected a name that ends in .json, .csv"]);
     refuse(&story, &["export", "smoke", "-o", "run"], &["expected a name that ends in .json"]);
-    refuse(&story, &["export", "smoke", "-o", "-"], &["- has no ending", "--format json"]);
+    refuse(&story, &["export", "smoke", "-o", "-"], &["- (stdout) has no ending", "--format json"]);
     refuse(&story, &["export", "smoke", "--format", "csv", "-o", "-"], &["two tables"]);
     refuse(&story, &["export", "smoke", "--format", "npz", "-o", "run.json"], &["run.json", ".npz"]);
-    refuse(&story, &["export", "smoke", "-o", "run.json", "--step", "1"], &["--step is for samples"]);
-    refuse(&story, &["export", "smoke", "-o", "run.json", "--agent", "unimog/0"], &["--agent is for samples"]);
+    refuse(&story, &["export", "smoke", "-o", "run.json", "--step", "1"], &["--step applies to samples"]);
+    refuse(&story, &["export", "smoke", "-o", "run.json", "--agent", "unimog/0"], &["--agent applies to samples"]);
     refuse(&story, &["export", "smoke", "-o", "run.npz", "--step", "0"], &["expected seconds, at least 0.001"]);
     let stranger = "there is no unimog/9 in this run, only wumpus/0";
     refuse(&story, &["export", "run.wildfire", "-o", "run.npz", "--agent", "unimog/9"], &[stranger]);
     refuse(&story, &["export", "run.wildfire", "-o", "run.mcap", "--agent", "unimog/9"], &[stranger]);
     refuse(&story, &["export", "run.wildfire", "-o", "x.csv", "--agent", "unimog/9"], &[stranger]);
     refuse(&story, &["export", "run.wildfire", "--seed", "3", "-o", "run.npz"], &["expected no seed"]);
-    refuse(&story, &["export", "nothing.wildfire", "-o", "run.npz"], &["there is no nothing.wildfire"]);
+    refuse(&story, &["export", "nothing.wildfire", "-o", "run.npz"], &["nothing.wildfire does not exist"]);
     let trace = ["run", "smoke", "--trace", "trace.csv", "--agent", "unimog/9"];
     refuse(&story, &trace, &["--agent names unimog/9", "expected unimog/N below that"]);
 }

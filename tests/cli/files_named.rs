@@ -34,7 +34,7 @@ const OUTPUTS: [(&str, &str, &[u8]); 30] = [
     ("plan field.json --png", "png", b"\x89PNG"),
     ("plan --scenario smoke --goals 1 --ompl", "txt", b"wildfire version"),
     ("map total map.txt --goal 1,0 --csv", "txt", b""),
-    ("new scenario", "toml", b"# A scenario"),
+    ("new scenario", "toml", b"# A custom scenario"),
     ("new plan", "toml", b"#"),
 ];
 

@@ -145,7 +145,7 @@ fn a_fire_that_is_enclosed_is_named() {
 fn fire_that_goes_out_is_an_answer_and_says_why() {
     let arguments = ["fire", "behavior", "--fuel", "1", "--moisture", "0.13,0.1,0.1,1,1"];
     let answer = Story::begin().tell(&arguments).expect_code(0);
-    assert!(answer.stdout.contains("The fire goes out: the dead fuel holds 13.0 %"), "{}", answer.stdout);
+    assert!(answer.stdout.contains("The fire goes out: the dead fuel has a moisture of 13.0 %"), "{}", answer.stdout);
     let fire = object(&[&arguments[..], &["--json"]].concat());
     assert_eq!((&fire["burns"], fire["r_m_min"].as_f64()), (&Value::Bool(false), Some(0.0)));
     let answer = Story::begin().tell(&["fire", "behavior", "--fuel", "NB8"]).expect_code(0);
@@ -186,7 +186,7 @@ fn broken_tables_of_conditions_are_refused_with_line_and_column() {
     for (text, words) in [
         (String::new(), "the file is empty; expected a header with the columns number,m_1h"),
         ("number\n102\n".to_owned(), "line 1: the column m_1h is missing"),
-        (format!("{HEADER},number\n"), "line 1: the column number is there twice"),
+        (format!("{HEADER},number\n"), "line 1: the column number appears twice"),
         (format!("{HEADER},flame_m\n"), "line 1: the column flame_m already exists"),
         (format!("{HEADER}\n{row}\n{row},1\n"), "line 3: found 11 columns, expected 10"),
         (format!("{HEADER}\n100{}\n", &row[3..]), "line 2, column number: found \"100\", expected the code or number"),

@@ -176,7 +176,7 @@ fn what_breaks_a_rule_is_told_with_line_and_place() {
     let answer = story.tell(&["judge", "mine.json", "paths.csv", "--csv", "judged.csv"]).expect_code(4).stdout;
     for words in [
         "crab: violation on field mine, goal 0: line ",
-        " mm sideways on 0.100 m, the most is ",
+        " mm sideways on 0.100 m, the limit is ",
         "spot: violation on field mine, goal 1: line 103, 0.00 m along, at (20.00, 22.50): it turns by 0.1000 rad on the spot",
         "away: violation on field mine, goal 0: line 104: it begins 0.0100 m and 0.0000 rad away from the start",
         "turned: violation on field mine, goal 0: line 106: it begins 0.0000 m and 0.0020 rad away from the start",
@@ -267,7 +267,7 @@ fn the_drives_of_a_recorded_run_are_judged() {
     refuse(&story, &["judge", "--recording", "broken.wildfire"], &["broken.wildfire"]);
     let nobody = ["run", "contest", "--set", "duration_s=1", "--out", "still.wildfire"];
     story.tell(&nobody).expect_code(0);
-    refuse(&story, &["judge", "--recording", "still.wildfire"], &["no truck drives to anything"]);
+    refuse(&story, &["judge", "--recording", "still.wildfire"], &["no truck drives in this run"]);
 }
 
 #[test]
@@ -280,7 +280,7 @@ fn what_is_no_table_of_paths_is_refused_with_its_line() {
         (HEADER.to_owned(), "paths.csv: the file has no row after its header"),
         (format!("{HEADER}\n\n \n"), "the file has no row after its header"),
         ("a,b\n1,2\n".to_owned(), "line 1: the column goal is missing; expected a header with field,goal,planner,x_m"),
-        (format!("{HEADER},x_m\n"), "line 1: the column x_m is there twice"),
+        (format!("{HEADER},x_m\n"), "line 1: the column x_m appears twice"),
         (format!("{HEADER}\n{good},1\n"), "line 2: found 8 columns, expected 7 as in the header"),
         (format!("{HEADER}\nother,0,theirs,20,22.5,0,forward"), "line 2, column field: found \"other\", expected mine"),
         (
@@ -306,7 +306,7 @@ fn what_is_no_table_of_paths_is_refused_with_its_line() {
         ),
         (
             format!("{HEADER}\n{good}\nmine,0,theirs,20.4,22.5,0,reverse"),
-            "line 3: it is 0.400 m ahead of the pose of line 2, and its direction is reverse; expected poses in the order",
+            "line 3: it is 0.400 m ahead of the pose of line 2, and its direction is reverse; expected poses in driving order",
         ),
         (
             format!("{HEADER}\nmine,0,theirs,20.4,22.5,0,forward\n{good}"),
@@ -340,14 +340,14 @@ fn files_that_are_not_there_or_in_the_wrong_place_are_refused() {
         &["mine.json has the ending of a field file; expected the table of paths \
     last"],
     );
-    refuse(&story, &["judge", "paths.csv", "mine.json"], &["mine.json is named as a field file"]);
+    refuse(&story, &["judge", "paths.csv", "mine.json"], &["mine.json has the ending of a field file"]);
     refuse(&story, &["judge", "paths.csv", "paths.csv"], &["paths.csv"]);
     refuse(&story, &["judge", "mine.json", "none.csv"], &["none.csv"]);
     refuse(&story, &["judge", "none.json", "paths.csv"], &["none.json"]);
     refuse(
         &story,
         &["judge", "mine.json", "paths.csv", "--goals", "5"],
-        &["--goals draws goals on the scenario's field"],
+        &["--goals samples goals on the scenario's field"],
     );
     refuse(&story, &["judge", "mine.json", "paths.csv", "--against", "prm-sr"], &["there is no planner `prm-sr`"]);
     refuse(&story, &["judge", "mine.json", "paths.csv", "--against", "PRM"], &["PRM"]);

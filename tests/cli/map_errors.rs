@@ -183,8 +183,8 @@ fn files_that_are_no_maps_are_refused_with_the_place() {
 #[test]
 fn one_file_for_two_purposes_is_refused() {
     let story = story();
-    refuse_map(&story, "brushfire map.txt --csv a --npy ./a", &["a cannot be two files"]);
-    refuse_map(&story, "brushfire map.txt --png map.txt", &["map.txt cannot be two files"]);
+    refuse_map(&story, "brushfire map.txt --csv a --npy ./a", &["a is named for two files"]);
+    refuse_map(&story, "brushfire map.txt --png map.txt", &["map.txt is named for two files"]);
     assert_eq!(story.read("map.txt"), "0100\n0000\n");
 }
 
@@ -193,7 +193,7 @@ fn places_in_no_folder_are_refused_and_nothing_is_computed() {
     let story = story();
     for output in ["--csv", "--npy", "--png", "--overlay", "--surface", "--path"] {
         let arguments = ["map", "wavefront", "map.txt", "--goal", "1,0", "--start", "1,1", output, "nowhere/file"];
-        refuse(&story, &arguments, &["nowhere/file", "no such folder"]);
+        refuse(&story, &arguments, &["nowhere/file", "the folder does not exist"]);
     }
     refuse_map(&story, "brushfire map.txt --csv .", &["cannot write .: it is a folder"]);
 }

@@ -98,7 +98,7 @@ fn tolerance_is_chosen_and_told() {
     let doubts = story.tell(&["map", "occupancy", "walls.pgm", "--tolerance", "95"]).expect_code(0).stdout;
     let words = doubts.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(words.contains("--tolerance auto picks one"), "{words}");
-    assert!(words.contains("--invert takes what is light for obstacles"), "{words}");
+    assert!(words.contains("--invert takes light pixels instead"), "{words}");
 }
 
 #[test]

@@ -42,8 +42,11 @@ fn peak_bytes(mut command: Command) -> (u64, Answer) {
 /// Reads the bytes that a run needs in any case from what `check` says.
 fn estimated_bytes(story: &Story, scenario: &[&str]) -> u64 {
     let check = story.tell(&[&["check"], scenario].concat());
-    let line =
-        check.stdout.lines().find(|line| line.contains("in all, of")).unwrap_or_else(|| panic!("{}", check.stdout));
+    let line = check
+        .stdout
+        .lines()
+        .find(|line| line.contains("in total; the limit of a run is"))
+        .unwrap_or_else(|| panic!("{}", check.stdout));
     let mut words = line.split_whitespace();
     let number: f64 = words.next().and_then(|number| number.parse().ok()).expect("a number");
     let units = [("kB", 1e3), ("MB", 1e6), ("GB", 1e9), ("TB", 1e12)];
@@ -58,7 +61,7 @@ fn a_hundred_large_pose_roadmaps_are_refused_before_they_are_made() {
     story.file("roadmaps.toml", &trucks(100, 250.0, "prm_rs = { samples = 100000, neighbours = 100 }"));
     let check = story.tell(&["check", "roadmaps.toml"]).expect_code(2);
     let check = check.expect_complaint(&["a run would be refused", "the limit is 2 GB"]).stdout;
-    assert!(check.contains("No run takes place") && check.contains("in all, of 2 GB"), "{check}");
+    assert!(check.contains("No run can start") && check.contains("in total; the limit of a run is 2 GB"), "{check}");
     let (peak, run) = peak_bytes(story.command(&["run", "roadmaps.toml"]));
     let words = ["GB of memory", "for the planners of 100 trucks (prm-rs); the limit is 2 GB", "--memory sets another"];
     run.expect_code(1).expect_complaint(&words);

@@ -123,7 +123,7 @@ fn charts_are_those_of_the_columns_that_were_asked_for() {
     let story = story();
     let answer =
         story.tell(&["report", "a", "--metric", "truck_distance_m,extinguished", "--metric", "spotted"]).expect_code(0);
-    assert!(answer.stdout.contains("truck_distance_m (m): way driven"), "{}", answer.stdout);
+    assert!(answer.stdout.contains("truck_distance_m (m): distance driven"), "{}", answer.stdout);
     let expected = [
         "states",
         "mean-truck_distance_m",
@@ -144,7 +144,7 @@ fn charts_are_those_of_the_columns_that_were_asked_for() {
     assert_eq!(found, charts(&story, ".csv").into_iter().collect(), "each with what it shows");
     let over_time = story.read("a/charts/over-time-1.svg");
     assert!(!over_time.contains(">Burned out<"), "{over_time}");
-    assert!(story.read("a/report.html").contains("truck_distance_m (m): way driven"));
+    assert!(story.read("a/report.html").contains("truck_distance_m (m): distance driven"));
 }
 
 #[test]
@@ -194,7 +194,7 @@ fn machines_are_named_beside_the_plan_and_put_together_by_merge() {
         "who wrote the plan is named, not who reads it"
     );
     story.file("whole/machines.json", "{");
-    refuse(&story, &["report", "whole"], &["whole/machines.json is not a list of machines", "may be removed"]);
+    refuse(&story, &["report", "whole"], &["whole/machines.json is not a list of machines", "you may remove it"]);
     story.tell(&["batch", "smoke", "--seeds", "1", "--out", "out", "--force"]).expect_code(0);
     assert!(!story.path("out/machines-1-of-2.json").exists(), "they go with their batch");
 }

@@ -258,7 +258,7 @@ fn questions_that_make_no_sense_are_refused() {
     ] {
         refuse(&story, &arguments.split_whitespace().collect::<Vec<_>>(), words);
     }
-    refuse(&story, &["plan", "mine.json", "--csv", "none/a.csv"], &["none/a.csv", "no such folder"]);
+    refuse(&story, &["plan", "mine.json", "--csv", "none/a.csv"], &["none/a.csv", "the folder does not exist"]);
 }
 
 /// Fields of the reference data beside this package, if they are there.

@@ -181,9 +181,9 @@ fn what_is_no_benchmark_is_refused_and_nothing_is_written() {
     for (words, said) in [
         (&["plan", "--seeds", "3..1"][..], &["the range `3..1` is empty"][..]),
         (&["plan", "--seeds", "1..2", "--seed", "3"], &["cannot be used with"]),
-        (&["plan", "--seeds", "1..2", "--png", "a.png"], &["--png is of one variant and one seed"]),
-        (&["plan", "--set", "field.coverage=0.1,0.2", "--paths", "a.csv"], &["--paths is of one variant"]),
-        (&["plan", "--seeds", "1,2", "--repeat"], &["--repeat is of one variant"]),
+        (&["plan", "--seeds", "1..2", "--png", "a.png"], &["--png needs a single variant and seed"]),
+        (&["plan", "--set", "field.coverage=0.1,0.2", "--paths", "a.csv"], &["--paths needs a single variant"]),
+        (&["plan", "--seeds", "1,2", "--repeat"], &["--repeat needs a single variant"]),
         (&["plan", "--set", "field.coverage=0.1,"], &["`field.coverage`", "nothing"]),
         (&["plan", "--set", "field.coverage=0.1,0.1"], &["`field.coverage` has the value 0.1 twice"]),
         (&["plan", "--set", "field.covrage=0.1,0.2"], &["coverage"]),
@@ -251,11 +251,11 @@ fn tables_that_are_none_are_refused_with_their_line() {
         refuse(&story, &["plan", "report", "t.csv"], said);
     }
     story.file("t.csv", &format!("{columns}\n"));
-    refuse(&story, &["plan", "report", "t.csv"], &["there are no queries in it"]);
+    refuse(&story, &["plan", "report", "t.csv"], &["it has no queries"]);
     refuse(&story, &["plan", "report", "nowhere.csv"], &["nowhere.csv"]);
     refuse(&story, &["plan", "report", "."], &["queries.csv"]);
     story.file("t.csv", &format!("{columns}\n{good}\n"));
-    refuse(&story, &["plan", "report", "t.csv", "--out", "page.txt"], &["page.txt would be a page"]);
+    refuse(&story, &["plan", "report", "t.csv", "--out", "page.txt"], &["page.txt would hold a page"]);
     refuse(&story, &["plan", "report", "t.csv", "--out", "-"], &["- is stdout"]);
     refuse(&story, &["plan", "report", "-"], &["expected --out"]);
     story.tell(&["plan", "report", "t.csv"]).expect_code(0);

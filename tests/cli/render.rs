@@ -149,9 +149,9 @@ fn recordings_that_are_none_are_refused_in_words() {
         fs::write(story.path(name), bytes).expect("the scratch folder is writable");
     }
     for (name, words) in [
-        ("missing.wildfire", "there is no missing.wildfire"),
-        ("short.wildfire", "cut short"),
-        ("empty.wildfire", "cut short"),
+        ("missing.wildfire", "missing.wildfire does not exist"),
+        ("short.wildfire", "truncated"),
+        ("empty.wildfire", "truncated"),
         ("newer.wildfire", "newer"),
         ("damaged.wildfire", "checksum"),
         ("foreign.wildfire", "not a wildfire recording"),
@@ -197,7 +197,7 @@ fn looks_that_make_no_sense_are_refused() {
         (&["--from", "5"], &["--gif"]),
         (&["--html", "y.png"], &["y.png", "a page", ".html or .htm"]),
         (&["--html", "x.html", "--at", "5000"], &["--at is 5000"]),
-        (&["--html", "nowhere/x.html"], &["nowhere/x.html", "no such folder"]),
+        (&["--html", "nowhere/x.html"], &["nowhere/x.html", "the folder does not exist"]),
     ];
     for (look, words) in refused {
         refuse(&story, &[&["render", "smoke", "-o", "x.png"], look].concat(), words);
@@ -205,15 +205,15 @@ fn looks_that_make_no_sense_are_refused() {
     refuse(&story, &["render", "nothing", "-o", "x.png"], &["nothing", "contest"]);
     refuse(&story, &["render", "smoke"], &["--out", "--gif", "--mp4"]);
     refuse(&story, &["render", "smoke", "-o", "x.gif"], &["x.gif", "PNG", "--gif"]);
-    refuse(&story, &["render", "smoke", "--gif", "x", "--mp4", "x"], &["x cannot be two files"]);
+    refuse(&story, &["render", "smoke", "--gif", "x", "--mp4", "x"], &["x is named for two files"]);
     refuse(&story, &["render", "nothing", "--html", "x.html"], &["nothing", "contest"]);
     refuse(&story, &["render", "smoke", "--html", "x.html", "--from", "5"], &["--gif"]);
     story.file("notes.wildfire", "no recording");
     refuse(&story, &["render", "notes.wildfire", "--html", "x.html"], &["notes.wildfire"]);
-    refuse(&story, &["render", "notes.wildfire", "--html", "notes.wildfire"], &["cannot be two files"]);
+    refuse(&story, &["render", "notes.wildfire", "--html", "notes.wildfire"], &["is named for two files"]);
     fs::create_dir(story.path("folder")).expect("the scratch folder is writable");
     refuse(&story, &["render", "folder", "-o", "x.png"], &["folder", "no plan of a batch"]);
-    refuse(&story, &["render", "smoke", "-o", "nowhere/x.png"], &["nowhere/x.png", "no such folder"]);
+    refuse(&story, &["render", "smoke", "-o", "nowhere/x.png"], &["nowhere/x.png", "the folder does not exist"]);
 }
 
 #[test]

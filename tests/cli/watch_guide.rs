@@ -35,6 +35,6 @@ fn examples_of_the_help_are_understood() {
             .map(|word| if outputs.contains(word) { format!("nowhere/{word}") } else { (*word).to_owned() })
             .collect();
         let nowhere: Vec<&str> = nowhere.iter().map(String::as_str).collect();
-        refuse(&story, &nowhere, &["nowhere/", "no such folder"]);
+        refuse(&story, &nowhere, &["nowhere/", "the folder does not exist"]);
     }
 }

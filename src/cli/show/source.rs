@@ -121,7 +121,7 @@ impl Source {
             return Ok(source);
         }
         let name = named.path().display();
-        let sentence = format!("{name} is a finished run; values can be changed only in a scenario");
+        let sentence = format!("{name} is a finished run; expected a scenario if values are changed");
         Err(CliError::bad_input(sentence, None))
     }
 

@@ -24,7 +24,7 @@ many(*count), list(titles))]
     WhichVariant { folder: PathBuf, count: usize, titles: Vec<String>, columns: String },
     #[error("{} has no seed {seed}; its seeds are {seeds}", folder.display())]
     NoSuchSeed { folder: PathBuf, seed: u64, seeds: String },
-    #[error("{} has the seeds {}, {} has {}; expected common seeds", first.0, first.1, second.0, second.1)]
+    #[error("{} has the seeds {}, {} has {}; expected seeds that are in both", first.0, first.1, second.0, second.1)]
     NoPairs { first: (String, String), second: (String, String) },
     #[error(
         "{run} has a field of {}, the first run one of {}; expected the same size for all",

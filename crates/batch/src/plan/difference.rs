@@ -19,7 +19,7 @@ pub fn differences(there: &BatchPlan, asked: &BatchPlan) -> Vec<String> {
     compare("seeds", there.seeds.to_string(), asked.seeds.to_string());
     compare("record", format!("{:?}", there.record).to_lowercase(), format!("{:?}", asked.record).to_lowercase());
     compare("memory", there.memory.to_string(), asked.memory.to_string());
-    compare("the swept keys", listed(&there.swept_keys), listed(&asked.swept_keys));
+    compare("the list of swept keys", listed(&there.swept_keys), listed(&asked.swept_keys));
     compare("the number of variants", there.variants.len().to_string(), asked.variants.len().to_string());
     for (one, other) in there.variants.iter().zip(&asked.variants) {
         found.extend(differences_of_scenarios(&one.scenario, &other.scenario));
