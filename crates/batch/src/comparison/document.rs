@@ -227,8 +227,8 @@ fn strata(against: &AgainstA) -> Vec<Block> {
 /// A difference with its uncertainty's digits, in the unit of the amounts that people give.
 fn sized(value: f64, contrast: &Contrast) -> String {
     let unit = contrast.metric.about.unit;
-    let digits = 10_f64.powi(i32::try_from(two_digits(value)).unwrap_or(0));
-    amount_words((value * digits).round() / digits, unit)
+    let scale: f64 = std::iter::repeat_n(10.0, two_digits(value)).product();
+    amount_words((value * scale).round() / scale, unit)
 }
 
 /// The power of the seeds at hand, and how many would suffice.
