@@ -38,17 +38,11 @@ impl<'a> Names<'a> {
             }
         }
         let any = ["anyOf", "oneOf", "allOf", "prefixItems"].iter().filter_map(|key| part[key].as_array()).flatten();
-        any.chain([&part["items"]]).for_each(|part| self.add(part, path));
-        self.add_values(&part["additionalProperties"], path);
+        any.chain(part.get("items")).for_each(|part| self.add(part, path));
+        // The keys of such a table are the user's.
+        part.get("additionalProperties").into_iter().for_each(|value| self.add(value, &format!("{path}.*")));
         let words = part["enum"].as_array().into_iter().flatten().chain([&part["const"]]);
         self.found.extend(words.filter_map(Json::as_str).map(|word| format!("{path} = {word}")));
-    }
-
-    /// Adds the names of the values of a table whose keys are the user's.
-    fn add_values(&mut self, values: &'a Json, path: &str) {
-        if values.is_object() {
-            self.add(values, &format!("{path}.*"));
-        }
     }
 }
 
@@ -94,8 +88,9 @@ fn no_published_name_is_gone() {
     let (published, today) = (text.lines().map(str::to_owned).collect::<BTreeSet<_>>(), names_of_today());
     let gone: Vec<_> = published.difference(&today).collect();
     assert!(gone.is_empty(), "published names that are gone: {gone:#?}");
-    assert!(published.len() > 1000, "{} names are published", published.len());
     if std::env::var_os("WILDFIRE_REWRITE_DATA").is_some_and(|value| value == "1") {
         fs::write(path, today.iter().map(|name| format!("{name}\n")).collect::<String>()).expect("writable");
+    } else {
+        assert!(published.len() > 1000, "{} names are published", published.len());
     }
 }
