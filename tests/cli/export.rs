@@ -112,5 +112,5 @@ fn what_cannot_be_exported_is_refused() {
     refuse(&story, &["export", "run.wildfire", "--seed", "3", "-o", "run.npz"], &["expected no seed"]);
     refuse(&story, &["export", "nothing.wildfire", "-o", "run.npz"], &["nothing.wildfire does not exist"]);
     let trace = ["run", "smoke", "--trace", "trace.csv", "--agent", "unimog/9"];
-    refuse(&story, &trace, &["--agent names unimog/9", "expected unimog/N below that"]);
+    refuse(&story, &trace, &["--agent names unimog/9", "expected unimog/N with N below that"]);
 }

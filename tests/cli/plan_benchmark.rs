@@ -184,7 +184,7 @@ fn what_is_no_benchmark_is_refused_and_nothing_is_written() {
         (&["plan", "--seeds", "1..2", "--png", "a.png"], &["--png needs a single variant and seed"]),
         (&["plan", "--set", "field.coverage=0.1,0.2", "--paths", "a.csv"], &["--paths needs a single variant"]),
         (&["plan", "--seeds", "1,2", "--repeat"], &["--repeat needs a single variant"]),
-        (&["plan", "--set", "field.coverage=0.1,"], &["`field.coverage`", "nothing"]),
+        (&["plan", "--set", "field.coverage=0.1,"], &["`field.coverage`", "an empty place"]),
         (&["plan", "--set", "field.coverage=0.1,0.1"], &["`field.coverage` has the value 0.1 twice"]),
         (&["plan", "--set", "field.covrage=0.1,0.2"], &["coverage"]),
         (&["plan", "--set", "unimog.planner=lattice,prm-rs", "--planner", "all"], &["both name planners"]),

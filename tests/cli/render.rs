@@ -212,7 +212,7 @@ fn looks_that_make_no_sense_are_refused() {
     refuse(&story, &["render", "notes.wildfire", "--html", "x.html"], &["notes.wildfire"]);
     refuse(&story, &["render", "notes.wildfire", "--html", "notes.wildfire"], &["is named for two files"]);
     fs::create_dir(story.path("folder")).expect("the scratch folder is writable");
-    refuse(&story, &["render", "folder", "-o", "x.png"], &["folder", "no plan of a batch"]);
+    refuse(&story, &["render", "folder", "-o", "x.png"], &["folder", "no batch plan"]);
     refuse(&story, &["render", "smoke", "-o", "nowhere/x.png"], &["nowhere/x.png", "the folder does not exist"]);
 }
 
