@@ -11,15 +11,15 @@
 //! let outcome = wildfire::Outcome::new(&run.timeline);
 //! println!("{} of {} bushes burned", outcome.burned(), outcome.obstacles);
 //! assert_eq!(outcome.obstacles, outcome.intact + outcome.burned() + outcome.extinguished);
-//! // A second opinion, which shares no code with the planners.
+//! // The audit shares no code with the planners.
 //! let verdict = wildfire::audit_timeline(&run.timeline, Default::default());
 //! assert!(verdict.violation.is_none());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # A planner of one's own
+//! # A custom planner
 //!
-//! Whoever implements [`TruckPlanner`] enters the contest with it, under a name that scenarios give to their trucks. Its
+//! A type that implements [`TruckPlanner`] enters the contest under a name that scenarios give to their trucks. Its
 //! paths are checked before they are driven, and its CPU time is measured. [`own_planner`] has what that takes.
 //!
 //! ```
@@ -99,13 +99,13 @@ pub use wildfire_view as view;
 #[doc(hidden)]
 pub use {wildfire_audit as audit, wildfire_fire as fire, wildfire_picture as picture, wildfire_timeline as timeline};
 
-/// What it takes to enter the contest with a planner of one's own.
+/// What it takes to enter the contest with a custom planner.
 ///
 /// A planner implements [`TruckPlanner`]. [`Planners`](own_planner::Planners) knows it by its name, together with the
 /// built-in ones, and makes one for every truck of every run that asks for it. The scenario has a table `[planner.NAME]`,
 /// which may be empty, and gives the name to its trucks as `unimog.planner`. Runs, batches and the whole command line take
 /// planners: [`run_with`](own_planner::run_with), [`main_with`](own_planner::main_with). The [`Judge`](own_planner::Judge)
-/// tells beforehand whether a path would be driven.
+/// tells in advance whether a path would be driven.
 pub mod own_planner {
     pub use crate::cli::main_with;
     pub use wildfire_base::vehicle::{ReedsShepp, Segment};

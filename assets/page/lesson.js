@@ -72,7 +72,7 @@ class Player {
         return [this.play, this.forward, this.slider];
     }
 
-    /** Begins anew with a number of steps, at the step given. */
+    /** Begins again with a number of steps, at the step given. */
     reset(steps, step = 0) {
         this.pause();
         this.steps = Math.max(1, steps);

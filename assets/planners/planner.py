@@ -21,7 +21,7 @@ FAR = 2.0  # m; gaps are measured up to here, so that only a few bushes near the
 
 
 def say(message):
-    print(json.dumps(message), flush=True)  # without flush the simulation would wait for ever
+    print(json.dumps(message), flush=True)  # without flush the simulation would wait forever
 
 
 # ---- The field and the truck ----------------------------------------------------------------------------------------

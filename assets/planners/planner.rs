@@ -492,7 +492,7 @@ fn main() -> io::Result<()> {
             ("end", _) => break,
             _ => continue,
         };
-        // Without the flush the simulation would wait for ever.
+        // Without the flush the simulation would wait forever.
         println!("{said}");
         io::stdout().flush()?;
     }

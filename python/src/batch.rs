@@ -493,7 +493,7 @@ fn interruptible<T: Send>(
     }
 }
 
-/// Makes the exception of a refusal, with advice where code that was handed in may be the reason.
+/// Makes the exception of a refusal, with advice where code that was registered may be the reason.
 fn refused(refusal: BatchError, factories: &Factories) -> PyErr {
     match refusal {
         BatchError::Plan(PlanError::Differs { .. }) if !factories.is_empty() => {

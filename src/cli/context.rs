@@ -1,4 +1,4 @@
-//! What commands have besides their arguments: whether to be quiet, and the planners and policies that were handed in.
+//! What commands have besides their arguments: whether to be quiet, and the planners and policies that were registered.
 
 use std::collections::BTreeSet;
 
@@ -42,7 +42,7 @@ impl CommandContext {
         self.with_programs(&ProgramArguments { commands: Vec::new(), trust })
     }
 
-    /// Adds to the changes of a scenario that the planners and policies that were handed in are known, and the programs of
+    /// Adds to the changes of a scenario that the planners and policies that were registered are known, and the programs of
     /// the command line.
     pub fn with_own_names(&self, changes: &[String]) -> Vec<String> {
         let commands = self.programs.commands.iter().flat_map(|NamedCommand { name, words }| {

@@ -66,7 +66,7 @@ pub fn set_resumable() {
 
 /// A guard: while it lives, the first signal sets a flag and is announced, and only the second ends the program.
 ///
-/// Whoever holds it looks at the flag often. Where that fails, because a write or a wait never returns, the program
+/// Its holder looks at the flag often. Where that fails, because a write or a wait never returns, the program
 /// ends some seconds after the first signal.
 pub struct Watch {
     stop: Arc<AtomicBool>,

@@ -177,7 +177,7 @@ pub fn main() -> ExitCode {
     main_with(Entrants::default())
 }
 
-/// Does the same with planners, or planners and policies, of one's own besides the built-in ones: the whole program, and
+/// Does the same with custom planners, or custom planners and policies, besides the built-in ones: the whole program, and
 /// they are known by their names wherever a name may stand.
 pub fn main_with(entrants: impl Into<Entrants>) -> ExitCode {
     main_from(env::args_os().collect(), entrants)

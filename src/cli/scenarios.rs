@@ -350,7 +350,7 @@ fn scenario_from_map(map: &Path, options: &MapArguments, file: Option<&Path>, qu
     ))
 }
 
-/// Lists what there is to say of a map, as `wildfire map` does.
+/// Lists notes on a map, as `wildfire map` does.
 fn notes_on_map(map: &Path, options: &MapArguments, scenario: &Scenario) -> Result<Vec<String>, CliError> {
     let bytes = input_file::read(map, MAX_BYTES).map_err(|error| CliError::unreadable(map, &error))?;
     let reading = Reading { tolerance: options.tolerance.unwrap_or_default(), inverted: options.invert };
@@ -399,7 +399,7 @@ fn parse_cell(text: &str) -> Result<f64, String> {
     numbers::parse(text).ok_or_else(|| "expected the side of a cell in metres".to_owned())
 }
 
-/// Writes a file that is not there yet.
+/// Writes a new file.
 fn write_new(path: &Path, format: Format, text: &str) -> Result<(), CliError> {
     Files { outputs: vec![(format, path)], ..Files::default() }.check()?;
     let written = File::create_new(path).and_then(|mut file| file.write_all(text.as_bytes()));

@@ -40,7 +40,7 @@ fn pages() -> Vec<String> {
     pages
 }
 
-/// Whether the pages are to be written anew where they differ.
+/// Whether the pages are to be written again where they differ.
 fn rewriting() -> bool {
     std::env::var_os("WILDFIRE_REWRITE_DOCS").is_some_and(|value| value == "1")
 }

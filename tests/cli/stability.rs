@@ -22,13 +22,11 @@ struct Names<'a> {
 
 impl<'a> Names<'a> {
     fn add(&mut self, part: &'a Json, path: &str) {
-        if let Some(reference) = part["$ref"].as_str() {
-            if !self.inside.contains(&reference) {
-                self.inside.push(reference);
-                let schema = self.schema;
-                self.add(schema.pointer(&reference[1..]).expect("a schema has its definitions"), path);
-                self.inside.pop();
-            }
+        if let Some(reference) = part["$ref"].as_str().filter(|reference| !self.inside.contains(reference)) {
+            self.inside.push(reference);
+            let schema = self.schema;
+            self.add(schema.pointer(&reference[1..]).expect("a schema has its definitions"), path);
+            self.inside.pop();
         }
         for (name, member) in part["properties"].as_object().into_iter().flatten() {
             if !is_measured(name) {

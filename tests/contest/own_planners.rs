@@ -1,4 +1,4 @@
-//! Planners that are handed in: they play by the rules, and what they do wrong costs them a query and nobody a run.
+//! Planners that are registered: they play by the rules, and what they do wrong costs them a query and nobody a run.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -218,7 +218,7 @@ fn a_planner_that_cannot_be_built_fails_the_run_with_its_name_and_the_reason() {
     assert_eq!(error.to_string(), "unimog/0 has no planner: `lost` could not be built: no map for this field");
     let nobody = sim::run(&scenario, 1).expect_err("nobody handed it in");
     assert!(matches!(&nobody, RunError::NoPlanner { name, .. } if name.name() == "lost"), "{nobody}");
-    assert!(nobody.to_string().contains("was not handed in"), "{nobody}");
+    assert!(nobody.to_string().contains("is neither built in nor registered"), "{nobody}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //!
 //! Here it is written in Rust, and `tests/data/same_planner/outcomes.csv` has what it gives. The same file is what
 //! `tests/data/same_planner/planner.py` must give: as a class of Python (`python/tests/test_same_planner.py`) and as a
-//! program. `WILDFIRE_REWRITE_DATA=1 cargo test --test contest same_planner` writes it anew.
+//! program. `WILDFIRE_REWRITE_DATA=1 cargo test --test contest same_planner` writes it again.
 
 use std::path::Path as FilePath;
 

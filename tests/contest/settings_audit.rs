@@ -63,7 +63,7 @@ fn collect(root: &Value, schema: &Value, value: &Value, pointer: &str, found: &m
             reference.strip_prefix('#').and_then(|place| root.pointer(place)).expect("references lead somewhere");
         return collect(root, target, value, pointer, found);
     }
-    // Planners and policies that nobody handed in.
+    // Planners and policies that nobody registered.
     if schema["additionalProperties"].is_object() {
         return;
     }

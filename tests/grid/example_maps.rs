@@ -1,6 +1,6 @@
 //! The maps under `assets/maps/` are what the code here draws, and do what their README says.
 //!
-//! `WILDFIRE_WRITE_MAPS=1 cargo test --test grid maps_are_what` writes them anew.
+//! `WILDFIRE_WRITE_MAPS=1 cargo test --test grid maps_are_what` writes them again.
 
 use std::env;
 use std::fs;

@@ -548,7 +548,7 @@ fn what_was_extinguished_burns_again_from_what_still_flames_where_the_rules_say_
 }
 
 /// The rules of the model once more, without a queue and as slowly as may be: plans of all cells near a change are made
-/// anew at once, from all that has burned, in floating-point seconds.
+/// again at once, from all that has burned, in floating-point seconds.
 struct Reference<'a> {
     landscape: &'a Landscape,
     /// By interval, then by fuel number: the ellipse, slowness, eccentricity times heading.

@@ -92,7 +92,7 @@ impl Window {
         let id = wait_for("the window", || {
             if process.try_wait().expect("it was started").is_some() {
                 let reason = fs::read_to_string(&said).unwrap_or_default();
-                // A virtual display begins anew when its last window is closed, and answers nobody meanwhile.
+                // A virtual display begins again when its last window is closed, and answers nobody meanwhile.
                 assert!(reason.contains("does not answer"), "{reason}");
                 process = start();
             }

@@ -1,4 +1,4 @@
-//! When fire comes to a cell by Rothermel's equations, found anew from when it came to the cells around.
+//! When fire comes to a cell by Rothermel's equations, found again from when it came to the cells around.
 //!
 //! All that the fire model decides is decided here again, by a code of its own and without a queue: for one cell, and the
 //! recorded times of those around it, the earliest of its candidates. Rates, ellipses and flaming times are those of

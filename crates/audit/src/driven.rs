@@ -127,8 +127,8 @@ impl<'a> DrivenLegs<'a> {
         begun.checked_sub(1).map_or(self.start, |last| self.legs[last].driven().pose_at(time))
     }
 
-    /// Returns until when the agent stands where it is at a time: that time itself if it is under way, `MAX` if for
-    /// ever.
+    /// Returns until when the agent stays in place at a time: that time itself if it is under way, `MAX` if
+    /// forever.
     pub fn stands_until(&self, time: SimTime) -> SimTime {
         let begun = self.begun(time);
         let is_under_way = begun > 0 && self.legs[begun - 1].driven().end_time() > time;

@@ -1,7 +1,7 @@
 //! Fire that goes over ground and bushes: what can burn does, where fire comes and when it comes there, and ends in time.
 //!
 //! Facts are followed one after the other as far as they concern the states of cells. When fire spreads to a cell is then
-//! found anew from when it came to the cells around ([`super::arrival`]): no cell may catch fire earlier or later than
+//! found again from when it came to the cells around ([`super::arrival`]): no cell may catch fire earlier or later than
 //! that, nor be spared. A truck can only make fire come later. So where trucks put out or wetted something near a cell,
 //! what was due at the cell before must have happened before.
 

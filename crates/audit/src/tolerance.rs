@@ -7,7 +7,7 @@
 //!
 //! - **Rounding of numbers.** A sum of coordinates is off by at most e X, e being [`f64::EPSILON`], and a product of
 //!   the unit vector of a heading by 2 e of its length. The audit adds up at most [`STRIDE`] steps before it begins
-//!   anew from the start of a piece, and both answers add up pieces, so that a sum is off by at most
+//!   again from the start of a piece, and both answers add up pieces, so that a sum is off by at most
 //!   s = 4 e ([`STRIDE`] + n) of what it comes to; an angle is off by e times what it has turned, besides. So headings
 //!   are apart by at most r = s + 4 e A. Places are, by the roundings of their own sums and by a heading that is off by
 //!   r on a way of L, at most r (X + L).

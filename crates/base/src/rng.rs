@@ -54,7 +54,7 @@ impl ShuffledPrefix {
     const FIRST: usize = 256;
     const LONGER: usize = 8;
 
-    /// Prepares a shuffle of `length` numbers with the draws of a stream, which is made anew for every prefix.
+    /// Prepares a shuffle of `length` numbers with the draws of a stream, which is made again for every prefix.
     ///
     /// # Panics
     /// If there are more than 32 bits can number.

@@ -121,7 +121,7 @@ impl Places {
 
 /// Refuses a name that is taken by something else than a file, or leads there by links.
 ///
-/// Opening a pipe could wait for ever, a device is not ours to write to, and neither can be replaced.
+/// Opening a pipe could wait forever, a device is not ours to write to, and neither can be replaced.
 ///
 /// # Errors
 /// [`ErrorKind::IsADirectory`] for a folder, [`ErrorKind::InvalidInput`] for a device, pipe or socket.

@@ -17,7 +17,7 @@ impl CellSet {
         Self { words: vec![0; words], summary: vec![0; words.div_ceil(64)], len: 0 }
     }
 
-    /// Adds a cell that is not there yet.
+    /// Adds a cell that the set does not hold.
     pub fn insert(&mut self, cell: usize) {
         let (word, bit) = (cell / 64, 1 << (cell % 64));
         debug_assert_eq!(self.words[word] & bit, 0, "the cell is there already");

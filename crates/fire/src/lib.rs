@@ -39,7 +39,7 @@ pub struct FireRules {
     /// Whether cells that were lit spread, and whether cells that caught fire from others do.
     pub lit_spreads: bool,
     pub caught_spreads: bool,
-    /// From ignition to burned out; `None` burns for ever.
+    /// From ignition to burned out; `None` burns forever.
     pub burn_out: Option<SimTime>,
     /// Whether extinguished cells can burn again.
     pub relight: bool,
@@ -239,7 +239,7 @@ mod tests {
                     spread.into_iter().filter_map(|spread| fires.ignite(spread.cell, now, false)).collect()
                 }
                 Act::Forecast(FireEvent::BurnOut { .. } | FireEvent::Dry { .. }) => {
-                    unreachable!("these fires burn for ever, and nobody wets them")
+                    unreachable!("these fires burn forever, and nobody wets them")
                 }
             };
             for change in changes {

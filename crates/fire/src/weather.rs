@@ -9,7 +9,7 @@ use wildfire_base::time::SimTime;
 /// Wind and moisture, constant within each of its intervals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Weather {
-    /// The first begins at zero, the others later and later; the last goes on for ever.
+    /// The first begins at zero, the others later and later; the last goes on forever.
     intervals: Vec<WeatherInterval>,
 }
 

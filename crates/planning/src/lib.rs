@@ -120,7 +120,7 @@ pub struct Plan {
     pub effort: Effort,
     /// CPU time of the query, if somebody else than the caller measured it; `None`: what the caller's own clock says.
     pub cpu: Option<QueryCpu>,
-    /// What there is to say about a failure besides its reason.
+    /// Notes on a failure besides its reason.
     pub message: Option<String>,
 }
 
@@ -128,7 +128,7 @@ pub struct Plan {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct QueryCpu {
     pub time: Duration,
-    /// The part of it in which a program started anew.
+    /// The part of it in which a program started again.
     pub starting: Duration,
     pub source: CpuSource,
 }

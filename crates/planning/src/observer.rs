@@ -1,6 +1,6 @@
 //! Observers of planners at work: which work they do when, and where their searches look.
 //!
-//! Planners keep no clock and no record. Whoever calls them passes an observer, and what it does changes no answer.
+//! Planners keep no clock and no record. The caller passes an observer, which changes no answer.
 
 use std::time::Duration;
 

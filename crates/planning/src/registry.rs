@@ -194,7 +194,7 @@ pub enum NameError {
     Taken(String),
 }
 
-/// Planners by name: the built-in ones, and those that were handed in.
+/// Planners by name: the built-in ones, and those that were registered.
 #[derive(Clone, Default)]
 pub struct Planners {
     own: BTreeMap<PlannerName, Arc<dyn MakePlanner>>,

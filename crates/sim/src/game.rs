@@ -223,7 +223,7 @@ impl Policy for Outside {
 pub struct Unanswered(Arc<Mutex<Option<String>>>);
 
 impl Unanswered {
-    /// Takes what there is to say, after the run.
+    /// Takes the message, after the run.
     pub fn take(&self) -> Option<String> {
         self.0.lock().expect("nobody panics while holding it").take()
     }

@@ -65,7 +65,7 @@ pub fn run_recording_searches(scenario: &Scenario, seed: u64) -> Result<Run, Run
     run_with_options(scenario, seed, &RunOptions { records_searches: true, ..RunOptions::default() })
 }
 
-/// Does the same as [`run`] with planners of one's own, whose names the scenario may give to its trucks.
+/// Does the same as [`run`] with custom planners, whose names the scenario may give to its trucks.
 ///
 /// # Errors
 /// As [`run`], and if a truck's planner is not known or cannot be built.
@@ -116,7 +116,7 @@ impl Simulation {
         Self::with(scenario, seed, &RunOptions { records_searches: true, ..RunOptions::default() })
     }
 
-    /// Creates the same world with planners of one's own.
+    /// Creates the same world with custom planners.
     ///
     /// # Errors
     /// As [`Self::new`], and if a truck's planner is not known or cannot be built.
@@ -142,7 +142,7 @@ impl Simulation {
         Ok(simulation)
     }
 
-    /// Lets agents follow a policy of one's own from now on.
+    /// Lets agents follow a custom policy from now on.
     pub fn follow(&mut self, agents: &[AgentId], policy: Box<dyn Policy>) {
         let asking = policy.asking();
         let follows = self.world.resource_mut::<Following>().add(policy);

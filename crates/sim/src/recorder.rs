@@ -22,7 +22,7 @@ pub struct Recorder {
     pub ground: Vec<GroundEvent>,
     /// CPU time of each answer of a planner among the events, in their order.
     pub answer_cpu: Vec<Duration>,
-    /// What there is to say about failed queries.
+    /// Notes on failed queries.
     pub messages: FailureMessages,
     /// True if searches are to be recorded.
     pub records_searches: bool,
@@ -81,7 +81,7 @@ impl Recorder {
         }
     }
 
-    /// Keeps what there is to say about a failed query, if anything.
+    /// Keeps notes on a failed query, if anything.
     pub fn note_failure(&mut self, time: SimTime, agent: AgentId, failure: PlanFailure, message: Option<&str>) {
         if let Some(message) = message {
             self.messages.add(&agent.to_string(), time, failure, message);

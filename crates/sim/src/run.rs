@@ -203,7 +203,7 @@ impl fmt::Display for FailureMessages {
     }
 }
 
-/// The options of a run. Apart from what the planners do that are handed in, they change nothing that happens in it.
+/// The options of a run. Apart from what the planners do that are registered, they change nothing that happens in it.
 #[derive(Clone, Debug, Default)]
 pub struct RunOptions {
     /// The planners by name.
@@ -219,7 +219,7 @@ pub struct RunOptions {
     pub memory: MemoryLimit,
 }
 
-/// Planners and policies that were handed in, beside the built-in ones.
+/// Planners and policies that were registered, beside the built-in ones.
 #[derive(Clone, Debug, Default)]
 pub struct Entrants {
     pub planners: Planners,
@@ -287,7 +287,7 @@ pub enum RunError {
     NoPrograms { reason: MakeError },
     #[error("{agent} cannot start: no free place was found for it on this field")]
     NoFreeStart { agent: AgentId },
-    /// Whoever ran it asked for an end before its own. Nothing is known of such a run: it is made again.
+    /// The run was stopped before its end. It has no result and is run again.
     #[error("the run was stopped before its end")]
     Stopped,
     #[error("{agent} has no planner: `{name}` could not be built: {reason}")]

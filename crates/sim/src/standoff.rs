@@ -29,7 +29,7 @@ impl Plugin for TrafficPlugin {
     }
 }
 
-/// Breaks the deadlocks of trucks that began to wait, or looked again in vain, at this instant.
+/// Breaks the deadlocks of trucks that began to wait, or looked again without success, at this instant.
 fn break_deadlocks(mut fleet: Fleet) {
     let mut waiting: Vec<(AgentId, Wake)> = Vec::new();
     while let Some(wake) = fleet.take(AgentEvent::Standoff) {

@@ -66,7 +66,7 @@ pub enum Trigger {
     },
 }
 
-/// What there is to hear of a change.
+/// Triggers fired by a change of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum News {
     Ignition(Cell),
@@ -152,7 +152,7 @@ fn drop_void_events(clock: Res<SimClock>, mut queue: ResMut<SimQueue>, agents: Q
     }
 }
 
-/// Lets agents that were woken decide again: who stands begins anew, who is under way goes on meanwhile.
+/// Lets agents that were woken decide again: who stands begins again, who is under way goes on meanwhile.
 fn look_again(clock: Res<SimClock>, mut queue: ResMut<SimQueue>, mut agents: Query<&mut Agent>) {
     while let Some(wake) = queue.take_for(clock.0, AgentEvent::LookAgain, |_| true) {
         match agents.get_mut(wake.agent) {

@@ -8,7 +8,7 @@
 //!    all burns less, and later, than in any other. What catches fire there by spread, and burns out before the first
 //!    truck can be there, is lost in every world.
 //! 2. *How many trucks are there?* Two of the things that were lit can be put out by one truck only if it can get from one to the
-//!    other, in one order or the other, while both may burn. Whoever puts out several puts out a chain of such pairs, by time of
+//!    other, in one order or the other, while both may burn. A truck that puts out several puts out a chain of such pairs, by time of
 //!    lighting; so what so many chains as there are trucks cannot cover is lost. That is a flow problem, solved exactly.
 //!
 //! The second step leaves out that chains have to fit as a whole and what spreads meanwhile, so the bound is below what the best

@@ -168,8 +168,8 @@ pub enum AgentFact {
     /// costs none; it does not stop an agent that is under way.
     PlanFailed { goal: Cell, reason: PlanFailure, effort: Effort, until: SimTime },
     /// The agent drops its goal. `trajectory` is the leg as it is really driven: the same start, cut short, standing
-    /// from its `end_time()` on; without pieces if the agent had not set out. A truck stops where it is in nobody's
-    /// way, which may be later than it could.
+    /// from its `end_time()` on; without pieces if the agent had not set out. A truck stops where it blocks nobody,
+    /// which may be later than it could.
     Dropped { goal: Cell, trajectory: Trajectory },
     /// A truck arrived and suppresses.
     Suppressing { cell: Cell },

@@ -117,7 +117,7 @@ pub struct AgentOutcome {
     pub longest_idle_s: f64,
     /// Changes between forward and reverse that were driven.
     pub cusps: u32,
-    /// A truck's drives that did not end in its extinguishing the goal: broken off, in vain, or unfinished when the
+    /// A truck's drives that did not end in its extinguishing the goal: broken off, without success, or unfinished when the
     /// run ended. A drive that never set out is none.
     pub wasted_drives: u32,
     /// Times that a truck drove aside for another one that could not set out otherwise.

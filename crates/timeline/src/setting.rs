@@ -119,7 +119,7 @@ impl SpreadSetting {
 #[derive(Clone, Debug)]
 pub struct FlamingTimes {
     spread: SpreadSetting,
-    /// By interval of the weather and number of the fuel model; `None` flames for ever.
+    /// By interval of the weather and number of the fuel model; `None` flames forever.
     spans: Vec<Option<SimTime>>,
 }
 
@@ -140,7 +140,7 @@ impl FlamingTimes {
         Self { spread: spread.clone(), spans }
     }
 
-    /// Returns when a cell that catches fire then burns out by itself; `None` if it burns for ever.
+    /// Returns when a cell that catches fire then burns out by itself; `None` if it burns forever.
     pub fn burns_out_at(&self, cell: Cell, ignited: SimTime) -> Option<SimTime> {
         let interval = self.spread.weather().interval_at(ignited);
         let number = usize::from(self.spread.landscape().fuel_number(cell));

@@ -111,8 +111,8 @@ fn with_numbers(text: &str, data: &Value) -> String {
 }
 
 /// A number with a few decimals, so that pages stay small.
-fn short(number: f64, decimals: i32) -> f64 {
-    let scale = 10_f64.powi(decimals);
+fn short(number: f64, decimals: usize) -> f64 {
+    let scale: f64 = std::iter::repeat_n(10.0, decimals).product();
     (number * scale).round() / scale
 }
 

@@ -168,7 +168,7 @@ fn commands(arguments: &PageArguments) -> Vec<Vec<OsString>> {
     options.into_iter().map(words).collect()
 }
 
-/// What there is to say about the map.
+/// Notes on the map.
 fn of_map(map: &MapFile) -> Vec<String> {
     [map.notes.clone(), map.doubts()].concat()
 }
@@ -176,7 +176,7 @@ fn of_map(map: &MapFile) -> Vec<String> {
 fn page(arguments: &PageArguments, map: &MapFile, parts: &[Part], cpu_read: Duration) -> Document {
     let name = arguments.map.file_name().unwrap_or(arguments.map.as_os_str()).to_string_lossy();
     let (start, goal) = arguments.ends.places();
-    // What there is to say about the map is said once.
+    // Notes on the map is said once.
     let of_map = of_map(map);
     let report = |part: &'_ Part| {
         let report = MapReport::new(&part.computation, map, &part.computed, cpu_read);

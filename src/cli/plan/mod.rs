@@ -62,7 +62,7 @@ fn report<'a>(
     expect_known_planners(&context.entrants, &loaded.scenario, planners)?;
     context.expect_trusted_planners(&loaded.scenario, planners)?;
     let ask = || {
-        // Programs start anew each time, those too that could play on.
+        // Programs start again each time, those too that could play on.
         let makers = context.planners_of(&loaded.scenario)?;
         let question = Question {
             planners,

@@ -226,7 +226,7 @@ fn trees_and_roadmaps_are_free_and_their_costs_are_lengths() {
         let prm = probabilistic_roadmap(&occupied, ends, &prm).expect("both ends are free");
         assert_eq!(rrt, grow_tree(&occupied, ends, TreeKind::Rrt, &settings).expect("the same"));
         assert_is_sound(&occupied, &rrt, ends, 3.01);
-        // An edge that was joined anew may be longer than a step.
+        // An edge that was joined again may be longer than a step.
         assert_is_sound(&occupied, &star, ends, f64::INFINITY);
         assert_is_sound(&occupied, &prm, ends, 9.0);
         for (count, graph) in found.iter_mut().zip([rrt, star, prm]) {

@@ -1,6 +1,6 @@
 //! A report for people: headings, sentences, lists, tables and figures, printed as text, Markdown, HTML or LaTeX.
 //!
-//! Whoever has something to say builds a [`Document`] of plain text. The printers escape all of it for their form, so
+//! Reports and answers are [`Document`]s of plain text. The printers escape all of it for their form, so
 //! that no name of a file or a scenario becomes a tag, a command or a control character. Numbers become text in
 //! [`number`], so that they look the same everywhere.
 //!

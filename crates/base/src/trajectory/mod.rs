@@ -114,7 +114,7 @@ pub struct Pace {
     /// Never more, in m/s.
     pub fastest_mps: f64,
     pub curvature: f64,
-    /// The next instant at which this may be another one; [`SimTime::MAX`] when the body stands for ever.
+    /// The next instant at which this may be another one; [`SimTime::MAX`] when the body stands forever.
     pub until: SimTime,
 }
 

@@ -74,7 +74,7 @@ impl Method {
 /// Times of which some are cut off.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CutOff {
-    /// Times beyond this count as this much on both sides: where the first of the waits in vain ended.
+    /// Times beyond this count as this much on both sides: where the first of the waits without success ended.
     pub horizon: Option<f64>,
     /// The number of times that were cut off.
     pub counts: [usize; 2],

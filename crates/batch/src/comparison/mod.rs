@@ -73,7 +73,7 @@ pub struct Comparison {
     pub against_a: Vec<AgainstA>,
     /// Metrics that no pair has on both sides, with the letter of the other side.
     pub missing: Vec<(char, String)>,
-    /// What else is asked of all metrics.
+    /// Further questions about all metrics.
     pub questions: Questions,
 }
 
@@ -113,7 +113,7 @@ pub struct JudgedContrast {
     pub verdict: Verdict,
     /// The strata by themselves, if the difference is a mean over several.
     pub by_stratum: Option<JudgedStrata>,
-    /// The answer to [`Questions::power`], if that is asked of the metric and its differences have a spread.
+    /// The answer to [`Questions::power`], if the metric has this question and its differences have a spread.
     pub power: Option<PowerAnswer>,
     /// The answer to [`Questions::equivalent`], likewise.
     pub equivalence: Option<Equivalence>,

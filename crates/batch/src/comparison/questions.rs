@@ -75,7 +75,7 @@ impl Amount {
     }
 }
 
-/// What is asked of all metrics beside their differences.
+/// Questions about all metrics besides their differences.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Questions {
     /// How many seeds detect a difference of this size.

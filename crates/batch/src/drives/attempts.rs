@@ -25,7 +25,7 @@ pub struct Attempt<'a> {
     pub query: Duration,
     pub expansions: u64,
     pub drive: Result<Drive, PlanFailure>,
-    /// What there is to say about a failure besides its reason.
+    /// Notes on a failure besides its reason.
     pub message: Option<String>,
 }
 

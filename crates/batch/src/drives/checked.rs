@@ -110,7 +110,7 @@ mod tests {
     fn a_straight_drive_has_the_figures_that_one_can_reckon() {
         let drive = judged(pose(45.0), straight(25.0));
         assert_eq!((drive.violation, drive.figures.cusps, drive.figures.length_m), (None, 0, 25.0));
-        assert!((drive.figures.lower_bound_ratio.expect("it is not there yet") - 1.0).abs() < 1e-12);
+        assert!((drive.figures.lower_bound_ratio.expect("the truck has to drive") - 1.0).abs() < 1e-12);
         assert!((drive.figures.drive_s - 25.0 / Unimog::default().speed_mps).abs() < 1e-9);
         // The front bumper is 3.95 m ahead of the rear axle.
         assert!(

@@ -1,4 +1,4 @@
-//! How far a batch is, whoever works on it.
+//! The progress of a batch, also while other processes work on it.
 
 use std::fs::File;
 use std::io::ErrorKind;

@@ -192,7 +192,7 @@ pub fn map_batches(
     Ok(sums.finish(&sources, not_run, unpaired))
 }
 
-/// Reads a run and what is asked of it; `None` if it could not take place.
+/// Reads a run and the cells of the map; `None` if it could not take place.
 fn read_run(source: &MapSource, run: &PlannedRun<'_>, options: &MapsOptions<'_>) -> Result<Option<RunMap>, MapsError> {
     let Some((timeline, is_recorded)) = source.timeline(run, options.entrants)? else { return Ok(None) };
     let map = RunMap::new(timeline, is_recorded, options.quantity);

@@ -127,7 +127,7 @@ impl MapSource {
     }
 }
 
-/// The columns by which variants can be told apart, as tables name them.
+/// The columns by which variants can be distinguished, as tables name them.
 fn columns(batch: &FinishedBatch) -> Vec<String> {
     let swept = batch.plan().swept_keys.iter().cloned();
     ["scenario", "planner"].map(str::to_owned).into_iter().chain(swept).collect()

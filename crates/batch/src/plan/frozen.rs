@@ -259,8 +259,8 @@ impl BatchPlan {
         Err(PlanError::Differs { path: folder.join(PLAN_FILE), differences })
     }
 
-    /// Refuses a batch whose runs cannot be made here: a planner or a policy of them was handed in, and nobody has handed
-    /// in one of that name.
+    /// Refuses a batch whose runs cannot be made here: a planner or a policy of them was registered, and none of
+    /// that name is registered here.
     pub fn expect_entrants(&self, entrants: &Entrants, folder: &Path) -> Result<(), PlanError> {
         let is_program = |table: &Programs, name| table.get(name).is_some_and(|program| !program.command.is_empty());
         for Variant { scenario, .. } in &self.variants {

@@ -11,7 +11,7 @@ use super::{PLAN_FILE, Value};
 use wildfire_base::input_file::list_of_at_most;
 use wildfire_sim::scenario::MemoryLimit;
 
-/// The longest plan of another version that is read: unlike this version's, its values are not known beforehand, and
+/// The longest plan of another version that is read: unlike this version's, its values are not known in advance, and
 /// each may take some dozen times the memory of its text.
 const MAX_BYTES_OF_OTHERS: u64 = 4 << 20;
 

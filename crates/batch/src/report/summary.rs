@@ -207,7 +207,7 @@ impl BatchReport {
         places.iter().map(table).collect()
     }
 
-    /// Returns what there is to note of any variant, by its number.
+    /// Returns notes on any variant, by its number.
     pub fn notes(&self) -> Vec<String> {
         let notes = |(index, variant): (usize, &VariantReport)| {
             let notes = variant.tally.note().into_iter().chain(variant.tally.machine_sentences());

@@ -4,7 +4,7 @@ use crate::stats::Interval;
 use crate::stats::distributions::normal_reach;
 use wildfire_base::geometry::ops;
 
-/// A time, which is not negative: until the event, or how long it was waited for in vain.
+/// A time, which is not negative: until the event, or how long it was waited for without success.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lifetime {
     pub time: f64,

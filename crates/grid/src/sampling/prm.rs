@@ -1,4 +1,4 @@
-//! PRM: a roadmap over free points drawn at random, and a shortest way through it.
+//! PRM: a roadmap over free points at random, and a shortest way through it.
 //!
 //! L. Kavraki, P. Svestka, J.-C. Latombe, M. Overmars, "Probabilistic Roadmaps for Path Planning in High-Dimensional
 //! Configuration Spaces", IEEE Transactions on Robotics and Automation 12(4), 1996; joined with as many nearest neighbours

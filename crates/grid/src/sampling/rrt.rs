@@ -1,4 +1,4 @@
-//! RRT and RRT*: trees that grow from the start towards points drawn at random.
+//! RRT and RRT*: trees that grow from the start towards points at random.
 //!
 //! S. LaValle, "Rapidly-Exploring Random Trees: A New Tool for Path Planning" (TR 98-11, Iowa State University, 1998), with
 //! the goal drawn in place of a point now and then; S. Karaman, E. Frazzoli, "Sampling-based algorithms for optimal motion
@@ -21,7 +21,7 @@ use wildfire_base::rng;
 pub enum TreeKind {
     /// Ends when it reaches the goal.
     Rrt,
-    /// Draws all samples, joins points over the neighbour that makes the way shortest, and joins neighbours anew over them.
+    /// Draws all samples, joins points over the neighbour that makes the way shortest, and joins neighbours again over them.
     RrtStar,
 }
 
@@ -133,7 +133,7 @@ impl Tree<'_> {
         from.distance(to) <= step && is_free_segment(self.occupied, from, to, CORNERS)
     }
 
-    /// Adds a point over the neighbour with the shortest way, the nearest among equals, and joins those neighbours anew
+    /// Adds a point over the neighbour with the shortest way, the nearest among equals, and joins those neighbours again
     /// whose way gets shorter over it.
     fn join(&mut self, point: GridPoint, nearest: u32, around: &[u32]) -> u32 {
         let cost_by = |tree: &Self, by: u32| tree.costs[by as usize] + tree.points[by as usize].distance(point);

@@ -124,7 +124,11 @@ mod tests {
             _ => None,
         });
         let squares: Vec<_> = squares.collect();
-        assert_eq!(squares.iter().filter(|(_, colour)| *colour == PAPER).count(), 1, "one that is not told apart");
+        assert_eq!(
+            squares.iter().filter(|(_, colour)| *colour == PAPER).count(),
+            1,
+            "one that is not significantly different"
+        );
         assert!(squares[0].0 > zero && squares[1].0 < zero && intervals[0][0].0 > zero && intervals[3][1].0 > zero);
         for (interval, square) in [(&intervals[0], squares[0].0), (&intervals[3], squares[1].0)] {
             assert!(interval[0].0 < square && square < interval[1].0);

@@ -207,7 +207,7 @@ impl<'a> Panel<'a> {
         })
     }
 
-    /// Draws arrows on a lattice, each as its cell says: colours of directions alone are not told apart by everybody.
+    /// Draws arrows on a lattice, each as its cell says: colours of directions alone are not distinguished by everybody.
     fn draw_arrows(&self, canvas: &mut Canvas, corner: Point) {
         let frame = &self.map.frame;
         let step = (BETWEEN_ARROWS * self.unit / self.zoom.cell()).ceil().max(1.0) as usize;

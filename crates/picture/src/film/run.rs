@@ -23,7 +23,7 @@ impl RunViewId {
 /// are written where there is room.
 const MOST_ONE_BY_ONE: usize = 8;
 
-/// A run prepared for being shown: what is asked of it at any time, its title, and what its decisions cost.
+/// A run prepared for being shown: its state at any time, its title, and what its decisions cost.
 #[derive(Debug)]
 pub struct RunView {
     id: RunViewId,
@@ -57,7 +57,7 @@ impl RunView {
         self.id
     }
 
-    /// What is asked of the run at any time.
+    /// The state of the run at any time.
     pub fn index(&self) -> &RunIndex<'static> {
         &self.index
     }

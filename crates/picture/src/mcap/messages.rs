@@ -43,7 +43,7 @@ impl From<SimTime> for Time {
     }
 }
 
-/// 0 is for ever.
+/// 0 is forever.
 #[derive(Clone, Copy, Default, Serialize, JsonSchema)]
 #[schemars(title = "duration")]
 pub struct Duration {

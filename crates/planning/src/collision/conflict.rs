@@ -16,7 +16,7 @@ pub const CONFLICT_TOLERANCE_M: f64 = 0.02;
 const NANOS_PER_SECOND: f64 = 1e9;
 const INSTANT: SimTime = SimTime::from_nanos(1);
 
-/// A body and its motion, which has no turns on the spot. It stands before its start and, for ever, after its end.
+/// A body and its motion, which has no turns on the spot. It stands before its start and, forever, after its end.
 #[derive(Clone, Copy, Debug)]
 pub struct MovingBody<'a> {
     pub body: &'a Dimensions,
@@ -35,7 +35,7 @@ impl MovingBody<'_> {
     }
 }
 
-/// Returns when two bodies first come nearer than `margin_m`, from `from` on and for ever; `None` if they never do.
+/// Returns when two bodies first come nearer than `margin_m`, from `from` on and forever; `None` if they never do.
 ///
 /// Bodies that keep apart do so by the margin at every instant that is looked at, and when both have come to rest; in
 /// between by the margin less [`CONFLICT_TOLERANCE_M`]. Bodies that face each other with their corners may be taken for

@@ -34,7 +34,7 @@ const LINE_SLACK_M: f64 = 0.02;
 /// A field on which these would be more than some eight million, such as one of 5 km, has a coarse lattice instead: the
 /// corners of cells. There the nine cells about a point are looked at as well. A bush among them has its exact distance,
 /// and all others are farther away than the nearest edge of the nine: so close to bushes, where bodies pass, the bound
-/// is better than that of a fine lattice, and it takes neither memory nor time beforehand.
+/// is better than that of a fine lattice, and it takes neither memory nor time in advance.
 ///
 /// # Why the bound holds
 /// Let `p` lie in a lattice square of side `h`, at the fractions `t` and `u` of its sides, and let `w_v` be the

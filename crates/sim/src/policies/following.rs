@@ -48,7 +48,7 @@ impl OptionsOf<AgentId> for OptionsByName<'_> {
     }
 }
 
-/// Agents that wait for an answer, and what there is to be seen meanwhile.
+/// Agents that wait for an answer, and what they can see meanwhile.
 #[derive(Debug)]
 pub struct Question {
     pub asked: Vec<AgentId>,

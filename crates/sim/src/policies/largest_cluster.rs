@@ -18,7 +18,7 @@ impl Rule for LargestCluster {
     }
 }
 
-/// Counts, by cell index, how many burning cells hang together with a burning cell over sides and corners.
+/// Counts, by cell index, how many burning cells are connected to a burning cell over sides and corners.
 pub fn cluster_sizes(fires: &FireField) -> Vec<u32> {
     let frame = fires.frame();
     let mut sizes = vec![0; frame.cell_count()];

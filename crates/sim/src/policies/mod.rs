@@ -155,7 +155,7 @@ pub enum Asking {
     },
 }
 
-/// What there is to say of an ask of a policy that is not built in.
+/// Notes on an ask of a policy that is not built in.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct AskReport {
     /// Why there was no answer, and words about it. Agents wait then.
@@ -181,7 +181,7 @@ pub trait Policy: Send + Sync {
         SimTime::ZERO
     }
 
-    /// Takes what there is to say of its last choice, or, before the first, of how it was made.
+    /// Takes notes on its last choice, or, before the first, of how it was made.
     fn take_report(&mut self) -> AskReport {
         AskReport::default()
     }

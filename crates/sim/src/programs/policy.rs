@@ -19,7 +19,7 @@ pub struct ProgramPolicy {
     respondent: Option<Respondent>,
     /// Where the program goes when the run is over, if it plays in other runs.
     idle: Option<Arc<Idle>>,
-    /// What there is to say of the last ask.
+    /// Notes on the last ask.
     report: AskReport,
 }
 

@@ -52,7 +52,7 @@ pub struct Launch {
     pub query_limit: Duration,
     /// CPU time of all its processes in a query.
     pub query_cpu: Option<Duration>,
-    /// Failed attempts to start it anew after which nobody tries again in a run.
+    /// Failed attempts to start it again after which nobody tries again in a run.
     pub restarts: u32,
     /// Expansions that a query counts for at least.
     pub expansions_per_query: u32,
@@ -210,7 +210,7 @@ impl Process {
         self.clock.as_mut()?.total()
     }
 
-    /// Counts what it writes to stderr anew.
+    /// Counts what it writes to stderr again.
     pub fn begin_run(&mut self) {
         self.order(Order::NextRun);
     }
@@ -282,7 +282,7 @@ impl Process {
 
     /// Waits until something is ready, at most for this time.
     fn wait(&self, time: Duration, has_unsent: bool) -> Ready {
-        // Nothing more comes from what is closed, which would be ready for ever.
+        // Nothing more comes from what is closed, which would be ready forever.
         let output = (!self.has_closed_output).then_some((self.from.as_fd(), PollFlags::POLLIN));
         let report = (!self.fate.is_gone).then_some((self.control.as_fd(), PollFlags::POLLIN));
         let input = self.to.as_ref().filter(|_| has_unsent).map(|to| (to.as_fd(), PollFlags::POLLOUT));

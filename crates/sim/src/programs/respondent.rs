@@ -1,4 +1,4 @@
-//! A program that is asked for as long as a run lasts: greeted, shown its field, started anew when it fails.
+//! A program that is asked for as long as a run lasts: greeted, shown its field, started again when it fails.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -15,7 +15,7 @@ pub struct Respondent {
     field: Vec<u8>,
     /// `None` after a failure, until the next query.
     session: Option<Session>,
-    /// Attempts to start it anew that failed.
+    /// Attempts to start it again that failed.
     failed_starts: u32,
     /// CPU time up to the first `ready`.
     pub built: Option<Duration>,
@@ -37,7 +37,7 @@ pub struct Reply {
     pub answer: Result<FromProgram, Trouble>,
     /// CPU time of its processes since the answer before, if the system tells.
     pub cpu: Option<Duration>,
-    /// The part of it in which the program started anew.
+    /// The part of it in which the program started again.
     pub starting: Duration,
 }
 
@@ -66,7 +66,7 @@ impl Respondent {
     }
 
     /// Asks a query, which is told its number, and checks that the answer is of a type that fits. A program that failed
-    /// before is started anew first.
+    /// before is started again first.
     pub fn ask(
         &mut self,
         query: impl FnOnce(u64) -> Vec<u8>,
@@ -107,7 +107,7 @@ impl Respondent {
         Reply { answer, cpu, starting }
     }
 
-    /// Takes the program, or starts it anew; returns the CPU time of a start too. A query that fails costs that query
+    /// Takes the program, or starts it again; returns the CPU time of a start too. A query that fails costs that query
     /// alone: only failed starts are counted, and after too many of them nobody tries again.
     fn running(&mut self) -> (Result<Session, Trouble>, Option<Duration>) {
         if let Some(session) = self.session.take() {
@@ -119,7 +119,7 @@ impl Respondent {
         let (started, cpu) = Session::start(&self.program, &self.field);
         let started = started.map_err(|trouble| {
             self.failed_starts += 1;
-            Trouble { kind: TroubleKind::Crashed, words: format!("did not start anew: {}", trouble.words) }
+            Trouble { kind: TroubleKind::Crashed, words: format!("did not start again: {}", trouble.words) }
         });
         (started, cpu)
     }

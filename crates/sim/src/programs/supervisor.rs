@@ -71,7 +71,7 @@ pub enum Order {
     /// Let the program end by itself, and kill it after [`GRACE`].
     End,
     Kill,
-    /// Another run begins: lines of stderr are counted anew.
+    /// Another run begins: lines of stderr are counted again.
     NextRun,
 }
 

@@ -35,7 +35,7 @@ pub(super) const LOADED: [&str; 9] = [
     "policy.*.works_in",
 ];
 
-/// A scenario, with what its author wrote, so that defaults can be told apart.
+/// A scenario, with what its author wrote, so that defaults can be distinguished.
 #[derive(Clone, Debug)]
 pub struct LoadedScenario {
     pub scenario: Scenario,

@@ -22,7 +22,7 @@ use wildfire_planning::{SafetyMap, SafetySettings};
 /// The most points of a Wumpus's lattice: their numbers have to fit into 32 bits. Memory allows far fewer.
 const MAX_LATTICE_POINTS: f64 = 4e9;
 
-/// The most goals that Wumpuses may try in vain: all bushes from every point that they have time to reach. A try takes
+/// The most goals that Wumpuses may try without success: all bushes from every point that they have time to reach. A try takes
 /// about 250 bytes of the timeline; runs stay far below the bound, because a Wumpus on which all goals fail stays where
 /// it is.
 const MAX_TRIES: f64 = 2.5e7;
@@ -127,7 +127,7 @@ impl Wumpus {
         }
     }
 
-    /// Says whether it gives a goal up in a local minimum, and may so try many goals in vain.
+    /// Says whether it gives a goal up in a local minimum, and may so try many goals without success.
     fn gives_up_in_minima(&self) -> bool {
         self.planner == WumpusPlanner::Potential && self.potential.escape == Escape::None
     }

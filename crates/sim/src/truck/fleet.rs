@@ -130,7 +130,7 @@ impl Fleet<'_, '_> {
         agent.reconsider(entity, arrives, &mut self.queue);
     }
 
-    /// Lets a truck on its way to a place stop where it is in nobody's way.
+    /// Lets a truck on its way to a place stop where it blocks nobody.
     pub fn halt(&mut self, entity: Entity) {
         let reservations = self.reservations();
         let (mut agent, truck) = self.trucks.one_mut(entity);
@@ -139,7 +139,7 @@ impl Fleet<'_, '_> {
         agent.halt(entity, self.clock.0, cut, &mut self.queue, &mut self.recorder);
     }
 
-    /// Lets a truck drop its goal and stop where it is in nobody's way.
+    /// Lets a truck drop its goal and stop where it blocks nobody.
     pub fn drop_goal(&mut self, entity: Entity) {
         let reservations = self.reservations();
         let (mut agent, truck) = self.trucks.one_mut(entity);
@@ -149,7 +149,7 @@ impl Fleet<'_, '_> {
     }
 }
 
-/// Trucks whose fire is over decide anew: where they stand, or where they come to stand.
+/// Trucks whose fire is over decide again: where they stand, or where they come to stand.
 pub fn lose_goal(mut fleet: Fleet) {
     while let Some(wake) = fleet.take(AgentEvent::GoalLost) {
         let (mut agent, _) = fleet.trucks.one_mut(wake.agent);

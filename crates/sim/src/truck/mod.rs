@@ -74,7 +74,7 @@ pub struct Truck {
     pub checker: CollisionChecker,
     /// What it tries before it waits for others.
     traffic: TrafficRules,
-    /// What it would do if other trucks were not in the way, best first. Plans are kept, because it stands where it is.
+    /// What it would do if other trucks were not in the way, best first. Plans are kept, because it stays in place.
     pub blocked: Vec<Blocked>,
     deliberation: Option<Deliberation>,
     /// The rules of water, if there are any.

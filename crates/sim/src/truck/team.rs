@@ -1,7 +1,7 @@
 //! Decisions of a team: its policy chooses for all trucks that are asked at one instant, and they carry it out together.
 //!
 //! First those that are under way and are to go elsewhere stop, so that what they went for is free; then those that stand
-//! set out, smaller numbers first. Whoever stops at once, and whoever finds no way to what was chosen, is asked again at the
+//! set out, smaller numbers first. A truck that stops at once, or finds no path to its goal, is asked again at the
 //! same instant. That comes to an end: a truck that has set out is not asked again before a fire begins or ends, each
 //! plan that fails rules a goal out, and a truck that comes to wait wakes nobody unless it was under way before.
 
@@ -205,8 +205,8 @@ impl Fleet<'_, '_> {
     /// Ends a decision; returns true if trucks that are blocked have something new to look at.
     fn conclude_in_team(&mut self, entity: Entity, conclusion: Conclusion, books: &mut DecisionBooks<'_, '_>) -> bool {
         let Some(concluded) = self.conclude(entity, conclusion, &mut books.cpu_log) else { return false };
-        // One that was blocked and rests now, or the other way round, stands where it stood. If that woke others, two could
-        // wake each other for ever.
+        // One that was blocked and rests now, or the other way round, stays in place. If that woke others, two could
+        // wake each other forever.
         let waited = |activity| matches!(activity, Activity::Resting(_) | Activity::Blocked);
         concluded.has_new_plans || waited(concluded.is) && !waited(concluded.was)
     }

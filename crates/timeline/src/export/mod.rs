@@ -6,7 +6,7 @@
 //! | [`write_json`] | one object with all that a recording holds | programs in any language |
 //! | [`write_npz`] | arrays | NumPy |
 //!
-//! Equal runs give equal files, byte for byte. What can be asked of all runs is here; pictures of them, and scenes for
+//! Equal runs give equal files, byte for byte. Formats of all runs are here; pictures of them, and scenes for
 //! viewers, are made by `wildfire-picture`.
 
 mod arrays;

@@ -31,7 +31,7 @@ impl GroundCounts {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Burning {
     pub ignited: SimTime,
-    /// [`SimTime::MAX`] if it goes on for ever.
+    /// [`SimTime::MAX`] if it goes on forever.
     pub ends: SimTime,
     /// Whether a truck put it out, and it did not burn out.
     pub is_extinguished: bool,

@@ -185,7 +185,7 @@ impl<'a> Benchmark<'a> {
     fn part(&self, number: u64) -> Result<Part, CliError> {
         let (run, index) = (self.plan.run(number), self.variant(number));
         let Variant { scenario, .. } = run.variant;
-        // Programs start anew for each, as they would in a run.
+        // Programs start again for each, as they would in a run.
         let makers = self.context.planners_of(scenario)?;
         let (planners, limit) = (&self.planners[index], self.plan.memory);
         let question = Question { planners, makers: &makers, programs: &scenario.planner, seed: run.seed, limit };

@@ -1,13 +1,13 @@
-//! What pairwise tests say of a whole list: ranks that are possible, and groups that cannot be told apart.
+//! What pairwise tests say of a whole list: ranks that are possible, and groups that cannot be significantly different.
 //!
-//! Possible ranks: whoever is told apart from `b` better entries and `w` worse ones among `n` has a rank from `b + 1` to
+//! Possible ranks: whoever is significantly different from `b` better entries and `w` worse ones among `n` has a rank from `b + 1` to
 //! `n - w`. If all pairs are tested together so that no true equality is denied with 95 % probability, all these ranges
 //! hold the true ranks with that probability (Mogstad, Romano, Shaikh, Wilhelm, "Inference for ranks with applications to
 //! mobility across neighbourhoods and academic achievement across countries", Review of Economic Studies 91, 2024).
 //!
 //! Groups: the compact letter display of Piepho ("An algorithm for a letter-based representation of all-pairwise
 //! comparisons", Journal of Computational and Graphical Statistics 13, 2004), by inserting and absorbing. Two entries
-//! have a letter in common just when they are not told apart.
+//! have a letter in common just when they are not significantly different.
 
 /// The most entries that are ranked: a bit each.
 pub const MAX_ENTRIES: usize = 100;
@@ -19,15 +19,15 @@ const LETTERS: &str = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
 /// which pairs differ.
 const MAX_GROUPS: usize = 200;
 
-/// The pairs of a list of entries, best first, that are told apart.
+/// The pairs of a list of entries, best first, that are significantly different.
 pub struct ToldApart {
     count: usize,
-    /// For each entry the others that it is told apart from, as bits.
+    /// For each entry the others that it is significantly different from, as bits.
     from: Vec<u128>,
 }
 
 impl ToldApart {
-    /// Takes the pairs that are told apart, of entries with numbers below `count`, which is at most [`MAX_ENTRIES`].
+    /// Takes the pairs that are significantly different, of entries with numbers below `count`, which is at most [`MAX_ENTRIES`].
     pub fn new(count: usize, pairs: impl IntoIterator<Item = (usize, usize)>) -> Self {
         let mut from = vec![0; count];
         for (one, other) in pairs {
@@ -38,7 +38,7 @@ impl ToldApart {
     }
 
     /// Returns the first and the last rank that an entry may have, from 1. `is_better(one, other)` says which of two
-    /// entries that are told apart is the better one.
+    /// entries that are significantly different is the better one.
     pub fn ranks(&self, entry: usize, is_better: impl Fn(usize, usize) -> bool) -> [usize; 2] {
         let others = || (0..self.count).filter(|&other| self.from[entry] >> other & 1 == 1);
         let better = others().filter(|&other| is_better(other, entry)).count();
@@ -100,9 +100,9 @@ mod tests {
         assert_eq!(letters(3, &[]), ["a", "a", "a"]);
         assert_eq!(letters(3, &[(0, 1), (0, 2), (1, 2)]), ["a", "b", "c"]);
         assert_eq!(letters(3, &[(0, 2)]), ["a", "ab", "b"]);
-        // The middle one is noisy: the best is told apart from the second and not from the third.
+        // The middle one is noisy: the best is significantly different from the second and not from the third.
         assert_eq!(letters(3, &[(0, 1)]), ["a", "b", "ab"]);
-        // Neighbours are alike, all others are told apart.
+        // Neighbours are alike, all others are significantly different.
         assert_eq!(letters(4, &[(0, 2), (0, 3), (1, 3)]), ["a", "ab", "bc", "c"]);
     }
 
@@ -138,7 +138,7 @@ mod tests {
             [(a, b), (a, c), (b, c)]
         });
         assert_eq!(ToldApart::new(MAX_ENTRIES, triples).letters(), None);
-        // Everybody told apart from everybody needs a letter each.
+        // Everybody significantly different from everybody needs a letter each.
         let all = (0..60).flat_map(|one| (one + 1..60).map(move |other| (one, other)));
         assert_eq!(ToldApart::new(60, all).letters(), None);
     }

@@ -7,7 +7,7 @@
 //! worst value that any run of any entry has; where higher is better, that is at most 0, where lower is better, at least
 //! 0. So no run and no pair is left out. Differences are those of [`compare`](super::compare), pair by pair, their
 //! p-values adjusted by Holm's method over all pairs of entries. From them follow the ranks that are possible and the
-//! groups of entries that are not told apart, see `groups.rs`.
+//! groups of entries that are not significantly different, see `groups.rs`.
 
 mod document;
 mod entries;

@@ -14,7 +14,7 @@ use crate::report::tally::Tally;
 use wildfire_base::document::number::{count, rounded, short, two_digits};
 use wildfire_picture::charts::Estimate;
 
-/// The most of those that are not told apart from the best that are named.
+/// The most of those that are not significantly different from the best that are named.
 const MOST_NAMED: usize = 3;
 
 /// What a batch answers: one sentence, and more where variants are compared.

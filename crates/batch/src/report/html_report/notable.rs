@@ -1,4 +1,5 @@
-//! Runs that are worth a look: that in which the least burned, the median, and that in which the most did.
+//! Runs that are worth a look: the one with the fewest burned bushes, the median, and the one with the
+//! most.
 
 use super::ReportError;
 use crate::execute::CHARTS_FOLDER;
@@ -41,7 +42,7 @@ pub fn runs_with_pages(batch: &FinishedBatch) -> Result<Vec<NotableRun>, ReportE
     Ok(runs.into_iter().filter(|run| has_page(run.word)).collect())
 }
 
-/// Finds the runs that are done in which the least and the most burned, and the one in the middle; of runs that are equal the
+/// Finds the runs that are done with the least and the most burned, and the one in the middle; of runs that are equal the
 /// first. A run that would be two of them is there once.
 pub fn notable_runs(batch: &FinishedBatch) -> Result<Vec<NotableRun>, ReportError> {
     let unfinished = || ReportError::Unfinished { folder: batch.folder().to_owned() };

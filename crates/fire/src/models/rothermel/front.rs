@@ -245,7 +245,7 @@ impl Front {
         if way < ways.len() { &ways[way] } else { &self.template.disc[way - ways.len()] }
     }
 
-    /// Returns how long a cell flames that catches fire at a time; `None` for ever.
+    /// Returns how long a cell flames that catches fire at a time; `None` forever.
     pub fn flaming(&mut self, cell: Cell, time: u64) -> Option<SimTime> {
         let fuel = self.cells.fuel[self.cells.index(cell)];
         if fuel == BARRIER {

@@ -18,7 +18,7 @@
 //!   two-point candidate is that of the cell; what both ways need beyond that ellipse moves the times of their beginnings.
 //!
 //! Candidates depend on states and times only, so that neither the order of events nor the moment of a repair matters. When
-//! a cell is extinguished or wetted, plans near it are marked and computed anew when they come due, as they can only become
+//! a cell is extinguished or wetted, plans near it are marked and computed again when they come due, as they can only become
 //! later. What fire comes to first is known to a queue inside; outside one arrival at a time is expected.
 //!
 //! Sources: Rothermel, INT-115, 1972, for the rates; Dijkstra, 1959, for the order; the two-point update solves the

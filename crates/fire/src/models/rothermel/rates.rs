@@ -65,7 +65,7 @@ fn length_on(gradient: DVec2, v: DVec2) -> f64 {
 /// Two ways that are neighbours in direction, on a slope: where between two burned cells the fire comes from that is first
 /// at a third one.
 ///
-/// Both ways end in that cell; w is b less a, the line from a's beginning to b's turned round. Time is taken to be linear on
+/// Both ways end in that cell; w is b - a, the line from a's beginning to b's turned round. Time is taken to be linear on
 /// that line, and the earliest arrival over all of its points then has a closed form.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair {
@@ -171,7 +171,7 @@ impl Rates {
         })
     }
 
-    /// Returns how long a fuel flames that catches fire in an interval; `None` for ever.
+    /// Returns how long a fuel flames that catches fire in an interval; `None` forever.
     pub fn flaming(&mut self, interval: usize, fuel: u8) -> Option<SimTime> {
         let least = self.rules.burn_out?;
         Some(least.max(SimTime::from_seconds(self.beds(interval)[usize::from(fuel)].residence_s())))

@@ -63,7 +63,7 @@ pub struct RothermelRules {
     pub neighbours: Neighbours,
     /// From a truck's stop until what it has wetted is dry.
     pub wet: SimTime,
-    /// The least time that a cell flames, which is otherwise the residence time of its fuel; `None` flames for ever.
+    /// The least time that a cell flames, which is otherwise the residence time of its fuel; `None` flames forever.
     pub burn_out: Option<SimTime>,
     /// Embers besides the front; `None`: there are none.
     pub embers: Option<Embers>,

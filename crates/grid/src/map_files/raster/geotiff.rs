@@ -29,7 +29,7 @@ const PIXEL_IS_POINT: u16 = 2;
 const PROJECTED: u16 = 1;
 const PIXEL_IS_AREA: u16 = 1;
 const METRE: u16 = 9001;
-/// What stands for a value of one's own, and for none.
+/// What stands for a custom value, and for none.
 const USER_DEFINED: u16 = 32_767;
 const UNDEFINED: u16 = 0;
 

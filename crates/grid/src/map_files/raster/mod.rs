@@ -1,6 +1,6 @@
 //! Rasters: a number for each cell of a map, and where the cells are on earth.
 //!
-//! Read are ESRI ASCII grids and GeoTIFF images, told apart by their content; written are both. In a file the north row
+//! Read are ESRI ASCII grids and GeoTIFF images, distinguished by their content; written are both. In a file the north row
 //! comes first. Here row 0 is the south edge, as everywhere in the simulation, and this module is where rows are turned
 //! over. Faults count rows and columns as the file has them, from 0 at its north-west corner.
 

@@ -2,7 +2,7 @@
 //! marked, so that the fire of one cell is seen on a field of millions.
 //!
 //! A row of pixels follows from the states of the bushes below it alone. So a picture whose bushes change is brought up to date
-//! by the rows where something changed, and is the same as one that is drawn anew.
+//! by the rows where something changed, and is the same as one that is drawn again.
 
 use std::ops::Range;
 
@@ -273,9 +273,9 @@ mod tests {
                         now[bush] = BushStateKind::ALL[rng.random_range(0..4)];
                     }
                     HeatMap::new(pane).redraw(&mut kept, &below, [&before, &now]);
-                    let mut anew = below.clone();
-                    HeatMap::new(pane).draw(&mut anew, &now);
-                    assert!(kept.bytes() == anew.bytes(), "{changes} changes, {camera:?}");
+                    let mut again = below.clone();
+                    HeatMap::new(pane).draw(&mut again, &now);
+                    assert!(kept.bytes() == again.bytes(), "{changes} changes, {camera:?}");
                     before = now;
                 }
             });

@@ -340,7 +340,7 @@ impl<K> Default for Kept<K> {
 }
 
 impl<K: PartialEq> Kept<K> {
-    /// The drawing of a key, drawn anew if it is not the last one.
+    /// The drawing of a key, drawn again if it is not the last one.
     pub fn get(&mut self, key: K, draw: impl FnOnce(&K) -> Canvas) -> &Canvas {
         self.change(key, |_, key| draw(key))
     }

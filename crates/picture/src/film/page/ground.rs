@@ -50,7 +50,7 @@ struct CellColours {
 struct BurningTable {
     cell: Vec<i64>,
     ignited_ms: Vec<i64>,
-    /// How long it burns, or -1 for ever.
+    /// How long it burns, or -1 forever.
     lasts_ms: Vec<i64>,
     is_put_out: Vec<u8>,
 }

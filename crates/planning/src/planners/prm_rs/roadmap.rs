@@ -217,7 +217,7 @@ impl Roadmap {
         matches!(self.extent, Extent::Growing { .. })
     }
 
-    /// Forgets what grew if that is more nodes than this. What is drawn and joined anew is the same.
+    /// Forgets what grew if that is more nodes than this. What is drawn and joined again is the same.
     pub fn forget_beyond(&mut self, most: usize) {
         if let Extent::Growing { tiles, links, .. } = &mut self.extent
             && self.nodes.len() > most

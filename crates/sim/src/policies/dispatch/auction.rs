@@ -8,7 +8,7 @@
 //! ("The vehicle routing problem with time windows: minimizing route duration", ORSA J. on Computing 4(2), 1992).
 //!
 //! Trucks that cannot be given another goal bid too, from when they are free: what such a truck will do next is left to it.
-//! Each decision auctions all anew; only the first fire of a route becomes a goal. A route on which a tank runs dry leads to
+//! Each decision auctions all again; only the first fire of a route becomes a goal. A route on which a tank runs dry leads to
 //! the nearest water before it goes on.
 
 use glam::DVec2;
@@ -109,7 +109,7 @@ pub fn routes<'a>(open: &OpenFires<'a>, effort: &mut u64) -> Vec<Route<'a>> {
         let mut best: Option<(usize, Bid)> = None;
         for (number, route) in routes.iter_mut().enumerate() {
             // What others have won meanwhile is off the list; the rest of it stays as it was. A list that ends before the fires
-            // do is drawn up anew.
+            // do is drawn up again.
             while route.bids.last().is_some_and(|bid| won[bid.fire]) {
                 route.bids.pop();
                 if route.bids.is_empty() {

@@ -1,4 +1,4 @@
-//! Teams for tests: drawn at random, or put together by hand.
+//! Teams for tests: at random, or put together by hand.
 
 use std::sync::Arc;
 

@@ -63,7 +63,7 @@ pub struct TeamRules {
     pub spread: Option<(f64, SimTime)>,
     /// True if what caught fire from another bush spreads too, and not only what was lit.
     pub caught_spreads: bool,
-    /// How long a bush burns; `None` if for ever.
+    /// How long a bush burns; `None` if forever.
     pub burn_out: Option<SimTime>,
 }
 

@@ -102,7 +102,7 @@ struct RadiusObject {
     lit_spreads: bool,
     /// Whether bushes that caught fire from others spread it.
     caught_spreads: bool,
-    /// Null burns for ever.
+    /// Null burns forever.
     burn_out_ns: Option<u64>,
 }
 
@@ -152,7 +152,7 @@ enum SpreadObject {
         options: SurfaceOptions,
         neighbours: Neighbours,
         wet_ns: u64,
-        /// The least time that a cell flames; null flames for ever.
+        /// The least time that a cell flames; null flames forever.
         burn_out_ns: Option<u64>,
         /// Null where there are none.
         embers: Option<EmbersObject>,

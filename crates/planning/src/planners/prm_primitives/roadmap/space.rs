@@ -10,7 +10,7 @@ use crate::planners::prm_primitives::{ClearanceTo, PrmSettings};
 
 /// About a start that is tighter than the roadmap, this number of metres may be as tight as the start.
 const TIGHT_START_M: f64 = 12.0;
-/// Less than the start's own clearance is asked of lines from there, so that rounding does not decide.
+/// Lines from there need a little less than the clearance of the start, so that rounding does not decide.
 const ROUNDING_M: f64 = 0.01;
 
 /// The space in which milestones and edges may lie: every point keeps the roadmap's clearance.

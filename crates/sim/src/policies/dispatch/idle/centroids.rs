@@ -19,7 +19,7 @@ const LEAST_WORTH_M: f64 = 25.0;
 /// for a fire or comes back, all places shift a little; to follow that would keep all trucks driving all the time.
 const WORTH_SHARE: f64 = 0.3;
 
-/// A truck that is not there yet is sent elsewhere only if the way is at most this share of the one that is left to it. With
+/// A truck on its way is redirected only if the way is at most this share of the one that is left to it. With
 /// every fire other trucks are idle, and the best places of three are far from those of four: who followed each turn of that
 /// would never arrive.
 const NEARER_SHARE: f64 = 0.5;

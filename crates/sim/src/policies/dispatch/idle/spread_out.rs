@@ -14,7 +14,7 @@ use wildfire_base::time::SimTime;
 
 /// Blocks a side of the field at most.
 const BLOCKS: f64 = 32.0;
-/// Bushes are counted anew after this time at the earliest: in so few seconds centroids hardly move.
+/// Bushes are counted again after this time at the earliest: in so few seconds centroids hardly move.
 const COUNT_EVERY: SimTime = SimTime::from_nanos(20_000_000_000);
 const MOST_ROUNDS: usize = 50;
 /// Sites that move no farther than this have come to rest.
