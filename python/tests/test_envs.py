@@ -222,7 +222,7 @@ def test_contests_side_by_side_are_those_of_one(actions):
 
 
 @pytest.mark.parametrize("autoreset", ["next-step", "same-step"])
-def test_contests_that_ended_begin_anew(autoreset):
+def test_contests_that_ended_begin_again(autoreset):
     vector = TruckVectorEnv(3, "smoke", autoreset=autoreset, actions="nearest")
     seen, _ = vector.reset(seed=1)
     ends, before = 0, np.zeros(3, bool)

@@ -465,7 +465,7 @@ fn selections_that_cannot_be_met_are_refused_with_what_there_is() {
     let level = Selection { by: Some(("planner".into(), vec!["prm".into(), "prn".into()])), only: Vec::new() };
     let twice = scratch.batch("twice", &[Run::of(1, 100), Run::of(2, 100), Run::of(1, 100)]);
     let cases: [(&[&Path], &Selection, &[&str], &str); 9] = [
-        (&[&one, &twice], &none, &[], "twice/runs.csv: seed 1 is there twice"),
+        (&[&one, &twice], &none, &[], "twice/runs.csv: seed 1 occurs twice"),
         (&[&both, &others], &none, &[], "A and B share no seed under equal `planner`"),
         (&[&both], &by("planer"), &[], "no column `planer` to choose runs by: did you mean `planner`?"),
         (&[&both], &level, &[], "no run has planner `prn`: expected `prm`, `lattice`"),

@@ -329,7 +329,7 @@ fn what_is_no_batch_or_no_metric_is_refused() {
     assert!(said.contains("there is no metric `savd`: did you mean `saved`?"), "{said}");
     assert_eq!(
         refusal(&[&a], &request("stray")),
-        "`stray` may be better higher or lower: say `--better higher` or `--better lower`"
+        "`stray` has no built-in better side: add `--better higher` or `--better lower`"
     );
     let said_so = RankingRequest { better: Some(Better::Lower), ..request("stray") };
     assert!(rank(std::slice::from_ref(&a), &said_so).is_ok());

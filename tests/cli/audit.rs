@@ -154,7 +154,7 @@ fn recordings_before_format_3_are_audited_without_limits() {
         timeline.setting.rules.fire = None;
     });
     let answer = story.tell(&["audit", "out/recordings"]).expect_code(0);
-    assert!(answer.stdout.contains("do not say how fast"), "{}", answer.stdout);
+    assert!(answer.stdout.contains("lack speed limits"), "{}", answer.stdout);
     assert!(widest(&answer.stdout) <= 80, "{}", answer.stdout);
 }
 
@@ -191,7 +191,7 @@ fn damaged_and_newer_recordings_do_not_stop_the_others() {
     story.tell(&["audit", "out"]).expect_code(2).expect_complaint(&["written by a newer wildfire: format 99"]);
     damage(&story, "out/recordings/seed-3.wildfire", let_it_jump);
     let answer = story.tell(&["audit", "out"]).expect_code(4).expect_complaint(&["format 99"]);
-    assert!(answer.stdout.contains("Violations: 1 of 2 runs"), "a violation weighs more: {}", answer.stdout);
+    assert!(answer.stdout.contains("Violations: in 1 of 2 runs"), "a violation weighs more: {}", answer.stdout);
 }
 
 #[test]

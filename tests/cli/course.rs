@@ -309,7 +309,7 @@ fn ranking_repeats_and_audits_runs_and_finds_rows_that_they_do_not_give() {
     story.tell(&["rank", "course"]).expect_code(0);
     let answer = story.tell(&["rank", "course", "--audit", "1"]).expect_code(4);
     assert!(
-        answer.stdout.contains("ben: 1 of 1 audited runs violate a rule or give another row: "),
+        answer.stdout.contains("ben: 1 of 1 audited runs violate a rule or give a different row: "),
         "{}",
         answer.stdout
     );

@@ -272,7 +272,7 @@ fn names_that_nobody_has_are_refused_with_the_place_and_the_nearest() {
         (error.to_string(), error.fault.advice().unwrap_or_default())
     };
     let (sentence, help) = refused(&["planner.rrt.command=[\"rrt\"]", "unimog.planner=rtt"]);
-    assert_eq!(sentence, "`unimog.planner` is `rtt`, but no planner of this name is known");
+    assert_eq!(sentence, "`unimog.planner` is `rtt`, and no planner of this name is known");
     assert!(help.starts_with("did you mean `rrt`?") && help.contains("[planner.NAME]"), "{help}");
     let (sentence, _) = refused(&["unimog.planner=RRT"]);
     assert!(sentence.contains("1 to 40 of `a-z 0-9 + - _ .`"), "{sentence}");

@@ -168,7 +168,7 @@ fn values_that_cannot_be_are_refused_where_they_stand() {
         ("\"field\": 7", "\"field\": [7]", 2, "expected a number or a string in quotes"),
         ("\"field\": 7", "\"field\": \"\"", 2, "`field` is \"\"; expected a line of 1 to 100 characters"),
         ("\"n\": 20", "\"n\": 1e9", 2, "`n` is 1000000000.0; expected a whole number from 0"),
-        ("\"n\": 20", "\"n\": 21", 1, "how many cells it has"),
+        ("\"n\": 20", "\"n\": 21", 1, "the map does not give its number of cells"),
         ("\"size_m\": 100, \"cell_m\": 5, \"n\": 20", "\"cell_m\": 2000, \"n\": 20", 2, "`cell_m` is 2000"),
         ("\"size_m\": 100, \"cell_m\": 5, \"n\": 20", "\"n\": 100000", 1, "more than 4096 cells along a side"),
     ] {

@@ -155,7 +155,7 @@ fn wrong_types_say_what_is_expected() {
     assert_refused(&format!("{wumpus}goal = 4"), "3:8", &["expected a string in quotes"]);
     let bare = "wumpus = []\nunimog = []\n";
     assert_refused(&format!("{bare}field = 3"), "3:9", &["`field` is 3; expected a table"]);
-    assert_refused(&format!("{bare}name = 3"), "3:8", &["`name` is 3; expected a text"]);
+    assert_refused(&format!("{bare}name = 3"), "3:8", &["`name` is 3; expected a string in quotes"]);
     assert_refused(&format!("{bare}[fire]\nrelight = 1"), "4:11", &["expected true or false"]);
     assert_refused(&format!("{bare}[fire]\nburn_out_s = true"), "4:14", &["a number or \"none\""]);
     assert_refused(&format!("{bare}[fire]\nburn_out_s = \"never\""), "4:14", &["\"never\"", "a number or \"none\""]);
@@ -307,7 +307,7 @@ fn faults_in_maps_are_placed_in_the_map() {
     let scenario = folder.write("case.toml", "wumpus = []\nunimog = []\n[field]\nmap = \"field.txt\"\n");
     for (map, at, words) in [
         ("", "1:1", "map is empty"),
-        ("...\n..\n", "2:1", "this row has 2 cells, 3 like the first row"),
+        ("...\n..\n", "2:1", "this row has 2 cells; expected 3 as in the first row"),
         ("...\n.a.\n", "2:2", "`a` is not a cell"),
         ("{\"n\": 3,\n \"cells_cr\": [[0, 3]]}", "2:21", "[0, 3] lies outside a field of 3 x 3 cells"),
         ("{\"n\": 3,\n \"cells_cr\": [[0, 3}", "2:20", "expected `,` or `]`"),
@@ -342,10 +342,10 @@ fn files_that_cannot_be_scenarios_are_refused() {
     let error = refused(&folder.write("latin.toml", b"# caf\xe9\n"), &[]);
     assert!(error.to_string().contains("byte 5 is not UTF-8"), "{error}");
     let error = refused(&folder.write("huge.toml", vec![b'#'; 350_001]), &[]);
-    assert!(error.to_string().contains("too large; at most 0.35 MB"), "{error}");
+    assert!(error.to_string().contains("too large; expected at most 0.35 MB"), "{error}");
     let map = folder.write("huge.txt", vec![b'#'; 32_000_001]);
     let error = refused("contest", &[&format!("field.map={map}")]);
-    assert!(error.to_string().contains("too large; at most 32 MB"), "{error}");
+    assert!(error.to_string().contains("too large; expected at most 32 MB"), "{error}");
 }
 
 #[test]

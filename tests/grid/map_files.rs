@@ -657,7 +657,7 @@ fn sound_images_of_a_kind_that_is_not_read_are_not_called_damaged() {
     let (grey, pixels) = (small_grey(), ROWS * COLS);
     let unread = |bytes: &[u8]| {
         let sentence = folder.objection(bytes);
-        let reason = sentence.strip_prefix("this kind of TIFF is not read: ").expect(&sentence).to_owned();
+        let reason = sentence.strip_prefix("this kind of TIFF is not supported: ").expect(&sentence).to_owned();
         assert!(reason.ends_with("; convert it, e.g. to PNG"), "{reason}");
         reason
     };
@@ -703,7 +703,7 @@ fn what_is_no_map_file_is_refused_in_words() {
         )
     );
     let boxed = |brands: &[u8]| [&(16 + brands.len() as u32).to_be_bytes(), b"ftyp", brands, b"\0\0\0\0mdat"].concat();
-    let saved = "which a program for images can save as PNG";
+    let saved = "which an image editor can save as PNG";
     for (brands, kind) in [
         (&b"heic\0\0\0\0mif1heic"[..], format!("a HEIC image, {saved}")),
         (b"mif1\0\0\0\0mif1avif", format!("an AVIF image, {saved}")),

@@ -265,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn arrivals_from_what_is_extinguished_are_void_and_planned_anew_from_what_still_burns() {
+    fn arrivals_from_what_is_extinguished_are_void_and_planned_again_from_what_still_burns() {
         // The front stands in column 3 at 30 s and would reach column 4 at 40 s.
         let alone = burn(vec![(0.0, Act::Light(cell(0))), (35.0, Act::Extinguish(cell(3)))]);
         assert_eq!(alone, [Some(0.0), Some(10.0), Some(20.0), Some(30.0), None, None, None, None, None]);

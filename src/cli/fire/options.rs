@@ -209,7 +209,7 @@ mod tests {
             ("0:5@400", "expected SECONDS"),
             ("0:5@0,6@0", "expected SECONDS"),
             ("1:5@0", "first wind at 0"),
-            ("0:5@0,60:5@0,60:5@0", "rising seconds"),
+            ("0:5@0,60:5@0,60:5@0", "increasing seconds"),
         ] {
             let said = wind_steps(wrong).expect_err(wrong);
             assert!(said.contains(words), "{wrong}: {said}");

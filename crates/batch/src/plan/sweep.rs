@@ -302,7 +302,8 @@ mod tests {
             assert!(!is_several(text), "{text}");
         }
         assert!(is_several("1..2:1"));
-        for (text, part) in [("2..1:1", "nowhere"), ("1..2:0", "nowhere"), ("0..1:0.00001", "100001 values")] {
+        for (text, part) in [("2..1:1", "step above 0"), ("1..2:0", "step above 0"), ("0..1:0.00001", "100001 values")]
+        {
             let refusal = Sweep::parse("a", text).expect_err("no values").to_string();
             assert!(refusal.contains(part), "{refusal}");
         }

@@ -20,7 +20,16 @@ pub fn t_reach(degrees: f64) -> f64 {
 }
 
 /// Returns the number that Student's t exceeds with this probability, which is below a half.
+///
+/// With many degrees of freedom it is the beginning of a series in their reciprocal (Abramowitz, Stegun, "Handbook of
+/// mathematical functions", 1964, 26.7.5); the search of `statrs` may not end there.
 pub fn t_quantile_above(probability: f64, degrees: f64) -> f64 {
+    if degrees > 1e5 {
+        let z = Normal::standard().inverse_cdf(1.0 - probability);
+        let square = z * z;
+        let first = z * (square + 1.0) / (4.0 * degrees);
+        return z + first + z * (3.0 + square * (16.0 + square * 5.0)) / (96.0 * degrees * degrees);
+    }
     let t = students_t(degrees);
     let rough = t.inverse_cdf(1.0 - probability);
     // One step of Newton's method: with many degrees of freedom the quantile has six digits, its probability more.

@@ -212,7 +212,7 @@ impl Front {
                 return Some((time, self.cells.cell(index)));
             }
             self.queue.pop();
-            self.plan_anew(index);
+            self.plan_again(index);
         }
     }
 
@@ -274,7 +274,7 @@ impl Front {
             let reached: Vec<usize> =
                 self.cells.around(cell, REACH).filter(|&near| !self.cells.has_burned(near)).collect();
             for near in reached {
-                self.plan_anew(near);
+                self.plan_again(near);
             }
             return;
         }
@@ -312,7 +312,7 @@ impl Front {
         self.mark_stale_around(cell);
         // It may have a plan now where it had none, or be one that was just due.
         self.cells.state[index] &= !DUE;
-        self.plan_anew(index);
+        self.plan_again(index);
     }
 
     /// Marks the plans that ways over a cell may be part of. All of them can only become later.
@@ -527,7 +527,7 @@ impl Front {
     }
 
     /// Makes the best plan of a cell that does not burn from all that has burned around it.
-    fn plan_anew(&mut self, to: usize) {
+    fn plan_again(&mut self, to: usize) {
         let (time, way) = self.best_plan(to);
         self.cells.state[to] &= !STALE;
         // Its place in the queue may be gone even where the time is the same.

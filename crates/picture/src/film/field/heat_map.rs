@@ -257,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn a_drawing_that_is_brought_up_to_date_is_one_drawn_anew() {
+    fn a_drawing_that_is_brought_up_to_date_is_one_drawn_again() {
         let mut rng = rng::stream(2, "picture/heat_map/redraw");
         let run = run(150, &mut rng);
         for camera in cameras() {
