@@ -338,7 +338,7 @@ fn what_is_no_batch_or_no_metric_is_refused() {
     assert!(refusal(&[&a], &free).contains("`*` would free everything"));
     let mut twice = runs("prm-rs", 1..=5, |seed| Some(noise(seed)));
     twice.push(twice[0].clone());
-    assert!(refusal(&[&scratch.batch("twice", &twice)], &usual).contains("seed 1 is there twice"));
+    assert!(refusal(&[&scratch.batch("twice", &twice)], &usual).contains("seed 1 occurs twice"));
     let many = (0..101).fold(format!("{HEADER}\n"), |mut text, entry| {
         let row = Run::new("prm-rs", 1, Some(3)).row(1).replace("prm-rs", &format!("p{entry}"));
         write!(text, "{row}").expect("a string takes any text");

@@ -311,7 +311,7 @@ fn faults_in_maps_are_placed_in_the_map() {
         ("...\n.a.\n", "2:2", "`a` is not a cell"),
         ("{\"n\": 3,\n \"cells_cr\": [[0, 3]]}", "2:21", "[0, 3] lies outside a field of 3 x 3 cells"),
         ("{\"n\": 3,\n \"cells_cr\": [[0, 3}", "2:20", "expected `,` or `]`"),
-        ("{\"n\": 5000, \"cells_cr\": []}", "1:1", "at most 4096 are expected"),
+        ("{\"n\": 5000, \"cells_cr\": []}", "1:1", "expected at most 4096"),
     ] {
         let file = folder.write("field.txt", map);
         let error = refused(&scenario, &[]);

@@ -662,10 +662,10 @@ fn sound_images_of_a_kind_that_is_not_read_are_not_called_damaged() {
         reason
     };
     let palette = tiff(8, 1, 3, &[(320, 8)], grey.values());
-    assert!(unread(&palette).starts_with("its colours come from a palette,"));
+    assert!(unread(&palette).starts_with("its colours come from a palette;"));
     let floats = tiff(32, 1, 1, &[(339, 3)], &vec![0; 4 * pixels]);
-    assert!(unread(&floats).starts_with("its samples are floats, or may be negative,"));
-    assert!(unread(&tiff(32, 1, 1, &[], &vec![0; 4 * pixels])).starts_with("its samples have 32 bits,"));
+    assert!(unread(&floats).starts_with("its samples are floats, or may be negative;"));
+    assert!(unread(&tiff(32, 1, 1, &[], &vec![0; 4 * pixels])).starts_with("its samples have 32 bits;"));
 }
 
 #[test]

@@ -116,7 +116,7 @@ mod tests {
         let error = twice.expect_err("two rows of one time");
         assert_eq!(
             error.to_string(),
-            "row 3 begins at 5.000 s, expected a time after 5.000 s, the time of the \
+            "row 3 begins at 5.000 s; expected a time after 5.000 s, the time of the \
             previous row"
         );
     }

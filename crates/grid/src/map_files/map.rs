@@ -288,7 +288,7 @@ mod tests {
         let near = doubts(&dark, Reading { tolerance: Tolerance::Auto, inverted: false });
         assert!(near.contains("they may be obstacles, or none.") && !near.contains("auto"), "{near}");
         let negative = [(80, 0), (20, 255)];
-        assert!(doubts(&negative, 50).contains("--invert takes what is light"));
+        assert!(doubts(&negative, 50).contains("--invert takes light pixels"));
         let inverted = doubts(&[(80, 255), (20, 0)], Reading { inverted: true, ..Reading::default() });
         assert_eq!(inverted, "80.0 % of the cells are occupied: --invert took light pixels as obstacles.");
     }

@@ -321,7 +321,7 @@ mod tests {
 
     #[test]
     fn values_are_listed_with_what_their_words_mean_and_defaults_are_marked() {
-        let rules = ["spread_delay_s=9.0,", "spread_from=\"lit\": Only what a Wumpus", "62 tetrominoes."];
+        let rules = ["spread_delay_s=9.0,", "spread_from=\"lit\": Only cells lit by a Wumpus", "62 tetrominoes."];
         assert_explained("original-2024", &[], &rules, &[]);
         assert_explained("contest", &[], &["All 121 values are set. Field of seed"], &["*,"]);
         let left = ["dwell_s=5.0*", "prm_rs.max_edge_m=40.0*", "prm_rs.neighbours=7,"];

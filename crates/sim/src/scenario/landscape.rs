@@ -248,7 +248,7 @@ mod tests {
                 "`fire.rothermel.ground` cannot be combined with `fire.rothermel.fuel_map`",
             ),
             ("fuel_map = \"fuel.asc\"\n[field]\nsize_m = 250", "`field.size_m` cannot be combined with"),
-            ("slope = \"hole.asc\"", "`fire.rothermel.slope` needs `fire.rothermel.aspect`"),
+            ("slope = \"hole.asc\"", "`fire.rothermel.slope` also needs `fire.rothermel.aspect`"),
             ("[landscape]\ngiven = 1", "unknown field `given`"),
             ("[landscape]\nblocks = [\"none\"]", "`landscape.blocks.0` is \"none\"; expected the code"),
             ("[landscape]\nlegend = { red = \"GR2\" }", "a colour as \"#RRGGBB\""),

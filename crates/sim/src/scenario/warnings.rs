@@ -93,7 +93,7 @@ fn warn_of_rules(scenario: &Scenario, found: &mut Vec<String>) {
 fn warn_of_ignitions(scenario: &Scenario, terrain: Option<&Terrain>, found: &mut Vec<String>) {
     let late = scenario.ignition.iter().filter(|ignition| ignition.at_s > scenario.duration_s).count();
     if late > 0 {
-        found.push(format!("{late} ignitions come after the end of the run."));
+        found.push(format!("Ignitions after the end of the run: {late}."));
     }
     let (Some(terrain), Some(_)) = (terrain, &scenario.field.given) else { return };
     let named = scenario.ignition.iter().filter_map(|ignition| match &ignition.cells {
@@ -102,7 +102,7 @@ fn warn_of_ignitions(scenario: &Scenario, terrain: Option<&Terrain>, found: &mut
     });
     let bare = named.flatten().filter(|cell| !terrain.occupied[(cell.row.into(), cell.col.into())]).count();
     if bare > 0 {
-        found.push(format!("{bare} cells named by an ignition are not bushes of the map."));
+        found.push(format!("Cells of ignitions that are not bushes of the map: {bare}."));
     }
 }
 
@@ -126,13 +126,13 @@ mod tests {
             ("contest", vec!["fire.burn_out_s=10"], "burns out after 10 s, before it would spread at 10 s"),
             ("contest", vec!["fire.spread_radius_m=4.9"], "no two cells are within 4.9 m"),
             ("contest", vec!["wumpus=[]"], "Nothing ever burns"),
-            ("unimog-alone", vec!["duration_s=3400"], "1 of the ignitions come after"),
+            ("unimog-alone", vec!["duration_s=3400"], "Ignitions after the end of the run: 1."),
             ("fleet", vec!["unimog.start.x_m=100", "unimog.start.y_m=100"], "Trucks 0 and 1 start on top"),
-            ("report-2024", vec!["unimog.prm.clearance_m=1"], "keeps 1 m clear"),
+            ("report-2024", vec!["unimog.prm.clearance_m=1"], "has a clearance of 1 m"),
             (
                 "contest",
                 vec!["wumpus.planner=wavefront", "wumpus.heuristic_weight=2"],
-                "The `heuristic` and `heuristic_weight` of Wumpus 0 do nothing",
+                "The `heuristic` and `heuristic_weight` of Wumpus 0 have no effect",
             ),
             ("report-2024", vec!["unimog.hybrid.step_m=2"], "The `hybrid` of truck 0 has no effect"),
             (
@@ -145,7 +145,7 @@ mod tests {
             (
                 "report-2024",
                 vec!["field.size_m=2500", "unimog.prm.samples=500"],
-                "truck 0 is hardly connected: 500 milestones in 499 components. They are some 112 m apart",
+                "truck 0 is hardly connected: 500 milestones in 499 components. They are about 112 m apart",
             ),
             (
                 "report-2024",
@@ -183,7 +183,7 @@ mod tests {
         let of = |scenario: &Scenario| warnings(scenario, Terrain::from_scenario(scenario, 1).ok().as_ref()).join("\n");
         let found = of(&scenario);
         assert!(found.contains("moved to the nearest free place: truck 0."), "{found}");
-        assert!(found.contains("1 of the cells that an ignition names are no bushes"), "{found}");
+        assert!(found.contains("Cells of ignitions that are not bushes of the map: 1."), "{found}");
         scenario.wumpus[0].start_m = [18.6, 2.5];
         assert!(of(&scenario).contains("truck 0, Wumpus 0"));
     }

@@ -223,11 +223,11 @@ fn faults_in_grids_are_told_with_their_place() {
         (grid("xllcorner west", ""), "line 3: `xllcorner` is `west`, expected a number"),
         (grid("cellsise 5", ""), "line 3: found `cellsise`, expected one of ncols"),
         (grid("xllcorner 0 yllcorner 0 dx 5 dy 6", "1"), "cells of 5 by 6 are not square"),
-        (grid("xllcorner 0 yllcorner 0 cellsize -5", "1"), "a cell of -5 is no cell"),
+        (grid("xllcorner 0 yllcorner 0 cellsize -5", "1"), "the cell size is -5"),
         ("ncols 2.5\nnrows 2\n".into(), "`nrows` is"),
         ("ncols 40000\nnrows 25000\nxllcorner 0\nyllcorner 0\ncellsize 5\n1".into(), "25000 rows and 40000 columns"),
         ("ncols 8000\nnrows 8000\nxllcorner 0\nyllcorner 0\ncellsize 5\n1".into(), "the file ends"),
-        ("hello".into(), "this is no raster"),
+        ("hello".into(), "this is not a supported raster"),
         (String::new(), "the file is empty"),
     ] {
         let found = fault(text.clone());
@@ -266,7 +266,7 @@ fn samples_of_all_usual_kinds_are_read() {
         assert_eq!((raster.west_m, raster.south_m, raster.cell_m), (5.0, -13.0, 10.0));
     }
     assert!(fault(written::<colortype::RGB8>(&[0; 12])).contains("it has 3 bands, expected one"));
-    assert!(fault(written::<colortype::Gray64>(&[0; 4])).contains("have 64 bits"));
+    assert!(fault(written::<colortype::Gray64>(&[0; 4])).contains("64-bit integers"));
 }
 
 #[test]
@@ -294,7 +294,7 @@ fn strips_packed_by_lzw_are_read_without_an_end_code_and_by_zstandard() {
         assert_eq!(read(cols).expect("all its values are there").values, values);
         assert_eq!(read(3).expect("it may go on").values, values[..3]);
         let found = read(cols + 1).expect_err("one is missing").to_string();
-        assert!(found.contains("row 0, column 0: its packed cells end early"), "{found}");
+        assert!(found.contains("row 0, column 0: its compressed cells end early"), "{found}");
     }
     // A frame of one block of two bytes as they are.
     let frame = [0x28, 0xB5, 0x2F, 0xFD, 0x20, 2, 0x11, 0, 0, 8, 9];
@@ -302,7 +302,7 @@ fn strips_packed_by_lzw_are_read_without_an_end_code_and_by_zstandard() {
     let found = fault(packed(2, 50_000, &frame[..9]).placed().bytes(&frame[..9]));
     assert!(found.contains("row 0, column 0"), "{found}");
     let found = fault(packed(2, 34_925, &frame).placed().bytes(&frame));
-    assert!(found.contains("packed by LZMA") && found.contains("-co COMPRESS=DEFLATE in.tif out.tif"), "{found}");
+    assert!(found.contains("compressed by LZMA") && found.contains("-co COMPRESS=DEFLATE in.tif out.tif"), "{found}");
 }
 
 #[test]
@@ -340,14 +340,14 @@ fn images_that_are_no_map_in_metres_are_refused_with_the_reason() {
     let mut skewed = matrix;
     skewed[1] = 0.5;
     for (image, expected) in [
-        (image().double(33_550, &[10.0, -10.0, 0.0]).double(33_922, &[0.0; 6]), "by a scale below 0"),
+        (image().double(33_550, &[10.0, -10.0, 0.0]).double(33_922, &[0.0; 6]), "its scale is below 0"),
         (image().placed().short(34_735, &keys(1024, 2)), "measured in degrees"),
         (image().placed().short(34_735, &keys(3076, 9003)), "not measured in metres but in unit 9003"),
-        (image(), "does not say where its cells are"),
+        (image(), "does not give the position of its cells"),
         (image().double(34_264, &turned), "cells of 10 by 9 are not square"),
         (image().double(34_264, &skewed), "do not run from west to east"),
-        (image().double(33_550, &[f64::NAN; 3]).double(33_922, &[0.0; 6]), "is no cell"),
-        (image().double(33_550, &[1.0; 3]).double(33_922, &[1e300; 6]), "no place in metres"),
+        (image().double(33_550, &[f64::NAN; 3]).double(33_922, &[0.0; 6]), "the cell size is NaN"),
+        (image().double(33_550, &[1.0; 3]).double(33_922, &[1e300; 6]), "not a position in metres"),
         (image().placed().short(42_113, &[7]), "damaged"),
     ] {
         let found = fault(image.bytes(&[8, 9]));
@@ -372,7 +372,7 @@ fn absurd_sizes_are_refused_before_memory_is_taken() {
         (image(u32::MAX, u32::MAX, Some([1, 1]), 1), "rows and"),
         (image(8000, 8000, None, 8000), "bytes cannot hold"),
         (image(60, 60, None, u32::MAX), "damaged"),
-        (image(60, 60, None, 0), "in numbers that none has"),
+        (image(60, 60, None, 0), "an unknown layout"),
         (image(1, 1, Some([u32::MAX, u32::MAX]), 1), "side of its tiles"),
         (image(1, 1, Some([16_384, 16_384]), 1), "are too large"),
         (image(0, 5, None, 1), "5 rows and 0 columns"),
