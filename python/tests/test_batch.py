@@ -101,7 +101,7 @@ def test_the_same_call_goes_on_where_a_batch_was_stopped(tmp_path: pathlib.Path,
     whole = wf.batch("smoke", "1..6", planner="mine", planners={"mine": first_curve})
     assert outcomes(resumed.runs) == outcomes(whole.runs)
     assert resumed.folder == out and wf.batch("smoke", planners={"mine": first_curve}, **arguments).runs == resumed.runs
-    with pytest.raises(wf.WildfireError, match="is another plan"):
+    with pytest.raises(wf.WildfireError, match="differs from the requested plan"):
         wf.batch("smoke", planners={"mine": first_curve}, **(arguments | {"seeds": "1..7"}))
 
 

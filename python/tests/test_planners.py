@@ -210,7 +210,7 @@ def test_programs_are_started_where_they_are_trusted(tmp_path: pathlib.Path) -> 
     program.write_text(SILENT)
     command = [sys.executable, str(program)]
     named = wf.scenario("smoke", BRIEF | {"unimog.planner": "mine", "planner.mine.command": command})
-    with pytest.raises(wf.WildfireError, match="no program that may be started"):
+    with pytest.raises(wf.WildfireError, match="nor a program that may be started"):
         wf.run(named, 1)
     assert set(failures(wf.run(named, 1, trust=True))) == {"disconnected"}
     assert wf.batch(named, 1, trust=True).runs["truck_failed_disconnected"][0] > 0

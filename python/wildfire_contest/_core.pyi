@@ -333,6 +333,8 @@ def compare(
     by: str | tuple[str, Sequence[str]] | None = None,
     where: Sequence[tuple[str, str]] | None = None,
     metric: str | Sequence[str] | None = None,
+    power: float | str | None = None,
+    equivalent: float | str | None = None,
 ) -> Columns: ...
 def audit(
     what: Run | Batch | _PathLike | Sequence[Run | Batch | _PathLike],
