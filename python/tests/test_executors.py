@@ -114,7 +114,7 @@ def test_what_does_not_go_together_is_refused(tmp_path: pathlib.Path) -> None:
     wf.batch("smoke", "1..6", executor=here, shards=3, out=tmp_path / "batch")
     with pytest.raises(wf.WildfireError, match="differs from the requested plan"):
         wf.batch("smoke", "1..7", executor=here, shards=3, out=tmp_path / "batch")
-    with pytest.raises(wf.WildfireError, match="does not go with"):
+    with pytest.raises(wf.WildfireError, match="does not fit"):
         wf.batch("smoke", "1..6", executor=here, shards=2, out=tmp_path / "batch")
     with pytest.raises(wf.WildfireError, match="holds slice"):
         wf.batch("smoke", "1..6", out=tmp_path / "batch")
@@ -127,6 +127,6 @@ def test_a_worker_with_other_code_is_refused(tmp_path: pathlib.Path) -> None:
             return super().submit(fn, folder, number, of, ({"mine": Mortal}, *others))
 
     arguments: dict[str, Any] = {"planner": "mine", "planners": {"mine": FirstCurve}, "executor": Other({}), "shards": 2}
-    with pytest.raises(wf.WildfireError, match=r"shard 1 of 2: .* differs from the requested plan .*version="):
+    with pytest.raises(wf.WildfireError, match=r"shard 1 of 2: .* differs from the requested plan: .*version="):
         wf.batch("smoke", "1..2", **arguments)
     assert len(wf.batch("smoke", "1..2", version="1", **arguments)) == 2
