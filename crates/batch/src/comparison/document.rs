@@ -249,7 +249,7 @@ fn power(against: &AgainstA, comparison: &Comparison) -> Option<Table> {
     Some(Table::new(&headings, against.judged.iter().map(row).collect()).with_caption(&caption))
 }
 
-/// The tests whether the sides are equal but for a margin.
+/// Tests of whether the sides are equal within a margin.
 fn equivalence(against: &AgainstA, comparison: &Comparison) -> Option<Table> {
     comparison.questions.equivalent.as_ref()?;
     let row = |judged: &JudgedContrast| {

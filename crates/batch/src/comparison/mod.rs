@@ -17,7 +17,7 @@
 //!
 //! Pairs in which a run failed are left out, and counted.
 //!
-//! A comparison can also be asked how many seeds a difference needs, and whether sides are equal but for a margin, see
+//! A comparison also answers how many seeds a difference needs, and whether sides are equal within a margin, see
 //! [`Questions`].
 
 mod contrast;

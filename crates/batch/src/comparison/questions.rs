@@ -1,4 +1,4 @@
-//! What else a comparison can be asked: how many seeds a difference needs, and whether sides are equal but for a margin.
+//! Further questions of a comparison: how many seeds a difference needs, and whether sides are equal within a margin.
 //!
 //! Both are about the independent differences that the comparison itself is of, one for each seed, and both take
 //! Student's t for all metrics: see [`crate::stats::paired_power`] and [`Equivalence`]. For answers yes or no, whose
@@ -84,7 +84,7 @@ pub struct Questions {
     pub equivalent: Option<Amount>,
 }
 
-/// How well a number of seeds detects a difference, by the paired t-test, two-sided at 5 %.
+/// The power of a number of seeds to detect a difference, by the paired t-test, two-sided at 5 %.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerAnswer {
     /// The difference, in the unit of the metric.

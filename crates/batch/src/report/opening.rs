@@ -31,7 +31,7 @@ fn of_one(variant: &VariantReport) -> String {
     let burned = || burned_area(variant);
     let trucks = tally.trucks_name();
     let words = match (won, saved) {
-        // Whoever saves and won is named once.
+        // A winner that also saves bushes is named once.
         (Some(Won::Trucks(won)), Some(saved)) => format!("{won} and saved {saved}"),
         (Some(won), Some(saved)) => format!("{}; {trucks} saved {saved}", won.words()),
         (Some(won), None) => format!("{}{}", won.words(), burned().map_or(String::new(), |area| format!("; {area}"))),

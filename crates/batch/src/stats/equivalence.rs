@@ -1,4 +1,4 @@
-//! Whether a mean is zero but for a margin.
+//! Tests of equivalence: whether a mean lies within a margin around zero.
 
 use crate::stats::Interval;
 use crate::stats::distributions::{t_above, t_quantile_above};

@@ -1,6 +1,6 @@
 //! What pairwise tests say of a whole list: ranks that are possible, and groups that cannot be significantly different.
 //!
-//! Possible ranks: whoever is significantly different from `b` better entries and `w` worse ones among `n` has a rank from `b + 1` to
+//! Possible ranks: an entry that differs significantly from `b` better and `w` worse of `n` entries has a rank from `b + 1` to
 //! `n - w`. If all pairs are tested together so that no true equality is denied with 95 % probability, all these ranges
 //! hold the true ranks with that probability (Mogstad, Romano, Shaikh, Wilhelm, "Inference for ranks with applications to
 //! mobility across neighbourhoods and academic achievement across countries", Review of Economic Studies 91, 2024).
