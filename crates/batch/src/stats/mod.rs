@@ -1,8 +1,8 @@
 //! Estimators with their uncertainty, and tests of differences, for numbers that go into papers.
 //!
 //! Everything here is a plain function of numbers that are finite; units are the caller's. Except in tests of equivalence,
-//! every interval is a 95 % confidence interval and every p-value is two-sided. Methods were chosen by the coverage that `cargo bench --bench
-//! coverage` measures, on normal and on skewed data.
+//! every interval is a 95 % confidence interval and every p-value is two-sided. Methods were chosen by the coverage that
+//! `cargo bench --bench coverage` measures, on normal and on skewed data.
 //!
 //! | of | value | interval | test |
 //! |---|---|---|---|

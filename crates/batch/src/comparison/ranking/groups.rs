@@ -1,9 +1,11 @@
-//! What pairwise tests say of a whole list: ranks that are possible, and groups that cannot be significantly different.
+//! The results of pairwise tests for a whole list: possible ranks, and groups of entries without significant
+//! differences.
 //!
-//! Possible ranks: an entry that differs significantly from `b` better and `w` worse of `n` entries has a rank from `b + 1` to
-//! `n - w`. If all pairs are tested together so that no true equality is denied with 95 % probability, all these ranges
-//! hold the true ranks with that probability (Mogstad, Romano, Shaikh, Wilhelm, "Inference for ranks with applications to
-//! mobility across neighbourhoods and academic achievement across countries", Review of Economic Studies 91, 2024).
+//! Possible ranks: an entry that differs significantly from `b` better and `w` worse of `n` entries has a rank from
+//! `b + 1` to `n - w`. If all pairs are tested together so that no true equality is denied with 95 % probability, all
+//! these ranges hold the true ranks with that probability (Mogstad, Romano, Shaikh, Wilhelm, "Inference for ranks with
+//! applications to mobility across neighbourhoods and academic achievement across countries", Review of Economic
+//! Studies 91, 2024).
 //!
 //! Groups: the compact letter display of Piepho ("An algorithm for a letter-based representation of all-pairwise
 //! comparisons", Journal of Computational and Graphical Statistics 13, 2004), by inserting and absorbing. Two entries
@@ -27,7 +29,8 @@ pub struct ToldApart {
 }
 
 impl ToldApart {
-    /// Takes the pairs that are significantly different, of entries with numbers below `count`, which is at most [`MAX_ENTRIES`].
+    /// Takes the pairs that are significantly different, of entries with numbers below `count`, which is at most
+    /// [`MAX_ENTRIES`].
     pub fn new(count: usize, pairs: impl IntoIterator<Item = (usize, usize)>) -> Self {
         let mut from = vec![0; count];
         for (one, other) in pairs {
