@@ -1,16 +1,18 @@
 //! Differences, one below the other: each with its interval, beside a line at zero.
 
 use crate::charts::drawing::Drawing;
-use crate::charts::sheet::{AxisScale, LABEL, Plot, SheetLayout, Swatch, fitted, rule, width_of};
+use crate::charts::sheet::{AxisScale, LABEL, Plot, SheetLayout, Swatch, fitted, lines, rule, width_of};
 use crate::charts::style::STYLES;
 use crate::charts::{ChartRow, Estimate, Titles};
 use crate::colours::{INK, PAPER};
 use crate::text::Align;
 
 const ROW: f32 = 30.0;
-/// The most room for words at a side, in shares of the width of the sheet.
+/// The most room for names, and for names and words together, in shares of the width of the sheet.
 const WIDEST_NAME: f32 = 0.32;
-const WIDEST_WORDS: f32 = 0.31;
+const WIDEST_TEXT: f32 = 0.63;
+/// From one line of a text in two lines to the other.
+const LINE: f32 = 12.0;
 /// The room between the plot and the words at its sides.
 const GAP: f32 = 12.0;
 /// Half of the side of a mark, and the reach of the ends of an interval.
@@ -46,9 +48,11 @@ impl ForestChart {
 
     pub fn draw(&self, width: f32) -> Drawing {
         let widest = |text: fn(&ForestRow) -> &str, most: f32| {
-            self.rows.iter().map(|row| width_of(text(row), LABEL)).fold(0.0, f32::max).min(most * width) + GAP
+            self.rows.iter().map(|row| width_of(text(row), LABEL)).fold(0.0, f32::max).min(most)
         };
-        let (left, right) = (widest(|row| &row.name, WIDEST_NAME), widest(|row| &row.words, WIDEST_WORDS));
+        let of_names = widest(|row| &row.name, WIDEST_NAME * width);
+        let of_words = widest(|row| &row.words, WIDEST_TEXT * width - of_names);
+        let (left, right) = (of_names + GAP, of_words + GAP);
         let height = ROW * self.rows.len().max(1) as f32;
         let layout =
             SheetLayout { titles: &self.titles, swatch: Swatch::Bar, key: Vec::new(), width, left, right, height };
@@ -63,18 +67,29 @@ impl ForestChart {
             if index > 0 {
                 rule(&mut drawing, &plot, middle - 0.5 * ROW);
             }
-            draw_row(&mut drawing, &plot, scale, (middle, width), row);
+            draw_text(&mut drawing, &row.name, of_names, (plot.left - GAP, middle), Align::Right);
+            draw_text(&mut drawing, &row.words, of_words, (plot.right + GAP, middle), Align::Left);
+            draw_difference(&mut drawing, &plot, scale, middle, row);
         }
         plot.draw_base(&mut drawing);
         drawing
     }
 }
 
-/// Draws a row about a height, on a sheet of this width.
-fn draw_row(drawing: &mut Drawing, plot: &Plot, scale: AxisScale, (middle, width): (f32, f32), row: &ForestRow) {
+/// Draws a text about a height, in two lines where one is too short; what two lines do not hold is cut.
+fn draw_text(drawing: &mut Drawing, text: &str, room: f32, (x, middle): (f32, f32), align: Align) {
+    let first = lines(text, room, LABEL).swap_remove(0);
+    let rest = text.strip_prefix(first.as_str()).unwrap_or_default().trim_start();
+    let from_middle = if rest.is_empty() { 0.0 } else { 0.5 * LINE };
     let base = middle + 0.5 * LABEL;
-    drawing.text(&fitted(&row.name, WIDEST_NAME * width, LABEL), (plot.left - GAP, base), Align::Right, LABEL, INK);
-    drawing.text(&fitted(&row.words, WIDEST_WORDS * width, LABEL), (plot.right + GAP, base), Align::Left, LABEL, INK);
+    drawing.text(&first, (x, base - from_middle), align, LABEL, INK);
+    if !rest.is_empty() {
+        drawing.text(&fitted(rest, room, LABEL), (x, base + from_middle), align, LABEL, INK);
+    }
+}
+
+/// Draws the difference of a row about a height, with its interval.
+fn draw_difference(drawing: &mut Drawing, plot: &Plot, scale: AxisScale, middle: f32, row: &ForestRow) {
     let Some(Estimate { value, interval }) = row.difference else { return };
     let colour = STYLES[0].colour;
     if let Some((low, high)) = interval {
@@ -137,5 +152,20 @@ mod tests {
             DrawingMark::Line { points, .. } => points.iter().all(|&(x, _)| (0.0..=SCREEN_WIDTH).contains(&x)),
             _ => true,
         }));
+    }
+
+    #[test]
+    fn texts_are_whole_on_narrow_sheets() {
+        for name in ["prm-rs", "a planner with a long name"] {
+            let row = ForestRow {
+                name: name.into(),
+                difference: Some(Estimate { value: -0.68, interval: Some((-1.46, 0.11)) }),
+                words: "-0.68 (-1.46 to 0.11)".into(),
+                is_told_apart: false,
+            };
+            let drawing = ForestChart { titles: Titles::default(), rows: vec![row] }.draw(340.0);
+            let texts = drawing.texts().collect::<Vec<_>>().join(" ");
+            assert!(texts.contains(name) && texts.contains("-0.68 (-1.46 to 0.11)"), "{texts}");
+        }
     }
 }
