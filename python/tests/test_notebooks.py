@@ -19,5 +19,5 @@ def test_notebook_runs(notebook: pathlib.Path) -> None:
             exec(compile("".join(cell["source"]), f"{notebook.name}, cell {number}", "exec"), names)
 
 
-def test_both_notebooks_are_there() -> None:
-    assert [path.stem for path in NOTEBOOKS] == ["my-planner-against-prm-rs", "what-a-batch-says"]
+def test_all_notebooks_are_there() -> None:
+    assert [path.stem for path in NOTEBOOKS] == ["analyse-a-batch", "from-a-question-to-a-figure", "my-planner-against-prm-rs"]
