@@ -19,7 +19,7 @@ fn expect_no_start(script: &str, settings: &str, words: &[&str]) {
 /// Expects that a query fails in this way, that the message has these words, and that the next query is answered by a
 /// program that was started again.
 fn expect_failure(first: &str, settings: &str, failure: PlanFailure, words: &[&str]) {
-    // Whoever finds the file has been started again.
+    // A program that finds the file has been started again.
     let body = format!("if [ -e begun ]; then {AHEAD}; else : > begun\n{first}\nfi");
     let stage = Stage::new(&script(&body), settings);
     let mut planner = stage.planner().expect("it starts");

@@ -53,7 +53,8 @@ const fn pruned() -> [[u8; 256]; NO_MOVE + 1] {
     table
 }
 
-/// Says whether a move is cheaper than every two that lead to the same place, by more than sums of costs are rounded.
+/// Returns whether a move is cheaper than every two that lead to the same place, by more than sums of costs are
+/// rounded.
 fn can_prune((orthogonal, diagonal): (f64, f64)) -> bool {
     orthogonal > 0.0 && diagonal > 0.1 * orthogonal && diagonal < 1.9 * orthogonal
 }
@@ -137,7 +138,7 @@ pub struct AStar {
 }
 
 impl AStar {
-    /// Makes a search over lattices of `points` points.
+    /// Creates a search over lattices of `points` points.
     ///
     /// # Panics
     /// If their numbers do not fit into 32 bits.
@@ -145,7 +146,7 @@ impl AStar {
         Self { pages: Pages::new(points), open: LayeredQueue::default(), settled: Vec::new() }
     }
 
-    /// A cheapest path from `start` to any point that `is_goal`.
+    /// Returns a cheapest path from `start` to any point that `is_goal`.
     ///
     /// `moves` holds a mask of [`MOVES`] for every point. `estimate(point, parent)` is added to the cost so far for the
     /// order of expansion.
@@ -203,14 +204,14 @@ impl AStar {
         LatticePath { path: None, expansions }
     }
 
-    /// The points that the last search settled, in order, each after the one it was reached from; the start after
+    /// Iterates over the points that the last search settled, in order, each after its predecessor; the start after
     /// itself.
     pub fn settled(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
         self.settled.iter().map(|&index| [self.pages.node(index as usize).parent as usize, index as usize])
     }
 
-    /// The points that the last search gave a cost, page by page, each after the one that its cheapest way comes from; the
-    /// start after itself.
+    /// Iterates over the points that the last search gave a cost, page by page, each after its predecessor on the
+    /// cheapest path; the start after itself.
     pub fn reached(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
         let pages = self.pages.used.iter().zip(&self.pages.pages);
         pages.flat_map(|(&place, page)| {

@@ -1,15 +1,15 @@
-//! The open list of a best-first search whose priorities never fall.
+//! The open list of a best-first search whose priorities never decrease.
 
-/// Width of a bucket.
+/// The width of a bucket.
 pub const WIDTH: f64 = 0.5;
 
 /// Buckets in use at one time.
 const RING: usize = 8;
 
-/// The most by which a priority may lie above the last one handed out.
+/// The greatest difference between a new priority and the last one taken.
 pub const REACH: f64 = WIDTH * (RING - 2) as f64;
 
-/// A priority queue that hands out the smallest first, of equals the latest.
+/// A priority queue that returns the smallest priority first and, among equals, the latest entry.
 ///
 /// A priority must be equal to the last one handed out, or at least [`WIDTH`] and at most [`REACH`] above it. Then
 /// entries can be put into buckets as they come, and a bucket sorted when its turn comes: what still joins it is
@@ -23,7 +23,7 @@ pub struct BucketQueue<T> {
 }
 
 impl<T> BucketQueue<T> {
-    /// Makes a queue with its first entry, whose priority is not negative.
+    /// Creates a queue with its first entry, whose priority is not negative.
     pub fn new(priority: f64, entry: T) -> Self {
         let mut queue = Self { buckets: Default::default(), turn: bucket(priority), len: 0 };
         queue.push(priority, entry);

@@ -1,4 +1,4 @@
-//! The cost map of two zones: high near obstacles, falling slowly in a safety zone, then fast to nothing.
+//! The cost map with two zones: high near obstacles, falling slowly in a safety zone, then fast to zero.
 //!
 //! Jenkins, "ME 5751 Module 2: Cost Map with Brush Fire Algorithm" (2022), section III.
 
@@ -9,24 +9,24 @@ use super::parameter::BadParameter;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoZones {
     pub form: Form,
-    /// Of an obstacle.
+    /// The cost of an obstacle.
     pub max_cost: f64,
-    /// At the inner edge of the safety zone, where the distance would be 0.
+    /// The cost at the inner edge of the safety zone, where the distance would be 0.
     pub safety_max: f64,
-    /// At its outer edge.
+    /// The cost at the outer edge of the safety zone.
     pub safety_min: f64,
     /// Width of the safety zone in cells, at least 1.
     pub safety_distance: u16,
-    /// Loss for each cell beyond.
+    /// The loss per cell beyond the safety zone.
     pub cost_rate: f64,
 }
 
-/// The place from which cost falls in the outer zone.
+/// The position from which the cost falls in the outer zone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// At the obstacle, as the report's formula has it: cost jumps at the edge of the safety zone.
+    /// At the obstacle, as in the report's formula: the cost jumps at the edge of the safety zone.
     Literal,
-    /// At the edge of the safety zone, as its text promises.
+    /// At the edge of the safety zone, as the report's text describes it.
     Continuous,
 }
 
@@ -70,7 +70,7 @@ impl TwoZones {
         )
     }
 
-    /// Cost at a distance from the nearest obstacle.
+    /// Returns the cost at a distance from the nearest obstacle.
     pub fn cost(&self, distance: u16) -> f64 {
         if distance == 0 {
             return self.max_cost;
@@ -87,7 +87,7 @@ impl TwoZones {
     }
 }
 
-/// Cost of every cell from a brushfire map with four neighbours.
+/// Computes the cost of every cell from a brushfire map with four neighbours.
 ///
 /// Obstacles hold 1 there; a map of zeros, which has no obstacle, costs 0 everywhere. The zones are taken as they are,
 /// see [`TwoZones::check`].

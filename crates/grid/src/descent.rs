@@ -1,4 +1,4 @@
-//! Gradient descent: from the start downhill, until the goal or a local minimum, and from there on by the wavefront.
+//! Gradient descent from the start to the goal or a local minimum, with the wavefront as an escape from there.
 
 use super::wavefront::{descend_wavefront, wavefront};
 use super::{BadPlace, Connectivity, CornerCutting, Grid, Place, Route, TieOrder, place};
@@ -6,14 +6,14 @@ use super::{BadPlace, Connectivity, CornerCutting, Grid, Place, Route, TieOrder,
 /// The end of a descent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Descent {
-    /// Cells from the start to the goal, both included.
+    /// The cells from the start to the goal, both included.
     Reached(Vec<Place>),
-    /// Cells from the start to a local minimum, both included: no neighbour is lower, and it is not the goal.
+    /// The cells from the start to a local minimum, both included: no neighbour is lower, and it is not the goal.
     Stuck(Vec<Place>),
     StartOccupied,
 }
 
-/// Walks to the lowest neighbour, ties by [`TieOrder::WestFirst`], as long as it is strictly lower.
+/// Descends to the lowest neighbour, ties by [`TieOrder::WestFirst`], as long as it is strictly lower.
 ///
 /// Occupied cells are not entered, whatever their potential. The descent ends, because the potential falls with every
 /// step. A goal outside or in an obstacle is an error, and so is a start outside.
@@ -49,22 +49,22 @@ pub fn descend(
     Ok(Descent::Reached(path))
 }
 
-/// A descent that the wavefront takes over where it is stuck.
+/// A descent that continues by the wavefront where it is stuck.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Escape {
     /// The descent reached the goal by itself: cells from the start to the goal.
     NotNeeded(Vec<Place>),
-    /// Cells from the start to a local minimum, and cells from there to the goal; both hold the minimum.
+    /// The cells from the start to a local minimum, and from there to the goal; both include the minimum.
     HandedOver {
         descent: Vec<Place>,
         wavefront: Vec<Place>,
     },
-    /// Cells from the start to a local minimum, from which no steps lead to the goal.
+    /// The cells from the start to a local minimum, from which no steps lead to the goal.
     Unreachable(Vec<Place>),
     StartOccupied,
 }
 
-/// Descends, and goes on from a local minimum with the fewest steps to the goal, ties by [`TieOrder::CrossFirst`].
+/// Descends, and continues from a local minimum with the fewest steps to the goal, ties by [`TieOrder::CrossFirst`].
 ///
 /// Errors are those of [`descend`].
 pub fn descend_or_escape(

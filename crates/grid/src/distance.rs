@@ -19,8 +19,8 @@ pub const MAX_CELLS_A_SIDE: usize = 32_767;
 /// Farther than any vertical distance, as far as an `i32` can hold its square.
 const FAR: i32 = 46_340;
 
-/// Squared distance from each cell's centre to the centre of the nearest occupied cell, in cells; `None` if no cell is
-/// occupied.
+/// Computes the squared distance from each cell's centre to the centre of the nearest occupied cell, in cells; `None`
+/// if no cell is occupied.
 ///
 /// # Panics
 /// If a side is longer than [`MAX_CELLS_A_SIDE`].
@@ -46,8 +46,8 @@ pub fn squared_distances(occupied: &Grid<bool>) -> Option<Grid<i32>> {
     Some(squares)
 }
 
-/// Euclidean distance from each cell's centre to the centre of the nearest occupied cell, in cells; `None` if no cell is
-/// occupied.
+/// Computes the Euclidean distance from each cell's centre to the centre of the nearest occupied cell, in cells; `None`
+/// if no cell is occupied.
 ///
 /// # Panics
 /// As [`squared_distances`].
@@ -57,8 +57,8 @@ pub fn euclidean_distances(occupied: &Grid<bool>) -> Option<Grid<f64>> {
     Some(Grid::from_values(squares.rows(), squares.cols(), roots))
 }
 
-/// The occupied cell nearest to each cell by the Euclidean distance of centres, as `row * cols + col`; `None` if no cell is
-/// occupied.
+/// Finds the occupied cell nearest to each cell by the Euclidean distance of centres, as `row * cols + col`; `None` if
+/// no cell is occupied.
 ///
 /// Of several, the one in the first column, and there the one in the first row.
 ///
@@ -110,7 +110,7 @@ fn step_from_neighbour(vertical: &mut Grid<i32>, occupied: &Grid<bool>, row: usi
     }
 }
 
-/// Squared distances from lattice vertices to the nearest occupied cell, as a closed square, row by row.
+/// Computes squared distances from lattice vertices to the nearest occupied cell, as a closed square, row by row.
 ///
 /// The lattice divides each cell side into `factor` steps, so a map of `rows` by `cols` cells has
 /// `rows * factor + 1` by `cols * factor + 1` vertices, corners and edges of cells among them. `take` receives each

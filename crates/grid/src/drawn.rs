@@ -1,4 +1,4 @@
-//! Maps drawn by rule, for examples, tests and benchmarks.
+//! Generated maps, for examples, tests and benchmarks.
 //!
 //! Occupied cells are `true`. Everything is computed in integers from the draws of the given generator, so a seed names
 //! the same map on every machine.
@@ -10,7 +10,7 @@ use rand::{Rng, RngExt};
 
 use super::{Connectivity, CornerCutting, Grid, Place, TieOrder, place};
 
-/// Cells that are occupied with probability `share`, each by a draw of its own.
+/// Generates cells that are occupied with probability `share`, independently.
 ///
 /// # Panics
 /// If `share` is not between 0 and 1.
@@ -18,7 +18,7 @@ pub fn random(rows: usize, cols: usize, share: f64, rng: &mut impl Rng) -> Grid<
     Grid::from_values(rows, cols, (0..rows * cols).map(|_| rng.random_bool(share)).collect())
 }
 
-/// Discs whose centres are drawn uniformly among all cells and whose radii, in cells, uniformly from `radii`.
+/// Generates discs with uniformly random centres among all cells and uniformly random radii, in cells, from `radii`.
 ///
 /// A disc holds the cells whose centres are at most its radius from its own. Discs may overlap and reach over the edge.
 ///
@@ -34,7 +34,7 @@ pub fn blobs(rows: usize, cols: usize, count: usize, radii: RangeInclusive<usize
     map
 }
 
-/// One occupied cell, at a quarter of the height and three quarters of the width.
+/// Generates one occupied cell, at a quarter of the height and three quarters of the width.
 ///
 /// # Panics
 /// If the map has no cells.
@@ -44,7 +44,7 @@ pub fn single_obstacle(rows: usize, cols: usize) -> Grid<bool> {
     map
 }
 
-/// A maze in which exactly one way leads from any free cell to any other, were its corridors one cell wide.
+/// Generates a maze in which exactly one path joins any two free cells, were its corridors one cell wide.
 ///
 /// Square rooms of `corridor` cells a side stand in a lattice, with walls and a border of one cell. The walls that are
 /// opened form a spanning tree, found by depth-first search in random order ("recursive backtracker": Buck, "Mazes for
@@ -79,7 +79,7 @@ pub fn maze(rows: usize, cols: usize, corridor: usize, rng: &mut impl Rng) -> Gr
     map
 }
 
-/// Two rooms within a border, side by side, and a door in the wall between them.
+/// Generates two rooms side by side within a border, with a door in the wall between them.
 ///
 /// The door is an eighth of the height, at least one cell, and lies below the middle, so that most ways bend. Maps of
 /// fewer than 3 rows or 5 columns have no room for all this and are full.
@@ -95,8 +95,8 @@ pub fn two_rooms(rows: usize, cols: usize) -> Grid<bool> {
     map
 }
 
-/// A trap in the form of a U that lies on its side and opens to the west, in the middle third of the width and the
-/// middle half of the height; everything else is free.
+/// Generates a U-shaped trap that opens to the west, in the middle third of the width and the middle half of the
+/// height; everything else is free.
 ///
 /// What slides straight from the west edge to a goal at the east edge, in the middle row, is caught. The walls are one
 /// cell wide.

@@ -1,4 +1,4 @@
-//! The open list of a search over lattice points: in the order of [`OpenList`](super::open_list::OpenList), in less time.
+//! The open list of a search over lattice points: the order of [`OpenList`](super::open_list::OpenList) in less time.
 //!
 //! A best-first search takes out far fewer entries than it puts in, and those that it takes out next are much alike. So
 //! entries lie unsorted in layers of priorities until it is their layer's turn (Dial, "Algorithm 360: Shortest-path forest
@@ -15,14 +15,14 @@ const MAX_LAYERS: usize = 1 << 16;
 /// An entry as numbers that compare as the entries do: the priority, the cost upside down, the index.
 type Key = Reverse<(u64, u64, u32)>;
 
-/// A point that waits.
+/// A point in the queue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Waiting {
-    /// Estimated cost of the whole way; the smallest comes first. Not negative.
+    /// The estimated cost of the whole path; the smallest comes first. Not negative.
     pub priority: f64,
-    /// Cost so far; of equal priorities the largest comes first. Not negative.
+    /// The cost so far; of equal priorities the largest comes first. Not negative.
     pub cost: f64,
-    /// Decides between equals, the smallest first.
+    /// The tie-breaker, smallest first.
     pub index: u32,
 }
 
@@ -59,7 +59,8 @@ impl Default for LayeredQueue {
 }
 
 impl LayeredQueue {
-    /// Forgets all entries and gives their memory back: the next search has other layers. Layers have this height from now on, whatever it is: it changes the time, not the order.
+    /// Removes all entries and frees their memory, because the next search has other layers. Layers have this height
+    /// from now on; it affects the time, not the order.
     pub fn clear(&mut self, height: f64) {
         self.sorted.clear();
         self.heap.clear();

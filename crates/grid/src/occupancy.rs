@@ -1,14 +1,14 @@
-//! Which cells are occupied.
+//! Occupancy: which cells are occupied.
 
 use super::Grid;
 
-/// Occupied where the grey value (0 black to 255 white) is at most `tolerance`.
+/// Marks cells as occupied whose grey value (0 black to 255 white) is at most `tolerance`.
 pub fn from_grey(grey: &Grid<u8>, tolerance: u8) -> Grid<bool> {
     let occupied = grey.values().iter().map(|&value| value <= tolerance).collect();
     Grid::from_values(grey.rows(), grey.cols(), occupied)
 }
 
-/// Frees the first and the last `width` rows and columns, all cells where these meet.
+/// Frees the first and the last `width` rows and columns; in a map of few rows or columns, all cells.
 pub fn remove_edges(occupied: &mut Grid<bool>, width: usize) {
     let (rows, cols) = (occupied.rows(), occupied.cols());
     let edge = width.min(cols);

@@ -1,4 +1,4 @@
-//! Cheapest paths where a diagonal step is longer than an orthogonal one.
+//! Cheapest paths on a grid where a diagonal step is longer than an orthogonal one.
 
 use std::f64::consts::SQRT_2;
 
@@ -22,7 +22,7 @@ pub fn legal_moves(occupied: &Grid<bool>, connectivity: Connectivity, corners: C
     moves
 }
 
-/// A shortest path, orthogonal steps 1 and diagonal ones the square root of 2.
+/// Finds a shortest path with orthogonal steps of 1 and diagonal steps of the square root of 2.
 ///
 /// Of several, the one whose steps come first in [`TieOrder::CrossFirst`], the first step counting most. Memory: 8
 /// bytes a cell, which the system hands out where the search comes along, and 16 for every cell of its front; with four
@@ -131,8 +131,8 @@ fn search_backwards(occupied: &Grid<bool>, corners: CornerCutting, start: Place,
     Route::Found(path)
 }
 
-/// Computes the cost of the cheapest walk from every cell to any of the goals; infinite where there is none. Every move
-/// can be made back, so the search runs from the goals outwards (Dijkstra, "A note on two problems in connexion with
+/// Computes the cost of the cheapest path from every cell to any of the goals; infinite where there is none. Every move
+/// can be reversed, so the search runs from the goals outwards (Dijkstra, "A note on two problems in connexion with
 /// graphs", 1959).
 pub fn cost_to_go(moves: &Grid<u8>, goals: impl IntoIterator<Item = usize>, step_costs: impl StepCosts) -> Grid<f64> {
     let mut costs = Grid::filled(moves.rows(), moves.cols(), f64::INFINITY);

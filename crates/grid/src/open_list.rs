@@ -1,9 +1,9 @@
-//! The open list of a best-first search, with ties decided on purpose.
+//! The open list of a best-first search, with deliberate tie-breaking.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Something that waits for its turn in a best-first search.
+/// An entry of an open list.
 pub trait Ranked {
     type Tie: Ord;
 
@@ -17,7 +17,7 @@ pub trait Ranked {
     fn tie(&self) -> Self::Tie;
 }
 
-/// A priority queue that hands out the best first.
+/// A priority queue that returns the best entry first.
 #[derive(Debug)]
 pub struct OpenList<T>(BinaryHeap<BestFirst<T>>);
 
@@ -36,17 +36,17 @@ impl<T: Ranked> OpenList<T> {
         self.0.pop().map(|BestFirst(entry)| entry)
     }
 
-    /// The number of entries that wait.
+    /// Returns the number of entries.
     pub fn waiting(&self) -> usize {
         self.0.len()
     }
 
-    /// The number of entries that there is memory for.
+    /// Returns the number of entries that fit without another allocation.
     pub fn capacity(&self) -> usize {
         self.0.capacity()
     }
 
-    /// Forgets all entries and keeps their memory.
+    /// Removes all entries and keeps their memory.
     pub fn clear(&mut self) {
         self.0.clear();
     }

@@ -1,15 +1,15 @@
-//! Parameters that are numbers, and the ranges that they must keep to.
+//! Numeric parameters and their ranges.
 
 use thiserror::Error;
 
-/// The largest accepted value of any parameter: products with squared distances stay far from the end of an `f64`.
+/// The largest accepted value of any parameter: products with squared distances stay far from the limit of an `f64`.
 pub const LARGEST: f64 = 1e100;
 
 /// A parameter out of its range.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[error("{name} must be {expected}, not {}", shown(*found))]
 pub struct BadParameter {
-    /// Such as "the safety distance".
+    /// The name of the parameter, such as "the safety distance".
     pub name: &'static str,
     pub expected: &'static str,
     pub found: f64,

@@ -1,4 +1,4 @@
-//! Cells of a grid, which of them are neighbours, and in which order these are asked.
+//! Cells of a grid, their neighbours, and the order of neighbours.
 
 use std::f64::consts::SQRT_2;
 
@@ -6,10 +6,11 @@ use thiserror::Error;
 
 use crate::Grid;
 
-/// (row, column), both from 0.
+/// A cell as (row, column), both from 0.
 pub type Place = (usize, usize);
 
-/// Why a place cannot be a goal; a start has to be on the map too, and one in an obstacle is an answer.
+/// The reason why a cell cannot be a goal. A start has to be on the map too; a start in an obstacle is valid and has no
+/// path.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum BadPlace {
     #[error("row {}, column {} lies outside the map of {rows} rows and {cols} columns", place.0, place.1)]
@@ -18,10 +19,10 @@ pub enum BadPlace {
     Occupied { place: Place },
 }
 
-/// The answer to a search for a way to the goal.
+/// The result of a search for a path to the goal.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Route {
-    /// Cells from start to goal, both included.
+    /// The cells from start to goal, both included.
     Found(Vec<Place>),
     StartOccupied,
     /// No sequence of legal steps leads from the start to the goal.
@@ -46,13 +47,14 @@ pub fn check_ends(occupied: &Grid<bool>, start: Place, goal: Place) -> Result<bo
     }
 }
 
-/// The free cell that a step from `from` leads to, if the step is legal.
+/// Returns the free cell that a step from `from` leads to, if the step is legal.
 #[inline]
 pub fn step(occupied: &Grid<bool>, from: Place, step: (isize, isize), corners: CornerCutting) -> Option<Place> {
     step_where(occupied, |&is_occupied| !is_occupied, from, step, corners)
 }
 
-/// The cell that a step from `from` leads to, if the step is legal on a grid whose values tell which cells are free.
+/// Returns the cell that a step from `from` leads to, if the step is legal on a grid whose values determine which cells
+/// are free.
 pub fn step_where<T>(
     grid: &Grid<T>,
     is_free: impl Fn(&T) -> bool,
@@ -66,7 +68,7 @@ pub fn step_where<T>(
     (is_free(to) && keeps_corners).then_some(to)
 }
 
-/// The cell that a step from `from` leads to, if it is on the grid.
+/// Returns the cell that a step from `from` leads to, if it is on the grid.
 #[inline]
 pub fn neighbour<T>(grid: &Grid<T>, from: Place, step: (isize, isize)) -> Option<Place> {
     // A step from row 0 or column 0 wraps around to a number that is outside too.
@@ -74,7 +76,7 @@ pub fn neighbour<T>(grid: &Grid<T>, from: Place, step: (isize, isize)) -> Option
     (to.0 < grid.rows() && to.1 < grid.cols()).then_some(to)
 }
 
-/// Length of a path in cells: 1 for an orthogonal step, the square root of 2 for a diagonal one.
+/// Returns the length of a path in cells: 1 for an orthogonal step, the square root of 2 for a diagonal one.
 pub fn octile_length(path: &[Place]) -> f64 {
     let is_diagonal = |pair: &&[Place]| pair[0].0 != pair[1].0 && pair[0].1 != pair[1].1;
     let diagonal = path.windows(2).filter(is_diagonal).count();
@@ -82,25 +84,25 @@ pub fn octile_length(path: &[Place]) -> f64 {
     straight as f64 + diagonal as f64 * SQRT_2
 }
 
-/// The number of neighbours that a cell is connected with.
+/// The number of neighbours of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Connectivity {
-    /// Those that share a side.
+    /// Cells that share a side.
     Four,
-    /// Those that share a side or a corner.
+    /// Cells that share a side or a corner.
     Eight,
 }
 
 /// The rule for diagonal steps past an occupied cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CornerCutting {
-    /// A diagonal step asks of its two ends only that they are free.
+    /// A diagonal step only requires that its two ends are free.
     Allowed,
-    /// A diagonal step needs both cells beside it free too.
+    /// A diagonal step also requires that both cells beside it are free.
     Forbidden,
 }
 
-/// Which of several equally good neighbours comes first. Row 0 is the north edge in these names.
+/// The order of neighbours that decides ties. Row 0 is the north edge in these names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TieOrder {
     /// S N E W SE SW NE NW (Daudt, "Autonomous Robotics Lab 1: Brushfire and Wavefront", appendix B).
@@ -110,7 +112,7 @@ pub enum TieOrder {
 }
 
 impl Connectivity {
-    /// Number of neighbours of a cell inside the grid.
+    /// Returns the number of neighbours of a cell inside the grid.
     pub fn count(self) -> usize {
         match self {
             Self::Four => 4,
@@ -120,7 +122,7 @@ impl Connectivity {
 }
 
 impl TieOrder {
-    /// The steps to the neighbours in this order, orthogonal ones first.
+    /// Returns the steps to the neighbours in this order, orthogonal ones first.
     pub fn steps(self, connectivity: Connectivity) -> &'static [(isize, isize)] {
         const CROSS_FIRST: [(isize, isize); 8] = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)];
         const WEST_FIRST: [(isize, isize); 8] = [(0, -1), (-1, 0), (0, 1), (1, 0), (-1, -1), (-1, 1), (1, 1), (1, -1)];

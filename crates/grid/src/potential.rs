@@ -7,7 +7,7 @@
 use super::parameter::BadParameter;
 use super::{Grid, Place};
 
-/// The distance that attraction grows with.
+/// The distance that determines attraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Attraction {
     /// Half the square of the Euclidean distance in cells, times `zeta`.
@@ -24,12 +24,12 @@ pub struct Repulsion {
     pub distance: RepulsionDistance,
 }
 
-/// The distance that repulsion is computed from.
+/// The distance that determines repulsion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RepulsionDistance {
     /// The brushfire value, 1 on obstacles.
     Brushfire,
-    /// One less: 0 on obstacles, which become infinitely high.
+    /// The brushfire value minus one: 0 on obstacles, whose repulsion is infinite.
     True,
 }
 
@@ -46,7 +46,7 @@ impl Default for Repulsion {
 }
 
 impl Attraction {
-    /// Accepts a `zeta` and a scale under which attraction is a number everywhere.
+    /// Accepts a `zeta` and a scale for which attraction is finite everywhere.
     pub fn check(&self, scale: Option<f64>) -> Result<(), BadParameter> {
         if let Self::Squared { zeta } = *self {
             BadParameter::unless_amount("zeta", zeta)?;
@@ -54,7 +54,7 @@ impl Attraction {
         scale.map_or(Ok(()), |scale| BadParameter::unless_amount("the scale", scale))
     }
 
-    /// Returns the attraction at a distance of that many rows and columns from the goal.
+    /// Returns the attraction at a distance of this number of rows and columns from the goal.
     pub fn at(&self, rows: usize, cols: usize) -> f64 {
         let (rows, cols) = (rows as f64, cols as f64);
         match *self {
@@ -65,13 +65,13 @@ impl Attraction {
 }
 
 impl Repulsion {
-    /// Accepts a `q` and an `eta` under which repulsion is a number everywhere but on obstacles.
+    /// Accepts a `q` and an `eta` for which repulsion is finite everywhere except on obstacles.
     pub fn check(&self) -> Result<(), BadParameter> {
         BadParameter::unless_positive("q", self.q)?;
         BadParameter::unless_amount("eta", self.eta)
     }
 
-    /// Repulsion where the brushfire map holds `value`; 0 stands for a map without obstacles.
+    /// Returns the repulsion where the brushfire map holds `value`; 0 stands for a map without obstacles.
     pub fn at(&self, value: u16) -> f64 {
         let Some(from_obstacle) = value.checked_sub(1) else { return 0.0 };
         let distance = match self.distance {
@@ -87,7 +87,7 @@ impl Repulsion {
     }
 }
 
-/// Attraction of every cell; with a `scale` divided by its maximum and multiplied by that.
+/// Computes the attraction of every cell; with a `scale`, divided by its maximum and multiplied by the scale.
 ///
 /// On a map of one cell the maximum is 0, and so is the scaled attraction.
 pub fn attraction(rows: usize, cols: usize, goal: Place, kind: Attraction, scale: Option<f64>) -> Grid<f64> {
@@ -106,14 +106,14 @@ pub fn attraction(rows: usize, cols: usize, goal: Place, kind: Attraction, scale
     values
 }
 
-/// Repulsion of every cell from a brushfire map (obstacle 1; all zeros if there is none).
+/// Computes the repulsion of every cell from a brushfire map (obstacle 1; all zeros if there is none).
 pub fn repulsion(brushfire: &Grid<u16>, repulsion: &Repulsion) -> Grid<f64> {
     let values = brushfire.values().iter().map(|&value| repulsion.at(value)).collect();
     Grid::from_values(brushfire.rows(), brushfire.cols(), values)
 }
 
-/// Adds to an attraction the repulsion from a brushfire map (obstacle 1; all zeros if there is none), in place: fields
-/// of large maps are large.
+/// Adds the repulsion from a brushfire map (obstacle 1; all zeros if there is none) to an attraction, in place, which
+/// saves memory on large maps.
 ///
 /// # Panics
 /// If the two are not of the same size.

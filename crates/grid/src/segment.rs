@@ -1,4 +1,4 @@
-//! Straight segments among cells: whether all cells on the way are free, decided in whole numbers.
+//! Straight segments across cells: tests in exact integers whether all cells along them are free.
 //!
 //! A segment is followed from cell to cell (J. Amanatides, A. Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing",
 //! Eurographics 1987). Which line between cells it crosses next is a comparison of two fractions, made exactly by
@@ -8,10 +8,10 @@ use std::cmp::Ordering;
 
 use crate::{CornerCutting, Grid, Place};
 
-/// Parts that the side of a cell is divided into.
+/// The number of units per side of a cell.
 pub const UNITS: i64 = 1024;
 
-/// A point of the plane that a grid covers, within a cell and never on a line between cells.
+/// A point of the plane of a grid, inside a cell and never on a line between cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GridPoint {
     /// [`UNITS`] from the outer edge of row 0, and of column 0.
@@ -20,40 +20,41 @@ pub struct GridPoint {
 }
 
 impl GridPoint {
-    /// The centre of a cell.
+    /// Returns the centre of a cell.
     pub fn centre((row, col): Place) -> Self {
         Self { row: row as i64 * UNITS + UNITS / 2, col: col as i64 * UNITS + UNITS / 2 }
     }
 
-    /// A point so many [`UNITS`] from the outer edges of row 0 and column 0; one on a line is moved off it by one unit.
+    /// Creates a point from [`UNITS`] to the outer edges of row 0 and column 0; a point on a line is moved off it by
+    /// one unit.
     pub fn from_units(row: i64, col: i64) -> Self {
         let off_line = |units: i64| units + i64::from(units.rem_euclid(UNITS) == 0);
         Self { row: off_line(row), col: off_line(col) }
     }
 
-    /// Row and column in [`UNITS`].
+    /// Returns row and column in [`UNITS`].
     pub fn units(self) -> (i64, i64) {
         (self.row, self.col)
     }
 
-    /// The cell that it lies in.
+    /// Returns the cell that contains the point.
     pub fn cell(self) -> Place {
         ((self.row / UNITS) as usize, (self.col / UNITS) as usize)
     }
 
-    /// Row and column in cells, whole numbers at the centres of cells.
+    /// Returns row and column in cells, integers at the centres of cells.
     pub fn coordinates(self) -> (f64, f64) {
         let cells = |units: i64| (units - UNITS / 2) as f64 / UNITS as f64;
         (cells(self.row), cells(self.col))
     }
 
-    /// Square of the Euclidean distance in units.
+    /// Returns the square of the Euclidean distance in units.
     pub fn squared_units_to(self, other: Self) -> i64 {
         let (rows, cols) = (self.row - other.row, self.col - other.col);
         rows * rows + cols * cols
     }
 
-    /// Euclidean distance in cells.
+    /// Returns the Euclidean distance in cells.
     pub fn distance(self, other: Self) -> f64 {
         (self.squared_units_to(other) as f64).sqrt() / UNITS as f64
     }
@@ -104,7 +105,7 @@ pub fn is_free_segment(occupied: &Grid<bool>, from: GridPoint, to: GridPoint, co
     true
 }
 
-/// Length of a line through the centres of cells.
+/// Returns the length of a line through the centres of cells.
 pub fn line_length(cells: &[Place]) -> f64 {
     cells.windows(2).map(|pair| GridPoint::centre(pair[0]).distance(GridPoint::centre(pair[1]))).sum()
 }

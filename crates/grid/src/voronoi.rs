@@ -1,4 +1,4 @@
-//! The generalised Voronoi diagram of the obstacles of a map: free cells that are equally far from two of them.
+//! The generalised Voronoi diagram of a map's obstacles: free cells that are equidistant from two of them.
 //!
 //! Sites are the components of occupied cells, joined over sides and corners, and the four walls, which are rows and columns
 //! of occupied cells around the map. Every cell has a nearest site, by the exact Euclidean distance between centres. Of two
@@ -20,12 +20,12 @@ use crate::octile::{START_LENGTH, StepLength, UNSEEN, legal_moves, longer, metri
 use crate::open_list::{OpenList, Ranked};
 use crate::{BadPlace, Connectivity, CornerCutting, Grid, Place, Route, TieOrder, astar, place};
 
-/// What counts as one obstacle.
+/// The definition of an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sites {
     /// Connected components, and each of the four walls.
     Obstacles,
-    /// Cells that are seen at least 60 degrees apart.
+    /// Single cells, seen at least 60 degrees apart.
     Cells,
 }
 
@@ -162,7 +162,7 @@ impl Ranked for Waiting {
     }
 }
 
-/// The path over 8 neighbours that leaves the diagram least: to the diagram, along it and off it to the goal.
+/// Finds the path over 8 neighbours that leaves the diagram least: to the diagram, along it, and from it to the goal.
 ///
 /// Of all paths, those with the least length beside the diagram, and of these the shortest (Dijkstra's search over pairs of
 /// lengths). A step is along the diagram if both its cells belong to it. Where the diagram is in pieces, or empty, the

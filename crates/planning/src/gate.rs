@@ -1,4 +1,4 @@
-//! The gate between somebody else's path and the truck.
+//! The gate, which checks the path of a custom planner before the truck drives it.
 //!
 //! A planner that is not built in may be wrong in any way. Whatever it answers, the truck only drives a path that the
 //! [`Judge`] lets pass: one that begins where the truck stands, keeps the least clearance of all paths, turns no sharper
@@ -29,7 +29,7 @@ use super::{BuildReport, CpuSource, Effort, Goal, Plan, PlanFailure, QueryCpu, T
 /// set to the truck's own.
 const CURVATURE_ROUNDING: f64 = 1e-6;
 
-/// A planner inside the gate.
+/// A planner behind the gate.
 pub struct Gated {
     planner: Box<dyn TruckPlanner>,
     report: BuildReport,
@@ -41,7 +41,7 @@ pub struct Gated {
 }
 
 impl Gated {
-    /// Makes a planner and measures what that takes.
+    /// Makes a planner and measures the time that it takes.
     ///
     /// # Errors
     /// If it cannot be built.

@@ -1,4 +1,4 @@
-//! What a path must keep before it is driven, and the figures of a path.
+//! The rules that a path must keep before it is driven, and the figures of a path.
 //!
 //! A [`Judge`] refuses a path that a truck cannot or must not drive, with the place and the reason: a [`BadPath`]. It asks
 //! `collision`, as planners do; the audit asks other shapes afterwards. World frame, metres, radians.
@@ -14,13 +14,13 @@ use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::{SpeedLimits, Trajectory};
 use wildfire_base::vehicle::{Dimensions, Path, ReedsShepp};
 
-/// The most segments of a path.
+/// The maximum number of segments of a path.
 pub const MOST_SEGMENTS: usize = 10_000;
 
-/// No path is longer than this many times the sum of the field's sides.
+/// The maximum length of a path, as a multiple of the sum of the field's sides.
 pub const MOST_FIELDS_LONG: f64 = 100.0;
 
-/// Spacing of the poses whose clearance is looked at, metres.
+/// The distance between poses whose clearance is computed, in metres.
 pub const SPACING_M: f64 = 0.02;
 
 /// Judges paths of one truck on one field.
@@ -29,16 +29,16 @@ pub struct Judge {
     checker: CollisionChecker,
 }
 
-/// A place on a path.
+/// A position on a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathPlace {
-    /// The number of the segment, the first is 1; 0 of a path that has none.
+    /// The number of the segment, from 1; 0 if the path has none.
     pub segment: usize,
     /// The number of segments of the path.
     pub segments: usize,
-    /// Metres driven until there.
+    /// The metres driven up to this position.
     pub along_m: f64,
-    /// Where the rear axle is.
+    /// The position of the rear axle.
     pub at: DVec2,
 }
 
@@ -47,9 +47,9 @@ pub struct PathPlace {
 pub enum BadPath {
     /// More than [`MOST_SEGMENTS`].
     TooManySegments { found: usize },
-    /// It begins elsewhere than at the truck.
+    /// The path does not begin at the truck.
     OtherStart { found: Pose, truck: Pose },
-    /// A curvature or a length that is not a finite number, or too small to be computed with.
+    /// A curvature or a length that is not a finite number, or too small to compute with.
     NotANumber { place: PathPlace, what: &'static str, found: f64 },
     /// More than [`MOST_FIELDS_LONG`] times the sum of the field's sides.
     TooLong { found_m: f64, most_m: f64 },
@@ -140,7 +140,7 @@ impl Judge {
         })
     }
 
-    /// Computes the figures of a path from a truck's pose to a goal, whether it may be driven or not.
+    /// Computes the figures of a path from a truck's pose to a goal, valid or not.
     pub fn figures(&self, start: Pose, goal: Goal, path: &Path, limits: SpeedLimits) -> DriveFigures {
         // The sum of no segments is -0.
         let length_m = path.length_m() + 0.0;
@@ -154,7 +154,7 @@ impl Judge {
         }
     }
 
-    /// Returns the least clearance of poses, as [`CollisionChecker::clearance`] knows it.
+    /// Returns the least clearance of poses, as [`CollisionChecker::clearance`] computes it.
     pub fn min_clearance_m(&self, poses: impl Iterator<Item = Pose>) -> f64 {
         poses.map(|pose| self.checker.clearance(pose)).fold(f64::INFINITY, f64::min)
     }
@@ -163,19 +163,19 @@ impl Judge {
 /// The figures of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveFigures {
-    /// Driven, forward and reverse alike.
+    /// The length driven, forward and in reverse.
     pub length_m: f64,
-    /// Over what no path can be shorter than; `None` where that is 0.
+    /// The length divided by the lower bound of all paths; `None` where that is 0.
     pub lower_bound_ratio: Option<f64>,
-    /// The least of the poses every 2 cm, border included; exact below a metre, no more than the truth above.
+    /// The least clearance of poses every 2 cm, border included; exact below a metre, a lower bound above.
     pub min_clearance_m: f64,
     pub cusps: u32,
-    /// From standstill to standstill.
+    /// The driving time, from standstill to standstill.
     pub drive_s: f64,
 }
 
-/// Bounds the length of paths from below: the length of the Reeds-Shepp curve, or the way of the body's centre into the disc
-/// over how much farther it can move than the rear axle; 0 where a pose is not a number.
+/// Returns a lower bound of the length of paths: the length of the Reeds-Shepp curve, or the distance of the body's
+/// centre to the disc divided by how much farther it can move than the rear axle; 0 where a pose is not a number.
 pub fn lower_bound_m(start: Pose, goal: Goal, body: &Dimensions) -> f64 {
     let is_finite = |pose: Pose| pose.position().is_finite() && pose.heading.is_finite();
     match goal {

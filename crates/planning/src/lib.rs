@@ -200,7 +200,7 @@ pub struct BuildReport {
 /// The fewest milestones that the components of a useful roadmap have on average.
 const FEWEST_A_COMPONENT: u32 = 10;
 
-/// Says whether a roadmap has too many components to hold most routes across the field.
+/// Returns whether a roadmap has too many components to hold most routes across the field.
 pub fn is_hardly_connected(milestones: u32, components: u32) -> bool {
     components > 1 && milestones < components.saturating_mul(FEWEST_A_COMPONENT)
 }

@@ -1,4 +1,4 @@
-//! Memory that grows while a run goes on, counted against a limit before it is taken.
+//! Memory that grows during a run, counted against a limit before it is allocated.
 //!
 //! The memory of a search, a flood or a roadmap's curves is known only as they grow; a bound from the scenario alone
 //! would be far above what nearly all runs take. Each holder of such memory asks its [`MemoryMeter`] before it grows,
@@ -19,9 +19,9 @@ pub enum Growing {
     Searches,
     /// Floods over lattices of poses.
     Floods,
-    /// Curves between milestones, which are computed when they are first asked for.
+    /// Curves between milestones, which are computed when they are first needed.
     Curves,
-    /// The record of what happened in the run.
+    /// The record of the run's facts.
     Timeline,
 }
 
@@ -40,7 +40,7 @@ impl fmt::Display for Growing {
     }
 }
 
-/// Counts the memory of everything that grows in one run, and refuses what would be too much.
+/// Counts the memory of everything that grows in one run, and refuses what exceeds the limit.
 #[derive(Clone, Debug)]
 pub struct MemoryMeter(Arc<Counters>);
 
@@ -68,7 +68,7 @@ impl MemoryMeter {
         Held { meter: self.clone(), kind, bytes: 0 }
     }
 
-    /// Adds up the bytes that are held.
+    /// Returns the sum of the bytes that are held.
     pub fn held(&self) -> u64 {
         Growing::ALL.into_iter().map(|kind| self.held_by(kind)).sum()
     }
@@ -77,14 +77,14 @@ impl MemoryMeter {
         self.0.held[kind as usize].load(Ordering::Relaxed)
     }
 
-    /// Returns the kind that holds the most, and its bytes, if a holder was refused memory.
+    /// Returns the kind that holds the most, with its bytes, if memory was refused to a holder.
     pub fn overrun(&self) -> Option<(Growing, u64)> {
         let by_size = Growing::ALL.into_iter().map(|kind| (kind, self.held_by(kind)));
         self.0.is_overrun.load(Ordering::Relaxed).then(|| by_size.max_by_key(|&(_, bytes)| bytes)).flatten()
     }
 }
 
-/// The share of one holder in what a [`MemoryMeter`] counts. It is given back when the holder is dropped.
+/// One holder's share of what a [`MemoryMeter`] counts. It is returned when the holder is dropped.
 #[derive(Debug)]
 pub struct Held {
     meter: MemoryMeter,
@@ -93,7 +93,8 @@ pub struct Held {
 }
 
 impl Held {
-    /// Asks whether the holder may hold this many bytes from now on, in place of what it held; if so, they are counted.
+    /// Requests this many bytes for the holder in place of what it held; returns whether they were granted, and counts
+    /// them if so.
     ///
     /// Once a holder of the run was refused, none gets more.
     pub fn cover(&mut self, bytes: usize) -> bool {
@@ -115,7 +116,7 @@ impl Held {
         true
     }
 
-    /// Creates another holder of the same kind, for memory that is needed for a while.
+    /// Creates another holder of the same kind, for temporary memory.
     pub fn beside(&self) -> Self {
         self.meter.holder(self.kind)
     }

@@ -1,4 +1,4 @@
-//! Which of several goals is the nearest by drive.
+//! The choice of the goal that is nearest by drive.
 
 use glam::DVec2;
 
@@ -6,9 +6,9 @@ use super::{Effort, GoalDisc, Plan, PlanningObserver, QueryCpu, TruckPlanner};
 use wildfire_base::geometry::Pose;
 use wildfire_base::vehicle::{Dimensions, Path};
 
-/// Plans a drive into whichever of some discs is the nearest by drive; returns its place among them and the plan, whose
-/// effort and CPU time are those of the whole. With no way into any of them it is the failure of the nearest in a straight
-/// line; of no discs, `None`.
+/// Plans a drive into whichever of some discs is nearest by drive; returns its index and the plan, whose effort and CPU
+/// time are those of the whole search. If no path leads into any of them, the plan is the failure of the nearest in a
+/// straight line; without discs, `None`.
 ///
 /// A planner that cannot search for several goals at once is asked for one after the other, the nearest in a straight line
 /// first, until that line is longer than the shortest drive.

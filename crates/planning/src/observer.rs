@@ -1,4 +1,4 @@
-//! Observers of planners at work: which work they do when, and where their searches look.
+//! Observers of planners: the kind of work in progress, and the places that searches examine.
 //!
 //! Planners keep no clock and no record. The caller passes an observer, which changes no answer.
 
@@ -11,12 +11,12 @@ use wildfire_base::time::cpu::CpuStopwatch;
 
 use super::search_recorder::{SearchRecorder, Searched};
 
-/// The kinds of work whose CPU time is counted apart.
+/// The kinds of work whose CPU time is measured separately.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlanningWork {
     /// Queries of a roadmap.
     Roadmap,
-    /// Searches over motions, and what makes their paths shorter.
+    /// Searches over motions, and path improvement.
     Local,
 }
 
@@ -47,7 +47,7 @@ pub struct QueryTime {
     pub local: Duration,
 }
 
-/// Measures the CPU time of a query by kind of work, and records where it looks if that is wanted.
+/// Measures the CPU time of a query by kind of work, and records the places it examines if requested.
 #[derive(Debug)]
 pub struct QueryMonitor {
     watch: CpuStopwatch,
@@ -62,7 +62,7 @@ impl QueryMonitor {
         Self { watch: CpuStopwatch::start(), work: None, time: QueryTime::default(), recorder }
     }
 
-    /// Ends the query; returns what it took and what was recorded of its searches, each phase at most once.
+    /// Ends the query; returns its time and the recorded searches, each phase at most once.
     pub fn finish(mut self) -> (QueryTime, Vec<Searched>) {
         self.begins(None);
         (self.time, self.recorder.finish())

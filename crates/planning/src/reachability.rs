@@ -1,4 +1,4 @@
-//! The question whether the truck can get somewhere at all, and a way there when its planner knows none.
+//! Reachability: whether the truck can get somewhere at all, and a path there when its planner finds none.
 //!
 //! The [`floods`](crate::kit::floods) from its start answer. Most questions are answered by the coarsest
 //! lattice, which grows only as far as it is asked. Where that says no, the passages and then the finer lattices are
@@ -23,7 +23,7 @@ const SEARCHES: [(Lattice, u32); 2] =
 /// More greed than the planner has: these searches are the last resort, and large.
 const SEARCH_WEIGHT: f64 = 2.0;
 
-/// Answers for one truck on one field, worked out when asked and kept.
+/// The reachability of goals for one truck on one field, computed on demand and kept.
 #[derive(Debug)]
 pub struct Reachability {
     checker: CollisionChecker,
@@ -34,7 +34,7 @@ pub struct Reachability {
 }
 
 impl Reachability {
-    /// Prepares to answer; `root` is a free pose of the truck, usually its start.
+    /// Creates a query object for floods from `root`, a free pose of the truck, usually its start.
     pub fn new(checker: &CollisionChecker, memory: &MemoryMeter, root: Pose) -> Self {
         let floods = Floods::new(checker, memory, root);
         Self { checker: checker.clone(), memory: memory.clone(), floods, searches: Default::default() }
@@ -44,12 +44,12 @@ impl Reachability {
         self.floods.root()
     }
 
-    /// Says whether the truck can drive from the root into a disc.
+    /// Returns whether the truck can drive from the root into a disc.
     pub fn reaches(&mut self, disc: GoalDisc) -> bool {
         self.floods.reach(disc.with_margin())
     }
 
-    /// Returns a path from the root into a disc, not a short one.
+    /// Returns a path from the root into a disc, not necessarily a short one.
     pub fn path_to(&mut self, disc: GoalDisc) -> Option<Path> {
         self.floods.path_into(disc.with_margin())
     }

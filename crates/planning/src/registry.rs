@@ -32,7 +32,7 @@ use super::memory::MemoryMeter;
 use super::planners::{hybrid_astar, lattice, prm_primitives, prm_rs};
 use super::smooth_steering::{CurvatureSmoother, SmoothSteering};
 
-/// Makes the built-in planners of one name, and knows what scenarios say about them.
+/// Makes the built-in planners of one name, and describes their settings.
 pub trait BuiltInPlanner: Sync {
     /// Makes a planner for one truck on one field.
     fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner>;
@@ -40,7 +40,7 @@ pub trait BuiltInPlanner: Sync {
     /// Names the tables of settings that the planner uses.
     fn tables(&self) -> &'static [&'static str];
 
-    /// Says whether the planner compares drives by their time where the truck asks for that.
+    /// Returns whether the planner compares drives by their time where the truck asks for that.
     fn knows_time(&self) -> bool {
         false
     }
@@ -66,13 +66,13 @@ pub trait BuiltInPlanner: Sync {
 
 /// The truck and the field that a planner is made for.
 pub struct Site<'a> {
-    /// Its number among the trucks, from 0.
+    /// The truck's number, from 0.
     pub truck: u16,
-    /// Its body, which `checker` has too.
+    /// The truck's body, which `checker` has too.
     pub body: &'a Dimensions,
-    /// How fast it drives.
+    /// The truck's speed limits.
     pub limits: &'a SpeedLimits,
-    /// What its drives are compared by, where there is a choice.
+    /// The cost by which drives are compared, where there is a choice.
     pub cost: DriveCost,
     /// The field, and the truck's body on it.
     pub checker: &'a CollisionChecker,
@@ -80,13 +80,13 @@ pub struct Site<'a> {
     pub own: &'a serde_json::Value,
     /// Returns the truck's own random stream of a name, which is the same in every run of the seed.
     pub stream: &'a dyn Fn(&str) -> Xoshiro256PlusPlus,
-    /// Built-in planners report to it what they hold as they grow.
+    /// The meter to which built-in planners report their growing memory.
     pub memory: &'a MemoryMeter,
     /// The scenario's tables of settings of the built-in planners.
     pub settings: &'a TruckPlannerSettings<'a>,
 }
 
-/// Makes planners of one name. A closure from a [`Site`] to a planner is one.
+/// Makes planners of one name. A closure from a [`Site`] to a planner will do.
 pub trait MakePlanner: Send + Sync {
     /// Makes a planner for one truck on one field.
     ///
@@ -122,7 +122,7 @@ impl MakeError {
 pub struct PlannerName(String);
 
 impl PlannerName {
-    /// The most characters of a name.
+    /// The maximum number of characters of a name.
     pub const MOST: usize = 40;
 
     /// Checks a name.
@@ -183,13 +183,13 @@ impl fmt::Display for PlannerName {
 /// Why a planner cannot have a name.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum NameError {
-    /// It has another form.
+    /// The name has another form.
     #[error("a name is 1 to 40 of `a-z 0-9 + - _ .`, a letter first")]
     Malformed,
-    /// A built-in planner has it.
+    /// A built-in planner has this name.
     #[error("`{0}` is the name of a built-in planner")]
     BuiltIn(TruckPlannerKind),
-    /// Another planner has it.
+    /// Another planner has this name.
     #[error("two planners cannot both be called `{0}`")]
     Taken(String),
 }
@@ -217,18 +217,18 @@ impl Planners {
         }
     }
 
-    /// Says whether there is a planner of this name.
+    /// Returns whether there is a planner of this name.
     pub fn knows(&self, name: &PlannerName) -> bool {
         name.built_in().is_some() || self.own.contains_key(name)
     }
 
-    /// Lists the names of those that are not built in.
+    /// Lists the names of the planners that are not built in.
     pub fn own_names(&self) -> impl Iterator<Item = &PlannerName> {
         self.own.keys()
     }
 
-    /// Makes a planner: a built-in one, whose paths are made smooth if the truck's wheels take their time to turn, or
-    /// another one inside the gate, whose paths are driven as they are.
+    /// Makes a planner: a built-in one, whose paths are smoothed if the truck's wheels turn at a limited rate, or a
+    /// custom one behind the gate, whose paths are driven unchanged.
     ///
     /// # Errors
     /// If nobody of this name is known, or it cannot be built.
@@ -264,7 +264,7 @@ pub struct Charge {
 /// The size of a roadmap before it is built.
 pub struct RoadmapSize {
     pub milestones: u64,
-    /// The most edges that a milestone brings with it.
+    /// The maximum number of edges per milestone.
     pub neighbours: u32,
     pub max_edge_m: f64,
 }
@@ -287,7 +287,7 @@ macro_rules! truck_planners {
                 }
             }
 
-            /// Returns what makes these planners.
+            /// Returns the maker of these planners.
             pub fn maker(self) -> &'static dyn BuiltInPlanner {
                 match self {
                     $(Self::$kind => &$maker,)+
@@ -325,7 +325,7 @@ impl TruckPlannerKind {
         })
     }
 
-    /// Lists the names of all planners as a sentence does, with commas.
+    /// Lists the names of all planners, separated by commas.
     pub fn names() -> String {
         Self::ALL.map(Self::name).join(", ")
     }
@@ -397,7 +397,7 @@ tables_of_settings! {
     safety: SafetySettings,
 }
 
-/// Settings of which a scenario gives one: their paths in the table of a truck, and what each says.
+/// Settings of which a scenario sets only one: their paths in the table of a truck, and the meaning of each.
 pub const ALTERNATIVES: [(&str, &str, &str); 2] = [
     ("prm.samples_per_hectare", "prm.samples", "each says how many samples there are"),
     ("prm_rs.samples_per_hectare", "prm_rs.samples", "each says how many samples there are"),

@@ -1,4 +1,4 @@
-//! Records what the searches of a query look at, as graphs to be shown.
+//! The recorder of searches: what a query examined, as graphs to show.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,14 +6,14 @@ use glam::DVec2;
 
 use wildfire_base::query::{MAX_SEARCH_EDGES, SearchGraph, SearchPhase};
 
-/// The places that one phase of a query looked at.
+/// The places that one phase of a query examined.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Searched {
     pub phase: SearchPhase,
     pub graph: SearchGraph,
 }
 
-/// Puts together what the searches of a query looked at, if that is wanted.
+/// Collects what the searches of a query examined, if requested.
 #[derive(Debug, Default)]
 pub struct SearchRecorder {
     is_on: bool,
@@ -36,8 +36,8 @@ impl SearchRecorder {
         Self { is_on, graphs: BTreeMap::new() }
     }
 
-    /// Adds straight lines in the order in which they were looked at, in metres; where a search began there is a line
-    /// of length zero. The lines are not asked for where nothing is recorded.
+    /// Adds straight lines in the order in which they were examined, in metres; a search begins with a line of length
+    /// zero. Without recording the lines are not requested.
     pub fn add(&mut self, phase: SearchPhase, lines: impl IntoIterator<Item = [DVec2; 2]>) {
         if !self.is_on {
             return;
@@ -54,7 +54,7 @@ impl SearchRecorder {
         }
     }
 
-    /// Returns what was added, in the order of the phases.
+    /// Returns the recorded lines, in the order of the phases.
     pub fn finish(self) -> Vec<Searched> {
         let graphs = self.graphs.into_iter().map(|(phase, known)| Searched { phase, graph: known.graph });
         graphs.filter(|searched| !searched.graph.places.is_empty()).collect()

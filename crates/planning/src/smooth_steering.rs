@@ -1,4 +1,4 @@
-//! A planner whose paths are made fit for wheels that take their time to turn.
+//! A planner whose paths are smoothed for wheels that turn at a limited rate.
 //!
 //! Planners join arcs and straights as if wheels turned at once. Where they do not, a truck can drive such a path only if it
 //! stands at every corner of curvature until its wheels have turned, and does so ([`SpeedLimits`]). This planner takes
@@ -36,7 +36,7 @@ const MOST_STEPS: u32 = 20;
 /// Keeps steps finite where lengths cannot move the end every way.
 const DAMPING: f64 = 1e-9;
 
-/// A planner, and what smooths its paths.
+/// A planner and the smoother of its paths.
 pub struct SmoothSteering {
     planner: Box<dyn TruckPlanner>,
     smoother: CurvatureSmoother,
@@ -81,7 +81,7 @@ impl TruckPlanner for SmoothSteering {
     }
 }
 
-/// Puts clothoids in place of corners of curvature, for one body on one field.
+/// Replaces jumps of curvature by clothoids, for one body on one field.
 #[derive(Clone, Debug)]
 pub struct CurvatureSmoother {
     checker: CollisionChecker,
@@ -95,8 +95,8 @@ impl CurvatureSmoother {
         limits.steering.map(|steering| Self { checker: checker.clone(), limits: *limits, steering })
     }
 
-    /// Returns a path that takes no longer, from the same pose to the same pose, or else only to the same place of the
-    /// body's centre.
+    /// Returns a path that takes no longer, from the same pose to the same pose or, if that fails, to the same position
+    /// of the body's centre.
     pub fn smooth(&self, path: &Path, ends_in_pose: bool) -> Path {
         let path = path.clone().joined();
         let mut corners = Corners {

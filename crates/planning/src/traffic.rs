@@ -1,4 +1,4 @@
-//! Paths of trucks that meet others: round one that stands in the way, and out of the way of one that wants to pass.
+//! Paths of trucks that meet others: around a truck in the way, and aside to let another truck pass.
 
 use crate::collision::CollisionChecker;
 use wildfire_base::geometry::Pose;
@@ -45,8 +45,8 @@ const CLEARANCES_M: [f64; 2] = [0.3, 0.03];
 /// Poses that one search may look at.
 const MAX_NODES: usize = 3_000;
 
-/// Finds the cheapest path from `start` to a pose at which `may_stand` holds: a search in all directions, for a truck that
-/// is to leave the way free. `None` where none is found.
+/// Finds the cheapest path from `start` to a pose at which `may_stand` holds, by a search in all directions, for a
+/// truck that has to make room. `None` if there is none.
 ///
 /// The path has segments, so that a truck which may stand where it is gets a path to another place.
 pub fn find_yield_pose(

@@ -1,4 +1,4 @@
-//! What all agents have in common: a body on a trajectory, a goal, a mind that can change.
+//! Agents: a body on a trajectory with a goal that can change.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -23,20 +23,20 @@ use super::run::AgentCost;
 /// The shortest time for which a policy lets an agent wait: no answer may keep a run at one instant.
 const SHORTEST_WAIT: SimTime = SimTime::from_nanos(100_000_000);
 
-/// What an agent is doing.
+/// The activity of an agent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Activity {
-    /// It stands and is about to decide.
+    /// The agent stands and is about to decide.
     Idle,
-    /// It stands without a goal until something wakes it, or because its policy wants it to.
+    /// The agent stands without a goal until something wakes it, or because its policy chose to wait.
     Resting(RestReason),
-    /// It stands because others are in the way to all that it could go for.
+    /// The agent stands because others block every option.
     Blocked,
-    /// It stands while planning time is charged.
+    /// The agent stands while planning time is charged.
     Planning,
     Moving,
     Suppressing,
-    /// It stands at water and fills its tank.
+    /// The agent stands at water and fills its tank.
     Refilling,
 }
 
@@ -45,19 +45,19 @@ pub enum Activity {
 pub struct Agent {
     pub id: AgentId,
     pub body: Body,
-    /// Goes up whenever the agent changes its mind; events that carry an older one are void.
+    /// A number that increases whenever the agent changes its mind; events with an older number are void.
     pub revision: u32,
     pub activity: Activity,
     pub goal: Option<Cell>,
-    /// The place that its policy sent it to, until it is sent elsewhere.
+    /// The place that the policy sent the agent to, until it is sent elsewhere.
     pub post: Option<DVec2>,
-    /// Whether something happened on its way that it has not been asked about.
+    /// True if something happened on the drive and the policy has not been asked about it yet.
     pub is_called: bool,
-    /// The stops that the water in its tank suffices for; `None` where water does not matter.
+    /// The number of stops that the water in the tank lasts for; `None` where water does not matter.
     pub stops_left: Option<u32>,
-    /// When its stop at a fire, its filling up, or the planning time of a plan that failed, is over.
+    /// The end of the stop at a fire, of a refill, or of the planning time of a failed plan.
     pub busy_until: SimTime,
-    /// The last leg: it moves along it, or stands at its end.
+    /// The last leg: the agent moves along it or stands at its end.
     pub trajectory: Trajectory,
     pub cost: AgentCost,
     /// The part of it that building its planner and the queries answered so far took.
@@ -82,12 +82,12 @@ impl Agent {
         }
     }
 
-    /// Returns where the middle of its body is.
+    /// Returns the centre of the agent's body.
     pub fn centre(&self, now: SimTime) -> DVec2 {
         self.body.centre(self.trajectory.pose_at(now))
     }
 
-    /// Returns what policies see of it.
+    /// Returns what policies see of the agent.
     pub fn view(&self, now: SimTime) -> AgentView {
         let pose = self.trajectory.pose_at(now);
         let place = self.body.centre(pose);
@@ -110,7 +110,7 @@ impl Agent {
         }
     }
 
-    /// Returns true if it stands and is free to go for something.
+    /// Returns true if the agent stands and can choose a goal.
     pub fn is_free(&self) -> bool {
         matches!(self.activity, Activity::Idle | Activity::Resting(_) | Activity::Blocked)
     }
@@ -119,12 +119,12 @@ impl Agent {
         matches!(self.activity, Activity::Moving | Activity::Planning) && self.goal.is_some()
     }
 
-    /// Returns true if it drives to a place where it is to wait.
+    /// Returns true if the agent drives to a place where it will wait.
     pub fn is_relocating(&self, now: SimTime) -> bool {
         self.activity == Activity::Moving && self.goal.is_none() && self.post.is_some() && !self.stands(now)
     }
 
-    /// Returns true if it has come to the end of its last leg.
+    /// Returns true if the agent has reached the end of its last leg.
     pub fn stands(&self, now: SimTime) -> bool {
         self.trajectory.end_time() <= now
     }
@@ -133,13 +133,13 @@ impl Agent {
         Wake { agent, revision: self.revision }
     }
 
-    /// Voids what was planned and asks for a decision.
+    /// Voids the current plan and schedules a decision.
     pub fn reconsider(&mut self, entity: Entity, at: SimTime, queue: &mut SimQueue) {
         self.revision += 1;
         queue.push_for(at, AgentEvent::Decision, self.wake(entity));
     }
 
-    /// Gives up the goal on the way; the leg as it is really driven is `cut`, and the next decision falls at its end.
+    /// Drops the goal while driving; `cut` is the leg up to the stop, and the next decision falls at its end.
     pub fn drop_goal(
         &mut self,
         entity: Entity,
@@ -161,7 +161,7 @@ impl Agent {
         self.reconsider(entity, stands_at, queue);
     }
 
-    /// Sets out for a goal, where `then` awaits it; `trajectory` begins when planning time is over.
+    /// Starts towards a goal, where `then` is scheduled; `trajectory` begins when planning time is over.
     pub fn set_out(
         &mut self,
         entity: Entity,
@@ -181,15 +181,14 @@ impl Agent {
         self.trajectory = trajectory;
     }
 
-    /// Sets out for a place where it is to wait, and decides again when it is there.
+    /// Starts towards a place to wait, and schedules a decision for the arrival.
     pub fn relocate(&mut self, entity: Entity, place: DVec2, leg: Trajectory, queue: &mut SimQueue) {
         (self.post, self.activity) = (Some(place), Activity::Moving);
         self.reconsider(entity, leg.end_time(), queue);
         self.trajectory = leg;
     }
 
-    /// Is called off on the way to such a place; the leg as it is really driven is `cut`, and the next decision falls at
-    /// its end.
+    /// Stops a drive to such a place; `cut` is the leg up to the stop, and the next decision falls at its end.
     pub fn halt(
         &mut self,
         entity: Entity,
@@ -203,7 +202,7 @@ impl Agent {
         self.come_to_a_stop(entity, now, cut, queue);
     }
 
-    /// Stands for the planning time of a plan that failed, and decides again.
+    /// Stands for the planning time of a failed plan, then decides again.
     pub fn wait_until(&mut self, entity: Entity, time: SimTime, queue: &mut SimQueue) {
         self.revision += 1;
         self.busy_until = time;
@@ -211,13 +210,13 @@ impl Agent {
         queue.push_for(time, AgentEvent::PlanningDone, self.wake(entity));
     }
 
-    /// Fills its tank until then, and decides again.
+    /// Fills the tank until the given time, then decides again.
     pub fn refill(&mut self, entity: Entity, full_tank: u32, until: SimTime, queue: &mut SimQueue) {
         self.wait_until(entity, until, queue);
         (self.activity, self.stops_left) = (Activity::Refilling, Some(full_tank));
     }
 
-    /// Rests without a goal until something wakes it.
+    /// Rests without a goal until something wakes the agent.
     pub fn rest(&mut self, now: SimTime, reason: RestReason, recorder: &mut Recorder) {
         self.revision += 1;
         self.goal = None;
@@ -227,7 +226,7 @@ impl Agent {
         }
     }
 
-    /// Rests because its policy wants it to, and decides again at a time if nothing wakes it before.
+    /// Rests because the policy chose to, and decides again at the given time if nothing wakes the agent earlier.
     pub fn wait(
         &mut self,
         entity: Entity,
@@ -242,14 +241,14 @@ impl Agent {
         }
     }
 
-    /// Records the answer to a query of its planner, with the CPU time that its planning took since the answer before.
+    /// Records an answer of the agent's planner, with the CPU time since the answer before.
     pub fn answer(&mut self, now: SimTime, fact: AgentFact, recorder: &mut Recorder) {
         let total = self.cost.total();
         let cpu = total.saturating_sub(std::mem::replace(&mut self.answered, total));
         recorder.record_answer(now, self.id, fact, cpu);
     }
 
-    /// Returns what it is doing in the words of timelines.
+    /// Returns the activity as timelines record it.
     pub fn shown_activity(&self, now: SimTime) -> wildfire_timeline::Activity {
         match self.activity {
             Activity::Idle | Activity::Resting(_) => wildfire_timeline::Activity::Standing,
@@ -264,11 +263,11 @@ impl Agent {
     }
 }
 
-/// The agents in the order in which loops visit them, that of their names.
+/// The agents in the order in which loops visit them, by name.
 #[derive(Resource, Debug, Default)]
 pub struct Roster(pub Vec<Entity>);
 
-/// What agents are made of and where they are put.
+/// What agents are built from and placed on.
 pub struct Arena<'a> {
     pub scenario: &'a Scenario,
     pub seed: u64,
@@ -278,7 +277,7 @@ pub struct Arena<'a> {
     pub planners: &'a Planners,
 }
 
-/// Brings an agent into the world, with what its kind has besides, and lets it decide at time 0.
+/// Adds an agent with the components of its kind, and schedules its first decision at time 0.
 pub fn enlist(world: &mut World, agent: Agent, limits: SpeedLimits, kind: impl Bundle) -> AgentStart {
     let start = AgentStart { id: agent.id, pose: agent.trajectory.start(), body: agent.body, limits: Some(limits) };
     let agent = Agent { answered: agent.cost.total(), ..agent };

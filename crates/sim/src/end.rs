@@ -1,4 +1,4 @@
-//! When a run is over.
+//! The end of a run.
 
 use bevy_app::prelude::*;
 use bevy_ecs::prelude::*;
@@ -12,7 +12,7 @@ use super::recorder::Recorder;
 use super::schedule::{Pass, SimSystems};
 use super::wumpus::Wumpus;
 
-/// Runs end.
+/// The plugin that ends runs.
 #[derive(Debug)]
 pub struct EndPlugin;
 
@@ -23,7 +23,7 @@ impl Plugin for EndPlugin {
     }
 }
 
-/// Whether the run has ended.
+/// True once the run has ended.
 #[derive(Resource, Debug, Default)]
 pub struct Ended(pub bool);
 

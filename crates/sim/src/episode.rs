@@ -1,4 +1,4 @@
-//! A contest played from outside, one decision after the other: what an environment for learning is made of.
+//! A contest played from outside, one decision at a time: the basis of environments for learning.
 //!
 //! Agents that are *played* are asked where the policy that their scenario names would be asked; all others follow the
 //! scenario. A step carries out the answers of one question and lasts until the next. Answers are carried out one agent
@@ -15,16 +15,16 @@ use wildfire_base::time::SimTime;
 use wildfire_fire::FireField;
 use wildfire_timeline::{AgentId, Event, Fact, FireFact, Setting, Timeline};
 
-/// An agent that is asked.
+/// An agent that waits for an answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Asked {
     pub agent: AgentId,
-    /// What it may go for, by cell index.
+    /// The cells that it may choose, by cell index.
     pub options: Vec<Cell>,
 }
 
 impl Asked {
-    /// Says whether it may go for nothing now that it could not go for before.
+    /// Returns whether it may go for nothing now that it could not go for before.
     fn adds_nothing_to(&self, before: &Self) -> bool {
         // Both come in one order.
         let mut known = before.options.iter();
@@ -32,7 +32,7 @@ impl Asked {
     }
 }
 
-/// Points of both sides, by the scenario's rules.
+/// The points of both sides under the scenario's rules.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Points {
     pub wumpuses: f64,
@@ -40,13 +40,13 @@ pub struct Points {
 }
 
 impl Points {
-    /// Returns the points of an agent's side, less the other's.
+    /// Returns the points of the agent's side minus those of the other.
     pub fn lead_of(&self, agent: AgentId) -> f64 {
         if agent.role.lights() { self.wumpuses - self.trucks } else { self.trucks - self.wumpuses }
     }
 }
 
-/// A contest in the making.
+/// An unfinished contest that is played from outside.
 pub struct Episode {
     simulation: Simulation,
     /// In the order in which they are to be answered; nobody at the end.
@@ -58,7 +58,7 @@ pub struct Episode {
 }
 
 impl Episode {
-    /// Begins a contest and lets it go on to the first question.
+    /// Creates a contest and advances it to the first question.
     ///
     /// # Errors
     /// If it cannot take place, or comes to the limit of its memory.
@@ -71,13 +71,13 @@ impl Episode {
         Ok(episode)
     }
 
-    /// Lists who is asked, the next to act first; nobody once the contest is over.
+    /// Lists the agents that wait for an answer, in the order in which they act; empty once the contest is over.
     pub fn asked(&self) -> &[Asked] {
         &self.asked
     }
 
-    /// Carries out answers, in the order of [`Self::asked`] as far as they go, and goes on to the next question. Whoever
-    /// is left out is asked again, but for the first, who waits.
+    /// Carries out answers, in the order of [`Self::asked`] as far as they go, and advances to the next question.
+    /// Agents without an answer are asked again, except the first, which waits.
     ///
     /// # Errors
     /// If the contest comes to the limit of its memory.

@@ -18,7 +18,7 @@ use super::recorder::Recorder;
 use super::schedule::{Pass, SimSystems};
 use super::wake::Listeners;
 
-/// Bushes and ground burn.
+/// The plugin in which bushes and ground burn.
 #[derive(Debug)]
 pub struct FirePlugin;
 
@@ -28,27 +28,27 @@ impl Plugin for FirePlugin {
     }
 }
 
-/// What can burn, and the model by which it burns.
+/// Everything that can burn, with the fire model.
 #[derive(Resource, Debug)]
 pub struct Fires {
     pub field: FireField,
     pub model: Box<dyn FireModel>,
 }
 
-/// The scenario's own ignitions.
+/// The ignitions that the scenario schedules.
 #[derive(Resource, Debug)]
 pub struct Ignitions {
     pub entries: Vec<ScheduledIgnition>,
-    /// How many are still to come.
+    /// The number of ignitions still to come.
     pub pending: usize,
 }
 
-/// The cells of one of them.
+/// The cells of a scheduled ignition.
 #[derive(Debug)]
 pub enum ScheduledIgnition {
-    /// These cells.
+    /// The given cells.
     Named(Vec<Cell>),
-    /// The first cells of an order that can burn by then.
+    /// The first `count` cells of an order that can burn at that time.
     FirstOf { order: Arc<[Cell]>, count: u32 },
 }
 

@@ -15,30 +15,30 @@ use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
 use wildfire_timeline::{AgentId, Role};
 
-/// The name of the policy of agents that are played.
+/// The policy name of played agents.
 pub const PLAYER: &str = "player";
 
-/// The longest file of a game that is read, in bytes.
+/// The size limit of a game file, in bytes.
 pub const MAX_GAME_BYTES: u64 = 8_000_000;
 
 /// The version of the format, which games carry.
 const FORMAT: u32 = 1;
 
-/// A run and what its players answered.
+/// A run and the answers of its players.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Game {
     /// The version of the format.
     wildfire_game: u32,
-    /// The name of a built-in scenario, or the text of another one.
+    /// The name of a built-in scenario, or the text of a custom one.
     pub scenario: GameScenario,
     /// Changes of the scenario, such as `unimog.planner=prm-rs`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub changes: Vec<String>,
     pub seed: u64,
-    /// The sides that are played: `wumpus`, `unimog`.
+    /// The sides that players decide for: `wumpus`, `unimog`.
     pub plays: Vec<Side>,
-    /// In the order in which they were given.
+    /// The answers in the order in which they were given.
     #[serde(default)]
     pub answers: Vec<Answer>,
 }
@@ -49,7 +49,7 @@ pub struct Game {
 pub enum GameScenario {
     /// A built-in scenario, by name.
     Name(String),
-    /// The text of a scenario, as a file has it.
+    /// The text of a scenario file.
     Text(String),
 }
 
@@ -70,29 +70,29 @@ impl Side {
     }
 }
 
-/// What a player decided for an agent.
+/// A player's decision for an agent.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Answer {
-    /// When it was asked, in nanoseconds from the start of the run.
+    /// The time of the question, in nanoseconds from the start of the run.
     pub t_ns: u64,
-    /// The side, and the number of the agent on it.
+    /// The side, and the agent's number on it.
     pub side: Side,
     pub number: u16,
     pub choice: GameChoice,
 }
 
-/// What an agent is to do.
+/// A choice for an agent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum GameChoice {
-    /// It goes for this cell: column and row.
+    /// Go for this cell: column and row.
     Go(u16, u16),
-    /// A truck goes for the fire that is nearest by drive.
+    /// Go for the fire that is nearest by drive (trucks only).
     GoToNearest,
-    /// It waits, or keeps its goal, for ten seconds at most: until something happens.
+    /// Wait, or keep the goal, until something happens, for at most ten seconds.
     Wait,
-    /// It does so however long nothing happens.
+    /// Wait, or keep the goal, until something happens.
     Stay,
 }
 
@@ -111,18 +111,18 @@ impl From<Choice> for GameChoice {
 }
 
 impl Answer {
-    /// Returns what the agent, asked at this time, is to do.
+    /// Returns the choice for an agent that was asked at this time.
     pub fn new(time: SimTime, agent: AgentId, choice: GameChoice) -> Self {
         let side = if agent.role.lights() { Side::Wumpus } else { Side::Unimog };
         Self { t_ns: time.as_nanos(), side, number: agent.number, choice }
     }
 
-    /// Returns the agent that is answered for.
+    /// Returns the agent that the answer is for.
     pub fn agent(&self) -> AgentId {
         AgentId { role: self.side.role(), number: self.number }
     }
 
-    /// Returns what the simulation is told.
+    /// Returns the answer as the simulation takes it.
     pub fn told(&self) -> (AgentId, Choice) {
         let choice = match self.choice {
             GameChoice::Go(col, row) => Choice::Go(Cell { col, row }),
@@ -134,7 +134,7 @@ impl Answer {
     }
 }
 
-/// Why a game cannot be replayed.
+/// The reason why a game cannot be replayed.
 #[derive(Debug, Error)]
 pub enum GameError {
     #[error("this is not a game file: {0}")]
@@ -146,7 +146,7 @@ pub enum GameError {
 }
 
 impl Game {
-    /// Begins a game without answers.
+    /// Creates a game without answers.
     pub fn new(scenario: GameScenario, changes: Vec<String>, seed: u64, plays: Vec<Side>) -> Self {
         Self { wildfire_game: FORMAT, scenario, changes, seed, plays, answers: Vec::new() }
     }
@@ -175,7 +175,7 @@ impl Game {
         LoadedScenario::from_text(&text, &self.changes.iter().cloned().chain(played).chain(goals).collect::<Vec<_>>())
     }
 
-    /// Loads the scenario as it is without players.
+    /// Loads the scenario with its own policies, without players.
     ///
     /// # Errors
     /// If it is refused.
@@ -190,8 +190,8 @@ impl Game {
         }
     }
 
-    /// Returns policies among which [`PLAYER`] gives this game's answers, and where the first question that it has no
-    /// answer to will be told.
+    /// Returns policies among which [`PLAYER`] gives this game's answers, and a slot for the first question that the
+    /// game has no answer to.
     pub fn replayed(&self) -> (Policies, Unanswered) {
         let unanswered = Unanswered::default();
         let (answers, first) = (Arc::new(self.answers.clone()), unanswered.clone());
@@ -203,7 +203,7 @@ impl Game {
     }
 }
 
-/// Returns policies among which [`PLAYER`] leaves every decision to [`Simulation::answer`](crate::Simulation::answer).
+/// Returns policies among which [`PLAYER`] passes every decision to [`Simulation::answer`](crate::Simulation::answer).
 pub fn played() -> Policies {
     let make = |_: &PolicySite<'_>| Ok(Box::new(Outside) as Box<dyn Policy>);
     Policies::default().with(PLAYER, make).expect("no built-in policy has this name")
@@ -218,12 +218,12 @@ impl Policy for Outside {
     }
 }
 
-/// The first question that a game has no answer to, in words; agents wait from there on.
+/// A message about the first question that a game has no answer to; agents wait from there on.
 #[derive(Clone, Debug, Default)]
 pub struct Unanswered(Arc<Mutex<Option<String>>>);
 
 impl Unanswered {
-    /// Takes the message, after the run.
+    /// Takes the message after the run.
     pub fn take(&self) -> Option<String> {
         self.0.lock().expect("nobody panics while holding it").take()
     }

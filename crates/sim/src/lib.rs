@@ -60,12 +60,12 @@ pub fn run(scenario: &Scenario, seed: u64) -> Result<Run, RunError> {
     run_with_options(scenario, seed, &RunOptions::default())
 }
 
-/// Does the same as [`run`], and the timeline also holds what the searches looked at.
+/// Runs a scenario like [`run`]; the timeline also holds what the searches examined.
 pub fn run_recording_searches(scenario: &Scenario, seed: u64) -> Result<Run, RunError> {
     run_with_options(scenario, seed, &RunOptions { records_searches: true, ..RunOptions::default() })
 }
 
-/// Does the same as [`run`] with custom planners, whose names the scenario may give to its trucks.
+/// Runs a scenario like [`run`] with custom planners, whose names the scenario may give to its trucks.
 ///
 /// # Errors
 /// As [`run`], and if a truck's planner is not known or cannot be built.
@@ -73,11 +73,11 @@ pub fn run_with(scenario: &Scenario, seed: u64, planners: &Planners) -> Result<R
     run_with_options(scenario, seed, &RunOptions { planners: planners.clone(), ..RunOptions::default() })
 }
 
-/// Does the same as [`run`], with other options.
+/// Runs a scenario like [`run`] with other options.
 pub fn run_with_options(scenario: &Scenario, seed: u64, options: &RunOptions) -> Result<Run, RunError> {
     let mut stopwatch = CpuStopwatch::start();
     let mut simulation = Simulation::with(scenario, seed, options)?;
-    // Whoever leaves an answer to somebody outside waits: nobody is there.
+    // Agents whose policy passes the answer to the caller wait: there is no caller to answer.
     while let Some(asked) = simulation.advance_to_question(SimTime::MAX).map(<[_]>::to_vec) {
         simulation.answer(asked.into_iter().map(|agent| (agent, Choice::Wait)).collect());
     }
@@ -87,7 +87,7 @@ pub fn run_with_options(scenario: &Scenario, seed: u64, options: &RunOptions) ->
     Ok(run)
 }
 
-/// A run in the making.
+/// An unfinished run.
 pub struct Simulation {
     world: World,
     schedule: Schedule,
@@ -106,12 +106,12 @@ struct Memory {
 }
 
 impl Simulation {
-    /// Creates the world at time 0, before anything happened.
+    /// Creates the world at time 0, before the first event.
     pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, RunError> {
         Self::with(scenario, seed, &RunOptions::default())
     }
 
-    /// Creates the same world, which also records what searches looked at.
+    /// Creates the same world with the recording of searches switched on.
     pub fn recording_searches(scenario: &Scenario, seed: u64) -> Result<Self, RunError> {
         Self::with(scenario, seed, &RunOptions { records_searches: true, ..RunOptions::default() })
     }
@@ -160,14 +160,14 @@ impl Simulation {
         }
     }
 
-    /// Refuses a run that came to the limit of its memory: its facts after that are not to be used.
+    /// Refuses a run that has reached its memory limit: its facts after that are unusable.
     pub fn expect_within_memory(&self) -> Result<(), RunError> {
         let Memory { limit, estimate, meter } = &self.memory;
         estimate.overrun(meter, *limit).map_or(Ok(()), |exceeded| Err(exceeded.into()))
     }
 
-    /// Lets everything happen that is due up to `target`, which is included, unless the run comes to the limit of its
-    /// memory before, or a policy answers [later](Self::advance_to_question).
+    /// Advances to `target`, inclusive, unless the run reaches its memory limit before, or a policy answers
+    /// [later](Self::advance_to_question).
     pub fn advance_to(&mut self, target: SimTime) {
         while !self.world.resource::<Ended>().0
             && self.memory.meter.overrun().is_none()
@@ -182,13 +182,13 @@ impl Simulation {
     }
 
     /// Advances like [`advance_to`](Self::advance_to) and returns the agents that wait for an [answer](Self::answer),
-    /// if a policy leaves it to somebody outside. Until then the world stands still at that instant.
+    /// if a policy passes the decision to the caller. Until it is answered the world stands still.
     pub fn advance_to_question(&mut self, target: SimTime) -> Option<&[AgentId]> {
         self.advance_to(target);
         self.world.resource::<Following>().question.as_ref().map(|question| &question.asked[..])
     }
 
-    /// Lets somebody outside look at the world as a policy would who is asked what waits for an answer.
+    /// Shows the caller the world as a policy would see it that is asked the waiting question.
     pub fn observe<T>(&self, look: impl FnOnce(&Observation<'_>, &[AgentId]) -> T) -> Option<T> {
         let Question { asked, agents, options } = self.world.resource::<Following>().question.as_ref()?;
         let options_of =
@@ -197,14 +197,14 @@ impl Simulation {
         Some(look(&Observation { now, fires, agents, options_of: &options_of }, asked))
     }
 
-    /// Answers for agents that wait; whoever is left out is asked again. What is no option lets an agent wait.
+    /// Answers for agents that wait; agents without a choice are asked again. With an invalid choice an agent waits.
     pub fn answer(&mut self, choices: Vec<(AgentId, Choice)>) {
         let mut following = self.world.resource_mut::<Following>();
         following.question = None;
         following.answer = choices;
     }
 
-    /// Returns the instant at which the world stands.
+    /// Returns the current instant of the world.
     pub fn now(&self) -> SimTime {
         self.world.resource::<SimClock>().0
     }
@@ -225,22 +225,22 @@ impl Simulation {
         agents.map(|agent| agent.view(self.now())).collect()
     }
 
-    /// Returns the setting that the facts belong to.
+    /// Returns the setting of the facts.
     pub fn setting(&self) -> &Setting {
         &self.setting
     }
 
-    /// Returns what has happened so far.
+    /// Returns the facts so far.
     pub fn facts(&self) -> &[Event] {
         &self.world.resource::<Recorder>().events
     }
 
-    /// Returns what has become of the ground so far.
+    /// Returns the changes of the ground so far.
     pub fn ground(&self) -> &[GroundEvent] {
         &self.world.resource::<Recorder>().ground
     }
 
-    /// Returns the facts so far and the cost of getting there.
+    /// Returns the facts so far and their cost.
     pub fn finish(mut self) -> Run {
         let agents = self.world.resource::<Roster>().0.iter().filter_map(|&entity| self.world.get::<Agent>(entity));
         self.cost.agents = agents.map(|agent| agent.cost.clone()).collect();

@@ -1,4 +1,4 @@
-//! What is due, and in which order at one instant.
+//! The queue of events, and their order at one instant.
 
 use bevy_ecs::prelude::*;
 
@@ -8,8 +8,8 @@ use wildfire_base::time::SimTime;
 use wildfire_fire::FireEvent;
 use wildfire_timeline::{AgentId, Cause};
 
-/// What happens first at one instant. The order is part of the contest's rules; the first two see to it that everybody
-/// has heard of a change before the next thing happens that was due at the same time.
+/// The order of events at one instant. It is part of the contest's rules; the first two ranks make sure that every
+/// agent has heard of a change before the next event of the same time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Rank {
     Woken,
@@ -26,25 +26,25 @@ pub enum Rank {
     End,
 }
 
-/// Whom an event is for. It is void if the agent has changed its mind since, that is, has another revision.
+/// The addressee of an event. The event is void if the agent has changed its mind since, that is, has another revision.
 #[derive(Clone, Copy, Debug)]
 pub struct Wake {
     pub agent: Entity,
     pub revision: u32,
 }
 
-/// What is due for one agent.
+/// An event for one agent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AgentEvent {
-    /// Something has changed that it may want to answer with another decision.
+    /// Something has changed that the agent may respond to.
     LookAgain,
-    /// Its goal is no longer worth going for.
+    /// The goal is no longer worth going for.
     GoalLost,
-    /// A truck has stood at a fire for long enough.
+    /// A truck has stood at a fire long enough.
     DwellEnd,
     /// A Wumpus is within reach of its goal.
     Lighting,
-    /// A truck is where it will suppress.
+    /// A truck has arrived where it will suppress.
     Arrival,
     /// Charged planning time is over.
     PlanningDone,
@@ -53,7 +53,7 @@ pub enum AgentEvent {
     Standoff,
 }
 
-/// What is to become of a cell at once, if it can.
+/// A change of a cell that takes place at once, if it can.
 #[derive(Clone, Copy, Debug)]
 pub enum CellEvent {
     Ignite { cell: Cell, cause: Cause },
@@ -63,12 +63,12 @@ pub enum CellEvent {
     Dry { cell: Cell },
 }
 
-/// Something that is due at a time.
+/// An event that is due at a time.
 #[derive(Clone, Copy, Debug)]
 pub enum Due {
     Agent(AgentEvent, Wake),
     Cell(CellEvent),
-    /// What the model of the fire expects.
+    /// An event that the fire model expects.
     Fire(FireEvent),
     /// The scenario's ignition of this number.
     Scheduled(usize),
@@ -94,11 +94,11 @@ impl Due {
     }
 }
 
-/// The instant at which the world stands.
+/// The current instant of the world.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct SimClock(pub SimTime);
 
-/// All that is due. Systems take what is next, and only at its time, so that none can act out of turn.
+/// All events that are due. Systems take the next event only at its time, so that none can act out of turn.
 #[derive(Resource, Debug, Default)]
 pub struct SimQueue(EventQueue<Rank, Due>);
 
@@ -122,14 +122,14 @@ impl SimQueue {
         self.0.due(now, rank).next()
     }
 
-    /// Takes the next entry if it is due now and this event for one of the agents that `is_meant` accepts.
+    /// Takes the next entry if it is due now and is this event for an agent that `is_meant` accepts.
     pub fn take_for(&mut self, now: SimTime, event: AgentEvent, is_meant: impl Fn(Entity) -> bool) -> Option<Wake> {
         let wake = self.next_for(now, event, is_meant)?;
         self.drop_next();
         Some(wake)
     }
 
-    /// Returns whom the next entry is for, on the same conditions, and leaves it where it is.
+    /// Returns the addressee of the next entry under the same conditions, without taking it.
     pub fn next_for(&self, now: SimTime, event: AgentEvent, is_meant: impl Fn(Entity) -> bool) -> Option<Wake> {
         match self.next(now) {
             Some(&Due::Agent(next, wake)) if next == event && is_meant(wake.agent) => Some(wake),
@@ -143,7 +143,7 @@ impl SimQueue {
         }
     }
 
-    /// Iterates over the decisions that are due now, if nothing comes before them.
+    /// Iterates over the decisions that are due now, if no other event precedes them.
     pub fn decisions(&self, now: SimTime) -> impl Iterator<Item = Wake> {
         self.0.due(now, Rank::Decision).filter_map(|due| match *due {
             Due::Agent(_, wake) => Some(wake),
@@ -151,7 +151,7 @@ impl SimQueue {
         })
     }
 
-    /// Returns when something is due next.
+    /// Returns the time of the next event.
     pub fn next_time(&self) -> Option<SimTime> {
         self.0.peek().map(|(time, _)| time)
     }

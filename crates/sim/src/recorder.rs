@@ -1,4 +1,4 @@
-//! The books of a run in the making: its facts, and the CPU time of its decisions.
+//! The records of an unfinished run: its facts, and the CPU time of its decisions.
 
 use std::time::Duration;
 
@@ -20,7 +20,7 @@ const MAX_RECORDED: usize = 4_000_000;
 pub struct Recorder {
     pub events: Vec<Event>,
     pub ground: Vec<GroundEvent>,
-    /// CPU time of each answer of a planner among the events, in their order.
+    /// CPU time of each planner answer among the events, in their order.
     pub answer_cpu: Vec<Duration>,
     /// Notes on failed queries.
     pub messages: FailureMessages,
@@ -49,7 +49,7 @@ impl Recorder {
         }
     }
 
-    /// Adds a fact. If there is no memory for it, it is left out and the run is over.
+    /// Adds a fact. If memory is exhausted, the fact is dropped and the run is over.
     pub fn record(&mut self, time: SimTime, fact: Fact) {
         let beside = self.beside + bytes_beside(&fact);
         if self.memory.cover(self.events.bytes_after(1) + self.ground.bytes_after(0) + beside) {
@@ -62,7 +62,7 @@ impl Recorder {
         self.record(time, Fact::Agent(agent, fact));
     }
 
-    /// Adds the answer to a query of a planner, and what it cost.
+    /// Adds the answer to a planner query, and its cost.
     pub fn record_answer(&mut self, time: SimTime, agent: AgentId, fact: AgentFact, cpu: Duration) {
         let events = self.events.len();
         self.record_agent(time, agent, fact);
@@ -74,21 +74,21 @@ impl Recorder {
         self.record(time, Fact::Fire(fact));
     }
 
-    /// Adds what became of a cell of ground, on the same terms.
+    /// Adds a change of a ground cell under the same conditions.
     pub fn record_ground(&mut self, event: GroundEvent) {
         if self.memory.cover(self.events.bytes_after(0) + self.ground.bytes_after(1) + self.beside) {
             self.ground.push(event);
         }
     }
 
-    /// Keeps notes on a failed query, if anything.
+    /// Keeps notes on a failed query, if there are any.
     pub fn note_failure(&mut self, time: SimTime, agent: AgentId, failure: PlanFailure, message: Option<&str>) {
         if let Some(message) = message {
             self.messages.add(&agent.to_string(), time, failure, message);
         }
     }
 
-    /// Adds what the searches of a plan looked at.
+    /// Adds what the searches of a plan examined.
     pub fn record_searches(&mut self, time: SimTime, agent: AgentId, searched: impl IntoIterator<Item = Searched>) {
         for Searched { phase, graph } in searched {
             self.searched += graph.places.len() + graph.edges.len();
@@ -117,7 +117,7 @@ fn bytes_beside(fact: &Fact) -> usize {
 pub struct CpuLog(pub Vec<CpuSample>);
 
 impl CpuLog {
-    /// Adds what a decision took, if anything.
+    /// Adds the CPU time of a decision, if it took any.
     pub fn add(&mut self, time: SimTime, agent: AgentId, cpu: Duration) {
         if !cpu.is_zero() {
             self.0.push(CpuSample { time, agent, cpu });

@@ -1,4 +1,4 @@
-//! What goes into a run beside its scenario, and what comes out of it.
+//! The options of a run, and its result.
 
 use std::fmt;
 use std::sync::Arc;
@@ -13,11 +13,11 @@ use wildfire_base::time::SimTime;
 use wildfire_planning::{CpuSource, MakeError, PlanFailure, PlannerName, Planners, QueryCpu};
 use wildfire_timeline::{AgentId, CpuSample, Timeline};
 
-/// CPU time of one agent's planning over a run. What does not concern its kind is zero.
+/// CPU time of one agent's planning in a run. Parts that its kind does not have are zero.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct AgentCost {
     pub agent: AgentId,
-    /// The truck's roadmap: drawing samples, and connecting them.
+    /// The truck's roadmap: sampling and connecting.
     pub sampling: Duration,
     pub connecting: Duration,
     pub roadmap_search: Duration,
@@ -25,22 +25,22 @@ pub struct AgentCost {
     pub local_search: Duration,
     /// Reachability floods and the lattice searches that follow them.
     pub reachability: Duration,
-    /// A truck's planner that is not built in: making it, with the starts of its program.
+    /// A truck's custom planner: making it, including the starts of its program.
     #[serde(default)]
     pub starting: Duration,
-    /// Queries to it.
+    /// Queries to the custom planner.
     #[serde(default)]
     pub queries: Duration,
-    /// The part of the above that no thread of this program spent: a planner's own processes did.
+    /// The part of the above that a planner's own processes used, outside this program.
     #[serde(default)]
     pub elsewhere: Duration,
-    /// Where the times of a truck's queries come from; of several sources the least trusted.
+    /// The source of the times of a truck's queries; of several sources the least trusted.
     #[serde(default)]
     pub source: Option<CpuSource>,
 }
 
 impl AgentCost {
-    /// Creates the account of an agent that has not planned anything.
+    /// Creates the account of an agent that has not planned yet.
     pub fn new(agent: AgentId) -> Self {
         let zero = Duration::ZERO;
         Self {
@@ -57,7 +57,7 @@ impl AgentCost {
         }
     }
 
-    /// Adds the time of a query to a planner that is not built in.
+    /// Adds the time of a query to a custom planner.
     pub fn add_query(&mut self, cpu: QueryCpu) {
         self.starting += cpu.starting;
         self.queries += cpu.time.saturating_sub(cpu.starting);
@@ -78,22 +78,22 @@ impl AgentCost {
 pub struct RunCost {
     pub terrain: Duration,
     pub clearance_field: Duration,
-    /// Decisions of policies for whole teams of trucks.
+    /// CPU time of decisions of policies for whole teams of trucks.
     #[serde(default)]
     pub dispatch: Duration,
-    /// Policies that are not built in, with the starts of their programs.
+    /// CPU time of custom policies, including the starts of their programs.
     #[serde(default)]
     pub policies: Duration,
-    /// The part of it that other processes spent.
+    /// The part of it that other processes used.
     #[serde(default)]
     pub policies_elsewhere: Duration,
-    /// In the order of the timeline's agents.
+    /// The costs of agents, in the order of the timeline's agents.
     pub agents: Vec<AgentCost>,
     pub total: Duration,
 }
 
 impl RunCost {
-    /// The part that no thread of this program spent.
+    /// Returns the part that no thread of this program used.
     pub fn elsewhere(&self) -> Duration {
         self.agents.iter().map(|agent| agent.elsewhere).sum::<Duration>() + self.policies_elsewhere
     }
@@ -102,34 +102,34 @@ impl RunCost {
 /// A finished run.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// What happened.
+    /// The facts of the run.
     pub timeline: Timeline,
     /// CPU time, by part.
     pub cost: RunCost,
-    /// The same by decision, in order of time: first one entry an agent for building its planner, then one for every
+    /// CPU time by decision, in order of time: first one entry per agent for building its planner, then one for every
     /// decision that took some.
     pub cpu_samples: Vec<CpuSample>,
-    /// The CPU time of each query to a planner, in the order in which the timeline has the answers: what planning took
-    /// that agent since its answer before.
+    /// The CPU time of each planner query, in the order of the answers in the timeline: the planning time of that agent
+    /// since its previous answer.
     pub answer_cpu: Vec<Duration>,
-    /// What planners and policies that are not built in had to say about failures, or the gate about their paths.
+    /// Messages of custom planners and policies about failures, and of the gate about their paths.
     pub messages: FailureMessages,
-    /// How the asks of policies that are not built in went; `None` where all are built in.
+    /// Counts of questions to custom policies; `None` where all are built in.
     pub asks: Option<PolicyTally>,
 }
 
-/// Counts of the asks of policies that are not built in.
+/// Counts of questions to custom policies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PolicyTally {
     pub asked: u64,
     pub timed_out: u64,
     pub crashed: u64,
     pub bad_answer: u64,
-    /// Asks that were answered with something that is no option of the agent, which waits then.
+    /// Questions that were answered with an invalid option; the agent then waits.
     pub illegal: u64,
 }
 
-/// Messages about failures: the first ones, how many there were, and the same by kind.
+/// Messages about failures: the first ones, the total number, and counts by kind.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FailureMessages {
     pub first: Vec<String>,
@@ -159,7 +159,7 @@ impl FailureMessages {
         self.add_words(who, time, &format!("{reason}: {message}"));
     }
 
-    /// Adds words that begin with a reason and a colon.
+    /// Adds a message that begins with a reason and a colon.
     pub fn add_words(&mut self, who: &str, time: SimTime, words: &str) {
         let message: String =
             format!("{who} at {:.1} s: {words}", time.as_seconds()).chars().take(Self::LONGEST).collect();
@@ -203,28 +203,28 @@ impl fmt::Display for FailureMessages {
     }
 }
 
-/// The options of a run. Apart from what the planners do that are registered, they change nothing that happens in it.
+/// The options of a run. Apart from registered planners and policies, they do not change its outcome.
 #[derive(Clone, Debug, Default)]
 pub struct RunOptions {
     /// The planners by name.
     pub planners: Planners,
-    /// True if the timeline also holds what the searches looked at, as
-    /// [`AgentFact::Searched`](wildfire_timeline::AgentFact::Searched). CPU times include recording it.
+    /// True if the timeline also holds what the searches examined, as
+    /// [`AgentFact::Searched`](wildfire_timeline::AgentFact::Searched). CPU times then include the recording.
     pub records_searches: bool,
     /// The policies by name.
     pub policies: Policies,
-    /// Who starts the programs that a scenario names; nobody does if there is none.
+    /// The starter of the programs that a scenario names; without it none is started.
     pub programs: Option<Arc<dyn StartPrograms>>,
-    /// The limit of memory. A run that would take more does not take place, or ends early, as [`RunError::Memory`].
+    /// The memory limit. A run that would need more does not take place, or ends early, with [`RunError::Memory`].
     pub memory: MemoryLimit,
 }
 
-/// Planners and policies that were registered, beside the built-in ones.
+/// The registered planners and policies, besides the built-in ones.
 #[derive(Clone, Debug, Default)]
 pub struct Entrants {
     pub planners: Planners,
     pub policies: Policies,
-    /// Who starts the programs that a scenario names; nobody does if there is none.
+    /// The starter of the programs that a scenario names; without it none is started.
     pub programs: Option<Arc<dyn StartPrograms>>,
 }
 
@@ -274,7 +274,7 @@ impl From<Entrants> for RunOptions {
     }
 }
 
-/// Why a run could not take place.
+/// The reason why a run could not take place.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RunError {
     #[error(transparent)]
@@ -287,7 +287,7 @@ pub enum RunError {
     NoPrograms { reason: MakeError },
     #[error("{agent} cannot start: no free place was found for it on this field")]
     NoFreeStart { agent: AgentId },
-    /// The run was stopped before its end. It has no result and is run again.
+    /// The run was stopped before its end. It has no result and has to be run again.
     #[error("the run was stopped before its end")]
     Stopped,
     #[error("{agent} has no planner: `{name}` could not be built: {reason}")]

@@ -11,12 +11,12 @@ use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleT
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Pass;
 
-/// What the systems of a pass are about, in their order.
+/// The sets of systems of a pass, in their order.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub enum SimSystems {
-    /// Bushes ignite, burn out and are extinguished, until an agent hears of what concerns it.
+    /// Bushes ignite, burn out and are extinguished, until an agent hears of a change.
     Fire,
-    /// Agents who heard of something look again.
+    /// Agents that heard of a change look again.
     Wake,
     Wumpus,
     Truck,
@@ -25,7 +25,7 @@ pub enum SimSystems {
     End,
 }
 
-/// The order of the sets, on one thread.
+/// The plugin that orders the sets, on one thread.
 #[derive(Debug)]
 pub struct SchedulePlugin;
 

@@ -26,8 +26,8 @@ use super::run::{RunCost, RunError, RunOptions};
 use super::walk_grounds::WalkGrounds;
 use super::{truck, wumpus};
 
-/// Puts everything into the world and everybody at the start, with the first decisions due. Returns what the timeline
-/// says of it, and what it cost.
+/// Sets up the world with everybody at the start and the first decisions due. Returns the setting for the timeline, and
+/// the cost.
 pub fn fill(
     world: &mut World,
     scenario: &Scenario,
@@ -127,7 +127,7 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies)
     Ok(following)
 }
 
-/// Returns the rules of water of a run, where there are any.
+/// Returns the water rules of a run, if it has any.
 pub fn water_rules(scenario: &Scenario) -> Option<WaterRules> {
     let water = scenario.water.as_ref()?;
     let places = water.places(scenario);

@@ -19,7 +19,7 @@ use super::schedule::{Pass, SimSystems};
 use super::traffic::{MARGIN_M, Reservation, Traffic};
 use super::truck::{Fleet, Truck};
 
-/// Trucks that block one another find a way.
+/// The plugin in which trucks that block one another find a way out.
 #[derive(Debug)]
 pub struct TrafficPlugin;
 
@@ -64,7 +64,7 @@ impl WayOut {
         // The largest number first: it is served last, so it has the least to lose.
         let places = (0..reservations.len()).rev().filter(|&place| in_the_way.contains(&reservations[place].entity));
         let places: Vec<usize> = places.collect();
-        // Whoever will leave by itself is waited for.
+        // Trucks that will leave by themselves are waited for.
         if places.is_empty() || !places.iter().all(|&place| reservations[place].is_idle) {
             return None;
         }

@@ -1,4 +1,4 @@
-//! Trucks that keep clear of each other.
+//! Traffic: trucks keep clear of each other.
 //!
 //! The leg of every truck is a reservation: along it while it drives, and of its end from then on. No two reservations
 //! come nearer than [`MARGIN_M`], so a truck that keeps to its own is safe whatever the others do. Only three things
@@ -82,14 +82,14 @@ fn farthest_point_m(body: &Dimensions) -> f64 {
     (lengthwise * lengthwise + 0.25 * body.width_m * body.width_m).sqrt()
 }
 
-/// Where a truck is and will be.
+/// The present and future positions of a truck.
 #[derive(Clone, Debug)]
 pub struct Reservation {
     pub entity: Entity,
     pub id: AgentId,
     pub body: Dimensions,
     leg: Trajectory,
-    /// Whether it stands and will not leave by itself.
+    /// True if it stands and will not leave by itself.
     pub is_idle: bool,
     /// Where it is on all of its leg.
     swept: SweptBox,
@@ -105,7 +105,7 @@ impl Reservation {
         &self.leg
     }
 
-    /// Gives the truck another leg.
+    /// Assigns the truck another leg.
     pub fn set_leg(&mut self, leg: Trajectory) {
         self.swept = SweptBox::new(MovingBody { body: &self.body, trajectory: &leg });
         self.leg = leg;
@@ -127,7 +127,7 @@ impl Reservation {
     }
 }
 
-/// What the other trucks have reserved, as one truck sees it.
+/// The reservations of the other trucks, as one truck sees them.
 #[derive(Clone, Copy, Debug)]
 pub struct Traffic<'a> {
     all: &'a [Reservation],
@@ -150,14 +150,14 @@ impl<'a> Traffic<'a> {
         near.find(|other| first_conflict(motion, other.moving(), from, MARGIN_M).is_some())
     }
 
-    /// Iterates over the others whose last place is on the way of a leg, whenever it is driven.
+    /// Iterates over the others whose last place blocks a leg, whenever it is driven.
     pub fn standing_on(self, body: &Dimensions, leg: &Trajectory) -> impl Iterator<Item = &'a Reservation> {
         let swept = SweptBox::new(MovingBody { body, trajectory: leg });
         self.others()
             .filter(move |other| other.first_conflict_at_end(MovingBody { body, trajectory: leg }, &swept).is_some())
     }
 
-    /// Returns the metres of a leg before the first of the others that stands on it in its last place, if any does.
+    /// Returns the metres of a leg before the first truck that stands on it in its last place, if any does.
     pub fn free_m(self, body: &Dimensions, leg: &Trajectory) -> Option<f64> {
         let motion = MovingBody { body, trajectory: leg };
         let swept = SweptBox::new(motion);
@@ -165,12 +165,12 @@ impl<'a> Traffic<'a> {
         times.map(|time| leg.distance_m(time)).min_by(f64::total_cmp)
     }
 
-    /// Returns the leg with the shortest wait at its beginning that lets the others pass, or who is in the way.
+    /// Returns the leg with the shortest initial wait that lets the others pass, or the truck that blocks it.
     pub fn departure(self, body: &Dimensions, leg: &Trajectory) -> Result<Trajectory, AgentId> {
         self.departure_within(PATIENCE, body, leg)
     }
 
-    /// Returns the same, with no longer wait than `patience`.
+    /// Returns the same with at most `patience` of waiting.
     pub fn departure_within(
         self,
         patience: SimTime,
@@ -193,7 +193,7 @@ impl<'a> Traffic<'a> {
         later.find(|leg| conflict(leg).is_none()).ok_or(first.id)
     }
 
-    /// Returns a leg cut short at the first place where the truck may stand for good, from `now` on.
+    /// Returns a leg cut at the first place, from `now` on, where the truck may stand for good.
     pub fn stopping(self, body: &Dimensions, leg: &Trajectory, now: SimTime, limits: &SpeedLimits) -> Trajectory {
         let is_free = |cut: &Trajectory| self.first_in_conflict(MovingBody { body, trajectory: cut }, now).is_none();
         let at_once = if leg.start_time() >= now {

@@ -1,4 +1,4 @@
-//! Who hears of what: changes of the fire wake the agents whom they concern.
+//! Wake-ups: changes of the fire wake the agents that they concern.
 
 use bevy_app::prelude::*;
 use bevy_ecs::prelude::*;
@@ -14,7 +14,7 @@ use super::policies::Asking;
 use super::queue::{AgentEvent, Due, SimClock, SimQueue};
 use super::schedule::{Pass, SimSystems};
 
-/// Agents are woken, and those without a kind of their own to ask look again.
+/// The plugin in which agents are woken; agents without a system of their own look again.
 #[derive(Debug)]
 pub struct WakePlugin;
 
@@ -24,12 +24,13 @@ impl Plugin for WakePlugin {
     }
 }
 
-/// What wakes an agent.
+/// The triggers that wake an agent.
 #[derive(Component, Clone, Debug)]
 pub struct WokenBy(pub Vec<Trigger>);
 
 impl WokenBy {
-    /// Returns what wakes a truck whose policy is asked so, and that reconsiders its goal or not whenever something ignites.
+    /// Returns the triggers of a truck whose policy is asked in this way, and which may reconsider its goal whenever
+    /// something ignites.
     pub fn truck(asking: Asking, reconsiders: bool) -> Self {
         let triggers = match asking {
             Asking::Team { replans } => vec![Trigger::GoalBurnsNoMore, Trigger::ChangeForTeam { replans }],
@@ -48,7 +49,7 @@ impl WokenBy {
     }
 }
 
-/// A reason to wake an agent: a change of a bush, and what the agent is about when it happens.
+/// A reason to wake an agent: a change of a bush, and the agent's activity at the time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trigger {
     GoalIgnited,
@@ -56,10 +57,10 @@ pub enum Trigger {
     IgnitionWhileFree,
     IgnitionUnderWay,
     FireOverWhileBlocked,
-    /// A fire is over, and its bush can be lit again.
+    /// A fire is over, and its bush can be lit again, while the agent rests.
     FuelWhileResting,
     ChangeWhileWaiting,
-    /// Of a truck in a team: whatever it is about, unless it suppresses or comes to a stop.
+    /// Any change, for a truck in a team that neither suppresses nor comes to a stop.
     ChangeForTeam {
         /// True if trucks that are under way to a fire are asked too.
         replans: bool,
@@ -71,7 +72,7 @@ pub enum Trigger {
 enum News {
     Ignition(Cell),
     FireOver(Cell),
-    /// It cannot be lit as long as it is wet.
+    /// A wet cell, which cannot be lit until it dries.
     Water(Cell),
     Fuel,
 }
@@ -118,7 +119,7 @@ impl Trigger {
     }
 }
 
-/// All who hear of changes.
+/// All agents that listen for changes.
 #[derive(SystemParam)]
 pub struct Listeners<'w, 's> {
     roster: Res<'w, Roster>,
@@ -126,7 +127,7 @@ pub struct Listeners<'w, 's> {
 }
 
 impl Listeners<'_, '_> {
-    /// Wakes whom a change concerns, in the order of their names; returns false if that is nobody.
+    /// Wakes the agents that a change concerns, in the order of their names; returns false if there are none.
     pub fn hear_of(&self, change: FireChange, now: SimTime, fires: &FireField, queue: &mut SimQueue) -> bool {
         let mut is_heard = false;
         for news in News::of_change(change, fires) {

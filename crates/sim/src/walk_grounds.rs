@@ -1,5 +1,5 @@
-//! The grounds that Wumpuses walk on: those of equal bodies and rules share one lattice, one planner with its memory, and
-//! one list of what they can light.
+//! The grounds on which Wumpuses walk: Wumpuses of equal bodies and rules share one lattice, one planner with its
+//! memory, and one list of what they can light.
 //!
 //! Each part is made when the first Wumpus needs it, so that setting out costs the same for one Wumpus and for a hundred.
 
@@ -28,7 +28,7 @@ impl WalkPlanners {
     }
 }
 
-/// The cells that a Wumpus can approach from where it starts, and those that it cannot, each by cell index.
+/// The cells that a Wumpus can approach from its start, and those that it cannot, each by cell index.
 #[derive(Debug)]
 pub struct Targets {
     frame: FieldFrame,
@@ -37,7 +37,7 @@ pub struct Targets {
 }
 
 impl Targets {
-    /// Says whether a cell can be approached.
+    /// Returns true if a cell can be approached.
     pub fn contains(&self, cell: Cell) -> bool {
         let index = |cell: &Cell| self.frame.index(*cell);
         self.cells.binary_search_by_key(&index(&cell), index).is_ok()
@@ -53,7 +53,7 @@ pub struct Footing {
     pub planner: WalkPlannerId,
 }
 
-/// The grounds of a run while its Wumpuses are made.
+/// The grounds of a run while its Wumpuses are created.
 pub struct WalkGrounds<'a> {
     terrain: &'a Terrain,
     /// By cell index.
@@ -88,7 +88,7 @@ impl<'a> WalkGrounds<'a> {
         Self { terrain, lightable, lattices, known_planners, planners: WalkPlanners::default() }
     }
 
-    /// Puts a Wumpus on the free point of its lattice that is nearest to its start; `None` if no point is free.
+    /// Places a Wumpus on the free point of its lattice that is nearest to its start; `None` if no point is free.
     pub fn place(&mut self, settings: &scenario::Wumpus) -> Option<Footing> {
         let number = self.lattice_number(settings.lattice_shape(&self.terrain.frame));
         let ground = &mut self.lattices[number];

@@ -1,4 +1,4 @@
-//! The arsonist: the walk to a bush, lighting it, and dropping a goal that is no longer worth it.
+//! The arsonist: walking to a bush, lighting it, and dropping a goal that is no longer worthwhile.
 //!
 //! A Wumpus that descends a potential field without an escape may end in a local minimum. There its goal counts as a
 //! failed plan, and it turns to another one. Bushes are obstacles for the whole run, so the same descent from the same
@@ -35,7 +35,7 @@ use super::schedule::{Pass, SimSystems};
 use super::wake::{Trigger, WokenBy};
 use super::walk_grounds::{Footing, Targets, WalkGrounds, WalkPlannerId, WalkPlanners};
 
-/// Wumpuses walk and light bushes.
+/// The plugin in which Wumpuses walk and light bushes.
 #[derive(Debug)]
 pub struct WumpusPlugin;
 
@@ -45,7 +45,7 @@ impl Plugin for WumpusPlugin {
     }
 }
 
-/// A Wumpus's rules, its lattice, and where it stands on it.
+/// A Wumpus's rules, its lattice, and its position on it.
 #[derive(Component)]
 pub struct Wumpus {
     reach_m: f64,
@@ -83,17 +83,17 @@ impl Wumpus {
         self.targets.cells.iter().copied().filter(|&cell| self.may_light(cell, fires))
     }
 
-    /// Says whether a cell is one of its options.
+    /// Returns whether a cell is one of its options.
     fn is_option(&self, cell: Cell, fires: &FireField) -> bool {
         self.may_light(cell, fires) && self.targets.contains(cell)
     }
 
-    /// Says whether one of its targets can be lit, and it has not failed to approach it from here.
+    /// Returns whether one of its targets can be lit, and it has not failed to approach it from here.
     fn may_light(&self, target: Cell, fires: &FireField) -> bool {
         fires.can_burn(target) && !self.failed_goals.contains(&(self.point, target))
     }
 
-    /// Returns true if anything that it can approach can be lit.
+    /// Returns true if it can light anything that it can approach.
     pub fn has_something_to_light(&self, fires: &FireField) -> bool {
         self.targets.cells.iter().any(|&cell| fires.can_burn(cell))
     }
@@ -141,7 +141,7 @@ impl Wumpus {
     }
 }
 
-/// Puts a Wumpus on the free point of its lattice that is nearest to its start.
+/// Places a Wumpus on the free point of its lattice that is nearest to its start.
 pub fn spawn(
     world: &mut World,
     grounds: &mut WalkGrounds<'_>,

@@ -1,11 +1,11 @@
-//! The name of an agent: what it is, and its number among those of its role.
+//! The identity of an agent: its role, and its number within the role.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// What an agent is in the contest. What an agent can do is asked here; only what simulates or draws one asks which it
-/// is.
+/// The role of an agent in the contest. Abilities are queried here; only code that simulates or draws an agent tests
+/// which role it has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Role {
     Wumpus,
@@ -13,7 +13,7 @@ pub enum Role {
 }
 
 impl Role {
-    /// Returns the word for it in tables, files and names of random streams.
+    /// Returns the role's name in tables, files and names of random streams.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Wumpus => "wumpus",
@@ -21,23 +21,24 @@ impl Role {
         }
     }
 
-    /// Returns true if it sets bushes on fire.
+    /// Returns true if agents of the role set bushes on fire.
     pub const fn lights(self) -> bool {
         matches!(self, Self::Wumpus)
     }
 
-    /// Returns true if it puts fires out.
+    /// Returns true if agents of the role extinguish fires.
     pub const fn suppresses(self) -> bool {
         matches!(self, Self::Unimog)
     }
 
-    /// Returns true if it moves on wheels, so that it can neither turn on the spot nor stand where another does.
+    /// Returns true if agents of the role move on wheels, so that they can neither turn on the spot nor stand where
+    /// another does.
     pub const fn drives(self) -> bool {
         matches!(self, Self::Unimog)
     }
 }
 
-/// One agent of a run: its role and its number among those of its role, from 0. Agents are ordered so.
+/// An agent of a run: its role, and its number within the role, from 0. Agents are ordered by both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(from = "WrittenId", into = "WrittenId")]
 pub struct AgentId {

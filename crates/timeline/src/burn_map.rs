@@ -1,4 +1,4 @@
-//! What a run leaves on every cell: when fire came, from where, and how it burned there.
+//! The traces of a run on every cell: when fire arrived, from where, and how it burned there.
 //!
 //! All vectors are by cell index, with NaN where nothing burned or nothing is known. Where a cell burned more than once, the
 //! first time counts.
@@ -30,12 +30,12 @@ pub struct BurnMap<'a> {
     lost_bushes: usize,
 }
 
-/// How fire burned on each cell.
+/// The fire behaviour on each cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FireBehavior {
-    /// Compass azimuth that the front faced.
+    /// The compass azimuth of the front's normal.
     pub direction_deg: Vec<f64>,
-    /// Normal to the front, along the slope.
+    /// The rate of spread normal to the front, along the slope.
     pub rate_m_min: Vec<f64>,
     pub intensity_kw_m: Vec<f64>,
     pub flame_length_m: Vec<f64>,
@@ -74,36 +74,36 @@ impl<'a> BurnMap<'a> {
         self.setting.frame
     }
 
-    /// The number of cells that burned.
+    /// Returns the number of cells that burned.
     pub fn burned(&self) -> usize {
         self.ignitions.iter().flatten().count()
     }
 
-    /// The number of bushes that burned.
+    /// Returns the number of bushes that burned.
     pub fn burned_bushes(&self) -> usize {
         let bushes = self.setting.bushes.iter();
         bushes.filter(|&&bush| self.ignitions[self.setting.frame.index(bush)].is_some()).count()
     }
 
-    /// The number of bushes that burned out, or still burned at the end.
+    /// Returns the number of bushes that burned out, or were still burning at the end.
     pub fn lost_bushes(&self) -> usize {
         self.lost_bushes
     }
 
-    /// Iterates over cells that were lit by somebody or by the scenario, by cell index.
+    /// Iterates over cells that an agent or the scenario lit, by cell index.
     pub fn lit(&self) -> impl Iterator<Item = Cell> + '_ {
         let cells = self.ignitions.iter().enumerate();
         let lit = cells.filter(|(_, ignition)| ignition.is_some_and(|(_, cause)| cause.parent().is_none()));
         lit.map(|(index, _)| self.setting.frame.cell(index))
     }
 
-    /// Seconds from the start of the run until fire came to each cell.
+    /// Returns the arrival time of fire at each cell, in seconds from the start of the run.
     pub fn arrival_s(&self) -> Vec<f64> {
         self.ignitions.iter().map(|ignition| ignition.map_or(f64::NAN, |(time, _)| time.as_seconds())).collect()
     }
 
-    /// Computes how fire burned on each cell; `None` where only bushes burn, without a rate. Cells that were lit, and those
-    /// that an ember set on fire, were not reached by a front: they have no values.
+    /// Computes the fire behaviour on each cell; `None` where only bushes burn, without a rate. Cells that were lit or
+    /// ignited by an ember were not reached by a front and have no values.
     pub fn behavior(&self) -> Option<FireBehavior> {
         let SpreadSetting::Rothermel { landscape, weather, rules } = self.setting.spread.as_ref()? else { return None };
         let mut fires = LocalFires::new(landscape, weather, rules);

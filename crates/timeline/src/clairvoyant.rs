@@ -1,4 +1,5 @@
-//! The least that any dispatcher could lose: a bound for one who knows from the start where and when everything is lit.
+//! A lower bound of the losses of any dispatcher: those of one that knows from the start where and when everything is
+//! lit.
 //!
 //! What was lit in a run, by Wumpuses and by the scenario, is taken as given. The bound holds for all that trucks with
 //! these starts, speeds, reach and dwell could do about it, because every step of it errs on their side. Ways are straight and
@@ -94,7 +95,7 @@ struct Job {
 }
 
 impl Job {
-    /// Says whether it is certain that it is lit, and has not caught fire before.
+    /// Returns whether it is certain that it is lit, and has not caught fire before.
     fn is_lit_for_sure(&self) -> bool {
         self.burns_from_s == f64::INFINITY
     }
@@ -255,7 +256,7 @@ impl<'a> Limits<'a> {
         out_of_reach + least_uncovered(&firsts, &nexts)
     }
 
-    /// Says whether one truck may put out both, in one order or the other.
+    /// Returns whether one truck may put out both, in one order or the other.
     fn fit(&self, one: &Job, other: &Job) -> bool {
         let apart_m = (one.place - other.place).length() - 2.0 * self.reach_m;
         let way_s = travel_s(apart_m - self.widest_swing_m, self.fastest_mps);

@@ -1,11 +1,11 @@
-//! What the decisions of a run cost, one by one and summed up over time.
+//! The CPU time of a run's decisions, one by one and accumulated over time.
 
 use std::time::Duration;
 
 use super::AgentId;
 use wildfire_base::time::SimTime;
 
-/// CPU time that a decision of an agent took, its plans above all; measured, and so no part of a timeline.
+/// The CPU time of an agent's decision, mostly planning; it is measured, and therefore not part of a timeline.
 #[derive(Clone, Copy, Debug)]
 pub struct CpuSample {
     pub time: SimTime,
@@ -13,7 +13,7 @@ pub struct CpuSample {
     pub cpu: Duration,
 }
 
-/// Sums of CPU time, as steps: each holds from its time on.
+/// Accumulated CPU time, as steps: each value holds from its time on.
 #[derive(Debug)]
 pub struct CpuHistory {
     all: Vec<(SimTime, Duration)>,
@@ -22,7 +22,7 @@ pub struct CpuHistory {
 }
 
 impl CpuHistory {
-    /// `cpu_samples` in order of time.
+    /// Creates the history from `cpu_samples` in order of time.
     pub fn new(cpu_samples: &[CpuSample]) -> Self {
         let mut agents: Vec<AgentId> = cpu_samples.iter().map(|spent| spent.agent).collect();
         agents.sort_unstable();

@@ -1,4 +1,4 @@
-//! The facts of a run: what can happen in it.
+//! The facts of a run: everything that can happen in it.
 //!
 //! A new kind of fact is a variant here, a record in [`super::file`], a row in [`super::export`], and the place in the
 //! simulation that appends it; readers that it does not concern pass over it.
@@ -13,7 +13,7 @@ use wildfire_base::query::{Effort, FoundBy, PlanFailure, SearchGraph, SearchPhas
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::Trajectory;
 
-/// The cause of an ignition, with its parent: who lit the cell, or which fire spread to it.
+/// The cause of an ignition, with its parent: the agent that lit the cell, or the fire that spread to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
     /// The agent that lit it.
@@ -22,28 +22,28 @@ pub enum Cause {
     /// comes due first; of those due at one instant, the one that was scheduled first, which is the one that itself
     /// caught fire earlier. Recordings of every format hold it.
     Spread(Cell),
-    /// The burning cell whose ember came down here.
+    /// The burning cell whose ember landed here.
     Spotted(Cell),
     /// An `[[ignition]]` of the scenario.
     Scheduled,
 }
 
-/// Why an agent rests.
+/// The reason why an agent rests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RestReason {
     /// A Wumpus with no intact cell left that it can approach; it rests for the rest of the run.
     NothingLeftToLight,
-    /// A truck while no cell burns that is not another truck's.
+    /// A truck when no cell burns that is not another truck's goal.
     NothingBurns,
-    /// A truck while all that burns cannot be reached from where it can go.
+    /// A truck when no fire can be reached from where it can drive.
     NothingReachable,
     /// A Wumpus that descends into a local minimum from where it stands, whichever cell it goes for.
     LocalMinima,
-    /// A truck whose planner failed on all that burns, where nobody else plans for it.
+    /// A truck whose planner failed on all fires, if no other planner takes over.
     NoPlan,
-    /// Its policy wants it to wait though there is something to go for; it stands, and is not stuck.
+    /// Its policy chose to wait although it has options; it stands, and is not stuck.
     Chosen,
-    /// A truck whose tank does not suffice for a stop, and that finds no way to water from where it stands.
+    /// A truck whose tank is too empty for a stop, and that finds no path to water.
     NoWater,
 }
 
@@ -61,11 +61,11 @@ impl fmt::Display for RestReason {
     }
 }
 
-/// Why a run ended.
+/// The reason why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum EndReason {
     Duration,
-    /// Nothing burned, nothing was to be lit.
+    /// Nothing burned, and nothing was left to light.
     NothingLeft,
 }
 
@@ -78,10 +78,10 @@ impl fmt::Display for EndReason {
     }
 }
 
-/// One thing that happened.
+/// A fact: one thing that happened.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fact {
-    /// An agent did this, or its planner found it.
+    /// An action of an agent, or a result of its planner.
     Agent(AgentId, AgentFact),
     /// The state of a bush changed.
     Fire(FireFact),
@@ -92,15 +92,15 @@ pub enum Fact {
 /// A change of the state of a bush.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FireFact {
-    /// It catches fire.
+    /// The bush catches fire.
     Ignited { cell: Cell, cause: Cause },
-    /// Its fire ends by itself.
+    /// The bush burns out.
     BurnedOut { cell: Cell },
-    /// A truck puts it out.
+    /// A truck extinguishes the bush.
     Extinguished { cell: Cell, by: AgentId },
 }
 
-/// A change of a cell of ground, or water on any cell.
+/// A change of a ground cell, or water on any cell.
 ///
 /// Ground burns in far greater numbers than bushes, and what follows from an ignition by the rules alone is not recorded:
 /// when it burns out, and when something wet is dry.
@@ -112,7 +112,7 @@ pub struct GroundEvent {
 }
 
 impl GroundEvent {
-    /// The agent that did this, if any: it lit the cell, put it out, or wetted it.
+    /// Returns the agent that lit, extinguished or wetted the cell, if any.
     pub fn agent(&self) -> Option<AgentId> {
         match self.fact {
             GroundFact::Ignited(Cause::Lit(by)) | GroundFact::Extinguished { by } | GroundFact::Wetted { by, .. } => {
@@ -123,18 +123,18 @@ impl GroundEvent {
     }
 }
 
-/// A change of a cell of ground.
+/// A change of a ground cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GroundFact {
-    /// It catches fire.
+    /// The cell catches fire.
     Ignited(Cause),
-    /// A truck puts it out.
+    /// A truck extinguishes the cell.
     Extinguished { by: AgentId },
     /// A truck wets the cell, bush or ground, so that it cannot burn before `until`.
     Wetted { until: SimTime, by: AgentId },
 }
 
-/// A thing that an agent did or that its planner found.
+/// An action of an agent, or a result of its planner.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AgentFact {
     /// A blocked start was moved to the nearest free place before the run began.
@@ -147,8 +147,8 @@ pub enum AgentFact {
         /// Connected components.
         components: u32,
     },
-    /// Cells that this agent can never act on: no lattice point to light them from, or, for a truck, no pose that the
-    /// reachability flood connects to its start.
+    /// Cells that this agent can never act on: a Wumpus has no lattice point to light them from; for a truck, the
+    /// reachability flood connects no suitable pose to its start.
     OutOfReach { cells: Vec<Cell> },
     /// The agent, standing where `trajectory` begins, chose a goal and knows how to get there; while planning time is
     /// charged it stands until `trajectory.start_time()`. A truck that already stands in reach has a trajectory without
@@ -171,17 +171,17 @@ pub enum AgentFact {
     /// from its `end_time()` on; without pieces if the agent had not set out. A truck stops where it blocks nobody,
     /// which may be later than it could.
     Dropped { goal: Cell, trajectory: Trajectory },
-    /// A truck arrived and suppresses.
+    /// A truck arrived and begins to suppress.
     Suppressing { cell: Cell },
     /// A suppression ended early because its cell stopped burning.
     SuppressionEnded { cell: Cell },
-    /// It stands and has nothing to do, for this reason.
+    /// The agent stands and has no option, for this reason.
     Rested { reason: RestReason },
     /// The descent of a Wumpus for a goal meets a local minimum at this place. A `Planned` follows if its walk leads
     /// there and escapes; if the Wumpus stands there and gives the goal up, a `PlanFailed`.
     LocalMinimum { goal: Cell, x_m: f64, y_m: f64 },
-    /// A truck stands because another one is in the way to all that it could go for: `by` is in the way to `goal`, its
-    /// first choice. It waits until something of the others changes.
+    /// A truck stands because other trucks block all its options: `by` blocks `goal`, its first choice. It waits until
+    /// the others change something.
     Blocked { goal: Cell, by: AgentId },
     /// A truck that had no goal, or was blocked itself, drives aside so that `to` can set out: a deadlock is broken.
     GaveWay { to: AgentId, trajectory: Trajectory },
@@ -194,7 +194,7 @@ pub enum AgentFact {
     /// A truck stays where it is because there is no way to the place where its policy wants it to wait, or, without a
     /// reason, because other trucks are in the way. Planning time is charged until `until`.
     RelocationFailed { x_m: f64, y_m: f64, reason: Option<PlanFailure>, effort: Effort, until: SimTime },
-    /// A truck that stands at water fills its tank; it is full from now on, but the truck is busy until then.
+    /// A truck that stands at water fills its tank; the tank is full from now on, but the truck is busy until then.
     Refilling { until: SimTime },
 }
 
@@ -203,12 +203,12 @@ pub enum AgentFact {
 pub struct Event {
     /// When it happened.
     pub time: SimTime,
-    /// The thing that happened.
+    /// The fact.
     pub fact: Fact,
 }
 
 impl Fact {
-    /// The agent that did this, if any: an agent also lights and extinguishes.
+    /// Returns the agent of this event, if any; agents also light and extinguish.
     pub fn agent(&self) -> Option<AgentId> {
         match *self {
             Self::Agent(agent, _)
@@ -219,7 +219,7 @@ impl Fact {
         }
     }
 
-    /// The leg that begins, or is cut short, with this fact.
+    /// Returns the leg that begins, or is cut short, with this event.
     pub fn trajectory(&self) -> Option<&Trajectory> {
         match self {
             Self::Agent(_, fact) => fact.trajectory(),
@@ -227,12 +227,12 @@ impl Fact {
         }
     }
 
-    /// The bush that catches fire with this fact, and the cause.
+    /// Returns the bush that catches fire with this event, and the cause.
     pub fn ignition(&self) -> Option<(Cell, Cause)> {
         if let Self::Fire(FireFact::Ignited { cell, cause }) = *self { Some((cell, cause)) } else { None }
     }
 
-    /// The one cell that this concerns: what changed, or the agent's goal.
+    /// Returns the one cell of this event: the cell that changed, or the agent's goal.
     pub fn cell(&self) -> Option<Cell> {
         match self {
             Self::Agent(_, fact) => fact.cell(),
@@ -253,7 +253,7 @@ impl Cause {
 }
 
 impl FireFact {
-    /// The cell that changed.
+    /// Returns the cell that changed.
     pub fn cell(&self) -> Cell {
         match *self {
             Self::Ignited { cell, .. } | Self::BurnedOut { cell } | Self::Extinguished { cell, .. } => cell,
@@ -262,7 +262,7 @@ impl FireFact {
 }
 
 impl AgentFact {
-    /// The leg that begins, or is cut short, with this fact.
+    /// Returns the leg that begins, or is cut short, with this fact.
     pub fn trajectory(&self) -> Option<&Trajectory> {
         match self {
             Self::Planned { trajectory, .. }
@@ -274,7 +274,7 @@ impl AgentFact {
         }
     }
 
-    /// The agent's goal, or the cell that it suppresses.
+    /// Returns the agent's goal, or the cell that it suppresses.
     pub fn cell(&self) -> Option<Cell> {
         match *self {
             Self::Planned { goal: cell, .. }

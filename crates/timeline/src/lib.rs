@@ -40,22 +40,22 @@ pub use wildfire_fire::{BushState, BushStateKind};
 /// A finished run: the setting, and the facts in the order in which they happened.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Timeline {
-    /// Field, agents and rules.
+    /// The field, the agents and the rules.
     pub setting: Setting,
     /// Facts with their times, in the order in which they happened.
     pub events: Vec<Event>,
-    /// What became of the ground, in order of time; none where only bushes burn.
+    /// The changes of the ground, in order of time; empty where only bushes burn.
     pub ground: Vec<GroundEvent>,
 }
 
 impl Timeline {
-    /// When the run ended: the time of its `Ended` fact, or its duration where there is none.
+    /// Returns the end of the run: the time of its `Ended` fact, or its duration if there is none.
     pub fn end_time(&self) -> SimTime {
         let ended = self.events.iter().rev().find(|event| matches!(event.fact, Fact::Ended { .. }));
         ended.map_or(self.setting.rules.duration, |event| event.time)
     }
 
-    /// The state after all events at `time`; beyond the end, the state at the end.
+    /// Returns the state after all events at `time`; beyond the end, the state at the end.
     ///
     /// Costs a replay from the start, some tens of nanoseconds a fact. To go through a run in order keep a [`Replay`].
     pub fn state_at(&self, time: SimTime) -> State {

@@ -1,79 +1,79 @@
-//! A run's result in numbers, computed from its facts alone.
+//! The result of a run in numbers, computed from its facts alone.
 
 use serde::{Deserialize, Serialize};
 
 use super::{AgentId, RunIndex, Timeline};
 use wildfire_base::query::FailureCounts;
 
-/// Counts, times and scores of a run.
+/// The counts, times and scores of a run.
 ///
 /// Where something holds "during" a stretch of time, it is what holds after all facts at the stretch's first instant.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// Bushes of the field; each is intact, burning, burned out or extinguished when the run ends.
+    /// The bushes of the field; each is intact, burning, burned out or extinguished when the run ends.
     pub obstacles: u32,
-    /// Never caught fire.
+    /// Bushes that never caught fire.
     pub intact: u32,
-    /// On fire when the run ends.
+    /// Bushes on fire when the run ends.
     pub burning: u32,
-    /// Their fire ended by itself.
+    /// Bushes whose fire ended by itself.
     pub burned_out: u32,
-    /// Put out by a truck, and not burning again.
+    /// Bushes extinguished by a truck that do not burn again.
     pub extinguished: u32,
-    /// Ignitions by who did it; a cell that is lit again counts again.
+    /// Ignitions by Wumpuses; a cell that is lit again counts again.
     pub lit_by_wumpus: u32,
-    /// Ignitions by fire that spread.
+    /// Ignitions by spreading fire.
     pub caught_by_spread: u32,
-    /// Ignitions that the scenario asks for.
+    /// Ignitions scheduled by the scenario.
     pub lit_by_schedule: u32,
     /// Sum of [`AgentOutcome::stuck_s`] over the trucks.
     pub truck_stuck_s: f64,
     /// Sum of [`AgentOutcome::stuck_s`] over the Wumpuses.
     pub wumpus_stuck_s: f64,
-    /// When the run ended.
+    /// The end of the run.
     pub ended_s: f64,
     /// Integral of the number of burning cells over time.
     pub burning_cell_s: f64,
-    /// Most cells that burned at once, after all facts of an instant.
+    /// The maximum number of cells that burned at once, after all facts of an instant.
     pub peak_burning: u32,
-    /// From ignition to extinction, over the extinctions; `None` without any.
+    /// The mean time from ignition to extinction, over the extinctions; `None` without any.
     pub mean_response_s: Option<f64>,
-    /// When a bush first caught fire; `None` if none ever did.
+    /// The time at which a bush first caught fire; `None` if none ever did.
     pub first_fire_s: Option<f64>,
-    /// When the last fire of a bush ended; `None` if a bush burned at the end, or none ever did.
+    /// The time at which the last fire of a bush ended; `None` if a bush burned at the end, or none ever did.
     pub all_out_s: Option<f64>,
-    /// Points for every ignition, by spread and schedule too, and for every burn-out.
+    /// The points for ignitions, including spread and schedule, and for burn-outs.
     pub wumpus_score: f64,
-    /// Points for every extinction.
+    /// The points for extinctions.
     pub truck_score: f64,
-    /// In the order of the timeline's agents.
+    /// The agents' results, in the order of the timeline's agents.
     pub agents: Vec<AgentOutcome>,
     /// The least that could have burned or been burning at the end, had the trucks known from the start where and when
     /// everything would be lit: a bound, below what the best could do. `None` where the rules of fire are others than that of
     /// the radius, or let what was put out burn again.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub least_burned: Option<u32>,
-    /// The ground between the bushes; `None` where only bushes burn. All else counts bushes only.
+    /// The ground between the bushes; `None` where only bushes burn. All other fields count bushes only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ground: Option<GroundOutcome>,
 }
 
-/// What became of the ground, and of bushes and ground together.
+/// The result on the ground, and on bushes and ground together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GroundOutcome {
-    /// Cells of ground that burn when fire comes to them.
+    /// Cells of ground that can burn.
     pub cells: u32,
     /// Cells of ground that caught fire.
     pub burned: u32,
-    /// Cells of ground that trucks put out, and that do not burn again.
+    /// Cells of ground that trucks extinguished and that do not burn again.
     pub extinguished: u32,
     /// Ignitions by embers, of bushes and of ground.
     pub spotted: u32,
-    /// Area of all bushes and ground that caught fire, in hectares.
+    /// The area of all bushes and ground that caught fire, in hectares.
     pub burned_ha: f64,
-    /// Most cells of ground that burned at once, after all that happened at an instant.
+    /// The maximum number of ground cells that burned at once, after all facts of an instant.
     pub peak_burning: u32,
-    /// When a cell at the border of the field, bush or ground, first caught fire; `None` if none did.
+    /// The time at which a cell at the border of the field, bush or ground, first caught fire; `None` if none did.
     pub reached_edge_s: Option<f64>,
 }
 
@@ -81,22 +81,22 @@ pub struct GroundOutcome {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AgentOutcome {
     pub agent: AgentId,
-    /// Cells lit, or extinguished, by this agent.
+    /// Cells lit or extinguished by this agent.
     pub cells: u32,
-    /// Queries for a plan, failed ones included.
+    /// Planner queries, including failed ones.
     pub plans: u32,
     /// Failed queries by reason.
     pub failures: FailureCounts,
-    /// Plans for goals on which the planner had failed, after the reachability flood said that they can be reached.
+    /// Plans for goals on which the planner had failed, and that the reachability flood found reachable.
     pub lattice_plans: u32,
-    /// Local minima that a Wumpus's descents met, whether it escaped from them or gave its goal up there.
+    /// Local minima in a Wumpus's descents, whether it escaped from them or gave its goal up there.
     pub local_minima: u32,
     pub roadmap_samples: u32,
     pub roadmap_edges: u32,
     pub roadmap_components: u32,
     pub roadmap_expansions: u64,
     pub local_expansions: u64,
-    /// Driven or walked until the end of the run, in metres.
+    /// The distance driven or walked until the end of the run, in metres.
     pub distance_m: f64,
     /// Time by what it was spent on; the six add up to `ended_s`. A leg is driving from its start time to its end
     /// time, the braking after a dropped goal included, a wait at its beginning not; planning is charged time only.
@@ -104,57 +104,58 @@ pub struct AgentOutcome {
     pub planning_s: f64,
     pub suppressing_s: f64,
     pub standing_s: f64,
-    /// For another truck that is in the way.
+    /// Waiting for another truck that is in the way.
     pub waiting_s: f64,
-    /// Part of the standing in which the agent had something to do.
+    /// The part of the standing time in which the agent had options.
     ///
     /// For a truck: some cell, bush or ground, burned that is neither in an `OutOfReach` fact of this truck so far nor another truck's
     /// goal. For a Wumpus: some cell could be lit (intact, or extinguished where the rules relight) that is not in an
     /// `OutOfReach` fact of this Wumpus so far. Having given up, `Rested`, counts.
     pub stuck_s: f64,
-    /// Longest unbroken stretch of standing during which something burned that was not another truck's goal (for a
-    /// Wumpus: could be lit), in the agent's reach or not.
+    /// The longest uninterrupted standing while something burned that was not another truck's goal (for a Wumpus: could
+    /// be lit), whether the agent could reach it or not.
     pub longest_idle_s: f64,
-    /// Changes between forward and reverse that were driven.
+    /// Changes between forward and reverse while driving.
     pub cusps: u32,
-    /// A truck's drives that did not end in its extinguishing the goal: broken off, without success, or unfinished when the
-    /// run ended. A drive that never set out is none.
+    /// A truck's drives that did not end with extinguishing the goal: cancelled, without success, or unfinished when
+    /// the run ended. A drive that never started does not count.
     pub wasted_drives: u32,
-    /// Times that a truck drove aside for another one that could not set out otherwise.
+    /// The number of times that a truck moved aside for another one that could not set out otherwise.
     pub deadlocks: u32,
-    /// The part of a truck's wasted drives whose fire had to burn out, when the drive was planned, before the truck could
-    /// have put it out.
+    /// The wasted drives of a truck to fires that, when the drive was planned, would burn out before the truck could
+    /// extinguish them.
     #[serde(default)]
     pub hopeless_drives: u32,
-    /// Plans of a truck that led to a drive to a fire, or to a stop where it stood.
+    /// Plans of a truck that led to a drive to a fire, or to a stop in place.
     #[serde(default)]
     pub goals: u32,
-    /// The part of them with another truck's goal within [`FLOCK_M`] at that time.
+    /// Those with another truck's goal within [`FLOCK_M`] at that time.
     #[serde(default)]
     pub flocked_goals: u32,
-    /// Time in which a truck had nothing to go for, or its policy wanted it to wait or to be elsewhere: from its coming to
-    /// rest for one of these reasons, or its setting out for a place, until it is sent to a fire.
+    /// The time in which a truck had no option, or its policy wanted it to wait or to be elsewhere: from coming to rest
+    /// for one of these reasons, or setting out for a place to wait, until it is sent to a fire.
     #[serde(default)]
     pub idle_s: f64,
     /// Drives of a truck to places where its policy wants it to wait.
     #[serde(default)]
     pub relocations: u32,
-    /// Times that a truck filled its tank.
+    /// The number of times that a truck filled its tank.
     #[serde(default)]
     pub refills: u32,
-    /// Time that this took it, a part of [`Self::idle_s`].
+    /// The time spent on that, a part of [`Self::idle_s`].
     #[serde(default)]
     pub refilling_s: f64,
-    /// Cells in its `OutOfReach` facts, bushes and ground: those that it cannot light, or found that it cannot put out.
+    /// Cells in its `OutOfReach` facts, bushes and ground: those that it cannot light, or cannot extinguish to its
+    /// knowledge.
     #[serde(default)]
     pub out_of_reach: u32,
 }
 
-/// Trucks whose goals are nearer to each other than this, in metres between the cells' centres, are a flock.
+/// The distance between goals, in metres between the cells' centres, below which their trucks are a flock.
 pub const FLOCK_M: f64 = 60.0;
 
 impl AgentOutcome {
-    /// Returns the outcome of an agent that has done nothing yet.
+    /// Returns the outcome of an agent that has not acted yet.
     pub fn idle(agent: AgentId) -> Self {
         Self {
             agent,
@@ -191,7 +192,7 @@ impl AgentOutcome {
     }
 }
 
-/// Who has the higher score.
+/// The side with the higher score.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Winner {
@@ -201,22 +202,23 @@ pub enum Winner {
 }
 
 impl Outcome {
-    /// Reads a run from its facts, until its end. Who asks more of the run builds a [`RunIndex`], which holds it too.
+    /// Computes the outcome of a run from its facts, until its end. A [`RunIndex`] contains it together with more.
     pub fn new(timeline: &Timeline) -> Self {
         RunIndex::new(timeline).into_outcome()
     }
 
-    /// Burning or burned out.
+    /// Returns the number of bushes that burn or have burned out.
     pub fn burned(&self) -> u32 {
         self.burning + self.burned_out
     }
 
-    /// Burned beyond [`Outcome::least_burned`]: no more than this could have been saved by another dispatcher.
+    /// Returns the bushes burned beyond [`Outcome::least_burned`]: an upper bound on what another dispatcher could have
+    /// saved.
     pub fn regret(&self) -> Option<u32> {
         self.least_burned.map(|least| self.burned().saturating_sub(least))
     }
 
-    /// Share of the bushes that never burned; like the other ratios 0 where nothing grows.
+    /// Returns the share of the bushes that never burned; like the other ratios 0 where nothing grows.
     pub fn intact_ratio(&self) -> f64 {
         self.ratio(self.intact)
     }
@@ -226,12 +228,12 @@ impl Outcome {
         self.ratio(self.burned())
     }
 
-    /// Returns the share of all bushes that were put out.
+    /// Returns the share of all bushes that were extinguished.
     pub fn extinguished_ratio(&self) -> f64 {
         self.ratio(self.extinguished)
     }
 
-    /// By score; equal scores are a tie.
+    /// Returns the side with the higher score; equal scores are a tie.
     pub fn winner(&self) -> Winner {
         if self.wumpus_score > self.truck_score {
             Winner::Wumpus

@@ -1,4 +1,4 @@
-//! The activity of an agent, from the facts about it.
+//! The activity of an agent, derived from the facts about it.
 
 use serde::Serialize;
 
@@ -7,26 +7,26 @@ use wildfire_base::geometry::{Cell, Pose};
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::Trajectory;
 
-/// The activity of an agent: the last of these that its facts say.
+/// The activity of an agent, as of its latest fact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub enum Activity {
     /// None of the others.
     Standing,
-    /// Planning time is charged: until the start of the planned leg, or until the time that a failed plan names.
+    /// Planning time is charged: until the start of the planned leg, or until the end of a failed plan.
     Planning,
-    /// From the start to the end of a leg with pieces, the rest of a dropped leg included; a Wumpus walks. A wait at its
-    /// beginning is none.
+    /// The agent moves: from the start to the end of a leg with pieces, including the rest of a dropped leg; a Wumpus
+    /// walks. A wait at the beginning does not count.
     Driving,
     /// From `Suppressing` until this truck extinguishes something, its suppression ends, or it drops its goal.
     Suppressing,
-    /// For another truck: after `Blocked` until the next plan or rest, and while a leg begins with a wait.
+    /// A truck waits for another one: after `Blocked` until the next plan or rest, and while a leg begins with a wait.
     Waiting,
-    /// It fills its tank.
+    /// The truck fills its tank.
     Refilling,
 }
 
 impl Activity {
-    /// All, in the order of their numbers.
+    /// All activities, in the order of their numbers.
     pub const ALL: [Self; 6] =
         [Self::Standing, Self::Planning, Self::Driving, Self::Suppressing, Self::Waiting, Self::Refilling];
 
@@ -42,7 +42,7 @@ impl Activity {
     }
 }
 
-/// The part of an agent's state that facts change; all else follows from the time.
+/// The part of an agent's state that facts change; everything else follows from the time.
 #[derive(Clone, Copy, Debug)]
 pub struct AgentProgress<'a> {
     start: Pose,
@@ -60,7 +60,7 @@ impl<'a> AgentProgress<'a> {
         Self { start, leg: None, planning_until, refilling_until, suppresses: false, is_blocked: false, goal: None }
     }
 
-    /// Lets a fact of this agent's happen.
+    /// Applies a fact of this agent.
     pub fn apply(&mut self, fact: &'a Fact) {
         let fact = match fact {
             Fact::Agent(_, fact) => fact,
@@ -100,7 +100,7 @@ impl<'a> AgentProgress<'a> {
         *self = Self { leg: Some(leg), planning_until: leg.start_time(), goal, ..Self::standing(self.start) };
     }
 
-    /// It lit a cell of ground, or put it out: its goal, or one of those that burn beside it.
+    /// Applies an ignition or extinction on the ground: the agent's goal, or a fire beside it.
     pub fn change_ground(&mut self) {
         self.give_up_goal();
     }
@@ -128,7 +128,7 @@ impl<'a> AgentProgress<'a> {
         }
     }
 
-    /// The first time after `time` at which the activity may change without a fact.
+    /// Returns the first time after `time` at which the activity may change without a fact.
     pub fn next_change(&self, time: SimTime) -> Option<SimTime> {
         let leg = self.leg.map(|leg| [leg.start_time(), leg.sets_out_at(), leg.end_time()]);
         leg.into_iter()

@@ -1,4 +1,4 @@
-//! The state of a run at any time, from its facts.
+//! The state of a run at any time, derived from its facts.
 
 use serde::Serialize;
 
@@ -8,7 +8,7 @@ use wildfire_base::geometry::{Cell, Pose};
 use wildfire_base::time::SimTime;
 
 impl Event {
-    /// Returns the bush that it changes, if any, and the state that the bush comes to.
+    /// Returns the bush that the fact changes, if any, and its new state.
     pub fn bush_change(&self) -> Option<(Cell, BushState)> {
         match self.fact {
             Fact::Fire(FireFact::Ignited { cell, .. }) => Some((cell, BushState::Burning { since: self.time })),
@@ -24,21 +24,21 @@ impl Event {
 pub struct AgentState {
     pub id: AgentId,
     pub pose: Pose,
-    /// Never negative, forward or reverse.
+    /// The speed, never negative, forward or reverse.
     pub speed_mps: f64,
     pub activity: Activity,
-    /// The cell that it goes for: from the plan until the cell is lit or extinguished by it, its suppression ends,
-    /// the goal is dropped, given up at a local minimum, or it rests.
+    /// The agent's goal: from the plan until the agent lights or extinguishes the cell, its suppression ends, the goal
+    /// is dropped or given up at a local minimum, or the agent rests.
     pub goal: Option<Cell>,
 }
 
-/// A whole run at one time.
+/// The state of a whole run at one time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct State {
     pub time: SimTime,
-    /// In the order of [`super::Setting::bushes`].
+    /// The states in the order of [`super::Setting::bushes`].
     pub bushes: Vec<BushState>,
-    /// In the order of [`super::Setting::agents`].
+    /// The agents in the order of [`super::Setting::agents`].
     pub agents: Vec<AgentState>,
 }
 
@@ -53,10 +53,10 @@ pub(super) struct BushChange {
 /// The next thing that happens in a replay.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Happening<'a> {
-    /// A fact, and the change of a bush, if it is one.
+    /// A fact, with the change of a bush if it is one.
     Fact(&'a Event, Option<BushChange>),
-    /// An agent lights ground or puts it out. Of one instant, that comes before the facts: what an agent goes for next is
-    /// one of those.
+    /// An agent lights or extinguishes ground. At one instant it precedes the facts, which include the agent's next
+    /// goal.
     Deed(&'a GroundEvent),
 }
 
@@ -78,7 +78,7 @@ pub struct Replay<'a> {
 }
 
 impl<'a> Replay<'a> {
-    /// The state at time zero, after all that happens there.
+    /// Creates a replay at time zero, after all events of that instant.
     pub fn new(timeline: &'a Timeline) -> Self {
         let mut replay = Self::before_all(timeline);
         replay.seek(SimTime::ZERO);
@@ -99,8 +99,8 @@ impl<'a> Replay<'a> {
         }
     }
 
-    /// Moves to the state after all events at `time`, before or after the present one, but not beyond the end of
-    /// the run.
+    /// Moves to the state after all events at `time`, before or after the present one, but not beyond the end of the
+    /// run.
     pub fn seek(&mut self, time: SimTime) {
         let time = time.min(self.end);
         if time < self.time {
@@ -145,27 +145,27 @@ impl<'a> Replay<'a> {
         self.time
     }
 
-    /// Returns how many facts have happened.
+    /// Returns the number of facts so far.
     pub fn facts_so_far(&self) -> usize {
         self.next
     }
 
-    /// In the order of [`super::Setting::bushes`].
+    /// Returns the states in the order of [`super::Setting::bushes`].
     pub fn bushes(&self) -> &[BushState] {
         &self.bushes
     }
 
-    /// Activity of an agent by its place in [`super::Setting::agents`].
+    /// Returns the activity of an agent by its place in [`super::Setting::agents`].
     pub fn activity(&self, agent: usize) -> Activity {
         self.agents[agent].activity(self.time)
     }
 
-    /// Goal of an agent by its place in [`super::Setting::agents`].
+    /// Returns the goal of an agent by its place in [`super::Setting::agents`].
     pub fn goal(&self, agent: usize) -> Option<Cell> {
         self.agents[agent].goal
     }
 
-    /// An agent by its place in [`super::Setting::agents`].
+    /// Returns an agent by its place in [`super::Setting::agents`].
     pub fn agent(&self, agent: usize) -> AgentState {
         let (pose, speed_mps) = self.agents[agent].pose_and_speed(self.time);
         let id = self.timeline.setting.agents[agent].id;

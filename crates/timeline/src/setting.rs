@@ -1,4 +1,4 @@
-//! Where a run takes place, between whom, and under which rules.
+//! The place, the agents and the rules of a run.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use wildfire_fire::{BushState, FireModel, FireRules, Landscape, Weather};
 /// The body of an agent.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Body {
-    /// A square about its pose, side in metres.
+    /// A square around its pose, with its side in metres.
     Square {
         size_m: f64,
     },
@@ -25,7 +25,7 @@ pub enum Body {
 }
 
 impl Body {
-    /// World position of the body's centre for a pose of its agent.
+    /// Returns the position of the body's centre for a pose of its agent.
     pub fn centre(&self, pose: Pose) -> DVec2 {
         match self {
             Self::Square { .. } => pose.position(),
@@ -34,13 +34,13 @@ impl Body {
     }
 }
 
-/// An agent as it stands at the start.
+/// An agent at the start.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AgentStart {
     pub id: AgentId,
     pub pose: Pose,
     pub body: Body,
-    /// The limits of its speed; `None` where the recording does not say.
+    /// The speed limits; `None` if the recording does not include them.
     pub limits: Option<SpeedLimits>,
 }
 
@@ -48,12 +48,13 @@ pub struct AgentStart {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rules {
     pub duration: SimTime,
-    /// Metres, from body centre to cell centre; `None` is no rule of distance.
+    /// The distance in metres from body centre to cell centre; `None` if there is no such rule.
     pub suppression_reach_m: Option<f64>,
     pub suppression_dwell: SimTime,
-    /// True if a stop puts out all that burns in reach, not only its goal; `None` where the recording does not say.
+    /// True if a stop extinguishes everything that burns in reach, not only its goal; `None` if the recording does not
+    /// include this rule.
     pub extinguishes_all: Option<bool>,
-    /// The rules of spread and burn-out; `None` where the recording does not say.
+    /// The rules of spread and burn-out; `None` if the recording does not include them.
     pub fire: Option<FireRules>,
     pub relight: bool,
     pub score_wumpus_ignited: f64,
@@ -62,8 +63,8 @@ pub struct Rules {
 }
 
 impl Rules {
-    /// Returns true if a bush burns out before a truck that arrives at this time could have put it out; false where the
-    /// recording does not say when bushes burn out.
+    /// Returns true if a bush burns out before a truck that arrives at this time could have extinguished it; false if
+    /// the recording does not include burn-out times.
     pub fn is_hopeless(&self, bush: BushState, arrives: SimTime) -> bool {
         match (bush, self.fire.and_then(|fire| fire.burn_out)) {
             // What is due at the same instant is put out first.
@@ -73,17 +74,17 @@ impl Rules {
     }
 }
 
-/// How fire goes over ground: what an audit, a film and a map need to know of it.
+/// The spread of fire over ground, as audits, films and maps need it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SpreadSetting {
-    /// By Rothermel's equations.
+    /// Spread by Rothermel's equations.
     Rothermel { landscape: Arc<Landscape>, weather: Arc<Weather>, rules: RothermelRules },
-    /// By the automaton of Alexandridis; its chance is that of the run's seed.
+    /// Spread by the automaton of Alexandridis; its random numbers are those of the run's seed.
     Alexandridis { landscape: Arc<Landscape>, weather: Arc<Weather>, rules: AlexandridisRules },
 }
 
 impl SpreadSetting {
-    /// Makes the model of the run of a seed.
+    /// Creates the fire model for the run of a seed.
     pub fn model(&self, seed: u64) -> Box<dyn FireModel> {
         match self {
             Self::Rothermel { landscape, weather, rules } => {
@@ -95,27 +96,27 @@ impl SpreadSetting {
         }
     }
 
-    /// The fuels of all cells, those of bushes too.
+    /// Returns the fuels of all cells, including those of bushes.
     pub fn landscape(&self) -> &Landscape {
         match self {
             Self::Rothermel { landscape, .. } | Self::Alexandridis { landscape, .. } => landscape,
         }
     }
 
-    /// The weather in the course of the run.
+    /// Returns the weather in the course of the run.
     pub fn weather(&self) -> &Weather {
         match self {
             Self::Rothermel { weather, .. } | Self::Alexandridis { weather, .. } => weather,
         }
     }
 
-    /// Returns how long each fuel flames.
+    /// Returns the flaming time of each fuel.
     pub fn flaming_times(&self) -> FlamingTimes {
         FlamingTimes::new(self)
     }
 }
 
-/// How long cells flame, by the weather in which they catch fire and by their fuel.
+/// The flaming times of cells, by fuel and by the weather at ignition.
 #[derive(Clone, Debug)]
 pub struct FlamingTimes {
     spread: SpreadSetting,
@@ -140,7 +141,7 @@ impl FlamingTimes {
         Self { spread: spread.clone(), spans }
     }
 
-    /// Returns when a cell that catches fire then burns out by itself; `None` if it burns forever.
+    /// Returns the burn-out time of a cell that catches fire at a time; `None` if it burns forever.
     pub fn burns_out_at(&self, cell: Cell, ignited: SimTime) -> Option<SimTime> {
         let interval = self.spread.weather().interval_at(ignited);
         let number = usize::from(self.spread.landscape().fuel_number(cell));
@@ -148,47 +149,47 @@ impl FlamingTimes {
     }
 }
 
-/// Where a run took place, and between whom.
+/// The place and the agents of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
     pub scenario: String,
     pub seed: u64,
     pub program_version: String,
     pub frame: FieldFrame,
-    /// In the order of cell indices, none twice.
+    /// The cells with bushes, in the order of cell indices, without duplicates.
     pub bushes: Vec<Cell>,
-    /// Cells that block trucks and Wumpuses and hold no bush, in the order of their indices.
+    /// The cells without a bush that block trucks and Wumpuses, in the order of their indices.
     pub blocked: Vec<Cell>,
-    /// Wumpuses first, then trucks, by number.
+    /// The agents: Wumpuses first, then trucks, by number.
     pub agents: Vec<AgentStart>,
     pub rules: Rules,
-    /// How fire goes over ground; `None` where only bushes burn.
+    /// The spread of fire over ground; `None` where only bushes burn.
     pub spread: Option<SpreadSetting>,
     /// The tanks of trucks; `None` where water does not matter.
     pub water: Option<WaterRules>,
 }
 
 impl Setting {
-    /// Returns true if the cell is ground that burns: its fuel does, and no bush stands there.
+    /// Returns true if the cell is ground that burns: its fuel does, and it has no bush.
     pub fn is_ground(&self, cell: Cell) -> bool {
         let burns = |number| FuelModel::by_number(number).is_some_and(FuelModel::burns);
         self.spread.as_ref().is_some_and(|spread| burns(spread.landscape().fuel_number(cell)))
             && self.bush_index(cell).is_none()
     }
 
-    /// Place of a bush in [`Setting::bushes`]; `None` where nothing grows.
+    /// Returns the place of a bush in [`Setting::bushes`]; `None` where nothing grows.
     pub fn bush_index(&self, cell: Cell) -> Option<usize> {
         self.bushes.binary_search_by_key(&(cell.row, cell.col), |bush| (bush.row, bush.col)).ok()
     }
 
-    /// Returns the cells that no body may overlap: bushes and what else blocks, in the order of their indices.
+    /// Returns the cells that no body may overlap: bushes and other obstacles, in the order of their indices.
     pub fn obstacles(&self) -> Vec<Cell> {
         let mut cells = [self.bushes.as_slice(), &self.blocked].concat();
         cells.sort_unstable_by_key(|cell| (cell.row, cell.col));
         cells
     }
 
-    /// Place of an agent in [`Setting::agents`].
+    /// Returns the place of an agent in [`Setting::agents`].
     pub fn agent_index(&self, id: AgentId) -> Option<usize> {
         self.agents.binary_search_by_key(&id, |start| start.id).ok()
     }

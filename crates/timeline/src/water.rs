@@ -1,29 +1,29 @@
-//! Water: what a truck's tank holds, and where it is filled.
+//! Water: the content of a truck's tank, and the places to fill it.
 
 use wildfire_base::geometry::DVec2;
 use wildfire_base::time::SimTime;
 
-/// The rules of water, the same for all trucks.
+/// The rules of water, equal for all trucks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WaterRules {
-    /// Stops at fires that a full tank suffices for, at least one. A stop takes its water when it begins.
+    /// The number of stops at fires that a full tank lasts for, at least one. A stop takes its water when it begins.
     pub full_tank: u32,
-    /// How long it takes to fill up what one stop takes.
+    /// The time to refill the water of one stop.
     pub fill_per_stop: SimTime,
-    /// How near the middle of a truck has to be to a place with water, in metres.
+    /// The greatest distance from the centre of a truck to a place with water where it can refill, in metres.
     pub reach_m: f64,
-    /// In metres in the frame of the field; there is at least one.
+    /// The places with water, in metres in the frame of the field; at least one.
     pub places: Vec<DVec2>,
 }
 
 impl WaterRules {
-    /// Returns how long it takes to fill a tank that suffices for some stops.
+    /// Returns the time to fill a tank that lasts for some stops.
     pub fn fill_time(&self, stops_left: u32) -> SimTime {
         let missing = u64::from(self.full_tank.saturating_sub(stops_left));
         SimTime::from_nanos(self.fill_per_stop.as_nanos().saturating_mul(missing))
     }
 
-    /// Lists the places, the nearest first.
+    /// Lists the places, nearest first.
     pub fn places_from(&self, from: DVec2) -> Vec<DVec2> {
         let mut places = self.places.clone();
         places.sort_by(|a, b| (*a - from).length_squared().total_cmp(&(*b - from).length_squared()));
@@ -37,7 +37,7 @@ impl WaterRules {
         *nearest.expect("there is a place with water")
     }
 
-    /// Says whether a truck with the middle of its body here can fill its tank.
+    /// Returns whether a truck with its body's centre here can fill its tank.
     pub fn is_at_water(&self, centre: DVec2) -> bool {
         self.places.iter().any(|place| (*place - centre).length() <= self.reach_m)
     }

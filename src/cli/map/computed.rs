@@ -224,19 +224,19 @@ pub enum WalkResult {
     NotFound,
 }
 
-/// A way and its ends.
+/// A path and its ends.
 #[derive(Debug)]
 pub struct Walk {
     pub start: Place,
     pub goal: Place,
-    pub way: Way,
+    pub path: MapPath,
 }
 
 /// The path as far as it leads.
 #[derive(Debug)]
-pub struct Way {
+pub struct MapPath {
     pub answer: WalkResult,
-    /// Cells from the start on, or those where a path at any angle turns; empty if the way does not begin.
+    /// Cells from the start on, or those where a path at any angle turns; empty if the path does not begin.
     pub cells: Vec<Place>,
     /// The same as points, of a path between cells; else empty.
     pub points: Vec<Spot>,
@@ -248,7 +248,7 @@ pub struct Way {
     pub minimum: Option<Place>,
 }
 
-impl From<Route> for Way {
+impl From<Route> for MapPath {
     fn from(route: Route) -> Self {
         let (answer, cells) = match route {
             Route::Found(cells) => (WalkResult::Reached, cells),
@@ -259,15 +259,15 @@ impl From<Route> for Way {
     }
 }
 
-impl Way {
-    /// A way from cell to cell that has no other end than its last cell.
+impl MapPath {
+    /// Creates a path from cell to cell that reaches its goal.
     fn in_steps(cells: Vec<Place>) -> Self {
         let length = octile_length(&cells);
         Self { answer: WalkResult::Reached, cells, points: Vec::new(), length, is_any_angle: false, minimum: None }
     }
 }
 
-impl From<Descent> for Way {
+impl From<Descent> for MapPath {
     fn from(descent: Descent) -> Self {
         match descent {
             Descent::Reached(cells) => Self::in_steps(cells),
@@ -280,7 +280,7 @@ impl From<Descent> for Way {
     }
 }
 
-impl From<Escape> for Way {
+impl From<Escape> for MapPath {
     fn from(escape: Escape) -> Self {
         match escape {
             Escape::NotNeeded(cells) => Descent::Reached(cells).into(),
@@ -299,9 +299,9 @@ impl Walk {
     pub fn sentence(&self) -> String {
         let at = |(row, col): Place| format!("row {row}, column {col}");
         let (start, goal) = (at(self.start), at(self.goal));
-        let minimum = self.way.minimum.map(|place| format!("Stuck in a local minimum at {}", at(place)));
-        let measures = self.way.measures();
-        match (self.way.answer, minimum) {
+        let minimum = self.path.minimum.map(|place| format!("Stuck in a local minimum at {}", at(place)));
+        let measures = self.path.measures();
+        match (self.path.answer, minimum) {
             (WalkResult::Reached, None) => format!("Reached the goal: {measures}."),
             (WalkResult::Reached, Some(stuck)) => {
                 format!("{stuck}; reached the goal from there along the wavefront: {measures} in total.")
@@ -319,7 +319,7 @@ impl Walk {
     }
 }
 
-impl Way {
+impl MapPath {
     fn measures(&self) -> String {
         let pieces = self.cells.len().saturating_sub(1);
         let piece = if self.is_any_angle { "segment" } else { "step" };

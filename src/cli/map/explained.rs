@@ -14,8 +14,8 @@ pub fn explanation<'a>(
     let expanded = |computed: &Computed| computed.search.as_ref().map_or(0, |search| search.expanded.len());
     let cells = count(expanded(computed), "cell");
     let of_dijkstra = find("dijkstra").map_or(0, expanded);
-    let is_stuck = computed.walk.as_ref().is_some_and(|walk| walk.way.minimum.is_some());
-    let has_path = computed.walk.as_ref().is_some_and(|walk| walk.way.answer == WalkResult::Reached);
+    let is_stuck = computed.walk.as_ref().is_some_and(|walk| walk.path.minimum.is_some());
+    let has_path = computed.walk.as_ref().is_some_and(|walk| walk.path.answer == WalkResult::Reached);
     let dearer = cost(computed).zip(find("astar").and_then(cost)).map(|(cost, least)| match cost - least {
         excess if excess > 1e-9 * least => format!("{} % longer than that of A*", percent(excess / least)),
         excess if excess < -1e-9 * least => format!("{} % shorter than that of A*", percent(-excess / least)),

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::cli::map::commands::ArgumentGroup;
 use crate::cli::map::computed::{
-    BadQuestion, Bare, Computed, Values, Walk, Way, check_free, check_inside, timed, title_with_neighbours,
+    BadQuestion, Bare, Computed, MapPath, Values, Walk, check_free, check_inside, timed, title_with_neighbours,
 };
 use crate::cli::map::options::{
     CornerArguments, GoalArguments, NeighbourArguments, choices, parse_number, parse_place,
@@ -372,7 +372,7 @@ pub fn wave(occupied: &Grid<bool>, arguments: &WavefrontArguments) -> Result<Com
             } else {
                 descend_wavefront(&steps, start, connectivity, corners, arguments.tie_order.into())
             };
-            Walk { start, goal, way: route.into() }
+            Walk { start, goal, path: route.into() }
         })
     });
     let (walk, cpu_path) = walk.unzip();
@@ -434,13 +434,13 @@ pub fn descent(occupied: &Grid<bool>, arguments: &DescendArguments) -> Result<Co
     check_inside("start", occupied, start)?;
     let (field, cpu_map) = timed(|| total_field(occupied, &arguments.field));
     let (walk, cpu_path) = timed(|| {
-        let way = match arguments.escape {
-            None => descend(&field, occupied, start, goal, connectivity, corners).map(Way::from),
+        let path = match arguments.escape {
+            None => descend(&field, occupied, start, goal, connectivity, corners).map(MapPath::from),
             Some(Escape::Wavefront) => {
-                descend_or_escape(&field, occupied, start, goal, connectivity, corners).map(Way::from)
+                descend_or_escape(&field, occupied, start, goal, connectivity, corners).map(MapPath::from)
             }
         };
-        Walk { start, goal, way: way.expect("both ends are on the map") }
+        Walk { start, goal, path: path.expect("both ends are on the map") }
     });
     let title = title_with_neighbours("Gradient descent", neighbours);
     let computed = Computed::new(title, "potential", (Values::Reals(field), cpu_map));

@@ -7,7 +7,7 @@ use clap::Args;
 use serde::{Serialize, Serializer};
 
 use crate::cli::map::commands::ArgumentGroup;
-use crate::cli::map::computed::{BadQuestion, Bare, Computed, Values, Walk, WalkResult, Way, check_problem, timed};
+use crate::cli::map::computed::{BadQuestion, Bare, Computed, MapPath, Values, Walk, WalkResult, check_problem, timed};
 use crate::cli::map::options::{PathArguments, parse_number};
 use crate::cli::map::traces::GraphTrace;
 use crate::cli::numbers;
@@ -219,7 +219,7 @@ fn answer<E: std::fmt::Debug>(
     }
     let spot = |number: u32| graph.points[number as usize].coordinates();
     let edges = graph.edges.iter().map(|edge| edge.map(spot)).collect();
-    let way = Way {
+    let path = MapPath {
         answer: match graph.answer {
             PointRoute::Found => WalkResult::Reached,
             PointRoute::NotFound => WalkResult::NotFound,
@@ -235,7 +235,7 @@ fn answer<E: std::fmt::Debug>(
     Ok(Computed {
         bare: Bare::Infinite("no point"),
         goal: Some(goal),
-        walk: Some(Walk { start, goal, way }),
+        walk: Some(Walk { start, goal, path }),
         graph: Some(trace),
         ..Computed::new("", "cost from start", (Values::Reals(least), cpu_map))
     })

@@ -98,7 +98,7 @@ fn write_files(report: &MapReport, quiet: bool) -> Result<(), CliError> {
         &[
             (output.csv.as_deref(), &|path| values.write_csv(path)),
             (output.npy.as_deref(), &|path| values.write_npy(path)),
-            (output.path.as_deref(), &|path| write_way(report, path)),
+            (output.path.as_deref(), &|path| write_route(report, path)),
             (output.png.as_deref(), &|path| draw(&draw_map, path)),
             (output.overlay.as_deref(), &|path| draw(&|scene| draw_overlay(scene, grey), path)),
             (output.surface.as_deref(), &|path| draw(&draw_surface, path)),
@@ -109,10 +109,10 @@ fn write_files(report: &MapReport, quiet: bool) -> Result<(), CliError> {
     )
 }
 
-fn write_way(report: &MapReport, path: &Path) -> io::Result<()> {
-    let points = report.computed.walk.as_ref().map_or(&[][..], |walk| &walk.way.points);
+fn write_route(report: &MapReport, path: &Path) -> io::Result<()> {
+    let points = report.computed.walk.as_ref().map_or(&[][..], |walk| &walk.path.points);
     if points.is_empty() {
-        write_path(path, report.way().unwrap_or_default())
+        write_path(path, report.path_cells().unwrap_or_default())
     } else {
         traces::write_points(path, points)
     }

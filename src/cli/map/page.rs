@@ -277,9 +277,9 @@ fn search_table(parts: &[Part]) -> Table {
 fn map_table(parts: &[Part]) -> Table {
     let row = |part: &Part| {
         let maximum = part.computed.values.max().map(Value::to_short_text);
-        let length = part.computed.walk.as_ref().and_then(|walk| match walk.way.answer {
-            WalkResult::Reached => Some(rounded(walk.way.length, 3)),
-            _ => walk.way.minimum.map(|_| "stuck".to_owned()),
+        let length = part.computed.walk.as_ref().and_then(|walk| match walk.path.answer {
+            WalkResult::Reached => Some(rounded(walk.path.length, 3)),
+            _ => walk.path.minimum.map(|_| "stuck".to_owned()),
         });
         vec![part.computed.title.clone(), or_dash(maximum), or_dash(length), rounded(part.cpu().as_secs_f64() * 1e3, 3)]
     };

@@ -48,9 +48,9 @@ impl<'a> MapReport<'a> {
         self.map.occupied.values().len()
     }
 
-    /// The cells of the way; `None` if there is no way or no start.
-    pub fn way(&self) -> Option<&[Place]> {
-        self.computed.walk.as_ref().map(|walk| walk.way.cells.as_slice()).filter(|cells| !cells.is_empty())
+    /// Returns the cells of the path; `None` if there is no path or no start.
+    pub fn path_cells(&self) -> Option<&[Place]> {
+        self.computed.walk.as_ref().map(|walk| walk.path.cells.as_slice()).filter(|cells| !cells.is_empty())
     }
 
     /// Lists notes on the map, and the result of the walk.
@@ -118,7 +118,7 @@ enum PathMember<'a> {
 impl Serialize for MapReport<'_> {
     /// Serialises the members in their order; what does not apply is null.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let (computed, occupied, way) = (self.computed, self.occupied_cells, self.way());
+        let (computed, occupied, path) = (self.computed, self.occupied_cells, self.path_cells());
         let walk = computed.walk.as_ref();
         let (search, graph) = (computed.search.as_ref(), computed.graph.as_ref());
         let report = object!(Map {
@@ -137,11 +137,11 @@ impl Serialize for MapReport<'_> {
             computation: self.computation,
             maximum: computed.values.max(),
             unreached: computed.unreached,
-            answer: walk.map(|walk| walk.way.answer),
-            minimum: walk.and_then(|walk| walk.way.minimum),
-            path_cells: way.map(<[Place]>::len),
-            steps: way.map(|cells| cells.len() - 1),
-            length: way.and(walk).map(|walk| walk.way.length),
+            answer: walk.map(|walk| walk.path.answer),
+            minimum: walk.and_then(|walk| walk.path.minimum),
+            path_cells: path.map(<[Place]>::len),
+            steps: path.map(|cells| cells.len() - 1),
+            length: path.and(walk).map(|walk| walk.path.length),
             cost: search.and_then(|search| search.cost).or(graph.and_then(|graph| graph.cost)),
             shortest_cost: search.and_then(|search| search.shortest).map(|shortest| shortest.cost),
             cost_bound: search.and_then(|search| search.shortest).and_then(|shortest| shortest.bound),
@@ -150,7 +150,7 @@ impl Serialize for MapReport<'_> {
             samples: graph.map(|graph| graph.samples),
             vertices: graph.map(|graph| graph.vertices),
             edges: graph.map(|graph| graph.edges.len()),
-            path: way.map(|cells| match walk.map(|walk| walk.way.points.as_slice()) {
+            path: path.map(|cells| match walk.map(|walk| walk.path.points.as_slice()) {
                 Some(points) if !points.is_empty() => PathMember::Points(points),
                 _ => PathMember::Cells(cells),
             }),
@@ -208,7 +208,7 @@ fn cpu(report: &MapReport) -> String {
     format!("CPU: reading {}, map {}{}", ms(report.cpu_read), ms(report.computed.cpu_map), path.unwrap_or_default())
 }
 
-/// All values in rows and columns, those on the way with a star before them; `None` if they would not fit.
+/// All values in rows and columns, those on the path with a star before them; `None` if they would not fit.
 fn values(report: &MapReport) -> Option<String> {
     let (rows, cols) = (report.map.occupied.rows(), report.map.occupied.cols());
     if rows > MAX_ROWS || cols > MAX_WIDTH {
@@ -217,7 +217,7 @@ fn values(report: &MapReport) -> Option<String> {
     let places = (0..rows).flat_map(|row| (0..cols).map(move |col| (row, col)));
     let mut texts: Vec<_> = places.map(|place| report.computed.values.at(place).to_short_text()).collect();
     let width = 1 + texts.iter().map(String::len).max().unwrap_or(0);
-    for &(row, col) in report.way().unwrap_or_default() {
+    for &(row, col) in report.path_cells().unwrap_or_default() {
         let text = &mut texts[row * cols + col];
         if !text.starts_with('*') {
             text.insert(0, '*');
@@ -239,13 +239,13 @@ pub fn with_scene<T>(report: &MapReport, draw: impl FnOnce(&MapScene) -> T) -> T
             Bare::None => bare.colourless,
             Bare::Zero(name) | Bare::Infinite(name) => name,
         },
-        path: report.way().unwrap_or_default(),
-        track: computed.walk.as_ref().map_or(&[], |walk| walk.way.points.as_slice()),
+        path: report.path_cells().unwrap_or_default(),
+        track: computed.walk.as_ref().map_or(&[], |walk| walk.path.points.as_slice()),
         edges: computed.graph.as_ref().map_or(&[], |graph| graph.edges.as_slice()),
         swept: computed.search.as_ref().and_then(|search| search.swept.as_ref()),
         start: computed.walk.as_ref().map(|walk| walk.start),
         goal: computed.goal,
-        stuck: computed.walk.as_ref().and_then(|walk| walk.way.minimum),
+        stuck: computed.walk.as_ref().and_then(|walk| walk.path.minimum),
         colours: report.computation.files().output.colormap.into(),
         free_name: matches!(report.computation, Computation::Occupancy(_)).then_some("free"),
         ..bare

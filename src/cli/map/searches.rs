@@ -225,9 +225,9 @@ pub fn any_angle(
 ) -> Result<Computed, BadQuestion> {
     let (ends, corners) = (ends.places(), parameters.corners.rule());
     let mut found = answer(occupied, "theta", ends, || theta_star(occupied, ends, corners))?;
-    if let Some(Walk { way, .. }) = &mut found.walk {
-        way.is_any_angle = true;
-        way.length = line_length(&way.cells);
+    if let Some(Walk { path, .. }) = &mut found.walk {
+        path.is_any_angle = true;
+        path.length = line_length(&path.cells);
     }
     Ok(Computed { title: with_corners("Theta*, 8 neighbours".to_owned(), corners), ..found })
 }
@@ -258,7 +258,7 @@ fn answer<E: std::fmt::Debug>(
     Ok(Computed {
         bare: Bare::Infinite("not reached"),
         goal: Some(goal),
-        walk: Some(Walk { start, goal, way: route.into() }),
+        walk: Some(Walk { start, goal, path: route.into() }),
         search: Some(SearchTrace { cost, shortest: None, expanded, touched, swept }),
         ..Computed::new("", "cost from start", (Values::Reals(costs), cpu_map))
     })
@@ -276,7 +276,7 @@ pub fn diagram(occupied: &Grid<bool>, arguments: &VoronoiArguments) -> Result<Co
     let walk = ends.map(|(start, goal)| {
         timed(|| {
             let route = path_along(occupied, &found.diagram, (start, goal), corners);
-            Walk { start, goal, way: route.expect("both ends are on the map").into() }
+            Walk { start, goal, path: route.expect("both ends are on the map").into() }
         })
     });
     let (walk, cpu_path) = walk.unzip();

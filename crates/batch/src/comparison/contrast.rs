@@ -1,4 +1,4 @@
-//! One metric over the pairs of two sides.
+//! The contrast of one metric over the pairs of two sides.
 
 use std::collections::BTreeMap;
 
@@ -22,27 +22,27 @@ const SEED: u64 = 1;
 /// whatever else it is shown, and the mirrored one with its sides exchanged.
 const LETTER: char = 'B';
 
-/// A metric on both sides, and how the second differs from the first.
+/// A metric on both sides, and the difference of the second from the first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contrast {
     pub metric: Metric,
     /// Pairs that have the metric on both sides.
     pub pairs: usize,
-    /// The independent ones among them: seeds, where there are several strata.
+    /// The independent pairs among them: seeds, if there are several strata.
     pub seeds: usize,
-    /// Mean of each side over these pairs; of yes or no, the rate.
+    /// The mean of each side over these pairs; for yes/no metrics, the rate.
     pub means: [f64; 2],
     pub difference: f64,
-    /// The interval of the difference; `None` of fewer than two pairs or if all differ alike.
+    /// The interval of the difference; `None` for fewer than two pairs or if all differences are equal.
     pub interval: Option<Interval>,
     /// The method behind the interval.
     pub method: Method,
-    /// That there is no difference; `None` if no pair differs.
+    /// The p-value of no difference; `None` if no pair differs.
     pub p_value: Option<f64>,
     /// The method behind the p-value.
     pub p_method: Method,
     pub effect_dz: Option<f64>,
-    /// The standard deviation of the independent differences, one for each seed; `None` of fewer than two.
+    /// The standard deviation of the independent differences, one per seed; `None` for fewer than two.
     pub spread: Option<f64>,
     pub ranks: Option<SignedRanks>,
     pub cut_off: Option<CutOff>,
@@ -53,14 +53,14 @@ pub struct Contrast {
 pub enum Method {
     StudentisedBootstrap,
     StudentsT,
-    /// All pairs differ by the same: Wilcoxon's test, no interval.
+    /// Wilcoxon's test without an interval, where all pairs differ by the same amount.
     Ranks,
-    /// Adjusted Wald interval, McNemar's exact test.
+    /// Adjusted Wald interval and McNemar's exact test.
     Answers,
 }
 
 impl Method {
-    /// Returns the name, as objects and tables write it.
+    /// Returns the name in objects and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::StudentisedBootstrap => "studentised-bootstrap",
@@ -71,37 +71,37 @@ impl Method {
     }
 }
 
-/// Times of which some are cut off.
+/// Censored times.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CutOff {
-    /// Times beyond this count as this much on both sides: where the first of the waits without success ended.
+    /// The time at which longer ones are censored on both sides: where the first unsuccessful wait ended.
     pub horizon: Option<f64>,
-    /// The number of times that were cut off.
+    /// The number of censored times.
     pub counts: [usize; 2],
     pub medians: [Option<f64>; 2],
-    /// Ends that are beyond what was seen are `None`.
+    /// The intervals of the medians; ends beyond the observed times are `None`.
     pub median_intervals: [(Option<f64>, Option<f64>); 2],
 }
 
-/// The numbers of two runs that belong together.
+/// The numbers of two paired runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NumberPair {
     pub seed: u64,
-    /// An index; each stratum has a pair of a seed at most once.
+    /// The index of the stratum; each has at most one pair per seed.
     pub stratum: usize,
     pub numbers: [f64; 2],
 }
 
-/// A metric in each stratum of the pairs by itself.
+/// The contrasts of a metric by stratum.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ByStratum {
-    /// The columns that the strata differ in, in words.
+    /// The columns in which the strata differ, in words.
     pub by: String,
-    /// The contrasts, each with the index of its stratum; strata in which no pair has the metric are left out.
+    /// The contrasts, each with the index of its stratum; strata without a pair that has the metric are omitted.
     pub contrasts: Vec<(usize, Contrast)>,
-    /// Seeds that have the metric in all of these strata, on both sides.
+    /// The seeds that have the metric in all of these strata, on both sides.
     pub seeds: usize,
-    /// The test that the difference is the same in all strata; `None` for too few seeds, or if no seed's differences
+    /// The test that the difference is equal in all strata; `None` for too few seeds, or if the differences of no seed
     /// differ.
     pub test: Option<RepeatedMeasures>,
 }

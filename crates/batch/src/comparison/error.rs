@@ -1,4 +1,4 @@
-//! Why batches cannot be compared.
+//! Errors of comparisons.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use thiserror::Error;
 use crate::execute::StrangeEntry;
 use crate::table::TableError;
 
-/// A reason for which batches cannot be compared. What comes from a file is shown as
+/// The reason why batches cannot be compared. Text from files is shown as
 /// [`visible_start`](wildfire_base::untrusted::visible_start) makes it.
 #[derive(Debug, Error)]
 pub enum ComparisonError {

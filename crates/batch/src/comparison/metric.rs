@@ -10,7 +10,7 @@ use crate::table::{Column, Kind, RUN_COLUMNS, RunRecord, TableReader, Unit, abou
 use wildfire_base::untrusted::visible_start;
 use wildfire_sim::scenario::nearest_name;
 
-/// A quantity of a run, with how it is found and all that the lines of columns say of it.
+/// A metric of a run: how it is computed, and its description as in the lists of columns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Metric {
     pub name: Cow<'static, str>,
@@ -19,18 +19,18 @@ pub struct Metric {
     pub about: Column<()>,
 }
 
-/// The way in which a metric is found from the columns of a run.
+/// The source of a metric in the columns of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MetricKind {
-    /// The column of this place among [`RUN_COLUMNS`].
+    /// The column at this place among [`RUN_COLUMNS`].
     Column(usize),
-    /// The sum of such columns.
+    /// The sum of these columns.
     Sum(&'static [usize]),
     /// The column of the metric's name, which only the table has.
     Unknown,
-    /// A time, cut off where the run ended before; there is none in a run in which it never began to count.
+    /// A time, censored at the end of the run; a run in which it never began to count has none.
     Time { event: &'static str, end: &'static str, begun: &'static str },
-    /// Yes if the column holds this word, else no.
+    /// Yes if the column has this word, otherwise no.
     Answer { column: &'static str, yes: &'static str },
 }
 
@@ -66,7 +66,7 @@ pub const NAMED_METRICS: &[NamedMetric] = columns! { NamedMetric, _run;
 };
 
 impl Metric {
-    /// Returns the metrics of these names, or the usual ones that the tables have columns for; each once.
+    /// Returns the metrics of these names, or the default ones for which the tables have columns; without duplicates.
     pub fn choose(names: &[String], tables: &[TableReader]) -> Result<Vec<Self>, ComparisonError> {
         let in_all = |metric: &Self| {
             metric.columns().iter().all(|column| tables.iter().all(|table| table.place(column).is_some()))
@@ -109,12 +109,12 @@ impl Metric {
         &COLUMN_METRICS
     }
 
-    /// Makes a metric of which nothing but its name is known.
+    /// Creates a metric of which only the name is known.
     pub fn unknown(name: String, kind: MetricKind) -> Self {
         Self { name: name.into(), kind, about: Column::UNKNOWN }
     }
 
-    /// Returns the number of a run, of a column or a sum; `None` where the run has none.
+    /// Returns a run's number in a column or a sum of columns; `None` where the run has none.
     pub fn number(&self, run: &RunRecord) -> Option<f64> {
         match self.kind {
             MetricKind::Column(place) => run.number(place),
@@ -132,7 +132,7 @@ impl Metric {
         }
     }
 
-    /// Returns what has to be read for it, in the order of its columns.
+    /// Returns the fields to read for the metric, in the order of its columns.
     pub fn fields(&self) -> Vec<Field> {
         match self.kind {
             MetricKind::Answer { column, yes } => vec![Field::Is(column.to_owned(), yes)],

@@ -1,4 +1,4 @@
-//! Batches, or parts of one, set against each other: runs of the same seed in pairs.
+//! Comparisons of batches, or of parts of one: runs of the same seed in pairs.
 //!
 //! Side A is what the others are compared with. A metric's difference is that of its means over the pairs, the other
 //! side's minus A's; its interval and its test are those of [`estimate_mean`](crate::stats::estimate_mean), of yes and
@@ -67,17 +67,17 @@ const LEVEL: f64 = 0.05;
 /// The result of a comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    /// A first.
+    /// The sides; A comes first.
     pub sides: Vec<SideSummary>,
-    /// Every other side against A.
+    /// Every other side compared with A.
     pub against_a: Vec<AgainstA>,
     /// Metrics that no pair has on both sides, with the letter of the other side.
     pub missing: Vec<(char, String)>,
-    /// Further questions about all metrics.
+    /// The additional questions about all metrics.
     pub questions: Questions,
 }
 
-/// The runs of a side, in short.
+/// A summary of a side's runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SideSummary {
     pub letter: char,
@@ -88,13 +88,13 @@ pub struct SideSummary {
 }
 
 impl SideSummary {
-    /// Says whose planner was rescued, or stopped by a clock.
+    /// Returns sentences about planners that were rescued or stopped by a clock.
     pub fn notes(&self) -> Vec<String> {
         self.queries.sentences(&self.letter.to_string())
     }
 }
 
-/// A side set against A.
+/// A side compared with A.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AgainstA {
     pub letter: char,
@@ -103,15 +103,15 @@ pub struct AgainstA {
     pub judged: Vec<JudgedContrast>,
 }
 
-/// A contrast with what is made of it among the others.
+/// A contrast with its verdict among all others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JudgedContrast {
     pub contrast: Contrast,
-    /// By Holm's method.
+    /// The p-value adjusted by Holm's method.
     pub p_adjusted: Option<f64>,
     pub ranks_p_adjusted: Option<f64>,
     pub verdict: Verdict,
-    /// The strata by themselves, if the difference is a mean over several.
+    /// The contrasts by stratum, if the difference is a mean over several strata.
     pub by_stratum: Option<JudgedStrata>,
     /// The answer to [`Questions::power`], if the metric has this question and its differences have a spread.
     pub power: Option<PowerAnswer>,
@@ -119,10 +119,10 @@ pub struct JudgedContrast {
     pub equivalence: Option<Equivalence>,
 }
 
-/// A metric stratum by stratum, judged together with all others.
+/// A metric by stratum, judged together with all others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JudgedStrata {
-    /// The columns that the strata differ in, in words.
+    /// The columns in which the strata differ, in words.
     pub by: String,
     /// The contrasts, each with the index of its stratum in [`Pairs::strata`].
     pub strata: Vec<(usize, JudgedContrast)>,
@@ -134,25 +134,25 @@ pub struct JudgedStrata {
 }
 
 impl JudgedStrata {
-    /// Says whether there is evidence that the strata differ.
+    /// Returns whether there is evidence that the strata differ.
     pub fn differ(&self) -> bool {
         self.p_adjusted.is_some_and(|p| p <= LEVEL)
     }
 }
 
-/// The result of a contrast, in short.
+/// The verdict on a contrast.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     Difference,
     NoEvidence,
-    /// Evidence by itself, but not among as many tests as there are.
+    /// Evidence by itself, but not after the adjustment for the number of tests.
     NotAmongSoMany,
     /// No pair differs.
     Equal,
 }
 
 impl Verdict {
-    /// Returns the name, as objects and tables write it.
+    /// Returns the name in objects and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Difference => "difference",
@@ -163,7 +163,7 @@ impl Verdict {
     }
 }
 
-/// Compares batches, given as folders or as their tables of runs: each with the first, or the parts of a single one.
+/// Compares batches, given as folders or tables of runs: each with the first one, or the parts of a single one.
 ///
 /// Without names, the usual metrics are compared.
 pub fn compare(paths: &[PathBuf], selection: &Selection, metrics: &[String]) -> Result<Comparison, ComparisonError> {
@@ -309,7 +309,7 @@ impl Verdict {
 }
 
 impl JudgedContrast {
-    /// The verdict as a sentence, without a full stop.
+    /// Returns the verdict as a sentence without a full stop.
     pub fn sentence(&self, letter: char) -> String {
         let Contrast { metric, difference, interval, pairs, .. } = &self.contrast;
         let found = sentence(&metric.name, metric.about.phrase, letter, *difference, *interval);

@@ -1,4 +1,4 @@
-//! Runs of two sides that belong together: those of the same seed under the same conditions.
+//! Pairs of runs of two sides: runs of the same seed under the same conditions.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,12 +7,12 @@ use crate::comparison::sides::Side;
 use crate::comparison::words::listed;
 use wildfire_base::untrusted::visible_start;
 
-/// Pairs of runs, and what had to be left out.
+/// Pairs of runs, and the runs that were left out.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Pairs {
-    /// Indices into the tables of both sides, of runs that both came to their end; by seed.
+    /// Indices into the tables of both sides, for runs that both finished; by seed.
     pub runs: Vec<(usize, usize)>,
-    /// Columns that vary within a side and are equal within a pair, of which every difference is a mean.
+    /// The columns that vary within a side and are equal within a pair; differences are means over them.
     pub columns: Vec<String>,
     /// The combinations of their values that occur in pairs, in the order of side A's runs; at most one without
     /// columns.
@@ -21,11 +21,11 @@ pub struct Pairs {
     pub stratum_of: Vec<usize>,
     /// Runs without a partner, on either side.
     pub without_partner: [usize; 2],
-    /// Pairs of which the first run, the second, or both did not come to an end.
+    /// The number of pairs whose first run, second run, or both did not finish.
     pub failed: [usize; 3],
 }
 
-/// Pairs of equal conditions.
+/// The conditions that pairs of a stratum share.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Stratum {
     /// A value for each of [`Pairs::columns`].
@@ -77,7 +77,8 @@ impl Pairs {
         first_done && second_done
     }
 
-    /// Names what the strata differ in, `field.coverage and unimog.speed_mps`; empty if there is a single stratum.
+    /// Returns the columns in which the strata differ, `field.coverage and unimog.speed_mps`; empty for a single
+    /// stratum.
     pub fn stratified_by(&self) -> String {
         listed(&self.columns.iter().map(|column| visible_start(column)).collect::<Vec<_>>())
     }

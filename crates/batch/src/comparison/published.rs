@@ -1,4 +1,4 @@
-//! A batch beside the five runs that were published from a student's program in 2024.
+//! The comparison of a batch with the five published runs of a student's program from 2024.
 //!
 //! The figures are Tables I and II of A. Shaikh, "RBE 550: Wildfire Assignment", 2024. Their seeds are not known, so
 //! nothing can be paired.
@@ -44,7 +44,7 @@ const CPU_TIMES: [(&str, &str, [f64; RUNS]); 7] = [
 /// Means of five runs that are drawn from the batch.
 const DRAWS: usize = 20_000;
 
-/// A batch beside the published tables.
+/// A batch compared with the published tables.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BesideReport {
     pub batch: SideSummary,
@@ -58,11 +58,12 @@ pub struct PublishedState {
     pub name: &'static str,
     pub published: Series,
     pub batch: Series,
-    /// Welch's interval of the batch's mean less the published one.
+    /// Welch's interval of the batch's mean minus the published one.
     pub difference: Option<Interval>,
     /// The interval that holds 95 % of the means of five runs of the batch.
     pub five_runs: Interval,
-    /// Share of the means of five runs of the batch that are as far from the batch's mean as the published one.
+    /// The share of means of five runs of the batch that are at least as far from the batch's mean as the published
+    /// one.
     pub as_far: f64,
 }
 
@@ -75,7 +76,7 @@ pub struct PublishedTime {
 }
 
 impl BesideReport {
-    /// Sets the runs of a batch, a folder or its table, that came to their end beside the published ones.
+    /// Compares the finished runs of a batch, a folder or its table, with the published ones.
     pub fn from_batch(path: &Path, selection: &Selection) -> Result<Self, ComparisonError> {
         let columns = STATES.map(|(_, column, _)| column).into_iter().chain(CPU_TIMES.map(|(_, column, _)| column));
         let file = runs_table::open(path)?;

@@ -1,4 +1,4 @@
-//! A batch beside published tables: an object and a document.
+//! The comparison with published tables as an object and as a document.
 
 use serde::{Serialize, Serializer};
 use serde_json::json;

@@ -1,4 +1,4 @@
-//! Further questions of a comparison: how many seeds a difference needs, and whether sides are equal within a margin.
+//! Additional questions of a comparison: the number of seeds that a difference needs, and equivalence within a margin.
 //!
 //! Both are about the independent differences that the comparison itself is of, one for each seed, and both take
 //! Student's t for all metrics: see [`crate::stats::paired_power`] and [`Equivalence`]. For answers yes or no, whose
@@ -11,7 +11,7 @@ use crate::stats::{Equivalence, detectable_effect, paired_power, pairs_for_power
 use crate::table::Unit;
 use wildfire_base::document::number::short;
 
-/// A difference that is asked about, above zero.
+/// A positive difference given by the user.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Amount {
     /// As it was written.
@@ -75,12 +75,12 @@ impl Amount {
     }
 }
 
-/// Questions about all metrics besides their differences.
+/// Questions about all metrics in addition to their differences.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Questions {
-    /// How many seeds detect a difference of this size.
+    /// The difference for which the number of seeds is computed.
     pub power: Option<Amount>,
-    /// Whether differences are smaller than this, on either side.
+    /// The margin of the tests of equivalence.
     pub equivalent: Option<Amount>,
 }
 
@@ -113,7 +113,7 @@ impl PowerAnswer {
 }
 
 impl Comparison {
-    /// Answers questions for every metric that they go with.
+    /// Answers the questions for every metric to which they apply.
     ///
     /// # Errors
     /// If an amount has a unit that no metric has.
@@ -148,7 +148,7 @@ impl Comparison {
     }
 }
 
-/// Writes a difference in the unit of a metric, as people read it: `1 cells`, `5 ms`, `2 %`.
+/// Formats a difference in the unit of a metric: `1 cell`, `5 ms`, `2 %`.
 pub fn amount_words(value: f64, unit: Unit) -> String {
     match unit {
         Unit::Share => format!("{} %", short(100.0 * value)),

@@ -20,12 +20,12 @@ const MAX_LEVEL_BYTES: usize = 1000;
 /// The prefix of columns that count failed queries by reason.
 const FAILED_QUERIES: &str = "truck_failed_";
 
-/// A value to be read from every row.
+/// A value to read from every row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Field {
     /// The number in this column.
     Number(String),
-    /// 1 if the column holds this word, else 0.
+    /// 1 if the column has this word, otherwise 0.
     Is(String, &'static str),
 }
 
@@ -37,31 +37,31 @@ impl Field {
     }
 }
 
-/// Runs, in the order of the file.
+/// The runs in the order of the file.
 #[derive(Debug)]
 pub struct RunsTable {
     pub path: PathBuf,
     pub seeds: Vec<u64>,
-    /// True if the run came to its end.
+    /// True if the run finished.
     pub done: Vec<bool>,
     pub conditions: Vec<Condition>,
-    /// For each field that was asked for, the value of every run; NaN where there is none.
+    /// The value of every run for each requested field; NaN where there is none.
     pub values: Vec<Vec<f64>>,
-    /// The queries of each run's trucks, as far as the table tells.
+    /// The queries of each run's trucks, as far as the table has them.
     pub queries: Vec<QueryTally>,
     /// The number of each run in its plan; 0 where the table has none.
     pub numbers: Vec<u64>,
-    /// Runs whose bushes do not add up, and how.
+    /// Runs whose bush counts do not add up, with the reason.
     pub impossible: BTreeMap<usize, String>,
-    /// Failed queries of each run by reason, such as `timed_out`, as far as the table has columns of them.
+    /// Failed queries of each run by reason, such as `timed_out`, as far as the table has columns for them.
     pub failures: Vec<(String, Vec<u64>)>,
 }
 
-/// A condition under which runs were made: scenario, planner, or a key that a batch sweeps.
+/// A condition of runs: the scenario, the planner, or a swept key.
 #[derive(Debug)]
 pub struct Condition {
     pub name: String,
-    /// In the order of their first runs.
+    /// The values in the order of their first runs.
     pub levels: Vec<String>,
     /// The level of every run, as an index.
     pub of_run: Vec<u32>,
@@ -93,7 +93,7 @@ pub fn open(path: &Path) -> Result<TableReader, ComparisonError> {
 }
 
 impl RunsTable {
-    /// Reads all rows of a table of runs that has columns of these fields.
+    /// Reads all rows of a table of runs that has columns for these fields.
     pub fn read(mut table: TableReader, fields: &[Field]) -> Result<Self, ComparisonError> {
         let place = |column: &str| table.place(column).expect("the column was looked for");
         let (seed, status) = (place("seed"), place("status"));

@@ -1,4 +1,4 @@
-//! Differences between the settings of two sides, which a difference of their runs can come from.
+//! Differences between the settings of two sides, as possible causes of a difference of their runs.
 //!
 //! Settings are those that `plan.json` holds beside the table of runs, with every value filled in. The scenarios of
 //! runs that make pairs are compared. The settings of a side are unknown if its plan is not there, or does not go with
@@ -22,12 +22,12 @@ const NAME_KEY: &str = "name";
 /// The differences of a side's settings from those of side A.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SettingsDifference {
-    /// Sides, by their letters, whose settings are not known, and why. Then there are no differences here.
+    /// Sides, by their letters, with unknown settings, and the reason. Differences are then empty.
     pub unknown: Vec<(char, String)>,
     pub differences: Vec<Difference>,
-    /// The versions of A and of the other side, where they differ.
+    /// The versions of A and of the other side, if they differ.
     pub program_versions: Option<[String; 2]>,
-    /// Seeds of all runs of A and of the other side, such as `1..5,9`, where they differ.
+    /// The seeds of all runs of A and of the other side, such as `1..5,9`, if they differ.
     pub seeds: Option<[String; 2]>,
 }
 
@@ -38,11 +38,11 @@ pub struct Difference {
     pub key: String,
     /// The values on side A and on the other; `None` where the scenario has no such value.
     pub values: [Option<Json>; 2],
-    /// Indices of the strata in which they differ like this; empty if they do in all.
+    /// The indices of the strata with this difference; empty if all have it.
     pub strata: Vec<usize>,
 }
 
-/// A plan and the scenario of each run of a table.
+/// A plan, and the scenario of each run of a table.
 #[derive(Debug)]
 pub struct KnownSettings {
     plan: RecordedPlan,
@@ -50,7 +50,7 @@ pub struct KnownSettings {
 }
 
 impl KnownSettings {
-    /// Reads the plan beside a table of runs, or says why the settings of its runs are not known.
+    /// Reads the plan beside a table of runs, or returns why the settings of its runs are unknown.
     pub fn read(table: &RunsTable) -> Result<Self, String> {
         let folder = table.path.parent().unwrap_or(Path::new("."));
         let plan = RecordedPlan::read(folder).map_err(|error| match error {
@@ -111,7 +111,7 @@ fn shown_path(table: &RunsTable) -> String {
 }
 
 impl SettingsDifference {
-    /// Compares the settings of the runs of both sides that make pairs, each side with the settings of its table.
+    /// Compares the settings of paired runs of both sides, each side with the settings of its table.
     pub fn between(
         (first, ours): (&Side<'_>, &Result<KnownSettings, String>),
         (second, theirs): (&Side<'_>, &Result<KnownSettings, String>),
@@ -138,7 +138,7 @@ impl SettingsDifference {
         }
     }
 
-    /// Says whether the planner of the trucks is all that differs.
+    /// Returns whether the planner of the trucks is the only difference.
     pub fn is_the_planners(&self) -> bool {
         let (_, planner) = PLANNER_KEY.split_once('.').expect("it is a key of the trucks");
         let is_planner = |key: &str| {
@@ -175,7 +175,7 @@ impl SettingsDifference {
         versions.chain(settings).chain(seeds).collect()
     }
 
-    /// Says what these differences mean for the result of the comparison.
+    /// Returns what these differences mean for the result of the comparison.
     pub fn conclusion(&self, letter: char) -> String {
         if !self.unknown.is_empty() {
             let sides: Vec<String> = self.unknown.iter().map(|(side, _)| side.to_string()).collect();

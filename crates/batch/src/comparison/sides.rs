@@ -1,4 +1,4 @@
-//! The sides of a comparison: which runs of which table.
+//! The sides of a comparison: selected runs of tables.
 
 use crate::comparison::error::ComparisonError;
 use crate::comparison::runs_table::{Condition, RunsTable};
@@ -6,15 +6,15 @@ use crate::plan::is_same_value;
 use wildfire_base::untrusted::visible_start;
 use wildfire_sim::scenario::nearest_name;
 
-/// The most sides: each has a letter.
+/// The maximum number of sides: each has a letter.
 pub const MAX_SIDES: usize = 26;
 
-/// The choice of runs, and what divides a batch into sides.
+/// The selection of runs, and the column that splits a batch into sides.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Selection {
-    /// The column that divides, and its values if not all of them, the first of which is side A.
+    /// The column that splits, and its values unless all are used; the first is side A.
     pub by: Option<(String, Vec<String>)>,
-    /// Columns and the value that they must have.
+    /// Columns, with the value that runs must have in each.
     pub only: Vec<(String, String)>,
 }
 
@@ -23,14 +23,14 @@ pub struct Selection {
 pub struct Side<'a> {
     pub letter: char,
     pub table: &'a RunsTable,
-    /// Ascending.
+    /// The indices of the runs, ascending.
     pub runs: Vec<usize>,
-    /// The column that divides it from the others of its table.
+    /// The column that separates it from the other sides of its table.
     pub divided_by: Option<&'a str>,
 }
 
 impl<'a> Side<'a> {
-    /// One side a table, or the parts of a single one.
+    /// Creates one side per table, or the parts of a single one.
     pub fn from_tables(tables: &'a [RunsTable], selection: &Selection) -> Result<Vec<Self>, ComparisonError> {
         let mut sides = match (tables, &selection.by) {
             ([table], None) => parts(table, the_varying_condition(table, selection)?, &[], selection)?,
@@ -49,7 +49,7 @@ impl<'a> Side<'a> {
         Ok(sides)
     }
 
-    /// The conditions that differ among its runs.
+    /// Returns the conditions that vary among its runs.
     pub fn varying(&self) -> Vec<&'a Condition> {
         let differs = |condition: &&Condition| {
             let mut levels = self.runs.iter().map(|&run| condition.of_run[run]);
@@ -59,7 +59,7 @@ impl<'a> Side<'a> {
         self.table.conditions.iter().filter(differs).collect()
     }
 
-    /// Says whether a run of its table came to its end.
+    /// Returns whether a run of its table finished.
     pub fn is_done(&self, run: usize) -> bool {
         self.table.done[run]
     }
@@ -68,7 +68,7 @@ impl<'a> Side<'a> {
         self.runs.iter().filter(|&&run| !self.is_done(run)).count()
     }
 
-    /// `A: runs/contest (scenario contest, planner prm-rs)`: what all its runs have in common.
+    /// Returns what all its runs share, such as `A: runs/contest (scenario contest, planner prm-rs)`.
     pub fn description(&self) -> String {
         let varying: Vec<_> = self.varying().iter().map(|condition| &condition.name).collect();
         let common = self.table.conditions.iter().filter(|condition| !varying.contains(&&condition.name));
@@ -85,7 +85,7 @@ impl<'a> Side<'a> {
     }
 }
 
-/// The runs of a table that are asked for, as one side.
+/// Returns the selected runs of a table as one side.
 pub fn whole<'a>(table: &'a RunsTable, selection: &Selection) -> Result<Side<'a>, ComparisonError> {
     let mut runs: Vec<usize> = (0..table.seeds.len()).collect();
     for (column, value) in &selection.only {

@@ -4,8 +4,8 @@ use crate::stats::Interval;
 use crate::table::Phrase;
 use wildfire_base::document::number::{rounded, two_digits};
 
-/// A difference as a sentence: `B saves 6.1 more obstacles per run, 95 % interval 4.8 to 7.4`. A metric
-/// without a phrase is called by its name.
+/// Returns a difference as a sentence: `B saves 6.1 more obstacles per run, 95 % interval 4.8 to 7.4`. A metric without
+/// a phrase appears by its name.
 pub fn sentence(
     metric: &str,
     phrase: Option<Phrase>,
@@ -32,7 +32,7 @@ pub fn sentence(
     }
 }
 
-/// An interval of a difference as it is, such as `−0.4 to 1.2`.
+/// Formats the interval of a signed difference, such as `−0.4 to 1.2`.
 pub fn interval_words(phrase: Option<Phrase>, interval: Interval) -> String {
     let scale = phrase.map_or(1.0, |phrase| phrase.scale);
     ends([interval.low, interval.high].map(|end| end * scale), decimals_of_interval(interval, scale))

@@ -1,4 +1,4 @@
-//! Every planner asked for every goal, with the cost of its answer.
+//! Attempts: every planner's answer to every goal, and its cost.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -19,18 +19,18 @@ pub struct Attempt<'a> {
     /// Its place in the problem's list.
     pub goal: usize,
     pub planner: PlannerName,
-    /// CPU time of the clearance field and of the planner's own preparation, the same for all goals of a problem.
+    /// CPU time of the clearance field and of the planner's own preparation, equal for all goals of a problem.
     pub build: Duration,
     /// CPU time of the query.
     pub query: Duration,
     pub expansions: u64,
     pub drive: Result<Drive, PlanFailure>,
-    /// Notes on a failure besides its reason.
+    /// A message about a failure besides its reason.
     pub message: Option<String>,
 }
 
 impl Attempt<'_> {
-    /// Returns all of it but its path.
+    /// Returns the attempt without its path.
     pub fn query(&self, seed: Option<u64>, variant: usize) -> DriveQuery {
         let drive = self.drive.as_ref();
         DriveQuery {
@@ -52,19 +52,19 @@ impl Attempt<'_> {
     }
 }
 
-/// Who is asked, and how.
+/// The planners of a query, and its conditions.
 #[derive(Clone, Copy)]
 pub struct Question<'a> {
     pub planners: &'a [PlannerName],
-    /// What makes those that are not built in.
+    /// The makers of custom planners.
     pub makers: &'a Planners,
-    /// The tables of those.
+    /// The programs among them.
     pub programs: &'a Programs,
     pub seed: u64,
     pub limit: MemoryLimit,
 }
 
-/// Why nobody was asked.
+/// The reason why no planner was asked.
 #[derive(Debug, Error)]
 pub enum AttemptError {
     #[error(transparent)]
@@ -73,7 +73,7 @@ pub enum AttemptError {
     NoPlanner { name: PlannerName, reason: MakeError },
 }
 
-/// All planners on all goals of a problem, goal by goal.
+/// Asks all planners for all goals of a problem, goal by goal.
 ///
 /// Random streams have the names that a run's first truck has, so that both plan alike.
 ///

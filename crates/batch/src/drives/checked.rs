@@ -1,4 +1,4 @@
-//! Paths with their figures, and a check of the rules by other shapes.
+//! Paths with their figures, and an independent audit of them.
 
 use wildfire_audit::{AuditField, MotionLimits, Outline, SampleStep, audit_leg};
 use wildfire_base::geometry::{Pose, ops};
@@ -11,7 +11,7 @@ use wildfire_planning::{END_M, END_RAD, Goal};
 use wildfire_sim::scenario::Problem;
 use wildfire_timeline::Body;
 
-/// A path, its figures, and what is wrong with it.
+/// A path, its figures, and its first violation.
 #[derive(Debug)]
 pub struct Drive {
     pub path: Path,
@@ -20,7 +20,7 @@ pub struct Drive {
     pub violation: Option<String>,
 }
 
-/// Measures paths from the start of one problem and checks them by shapes that planners do not use.
+/// Measures paths from the start of one problem and audits them with shapes that planners do not use.
 pub struct SecondOpinion<'a> {
     start: Pose,
     checker: &'a CollisionChecker,
@@ -61,7 +61,7 @@ impl<'a> SecondOpinion<'a> {
     }
 }
 
-/// Returns by how much a pose misses the goal; `None` if it is met.
+/// Returns the distance by which a pose misses the goal; `None` if it reaches it.
 pub fn missed(goal: Goal, pose: Pose, body: &Dimensions) -> Option<String> {
     let (gap_m, turn) = match goal {
         Goal::Pose(goal) => (pose.position().distance(goal.position()), ops::wrap_angle(pose.heading - goal.heading)),

@@ -1,4 +1,4 @@
-//! Two planners set against each other, goal by goal, by the engine that compares batches.
+//! Comparisons of two planners, goal by goal, with the methods that compare batches.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use wildfire_base::document::Table;
 use wildfire_base::document::number::{optional, probability, rounded, two_digits};
 use wildfire_base::untrusted::visible_start;
 
-/// A figure of one planner beside that of another, over the goals that both solved; success over all goals.
+/// A figure of two planners over the goals that both solved; success over all goals.
 #[derive(Clone, Debug, Serialize)]
 pub struct DriveContrast {
     pub planner: String,
@@ -21,19 +21,19 @@ pub struct DriveContrast {
     pub metric: &'static str,
     #[serde(skip)]
     heading: &'static str,
-    /// Goals that count.
+    /// The number of goals that count.
     pub goals: usize,
     pub mean: f64,
     pub against_mean: f64,
-    /// The first minus the second, with its 95 % interval.
+    /// The difference, first minus second, with its 95 % interval.
     pub difference: f64,
     pub low: Option<f64>,
     pub high: Option<f64>,
-    /// The p-value of the test for no difference, adjusted over all that is compared; `None` if no goal differs.
+    /// The p-value of no difference, adjusted over all comparisons; `None` if no goal differs.
     pub p: Option<f64>,
 }
 
-/// The words below the tables of contrasts.
+/// The note below the tables of contrasts.
 pub const COMPARED: &str = "\
 Differences are the first minus the second: of means over goals that both solved, and of success over all goals. \
 Intervals are 95 %, by the method of `wildfire compare`; p is adjusted by Holm's method over all comparisons.";
@@ -47,7 +47,7 @@ static FIGURES: [(&str, &Measure); 5] = [
 ];
 
 impl DriveContrast {
-    /// Compares each of the planners with each of the others.
+    /// Compares all planners with each other.
     pub fn all(planners: &[String], against: &[String], rows: &[DriveQuery]) -> Vec<Self> {
         let pairs = planners.iter().flat_map(|ours| against.iter().map(move |theirs| (ours, theirs)));
         let mut contrasts: Vec<Self> = pairs.flat_map(|(ours, theirs)| contrasts(ours, theirs, rows)).collect();
@@ -96,7 +96,7 @@ fn contrasts(planner: &str, against: &str, rows: &[DriveQuery]) -> Vec<DriveCont
     success.into_iter().chain(figures).collect()
 }
 
-/// The table of contrasts of two planners.
+/// Returns the table of contrasts of two planners.
 pub fn contrast_table(pair: &[DriveContrast]) -> Table {
     let (ours, theirs) = (visible_start(&pair[0].planner), visible_start(&pair[0].against));
     let headings = ["Figure", "Goals", &ours, &theirs, "Differ-\nence", "95% low", "95% high", "p"];

@@ -1,4 +1,4 @@
-//! Drives as tables and sentences: the same of every command that plans or judges them.
+//! Drives as tables and sentences, shared by all commands that plan or judge drives.
 
 use std::collections::BTreeMap;
 
@@ -43,7 +43,7 @@ fn table<T>(columns: &[TextColumn<T>], rows: &[T]) -> Table {
     Table::new(&headings, rows.iter().map(cells).collect())
 }
 
-/// A row for each goal and planner; what the queries cost where all of them have a cost, else a verdict.
+/// Returns a row for each goal and planner, with the cost of queries if all have one, otherwise a verdict.
 pub fn rows_table(rows: &[DriveQuery]) -> Table {
     let mut columns: Vec<TextColumn<DriveQuery>> = Vec::new();
     let has_cost = rows.iter().all(|row| row.cost.is_some());
@@ -76,7 +76,7 @@ pub fn rows_table(rows: &[DriveQuery]) -> Table {
     table(&columns, rows)
 }
 
-/// A row for each planner; the statistic of each figure is in its heading.
+/// Returns a row for each planner; headings name the statistic of each figure.
 pub fn summary_table(summaries: &[PlannerSummary]) -> Table {
     let mut columns: Vec<TextColumn<PlannerSummary>> = vec![
         ("Planner", |row| visible_start(&row.planner)),
@@ -113,7 +113,7 @@ fn milliseconds_at(summary: &PlannerSummary, measure: &Measure, share: f64) -> S
     summary.quantile(measure, share).map_or_else(|| "-".into(), milliseconds)
 }
 
-/// A table for each variant, with a row for each planner: medians with their intervals.
+/// Returns a table for each variant, with a row for each planner: medians with their intervals.
 pub fn interval_tables(drives: &DriveTable, summaries: &[PlannerSummary]) -> Vec<Block> {
     let variants: Vec<_> = summaries.chunk_by(|one, next| one.variant == next.variant).collect();
     let shown = variants.iter().take(SHOWN_VARIANTS);
@@ -174,12 +174,12 @@ fn cells_of(estimate: Option<Estimate>, decimals: usize) -> [String; 2] {
     [optional(estimate.map(|estimate| estimate.value), decimals), interval.map_or_else(|| "-".into(), range)]
 }
 
-/// A number of queries in words.
+/// Returns a number of queries in words.
 pub fn queries_words(queries: u64) -> String {
     if queries == 1 { "1 query".into() } else { format!("{queries} queries") }
 }
 
-/// A sentence for each planner and reason of its failures.
+/// Returns a sentence for each planner and reason of its failures.
 pub fn failure_sentences(drives: &DriveTable) -> Vec<String> {
     let mut found: BTreeMap<(&str, DriveFailure), (&DriveQuery, usize)> = BTreeMap::new();
     for row in &drives.rows {
@@ -195,7 +195,7 @@ pub fn failure_sentences(drives: &DriveTable) -> Vec<String> {
     found.iter().map(sentence).collect()
 }
 
-/// The first violations, and how many more there are.
+/// Returns the first violations, and the number of others.
 pub fn violation_sentences(drives: &DriveTable) -> Vec<String> {
     let sentence = |row: &DriveQuery| {
         let violation = row.violation.as_ref()?;

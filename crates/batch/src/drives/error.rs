@@ -1,4 +1,4 @@
-//! Why there are no drives.
+//! Errors of planning drives.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use crate::drives::attempts::AttemptError;
 use wildfire_planning::{NameError, PlannerName};
 use wildfire_sim::scenario::{MAX_GOALS, ScenarioError, TerrainError};
 
-/// A reason for which nothing is planned.
+/// The reason why nothing is planned.
 #[derive(Debug, Error)]
 pub enum DriveError {
     #[error("{}", .0.fault)]
@@ -29,7 +29,7 @@ pub enum DriveError {
     NoRoom { field: String },
     #[error(transparent)]
     Terrain(#[from] TerrainError),
-    /// A name that is no built-in planner's, nobody's that was registered, and no table's of the scenario.
+    /// The name belongs to no built-in or registered planner, and to no table of the scenario.
     #[error("--planner names `{name}`, but no planner of this name is known")]
     UnknownPlanner { name: PlannerName, known: Vec<String> },
     #[error(transparent)]

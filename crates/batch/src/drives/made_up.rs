@@ -1,4 +1,4 @@
-//! A made-up table of drives, on which what is made of such tables is tested.
+//! An invented table of drives for tests.
 
 use super::query::{DriveFailure, DriveQuery, QueryCost};
 use super::table::DriveTable;
@@ -6,8 +6,8 @@ use crate::plan::Value;
 use wildfire_planning::PlanFailure;
 use wildfire_planning::judge::DriveFigures;
 
-/// Two planners on three values of a key, 40 queries each, of which the second planner fails every fourth; one path of
-/// the first has a violation.
+/// Returns two planners on three values of a key, 40 queries each, of which the second planner fails every fourth; one
+/// path of the first has a violation.
 pub fn made_up_drives() -> DriveTable {
     let query = |variant: usize, index: u32, planner: usize| {
         let number = f64::from(index + 10 * u32::try_from(variant).expect("a small number"));

@@ -1,5 +1,5 @@
-//! Drives: queries to planners, and paths that were computed elsewhere, each with its cost, its figures and what the
-//! independent audit finds.
+//! Drives: queries to planners, and paths that were computed elsewhere, each with its cost, its figures and the result
+//! of the independent audit.
 //!
 //! A [`DriveQuery`] is a row, [`DRIVE_COLUMNS`] are the columns of its table in every form: CSV, JSON, Python.
 //! [`DriveTable`] holds the rows with what varies between them, [`PlannerSummary`] is the one summary of a planner's rows,

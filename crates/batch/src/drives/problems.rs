@@ -1,4 +1,4 @@
-//! The planning problems: from files, or on the field of a scenario.
+//! Planning problems from files, or on the field of a scenario.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -17,10 +17,10 @@ const GOALS: usize = 50;
 /// The clearance of random goal poses from bushes and border, metres.
 const GOAL_CLEARANCE_M: f64 = 0.5;
 
-/// The fields to plan on, and the goals there.
+/// The fields and goals of drives.
 #[derive(Clone, Debug, Default)]
 pub struct DriveProblems {
-    /// Field files; the field of the scenario if there are none.
+    /// The field files; without any, the field of the scenario.
     pub fields: Vec<PathBuf>,
     /// The number of random free poses of the scenario's field to drive to.
     pub goals: Option<usize>,
@@ -30,13 +30,13 @@ pub struct DriveProblems {
 }
 
 impl DriveProblems {
-    /// Returns the least number of goals that there can be, which is known before any field is.
+    /// Returns the least possible number of goals, which is known before any field is.
     pub fn least_goals(&self) -> usize {
         let is_drawn = self.fields.is_empty() && self.cells.is_none();
         if is_drawn { self.goals.unwrap_or(GOALS) } else { self.fields.len().max(1) }
     }
 
-    /// Returns the problems of the files, or the one of the scenario; each has a name of its own and at least one goal.
+    /// Returns the problems of the files, or that of the scenario; each has a unique name and at least one goal.
     pub fn load(&self, scenario: &Scenario, seed: u64) -> Result<Vec<Problem>, DriveError> {
         if let Some(found) = self.goals.or(self.cells).filter(|count| !(1..=MAX_GOALS).contains(count)) {
             return Err(DriveError::GoalCount { found });

@@ -1,4 +1,4 @@
-//! A query to a planner, or a path that was computed elsewhere, without the path itself.
+//! A query to a planner, or a path that was computed elsewhere, without the path.
 
 use std::fmt;
 use std::sync::Arc;
@@ -11,10 +11,10 @@ use wildfire_planning::judge::DriveFigures;
 /// A column of a table of drives.
 pub type DriveColumn = Column<fn(&DriveQuery) -> Value>;
 
-/// A goal, who was to drive there, what the answer cost and what it is worth.
+/// A goal, the planner, and the cost and quality of the answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DriveQuery {
-    /// `None` in a table without seeds.
+    /// The seed; `None` in a table without seeds.
     pub seed: Option<u64>,
     /// The index of its variant in the table.
     pub variant: usize,
@@ -22,38 +22,38 @@ pub struct DriveQuery {
     /// The index of the goal on its field.
     pub goal: usize,
     pub planner: Arc<str>,
-    /// `None` for a path that was computed elsewhere.
+    /// The cost; `None` for a path that was computed elsewhere.
     pub cost: Option<QueryCost>,
-    /// The figures of the path, with or without violation; `None` without a path.
+    /// The figures of the path, valid or not; `None` without a path.
     pub figures: Option<DriveFigures>,
     pub failure: Option<DriveFailure>,
-    /// The first violation found by the audit on the path.
+    /// The first violation that the audit found on the path.
     pub violation: Option<Box<str>>,
-    /// The planner's own message about a failure; no column.
+    /// The planner's own message about a failure, which is no column.
     pub message: Option<Box<str>>,
 }
 
-/// The effort behind an answer.
+/// The cost of an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QueryCost {
-    /// CPU time of the clearance field and of the planner's own preparation, the same for all goals of a field.
+    /// CPU time of the clearance field and of the planner's own preparation, equal for all goals of a field.
     pub cpu_build_s: f64,
     pub cpu_query_s: f64,
     pub expansions: u64,
 }
 
-/// The reason for which a goal was not reached although the path, if there is one, breaks no rule.
+/// The reason why a goal was not reached although the path, if there is one, breaks no rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum DriveFailure {
     Planner(PlanFailure),
-    /// A table of paths has none to this goal.
+    /// A table of paths has no path to this goal.
     NoPath,
-    /// A recorded truck gave the goal up on the way.
+    /// A recorded truck dropped the goal while driving.
     Dropped,
 }
 
 impl DriveFailure {
-    /// Returns the failure that is written like this.
+    /// Returns the failure with this name.
     pub fn parse(text: &[u8]) -> Option<Self> {
         let planners = PlanFailure::ALL.map(Self::Planner);
         planners.into_iter().chain([Self::NoPath, Self::Dropped]).find(|known| known.to_string().as_bytes() == text)

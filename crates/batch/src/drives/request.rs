@@ -1,4 +1,4 @@
-//! Drives that are asked for as a whole: by Python, and piece by piece by the commands.
+//! Requests of drives: as a whole for Python, and step by step for the commands.
 
 use super::attempts::{Attempt, Question, attempts};
 use super::error::DriveError;
@@ -15,18 +15,18 @@ use wildfire_sim::scenario::{LoadedScenario, MemoryLimit, Problem, Scenario};
 pub struct DriveRequest {
     /// The scenario whose first truck drives: a file, or a built-in name.
     pub scenario: String,
-    /// Changes of its values, `key=value`.
+    /// Changes of the scenario's values, `key=value`.
     pub changes: Vec<String>,
     pub problems: DriveProblems,
-    /// Names of planners, `all` for every one that is known; the first truck's own if there are none.
+    /// The names of planners, `all` for every known one; without any, the first truck's planner.
     pub planners: Vec<PlannerName>,
-    /// The number that everything random follows from.
+    /// The seed of all random numbers.
     pub seed: u64,
     pub memory: MemoryLimit,
 }
 
 impl DriveRequest {
-    /// Asks every planner for every goal, those of `entrants` among them; programs that files name are not started.
+    /// Asks every planner for every goal, including those of `entrants`; programs that files name are not started.
     ///
     /// # Errors
     /// If the scenario, a field or a planner is refused.
@@ -48,7 +48,7 @@ impl DriveRequest {
     }
 }
 
-/// All planners on all goals of all problems, problem by problem.
+/// Asks all planners for all goals of all problems, problem by problem.
 ///
 /// # Errors
 /// If one of the planners cannot be built, or they would take more memory than the limit.
@@ -59,7 +59,7 @@ pub fn ask_all<'a>(problems: &'a [Problem], question: &Question<'_>) -> Result<V
     Ok(asked.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
 }
 
-/// Returns changes of a scenario by which it knows the planners and policies that were registered.
+/// Returns changes of a scenario that declare the registered planners and policies.
 pub fn own_names(entrants: &Entrants) -> impl Iterator<Item = String> {
     let Entrants { planners, policies, .. } = entrants;
     let planners = planners.own_names().map(|name| format!("planner.\"{name}\".command=[]"));
@@ -69,7 +69,7 @@ pub fn own_names(entrants: &Entrants) -> impl Iterator<Item = String> {
 /// The name that is every known planner's.
 const ALL_PLANNERS: &str = "all";
 
-/// Returns the planners of these names, each once, or else the first truck's own.
+/// Returns the planners of these names without duplicates, or the first truck's planner.
 pub fn asked_planners(names: &[PlannerName], scenario: &Scenario) -> Vec<PlannerName> {
     let own = scenario.unimog.iter().take(1).map(|truck| truck.planner.clone());
     let known = || TruckPlannerKind::ALL.map(PlannerName::from).into_iter().chain(scenario.planner.keys().cloned());
@@ -86,7 +86,7 @@ pub fn asked_planners(names: &[PlannerName], scenario: &Scenario) -> Vec<Planner
     planners
 }
 
-/// Refuses names that no planner has: none that is built in or was registered, and no table of the scenario.
+/// Refuses unknown planners: names that are neither built in nor registered, and have no table in the scenario.
 pub fn expect_known_planners(
     entrants: &Entrants,
     scenario: &Scenario,

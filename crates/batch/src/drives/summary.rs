@@ -1,4 +1,4 @@
-//! The summary of a planner's drives of one variant: how many are solved, and means and quantiles of their figures.
+//! The summary of a planner's drives in one variant: success rate, and means and quantiles of figures.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -11,10 +11,10 @@ use crate::stats::{Series, quantile, quantile_interval, wilson_interval};
 use wildfire_base::object;
 use wildfire_picture::charts::Estimate;
 
-/// A number of a query, and how charts show it.
+/// A number of a query, and its appearance in charts.
 #[derive(Debug)]
 pub struct Measure {
-    /// Its name in tables of queries.
+    /// The name in tables of queries.
     pub column: &'static str,
     pub title: &'static str,
     /// The name of an axis, with its unit.
@@ -85,7 +85,7 @@ static EXPANSIONS: Measure =
     Measure::new("expansions", "Nodes expanded in a query", "nodes", |query| Some(query.cost?.expansions as f64))
         .logarithmic();
 
-/// All of them, in the order of the charts.
+/// All measures, in the order of the charts.
 pub static MEASURES: [&Measure; 8] =
     [&LOWER_BOUND_RATIO, &CPU_QUERY, &CLEARANCE, &LENGTH, &DRIVE_TIME, &CUSPS, &EXPANSIONS, &CPU_BUILD];
 
@@ -96,7 +96,7 @@ pub struct PlannerSummary {
     pub planner: Arc<str>,
     pub queries: u64,
     pub solved: u64,
-    /// Paths that the audit rejects.
+    /// The paths that the audit rejects.
     pub violations: u64,
     /// By the column of the measure, ascending.
     values: BTreeMap<&'static str, Vec<f64>>,
@@ -165,7 +165,7 @@ impl PlannerSummary {
 }
 
 impl DriveTable {
-    /// Returns summaries of its rows as they are written into JSON.
+    /// Returns summaries of the table's rows as members of JSON.
     pub fn summary_members(&self, summaries: &[PlannerSummary]) -> Vec<impl Serialize> {
         let member = |summary: &PlannerSummary| {
             let Estimate { value, interval } = summary.solved_share();

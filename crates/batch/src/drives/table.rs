@@ -1,4 +1,4 @@
-//! Drives with the seed and what was varied between them, and the CSV file that holds them.
+//! A table of drives with seeds and varied keys, and its CSV file.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
@@ -15,7 +15,7 @@ use wildfire_base::untrusted::visible_start;
 use wildfire_base::whole_file::WholeFile;
 use wildfire_planning::judge::DriveFigures;
 
-/// The most queries of a table; they are all kept in memory.
+/// The maximum number of queries of a table, which is kept in memory.
 pub const MAX_QUERIES: u64 = 1_000_000;
 
 /// The most columns of a table that are taken for keys.
@@ -30,37 +30,36 @@ const SEED: &str = "seed";
 /// The column that older tables lack.
 const VIOLATION: &str = "violation";
 
-/// Drives, and what was varied between them.
+/// Drives, with the keys that were varied.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DriveTable {
-    /// Keys that differ.
+    /// The keys that differ.
     pub keys: Vec<String>,
-    /// A value for each key, in the order in which they are first met.
+    /// A value for each key, in the order of first occurrence.
     pub variants: Vec<Vec<Value>>,
-    /// Variant by variant, seed by seed, goal by goal, planner by planner.
+    /// The rows: by variant, then seed, goal and planner.
     pub rows: Vec<DriveQuery>,
 }
 
 impl DriveTable {
-    /// Makes a table in which nothing was varied.
+    /// Creates a table without varied keys.
     pub fn of_one_variant(rows: Vec<DriveQuery>) -> Self {
         Self { keys: Vec::new(), variants: vec![Vec::new()], rows }
     }
 
-    /// Names a variant by its values; empty where nothing differs.
+    /// Returns a variant's values as its name; empty where nothing varies.
     pub fn title(&self, variant: usize) -> String {
         let words = self.keys.iter().zip(&self.variants[variant]).map(|(key, value)| format!("{key} {value}"));
         words.collect::<Vec<_>>().join(", ")
     }
 
-    /// Lists the planners, in the order in which they are first met.
+    /// Lists the planners, in the order of first occurrence.
     pub fn planners(&self) -> Vec<Arc<str>> {
         let mut seen = BTreeSet::new();
         self.rows.iter().map(|row| &row.planner).filter(|name| seen.insert(Arc::clone(name))).cloned().collect()
     }
 
-    /// Returns the rows as they are written into JSON: the seed and the values of the variant if there are any, then
-    /// the columns.
+    /// Returns the rows as members of JSON: the seed and the values of the variant if there are any, then the columns.
     pub fn members(&self) -> Vec<impl Serialize> {
         let member = |query: &DriveQuery| {
             let seed = query.seed.map(|seed| (SEED.to_owned(), seed.into()));
@@ -71,7 +70,7 @@ impl DriveTable {
         self.rows.iter().map(member).collect()
     }
 
-    /// Writes a row for each query; numbers read back as the same `f64`, and no spreadsheet computes a name.
+    /// Writes a row for each query; numbers read back as the same `f64`, and no spreadsheet evaluates a name.
     pub fn write(&self, path: &Path) -> io::Result<()> {
         let has_seeds = self.rows.iter().any(|row| row.seed.is_some());
         let mut lines = Lines::default();
@@ -92,7 +91,7 @@ impl DriveTable {
         file.finish()
     }
 
-    /// Reads a table that this program wrote, with or without seeds. Columns that it does not know are keys.
+    /// Reads a table that this program wrote, with or without seeds. Unknown columns are keys.
     ///
     /// # Errors
     /// If it is none, holds nothing, or more than is kept in memory.

@@ -1,4 +1,4 @@
-//! Where the CPU time of a run went, by the phases that the contest's Table II names.
+//! The CPU time of a run by phase, as named in the contest's Table II.
 
 use std::time::Duration;
 
@@ -10,24 +10,24 @@ use wildfire_timeline::AgentId;
 pub struct CpuSplit {
     pub terrain_s: f64,
     pub clearance_field_s: f64,
-    /// Drawing the roadmaps' samples.
+    /// Sampling of roadmaps.
     pub sampling_s: f64,
-    /// Connecting them.
+    /// Connecting of roadmaps.
     pub map_generation_s: f64,
     pub roadmap_search_s: f64,
     /// The trucks' motion primitives.
     pub local_search_s: f64,
     /// The trucks' reachability floods and the searches that follow them.
     pub reachability_s: f64,
-    /// Making the trucks' planners that are not built in, with the starts of their programs.
+    /// Making the trucks' custom planners, including the starts of their programs.
     pub custom_start_s: f64,
-    /// Queries to them.
+    /// Queries to custom planners.
     pub custom_queries_s: f64,
     /// Decisions of the policy that dispatches the trucks.
     pub dispatch_s: f64,
-    /// Policies that are not built in, of trucks and Wumpuses, with the starts of their programs.
+    /// Custom policies of trucks and Wumpuses, including the starts of their programs.
     pub policy_s: f64,
-    /// All that the Wumpuses' planning took.
+    /// All planning of Wumpuses.
     pub wumpus_s: f64,
     pub run_s: f64,
 }
@@ -52,18 +52,18 @@ impl CpuSplit {
         }
     }
 
-    /// The probabilistic roadmap alone: clearance field, sampling, map generation, roadmap search.
+    /// Returns the time of the probabilistic roadmap alone: clearance field, sampling, map generation, roadmap search.
     pub fn prm_total_s(&self) -> f64 {
         self.clearance_field_s + self.sampling_s + self.map_generation_s + self.roadmap_search_s
     }
 
-    /// All that the trucks' planning took.
+    /// Returns the time of all planning of trucks.
     pub fn unimog_total_s(&self) -> f64 {
         let built_in_s = self.prm_total_s() + self.local_search_s + self.reachability_s;
         built_in_s + self.custom_start_s + self.custom_queries_s + self.dispatch_s
     }
 
-    /// Says whether a truck has a planner that is not built in.
+    /// Returns whether a truck has a custom planner.
     pub fn has_custom_planner(&self) -> bool {
         self.custom_start_s + self.custom_queries_s > 0.0
     }
@@ -72,7 +72,7 @@ impl CpuSplit {
         self.unimog_total_s() + self.wumpus_s
     }
 
-    /// The rest, which neither terrain nor planners nor policies took: events, fire, book-keeping.
+    /// Returns the time outside terrain, planners and policies: events, fire, bookkeeping.
     pub fn rest_s(&self) -> f64 {
         (self.run_s - self.terrain_s - self.planners_s() - self.policy_s).max(0.0)
     }

@@ -1,4 +1,4 @@
-//! What a batch keeps of a run besides its numbers: every call of a planner, and the bushes over time.
+//! The details of a run in a batch, besides its numbers: every planner call, and the bushes over time.
 
 use std::time::Duration;
 
@@ -11,17 +11,17 @@ use wildfire_planning::{Effort, FoundBy, PlanFailure};
 use wildfire_timeline::BushStateKind;
 use wildfire_timeline::{AgentFact, AgentId, Event, Fact, RunIndex};
 
-/// Steps between the times at which bushes are counted, which are the first and the last of the scenario too.
+/// The number of intervals between the times at which bushes are counted, from the start to the end of the scenario.
 pub const STATE_STEPS: u64 = 60;
 
-/// Details of a run; empty of one that is not done.
+/// The details of a run; empty for a run that is not done.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunDetail {
-    /// Facts of the timeline.
+    /// The number of facts of the timeline.
     pub facts: u64,
-    /// In the order in which they were made.
+    /// The planner calls in order.
     pub calls: Vec<PlannerCall>,
-    /// Every sixtieth of the scenario's duration.
+    /// The counts at every sixtieth of the scenario's duration.
     pub states: Vec<StateCount>,
 }
 
@@ -31,11 +31,11 @@ pub struct RunDetail {
 pub struct PlannerCall {
     pub agent: AgentId,
     pub time: SimTime,
-    /// Column and row of the cell that the agent goes for.
+    /// Column and row of the agent's goal.
     pub goal: (u16, u16),
     pub answer: Result<Solution, PlanFailure>,
     pub effort: Effort,
-    /// CPU time of the agent's planning since its call before; measured. `None` in journals of older programs.
+    /// CPU time of the agent's planning since its previous call; measured. `None` in journals of older programs.
     pub cpu: Option<Duration>,
 }
 
@@ -46,7 +46,7 @@ pub struct Solution {
     pub segments: u32,
     pub cusps: u32,
     pub duration_s: f64,
-    /// The means that found it; `None` of a Wumpus's.
+    /// The means by which it was found; `None` for a Wumpus.
     pub found_by: Option<FoundBy>,
 }
 
@@ -61,7 +61,7 @@ impl Solution {
         }
     }
 
-    /// Says whether the reachability flood led to it, after the planner had failed.
+    /// Returns whether it comes from the reachability flood, after the planner had failed.
     pub fn by_lattice(&self) -> bool {
         self.found_by.is_some_and(FoundBy::is_after_failure)
     }
@@ -80,7 +80,7 @@ struct CallFields(
     u32,
     u32,
     Option<(f64, u32, u32, f64, FoundByField)>,
-    /// Missing in journals of older programs.
+    /// The time in nanoseconds; missing in journals of older programs.
     #[serde(default)]
     Option<u64>,
 );
@@ -90,7 +90,7 @@ struct CallFields(
 #[serde(untagged)]
 enum FoundByField {
     Named(FoundBy),
-    /// Says whether the flood led to the plan, as journals do that name no means; false for plans of a Wumpus.
+    /// True if it comes from the flood, in journals that name no means; false for plans of a Wumpus.
     Flood(bool),
 }
 
@@ -187,7 +187,7 @@ impl RunDetail {
         }
     }
 
-    /// Says whether all that is not measured is the same.
+    /// Returns whether everything that is not measured is equal.
     pub fn has_same_outcome(&self, other: &Self) -> bool {
         let is_same =
             |(one, other): (&PlannerCall, &PlannerCall)| *one == PlannerCall { cpu: one.cpu, ..other.clone() };
@@ -196,7 +196,7 @@ impl RunDetail {
     }
 }
 
-/// Says whether a fact is the answer to a query, or ends one.
+/// Returns whether a fact is the answer to a query, or ends one.
 fn is_answer(event: &Event) -> bool {
     let Fact::Agent(_, fact) = &event.fact else { return false };
     matches!(

@@ -1,4 +1,4 @@
-//! What a batch asks of a disk, so that tests can put one in its place that is full.
+//! Disk operations of a batch, which tests replace by those of a full disk.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -6,7 +6,7 @@ use std::path::Path;
 
 use wildfire_base::whole_file::WholeFile;
 
-/// A place to which the files of a batch are written.
+/// A destination for the files of a batch.
 pub trait Disk {
     /// A file that appears when it is finished.
     fn whole_file(&self, path: &Path) -> io::Result<Box<dyn Whole>>;
@@ -15,12 +15,12 @@ pub trait Disk {
     fn journal(&self, file: File) -> Box<dyn Append>;
 }
 
-/// A file that appears when it is finished.
+/// A file that appears when it is complete.
 pub trait Whole: Write + Send {
     fn finish(self: Box<Self>) -> io::Result<()>;
 }
 
-/// A file that grows.
+/// A file to which lines are appended.
 pub trait Append {
     /// Hands all bytes over to the system: they survive the end of this process.
     fn append(&mut self, bytes: &[u8]) -> io::Result<()>;

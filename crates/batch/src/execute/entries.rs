@@ -1,4 +1,4 @@
-//! Entries of a batch's folder: which names are the batch's own, and that these are files.
+//! Entries of a batch's folder: the names that a batch uses, and the check that they are files.
 
 use std::ffi::OsStr;
 use std::fs::{self, FileType};
@@ -51,7 +51,7 @@ impl SliceFile {
         format!("{stem}{}{ending}", if slice.is_whole() { "" } else { &of_slice })
     }
 
-    /// Returns the slice whose file has this name; `None` of any other name.
+    /// Returns the slice of the file with this name; `None` for other names.
     pub fn slice(self, name: &str) -> Option<Slice> {
         let parts = name.strip_prefix(self.0)?.strip_suffix(self.1)?;
         let slice = parts.strip_prefix('-').map_or(Some(Slice::WHOLE), |it| it.replace("-of-", "/").parse().ok())?;
@@ -59,7 +59,7 @@ impl SliceFile {
     }
 }
 
-/// An entry of a batch's folder that is not what a batch writes there.
+/// An entry in a batch's folder that the batch did not write.
 #[derive(Debug, Error)]
 #[error("{} is {found}; expected a {expected}", path.display())]
 pub struct StrangeEntry {
@@ -69,7 +69,7 @@ pub struct StrangeEntry {
 }
 
 /// Refuses a batch's folder in which a pipe, a device, a loop of links or a folder has the name of one of its files:
-/// reading it might never end. A link to a file passes for the file.
+/// reading it might never end. Links to files are accepted.
 pub fn expect_files(folder: &Path) -> Result<(), StrangeEntry> {
     FILES.iter().try_for_each(|name| expect_file(&folder.join(name)))?;
     let is_of_slice =
@@ -83,7 +83,7 @@ pub fn expect_files(folder: &Path) -> Result<(), StrangeEntry> {
     Ok(())
 }
 
-/// Refuses an entry that is there and is no file; one that cannot be looked at is left to whoever opens it.
+/// Refuses an entry that exists and is no file; an inaccessible one is left to the code that opens it.
 pub fn expect_file(path: &Path) -> Result<(), StrangeEntry> {
     expect(path, FileType::is_file, "file")
 }
@@ -119,13 +119,13 @@ fn word_for(found: FileType) -> &'static str {
     if found.is_dir() { "a folder" } else { "a file" }
 }
 
-/// Returns the paths of a folder's entries whose names meet the condition; none if the folder is not there.
+/// Returns the paths of a folder's entries whose names meet the condition; none if the folder does not exist.
 pub fn named(folder: &Path, is_so: impl Fn(&OsStr) -> bool) -> impl Iterator<Item = PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     entries.filter(move |entry| is_so(&entry.file_name())).map(|entry| entry.path())
 }
 
-/// Says whether this is a name that a plan gives a recording: `seed-7.wildfire` or `run-12-seed-7.wildfire`.
+/// Returns whether this is a recording's name: `seed-7.wildfire` or `run-12-seed-7.wildfire`.
 pub fn is_recording(name: &OsStr) -> bool {
     let numbers = name.to_str().and_then(|name| {
         let rest = name.strip_suffix(".wildfire")?;
@@ -136,25 +136,25 @@ pub fn is_recording(name: &OsStr) -> bool {
     numbers.is_some_and(|numbers| numbers.iter().all(|number| number.parse::<u64>().is_ok()))
 }
 
-/// Says whether this is the name of a chart, of what one shows, or of a page that plays a run.
+/// Returns whether this is the name of a chart, of its data, or of a page that plays a run.
 pub fn is_chart(name: &OsStr) -> bool {
     const ENDINGS: [&str; 6] = ["svg", "png", "pdf", "pgf", "csv", "html"];
     Path::new(name).extension().is_some_and(|ending| ENDINGS.iter().any(|known| ending == *known))
 }
 
-/// Says whether this is the name under which a slice writes the plan before it renames it: `plan.json.JOURNAL`.
+/// Returns whether this is the name under which a slice writes the plan before it renames it: `plan.json.JOURNAL`.
 fn is_plan_of_slice(name: &str) -> bool {
     let journal = name.strip_prefix(PLAN_FILE).and_then(|rest| rest.strip_prefix('.'));
     journal.is_some_and(|journal| JOURNAL.slice(journal).is_some())
 }
 
-/// Says whether this is a name that a batch writes in its own folder, besides its journals.
+/// Returns whether this is the name of a file that a batch writes into its folder, besides its journals.
 pub fn is_file_of_batch(name: &OsStr) -> bool {
     name.to_str().is_some_and(|name| FILES.contains(&name) || is_plan_of_slice(name) || MACHINES.slice(name).is_some())
 }
 
-/// Says whether this is a name under which a process writes a file aside, as `NAME.PROCESS.part`, or a slice its plan, of
-/// which the name meets the condition: what is left when the process is killed.
+/// Returns whether this is a name under which a process writes a file aside, as `NAME.PROCESS.part`, or a slice its
+/// plan, of which the name meets the condition: what is left when the process is killed.
 pub fn is_leftover(name: &OsStr, is_own: impl Fn(&OsStr) -> bool) -> bool {
     let Some(name) = name.to_str() else { return false };
     let parts = name.strip_suffix(".part").and_then(|name| name.rsplit_once('.'));

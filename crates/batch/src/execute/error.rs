@@ -1,4 +1,4 @@
-//! Why a batch stops before its end, or does not begin.
+//! Errors that stop a batch, or prevent its start.
 
 use std::io;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! The lock by which two processes do not work on one slice of a batch.
+//! The lock that keeps two processes from working on one slice of a batch.
 //!
 //! `flock` is the system's lock on an open file: it ends with its process, however that ends. Lustre without the mount
 //! option `flock`, NFS without a lock daemon and some others refuse it; there the scheduler keeps processes apart, and a
@@ -7,7 +7,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// A way to keep two processes from working on one slice.
+/// The kind of lock that keeps two processes from working on one slice.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Lock {
     /// The lock of the operating system.

@@ -1,4 +1,4 @@
-//! `machines.json`: the machines that worked on a batch, beside the plan and outside of everything that is compared.
+//! `machines.json`: the machines that worked on a batch, beside the plan and excluded from comparisons of results.
 //!
 //! Outcomes do not depend on the machine; CPU times do, so a table of them names it. Every process writes down, before its
 //! first run, on what it works: of a slice into a file of its own, which nobody else writes, and `wildfire merge` puts these
@@ -31,36 +31,36 @@ const MAX_NAME: usize = 200;
 /// A machine that worked on a batch, and the program that it worked with.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Machine {
-    /// The model of its processor; none if unknown.
+    /// The model of its processor, if known.
     pub cpu: Option<String>,
     /// The number of processors that the process could use.
     pub processors: usize,
-    /// The memory of the machine; none if unknown.
+    /// The memory of the machine, if known.
     pub memory_bytes: Option<u64>,
     /// The operating system with its version, such as `Linux 6.1.0`.
     pub system: String,
-    /// The kind of processor, such as `x86_64`.
+    /// The architecture, such as `x86_64`.
     pub architecture: String,
     /// The number of threads that executed runs.
     pub threads: usize,
     pub program_version: String,
-    /// The commit and the compiler that the program was built from.
+    /// The commit and the compiler of the program.
     pub commit: Option<String>,
     pub compiler: String,
-    /// The number of processes like this that worked on the batch.
+    /// The number of such processes that worked on the batch.
     pub processes: u64,
 }
 
 /// The contents of `machines.json`.
 #[derive(Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Machines {
-    /// The machines, in the order in which they began to work.
+    /// The machines, in the order in which they began.
     #[serde(deserialize_with = "list_of_at_most::<MAX_MACHINES, _, _>")]
     pub machines: Vec<Machine>,
 }
 
 impl Machine {
-    /// The machine of this process, which makes runs on so many threads.
+    /// Returns the machine of this process, which executes runs on `threads` threads.
     pub fn here(threads: usize) -> Self {
         Self {
             cpu: cpu_model().map(|name| shortened(&name)).filter(|name| !name.is_empty()),
@@ -76,7 +76,7 @@ impl Machine {
         }
     }
 
-    /// Names the machine in words, for people.
+    /// Describes the machine in words.
     pub fn words(&self) -> String {
         let cpu = self.cpu.as_deref().unwrap_or("unknown processor");
         let memory = self.memory_bytes.map(|bytes| format!(", {:.1} GB of memory", bytes as f64 / 1e9));
@@ -90,7 +90,7 @@ impl Machine {
 }
 
 impl Machines {
-    /// Reads the machines of a batch's folder; none if no file says which they were.
+    /// Reads the machines of a batch's folder; empty if there is no such file.
     ///
     /// # Errors
     /// If the file cannot be read, or is not a list of machines.
@@ -132,7 +132,7 @@ impl Machines {
     }
 }
 
-/// Writes down that this process works on a slice, on so many threads. Nobody else may do so meanwhile.
+/// Records that this process works on a slice, on this number of threads. No other process may do so at the same time.
 pub fn note_machine(folder: &OutputFolder, slice: Slice, threads: usize, disk: &dyn Disk) -> Result<(), BatchError> {
     let path = folder.path().join(MACHINES.name(slice));
     let mut machines = Machines::from_file(&path)?;
@@ -140,7 +140,7 @@ pub fn note_machine(folder: &OutputFolder, slice: Slice, threads: usize, disk: &
     machines.write(&path, disk)
 }
 
-/// Puts the machines of all slices together. Of a batch without slices there is nothing to be done.
+/// Merges the machines of all slices. Without slices it does nothing.
 pub fn merge_machines(folder: &OutputFolder, disk: &dyn Disk) -> Result<(), BatchError> {
     let is_of_slice =
         |name: &OsStr| name.to_str().and_then(|name| MACHINES.slice(name)).is_some_and(|slice| !slice.is_whole());

@@ -1,4 +1,4 @@
-//! Workers that make the runs of a plan, the journal that loses none of them, and the folder that it is in.
+//! Execution: the workers that make the runs of a plan, the journal that loses none of them, and the batch's folder.
 //!
 //! What a run leaves is a [`RunRow`]: its numbers, not its facts.
 

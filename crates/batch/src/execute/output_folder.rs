@@ -1,4 +1,4 @@
-//! Where a batch puts its files.
+//! The output folder of a batch.
 
 use std::fs;
 use std::io::{self, ErrorKind};
@@ -15,21 +15,21 @@ use wildfire_base::whole_file::sync_folder_of;
 /// The most folders of one name that are tried, the name itself and `-2`, `-3` ...
 const MAX_NUMBERED: u32 = 100_000;
 
-/// A folder that exists and holds no results of another batch, or may lose them.
+/// A folder that exists and either holds no results of another batch or may be overwritten.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutputFolder {
     path: PathBuf,
     keeping: JournalKeeping,
 }
 
-/// How the journals of a folder are kept: what is right for it depends on its file system.
+/// How the journals of a folder are kept, depending on its file system.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct JournalKeeping {
     pub lock: Lock,
-    /// The longest time that a line waits to be brought to the disk.
+    /// The longest time until a line is synced to the disk.
     pub sync_every: Duration,
-    /// A folder on a disk of this machine, in which a journal is written until its process ends; in its place it is
-    /// brought then.
+    /// A folder on a local disk in which a journal is written until its process ends; then it is moved to its
+    /// destination.
     pub local_folder: Option<PathBuf>,
 }
 
@@ -57,7 +57,7 @@ impl OutputFolder {
         Err(BatchError::unwritable(parent, full))
     }
 
-    /// Returns the path of which [`Self::next_free`] would make a folder now, and makes none.
+    /// Returns the path that [`Self::next_free`] would create now, and creates nothing.
     pub fn next_free_path(parent: &Path, name: &str) -> PathBuf {
         let free = Self::numbered(parent, name).find(|path| !path.exists());
         free.unwrap_or_else(|| parent.join(file_name_of(name)))
@@ -74,7 +74,7 @@ impl OutputFolder {
         Self { path, keeping: JournalKeeping::default() }
     }
 
-    /// Returns the same folder with journals that are kept like this.
+    /// Returns the same folder with journals that are kept in this way.
     #[must_use]
     pub fn with_keeping(self, keeping: JournalKeeping) -> Self {
         Self { keeping, ..self }
@@ -84,7 +84,7 @@ impl OutputFolder {
         &self.keeping
     }
 
-    /// Takes a folder that was asked for by name, and creates it if need be.
+    /// Opens a folder requested by name, and creates it if necessary.
     ///
     /// A folder that holds results is refused, unless `overwrite` says that they may be replaced. Other files in it
     /// are of no concern and stay.
@@ -107,7 +107,7 @@ impl OutputFolder {
         }
     }
 
-    /// Takes a folder that holds a batch, or may, and creates it if need be.
+    /// Opens a folder that holds or may hold a batch, and creates it if necessary.
     pub fn shared(path: &Path) -> Result<Self, BatchError> {
         if path.exists() && !path.is_dir() {
             return Err(BatchError::NotAFolder { path: path.to_owned() });
@@ -117,7 +117,7 @@ impl OutputFolder {
         Ok(Self::at(path.to_owned()))
     }
 
-    /// Takes a folder of a batch that is there.
+    /// Opens a folder of an existing batch.
     pub fn existing(path: &Path) -> Result<Self, BatchError> {
         match fs::metadata(path) {
             Ok(found) if found.is_dir() => {
@@ -129,7 +129,7 @@ impl OutputFolder {
         }
     }
 
-    /// The slices that have a journal here, in order.
+    /// Returns the slices that have a journal here, in order.
     pub fn journals(&self) -> Result<Vec<Slice>, BatchError> {
         let unreadable = |source| BatchError::Unreadable { path: self.path.clone(), source };
         let mut slices = Vec::new();
@@ -166,7 +166,7 @@ impl OutputFolder {
         journals.chain(files).chain(machines.collect::<Vec<_>>()).try_for_each(|path| remove_file(&path))
     }
 
-    /// Returns the files that a process that was killed, or one that is at work, has written aside, in order.
+    /// Returns the files that a killed or running process has written aside, in order.
     pub fn leftovers(&self) -> Vec<PathBuf> {
         let mut paths: Vec<PathBuf> = Vec::new();
         paths.extend(named(&self.path, |name| is_leftover(name, is_file_of_batch)));
@@ -176,14 +176,14 @@ impl OutputFolder {
         paths
     }
 
-    /// Removes what a process that was killed had written aside. To be called by whoever alone works on the batch.
+    /// Removes what a killed process has written aside. The caller must be the only process that works on the batch.
     pub fn remove_leftovers(&self) -> Result<Vec<PathBuf>, BatchError> {
         let paths = self.leftovers();
         paths.iter().try_for_each(|path| remove_file(path))?;
         Ok(paths)
     }
 
-    /// Says whether the folder has the plan of a batch of this program.
+    /// Returns whether the folder has the plan of a batch of this program.
     fn holds_a_plan(&self) -> bool {
         #[derive(Deserialize)]
         struct Plan {
@@ -227,7 +227,7 @@ fn remove_file(path: &Path) -> Result<(), BatchError> {
     }
 }
 
-/// A scenario's name as a name of files: characters that do not belong into one become `-`.
+/// Returns a scenario's name as a file name: characters that do not belong in one become `-`.
 pub fn file_name_of(name: &str) -> String {
     let keep = |letter: char| if letter.is_alphanumeric() || "-_.+".contains(letter) { letter } else { '-' };
     let kept: String = name.chars().take(100).map(keep).collect();

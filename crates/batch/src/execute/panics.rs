@@ -1,4 +1,4 @@
-//! A panic inside one run becomes a row of the batch, not its end.
+//! Catches panics inside runs, so that they become rows of the batch instead of its end.
 
 use std::cell::{Cell, RefCell};
 use std::panic::{self, AssertUnwindSafe};
@@ -9,7 +9,7 @@ thread_local! {
     static REPORT: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
-/// Runs `work`; if it panics, returns what it panicked with, and where, on one line.
+/// Runs `work`; if it panics, returns the message and the location on one line.
 ///
 /// Nothing is printed for such a panic. The first call installs a panic hook for the whole process; panics elsewhere
 /// still go to the hook that was there before.

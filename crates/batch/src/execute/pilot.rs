@@ -1,4 +1,4 @@
-//! A pilot: some runs of a plan, made to know how long all of them will take.
+//! A pilot: some runs of a plan, executed to estimate the duration of all.
 
 use std::time::Duration;
 
@@ -13,19 +13,19 @@ const MOST_RUNS: u64 = 20;
 /// The time after which no further run is begun.
 const LONGEST: Duration = Duration::from_secs(60);
 
-/// What a pilot found.
+/// The result of a pilot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pilot {
     pub runs: u64,
-    /// Real time of all of them, one after the other.
+    /// The real time of all pilot runs, one after the other.
     pub total: Duration,
-    /// That of the longest.
+    /// The real time of the longest one.
     pub longest: Duration,
 }
 
 impl Pilot {
-    /// Makes runs that are spread evenly over the plan, so that every variant has its share as far as there are enough,
-    /// on this thread; at least one, and no more after a minute. Runs that fail count with the time that they took.
+    /// Executes runs that are spread evenly over the plan, so that every variant has its share if there are enough, on
+    /// this thread; at least one, and no more after a minute. Failed runs count with the time they took.
     pub fn run(plan: &BatchPlan, entrants: &Entrants) -> Self {
         let options = RunOptions { memory: plan.memory, ..entrants.clone().into() };
         let runs = plan.count().min(MOST_RUNS);
@@ -47,7 +47,7 @@ impl Pilot {
         pilot
     }
 
-    /// Returns the mean of a run in seconds.
+    /// Returns the mean duration of a run in seconds.
     pub fn mean_s(&self) -> f64 {
         self.total.as_secs_f64() / self.runs as f64
     }

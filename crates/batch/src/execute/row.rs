@@ -1,4 +1,4 @@
-//! What a batch keeps of one run: its numbers, not its facts.
+//! The row of a run in a batch: its numbers, not its facts.
 
 use std::fmt;
 use std::time::Duration;
@@ -11,14 +11,14 @@ use crate::plan::{RunLabel, value_differences};
 use wildfire_sim::{PolicyTally, RunCost};
 use wildfire_timeline::{AgentOutcome, Outcome};
 
-/// The way in which a run ended.
+/// The result status of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
     Done,
-    /// It could not take place, or not be recorded as asked; the message says why.
+    /// The run could not take place, or not be recorded as requested; the message gives the reason.
     Failed,
-    /// The program has a fault; the message gives the command that shows it again.
+    /// The program has a bug; the message gives the command that reproduces it.
     Panicked,
 }
 
@@ -37,13 +37,13 @@ impl fmt::Display for Status {
 pub struct RunRow {
     pub label: RunLabel,
     pub status: Status,
-    /// The reason why a run is not done, or messages of planners that are not built in about failed queries.
+    /// The reason why a run is not done, or messages of custom planners about failed queries.
     pub message: String,
     /// The numbers of a run that is done.
     pub result: Option<RunResult>,
-    /// Real time that the run took.
+    /// The real time of the run.
     pub wall: Duration,
-    /// Empty unless it is asked for.
+    /// The details; empty unless requested.
     #[serde(default)]
     pub detail: RunDetail,
 }
@@ -60,19 +60,20 @@ impl RunRow {
         }
     }
 
-    /// A run without a result, and why.
+    /// Creates a run without a result, with the reason.
     pub fn not_done(label: RunLabel, status: Status, message: String, wall: Duration) -> Self {
         Self { label, status, message, result: None, wall, detail: RunDetail::default() }
     }
 
-    /// Says in what that is not measured another row of the same run differs from this one; `None` if in nothing.
+    /// Describes the first difference from another row of the same run in what is not measured; `None` if there is
+    /// none.
     pub fn outcome_difference(&self, again: &Self) -> Option<String> {
         let is_other_detail =
             || (!self.detail.has_same_outcome(&again.detail)).then(|| "its planner calls or states differ".to_owned());
         self.difference(again).or_else(is_other_detail)
     }
 
-    /// Says in which outcome another run of the same seed differs from this one; `None` if all are the same.
+    /// Describes the first difference in outcomes from another run of the same seed; `None` if there is none.
     pub fn difference(&self, again: &Self) -> Option<String> {
         let outcomes = [self, again].map(|row| {
             let outcome = row.result.as_ref().map(|result| &result.outcome);
@@ -85,16 +86,16 @@ impl RunRow {
     }
 }
 
-/// Numbers of a run that is done.
+/// The numbers of a finished run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(from = "Measured")]
 pub struct RunResult {
     pub outcome: Outcome,
     pub cost: RunCost,
-    /// Follows from the cost.
+    /// The CPU time by phase, derived from the cost.
     #[serde(skip_serializing)]
     pub cpu: CpuSplit,
-    /// The asks of policies that are not built in; `None` where all are built in.
+    /// The questions to custom policies; `None` where all are built in.
     pub asks: Option<PolicyTally>,
 }
 

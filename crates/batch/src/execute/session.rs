@@ -1,4 +1,4 @@
-//! A batch, or a slice of one, from its beginning or from where it was stopped, to its end.
+//! A session on a batch or a slice of one, from its start, or from where it was stopped, to its end.
 
 use std::fs;
 use std::io::{self, ErrorKind, Write};
@@ -20,7 +20,7 @@ use wildfire_sim::scenario::Scenario;
 use wildfire_sim::{Entrants, RunOptions};
 use wildfire_timeline::file::{self, FileError};
 
-/// A slice of a batch at which this process, and no other, works.
+/// A slice of a batch that only this process works on.
 pub struct Batch {
     plan: Arc<BatchPlan>,
     folder: OutputFolder,
@@ -31,20 +31,20 @@ pub struct Batch {
     written_plan: Option<[u8; 32]>,
 }
 
-/// Disorder that an earlier process left in the folder.
+/// Irregularities that an earlier process left in the folder.
 #[derive(Debug)]
 pub struct Found {
-    /// True if a line of the journal was torn; it was dropped.
+    /// True if a line of the journal was torn, which was dropped.
     pub has_torn_line: bool,
-    /// Files that were being written; they were removed.
+    /// Incomplete files, which were removed.
     pub leftovers: Vec<PathBuf>,
-    /// Lines of runs that the journal held before, equal in all that is not measured; two processes made them.
+    /// Repeated lines of the journal, equal in everything that is not measured; two processes made them.
     pub repeated: u64,
-    /// Recordings of runs in the journal that are missing or damaged; their runs are made again.
+    /// Recordings of runs in the journal that are missing or damaged; their runs are repeated.
     pub lost_recordings: Vec<LostRecording>,
 }
 
-/// A recording that can no longer be read.
+/// A recording that is no longer readable.
 #[derive(Debug)]
 pub struct LostRecording {
     pub run: u64,
@@ -54,7 +54,7 @@ pub struct LostRecording {
 }
 
 impl Batch {
-    /// Begins a batch in a folder that holds no results, or whose results may go.
+    /// Begins a batch in a folder that holds no results, or whose results may be overwritten.
     ///
     /// # Errors
     /// If another process is at work there, or the disk cannot be written: found before the first run.
@@ -62,7 +62,7 @@ impl Batch {
         Self::begin_on(plan, folder, Box::new(RealDisk))
     }
 
-    /// The same on a disk of the caller's.
+    /// Does the same on a given disk.
     pub fn begin_on(plan: BatchPlan, folder: OutputFolder, disk: Box<dyn Disk>) -> Result<Self, BatchError> {
         let journal = LockedJournal::take(&folder, Slice::WHOLE)?;
         folder.remove_earlier_results()?;
@@ -71,7 +71,7 @@ impl Batch {
         Self::open(plan, folder, Slice::WHOLE, journal, disk)
     }
 
-    /// Begins a slice of a batch, or goes on with it, in a folder that slices of the same plan share.
+    /// Begins or continues a slice of a batch, in a folder that slices of the same plan share.
     ///
     /// # Errors
     /// If the folder holds another plan, or slices of another size.
@@ -86,7 +86,7 @@ impl Batch {
         Self::open(plan, folder, slice, journal, disk)
     }
 
-    /// Goes on with a slice of the batch in this folder.
+    /// Continues a slice of the batch in this folder.
     ///
     /// # Errors
     /// If there is no plan, or another version's, if a scenario of it has changed, or the journal is damaged.
@@ -94,7 +94,7 @@ impl Batch {
         Self::resume_on(folder, slice, Box::new(RealDisk))
     }
 
-    /// The same on a disk of the caller's.
+    /// Does the same on a given disk.
     pub fn resume_on(folder: OutputFolder, slice: Slice, disk: Box<dyn Disk>) -> Result<Self, BatchError> {
         let plan = BatchPlan::read(folder.path()).map_err(|error| plan_error(error, &folder))?;
         plan.expect_unchanged_sources()?;
@@ -136,17 +136,17 @@ impl Batch {
         &self.folder
     }
 
-    /// Returns what was in disorder when the batch was begun or resumed.
+    /// Returns the irregularities found when the batch was begun or resumed.
     pub fn found(&self) -> &Found {
         &self.found
     }
 
-    /// Returns the runs that the journal holds.
+    /// Returns the progress according to the journal.
     pub fn progress(&self) -> &JournalIndex {
         self.journal.index()
     }
 
-    /// Runs what the journal does not hold on `jobs` threads; runs that have lost their recordings are made again
+    /// Executes the runs missing from the journal on `jobs` threads; runs that lost their recordings are repeated
     /// first.
     ///
     /// `on_run` is called after each run, in any order. Runs that fail, or that cannot be recorded though they should
@@ -168,7 +168,7 @@ impl Batch {
         self.run_with(Box::new(run), jobs, stop, on_run)
     }
 
-    /// The same with another way to run a scenario with a seed.
+    /// Does the same with another function that runs a scenario with a seed.
     pub fn run_with(
         &mut self,
         run: Box<RunScenario>,

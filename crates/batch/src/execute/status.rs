@@ -18,13 +18,13 @@ pub struct BatchStatus {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SliceState {
     pub runs: u64,
-    /// Runs in the journal.
+    /// The number of runs in the journal.
     pub held: u64,
-    /// Runs in the journal without a result.
+    /// The number of runs in the journal without a result.
     pub not_done: u64,
-    /// Lines of runs that the journal held before, which two processes made.
+    /// The number of repeated lines, which two processes made.
     pub repeated: u64,
-    /// True if a process is at work on it.
+    /// True if a process is working on it.
     pub is_running: bool,
 }
 
@@ -61,7 +61,7 @@ fn state_of(folder: &OutputFolder, slice: Slice, plan: &BatchPlan) -> Result<Sli
     Ok(SliceState { runs: index.count(), held, not_done, repeated: index.repeated(), is_running })
 }
 
-/// The slices that a folder has journals of: all of one number.
+/// Returns the slices of which a folder has journals, all of one partition.
 ///
 /// # Errors
 /// [`BatchError::NoJournal`] if there is none, [`BatchError::OtherSlices`] if they are of several numbers.
@@ -75,16 +75,16 @@ pub fn slices_of(folder: &OutputFolder) -> Result<impl Iterator<Item = Slice> + 
     }
 }
 
-/// A slice that lacks runs.
+/// A slice with missing runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MissingRuns {
     pub slice: Slice,
-    /// As many as lines are missing; a run that is there twice hides another.
+    /// The number of missing lines; a repeated run hides a missing one.
     pub missing: u64,
     pub of: u64,
 }
 
-/// A look at the lengths of all journals, which costs next to nothing and is taken again and again while others work.
+/// A survey of the lengths of all journals, which is cheap enough to repeat while others work.
 #[derive(Clone, Debug)]
 pub struct Survey {
     folder: OutputFolder,
@@ -101,7 +101,7 @@ struct Counted {
 }
 
 impl Survey {
-    /// Begins with nothing counted.
+    /// Creates a survey without counts.
     ///
     /// # Errors
     /// As [`slices_of`].
@@ -110,7 +110,7 @@ impl Survey {
         Ok(Self { folder: folder.clone(), runs: plan.count(), slices })
     }
 
-    /// Counts the lines that were written since the last time, and returns how many they are.
+    /// Counts the lines written since the last update, and returns their number.
     pub fn update(&mut self) -> Result<u64, BatchError> {
         let mut new = 0;
         for counted in &mut self.slices {
@@ -129,7 +129,7 @@ impl Survey {
         self.slices.len()
     }
 
-    /// Lists the slices that lack runs, in order.
+    /// Lists the slices with missing runs, in order.
     pub fn missing(&self) -> Vec<MissingRuns> {
         let lacking = self.slices.iter().filter_map(|counted| {
             let of = counted.slice.count(self.runs);

@@ -1,4 +1,4 @@
-//! Threads that run what a journal does not hold yet.
+//! Worker threads that execute the runs missing from a journal.
 //!
 //! The thread that calls writes the journal and watches for a stop; the others take one run after the other. They hold
 //! all that they need themselves, so that a run that lasts long need not be waited for when the batch is stopped.
@@ -28,19 +28,19 @@ const GRACE: Duration = Duration::from_millis(1500);
 /// Rows of each worker that may wait for the journal, so that slow disks do not fill the memory.
 const WAITING_ROWS: usize = 4;
 
-/// A way to run a scenario with a seed.
+/// A function that runs a scenario with a seed.
 pub type RunScenario = dyn Fn(&Scenario, u64) -> Result<Run, RunError> + Send + Sync;
 
-/// Makes this many threads those of all work that is cut into parts. Only the first call has an effect, and none has one
-/// after such work has begun.
+/// Limits the threads of parallel work to this number. Only the first call has an effect, and none after such work has
+/// begun.
 pub fn limit_threads(jobs: usize) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs);
     // The threads that are there already will do.
     let _ = pool.build_global();
 }
 
-/// Does work that is cut into parts on this many threads of its own. None of them is left afterwards, so that a process that
-/// is forked then does not wait for threads that it does not have.
+/// Executes parallel work on this number of threads of its own. None of them is left afterwards, so that a process
+/// forked later does not wait for threads that it does not have.
 ///
 /// # Errors
 /// If the threads cannot be started.
@@ -50,32 +50,32 @@ pub fn with_threads<T: Send>(jobs: usize, work: impl FnOnce() -> T + Send) -> Re
     Ok(pool.install(work))
 }
 
-/// The work of a batch, which all workers share.
+/// The work of a batch, shared by all workers.
 pub struct Work {
     pub plan: Arc<BatchPlan>,
     pub folder: OutputFolder,
     pub run: Box<RunScenario>,
-    /// Set from outside to begin no more runs.
+    /// A flag, set from outside, that stops new runs.
     pub stop: Arc<AtomicBool>,
     pub tasks: Mutex<Box<dyn Iterator<Item = Task> + Send>>,
 }
 
-/// A run to be made.
+/// A run to execute.
 #[derive(Clone, Copy, Debug)]
 pub enum Task {
-    /// A run that is made for the first time.
+    /// A run that is executed for the first time.
     Run(u64),
-    /// A run that the journal holds, made once more for its recording.
+    /// A run in the journal, repeated for its recording.
     RecordAgain(u64),
 }
 
-/// A run that is over, for those who watch a batch.
+/// The end of a run, for observers of a batch.
 #[derive(Clone, Copy, Debug)]
 pub struct RunEnd {
-    /// Its number in the plan.
+    /// The number of the run in the plan.
     pub run: u64,
     pub status: Status,
-    /// Real time that it took.
+    /// The real time of the run.
     pub wall: Duration,
 }
 
@@ -83,14 +83,13 @@ pub struct RunEnd {
 enum Finished {
     /// A new run, with its line for the journal.
     Run { end: RunEnd, line: Vec<u8> },
-    /// A run that was made again and is not recorded yet: it must be the run that the journal holds.
+    /// A repeated run that is not recorded yet: it must equal the run in the journal.
     Again { run: u64, made: Box<(RunRow, Option<Timeline>)> },
 }
 
 type Message = Result<Finished, BatchError>;
 
-/// Makes runs until the work is done or stopped, and leaves the journal on the disk. Returns how many runs were
-/// recorded again.
+/// Executes runs until the work is done or stopped, and syncs the journal. Returns how many runs were recorded again.
 pub fn work_off(
     work: Work,
     jobs: usize,

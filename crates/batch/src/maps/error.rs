@@ -1,4 +1,4 @@
-//! Reasons for which there is no map of a batch.
+//! Errors of maps.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use crate::table::FinishedError;
 use wildfire_base::geometry::FieldFrame;
 use wildfire_timeline::file::FileError;
 
-/// A reason for which there is no map. Messages are sentences that name the folder, the file or the run.
+/// The reason why there is no map. Messages are sentences that name the folder, the file or the run.
 #[derive(Debug, Error)]
 pub enum MapsError {
     #[error(transparent)]

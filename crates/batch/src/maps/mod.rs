@@ -1,5 +1,5 @@
-//! Maps over the runs of a batch: how often each cell burns, when and how strongly if it does, and the difference of two
-//! batches in pairs by seed.
+//! Maps over the runs of a batch: how often each cell burns, when and how intensely if it does, and the paired
+//! difference of two batches.
 //!
 //! Runs are read from their recordings, and simulated again from the plan where there are none: the same seed gives the same
 //! run. They are taken one round after the other, so that memory holds some numbers for each cell and the maps of one round,
@@ -29,19 +29,19 @@ use sums::{PairSums, RunCounts, SideSums};
 pub enum BatchQuantity {
     /// The share of runs in which the cell burns.
     BurnProbability,
-    /// Seconds until fire comes, over the runs in which it does.
+    /// The mean time in seconds until fire arrives, over the runs in which it does.
     MeanArrival,
-    /// Byram's intensity in kW/m, over the runs in which a front comes.
+    /// The mean of Byram's intensity in kW/m, over the runs in which a front arrives.
     MeanIntensity,
 }
 
-/// The way in which runs are read.
+/// The options of reading runs.
 #[derive(Clone, Copy, Debug)]
 pub struct MapsOptions<'a> {
     pub quantity: BatchQuantity,
-    /// Threads.
+    /// The number of threads.
     pub jobs: usize,
-    /// The planners and policies of runs that are made again.
+    /// The planners and policies of runs that are repeated.
     pub entrants: &'a Entrants,
 }
 
@@ -50,21 +50,21 @@ pub struct MapsOptions<'a> {
 pub struct BatchMaps {
     /// The setting of the first run: field, bushes, ground.
     pub setting: Setting,
-    /// By cell index: something there can burn, in some run.
+    /// Whether anything can burn there in some run, by cell index.
     pub can_burn: Vec<bool>,
     /// True if water, roads and other ground that does not burn are the same in all runs.
     pub is_same_ground: bool,
-    /// The batch, then the one that is taken off.
+    /// The batch, then the one that is subtracted.
     pub sides: Vec<BatchSide>,
     pub difference: Option<MapDifference>,
-    /// Runs, or pairs of runs.
+    /// The number of runs, or of pairs.
     pub runs: u64,
-    /// Runs that were read from recordings and that were simulated again, of all sides.
+    /// The numbers of runs that were read from recordings and that were simulated again, of all sides.
     pub recorded: u64,
     pub simulated: u64,
-    /// Runs, or pairs, that could not take place.
+    /// The number of runs, or pairs, that could not take place.
     pub not_run: u64,
-    /// Seeds of either batch that the other does not have.
+    /// The number of seeds that only one of the batches has.
     pub unpaired: u64,
 }
 
@@ -72,13 +72,13 @@ pub struct BatchMaps {
 #[derive(Clone, Debug)]
 pub struct BatchSide {
     pub title: String,
-    /// By cell index; NaN where nothing can burn, and in maps of means where nothing did.
+    /// The values by cell index; NaN where nothing can burn, and in maps of means where nothing did.
     pub values: Vec<f64>,
     pub losses: Losses,
 }
 
-/// Means over runs, or over pairs of them: burned cells, the same in hectares, burned bushes, and those of them that
-/// nobody put out.
+/// Means over runs, or over pairs: burned cells, the same in hectares, burned bushes, and those that nobody
+/// extinguished.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Losses {
     pub burned_cells: RunMean,
@@ -87,7 +87,7 @@ pub struct Losses {
     pub lost_bushes: RunMean,
 }
 
-/// A mean over runs, with its 95 % interval between nothing and all that can burn; or over pairs.
+/// A mean over runs, or over pairs, with its 95 % interval, limited to the range from 0 to everything that can burn.
 #[derive(Clone, Copy, Debug)]
 pub struct RunMean {
     pub mean: f64,
@@ -122,7 +122,7 @@ impl Serialize for RunMean {
     }
 }
 
-/// The first batch less the second, in pairs by seed.
+/// The first batch minus the second, paired by seed.
 #[derive(Clone, Debug)]
 pub struct MapDifference {
     /// By cell index, as the values of sides; means and 95 % intervals. Intervals of probabilities are adjusted Wald ones
@@ -322,7 +322,7 @@ impl Sums {
     }
 }
 
-/// Says whether fire would find the same fuel on all cells.
+/// Returns whether fire would find the same fuel on all cells.
 fn has_same_ground(first: &Setting, second: &Setting) -> bool {
     let fuel = |setting: &Setting| setting.spread.as_ref().map(|spread| spread.landscape().fuel.clone());
     fuel(first) == fuel(second)

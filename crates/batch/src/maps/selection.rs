@@ -1,4 +1,4 @@
-//! Which runs of a batch a map is over.
+//! The runs of a batch that a map includes.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ pub struct MapSource {
 }
 
 impl MapSource {
-    /// Opens the batch in a folder and takes the one variant that has these values in these columns.
+    /// Opens the batch in a folder and selects the one variant with these values in these columns.
     ///
     /// # Errors
     /// If it cannot be read, if a column is unknown, or if not exactly one variant is left.
@@ -60,12 +60,12 @@ impl MapSource {
         &self.batch
     }
 
-    /// The scenario of its runs.
+    /// Returns the scenario of its runs.
     pub fn scenario(&self) -> &Scenario {
         &self.batch.plan().variants[self.variant].scenario
     }
 
-    /// Names the batch by its folder, and its variant if there are several.
+    /// Returns the batch's folder as its name, with the variant if there are several.
     pub fn title(&self) -> String {
         let (folder, plan) = (self.batch.folder().display(), self.batch.plan());
         match plan.variants.as_slice() {
@@ -74,7 +74,7 @@ impl MapSource {
         }
     }
 
-    /// The number of its runs.
+    /// Returns the number of its runs.
     pub fn count(&self) -> u64 {
         self.batch.plan().seeds.count()
     }
@@ -104,11 +104,11 @@ impl MapSource {
     }
 }
 
-/// A run's facts, and whether they were read from its recording.
+/// The facts of a run, and whether they were read from its recording.
 pub type FoundRun = (Timeline, bool);
 
 impl MapSource {
-    /// Reads the recording of a run or makes the run again; `None` if it could not take place.
+    /// Reads the recording of a run or repeats the run; `None` if it could not take place.
     ///
     /// # Errors
     /// If the recording cannot be read or is of another run.
@@ -146,7 +146,8 @@ fn varying(batch: &FinishedBatch, variants: &[usize]) -> Vec<String> {
     columns(batch).into_iter().enumerate().filter(|(column, _)| differs(column)).map(|(_, name)| name).collect()
 }
 
-/// Runs of equal seeds, one of each source, in the order of the first; and the number of seeds without a partner.
+/// Groups runs of equal seeds, one of each source, in the order of the first; also returns the number of seeds without
+/// a partner.
 pub fn groups<'a>(sources: &[&'a MapSource]) -> Result<(Vec<Vec<PlannedRun<'a>>>, u64), MapsError> {
     let [first, second] = sources else {
         return Ok((sources[0].runs().map(|run| vec![run]).collect(), 0));

@@ -1,10 +1,10 @@
-//! Numbers for each cell that runs are added to.
+//! Sums of runs for each cell.
 
 use crate::maps::BatchQuantity;
 use crate::stats::{Interval, PairedAnswers, Series};
 use wildfire_timeline::BurnMap;
 
-/// What burned in a run: cells, bushes among them, and those of these that nobody put out.
+/// The burned cells of a run, the bushes among them, and those of these that nobody extinguished.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunCounts {
     pub cells: f64,
@@ -55,11 +55,11 @@ impl SideSums {
     }
 }
 
-/// Pairs of runs by cell index.
+/// Sums of pairs of runs by cell index.
 pub enum PairSums {
-    /// Whether the cell burned: first the side that is taken off.
+    /// Whether the cell burned, first on the side that is subtracted.
     Burned(Vec<PairedAnswers>),
-    /// Differences of values, where both have one.
+    /// Differences of values, where both runs have one.
     Differences(Vec<Series>),
 }
 
@@ -73,7 +73,7 @@ impl PairSums {
         }
     }
 
-    /// Adds a pair: the values of the batch, and those of the one that is taken off.
+    /// Adds a pair: the values of the batch, and those of the batch that is subtracted.
     pub fn add(&mut self, values: &[f64], minus: &[f64]) {
         let values = values.iter().zip(minus);
         match self {

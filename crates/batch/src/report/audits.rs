@@ -1,5 +1,5 @@
-//! Audits of many runs on several threads: recordings, and runs of batches, which are simulated again where they were
-//! not recorded.
+//! Audits of many runs on several threads: recordings, and runs of batches, which are simulated again if they were not
+//! recorded.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -23,15 +23,15 @@ use wildfire_timeline::{Outcome, Timeline, file};
 /// Runs between two looks at the results, per worker.
 const RUNS_PER_ROUND: usize = 32;
 
-/// The most violations that are listed in words.
+/// The maximum number of violations that are listed in words.
 pub const LISTED_VIOLATIONS: usize = 10;
 
-/// A place at which runs to be audited are found.
+/// A source of runs to audit.
 #[derive(Debug)]
 pub enum AuditSource {
     Recordings(Vec<PathBuf>),
     Batch(Box<FinishedBatch>),
-    /// Runs of a batch by their numbers, which are made again even where there are recordings.
+    /// Runs of a batch by their numbers, which are repeated even if there are recordings.
     Repeated(Box<FinishedBatch>, BTreeSet<u64>),
 }
 
@@ -48,25 +48,25 @@ impl AuditSource {
 /// The findings of many audits.
 #[derive(Clone, Debug, Default)]
 pub struct AuditReport {
-    /// Audited runs, by where their timelines are from.
+    /// The number of audited runs by the source of their timelines.
     pub recorded: u64,
     pub simulated: u64,
-    /// Runs that could not take place, as their rows say.
+    /// Runs that could not take place according to their rows.
     pub not_run: u64,
-    /// Runs of batches that never came to write rows.
+    /// Runs of batches that have no row.
     pub without_row: u64,
-    /// Recordings that do not say how fast agents may go and how fire behaves.
+    /// Recordings that lack speed limits and the rules of fire.
     pub without_limits: u64,
     pub audited: Audited,
-    /// Runs with a violation, and the first of them in words.
+    /// The number of runs with a violation, and the first violations in words.
     pub violations: u64,
     pub listed: Vec<ListedViolation>,
-    /// The reason for which the first file could not be read, and the number of such files.
+    /// The reason why the first file could not be read, and the number of such files.
     pub first_unreadable: Option<(String, ErrorKind)>,
     pub unreadable: u64,
 }
 
-/// A run with a violation, or whose row says something else than it gives.
+/// A run with a violation, or whose row differs from the run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ListedViolation {
     /// The recording, or the run of a batch, by its name.
@@ -123,20 +123,19 @@ impl AuditSource {
     }
 }
 
-/// How runs are audited.
+/// The options of audits.
 #[derive(Clone, Copy, Debug)]
 pub struct AuditOptions<'a> {
-    /// Threads.
+    /// The number of threads.
     pub jobs: usize,
     pub step: SampleStep,
-    /// The planners and policies of runs that are made again.
+    /// The planners and policies of runs that are repeated.
     pub entrants: &'a Entrants,
-    /// The most runs with a violation that are listed.
+    /// The maximum number of listed runs with a violation.
     pub listed: usize,
 }
 
-/// Audits all runs of all sources on some threads; what is reported is in their order, whatever the number of
-/// threads.
+/// Audits all runs of all sources on some threads; the report is in their order, whatever the number of threads.
 ///
 /// `on_run` is called from the workers after each run, in any order.
 ///
@@ -243,7 +242,7 @@ fn missing_result(run: &PlannedRun<'_>, row: Option<&RunRecord>, status: Status,
 }
 
 impl AuditReport {
-    /// Runs that were audited.
+    /// Returns the number of audited runs.
     pub fn runs(&self) -> u64 {
         self.recorded + self.simulated
     }
@@ -282,7 +281,7 @@ impl AuditReport {
 }
 
 impl AuditReport {
-    /// Says what was looked at, what could not be, and how many runs violate a rule: a sentence for each.
+    /// Returns a sentence each on what was audited, what could not be, and how many runs violate a rule.
     pub fn sentences(&self) -> Vec<String> {
         let Audited { legs, poses, metres, extinctions } = self.audited;
         let metres = rounded(metres, 0);
@@ -310,7 +309,7 @@ impl AuditReport {
     }
 }
 
-/// A reason for which runs cannot be audited.
+/// The reason why runs cannot be audited.
 #[derive(Debug, thiserror::Error)]
 pub enum AuditsError {
     #[error(transparent)]

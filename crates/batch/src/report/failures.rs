@@ -1,4 +1,4 @@
-//! Failures of planners and policies as text: a sentence for each, by reason, with the start of a message.
+//! Failures of planners and policies as text: a sentence for each, by reason, with the beginning of a message.
 
 use std::collections::BTreeMap;
 use std::ops::AddAssign;
@@ -7,7 +7,7 @@ use crate::table::{RUN_COLUMNS, RunRecord, run_column};
 use wildfire_base::document::number::percent;
 use wildfire_base::untrusted::visible_start;
 
-/// Failed queries of a planner, or failed asks of policies, over some runs.
+/// The failed queries of a planner, or failed questions to policies, over some runs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Failures {
     /// Queries or asks in all.
@@ -42,7 +42,7 @@ impl Failures {
         Self::new(run, run_column("truck_plans"), reasons("truck_failed_"), |who| !who.starts_with(POLICY))
     }
 
-    /// Counts the failed asks of policies in a run.
+    /// Counts the failed questions to policies in a run.
     pub fn of_asks(run: &RunRecord) -> Self {
         let illegal = ("illegal".to_owned(), run_column("policy_illegal"));
         Self::new(run, run_column("policy_asked"), reasons("policy_failed_").chain([illegal]), |who| {
@@ -68,12 +68,12 @@ impl Failures {
         failures
     }
 
-    /// Words the failed queries of a planner, if there are any.
+    /// Describes the failed queries of a planner, if there are any.
     pub fn of_planner(&self, planner: &str) -> Option<String> {
         self.sentence(&format!("Failed queries of {planner}"))
     }
 
-    /// Words the failed asks of policies, if there are any.
+    /// Describes the failed questions to policies, if there are any.
     pub fn of_policies(&self) -> Option<String> {
         let name = self.policy.as_ref().map_or("custom policies".to_owned(), |name| format!("the policy {name}"));
         self.sentence(&format!("Failed asks of {name}"))

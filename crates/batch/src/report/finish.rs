@@ -1,4 +1,4 @@
-//! From journals to tables.
+//! The tables of a batch, made from its journals.
 
 use std::io::Write;
 use std::ops::Range;
@@ -23,7 +23,7 @@ const BYTES_AT_ONCE: u64 = 16 << 20;
 const EARLY_BYTES: usize = 16 << 20;
 
 impl Batch {
-    /// Writes the tables of a whole batch whose runs are all in the journal.
+    /// Writes the tables of a complete batch.
     ///
     /// # Errors
     /// [`BatchError::Stopped`] if `stop` was set before the end, or one of the disk.
@@ -160,7 +160,7 @@ fn write_whole(folder: &OutputFolder, disk: &dyn Disk, name: &str, contents: &[u
     write().map_err(|source| BatchError::unwritable(&path, source))
 }
 
-/// Reads the rows of a batch that is over, in the order of the plan, from its journals.
+/// Reads the rows of a finished batch, in the order of the plan, from its journals.
 ///
 /// # Errors
 /// If it is not over, or a journal is gone or damaged.
@@ -175,7 +175,7 @@ pub fn read_rows(plan: &BatchPlan, folder: &OutputFolder, mut on_row: impl FnMut
     }
 }
 
-/// Makes the report of a batch that is over from its journals, and writes nothing.
+/// Creates the report of a finished batch from its journals, and writes nothing.
 ///
 /// # Errors
 /// As [`read_rows`].
@@ -188,18 +188,18 @@ pub fn read_report(plan: &BatchPlan, folder: &OutputFolder) -> Result<BatchRepor
     Ok(report)
 }
 
-/// A batch whose slices were put together.
+/// A batch whose slices were merged.
 #[derive(Debug)]
 pub struct Merged {
     pub plan: BatchPlan,
     pub report: BatchReport,
-    /// Files that were being written when a process was killed; they were removed.
+    /// Incomplete files of a killed process, which were removed.
     pub leftovers: Vec<PathBuf>,
-    /// Lines of runs that a journal held before, equal in all that is not measured; two processes made them.
+    /// Repeated lines of journals, equal in everything that is not measured; two processes made them.
     pub repeated: u64,
 }
 
-/// Puts the slices of a batch together: all must be complete, and nobody at work on them.
+/// Merges the slices of a batch: all must be complete, and no process may be working on them.
 ///
 /// Every line is read once, on the threads of rayon's pool, and few files are open at a time, however many slices there
 /// are. Memory does not grow with the rows but for the bytes of an index and of the files' own tables of contents.

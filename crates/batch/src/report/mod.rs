@@ -1,4 +1,4 @@
-//! Reports on a finished batch: tables and figures, the champion, failures, and the audit's verdict.
+//! Reports on a finished batch: tables and figures, the champion, failures, and the result of the audit.
 
 mod audits;
 mod failures;

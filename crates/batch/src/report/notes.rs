@@ -1,4 +1,4 @@
-//! Notes on a finished run about facts that its numbers do not show: agents that could do almost nothing.
+//! Notes on a finished run that its numbers do not show: agents with almost no options.
 
 use crate::execute::RunResult;
 use wildfire_planning::is_hardly_connected;

@@ -1,4 +1,4 @@
-//! The first sentence about a finished batch: who won, and how much was saved.
+//! The first sentence about a finished batch: the winner, and how much was saved.
 
 use crate::report::summary::{BatchReport, VariantReport};
 use crate::report::tally::{Tally, sentence};
@@ -11,8 +11,8 @@ const BURNED_RATIO: usize = run_column("burned_ratio");
 const BURNED_HA: usize = run_column("burned_ha");
 
 impl BatchReport {
-    /// Returns a sentence that says who won and how much was saved; of several variants, which saved the most and the
-    /// least. Whether variants differ by more than chance is not for this sentence.
+    /// Returns a sentence about the winner and how much was saved; for several variants, which saved the most and the
+    /// least. Significance is left to other sentences.
     pub fn opening(&self) -> String {
         match self.variants.as_slice() {
             [one] => of_one(one),

@@ -1,10 +1,10 @@
-//! Where the CPU time of runs went, by part.
+//! The CPU time of runs by part.
 
 use crate::execute::{CpuSplit, RunRow};
 use wildfire_base::document::number::{percent, rounded};
 use wildfire_base::document::{Block, Table};
 
-/// Sums over the runs that are done.
+/// Sums over the finished runs.
 #[derive(Clone, Debug, Default)]
 pub struct Profile {
     runs: u64,
@@ -43,7 +43,7 @@ impl Profile {
         self.facts += row.detail.facts;
     }
 
-    /// Returns a table, and how many facts a second of CPU time makes.
+    /// Returns a table, and the number of facts per second of CPU time.
     pub fn blocks(&self, title: &str) -> Vec<Block> {
         if self.runs == 0 {
             return vec![Block::Text(format!("No run of {title} has finished, so there is no CPU time to show."))];

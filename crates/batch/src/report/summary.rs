@@ -13,7 +13,7 @@ use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::untrusted::spreadsheet_cell;
 use wildfire_sim::scenario::Scenario;
 
-/// A report of each variant, in the order of the plan.
+/// The reports of all variants, in the order of the plan.
 #[derive(Clone, Debug, Default)]
 pub struct BatchReport {
     pub variants: Vec<VariantReport>,
@@ -25,7 +25,7 @@ pub struct VariantReport {
     pub title: String,
     pub tables: Tables,
     pub tally: Tally,
-    /// The seed of the first run that is done.
+    /// The seed of the first finished run.
     pub first_done: Option<u64>,
     /// A series for each of the columns of runs; of those without numbers it is empty.
     columns: Vec<Series>,
@@ -72,7 +72,7 @@ const FLEET_MEANS: [Mean; 9] = [
 ];
 
 impl VariantReport {
-    /// The report of a variant, without any run yet.
+    /// Creates the report of a variant without runs.
     pub fn new(title: String, scenario: &Scenario) -> Self {
         let columns = vec![Series::default(); RUN_COLUMNS.len()];
         let tally = Tally::new(scenario.unimog.len(), scenario.wumpus.len());
@@ -89,19 +89,19 @@ impl VariantReport {
         }
     }
 
-    /// Returns the numbers of a column, by its place among [`RUN_COLUMNS`], over the runs that are done.
+    /// Returns the numbers of a column, by its place among [`RUN_COLUMNS`], over the finished runs.
     pub fn column(&self, place: usize) -> &Series {
         &self.columns[place]
     }
 
-    /// Returns the 95 % interval of the mean of a column, within the range of what it holds.
+    /// Returns the 95 % interval of the mean of a column, within the range of its values.
     pub fn interval(&self, place: usize) -> Option<Interval> {
         let (least, most) = RUN_COLUMNS[place].range();
         let bushes = self.column(OBSTACLES).largest().filter(|_| STATES.contains(&place));
         self.column(place).mean_interval_within((least, bushes.unwrap_or(most)))
     }
 
-    /// Adds what a run's row in a table does not say: notes on its agents, and how much CPU time its facts took.
+    /// Adds what a run's row in a table lacks: notes on its agents, and the CPU time per fact.
     pub fn add_detail(&mut self, row: &RunRow) {
         let Some(result) = &row.result else { return };
         self.tally.add_notes(row.label.seed, notes(result));
@@ -110,7 +110,7 @@ impl VariantReport {
 }
 
 impl BatchReport {
-    /// Runs without a result.
+    /// Returns the number of runs without a result.
     pub fn not_done(&self) -> u64 {
         self.variants.iter().map(|variant| variant.tally.not_done()).sum()
     }
@@ -125,7 +125,7 @@ impl BatchReport {
         }
     }
 
-    /// Returns a line for each variant, and how many of its runs are done with means over them.
+    /// Returns a line for each variant, with the number of finished runs and means over them.
     pub fn overview(&self) -> Vec<Block> {
         let number = |index: usize| (index + 1).to_string();
         let titles = self.variants.iter().enumerate();
@@ -134,7 +134,7 @@ impl BatchReport {
         vec![Block::List(titles), Block::Table(self.overview_table(number)), Block::Text(means)]
     }
 
-    /// Returns the table of the overview, in which variants have these names.
+    /// Returns the table of the overview, with these names of variants.
     pub fn overview_table(&self, name: impl Fn(usize) -> String) -> Table {
         let counts = ["Variant", "Finished", "Failed"];
         let headings: Vec<&str> = counts.into_iter().chain(MEANS.iter().map(|mean| mean.heading)).collect();
@@ -142,8 +142,8 @@ impl BatchReport {
         Table::new(&headings, variants.map(|(index, variant)| variant.overview_row(name(index))).collect())
     }
 
-    /// Returns a line of CSV for each variant: which it is, how many of its runs finished and failed, and for every column of
-    /// numbers that some run has its mean and the ends of the mean's 95 % interval.
+    /// Returns a line of CSV for each variant: its values, the numbers of finished and failed runs, and for every
+    /// numeric column that some run has, its mean and the ends of the mean's 95 % interval.
     pub fn to_csv(&self, plan: &BatchPlan) -> Vec<u8> {
         let has_numbers = |place: &usize| {
             let is_there = |variant: &VariantReport| variant.column(*place).count() > 0;
@@ -174,7 +174,7 @@ impl BatchReport {
         table.into_inner().expect("memory takes everything")
     }
 
-    /// Returns how the fleets worked, of variants with more than one truck; `None` if there are none.
+    /// Returns statistics of fleets, for variants with more than one truck; `None` if there are none.
     pub fn fleets_table(&self) -> Option<Table> {
         let fleets = self.variants.iter().filter(|variant| variant.tally.trucks > 1);
         let labels = |variant: &VariantReport| [variant.title.clone(), variant.tally.trucks.to_string()];
@@ -216,7 +216,8 @@ impl BatchReport {
         self.variants.iter().enumerate().flat_map(notes).collect()
     }
 
-    /// Returns for each variant, by its title if there are several, that a limit of time or memory changed an outcome.
+    /// Returns, by the title of each variant if there are several, whether a limit of time or memory changed an
+    /// outcome.
     pub fn machine_notes(&self) -> Vec<String> {
         let notes = |variant: &VariantReport| {
             let title = if self.variants.len() > 1 { format!("{}: ", variant.title) } else { String::new() };
@@ -225,7 +226,7 @@ impl BatchReport {
         self.variants.iter().flat_map(notes).collect()
     }
 
-    /// Words the failures of each planner, and of policies that are not built in, over all variants.
+    /// Describes the failures of each planner, and of custom policies, over all variants.
     pub fn failure_sentences(&self) -> Vec<String> {
         let mut sum = Tally::default();
         for tally in self.variants.iter().map(|variant| &variant.tally) {
@@ -237,7 +238,7 @@ impl BatchReport {
         sum.failure_sentences()
     }
 
-    /// Returns for each variant where its CPU time went.
+    /// Returns the CPU time of each variant by part.
     pub fn profile(&self) -> Document {
         Document::default().with(self.variants.iter().flat_map(|variant| variant.profile.blocks(&variant.title)))
     }
@@ -260,7 +261,7 @@ impl VariantReport {
         blocks
     }
 
-    /// Returns the tables with the rows of the first runs, however many there are, and the tally.
+    /// Returns the tables with the rows of the first runs, whatever their number, and the tally.
     pub fn first_rows(&self) -> Vec<Block> {
         self.tables.first_rows().into_iter().chain([Block::List(self.tally.sentences())]).collect()
     }

@@ -9,7 +9,7 @@ use crate::table::{RunRecord, run_column};
 use wildfire_base::document::number::optional;
 use wildfire_base::document::{Block, Table};
 
-/// The most runs that tables show one by one.
+/// The maximum number of runs that tables show individually.
 pub const SHOWN_RUNS: usize = 20;
 
 /// A column of a table: a number of every run.
@@ -110,7 +110,7 @@ const PRM_ONLY: &str = "PRM\nonly";
 const CUSTOM_LEGEND: &str = "Custom: starts of custom planners, and queries to them.";
 const CUSTOM_TOTAL: &str = "Unimog total: these, clearance field, local search and reachability.";
 
-/// Collects rows, in the order of the plan, and makes the two tables.
+/// Collects rows, in the order of the plan, and creates the two tables.
 #[derive(Clone, Debug)]
 pub struct Tables([RunTable; 2]);
 
@@ -125,13 +125,13 @@ impl Tables {
         self.0.iter_mut().for_each(|table| table.add(run));
     }
 
-    /// Returns both tables with their statistics alone, without the rows of single runs.
+    /// Returns both tables with statistics only, without rows of single runs.
     pub fn means(&self) -> Vec<Block> {
         self.blocks_with(false, None)
     }
 
-    /// Returns both tables under their captions, and notes on them: where single runs are if there are too many to show,
-    /// and what columns mean. No line is wider than a terminal.
+    /// Returns both tables under their captions, with notes: where to find single runs if there are too many to show,
+    /// and the meaning of columns. No line is wider than a terminal.
     pub fn blocks(&self) -> Vec<Block> {
         match self.0[0].runs {
             runs if runs <= SHOWN_RUNS as u64 => self.blocks_with(true, None),
@@ -139,7 +139,7 @@ impl Tables {
         }
     }
 
-    /// Returns the same with the rows of the first runs, however many there are.
+    /// Returns the same with the rows of the first runs, whatever their number.
     pub fn first_rows(&self) -> Vec<Block> {
         self.blocks_with(true, self.0[0].hidden_note())
     }
@@ -185,7 +185,7 @@ impl RunTable {
         }
     }
 
-    /// Says whether one of these columns has a number other than zero.
+    /// Returns whether one of these columns has a number other than zero.
     fn has_any(&self, headings: &[&str]) -> bool {
         let columns = self.layout.quantities.iter().zip(&self.series);
         columns.filter(|(quantity, _)| headings.contains(&quantity.heading)).any(|(_, series)| series.sum() > 0.0)

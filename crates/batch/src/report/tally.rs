@@ -25,13 +25,13 @@ pub struct Tally {
     pub panicked: u64,
     /// Seed and message of the first run without a result.
     pub first_failure: Option<(u64, String)>,
-    /// Runs that are done and have agents on both sides.
+    /// The finished runs with agents on both sides.
     pub contested: u64,
     pub won_by_wumpus: u64,
     pub won_by_truck: u64,
     pub wumpus_score: f64,
     pub truck_score: f64,
-    /// Runs in which some agent got stuck, a truck, and a Wumpus, and for how long in all.
+    /// The number of runs in which any agent, a truck, and a Wumpus got stuck, and for how long in total.
     pub stuck_runs: u64,
     pub truck_stuck_runs: u64,
     pub wumpus_stuck_runs: u64,
@@ -41,15 +41,15 @@ pub struct Tally {
     pub noted_runs: u64,
     /// Seed and notes of the first of them.
     pub first_notes: Option<(u64, Vec<String>)>,
-    /// The queries of runs that are done or that a limit ended, by their planners.
+    /// The queries of runs that are done or that a limit ended, by planner.
     pub queries: BTreeMap<String, QueryTally>,
-    /// Their failures, by their planners, and those of policies that are not built in.
+    /// Their failures by planner, and those of custom policies.
     pub failures: BTreeMap<String, Failures>,
     pub failed_asks: Failures,
 }
 
 impl Tally {
-    /// A tally without runs, of a scenario with so many agents on each side.
+    /// Creates a tally without runs, for a scenario with this number of agents on each side.
     pub fn new(trucks: usize, wumpuses: usize) -> Self {
         Self { trucks, wumpuses, ..Self::default() }
     }
@@ -99,15 +99,15 @@ impl Tally {
         }
     }
 
-    /// Runs without a result.
+    /// Returns the number of runs without a result.
     pub fn not_done(&self) -> u64 {
         self.failed + self.panicked
     }
 }
 
 impl Tally {
-    /// Reports who won, which runs failed, who was stuck, who could do almost nothing, whose planner was rescued or
-    /// stopped by a clock: a sentence for each.
+    /// Returns a sentence each on who won, which runs failed, who was stuck, who had almost no options, and whose
+    /// planner was rescued or stopped by a clock.
     pub fn sentences(&self) -> Vec<String> {
         let runs = [self.champion(), Some(self.runs()), self.reason()];
         let sentences = runs.into_iter().flatten().chain(self.failure_sentences());
@@ -116,13 +116,13 @@ impl Tally {
         sentences.chain(queries).collect()
     }
 
-    /// Words the failures of each planner, and of policies that are not built in.
+    /// Describes the failures of each planner, and of custom policies.
     pub fn failure_sentences(&self) -> Vec<String> {
         let planners = self.failures.iter().filter_map(|(planner, failures)| failures.of_planner(planner));
         planners.chain(self.failed_asks.of_policies()).collect()
     }
 
-    /// Says for each planner whether a limit of time or memory changed an outcome.
+    /// Describes for each planner whether a limit of time or memory changed an outcome.
     pub fn machine_sentences(&self) -> impl Iterator<Item = String> {
         self.queries.iter().filter_map(|(planner, queries)| queries.machine_sentence(planner))
     }
@@ -182,7 +182,7 @@ impl Tally {
         if self.wumpuses > 1 { "the Wumpuses" } else { "the Wumpus" }
     }
 
-    /// Returns the notes of the first run that has any, and says how many such runs there are.
+    /// Returns the notes of the first run that has any, and the number of such runs.
     pub fn note(&self) -> Option<String> {
         let (seed, notes) = self.first_notes.as_ref()?;
         let (noted, done, notes) = (self.noted_runs, self.done, notes.join(" "));

@@ -1,9 +1,9 @@
-//! Answers yes or no: their rate, and the difference of the rates of paired answers.
+//! Yes/no answers: their rate, and the difference of the rates of paired answers.
 
 use crate::stats::distributions::{binomial_at_most, normal_reach};
 use crate::stats::{Interval, Series};
 
-/// Counts of pairs by the answers, yes or no, of their first and their second.
+/// The numbers of pairs by the answers, yes or no, of the first and the second member.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PairedAnswers {
     pub both: u64,
@@ -36,7 +36,7 @@ impl PairedAnswers {
         self.both + self.only_second
     }
 
-    /// Returns the rate of the second less the rate of the first; `None` without pairs.
+    /// Returns the rate of the second minus the rate of the first; `None` without pairs.
     pub fn rate_difference(&self) -> Option<f64> {
         let difference = self.only_second as f64 - self.only_first as f64;
         (self.pairs() > 0).then(|| difference / self.pairs() as f64)
@@ -58,8 +58,8 @@ impl PairedAnswers {
         Some(Interval { low: low.max(-1.0), high: high.min(1.0) })
     }
 
-    /// Returns the p-value of McNemar's exact test that pairs that differ do so either way with equal probability; 1 if
-    /// no pair differs.
+    /// Returns the p-value of McNemar's exact test that discordant pairs fall either way with equal probability; 1 if
+    /// no pair is discordant.
     ///
     /// McNemar, "Note on the sampling error of the difference between correlated proportions or percentages",
     /// Psychometrika 12, 1947, with the binomial distribution in place of its approximation.
@@ -69,8 +69,8 @@ impl PairedAnswers {
     }
 }
 
-/// Returns the interval of the mean of differences of rates, each of a subject that was asked so many times, within -1 to
-/// 1; `None` without differences.
+/// Returns the interval of the mean of differences of rates, each of a subject with this number of answers, within -1
+/// to 1; `None` without differences.
 ///
 /// That of Bonett and Price, with one answer more that differs either way as a subject of its own: for subjects that were
 /// asked once it is [`PairedAnswers::rate_difference_interval`].

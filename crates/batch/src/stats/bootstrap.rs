@@ -1,4 +1,4 @@
-//! Intervals of a mean by drawing the sample again from itself.
+//! Bootstrap intervals of a mean.
 //!
 //! The studentised bootstrap (Efron, Tibshirani, "An introduction to the bootstrap", 1993, section 12.5; Hall,
 //! "Theoretical comparison of bootstrap confidence intervals", Annals of Statistics 16, 1988): every resample gives a t
@@ -9,10 +9,10 @@ use rand::Rng;
 use crate::stats::distributions::t_two_sided;
 use crate::stats::{Interval, MeanEstimate, MeanMethod, Series};
 
-/// Number of resamples. One more than it, times the probability left out at either end, is a whole number.
+/// The number of resamples. One more than it, times the tail probability at either end, is an integer.
 pub const RESAMPLES: usize = 3999;
 
-/// The smallest p-value that the resamples can give.
+/// The smallest p-value that the resamples can resolve.
 pub const RESOLUTION: f64 = 2.0 / (RESAMPLES + 1) as f64;
 
 /// The number of sorted resamples beyond either end of an interval: 2.5 % of one more than there are.

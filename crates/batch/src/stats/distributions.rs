@@ -1,4 +1,4 @@
-//! Quantiles and tails of the distributions that intervals and tests are made of.
+//! Quantiles and tails of the distributions behind intervals and tests.
 
 use statrs::distribution::{Binomial, Continuous, ContinuousCDF, DiscreteCDF, Normal, StudentsT};
 use std::f64::consts::PI;
@@ -14,12 +14,12 @@ pub fn normal_reach() -> f64 {
     Normal::standard().inverse_cdf(0.5 + 0.5 * CONFIDENCE)
 }
 
-/// Returns the same distance for Student's t, of a positive number of degrees of freedom that need not be whole.
+/// Returns the same distance for Student's t, for a positive number of degrees of freedom that need not be an integer.
 pub fn t_reach(degrees: f64) -> f64 {
     t_quantile_above(0.5 * (1.0 - CONFIDENCE), degrees)
 }
 
-/// Returns the number that Student's t exceeds with this probability, which is below a half.
+/// Returns the value that Student's t exceeds with this probability, which is below a half.
 ///
 /// With many degrees of freedom it is the beginning of a series in their reciprocal (Abramowitz, Stegun, "Handbook of
 /// mathematical functions", 1964, 26.7.5); the search of `statrs` may not end there.
@@ -103,8 +103,8 @@ pub fn binomial_at_most(hits: u64, trials: u64, rate: f64) -> f64 {
     Binomial::new(rate, trials).expect("a rate lies from 0 to 1").cdf(hits)
 }
 
-/// Returns the probability that Fisher's F with these positive degrees of freedom, which need not be whole, is at least
-/// `f`.
+/// Returns the probability that Fisher's F with these positive degrees of freedom, which need not be integers, is at
+/// least `f`.
 pub fn f_at_least(f: f64, [above, below]: [f64; 2]) -> f64 {
     // The incomplete beta function from the far end, where small probabilities keep their digits.
     beta_reg(0.5 * below, 0.5 * above, below / (below + above * f))

@@ -12,16 +12,17 @@ const LEVEL: f64 = 0.05;
 /// of average bioavailability", Journal of Pharmacokinetics and Biopharmaceutics 15, 1987.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Equivalence {
-    /// Above zero.
+    /// The margin, above zero.
     pub margin: f64,
-    /// Student's 90 % interval of the mean, which lies within the margin where the tests find equivalence.
+    /// Student's 90 % interval of the mean, which lies within the margin if the tests find equivalence.
     pub interval: Interval,
-    /// The larger of the p-values of both tests.
+    /// The larger of the two p-values.
     pub p_value: f64,
 }
 
 impl Equivalence {
-    /// Tests the mean of so many numbers with this standard deviation; `None` of fewer than two, or without spread.
+    /// Tests the mean of this number of values with this standard deviation; `None` for fewer than two, or without
+    /// spread.
     pub fn new(mean: f64, deviation: f64, count: u64, margin: f64) -> Option<Self> {
         let degrees = count.checked_sub(1).filter(|&degrees| degrees > 0)? as f64;
         let error = Some(deviation / (count as f64).sqrt()).filter(|&error| error > 0.0 && error.is_finite())?;

@@ -1,8 +1,8 @@
-//! Several tests at once (Holm, "A simple sequentially rejective multiple test procedure", Scandinavian Journal of
-//! Statistics 6, 1979).
+//! Holm's adjustment for several tests (Holm, "A simple sequentially rejective multiple test procedure", Scandinavian
+//! Journal of Statistics 6, 1979).
 
-/// Returns the p-values adjusted so that the chance of any false alarm among all of them stays below the level that
-/// each is compared with. In the order of the input.
+/// Returns adjusted p-values, for which the probability of any false rejection stays below the level that each is
+/// compared with. In the order of the input.
 pub fn holm(p_values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..p_values.len()).collect();
     order.sort_by(|&a, &b| p_values[a].total_cmp(&p_values[b]));

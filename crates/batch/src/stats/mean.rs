@@ -1,4 +1,4 @@
-//! A mean, and how sure it is.
+//! Estimates of a mean with their uncertainty.
 
 use rand::Rng;
 
@@ -9,7 +9,7 @@ use crate::stats::{MeanEstimate, MeanMethod, Series};
 /// Sample sizes for which resampling is worth its while. See [`estimate_mean`].
 const RESAMPLED: std::ops::RangeInclusive<usize> = 10..=5000;
 
-/// Estimates the mean of a sample; `None` of an empty one.
+/// Estimates the mean of a sample; `None` for an empty one.
 ///
 /// By the studentised bootstrap from 10 to 5000 numbers, and else, or where the numbers are too few or too much alike
 /// for it, by Student's t. Below 10 a resample is too often nearly constant and the bootstrap's intervals are several
@@ -19,7 +19,7 @@ pub fn estimate_mean(values: &[f64], random: &mut impl Rng) -> Option<MeanEstima
     resampled.or_else(|| students_t(values))
 }
 
-/// Estimates the mean of a sample by Student's t, whatever its size; `None` of an empty one.
+/// Estimates the mean of a sample by Student's t, whatever its size; `None` for an empty one.
 pub fn students_t(values: &[f64]) -> Option<MeanEstimate> {
     let series = Series::from_values(values);
     let mean = series.mean()?;
@@ -34,7 +34,7 @@ pub fn students_t(values: &[f64]) -> Option<MeanEstimate> {
     })
 }
 
-/// Returns Cohen's d of paired differences: their mean in their own standard deviations. `None` without spread.
+/// Returns Cohen's d of paired differences: their mean divided by their standard deviation. `None` without spread.
 ///
 /// Cohen, "Statistical power analysis for the behavioral sciences", 1988, section 2.3.5, where it is d'z.
 pub fn cohens_dz(differences: &[f64]) -> Option<f64> {

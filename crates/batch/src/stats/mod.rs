@@ -1,4 +1,4 @@
-//! Estimators with their uncertainty, and tests of differences, for numbers that go into papers.
+//! Estimators with their uncertainty, and tests of differences, for figures in papers.
 //!
 //! Everything here is a plain function of numbers that are finite; units are the caller's. Except in tests of equivalence,
 //! every interval is a 95 % confidence interval and every p-value is two-sided. Methods were chosen by the coverage that
@@ -63,7 +63,7 @@ impl Interval {
         Self { low: centre - half_width, high: centre + half_width }
     }
 
-    /// Returns both ends of an interval that may not be there.
+    /// Returns both ends of an optional interval.
     pub fn ends(interval: Option<Self>) -> [Option<f64>; 2] {
         [interval.map(|interval| interval.low), interval.map(|interval| interval.high)]
     }
@@ -80,7 +80,7 @@ impl Serialize for Interval {
     }
 }
 
-/// The method by which an interval or a p-value was found.
+/// The method behind an interval or a p-value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeanMethod {
     StudentsT,
@@ -91,13 +91,13 @@ pub enum MeanMethod {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeanEstimate {
     pub mean: f64,
-    /// `None` of fewer than two numbers or without spread.
+    /// The interval; `None` for fewer than two numbers or without spread.
     pub interval: Option<Interval>,
-    /// The probability of a mean at least as far from zero if the true one were zero; `None` as above.
+    /// The probability of a mean at least as far from zero if the true mean were zero; `None` as above.
     pub p_value: Option<f64>,
     /// The method of the interval.
     pub method: MeanMethod,
-    /// The method of the p-value: Student's where zero lies farther out than every resample.
+    /// The method of the p-value: Student's t where zero lies beyond every resample.
     pub p_method: MeanMethod,
 }
 
@@ -105,7 +105,7 @@ pub struct MeanEstimate {
 mod test_support {
     use super::Interval;
 
-    /// Says whether two numbers agree to nine digits, or to 1e-12 near zero.
+    /// Returns whether two numbers agree to nine digits, or to 1e-12 near zero.
     pub fn close(found: f64, expected: f64) -> bool {
         (found - expected).abs() <= 1e-9 * expected.abs() + 1e-12
     }

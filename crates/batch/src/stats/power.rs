@@ -1,4 +1,5 @@
-//! The power of Student's paired t-test: how many pairs detect a difference, and which differences so many detect.
+//! The power of Student's paired t-test: the number of pairs that detects a difference, and the difference that a
+//! number of pairs detects.
 //!
 //! The test is two-sided at 5 %. Its power is exact for differences of pairs that are normal and independent, by the
 //! noncentral t distribution (Cohen, "Statistical power analysis for the behavioral sciences", 1988, section 2.3.5).
@@ -6,13 +7,13 @@
 
 use crate::stats::distributions::{noncentral_t_two_sided, t_reach};
 
-/// The power that sample sizes are chosen for.
+/// The power for which sample sizes are chosen.
 pub const POWER: f64 = 0.8;
 
 /// More pairs than this are not counted.
 const MOST_PAIRS: u64 = 1_000_000_000;
 
-/// Returns the probability that the test with so many pairs detects an effect; `None` of fewer than two pairs.
+/// Returns the probability that the test with this number of pairs detects an effect; `None` for fewer than two pairs.
 pub fn paired_power(effect: f64, pairs: u64) -> Option<f64> {
     let degrees = pairs.checked_sub(1).filter(|&degrees| degrees > 0)? as f64;
     Some(noncentral_t_two_sided(t_reach(degrees), degrees, effect * (pairs as f64).sqrt()))
@@ -36,8 +37,8 @@ pub fn pairs_for_power(effect: f64) -> Option<u64> {
     Some(enough)
 }
 
-/// Returns the least effect that the test with so many pairs detects with a probability of [`POWER`]; `None` of fewer
-/// than two pairs.
+/// Returns the least effect that the test with this number of pairs detects with a probability of [`POWER`]; `None` for
+/// fewer than two pairs.
 pub fn detectable_effect(pairs: u64) -> Option<f64> {
     let suffices = |effect: f64| paired_power(effect, pairs).is_some_and(|power| power >= POWER);
     paired_power(1.0, pairs)?;

@@ -3,7 +3,7 @@
 use crate::stats::distributions::binomial_at_most;
 use crate::stats::{CONFIDENCE, Interval};
 
-/// Returns the quantile of a sorted sample at `share` from 0 to 1; `None` of an empty sample.
+/// Returns the quantile of a sorted sample at `share` from 0 to 1; `None` for an empty sample.
 ///
 /// Linear between order statistics (Hyndman, Fan, "Sample quantiles in statistical packages", The American Statistician
 /// 50, 1996, definition 7), as NumPy, R and spreadsheets have it by default.
@@ -14,8 +14,8 @@ pub fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     Some(sorted[below] + (above - sorted[below]) * (place - below as f64))
 }
 
-/// Returns the interval of the population's quantile, from two order statistics, whatever the distribution; it errs to
-/// the wide side, and more so where numbers repeat.
+/// Returns the interval of the population's quantile from two order statistics, for any distribution; it is
+/// conservative, and more so with ties.
 ///
 /// `None` if the sample is too small for an end to exist: fewer than 6 numbers for a median.
 /// Conover, "Practical nonparametric statistics", 1999, section 3.2.

@@ -1,4 +1,4 @@
-//! Conditions that the same subjects go through.
+//! Repeated measures: the same subjects under several conditions.
 //!
 //! The analysis of variance of repeated measures: does the mean of the numbers depend on the condition? Subjects may be
 //! as different from each other as they like, and numbers of one subject may go together; conditions may spread
@@ -15,20 +15,20 @@ use crate::stats::distributions::f_at_least;
 /// Residuals that are mere rounding, as a share of the squares of all numbers.
 const ROUNDING: f64 = 1e-28;
 
-/// The test that the means of all conditions are equal.
+/// The test of equal means under all conditions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RepeatedMeasures {
-    /// Infinite where all subjects agree on what the conditions do.
+    /// Fisher's F; infinite where all subjects agree on the effects of the conditions.
     pub f: f64,
     /// The degrees of freedom of the conditions and of the residuals, both multiplied by epsilon.
     pub degrees: [f64; 2],
-    /// Greenhouse and Geisser's, from 1 / (conditions - 1) to 1.
+    /// The epsilon of Greenhouse and Geisser, from 1 / (conditions - 1) to 1.
     pub epsilon: f64,
     pub p_value: f64,
 }
 
 impl RepeatedMeasures {
-    /// Tests rows, one for each subject with its number under each condition, all of one length.
+    /// Tests rows, one per subject with its number under each condition, all of equal length.
     ///
     /// `None` for fewer than two subjects or conditions, or where neither conditions nor anything else make a
     /// difference within subjects. Takes time in proportion to the numbers times the lesser of subjects and conditions.

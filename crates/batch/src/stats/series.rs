@@ -1,5 +1,4 @@
-//! Mean, standard deviation and confidence interval of numbers that come one by one, and of the difference of two such
-//! means.
+//! Running mean, standard deviation and confidence interval of numbers, and of the difference of two means.
 //!
 //! The interval of the mean is Student's, with n - 1 degrees of freedom (Student, "The probable error of a mean",
 //! Biometrika 6, 1908), on the scale of the numbers or on one that keeps the interval in the range of a quantity.
@@ -45,35 +44,35 @@ impl Series {
         self.sum
     }
 
-    /// Returns the largest number; `None` of an empty series.
+    /// Returns the largest number; `None` for an empty series.
     pub fn largest(&self) -> Option<f64> {
         (self.count > 0).then_some(self.largest)
     }
 
-    /// Returns the mean; `None` of an empty series.
+    /// Returns the mean; `None` for an empty series.
     pub fn mean(&self) -> Option<f64> {
         (self.count > 0).then_some(self.mean)
     }
 
-    /// Returns the standard deviation of the population, estimated from the sample (divisor n - 1); `None` of fewer
+    /// Returns the standard deviation of the population, estimated from the sample (divisor n - 1); `None` for fewer
     /// than two.
     pub fn standard_deviation(&self) -> Option<f64> {
         (self.count > 1).then(|| (self.squares / (self.count - 1) as f64).sqrt())
     }
 
-    /// Returns the standard deviation of the mean, estimated from the sample; `None` of fewer than two.
+    /// Returns the standard error of the mean; `None` for fewer than two.
     pub fn standard_error(&self) -> Option<f64> {
         Some(self.standard_deviation()? / (self.count as f64).sqrt())
     }
 
-    /// Returns Student's 95 % confidence interval of the mean; `None` of fewer than two.
+    /// Returns Student's 95 % confidence interval of the mean; `None` for fewer than two.
     pub fn mean_interval(&self) -> Option<Interval> {
         let error = self.standard_error()?;
         Some(Interval::about(self.mean, t_reach((self.count - 1) as f64) * error))
     }
 
-    /// Returns the 95 % confidence interval of the mean of a quantity from `least` to `most`, and never leaves that range;
-    /// `None` of fewer than two. For intervals of single means; differences have no range.
+    /// Returns the 95 % confidence interval of the mean of a quantity from `least` to `most`, which never leaves that
+    /// range; `None` for fewer than two. For intervals of single means; differences have no range.
     ///
     /// Student's interval on the log scale of the distance from `least`, or on the logit scale if `most` is finite too,
     /// with the standard error by the delta method (Oehlert, "A note on the delta method", The American Statistician 46,
@@ -99,7 +98,7 @@ impl Series {
     }
 }
 
-/// Returns the interval of the mean of `b` less the mean of `a`, whatever their spreads; `None` if either has fewer
+/// Returns the interval of the mean of `b` minus the mean of `a`, for unequal variances; `None` if either has fewer
 /// than two numbers, or neither has any spread.
 ///
 /// Welch, "The generalization of Student's problem when several different population variances are involved",

@@ -10,12 +10,12 @@ use crate::stats::distributions::normal_two_sided;
 /// Up to this many differences that are not zero, the p-value is exact, with ties and zeros as they are.
 const EXACT_UP_TO: usize = 50;
 
-/// Sums of ranks of the differences above and below zero, and the test that these are alike.
+/// The rank sums of the differences above and below zero, and the test that they are equal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SignedRanks {
     pub above: f64,
     pub below: f64,
-    /// Differences that are zero.
+    /// The number of differences that are zero.
     pub zeros: usize,
     pub p_value: f64,
 }

@@ -1,32 +1,32 @@
-//! Times until something happens, of which some are cut off before it did.
+//! Survival analysis: times until an event, some of them censored.
 
 use crate::stats::Interval;
 use crate::stats::distributions::normal_reach;
 use wildfire_base::geometry::ops;
 
-/// A time, which is not negative: until the event, or how long it was waited for without success.
+/// A non-negative time: until the event, or until the observation ended without it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lifetime {
     pub time: f64,
-    /// True if the waiting ended before the event.
+    /// True if the observation ended before the event.
     pub is_cut_off: bool,
 }
 
-/// A step of the curve: the survival from this time up to the next step.
+/// A step of the curve: the survival from this time to the next step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurvivalStep {
     pub time: f64,
-    /// Lifetimes of at least this time.
+    /// The number of lifetimes of at least this time.
     pub at_risk: u64,
-    /// Events at this time.
+    /// The number of events at this time.
     pub events: u64,
-    /// Estimated probability that the event comes later than this.
+    /// The estimated probability that the event comes later than this.
     pub survival: f64,
-    /// `None` where nothing survives.
+    /// The interval; `None` where nothing survives.
     pub interval: Option<Interval>,
 }
 
-/// The product-limit estimate of the distribution of times that are partly cut off.
+/// The product-limit estimate of the distribution of partly censored times.
 ///
 /// Kaplan, Meier, "Nonparametric estimation from incomplete observations", JASA 53, 1958. Intervals are pointwise: from
 /// Greenwood's variance, symmetric for ln(-ln(survival)), so that they stay within 0 to 1 (Kalbfleisch, Prentice, "The
@@ -34,7 +34,7 @@ pub struct SurvivalStep {
 /// risk of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurvivalCurve {
-    /// One for every time with an event, ascending.
+    /// The steps, one for every time with an event, ascending.
     pub steps: Vec<SurvivalStep>,
 }
 
@@ -58,19 +58,20 @@ impl SurvivalCurve {
         Self { steps }
     }
 
-    /// Estimates the probability that the event comes later than `time`. Beyond the last time it stays as it was there.
+    /// Returns the estimated probability that the event comes later than `time`. Beyond the last time it stays at the
+    /// last value.
     pub fn at(&self, time: f64) -> f64 {
         let begun = self.steps.partition_point(|step| step.time <= time);
         begun.checked_sub(1).map_or(1.0, |last| self.steps[last].survival)
     }
 
-    /// Returns the first time by which at least half of all have met the event; `None` if fewer ever do.
+    /// Returns the first time by which at least half have had the event; `None` if fewer ever do.
     pub fn median(&self) -> Option<f64> {
         self.first_time_where(|step| step.survival <= 0.5)
     }
 
-    /// Returns the interval of the median: the times at which the curve's interval contains one half. An end that was
-    /// cut off is `None`.
+    /// Returns the interval of the median: the times at which the curve's interval contains one half. A censored end is
+    /// `None`.
     ///
     /// Brookmeyer, Crowley, "A confidence interval for the median survival time", Biometrics 38, 1982.
     pub fn median_interval(&self) -> (Option<f64>, Option<f64>) {

@@ -1,14 +1,14 @@
-//! What a column is: its name, what it means, in which unit and of which kind it is, and how its value is found.
+//! The definition of a column: its name, meaning, unit and kind, and how its value is computed.
 
 use std::borrow::Cow;
 use std::cmp::Ordering;
 
-/// The kind of values that a column holds.
+/// The kind of a column's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Signed, 64 bits, so that a difference of two columns may be negative.
+    /// Signed integers of 64 bits, so that a difference of two columns may be negative.
     Count,
-    /// Unsigned, 64 bits: numbers of which some are beyond [`i64::MAX`], such as a seed may be.
+    /// Unsigned integers of 64 bits, for numbers beyond [`i64::MAX`] such as seeds.
     LargeCount,
     Real,
     Text,
@@ -16,7 +16,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Returns the kind of a column of whole numbers that are no larger than this.
+    /// Returns the kind of a column of integers up to this number.
     pub fn holding_up_to(largest: u64) -> Self {
         if i64::try_from(largest).is_ok() { Self::Count } else { Self::LargeCount }
     }
@@ -25,27 +25,27 @@ impl Kind {
 /// The unit of a column's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
-    /// Names, numbers that name something, and plain counts.
+    /// Names, identifying numbers, and plain counts.
     None,
-    /// Bush cells, and in columns of the ground cells of ground.
+    /// Bush cells, and cells of ground in columns of the ground.
     Cells,
     Hectares,
-    /// From 0 to 1.
+    /// Shares from 0 to 1.
     Share,
     Seconds,
-    /// Seconds that the planners took; charts show them in milliseconds.
+    /// Seconds of planning; charts show them in milliseconds.
     CpuSeconds,
-    /// Seconds that passed; charts show them in milliseconds too.
+    /// Seconds of real time; charts show them in milliseconds too.
     WallSeconds,
-    /// Seconds of a burning cell.
+    /// Cell-seconds: burning times in seconds, summed over cells.
     CellSeconds,
     Metres,
-    /// Points of a scenario's rules.
+    /// Points under a scenario's rules.
     Points,
 }
 
 impl Unit {
-    /// Returns the symbol that files give the unit; empty of none.
+    /// Returns the unit's symbol in files; empty if there is none.
     pub fn symbol(self) -> &'static str {
         match self {
             Self::None => "",
@@ -59,7 +59,7 @@ impl Unit {
         }
     }
 
-    /// Returns what charts call an axis of such numbers, with the unit in which they show them.
+    /// Returns the title of an axis with such numbers, with the unit in which charts show them.
     pub fn axis(self) -> &'static str {
         match self {
             Self::None => "number",
@@ -81,7 +81,7 @@ impl Unit {
     }
 }
 
-/// A column of a table whose rows are found from something, with `value`.
+/// A column of a table whose values are computed from something by `value`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Column<F> {
     pub name: &'static str,
@@ -90,19 +90,19 @@ pub struct Column<F> {
     pub kind: Kind,
     /// True if every row has a value.
     pub is_required: bool,
-    /// The name that charts give it; empty of a column that they cannot show.
+    /// The title in charts; empty for a column that they cannot show.
     pub title: &'static str,
-    /// The side of the better values, from where the trucks stand; `None` if it has none.
+    /// The side of the better values, from the trucks' point of view; `None` if it has none.
     pub better: Option<Better>,
     /// The words for a difference between two batches.
     pub phrase: Option<Phrase>,
-    /// The words for the best in it, of a column in which reports compare variants.
+    /// The words for the best variant, for columns in which reports compare variants.
     pub aim: Option<Aim>,
     pub value: F,
 }
 
 impl Column<()> {
-    /// A column that is not the program's own.
+    /// A column that the program does not define.
     pub const UNKNOWN: Self = Self {
         name: "",
         words: "",
@@ -143,18 +143,18 @@ impl<F: Copy> Column<F> {
         Self { aim: Some(Aim { best, equal, than }), ..self }
     }
 
-    /// Returns all of it but how its value is found.
+    /// Returns the column without the computation of its value.
     pub const fn without_value(&self) -> Column<()> {
         let Self { name, words, unit, kind, is_required, title, better, phrase, aim, .. } = *self;
         Column { name, words, unit, kind, is_required, title, better, phrase, aim, value: () }
     }
 
-    /// Says whether it holds numbers that are measured or counted, not words and not names such as seeds.
+    /// Returns whether it holds measured or counted numbers, not words and not names such as seeds.
     pub fn holds_numbers(&self) -> bool {
         self.kind == Kind::Real || self.kind == Kind::Count && !["seed", "run"].contains(&self.name)
     }
 
-    /// Returns the least and the greatest value that it can have: no share is above one, and only points can be negative.
+    /// Returns the least and the greatest possible value: no share is above one, and only points can be negative.
     pub fn range(&self) -> (f64, f64) {
         match self.unit {
             Unit::Share => (0.0, 1.0),
@@ -163,7 +163,7 @@ impl<F: Copy> Column<F> {
         }
     }
 
-    /// Returns all that a file says of the column.
+    /// Returns everything that files contain about the column.
     pub fn described(&self) -> FileColumn {
         FileColumn {
             name: Cow::Borrowed(self.name),
@@ -175,19 +175,19 @@ impl<F: Copy> Column<F> {
     }
 }
 
-/// A column of a file, which may be that of a swept key.
+/// A column of a file, possibly of a swept key.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileColumn {
     pub name: Cow<'static, str>,
     pub words: Cow<'static, str>,
     pub unit: Unit,
     pub kind: Kind,
-    /// True if every row has a value; else a value may be missing, which is null.
+    /// True if every row has a value; otherwise a value may be missing, which is null.
     pub is_required: bool,
 }
 
 impl FileColumn {
-    /// Returns the column of a key that a batch sweeps.
+    /// Returns the column of a swept key.
     pub fn swept(key: &str, kind: Kind) -> Self {
         let words = format!("value of `{key}`").into();
         Self { name: key.to_owned().into(), words, unit: Unit::None, kind, is_required: true }
@@ -199,13 +199,13 @@ impl FileColumn {
 pub struct Phrase {
     /// The words before the amount, with `$` for the letter of the side: `$ saves`.
     pub subject: &'static str,
-    /// The words after the amount of a difference above zero, and of one below.
+    /// The words after the amount of a positive and of a negative difference.
     pub more: [&'static str; 2],
     /// The factor of the amount.
     pub scale: f64,
 }
 
-/// The side on which a metric's better values are.
+/// The side of a metric's better values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Better {
     Higher,
@@ -220,7 +220,7 @@ impl Better {
         }
     }
 
-    /// Orders numbers so that the better one comes first.
+    /// Orders numbers, better first.
     pub fn best_first(self, one: f64, other: f64) -> Ordering {
         match self {
             Self::Higher => other.total_cmp(&one),
@@ -229,12 +229,12 @@ impl Better {
     }
 }
 
-/// Words for the best of some variants.
+/// The words for the best of some variants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aim {
-    /// The deed of the best: `saved the most bushes`.
+    /// The achievement of the best: `saved the most bushes`.
     pub best: &'static str,
-    /// The deed of equals, before and after the amount.
+    /// The achievement of equals, before and after the amount.
     pub equal: [&'static str; 2],
     /// The words after the difference of the best from another: `points more`.
     pub than: &'static str,

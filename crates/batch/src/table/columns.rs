@@ -28,7 +28,7 @@ pub type CallColumn = Column<fn(&PlannerCall) -> Value>;
 /// A column of `states.parquet`, after those of the run.
 pub type StateColumn = Column<fn(&StateCount) -> Value>;
 
-/// One agent of a run that is done.
+/// An agent of a finished run.
 #[derive(Clone, Copy, Debug)]
 pub struct AgentRow<'a> {
     pub label: &'a RunLabel,
@@ -42,7 +42,7 @@ impl<'a> AgentRow<'a> {
         own.map(|(_, name)| name.as_str())
     }
 
-    /// The agents of a run, in the order of its timeline; none of a run that is not done.
+    /// Returns the agents of a run, in the order of its timeline; none for a run that is not done.
     pub fn from_run(row: &'a RunRow) -> impl Iterator<Item = Self> {
         row.result.iter().flat_map(move |result| {
             result.outcome.agents.iter().map(move |outcome| Self {
@@ -54,7 +54,7 @@ impl<'a> AgentRow<'a> {
     }
 }
 
-/// Says whether values of this column may differ between two runs of one seed.
+/// Returns whether values of this column may differ between two runs of one seed.
 pub fn is_measured(name: &str) -> bool {
     name.starts_with("cpu_") || name.starts_with("wall_")
 }
@@ -157,10 +157,10 @@ macro_rules! about {
 
 pub(crate) use {about, columns};
 
-/// The number of columns of [`RUN_COLUMNS`] that come before those of what a batch sweeps.
+/// The number of columns of [`RUN_COLUMNS`] that precede those of swept keys.
 pub const COLUMNS_BEFORE_SWEPT: usize = 5;
 
-/// The columns of `runs.csv`, in their order, without those of what a batch sweeps.
+/// The columns of `runs.csv` in order, without those of swept keys.
 #[rustfmt::skip]
 pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     scenario: Text None "name of the scenario" = row.label.scenario.clone();
@@ -376,7 +376,7 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
         better(Lower);
 };
 
-/// The columns of `agents.csv`, in their order.
+/// The columns of `agents.csv` in order.
 #[rustfmt::skip]
 pub const AGENT_COLUMNS: &[AgentColumn] = columns! { AgentColumn, row;
     scenario: Text None "name of the scenario" = row.label.scenario.clone();
@@ -449,7 +449,7 @@ pub const AGENT_COLUMNS: &[AgentColumn] = columns! { AgentColumn, row;
         = row.cost.and_then(|cost| cost.source).map(|source| source.name().to_owned());
 };
 
-/// The columns of `planner_calls.parquet`, in their order, after those of the run.
+/// The columns of `planner_calls.parquet` in order, after those of the run.
 #[rustfmt::skip]
 pub const CALL_COLUMNS: &[CallColumn] = columns! { CallColumn, call;
     agent: Text None "agent that plans: unimog/0, wumpus/0 ..." = call.agent.to_string();
@@ -476,7 +476,7 @@ pub const CALL_COLUMNS: &[CallColumn] = columns! { CallColumn, call;
         = call.cpu.map(|cpu| cpu.as_secs_f64());
 };
 
-/// The columns of `states.parquet`, in their order, after those of the run.
+/// The columns of `states.parquet` in order, after those of the run.
 #[rustfmt::skip]
 pub const STATE_COLUMNS: &[StateColumn] = columns! { StateColumn, state;
     t_s: Real Seconds "simulated time, in steps of a sixtieth of the scenario's duration" = state.time.as_seconds();
@@ -486,7 +486,7 @@ pub const STATE_COLUMNS: &[StateColumn] = columns! { StateColumn, state;
     extinguished: Count Cells "cells that were extinguished and are not burning" = state.extinguished;
 };
 
-/// Returns the index of a column of [`RUN_COLUMNS`]; a name that is not there is an error when the program is compiled.
+/// Returns the index of a column of [`RUN_COLUMNS`]; an unknown name is a compile-time error.
 pub const fn run_column(name: &str) -> usize {
     let mut index = 0;
     while index < RUN_COLUMNS.len() {

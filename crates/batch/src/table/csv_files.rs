@@ -1,4 +1,4 @@
-//! `runs.csv` and `agents.csv` as they grow, row by row, with cells that no spreadsheet computes.
+//! `runs.csv` and `agents.csv`, written row by row, with cells that no spreadsheet evaluates.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -14,14 +14,14 @@ use wildfire_base::untrusted::spreadsheet_cell;
 /// Rows whose lines are made at once, by one of several threads.
 const ROWS_OF_A_PART: usize = 64;
 
-/// Both files of rows; they appear when finished.
+/// Both files of rows, which appear when complete.
 pub struct CsvFiles {
     runs: CsvFile,
     agents: CsvFile,
 }
 
 impl CsvFiles {
-    /// Begins both files. Columns of the swept keys come after those that say which run it is.
+    /// Begins both files. Columns of the swept keys follow those that identify the run.
     pub fn create(folder: &OutputFolder, disk: &dyn Disk, swept_keys: &[String]) -> Result<Self, BatchError> {
         let (label, rest) = RUN_COLUMNS.split_at(COLUMNS_BEFORE_SWEPT);
         let name = |column: &RunColumn| column.name.to_owned();
@@ -64,7 +64,7 @@ fn lines_of(rows: &[RecordedRow]) -> [Vec<u8>; 2] {
     lines.map(Lines::into_bytes)
 }
 
-/// Lines of a file in memory, whose cells no spreadsheet computes.
+/// The lines of a file in memory, whose cells no spreadsheet evaluates.
 pub struct Lines {
     writer: csv::Writer<Vec<u8>>,
     field: String,

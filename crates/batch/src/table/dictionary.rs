@@ -1,4 +1,4 @@
-//! The data dictionary: every column of a table as JSON Schema of a row.
+//! The data dictionary: every column of a table, as the JSON Schema of a row.
 
 use serde_json::{Map, Value as Json, json};
 
@@ -14,7 +14,7 @@ pub enum TableOfRows {
 }
 
 impl TableOfRows {
-    /// Returns the columns of the table's file, with those of what is swept.
+    /// Returns the columns of the table's file, including those of swept keys.
     pub fn columns(self, swept: &[FileColumn]) -> Vec<FileColumn> {
         let label = RUN_COLUMNS[..COLUMNS_BEFORE_SWEPT].iter().map(Column::described);
         let own: Vec<FileColumn> = match self {
@@ -26,7 +26,7 @@ impl TableOfRows {
     }
 }
 
-/// Returns the JSON Schema of a row of a table; columns of what is swept come with the batch.
+/// Returns the JSON Schema of a row of a table; columns of swept keys are known with the batch.
 pub fn row_schema(table: TableOfRows) -> String {
     let schema = schema_of(table, &table.columns(&[]));
     serde_json::to_string_pretty(&schema).expect("words are JSON")

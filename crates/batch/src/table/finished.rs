@@ -1,4 +1,4 @@
-//! A batch that is over, read back from its folder: which runs it had, and what its rows say of them.
+//! A finished batch, read from its folder: its runs, and the contents of its rows.
 
 use std::fs;
 use std::io;
@@ -13,7 +13,7 @@ use crate::table::reader::{TableError, TableReader};
 use crate::table::record::RunRecord;
 use wildfire_sim::Entrants;
 
-/// A reason for which a folder cannot be read as a batch that is over. Messages are sentences that name the file.
+/// The reason why a folder cannot be read as a finished batch. Messages are sentences that name the file.
 #[derive(Debug, Error)]
 pub enum FinishedError {
     #[error("cannot read {}: {source}", path.display())]
@@ -38,7 +38,7 @@ pub struct FinishedBatch {
 }
 
 impl FinishedBatch {
-    /// Says whether a folder has the plan of a batch, or may have one because it cannot be looked into.
+    /// Returns whether a folder has the plan of a batch, or may have one because it is not accessible.
     pub fn is_there(folder: &Path) -> bool {
         folder.join(PLAN_FILE).try_exists().unwrap_or(true)
     }
@@ -60,17 +60,17 @@ impl FinishedBatch {
         &self.plan
     }
 
-    /// Number of runs.
+    /// Returns the number of runs.
     pub fn count(&self) -> u64 {
         self.plan.count()
     }
 
-    /// The runs in the order of the plan.
+    /// Iterates over the runs in the order of the plan.
     pub fn runs(&self) -> impl Iterator<Item = PlannedRun<'_>> {
         self.plan.runs()
     }
 
-    /// Names a run by its folder, its variant if there are several, and its seed.
+    /// Returns a name for a run: its folder, its variant if there are several, and its seed.
     pub fn name_of(&self, run: &PlannedRun<'_>) -> String {
         let folder = self.folder.display();
         match self.plan.variants.as_slice() {
@@ -85,7 +85,7 @@ impl FinishedBatch {
         path.exists().then_some(path)
     }
 
-    /// Refuses a batch of which a run would have to be made again and cannot, see [`BatchPlan::expect_entrants`].
+    /// Refuses a batch of which a run would have to be repeated and cannot, see [`BatchPlan::expect_entrants`].
     pub fn expect_entrants(&self, entrants: &Entrants) -> Result<(), FinishedError> {
         match self.plan.expect_entrants(entrants, &self.folder) {
             Err(_) if self.runs().all(|run| self.recording(&run).is_some()) => Ok(()),
@@ -93,7 +93,7 @@ impl FinishedBatch {
         }
     }
 
-    /// Opens the rows of the runs; `None` where the batch did not come to write them.
+    /// Opens the rows of the runs; `None` if the batch did not write them.
     pub fn rows(&self) -> Result<Option<FinishedRows>, FinishedError> {
         match TableReader::open(&self.folder.join(RUNS_FILE)) {
             Ok(table) => FinishedRows::new(table).map(Some),
@@ -122,7 +122,7 @@ impl FinishedRows {
         Ok(Self { table, places })
     }
 
-    /// Reads the row of the run whose turn it is.
+    /// Reads the next run's row.
     pub fn next(&mut self, run: &PlannedRun<'_>) -> Result<RunRecord, FinishedError> {
         let seed = run.seed;
         let other = |table: &TableReader, reason| FinishedError::OtherRows { path: table.path().to_owned(), reason };
@@ -152,7 +152,7 @@ impl From<TableError> for FinishedError {
     }
 }
 
-/// The recordings in a folder, shorter names first, so that numbered ones are in the order of their numbers.
+/// Returns the recordings in a folder, shorter names first, so that numbered ones are in numerical order.
 pub fn recordings_in(folder: &Path) -> Result<Vec<PathBuf>, FinishedError> {
     let unreadable = |source| FinishedError::Unreadable { path: folder.to_owned(), source };
     let entries = fs::read_dir(folder).map_err(unreadable)?;

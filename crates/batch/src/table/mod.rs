@@ -1,4 +1,4 @@
-//! The tables of a batch: what their columns are, how they are written, and how they are read back.
+//! The tables of a batch: their columns, writers and readers.
 //!
 //! [`columns`] has a line for every column of every file. [`RunRecord`] is a row of `runs.csv`, computed or read;
 //! [`TableReader`] reads any table that this program wrote.

@@ -14,26 +14,26 @@ const OTHER_LIMITS: [&str; 3] = [" of memory and was killed", "gave no `hello` w
 /// Counts of drives and queries of trucks over some runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct QueryTally {
-    /// Plans that trucks got, from whomever.
+    /// Plans that trucks got, from any source.
     pub drives: u64,
-    /// Queries that the planner failed on and nobody answered.
+    /// Queries that failed without a rescue.
     pub failed: u64,
-    /// Drives to which the reachability flood led after the planner had failed.
+    /// Drives from the reachability flood after the planner had failed.
     pub rescued: u64,
-    /// Queries that ended because a planner took too long by the clock.
+    /// Queries that ended because a planner exceeded its time limit.
     pub timed_out: u64,
-    /// Runs with a message of another limit that was reached: of memory, or of the time to start.
+    /// Runs with a message about another limit: of memory, or of the time to start.
     pub limited_runs: u64,
-    /// Asks of policies that are not built in.
+    /// Questions to custom policies.
     pub asks: u64,
-    /// Those of them that had no answer, or one that nobody could carry out.
+    /// Questions without an answer, or with one that nobody could carry out.
     pub failed_asks: u64,
-    /// Asks that ended because a policy took too long by the clock.
+    /// Questions that ended because a policy exceeded its time limit.
     pub timed_out_asks: u64,
 }
 
 impl QueryTally {
-    /// Counts by the numbers in columns of `runs.csv`, 0 where there is none, and by the run's message.
+    /// Creates counts from the numbers in columns of `runs.csv`, 0 where there is none, and from the run's message.
     pub fn of_run(number: impl Fn(&str) -> u64, message: &str) -> Self {
         let sum = |prefix: &str| {
             let names = RUN_COLUMNS.iter().map(|column| column.name).filter(|name| name.starts_with(prefix));
@@ -52,7 +52,7 @@ impl QueryTally {
         }
     }
 
-    /// Says what a reader must know of these figures: nothing where nobody was rescued and no clock decided.
+    /// Returns what a reader must know about these figures: nothing if nobody was rescued and no clock decided.
     pub fn sentences(&self, planner: &str) -> Vec<String> {
         let rescued = (self.rescued > 0).then(|| {
             let share = 100.0 * self.rescued as f64 / self.drives.max(1) as f64;
@@ -62,12 +62,12 @@ impl QueryTally {
         rescued.into_iter().chain(self.machine_sentence(planner)).collect()
     }
 
-    /// Says whether a limit of time or memory changed an outcome: another machine may give another one.
+    /// Returns whether a limit of time or memory changed an outcome, so that another machine may give another one.
     pub fn depends_on_machine(&self) -> bool {
         self.timed_out > 0 || self.timed_out_asks > 0 || self.limited_runs > 0
     }
 
-    /// Says so in a sentence, if a limit changed an outcome.
+    /// Returns a sentence about that, if a limit changed an outcome.
     pub fn machine_sentence(&self, planner: &str) -> Option<String> {
         let timed_out = (self.timed_out > 0).then(|| {
             let queries =

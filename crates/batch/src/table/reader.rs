@@ -15,8 +15,7 @@ use wildfire_base::untrusted::{bytes_of_cell, visible_start};
 /// The most bytes between the ends of two rows.
 const MAX_ROW_BYTES: u64 = 1 << 20;
 
-/// A reason for which a table cannot be read. Messages name the file; what comes from it is shown in letters that are
-/// harmless.
+/// The reason why a table cannot be read. Messages name the file and show its contents in harmless characters.
 #[derive(Debug, Error)]
 pub enum TableError {
     #[error("cannot read {}: {source}", path.display())]
@@ -31,7 +30,7 @@ pub enum TableError {
     Unfit { path: PathBuf, complaint: String },
 }
 
-/// A table that is open, at one of its rows.
+/// An open table at one of its rows.
 pub struct TableReader {
     path: PathBuf,
     reader: Reader<Rationed>,
@@ -75,7 +74,7 @@ impl TableReader {
         self.columns.iter().position(|name| name == column)
     }
 
-    /// Goes on to the next row; false if there is none.
+    /// Moves to the next row; false if there is none.
     pub fn next_row(&mut self) -> Result<bool, TableError> {
         self.reader.get_mut().left = MAX_ROW_BYTES;
         let line = self.reader.position().line();
@@ -87,7 +86,7 @@ impl TableReader {
         bytes_of_cell(&self.row[place])
     }
 
-    /// Returns the whole number in a field.
+    /// Returns the integer in a field.
     pub fn count(&self, place: usize, expected: &'static str) -> Result<u64, TableError> {
         let digits = std::str::from_utf8(&self.row[place]).ok().and_then(|digits| digits.parse().ok());
         digits.ok_or_else(|| self.wrong_value(place, expected))
@@ -120,7 +119,7 @@ impl TableReader {
         }
     }
 
-    /// Returns the error that a field of this row is not what it should be.
+    /// Returns the error of an invalid field in this row.
     pub fn wrong_value(&self, place: usize, expected: &'static str) -> TableError {
         TableError::WrongValue {
             path: self.path.clone(),

@@ -1,4 +1,4 @@
-//! The numbers of a run as `runs.csv` has them, whether they were just computed or are read back.
+//! The numbers of a run as in `runs.csv`, computed or read back.
 
 use crate::execute::{RunRow, Status};
 use crate::plan::Value;
@@ -26,7 +26,7 @@ impl RecordedRow {
         Self { record: RunRecord::from_row(&row), row }
     }
 
-    /// Returns the values that say which run it is, with those of what the batch sweeps, and all others.
+    /// Returns the values that identify the run, with those of swept keys, and all others.
     pub fn values(&self) -> (impl Iterator<Item = &Value> + Clone, &[Value]) {
         let (label, rest) = self.record.values().split_at(COLUMNS_BEFORE_SWEPT);
         (label.iter().chain(&self.row.label.swept), rest)
@@ -48,7 +48,7 @@ impl RunRecord {
         &self.0
     }
 
-    /// Returns the number in a column, see [`run_column`]; `None` where there is none, or it is not finite.
+    /// Returns the number in a column, see [`run_column`]; `None` if it is missing or not finite.
     pub fn number(&self, column: usize) -> Option<f64> {
         let number = match &self.0[column] {
             Value::Count(count) => *count as f64,
@@ -72,7 +72,7 @@ impl RunRecord {
         if let Value::Count(number) = self.0[RUN] { number } else { 0 }
     }
 
-    /// Returns how the run went; a word that is no status counts as failed.
+    /// Returns the status of the run; an unknown word counts as failed.
     pub fn status(&self) -> Status {
         let word = self.text(STATUS);
         let known = [Status::Done, Status::Panicked].into_iter().find(|status| status.to_string() == word);
@@ -99,7 +99,7 @@ impl RunRecord {
         self.text(MESSAGE)
     }
 
-    /// Says in which outcome column a run differs from this record of it; `None` if in none.
+    /// Describes the first outcome column in which a run differs from this record; `None` if there is none.
     pub fn difference(&self, again: &Self) -> Option<String> {
         // What policies were asked is in no recording.
         let is_outcome = |name: &str| !is_measured(name) && !name.starts_with("policy_");

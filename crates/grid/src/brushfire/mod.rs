@@ -1,4 +1,4 @@
-//! Brushfire: how far every cell is from the nearest obstacle.
+//! Brushfire: the distance from every cell to the nearest obstacle.
 //!
 //! The distances are separable: a nearest obstacle can be reached by vertical steps (with eight neighbours, diagonal
 //! ones too) and then horizontal ones. A sweep from the first row to the last finds how far the nearest obstacle above
@@ -29,8 +29,8 @@ pub const MAX_SIDE: usize = 32_767;
 /// Rows in a band.
 const BAND: usize = 32;
 
-/// Distance to the nearest occupied cell plus one, so that obstacles hold 1: the distance is the city-block one with
-/// four neighbours, the chessboard one with eight. `None` if nothing is occupied.
+/// Computes the distance to the nearest occupied cell plus one, so that obstacles hold 1: the city-block distance with
+/// four neighbours, the chessboard distance with eight. `None` if nothing is occupied.
 ///
 /// # Panics
 /// If a side is longer than [`MAX_SIDE`].
@@ -39,7 +39,7 @@ pub fn brushfire(occupied: &Grid<bool>, connectivity: Connectivity) -> Option<Gr
     brushfire_into(occupied, connectivity, &mut values).then_some(values)
 }
 
-/// [`brushfire`] into a map that is kept from one to the next; `false`, and all values 0, if nothing is occupied.
+/// Computes [`brushfire`] into a map that is reused; `false`, and all values 0, if nothing is occupied.
 ///
 /// Memory that the system has yet to give takes longer to get than to fill, so it pays to keep the map. It takes the
 /// size of `occupied` if it has another.

@@ -1,11 +1,11 @@
-//! One row of distances, the steps from row to row, and the widths that counts of steps come in.
+//! One row of distances, the steps from row to row, and the integer widths of step counts.
 
 use crate::Connectivity;
 
-/// Cells that one turn of a loop treats: a few vectors, so that the bookkeeping of a turn does not show.
+/// The number of cells per iteration of a loop: a few vectors, so that the loop's overhead is negligible.
 pub const LANES: usize = 32;
 
-/// Distances of a row of cells, and of as many beyond either end as a step may reach for.
+/// The distances of a row of cells, with a margin at either end for the longest step.
 ///
 /// The width is rounded up to whole lanes. The cells that are added are as good as free ones: no way between two cells
 /// of a rectangle gets shorter by leaving it.
@@ -29,12 +29,12 @@ impl<T: StepCount> DistanceRow<T> {
         &mut self.cells[LANES..][..self.width]
     }
 
-    /// The cells that many columns to the west of each cell.
+    /// Returns the cells `steps` columns to the west of each cell.
     pub fn west(&self, steps: usize) -> &[T] {
         &self.cells[LANES - steps..][..self.width]
     }
 
-    /// The cells that many columns to the east of each cell.
+    /// Returns the cells `steps` columns to the east of each cell.
     pub fn east(&self, steps: usize) -> &[T] {
         &self.cells[LANES + steps..][..self.width]
     }
@@ -43,42 +43,42 @@ impl<T: StepCount> DistanceRow<T> {
         self.cells_mut().fill(T::UNKNOWN);
     }
 
-    /// Takes over what [`store`](Self::store) left.
+    /// Loads what [`store`](Self::store) has stored.
     pub fn load(&mut self, counts: &[u16]) {
         for (cell, &count) in self.cells_mut().iter_mut().zip(counts) {
             *cell = T::from_count(count);
         }
     }
 
-    /// Leaves the distances as they are, the unknown ones too.
+    /// Stores the distances unchanged, including unknown ones.
     pub fn store(&self, counts: &mut [u16]) {
         for (count, cell) in counts.iter_mut().zip(self.cells()) {
             *count = cell.count();
         }
     }
 
-    /// Takes over what [`store_values`](Self::store_values) left.
+    /// Loads what [`store_values`](Self::store_values) has stored.
     pub fn load_values(&mut self, values: &[u16]) {
         for (cell, value) in self.cells_mut().iter_mut().zip(values) {
             *cell = T::from_count(value - 1);
         }
     }
 
-    /// Leaves the values of the brushfire.
+    /// Stores the values of the brushfire.
     pub fn store_values(&self, values: &mut [u16]) {
         for (value, cell) in values.iter_mut().zip(self.cells()) {
             *value = cell.count() + 1;
         }
     }
 
-    /// Distances by a step from the row before, or 0 in occupied cells.
+    /// Sets distances by a step from the row before, or 0 in occupied cells.
     pub fn step_and_mark(&mut self, before: &Self, connectivity: Connectivity, occupied: &[bool]) {
         self.step(before, connectivity, occupied, |steps, occupied| if occupied { T::ZERO } else { steps });
         // What the row was used for before may have left distances beyond its end.
         self.cells_mut()[occupied.len()..].fill(T::UNKNOWN);
     }
 
-    /// Distances by a step from the row before, or those already known if they are less.
+    /// Lowers distances by a step from the row before, where that is less.
     pub fn step_and_join(&mut self, before: &Self, connectivity: Connectivity, known: &Self) {
         self.step(before, connectivity, known.cells(), T::min);
     }
@@ -100,7 +100,7 @@ impl<T: StepCount> DistanceRow<T> {
     }
 }
 
-/// The number of steps to an obstacle, or that none is known.
+/// A number of steps to an obstacle, or unknown.
 pub trait StepCount: Copy + Ord {
     const ZERO: Self;
     /// More than any count.

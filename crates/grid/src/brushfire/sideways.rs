@@ -1,4 +1,4 @@
-//! Steps within a row, to the west and the east, as far as they lower a distance.
+//! Steps within a row, to the west and the east, as far as they lower distances.
 //!
 //! A cell is joined with the cells 1 column beside it, then 2, 4 and so on; it has then the least over all cells nearer
 //! than twice the last stride. What comes from farther is carried along the row, from one group of lanes to the next.
@@ -26,8 +26,8 @@ impl<T: StepCount> Sideways<T> {
         Self { farthest: vec![T::UNKNOWN; cols.div_ceil(SEGMENT)], next: DistanceRow::unknown(cols) }
     }
 
-    /// Lowers each distance to the least over all cells of the row, steps between them included. Returns whether all
-    /// are known then.
+    /// Lowers each distance to the least over all cells of the row plus the steps between them. Returns whether all are
+    /// known afterwards.
     pub fn spread(&mut self, row: &mut DistanceRow<T>) -> bool {
         self.farthest.fill(T::UNKNOWN);
         let mut stride = 1;

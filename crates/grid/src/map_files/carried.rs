@@ -1,4 +1,4 @@
-//! The map that a picture of this program carries, so that a picture can be read where a map is asked for.
+//! The map embedded in a picture of this program, so that pictures can be read as maps.
 //!
 //! A picture shows titles, numbers and legends beside the cells, which are drawn larger or smaller. Its cells therefore
 //! follow the header of the PNG file, in a chunk of their own: rows and columns, each a number of 32 bits with its high
@@ -35,8 +35,8 @@ pub fn chunk(occupied: &Grid<bool>) -> Vec<u8> {
     [&length.to_be_bytes(), &named[..], &crc32fast::hash(&named).to_be_bytes()].concat()
 }
 
-/// Returns how many bytes the chunk with a map has after the header of a PNG file, of which the start is known; `None` if
-/// no map follows it.
+/// Returns the number of bytes of the map chunk after the header of a PNG file, given its first bytes; `None` if no map
+/// follows the header.
 pub fn length(start: &[u8]) -> Option<usize> {
     let [l3, l2, l1, l0, name @ ..] = start.get(HEADER_BYTES..HEADER_BYTES + 8)? else { return None };
     (name == NAME).then(|| u32::from_be_bytes([*l3, *l2, *l1, *l0]) as usize + 12)

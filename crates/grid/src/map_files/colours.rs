@@ -1,4 +1,4 @@
-//! Images as colours: landscapes that somebody drew.
+//! Images as colours: drawn landscapes.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -15,7 +15,7 @@ use wildfire_base::input_file;
 const MAX_IMAGE_BYTES: u64 = 16_000_000;
 const MAX_PIXEL_BYTES: u64 = 80_000_000;
 
-/// Reads a PNG image as red, green and blue, row 0 at the upper edge; what is transparent lies over white.
+/// Reads a PNG image as red, green and blue, row 0 at the upper edge; transparent pixels are shown on white.
 ///
 /// # Errors
 /// If the file is no PNG image or has more than `most` pixels along a side. Sizes are checked before memory is taken.

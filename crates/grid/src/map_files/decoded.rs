@@ -1,4 +1,4 @@
-//! Pixels that a decoder unpacks: how many there may be, and their grey values.
+//! Pixels from a decoder: their maximum number, and their grey values.
 
 use image::metadata::Orientation;
 use image::{ColorType, DynamicImage, GrayImage, ImageDecoder, ImageError};

@@ -1,4 +1,4 @@
-//! Faults of map files.
+//! Errors of map files.
 
 use std::io;
 use std::path::PathBuf;
@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use super::{MAX_BYTES, MAX_CELLS, MAX_SIDE};
 
-/// Why a file could not be read as a map: a sentence that begins with its path.
+/// The reason why a file could not be read as a map: a sentence that begins with its path.
 ///
 /// Rows and columns are counted from 0, lines of a header from 1, as editors do.
 #[derive(Debug, Error)]
@@ -17,7 +17,7 @@ pub struct MapError {
     pub fault: Fault,
 }
 
-/// The fault itself, with its place in the map where it has one.
+/// The error itself, with its position in the map if it has one.
 #[derive(Debug, Error)]
 pub enum Fault {
     #[error("cannot be read: {0}")]

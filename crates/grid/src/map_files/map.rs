@@ -1,4 +1,4 @@
-//! A map as it was read, and how it is read.
+//! A map as it was read, and the options of reading.
 
 use crate::map_files::Fault;
 use crate::map_files::error::{check_size, with_room};
@@ -6,7 +6,7 @@ use crate::map_files::otsu::Histogram;
 use crate::map_files::ros::MapPlace;
 use crate::{Grid, occupancy};
 
-/// Grey values this near to the tolerance could as well be on its other side.
+/// The distance from the tolerance within which grey values are doubtful.
 pub const NEAR_TOLERANCE: u8 = 20;
 
 /// More than this share of such pixels, or of occupied cells, is odd for a map.
@@ -19,7 +19,7 @@ const CLEARLY_APART: f64 = 12.0;
 /// Obstacles are more than this share of a map.
 const FEW: f64 = 0.01;
 
-/// Says which pixels of an image are occupied: those whose grey value is at most the tolerance.
+/// The rule for occupied pixels of an image: those whose grey value is at most the tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tolerance {
     Grey(u8),
@@ -38,7 +38,7 @@ impl Default for Tolerance {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Reading {
     pub tolerance: Tolerance,
-    /// Take an image as its negative, and occupied cells for free ones.
+    /// Read an image as its negative, and swap occupied and free cells.
     pub inverted: bool,
 }
 
@@ -48,19 +48,19 @@ impl From<u8> for Reading {
     }
 }
 
-/// A map and what its file said.
+/// A map and the information in its file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapFile {
     pub occupied: Grid<bool>,
-    /// The grey values of an image, 0 black to 255 white; of the negative if that was asked for.
+    /// The grey values of an image, 0 black to 255 white; of the negative if requested.
     pub grey: Option<Grid<u8>>,
     /// The grey value up to which the pixels of an image are occupied.
     pub tolerance: Option<u8>,
-    /// What was asked for when it was read.
+    /// The options with which it was read.
     pub reading: Reading,
-    /// Where the cells are in the world, if the file says so.
+    /// The position of the cells in the world, if the file has one.
     pub place: Option<MapPlace>,
-    /// Changes made on reading, in sentences.
+    /// Sentences about changes made on reading.
     pub notes: Vec<String>,
 }
 
@@ -94,16 +94,16 @@ impl MapFile {
         Self { occupied, grey: Some(grey), tolerance: Some(tolerance), reading, place: None, notes }
     }
 
-    /// Share of the pixels of an image whose grey value is within [`NEAR_TOLERANCE`] of the tolerance; `None` for a map
-    /// that is no image.
+    /// Returns the share of an image's pixels whose grey value is within [`NEAR_TOLERANCE`] of the tolerance; `None`
+    /// for a map that is no image.
     pub fn share_near(&self) -> Option<f64> {
         let (grey, tolerance) = (self.grey.as_ref()?.values(), self.tolerance?);
         let near = grey.iter().filter(|&&value| value.abs_diff(tolerance) <= NEAR_TOLERANCE).count();
         Some(near as f64 / grey.len() as f64)
     }
 
-    /// Returns sentences that say why an image may have been misread: obstacles that are not quite dark enough, or lighter
-    /// than that by far, or a drawing that is white on black. None of them advises what was done.
+    /// Returns sentences on why an image may have been misread: obstacles that are slightly or far too light, or a
+    /// drawing that is white on black. None of them suggests what was already done.
     pub fn doubts(&self) -> Vec<String> {
         let (Some(near), Some(tolerance)) = (self.share_near(), self.tolerance) else { return Vec::new() };
         let cells = self.occupied.values();
@@ -163,8 +163,8 @@ impl MapFile {
         (is_apart && differs && (FEW..=1.0 - FEW).contains(&share)).then_some(ByAuto { tolerance, taken, share })
     }
 
-    /// Lays other cells over the map, so many rows and columns of them: one is occupied where any of the old cells that
-    /// it covers in part is, so that no wall is lost. Grey values are the darkest.
+    /// Resamples the map to this number of rows and columns: a cell is occupied if any old cell that it overlaps is, so
+    /// that no wall is lost. Grey values are the darkest.
     ///
     /// # Errors
     /// If no map has that size.

@@ -30,10 +30,11 @@ pub use read::{is_plain_text, read, read_bytes};
 pub use ros::MapPlace;
 pub use write::{MapValue, write_csv, write_npy, write_path, write_png, write_text};
 
-/// The most rows and the most columns of a map.
+/// The maximum number of rows and of columns of a map.
 pub use crate::brushfire::MAX_SIDE;
 
-/// The most cells of a map: step counts within it fit 32 bits, and the maps about it fit the memory of a laptop.
+/// The maximum number of cells of a map: step counts within it fit 32 bits, and the derived maps fit the memory of a
+/// laptop.
 pub const MAX_CELLS: usize = 1 << 28;
-/// The most bytes of a map's file: 16 for every cell of the largest map.
+/// The maximum size of a map file in bytes: 16 for every cell of the largest map.
 pub const MAX_BYTES: u64 = 1 << 32;

@@ -1,4 +1,4 @@
-//! The tolerance that separates dark from light best.
+//! The tolerance that separates dark from light best, by Otsu's method.
 //!
 //! Source: Nobuyuki Otsu, "A Threshold Selection Method from Gray-Level Histograms", IEEE Transactions on Systems, Man, and
 //! Cybernetics 9(1), 1979, section II, equations (2) to (18).
@@ -21,7 +21,7 @@ impl Histogram {
         Self { counts }
     }
 
-    /// The number of pixels with one of these values, and the sum of their values.
+    /// Returns the number of pixels with these values, and the sum of their values.
     pub fn count_and_sum(&self, values: RangeInclusive<u8>) -> (f64, f64) {
         values.fold((0.0, 0.0), |(count, sum), value| {
             let more = self.counts[usize::from(value)] as f64;
@@ -29,9 +29,8 @@ impl Histogram {
         })
     }
 
-    /// Returns the grey value k such that the pixels up to k and those above it lie farthest apart: the variance between
-    /// the two classes is greatest. Of equally good values that follow each other, as between black and white, it is the
-    /// middle one.
+    /// Returns the grey value k at which the variance between the pixels up to k and those above it is greatest. Of
+    /// consecutive equally good values, as between black and white, it is the middle one.
     ///
     /// `None` where all pixels have one grey value, which nothing separates.
     pub fn threshold(&self) -> Option<u8> {

@@ -35,7 +35,7 @@ pub(super) enum PictureFormat {
 }
 
 impl PictureFormat {
-    /// Tells the format from the first bytes of a file.
+    /// Detects the format from the first bytes of a file.
     pub fn from_first_bytes(start: &[u8]) -> Option<Self> {
         if start.starts_with(b"\xFF\xD8\xFF") {
             Some(Self::Jpeg)
@@ -107,8 +107,8 @@ impl PictureFormat {
     }
 }
 
-/// Says whether a JPEG image has its end, which the decoder does not miss: it fills up what a file that was cut off lacks.
-/// What cameras and scanners add behind the end does not matter.
+/// Returns whether a JPEG image has its end, which the decoder does not miss: it fills up what a file that was cut off
+/// lacks. What cameras and scanners add behind the end does not matter.
 ///
 /// Source: ITU-T Recommendation T.81, "Digital Compression and Coding of Continuous-Tone Still Images", 1992, annex B,
 /// sections B.1.1 and B.2.
@@ -136,7 +136,7 @@ fn reaches_its_end(bytes: &[u8]) -> bool {
     false
 }
 
-/// Says whether a GIF image has a second frame; frames are passed over, not decoded.
+/// Returns whether a GIF image has a second frame; frames are passed over, not decoded.
 fn has_several_frames(bytes: &[u8]) -> bool {
     let mut options = gif::DecodeOptions::new();
     options.skip_frame_decoding(true);

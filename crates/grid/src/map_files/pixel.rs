@@ -40,7 +40,7 @@ impl PixelLayout {
         u8::try_from((over_white * 255 + whole / 2) / whole).expect("no sample exceeds the maximum")
     }
 
-    /// Says what was converted in an image of this kind, such as "2-bit grey"; `None` if nothing was.
+    /// Returns what was converted in an image of this kind, such as "2-bit grey"; `None` if nothing was.
     pub fn note(self, kind: &str) -> Option<String> {
         let alpha = self.alpha.then(|| "laid over white".to_owned());
         let colour = self.colour.then(|| "grey = 0.299 R + 0.587 G + 0.114 B".to_owned());

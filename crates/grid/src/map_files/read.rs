@@ -1,4 +1,4 @@
-//! Reads a map, whatever its format.
+//! Reading maps of any format.
 
 use std::io::{BufRead, BufReader, Cursor, ErrorKind, Read, Seek};
 use std::path::{Path, PathBuf};
@@ -34,7 +34,7 @@ pub fn read(path: &Path, reading: impl Into<Reading>) -> Result<MapFile, MapErro
     finish(path, read_content(path)?, reading.into())
 }
 
-/// Reads a map from the bytes of a file, of which the path is said in errors and leads to the image of a ROS map.
+/// Reads a map from the bytes of a file, whose path is used in errors and to find the image of a ROS map.
 ///
 /// # Errors
 /// Fails as [`read`] does.
@@ -45,7 +45,7 @@ pub fn read_bytes(path: &Path, bytes: Vec<u8>, reading: impl Into<Reading>) -> R
     finish(path, content, reading.into())
 }
 
-/// Says whether bytes are neither an image nor a table nor a map of another program, as far as their start tells: rows of
+/// Returns whether bytes, judged by their start, are neither an image nor a table nor a map of another program: rows of
 /// cells, or JSON.
 pub fn is_plain_text(bytes: &[u8]) -> bool {
     let text = without_mark(bytes).trim_ascii_start();

@@ -1,4 +1,4 @@
-//! Maps of ROS: a YAML file that names an image and says what its grey values mean.
+//! Maps of ROS: a YAML file that names an image and the meaning of its grey values.
 //!
 //! Source: Brian Gerkey, Tony Pratkanis, "map_server", ROS wiki, sections 1.2 "Map format" and 1.2.2 "Value
 //! interpretation". A pixel of value x (0 black to 255 white) is occupied with probability p = (255 - x) / 255, or x / 255
@@ -19,7 +19,7 @@ const KEYS: [&str; 7] = ["image", "resolution", "origin", "negate", "occupied_th
 /// A map as its YAML file describes it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct RosMap {
-    /// The path of the image, from the folder of the YAML file.
+    /// The path of the image, relative to the folder of the YAML file.
     pub image: String,
     pub place: MapPlace,
     negate: bool,
@@ -28,7 +28,7 @@ pub(super) struct RosMap {
     mode: Mode,
 }
 
-/// Where the cells of a map are in the world.
+/// The position of a map's cells in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapPlace {
     /// The side of a cell in metres.
@@ -60,7 +60,7 @@ pub(super) fn is_start(start: &[u8]) -> bool {
 }
 
 impl RosMap {
-    /// Reads a YAML file, of which all keys but `mode` must be there; others are passed over.
+    /// Reads a YAML file, in which all keys but `mode` are required; unknown keys are ignored.
     pub fn parse(text: &str) -> Result<Self, Fault> {
         let entries = Entries::parse(text)?;
         let mode = match entries.find("mode").map(|entry| entry.word(MODES)).transpose()? {
@@ -90,7 +90,7 @@ impl RosMap {
         Ok(Self { image, place: MapPlace { cell_m, origin }, negate, occupied_thresh, free_thresh, mode })
     }
 
-    /// Decides which pixels are occupied: all that are not free. `inverted` takes light for dark.
+    /// Finds the occupied pixels: all that are not free. `inverted` swaps light and dark.
     ///
     /// Returns how many of them are not occupied for certain: unknown, or between the two thresholds.
     pub fn occupied(&self, grey: &Grid<u8>, inverted: bool) -> (Grid<bool>, usize) {

@@ -1,4 +1,4 @@
-//! Maps written as text: line by line, none longer than a row of a map can be, gathered into rows of cells.
+//! Maps written as text: read line by line, with a limit on the length of lines, and assembled into rows of cells.
 
 use std::io::{BufRead, Read};
 
@@ -112,7 +112,7 @@ const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 pub(super) struct TextLines<R> {
     source: R,
     line: Vec<u8>,
-    /// Number of the last line that was read, from 1.
+    /// The number of the last line that was read, from 1.
     pub number: usize,
 }
 
@@ -121,7 +121,7 @@ impl<R: BufRead> TextLines<R> {
         Self { source, line: Vec::new(), number: 0 }
     }
 
-    /// The next line; `None` at the end of the file.
+    /// Returns the next line; `None` at the end of the file.
     pub fn next(&mut self) -> Result<Option<&[u8]>, Fault> {
         self.line.clear();
         let limit = LONGEST_LINE as u64 + 1;

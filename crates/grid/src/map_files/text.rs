@@ -20,12 +20,12 @@ const QUOTED: usize = 20;
 pub(super) enum Separator {
     Comma,
     Semicolon,
-    /// Spaces and tabs, as many as there are.
+    /// Any number of spaces and tabs.
     Blanks,
 }
 
 impl Separator {
-    /// Tells from the first line whether a text is a table; rows of cells have nothing between them.
+    /// Detects a table by its first line; rows of cells have no separators.
     pub fn of_first_line(line: &[u8]) -> Option<Self> {
         let line = line.trim_ascii();
         if line.contains(&b',') {

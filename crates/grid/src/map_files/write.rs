@@ -1,4 +1,4 @@
-//! Writes maps and paths for other tools; files appear whole.
+//! Writing maps and paths for other tools; files appear whole or not at all.
 
 use std::io::{self, Write};
 use std::path::Path;

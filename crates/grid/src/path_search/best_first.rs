@@ -1,4 +1,4 @@
-//! A*, Dijkstra's search and greedy best-first search: one loop that differs in what orders its open list.
+//! A*, Dijkstra's search and greedy best-first search: one loop with different orders of the open list.
 //!
 //! P. Hart, N. Nilsson, B. Raphael, "A Formal Basis for the Heuristic Determination of Minimum Cost Paths" (IEEE
 //! Transactions on Systems Science and Cybernetics 4(2), 1968); E. W. Dijkstra, "A note on two problems in connexion with
@@ -24,7 +24,7 @@ pub enum Heuristic {
     Manhattan,
 }
 
-/// What the open list is ordered by.
+/// The order of the open list.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SearchOrder {
     /// The cost so far plus the estimate times the weight, which is not negative.
@@ -67,7 +67,7 @@ impl SearchOrder {
         Self::AStar { heuristic: Heuristic::exact(connectivity), weight: 1.0 }
     }
 
-    /// Returns how many times the cost of a shortest path the path found costs at most; `None` without such a bound.
+    /// Returns a bound on the ratio of the path's cost to that of a shortest path; `None` if there is no bound.
     ///
     /// All estimates here are a factor times a consistent one, and with a consistent estimate times a weight of at least 1
     /// every cell is expanded at a cost of at most the weight times the least, although no cell is expanded twice (M.

@@ -1,4 +1,4 @@
-//! Jump point search: A* over 8 neighbours that expands only cells at which some shortest way must turn.
+//! Jump point search: A* over 8 neighbours that expands only cells at which some shortest path must turn.
 //!
 //! D. Harabor, A. Grastien, "Online Graph Pruning for Pathfinding on Grid Maps", AAAI 2011. Where corners may not be cut,
 //! neighbours are forced beside the end of an obstacle, one cell behind it, and by straight moves alone (D. Harabor,
@@ -34,7 +34,7 @@ impl Ranked for Waiting {
     }
 }
 
-/// Searches from start to goal; the route has every cell of the way.
+/// Searches from start to goal; the route contains every cell of the path.
 ///
 /// Costs are known at jump points only; cells touched are those that jumps went through. Errors are those of
 /// [`super::search_best_first`].

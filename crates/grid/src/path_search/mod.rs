@@ -1,4 +1,5 @@
-//! The searches of a course on planning, each with the trace that a report shows: costs, order of expansion, cells touched.
+//! The searches of a course on planning, each with the trace that a report shows: costs, order of expansion, touched
+//! cells.
 //!
 //! Orthogonal steps cost 1 and diagonal ones the square root of 2. Costs along steps are counted in whole numbers of steps
 //! of either kind and multiplied once, so that ways of equal length have equal costs in whatever order they were added up.
@@ -14,23 +15,23 @@ pub use theta::theta_star;
 
 use crate::{Grid, Place, Route};
 
-/// The most cells of a map that is searched: a search takes up to about 50 bytes a cell.
+/// The maximum number of cells of a map to search: a search takes up to about 50 bytes per cell.
 pub const MOST_CELLS: usize = 1 << 25;
 
-/// What a search found, and what it did to find it.
+/// The result of a search, and its trace.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathSearch {
-    /// The cost of the cheapest way from the start that the search knows; infinite where it knows none.
+    /// The cost of the cheapest known path from the start; infinite where none is known.
     pub costs: Grid<f64>,
-    /// Cells from start to goal: every cell of the way, or those where an any-angle path turns.
+    /// The cells from start to goal: all cells of the path, or those where an any-angle path turns.
     pub route: Route,
     /// The cost of the route; `None` without one.
     pub cost: Option<f64>,
-    /// Cells that were expanded, in order, as `row * cols + col`. The goal ends the search and is not expanded.
+    /// The expanded cells, in order, as `row * cols + col`. The goal ends the search and is not expanded.
     pub expanded: Vec<u32>,
-    /// Number of cells that the search looked at as ones to go to.
+    /// The number of cells that the search considered as successors.
     pub touched: usize,
-    /// The cells that jumps went through, of a search that jumps.
+    /// The cells that jumps passed, for a search that jumps.
     pub swept: Option<Grid<bool>>,
 }
 

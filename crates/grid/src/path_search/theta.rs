@@ -1,4 +1,4 @@
-//! Theta*: A* whose ways turn at any angle.
+//! Theta*: A* whose paths turn at any angle.
 //!
 //! K. Daniel, A. Nash, S. Koenig, A. Felner, "Theta*: Any-Angle Path Planning on Grids", Journal of Artificial Intelligence
 //! Research 39, 2010, section 4 (basic Theta*), between the centres of cells. A neighbour that the parent of the expanded
@@ -39,7 +39,7 @@ impl Ranked for Waiting {
     }
 }
 
-/// Searches from start to goal over 8 neighbours; the route has the cells where the path turns, and its ends.
+/// Searches from start to goal over 8 neighbours; the route contains the ends and the cells where the path turns.
 ///
 /// No path costs more than a cheapest one in steps: whatever a cell is reached by, the way over its neighbour is one of the
 /// candidates, and the straight distance to the goal is a consistent estimate for steps too. The same rule for corners

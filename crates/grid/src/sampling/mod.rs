@@ -1,4 +1,4 @@
-//! Planners that draw points of the plane that a grid covers: RRT, RRT* and PRM for a point robot.
+//! Sampling-based planners on the plane of a grid: RRT, RRT* and PRM for a point robot.
 //!
 //! A cell is a closed square: segments touch no occupied one, not even at its edge or corner, see
 //! [`is_free_segment`](crate::segment::is_free_segment). Points are drawn with equal chance over the whole plane, from
@@ -21,13 +21,13 @@ use wildfire_base::geometry::ops;
 /// The rule for segments: no occupied cell is touched.
 const CORNERS: CornerCutting = CornerCutting::Forbidden;
 
-/// The most points that are drawn.
+/// The maximum number of samples.
 pub const MOST_SAMPLES: u32 = 100_000;
 
-/// The most neighbours that a point is joined with.
+/// The maximum number of neighbours to which a point is joined.
 pub const MOST_NEIGHBOURS: u32 = 1000;
 
-/// The answer to a question for a way between points.
+/// The result of a query for a path between points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointRoute {
     Found,
@@ -36,21 +36,21 @@ pub enum PointRoute {
     StartOccupied,
 }
 
-/// A tree or a roadmap over points, and the way through it.
+/// A tree or a roadmap over points, and the path found in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointGraph {
-    /// The start is the first.
+    /// The points; the start is the first.
     pub points: Vec<GridPoint>,
-    /// Pairs of points that are joined, in the order in which they were.
+    /// The pairs of joined points, in the order in which they were joined.
     pub edges: Vec<[u32; 2]>,
-    /// Length of the way from the start to each point; infinite where there is none.
+    /// The length of the path from the start to each point; infinite where there is none.
     pub costs: Vec<f64>,
     pub answer: PointRoute,
-    /// Points from start to goal; empty without a way.
+    /// The points from start to goal; empty without a path.
     pub path: Vec<GridPoint>,
-    /// Length of the path in cells.
+    /// The length of the path in cells.
     pub cost: Option<f64>,
-    /// Number of points that were drawn.
+    /// The number of samples.
     pub samples: u32,
 }
 

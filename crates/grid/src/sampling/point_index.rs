@@ -1,4 +1,4 @@
-//! Nearest points among many, by squares that the plane is cut into.
+//! Nearest-neighbour search among points, by squares of the plane.
 //!
 //! Ties are decided by the smaller number of a point, whatever the squares are.
 
@@ -16,7 +16,7 @@ pub struct PointIndex {
 const POINTS_A_SQUARE: usize = 8;
 
 impl PointIndex {
-    /// An index of about `expected` points over the plane of a grid.
+    /// Creates an index for about `expected` points on the plane of a grid.
     pub fn new(occupied: &Grid<bool>, expected: usize) -> Self {
         let (rows, cols) = (occupied.rows() as i64 * UNITS, occupied.cols() as i64 * UNITS);
         let squares = (expected / POINTS_A_SQUARE).max(1) as i64;
@@ -31,12 +31,12 @@ impl PointIndex {
         self.squares[square].push((number, point));
     }
 
-    /// The nearest point; `None` if there is none.
+    /// Returns the nearest point; `None` if there is none.
     pub fn nearest(&self, to: GridPoint) -> Option<u32> {
         self.nearest_of_many(to, 1, i64::MAX).first().copied()
     }
 
-    /// The `most` nearest points within a distance, whose square is given in units; the nearest first.
+    /// Returns the `most` nearest points within a distance, whose square is given in units; nearest first.
     pub fn nearest_of_many(&self, to: GridPoint, most: usize, squared_radius: i64) -> Vec<u32> {
         let (row, col) = self.square_of(to);
         let mut found: Vec<(i64, u32)> = Vec::new();

@@ -1,4 +1,4 @@
-//! PRM: a roadmap over free points at random, and a shortest way through it.
+//! PRM: a roadmap over random free points, and a shortest path in it.
 //!
 //! L. Kavraki, P. Svestka, J.-C. Latombe, M. Overmars, "Probabilistic Roadmaps for Path Planning in High-Dimensional
 //! Configuration Spaces", IEEE Transactions on Robotics and Automation 12(4), 1996; joined with as many nearest neighbours
@@ -15,20 +15,20 @@ use crate::segment::{GridPoint, is_free_segment};
 use crate::{BadPlace, Grid, Place, place};
 use wildfire_base::rng;
 
-/// How a roadmap is made.
+/// The settings of a roadmap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrmSettings {
     pub seed: u64,
-    /// Points drawn; those in obstacles are left out.
+    /// The number of samples; those in obstacles are dropped.
     pub samples: u32,
-    /// The nearest points that each point is joined with; 2e ln n of n points if `None`.
+    /// The number of nearest points to which each point is joined; 2e ln n of n points if `None`.
     pub neighbours: Option<u32>,
     /// The longest edge in cells; unlimited if `None`.
     pub radius: Option<f64>,
 }
 
 impl PrmSettings {
-    /// Accepts settings in the ranges that a roadmap can be made with.
+    /// Accepts settings in the ranges that a roadmap supports.
     pub fn check(&self) -> Result<(), BadParameter> {
         check_samples(self.samples)?;
         check_neighbours(self.neighbours)?;
@@ -36,7 +36,7 @@ impl PrmSettings {
     }
 }
 
-/// Makes a roadmap with the centres of the start and the goal cell among its points, and finds a shortest way through it.
+/// Builds a roadmap that includes the centres of the start and the goal cell, and finds a shortest path in it.
 ///
 /// Errors are those of [`super::grow_tree`].
 ///

@@ -1,4 +1,4 @@
-//! RRT and RRT*: trees that grow from the start towards points at random.
+//! RRT and RRT*: trees that grow from the start towards random points.
 //!
 //! S. LaValle, "Rapidly-Exploring Random Trees: A New Tool for Path Planning" (TR 98-11, Iowa State University, 1998), with
 //! the goal drawn in place of a point now and then; S. Karaman, E. Frazzoli, "Sampling-based algorithms for optimal motion
@@ -16,33 +16,34 @@ use crate::segment::{GridPoint, is_free_segment};
 use crate::{BadPlace, Grid, Place, place};
 use wildfire_base::rng;
 
-/// Which tree grows.
+/// The kind of tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TreeKind {
-    /// Ends when it reaches the goal.
+    /// Stops when it reaches the goal.
     Rrt,
-    /// Draws all samples, joins points over the neighbour that makes the way shortest, and joins neighbours again over them.
+    /// Uses all samples, joins each point to the neighbour that makes the path shortest, and rewires neighbours through
+    /// it.
     RrtStar,
 }
 
-/// How a tree grows.
+/// The settings of a tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RrtSettings {
     pub seed: u64,
-    /// Points drawn at most.
+    /// The maximum number of samples.
     pub samples: u32,
     /// The longest edge, in cells.
     pub step: f64,
-    /// The chance that the goal is drawn in place of a point.
+    /// The probability of sampling the goal instead of a random point.
     pub goal_bias: f64,
-    /// The neighbours that RRT* considers; 2e ln n of n points if `None`.
+    /// The number of neighbours that RRT* considers; 2e ln n of n points if `None`.
     pub neighbours: Option<u32>,
-    /// The distance in cells within which RRT* has neighbours; unlimited if `None`.
+    /// The radius in cells of RRT*'s neighbourhood; unlimited if `None`.
     pub radius: Option<f64>,
 }
 
 impl RrtSettings {
-    /// Accepts settings in the ranges that the trees can be grown with.
+    /// Accepts settings in the ranges that trees support.
     pub fn check(&self) -> Result<(), BadParameter> {
         check_samples(self.samples)?;
         let is_step = (0.1..=100_000.0).contains(&self.step);

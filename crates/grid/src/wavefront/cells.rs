@@ -1,4 +1,4 @@
-//! Sets of cells of a tile, one bit a cell.
+//! Sets of cells of a tile, one bit per cell.
 
 use std::ops::{BitAnd, BitOr, BitOrAssign, BitXor, Not};
 
@@ -43,7 +43,7 @@ impl CellSet {
         self == Self::NONE
     }
 
-    /// The words that hold all cells: rows 0, 2, 4, 6, then 8, 10, 12, 14, and so the odd ones.
+    /// Returns the words that hold all cells: rows 0, 2, 4, 6, then 8, 10, 12, 14, and the odd ones alike.
     #[inline]
     pub fn words(self) -> [u64; 4] {
         [self.even[0], self.even[1], self.odd[0], self.odd[1]]

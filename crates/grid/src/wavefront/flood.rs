@@ -12,14 +12,14 @@ pub const EAST: usize = 3;
 /// One number for each cell along each side, from west to east or from north to south. Corner cells lie on two sides.
 pub type Sides = [[i32; SIDE]; 4];
 
-/// Levels that are recorded together: as many as the bit planes can count, less the last four.
+/// The number of levels recorded together: as many as the bit planes can count, minus the last four.
 ///
 /// Four, because the levels run in fours; less, because the place for other arrivals in [`TileFlood::sow`] makes the
 /// table of a full 64 too long for the fast way to clear it.
 pub const SPAN: usize = (1 << PLANES) - 4;
 const PLANES: usize = 6;
 
-/// A wave that is still to run through (the rest of) a tile.
+/// A wave that has not yet run through (the rest of) a tile.
 pub struct TileFlood<'a> {
     free: CellSet,
     /// Free cells that the wave has not reached.
@@ -30,7 +30,7 @@ pub struct TileFlood<'a> {
     pending: CellSet,
 }
 
-/// The cells that were reached in `SPAN` levels from `first` on.
+/// The cells reached in `SPAN` levels from `first` on.
 pub struct Window {
     pub first: i32,
     pub reached: CellSet,
@@ -39,17 +39,17 @@ pub struct Window {
 }
 
 impl Window {
-    /// A window in which nothing happens.
+    /// An empty window.
     pub const NONE: Self = Self { first: 0, reached: CellSet::NONE, planes: [CellSet::NONE; PLANES] };
 }
 
 impl<'a> TileFlood<'a> {
-    /// A wave from the cells `source` at `level` and from `arrivals` at theirs, as far as they are not earlier.
+    /// Creates a wave from the cells `source` at `level` and from `arrivals` at their levels, unless they are earlier.
     pub fn new(free: CellSet, source: CellSet, level: i32, arrivals: &'a Sides) -> Self {
         Self { free, open: free, arrivals, level, pending: source }
     }
 
-    /// Runs the next levels in which something happens.
+    /// Runs the next levels in which cells are reached.
     #[inline(always)]
     pub fn next_window<M: Moves>(&mut self) -> Option<Window> {
         if self.open.is_empty() {
@@ -127,7 +127,7 @@ const BORDER: [[TileCell; SIDE]; 4] = {
     border
 };
 
-/// The cells along a side.
+/// Returns the cells along a side.
 pub fn along(cells: CellSet, side: usize) -> u16 {
     match side {
         NORTH => cells.row(0),
@@ -149,7 +149,7 @@ fn earliest(starts: &Sides, floor: i32) -> Option<i32> {
     Some(reduce(&all, i32::min)).filter(|&level| level < FAR)
 }
 
-/// All 16 numbers joined into one, in any order.
+/// Reduces all 16 numbers to one, in any order.
 pub fn reduce(numbers: &[i32; SIDE], join: impl Fn(i32, i32) -> i32) -> i32 {
     // In lanes, for vector instructions.
     let (mut lanes, rest) = numbers.split_first_chunk::<4>().map(|(first, rest)| (*first, rest)).expect("16 is over 4");

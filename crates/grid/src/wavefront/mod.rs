@@ -1,4 +1,4 @@
-//! Wavefront: how many steps every cell is from the goal, and paths that walk down its values.
+//! Wavefront: the number of steps from every cell to the goal, and paths that descend its values.
 //!
 //! The values are those of NF1 (Barraquand, Langlois, Latombe, "Numerical potential field techniques for robot path
 //! planning", IEEE Transactions on Systems, Man, and Cybernetics 22(2), 1992), that is, of a breadth-first search.
@@ -28,14 +28,14 @@ use tiles::Tiles;
 
 use crate::{BadPlace, Connectivity, CornerCutting, Grid, Place, Route, TieOrder, place};
 
-/// Value of occupied cells.
+/// The value of occupied cells.
 pub const OBSTACLE: u32 = 1;
-/// Value of the goal; a cell that `n` steps lead to holds `GOAL + n`.
+/// The value of the goal; a cell `n` steps away has `GOAL + n`.
 pub const GOAL: u32 = 2;
-/// Value of free cells from which no steps lead to the goal.
+/// The value of free cells from which no steps lead to the goal.
 pub const UNREACHED: u32 = 0;
 
-/// Fewest steps from every cell to the goal: [`OBSTACLE`], [`GOAL`] plus the steps, or [`UNREACHED`].
+/// Computes the fewest steps from every cell to the goal: [`OBSTACLE`], [`GOAL`] plus the steps, or [`UNREACHED`].
 ///
 /// Without diagonal steps `corners` has no say. Beside its result it needs about 1.2 bytes a cell while it runs.
 ///
@@ -52,7 +52,7 @@ pub fn wavefront(
     Ok(values)
 }
 
-/// Like [`wavefront`], into a grid that is kept from map to map; its size and content do not matter.
+/// Computes [`wavefront`] into a grid that is reused for several maps; its size and content do not matter.
 ///
 /// On an error the grid stays as it was.
 pub fn wavefront_into(
@@ -84,7 +84,7 @@ fn fill_by_tiles<M: Moves>(occupied: &Grid<bool>, goal: Place, values: &mut Grid
     tiles.write::<M>();
 }
 
-/// A path from `start` to the goal of a wavefront, by the first neighbour in order whose value is one less.
+/// Finds a path from `start` to the goal of a wavefront, by the first neighbour in order whose value is one less.
 pub fn descend_wavefront(
     values: &Grid<u32>,
     start: Place,

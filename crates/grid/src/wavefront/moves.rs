@@ -1,22 +1,22 @@
-//! The three rules for steps, for sets of cells inside a tile and for steps over a side into the next tile.
+//! The three rules for steps, for sets of cells inside a tile and for steps across a side into the next tile.
 //!
 //! Beside a side, cells are known by their steps to the goal: [`WALL`] if occupied, [`FAR`] if none are known yet.
 
 use crate::wavefront::cells::{CellSet, SIDE};
 
-/// Steps at an occupied cell. It is below all others, so nothing seems to improve it.
+/// The steps at an occupied cell. It is below all others, so nothing seems to improve it.
 pub const WALL: i32 = -1;
-/// Steps at a free cell that no wave has reached. It leaves room for sums, and a map has fewer cells.
+/// The steps at a free cell that no wave has reached. It leaves room for sums, and a map has fewer cells.
 pub const FAR: i32 = i32::MAX / 2;
 
-/// `FAR` or more if the condition holds, else the steps as they are.
+/// Returns `FAR` or more if the condition holds, otherwise the steps unchanged.
 #[inline(always)]
 pub fn far_if(condition: bool, steps: i32) -> i32 {
     // All bits of FAR but the sign's neighbour are set. A choice would become a branch that nobody can predict.
     steps | (-i32::from(condition) & FAR)
 }
 
-/// Steps at the cells along a side.
+/// The steps at the cells along a side.
 pub type SideSteps = [i32; SIDE];
 
 pub trait Moves {

@@ -1,4 +1,4 @@
-//! The queue of tiles that wait for their turn.
+//! The queue of tiles.
 
 use std::collections::VecDeque;
 use std::mem;
@@ -10,7 +10,7 @@ const LEVELS: i32 = 16;
 /// Rounds that are kept apart; what is due later waits with the last of them.
 const ROUNDS: usize = 64;
 
-/// Tiles that wait, in rounds of the levels at which they are due.
+/// The waiting tiles, in rounds by the levels at which they are due.
 ///
 /// The order within a round is that of coming. Order costs or saves work only; it does not change the answer.
 pub struct TileQueue {
@@ -27,7 +27,7 @@ impl TileQueue {
         Self { due: vec![FAR; tiles], rounds: [const { VecDeque::new() }; ROUNDS], round: 0, entries: 0 }
     }
 
-    /// Lets a tile wait for `level`, or for an earlier one if it does already.
+    /// Queues a tile for `level`, or for an earlier one if it is queued already.
     pub fn put(&mut self, tile: usize, level: i32) {
         if level < self.due[tile] {
             self.due[tile] = level;
@@ -37,7 +37,7 @@ impl TileQueue {
         }
     }
 
-    /// Takes the tile that is due next, with the level at which it is.
+    /// Takes the tile that is due next, with its level.
     pub fn take(&mut self) -> Option<(usize, i32)> {
         while self.entries > 0 {
             let Some(tile) = self.rounds[self.round % ROUNDS].pop_front() else {

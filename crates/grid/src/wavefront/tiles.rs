@@ -1,4 +1,4 @@
-//! A map cut into tiles, which tell each other what their sides know.
+//! A map cut into tiles, which exchange the steps at their sides.
 
 use crate::wavefront::UNREACHED;
 use crate::wavefront::cells::{CellSet, SIDE, TileCell};
@@ -30,7 +30,7 @@ struct TileCodes {
 }
 
 impl<'a> Tiles<'a> {
-    /// Cuts a map on which nothing but the goal is reached.
+    /// Cuts a map on which only the goal is reached.
     pub fn new(occupied: &Grid<bool>, goal: Place, values: &'a mut Grid<u32>) -> Self {
         let (rows, cols) = (occupied.rows().div_ceil(SIDE), occupied.cols().div_ceil(SIDE));
         let mut records = TileRecords::new(values);
@@ -44,7 +44,7 @@ impl<'a> Tiles<'a> {
         Self { rows, cols, records, first: vec![FAR; rows * cols], source: goal }
     }
 
-    /// Lets the tiles exchange what their sides know until nothing improves.
+    /// Lets the tiles exchange the steps at their sides until nothing improves.
     ///
     /// All that a side ever holds is the length of some path, and lengths only fall, so the order in which tiles come
     /// does not matter. That the tile with the earliest improvement comes first only saves work: most tiles come once.
@@ -117,7 +117,7 @@ impl<'a> Tiles<'a> {
         }
     }
 
-    /// Writes the values of all cells, once the tiles are settled.
+    /// Writes the values of all cells after the tiles have settled.
     pub fn write<M: Moves>(mut self) {
         let mut sheets = Vec::new();
         for tile_row in 0..self.rows {

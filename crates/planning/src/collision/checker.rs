@@ -11,11 +11,11 @@ use super::{ClearanceField, sweep};
 use wildfire_base::geometry::{Cell, OrientedRect, Pose, ops};
 use wildfire_base::vehicle::{Dimensions, Segment};
 
-/// The clearance that a body keeps in any case, in metres, however little is asked for.
+/// The clearance in metres that a body keeps in any case, whatever is asked for.
 pub const LEAST_CLEARANCE_M: f64 = 0.01;
 
-/// A motion may come this far below the minimum clearance between the poses that are looked at, in metres. Of less than
-/// 0.06 m it is the half.
+/// The distance in metres by which a motion may undercut the minimum clearance between sampled poses. For clearances
+/// below 0.06 m it is half of the clearance.
 pub const MOTION_TOLERANCE_M: f64 = 0.03;
 
 /// A long body is covered by no more discs than this; a longer one has larger discs.
@@ -27,7 +27,7 @@ const AMPLE_M: f64 = 0.15;
 /// The exact distance looks this far beyond the minimum clearance.
 const EXACT_REACH_M: f64 = 1.5;
 
-/// Answers for one body on one field.
+/// A collision checker for one body on one field.
 ///
 /// # Method
 /// The body is covered by equal discs along its middle line. If the field's lower bound at every disc's centre exceeds
@@ -66,13 +66,13 @@ struct Disc {
 }
 
 impl CollisionChecker {
-    /// Creates a checker for a body on a field that nobody else drives on.
+    /// Creates a checker for a body on a field without other bodies.
     pub fn new(field: Arc<ClearanceField>, body: Dimensions) -> Self {
         let (discs, cover_radius) = cover(&body);
         Self { field, body, discs, cover_radius, obstacles: Vec::new(), calls: None }
     }
 
-    /// Returns the same for a field on which these rectangles stand, besides those that it had before.
+    /// Returns a checker with these rectangles as additional obstacles.
     ///
     /// They count as bushes do, except in the field's own answers to points and lines.
     pub fn with_obstacles(&self, obstacles: impl IntoIterator<Item = OrientedRect>) -> Self {
@@ -81,7 +81,7 @@ impl CollisionChecker {
         crowded
     }
 
-    /// Returns the same with a counter of the questions about clearances that it and its copies are asked.
+    /// Returns a checker with a counter of the clearance queries to it and its clones.
     pub fn counting(&self) -> (Self, Arc<AtomicU64>) {
         let calls = Arc::default();
         (Self { calls: Some(Arc::clone(&calls)), ..self.clone() }, calls)
@@ -94,17 +94,18 @@ impl CollisionChecker {
         }
     }
 
-    /// Returns the distances that it asks first.
+    /// Returns the distances that answer queries first.
     pub fn field(&self) -> &ClearanceField {
         &self.field
     }
 
-    /// Returns the body that it answers for.
+    /// Returns the body.
     pub fn body(&self) -> &Dimensions {
         &self.body
     }
 
-    /// Metres from the body to the nearest bush or border, never more than the true distance; not positive on contact.
+    /// Returns a lower bound of the distance in metres from the body to the nearest bush or border; not positive on
+    /// contact.
     ///
     /// Below one metre the answer is the exact distance.
     pub fn clearance(&self, pose: Pose) -> f64 {
@@ -119,14 +120,15 @@ impl CollisionChecker {
         if cover >= NEAR_M { cover } else { rectangle.bush_gap(&self.field, EXACT_REACH_M).min(border) }
     }
 
-    /// Says whether the body at this pose keeps at least `min_clearance` metres, and [`LEAST_CLEARANCE_M`] in any case.
+    /// Returns whether the body at this pose keeps at least `min_clearance` metres, and [`LEAST_CLEARANCE_M`] in any
+    /// case.
     pub fn pose_is_free(&self, pose: Pose, min_clearance: f64) -> bool {
         self.count_call();
         self.clearance_from(&self.place(pose), min_clearance.max(LEAST_CLEARANCE_M)).is_some()
     }
 
-    /// Says whether the body keeps at least `min_clearance` metres, and [`LEAST_CLEARANCE_M`] in any case, all along a segment from
-    /// `start`, ends included.
+    /// Returns whether the body keeps at least `min_clearance` metres, and [`LEAST_CLEARANCE_M`] in any case, all along
+    /// a segment from `start`, ends included.
     ///
     /// A motion that keeps it everywhere is accepted. An accepted motion keeps it at every pose that was looked at and
     /// [`MOTION_TOLERANCE_M`] less everywhere, and touches nothing.
@@ -139,9 +141,8 @@ impl CollisionChecker {
         })
     }
 
-    /// Metres of a segment, from its start on, that are proven to keep the minimum clearance less the tolerance
-    /// of [`CollisionChecker::motion_is_free`]; 0 if the start does not keep it, the whole length if all of it is
-    /// free.
+    /// Returns the metres of a segment, from its start on, that provably keep the minimum clearance minus the tolerance
+    /// of [`CollisionChecker::motion_is_free`]; 0 if the start does not keep it, the whole length if all of it is free.
     pub fn motion_prefix_free(&self, start: Pose, segment: Segment, min_clearance: f64) -> f64 {
         self.count_call();
         let motion = SweptMotion::new(start, segment, &self.body);
@@ -152,7 +153,8 @@ impl CollisionChecker {
         if prefix == motion.length_m { segment.length_m.abs() } else { prefix }
     }
 
-    /// Returns how many metres along a segment [`CollisionChecker::motion_is_free`] refuses it; `None` if it does not.
+    /// Returns the metres along a segment at which [`CollisionChecker::motion_is_free`] refuses it; `None` if it does
+    /// not.
     ///
     /// That is the first place beyond what is proven to be free; of a motion that comes too near only by less than the
     /// tolerance it is the place that was looked at first.
@@ -173,7 +175,7 @@ impl CollisionChecker {
         Some(if prefix < motion.length_m { prefix } else { refused.unwrap_or(prefix) })
     }
 
-    /// Returns what is nearest to the body, and how far away it is in metres; not positive on contact. Beyond the reach
+    /// Returns the obstacle nearest to the body and its distance in metres; not positive on contact. Beyond the reach
     /// of exact distances it is the border.
     pub fn nearest_obstacle(&self, pose: Pose) -> (Obstacle, f64) {
         self.count_call();

@@ -1,4 +1,4 @@
-//! Proofs that two moving bodies keep apart.
+//! Proofs that two moving bodies keep their distance.
 //!
 //! The distance of two bodies shrinks by no more than what the two cover together, so a place and a time at which they
 //! are far apart prove all that comes until they can have covered the difference (conservative advancement: B. Mirtich,
@@ -10,7 +10,7 @@ use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::{Pace, Trajectory};
 use wildfire_base::vehicle::Dimensions;
 
-/// Two bodies may come this far below the margin between the instants that are looked at, in metres.
+/// The distance in metres by which two bodies may undercut the margin between sampled instants.
 pub const CONFLICT_TOLERANCE_M: f64 = 0.02;
 
 const NANOS_PER_SECOND: f64 = 1e9;
@@ -35,7 +35,7 @@ impl MovingBody<'_> {
     }
 }
 
-/// Returns when two bodies first come nearer than `margin_m`, from `from` on and forever; `None` if they never do.
+/// Returns the time from `from` on at which two bodies first come nearer than `margin_m`; `None` if they never do.
 ///
 /// Bodies that keep apart do so by the margin at every instant that is looked at, and when both have come to rest; in
 /// between by the margin less [`CONFLICT_TOLERANCE_M`]. Bodies that face each other with their corners may be taken for
@@ -56,7 +56,8 @@ pub fn first_conflict(one: MovingBody<'_>, other: MovingBody<'_>, from: SimTime,
     }
 }
 
-/// Metres between two bodies that stand, as [`first_conflict`] takes it; negative where they overlap.
+/// Returns the distance in metres between two standing bodies, as [`first_conflict`] computes it; negative where they
+/// overlap.
 pub fn gap_between((one, at): (&Dimensions, Pose), (other, other_at): (&Dimensions, Pose)) -> f64 {
     rectangle(one, at).gap_to(&rectangle(other, other_at))
 }
@@ -83,7 +84,7 @@ fn rectangle(body: &Dimensions, pose: Pose) -> Rectangle {
 }
 
 impl Rectangle {
-    /// Metres to another rectangle, never more than the true distance; negative where they overlap.
+    /// Returns a lower bound of the distance in metres to another rectangle; negative where they overlap.
     ///
     /// The widest gap that a line along a side of either leaves (the separating axis theorem): between two corners it
     /// may be less than their distance, by a factor of the square root of 2 at most. Far apart, the gap between the

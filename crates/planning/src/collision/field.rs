@@ -80,8 +80,8 @@ impl Interpolated {
         self.distance_m * (1.0 + LACKING) + self.spread_m2.sqrt()
     }
 
-    /// Says whether the true distance is certainly less than `limit` metres: whether [`Interpolated::most`] is, without
-    /// its root.
+    /// Returns whether the true distance is certainly less than `limit` metres: whether [`Interpolated::most`] is,
+    /// without its root.
     #[inline]
     pub fn is_surely_below(self, limit: f64) -> bool {
         let missing = limit - self.distance_m * (1.0 + LACKING);
@@ -111,7 +111,7 @@ impl ClearanceField {
         Self { frame, occupied: occupied.clone(), lattice, spacing_m, steps_per_m, looks_at_cells }
     }
 
-    /// Bytes that it takes on a field, and bytes on top of that while it is worked out.
+    /// Returns the bytes that it takes on a field, and those needed additionally while it is computed.
     pub fn bytes(frame: &FieldFrame) -> [u64; 2] {
         let steps = steps_per_cell(frame) as u64;
         let vertices = (u64::from(frame.cols) * steps + 1) * (u64::from(frame.rows) * steps + 1);
@@ -129,14 +129,15 @@ impl ClearanceField {
         &self.occupied
     }
 
-    /// Metres to the nearest bush or border, never more than the true distance; zero or less inside a bush or outside.
+    /// Returns a lower bound of the distance in metres to the nearest bush or border; zero or less inside a bush or
+    /// outside.
     #[inline]
     pub fn lower_bound(&self, point: DVec2) -> f64 {
         let border = self.frame.border_distance(point);
         if border > 0.0 { self.interpolate(point).least_squared().max(0.0).sqrt().min(border) } else { border }
     }
 
-    /// Exact metres to the nearest bush or border; zero or less inside a bush or outside.
+    /// Returns the exact distance in metres to the nearest bush or border; zero or less inside a bush or outside.
     pub fn distance(&self, point: DVec2) -> f64 {
         let border = self.frame.border_distance(point);
         if border <= 0.0 {
@@ -150,7 +151,7 @@ impl ClearanceField {
         nearest.sqrt().min(border)
     }
 
-    /// Says whether a disc of this radius fits everywhere on the straight line between two points.
+    /// Returns whether a disc of this radius fits everywhere on the straight line between two points.
     ///
     /// A yes holds for every point of the line. A line that keeps less than 2 cm more than the radius may be refused.
     pub fn line_is_free(&self, from: DVec2, to: DVec2, radius: f64) -> bool {

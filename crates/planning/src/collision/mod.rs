@@ -1,4 +1,4 @@
-//! Free or not: the one place that planners ask.
+//! Collision tests: the only ones that planners use.
 //!
 //! World frame, metres. An answer "free" is a proof; an answer "not free" may be cautious by a few centimetres.
 //! A [`ClearanceField`] answers for points and discs, a [`CollisionChecker`] for the body of a truck: a few look-ups in

@@ -9,7 +9,7 @@ use wildfire_base::geometry::{FieldFrame, OrientedRect};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rectangle {
     pub centre: DVec2,
-    /// Unit vector along the length.
+    /// The unit vector along the length.
     pub axis: DVec2,
     pub half_length: f64,
     pub half_width: f64,
@@ -23,13 +23,14 @@ impl From<OrientedRect> for Rectangle {
 }
 
 impl Rectangle {
-    /// Half extents of the box, parallel to the axes of the world, that just holds the rectangle.
+    /// Returns half the extents of the smallest axis-parallel box around the rectangle.
     pub fn half_box(&self) -> DVec2 {
         let (cos, sin) = (self.axis.x.abs(), self.axis.y.abs());
         DVec2::new(cos * self.half_length + sin * self.half_width, sin * self.half_length + cos * self.half_width)
     }
 
-    /// Exact distance to the field's border; negative where a corner is outside, or for a place that is not a number.
+    /// Returns the exact distance to the field's border; negative where a corner is outside or the position is not a
+    /// number.
     #[inline]
     pub fn border_gap(&self, frame: &FieldFrame) -> f64 {
         let half = self.half_box();
@@ -38,7 +39,7 @@ impl Rectangle {
         if low.is_nan() || high.is_nan() { f64::NEG_INFINITY } else { low.min_element().min(high.min_element()) }
     }
 
-    /// Exact distance to the nearest bush, or `reach` if none is nearer; 0 on contact.
+    /// Returns the exact distance to the nearest bush, or `reach` if none is nearer; 0 on contact.
     #[inline]
     pub fn bush_gap(&self, field: &ClearanceField, reach: f64) -> f64 {
         let half_cell = 0.5 * field.frame().cell_m;
@@ -52,7 +53,7 @@ impl Rectangle {
         least.sqrt()
     }
 
-    /// Squared distance to an axis-parallel square, or `limit` if that is less; 0 on contact.
+    /// Returns the squared distance to an axis-parallel square, or `limit` if that is less; 0 on contact.
     ///
     /// Two convex shapes overlap if and only if no line along a side of either separates them (the separating axis
     /// theorem); if they do not, the shortest way between two rectangles begins or ends at a corner.

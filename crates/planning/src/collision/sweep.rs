@@ -1,6 +1,6 @@
-//! Proofs along a motion: what holds at a few places, with room to spare, holds in between.
+//! Proofs along a motion: what holds at a few places with a margin holds between them.
 
-/// Says whether a quantity that changes by at most `rate` per metre stays non-negative, up to a tolerance, from 0 to
+/// Returns whether a quantity that changes by at most `rate` per metre stays non-negative, up to a tolerance, from 0 to
 /// `length_m`.
 ///
 /// `excess` gives a lower bound of the quantity at a place, or `None` to refuse the motion. A place with

@@ -1,4 +1,4 @@
-//! One best-first search over poses, for every planner that drives motions of a lattice.
+//! The best-first search over poses that all planners with lattice motions share.
 //!
 //! Forward search over a lattice of (x, y, heading) with exact arcs and straights, as in D. Dolgov, S. Thrun,
 //! M. Montemerlo, J. Diebel, "Path planning for autonomous vehicles in unknown semi-structured environments", IJRR 29(5),
@@ -26,15 +26,15 @@ pub const ROOT: u32 = u32::MAX;
 /// Segments of the longest Reeds-Shepp word.
 const MAX_SEGMENTS: usize = 5;
 
-/// The motion of a node that no motion of the lattice led to.
+/// The motion of a node that no lattice motion led to.
 pub const NO_MOTION: Segment = Segment { curvature: 0.0, length_m: 0.0 };
 
-/// A way into the goal that is not known to be free: a Reeds-Shepp curve, or a turn and a straight into a disc.
+/// A path into the goal that may collide: a Reeds-Shepp curve, or a turn and a straight into a disc.
 #[derive(Clone, Copy, Debug)]
 pub struct AnalyticExpansion {
     segments: [Segment; MAX_SEGMENTS],
     count: usize,
-    /// The price of its motions, and what changes of direction cost, the first after the drive so far included.
+    /// The cost of its motions and cusps, including a first cusp after the drive so far.
     pub cost: f64,
 }
 
@@ -53,7 +53,7 @@ impl AnalyticExpansion {
     }
 }
 
-/// A pose that was reached; `M` is what its search space notes about it.
+/// A reached pose; `M` is the search space's mark on it.
 #[derive(Clone, Copy, Debug)]
 pub struct Node<M> {
     pub pose: Pose,
@@ -74,35 +74,35 @@ impl<M> Node<M> {
         Self { pose, parent: ROOT, motion: NO_MOTION, reverse: None, cost: 0.0, cost_to_go: 0.0, mark }
     }
 
-    /// Says whether a drive that goes on in this direction has a cusp here.
+    /// Returns whether a drive that goes on in this direction has a cusp here.
     pub fn turns_back(&self, departs_reverse: bool) -> bool {
         self.reverse.is_some_and(|reverse| reverse != departs_reverse)
     }
 
-    /// Says whether a motion leads back to the parent.
+    /// Returns whether a motion leads back to the parent.
     pub fn is_undone_by(&self, motion: Segment) -> bool {
         motion.curvature == self.motion.curvature && motion.length_m == -self.motion.length_m
     }
 }
 
-/// A step from a node that is still to be judged.
+/// A step from a node that has not been tested yet.
 #[derive(Clone, Copy, Debug)]
 pub enum Step<S> {
-    /// The node's analytic expansion is to be swept.
+    /// Sweep the node's analytic expansion.
     Arrive,
-    /// The steps that may follow the node are to be offered.
+    /// Offer the steps that may follow the node.
     Expand,
-    /// A motion of the lattice is to be swept.
+    /// Sweep a motion of the lattice.
     Motion { index: u8 },
-    /// A step of the search space's own.
+    /// A step defined by the search space.
     Own(S),
 }
 
-/// The type of own steps of spaces that have none.
+/// The step type of search spaces that define none.
 #[derive(Clone, Copy, Debug)]
 pub enum Never {}
 
-/// A step in the open list until its turn comes.
+/// A step waiting in the open list.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate<S> {
     pub key: f64,
@@ -139,7 +139,7 @@ impl<S> Ranked for Candidate<S> {
 /// The reason why a search found no path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
-    /// Everything that the lattice offers was tried.
+    /// All motions of the lattice were tried.
     Exhausted,
     BudgetSpent,
 }
@@ -158,7 +158,7 @@ pub trait SearchSpace: Sized {
     /// queue holds motions alone, and may come back to its start.
     const IS_UNINFORMED: bool = false;
 
-    /// Says whether there is memory for what one step adds.
+    /// Returns whether there is memory for what one step adds.
     fn has_room(&mut self, search: &mut SearchOf<Self>) -> bool;
 
     /// Returns what costs-to-go are multiplied with in the keys of the open list.
@@ -174,13 +174,13 @@ pub trait SearchSpace: Sized {
     /// Offers what may follow a node.
     fn offer_successors(&mut self, search: &mut SearchOf<Self>, from: Candidate<Self::Own>);
 
-    /// Says whether the body may drive a motion.
+    /// Returns whether the body may drive a motion.
     fn motion_is_free(&self, from: Pose, motion: Segment) -> bool;
 
     /// Takes a step of its own; returns the node that it reaches, if that is a goal.
     fn take(&mut self, search: &mut SearchOf<Self>, from: Candidate<Self::Own>, own: Self::Own) -> Option<u32>;
 
-    /// Says whether a pose is a goal. Starts are not asked.
+    /// Returns whether a pose is a goal. Starts are not asked.
     fn is_goal(&mut self, _pose: Pose) -> bool {
         false
     }
@@ -202,7 +202,7 @@ pub struct PoseSearch<M, S> {
     closed: ClosedSet,
     sequence: u32,
     memory: Held,
-    /// Nodes expanded since the search began.
+    /// The nodes expanded since the search began.
     pub expansions: u32,
 }
 
@@ -219,7 +219,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
         }
     }
 
-    /// Begins a search from any of some poses, which have these marks; of several in a bin, the first counts.
+    /// Begins a search from any of some poses with their marks; of several in a bin, the first counts.
     pub fn begin<P: SearchSpace<Mark = M, Own = S>>(
         &mut self,
         space: &mut P,
@@ -238,7 +238,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
         }
     }
 
-    /// Carries the search on until it has found a path or expanded `limit` nodes in all.
+    /// Continues the search until it has found a path or expanded `limit` nodes in all.
     ///
     /// # Errors
     /// The reason why there is no path, or none yet.
@@ -274,7 +274,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
         Err(Ending::Exhausted)
     }
 
-    /// Puts a step on the open list.
+    /// Adds a step to the open list.
     pub fn push(&mut self, key: f64, cost: f64, node: u32, step: Step<S>) {
         self.open.push(Candidate { key, cost, sequence: self.sequence, node, step });
         self.sequence += 1;
@@ -305,7 +305,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
         None
     }
 
-    /// Adds a node that is not looked at any further.
+    /// Adds a node that is not examined any further.
     pub fn add(&mut self, node: Node<M>) -> u32 {
         self.nodes.push(node);
         self.nodes.len() as u32 - 1
@@ -332,12 +332,12 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
         self.nodes().map(|(_, line)| line)
     }
 
-    /// Returns the bytes that it takes with these numbers of further nodes and candidates, and one bin more.
+    /// Returns the bytes in use after adding these numbers of nodes and candidates, and one bin.
     pub fn bytes_after(&self, nodes: usize, candidates: usize) -> usize {
         self.nodes.bytes_after(nodes) + self.open.bytes_after(candidates) + self.closed.bytes_after(1)
     }
 
-    /// Says whether it may hold this many bytes.
+    /// Returns whether it may hold this many bytes.
     pub fn may_hold(&mut self, bytes: usize) -> bool {
         self.memory.cover(bytes)
     }

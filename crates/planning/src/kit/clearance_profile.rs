@@ -1,4 +1,4 @@
-//! The clearance that motions keep on a drive: one value, less near ends of the drive that do not have it.
+//! The clearance that motions keep on a drive: one value, relaxed near ends of the drive that do not have it.
 //!
 //! A truck may have to start or to end in a place that is tighter than what its planner wants to keep. About such an end
 //! the demand falls to a share of what the end itself has, and rises by [`RAMP`] for every metre away from it.
@@ -13,10 +13,10 @@ use wildfire_base::vehicle::Segment;
 const RAMP: f64 = 0.1;
 /// Near a tight end, motions are judged in pieces of this length.
 const PIECE_M: f64 = 1.0;
-/// A tight end is asked for this share of its own clearance, so that rounding does not decide.
+/// The share of its own clearance that a tight end has to keep, so that rounding does not decide.
 pub const END_SHARE: f64 = 0.9;
 
-/// The minimum clearance by place, for one drive.
+/// The minimum clearance by position, for one drive.
 #[derive(Clone, Debug)]
 pub struct ClearanceProfile {
     min_clearance_m: f64,
@@ -33,9 +33,9 @@ struct TightEnd {
 /// The clearance that a piece of a motion near a tight end keeps.
 #[derive(Clone, Copy, Debug)]
 enum PieceRule {
-    /// The lesser of those asked for at its two ends, so that a way into a tight end is judged like the way out of it.
+    /// The lesser of the clearances at both ends, so that a path into a tight end is judged like the path out of it.
     LesserOfEnds,
-    /// The clearance that is asked for where it begins. From the start on, where the demand only rises, that is enough.
+    /// The clearance at its start. Away from the start of a drive, where the demand only rises, that is enough.
     AtItsStart,
 }
 
@@ -54,7 +54,7 @@ impl ClearanceProfile {
         Self { rule: PieceRule::AtItsStart, ..Self::new(min_clearance_m, [(start, own_m)]) }
     }
 
-    /// Says whether the body keeps its clearance along a segment from `pose`.
+    /// Returns whether the body keeps its clearance along a segment from `pose`.
     pub fn motion_is_free(&self, checker: &CollisionChecker, pose: Pose, segment: Segment) -> bool {
         if self.tight.is_empty() {
             return segment.length_m == 0.0 || checker.motion_is_free(pose, segment, self.min_clearance_m);
@@ -65,7 +65,7 @@ impl ClearanceProfile {
         }
     }
 
-    /// Says whether the body keeps its clearance along segments in a row from `pose`.
+    /// Returns whether the body keeps its clearance along consecutive segments from `pose`.
     pub fn way_is_free(
         &self,
         checker: &CollisionChecker,
@@ -128,7 +128,7 @@ impl ClearanceProfile {
 /// Reeds-Shepp curves have no more segments.
 const MOST_OF_A_CURVE: usize = 5;
 
-/// Returns segments in a row from `pose`, each with the pose at which it begins, the longest first.
+/// Returns consecutive segments from `pose`, each with the pose at which it begins, the longest first.
 ///
 /// A long one is the likeliest to be in the way of something, so that a way that is not free is known sooner.
 pub fn longest_first(pose: Pose, segments: impl IntoIterator<Item = Segment>) -> Vec<(Pose, Segment)> {

@@ -38,7 +38,7 @@ impl ClosedSet {
         Self { bin_m, headings: f64::from(headings), slots, generation: 1, used: 0 }
     }
 
-    /// Returns the bytes that the table takes while it comes to hold `more` bins more.
+    /// Returns the bytes in use while the table grows by `more` bins.
     pub fn bytes_after(&self, more: usize) -> usize {
         let doubles = 2 * (self.used + more) >= self.slots.len();
         // Both tables are there while the entries move.
@@ -54,7 +54,7 @@ impl ClosedSet {
         }
     }
 
-    /// Records a cost for the bin of a pose, unless it has one at least as good.
+    /// Records a cost for the bin of a pose, unless the bin has one at least as good.
     pub fn improve(&mut self, pose: Pose, reverse: bool, cost: f64) -> bool {
         if 2 * self.used >= self.slots.len() {
             self.grow();
@@ -74,7 +74,7 @@ impl ClosedSet {
         better
     }
 
-    /// Says whether the bin of a pose has a cost at least as good.
+    /// Returns whether the bin of a pose has a cost at least as good.
     pub fn dominates(&self, pose: Pose, reverse: bool, cost: f64) -> bool {
         let slot = &self.slots[find(&self.slots, self.generation, self.key(pose, reverse))];
         slot.generation == self.generation && slot.cost <= cost

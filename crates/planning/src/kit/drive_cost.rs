@@ -1,4 +1,4 @@
-//! What a truck's drives are compared by: how long they are, or how long they take.
+//! The cost by which a truck's drives are compared: length or duration.
 //!
 //! Searches add up prices of single motions, so they need a cost that adds up: a [`MotionPrice`]. The time of a drive does
 //! not, since a truck that must slow down for a bend does so before it. So searches estimate: a metre takes what it takes
@@ -26,7 +26,7 @@ pub enum DriveCost {
 /// The cost of drives of one truck, in metres, or in seconds times its greatest speed forward.
 #[derive(Clone, Copy, Debug)]
 pub enum CostModel {
-    /// Metres, and so many for every cusp.
+    /// Metres, with a surcharge for every cusp.
     Length {
         cusp_m: f64,
     },
@@ -36,7 +36,7 @@ pub enum CostModel {
 }
 
 impl CostModel {
-    /// `cusp_m` is what a cusp costs where length counts.
+    /// Creates the model; `cusp_m` is the cost of a cusp where length counts.
     pub fn new(cost: DriveCost, limits: &SpeedLimits, cusp_m: f64) -> Self {
         match cost {
             DriveCost::Length => Self::Length { cusp_m },
@@ -57,7 +57,7 @@ impl CostModel {
         }
     }
 
-    /// Returns what no metre of a drive costs less than.
+    /// Returns a lower bound of the cost of a metre.
     pub fn least_per_metre(&self) -> f64 {
         match self {
             Self::Length { .. } => 1.0,
@@ -65,7 +65,7 @@ impl CostModel {
         }
     }
 
-    /// Returns the prices of single motions that searches add up.
+    /// Returns the prices of single motions, which searches add up.
     pub fn motion_price(&self, body: &Dimensions) -> MotionPrice {
         match self {
             Self::Length { cusp_m } => MotionPrice::in_metres(*cusp_m, body),

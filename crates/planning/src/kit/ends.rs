@@ -1,4 +1,4 @@
-//! Room for the body where a drive begins and ends.
+//! The space for the body at the ends of a drive.
 
 use std::f64::consts::TAU;
 
@@ -12,8 +12,8 @@ use crate::{GoalDisc, PlanFailure};
 
 use super::target::Target;
 
-/// Returns the poses that a drive must begin and end in, each with the clearance that the body has there: the start and, if it
-/// is a pose, the target.
+/// Returns the fixed poses of a drive's ends, each with the body's clearance there: the start and, if it is a pose, the
+/// target.
 ///
 /// # Errors
 /// The one of the two that has no room for the body, or is not on the field.
@@ -44,12 +44,13 @@ fn free_clearance(checker: &CollisionChecker, pose: Pose) -> Option<f64> {
 const RINGS: u32 = 20;
 const HEADINGS: u32 = 24;
 
-/// Says whether the body fits somewhere in a disc, centre inside: on rings of places half a metre apart in a disc of 10 m.
+/// Returns whether the body fits somewhere in a disc, centre inside: on rings of places half a metre apart in a disc of
+/// 10 m.
 pub fn has_free_pose(checker: &CollisionChecker, disc: GoalDisc) -> bool {
     free_poses_in(checker, disc, RINGS, LEAST_CLEARANCE_M).next().is_some()
 }
 
-/// Returns the reason of a failure: where the body fits nowhere in any of the discs, that is the reason.
+/// Returns the reason of a failure, which is different if the body fits nowhere in any of the discs.
 pub fn explain_failure(checker: &CollisionChecker, target: Target<'_>, failure: PlanFailure) -> PlanFailure {
     match target {
         Target::Discs(discs) if !discs.iter().any(|&disc| has_free_pose(checker, disc)) => PlanFailure::GoalBlocked,
@@ -88,7 +89,7 @@ pub fn free_poses_in(
 /// Poses drawn for one that is free, until the field counts as full.
 const DRAWS_A_POSE: usize = 10_000;
 
-/// Draws poses all over the field, heading anywhere, that keep a clearance. It ends where the field has no room.
+/// Samples poses all over the field, at any heading, that keep a clearance. The iterator ends if the field has no room.
 pub fn free_poses(checker: &CollisionChecker, clearance_m: f64, rng: &mut impl Rng) -> impl Iterator<Item = Pose> {
     let frame = checker.field().frame();
     let mut draw = || {

@@ -1,4 +1,4 @@
-//! The sequence from which milestones are drawn.
+//! The low-discrepancy sequence of the milestones.
 //!
 //! J. H. Halton, "On the efficiency of certain quasi-random sequences of points in evaluating multi-dimensional
 //! integrals", Numerische Mathematik 2, 1960.

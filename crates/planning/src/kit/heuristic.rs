@@ -1,4 +1,4 @@
-//! Estimates of the cost to go from a pose, and ways into the goal that an empty field would allow.
+//! Estimates of the cost-to-go from a pose, and paths into the goal on an empty field.
 
 use crate::GoalDisc;
 use crate::collision::CollisionChecker;
@@ -15,16 +15,16 @@ use super::turn_straight::TurnStraightSteering;
 /// An estimate by turn-straight steering exceeds the straight line by at most this, because reversing may know better.
 const DETOUR_CAP_M: f64 = 15.0;
 
-/// The heuristic's answer for a pose.
+/// The heuristic's result for a pose.
 #[derive(Clone, Copy, Debug)]
 pub struct HeuristicValue {
-    /// Estimated cost from here to the goal.
+    /// The estimated cost from here to the goal.
     pub cost_to_go: f64,
-    /// `None` where no turn and straight lead into the disc.
+    /// The analytic expansion; `None` where no turn and straight lead into the disc.
     pub expansion: Option<AnalyticExpansion>,
 }
 
-/// Estimates the cost that is still to come as if on an empty field.
+/// Estimates the cost-to-go on an empty field.
 ///
 /// It is the first heuristic of Dolgov and others (see [`super::best_first`]), non-holonomic without obstacles;
 /// [`super::holonomic`] is the other.
@@ -54,8 +54,8 @@ impl Heuristic {
         &self.steering.price
     }
 
-    /// Returns the estimate for a truck that came to `pose` forward or in reverse, or stands there: of several discs, for
-    /// the one with the least.
+    /// Returns the estimate for a truck that came to `pose` forward or in reverse, or stands there; of several discs,
+    /// for the cheapest.
     pub fn without_bushes(&self, pose: Pose, after_reverse: Option<bool>, target: Target<'_>) -> HeuristicValue {
         match target {
             Target::Pose(end) => {
@@ -93,7 +93,7 @@ impl Heuristic {
         HeuristicValue { cost_to_go: expansion.map_or(most, |way| way.cost.min(most)), expansion }
     }
 
-    /// Returns the way that an empty field would allow, if it keeps the clearance.
+    /// Returns the path of an empty field, if it keeps the clearance.
     pub fn free_expansion(
         &self,
         checker: &CollisionChecker,

@@ -1,4 +1,4 @@
-//! Two-dimensional search over cells as a heuristic: what bushes make of the way, whatever the steering.
+//! Two-dimensional search over cells as a heuristic: the cost of avoiding bushes, whatever the steering.
 
 use glam::DVec2;
 
@@ -41,7 +41,7 @@ const KEPT_TILES: usize = 64;
 /// most cells of such a pocket.
 const PATIENCE: usize = 4096;
 
-/// The holonomic heuristic: the distance to a goal for somebody who walks from cell to cell round the bushes.
+/// The holonomic heuristic: the distance to a goal by steps from cell to cell around the bushes.
 ///
 /// It spreads from the goal towards the start of the drive, only as far as it is asked, and continues where it stopped:
 /// reverse resumable A* (D. Silver, "Cooperative pathfinding", AIIDE 2005), with whole costs in R. Dial's buckets
@@ -137,7 +137,7 @@ impl HolonomicHeuristic {
         }
     }
 
-    /// Forgets everything and begins at the target; the drive comes from `start`.
+    /// Resets the search and begins at the target; the drive comes from `start`.
     pub fn begin(&mut self, field: &ClearanceField, target: Target<'_>, start: DVec2) {
         let [cols, rows] = tiles_along(field.frame());
         if self.directory.len() != cols * rows || self.met.len() > KEPT_TILES {
@@ -165,7 +165,8 @@ impl HolonomicHeuristic {
         self.settle(self.goal_cells.last().map_or(0, |&(key, _)| key));
     }
 
-    /// Returns about the least metres that are still to drive from a position in the field; infinite where no way leads.
+    /// Returns approximately the least remaining metres from a position in the field; infinite where no path leads to
+    /// the goal.
     pub fn cost_to_go_m(&mut self, field: &ClearanceField, position: DVec2) -> f64 {
         let Some(cell) = field.frame().cell_at(position) else { return f64::INFINITY };
         let Some(cost) = self.cost_of(field, Place::new(cell.row.into(), cell.col.into())) else {

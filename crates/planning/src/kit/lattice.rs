@@ -1,17 +1,17 @@
-//! Lattices of poses, and the motions that join them.
+//! Lattices of poses, and the motions that connect them.
 
 use wildfire_base::vehicle::{Dimensions, Segment};
 
-/// A lattice of poses: one pose a bin, joined by motions of one length.
+/// A lattice of poses: one pose per bin, connected by motions of one length.
 #[derive(Clone, Copy, Debug)]
 pub struct Lattice {
     pub bin_m: f64,
-    /// Bins a full turn.
+    /// The number of headings per full turn.
     pub headings: u32,
     pub step_m: f64,
 }
 
-/// Returns the six motions of `step_m` metres that may follow any pose: straight, left and right at the smallest turning
+/// Returns the six motions of `step_m` metres that may follow any pose: straight, left and right at the minimum turning
 /// radius, forward first, then in reverse.
 pub fn motions(body: &Dimensions, step_m: f64) -> [Segment; 6] {
     let motion = |side: f64, sense: f64| Segment { curvature: side * body.max_curvature(), length_m: sense * step_m };

@@ -1,4 +1,4 @@
-//! Tiles of a large field, whose milestones are drawn when a search first comes near.
+//! Tiles of a large field, whose milestones are sampled when a search first comes near.
 //!
 //! Every tile has a random stream of its own, so that its milestones are the same whenever and after whatever others it
 //! is opened. World frame, metres.
@@ -18,7 +18,7 @@ const LARGEST_WHOLE_M2: f64 = 500.0 * 500.0;
 /// About the side of a tile: as long as edges are by default, so that the tiles round one hold all that is near.
 const SIDE_M: f64 = 40.0;
 
-/// Says whether a field is so small that a roadmap of all of it is built at once.
+/// Returns whether a field is so small that a roadmap of all of it is built at once.
 pub fn is_small(frame: &FieldFrame) -> bool {
     frame.width_m() * frame.height_m() <= LARGEST_WHOLE_M2
 }
@@ -56,7 +56,7 @@ pub trait DrawnMilestones {
     fn position(&self, milestone: u32) -> DVec2;
 }
 
-/// The tiles of a field, and the numbers of the milestones of those that were opened.
+/// The tiles of a field, and the numbers of the milestones of opened tiles.
 #[derive(Debug)]
 pub struct Tiles {
     /// The number that the streams of all tiles begin with.
@@ -88,7 +88,7 @@ impl Tiles {
         (self.opened, self.ranks) = (BTreeMap::new(), Vec::new());
     }
 
-    /// Returns the number by which milestones are put in order.
+    /// Returns the number by which milestones are sorted.
     pub fn rank(&self, milestone: u32) -> u64 {
         self.ranks[milestone as usize]
     }

@@ -1,4 +1,4 @@
-//! The parts that several planners are made of. Planners import these and never each other.
+//! Components that several planners share. Planners import these and never each other.
 //!
 //! - [`best_first`] is the search over poses; [`local_search`] follows waypoints with it, [`relaxed_search`] goes for a
 //!   goal from both ends, [`floods`] look at every bin of a lattice once.

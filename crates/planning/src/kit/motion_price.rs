@@ -1,4 +1,4 @@
-//! The costs of motions: by metre, turn, direction and cusp, and by the places that they lead through.
+//! The costs of motions: by metre, turn, direction and cusp, and by the places they pass.
 
 use std::sync::Arc;
 
@@ -38,13 +38,13 @@ impl MotionPrice {
         }
     }
 
-    /// Creates a list on which metres alone and cusps cost something.
+    /// Creates a list that charges only for metres and cusps.
     pub fn in_metres(cusp_m: f64, body: &Dimensions) -> Self {
         Self { per_metre: 1.0, turn: 0.0, reverse: 0.0, cusp: cusp_m, safety: None, ahead_m: body.centre_offset_m() }
     }
 
-    /// Creates a list in metres at the greatest speed forward: each metre costs the time that it takes at the greatest
-    /// speed on it, a turn that of the tightest, and a cusp the time that is lost by stopping and setting out again.
+    /// Creates a list in metres at the greatest forward speed: each metre costs the time that it takes at its greatest
+    /// speed, a turn that of the tightest, and a cusp the time lost by stopping and starting again.
     pub fn in_time(limits: &SpeedLimits, body: &Dimensions) -> Self {
         let pace =
             |curvature: f64, length_m: f64| limits.forward_mps / limits.speed_on(&Segment { curvature, length_m });
@@ -60,18 +60,18 @@ impl MotionPrice {
         }
     }
 
-    /// Returns what a metre of a segment costs, without what places cost.
+    /// Returns the cost of a metre of a segment, without the surcharge of places.
     pub fn rate(&self, segment: Segment) -> f64 {
         let turn = if segment.curvature == 0.0 { 0.0 } else { self.turn };
         self.per_metre * (1.0 + turn + if segment.is_reverse() { self.reverse } else { 0.0 })
     }
 
-    /// Returns what a cusp costs.
+    /// Returns the cost of a cusp.
     pub fn cusp(&self) -> f64 {
         self.cusp
     }
 
-    /// Returns the cost of a segment driven after another one, or from standstill, without what places cost.
+    /// Returns the cost of a segment driven after another one, or from standstill, without the surcharge of places.
     pub fn cost(&self, segment: Segment, after_reverse: Option<bool>) -> f64 {
         let reverse = segment.is_reverse();
         let rate = self.rate(segment);
@@ -79,7 +79,7 @@ impl MotionPrice {
         segment.length_m.abs() * rate + cusp
     }
 
-    /// Returns what a segment from a pose costs more because of the places that it leads through.
+    /// Returns the surcharge of the places that a segment from a pose passes.
     pub fn surcharge(&self, pose: Pose, segment: Segment) -> f64 {
         let Some(safety) = &self.safety else { return 0.0 };
         let centre = |share: f64| {
@@ -89,7 +89,7 @@ impl MotionPrice {
         self.per_metre * safety.surcharge_along(segment.length_m.abs(), centre)
     }
 
-    /// Returns the same for segments in a row.
+    /// Returns the surcharge of consecutive segments.
     pub fn way_surcharge(&self, mut pose: Pose, segments: impl IntoIterator<Item = Segment>) -> f64 {
         if self.safety.is_none() {
             return 0.0;
@@ -102,18 +102,18 @@ impl MotionPrice {
         segments.into_iter().map(of_next).sum()
     }
 
-    /// Returns what a straight line for the body's centre costs more because of the places that it leads through.
+    /// Returns the surcharge of the places that a straight line of the body's centre passes.
     pub fn line_surcharge(&self, from: DVec2, to: DVec2) -> f64 {
         let Some(safety) = &self.safety else { return 0.0 };
         self.per_metre * safety.surcharge_along(from.distance(to), |share| from.lerp(to, share))
     }
 
-    /// Returns the cost of segments in a row from a pose, from standstill.
+    /// Returns the cost of consecutive segments from a pose, from standstill.
     pub fn path_cost(&self, pose: Pose, segments: &[Segment]) -> f64 {
         self.way_cost(pose, None, segments.iter().copied())
     }
 
-    /// Returns the same for a truck that came to the pose forward or in reverse.
+    /// Returns the cost of consecutive segments for a truck that came to the pose forward or in reverse.
     pub fn way_cost(
         &self,
         pose: Pose,
@@ -126,7 +126,7 @@ impl MotionPrice {
         motions + self.way_surcharge(pose, segments)
     }
 
-    /// Returns the price that decides between curves: this list without what turns and places cost.
+    /// Returns the price that decides between curves: this list without turns and places.
     pub fn curve_price(&self) -> CurvePrice {
         CurvePrice { reverse_factor: 1.0 + self.reverse, cusp_m: self.cusp / self.per_metre }
     }

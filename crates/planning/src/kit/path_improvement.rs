@@ -1,4 +1,4 @@
-//! Makes a drivable path cheaper, by Reeds-Shepp curves that keep the turning radius and the clearance.
+//! Path improvement by Reeds-Shepp curves that keep the turning radius and the clearance.
 //!
 //! A path costs its length and a price for every cusp, cusps between an old part and a new one included, or the time that
 //! it takes ([`CostModel`]). A change counts only if it makes the whole path cheaper and is free.
@@ -39,12 +39,12 @@ const TURN_PER_M: f64 = 0.12;
 /// The way is changed from this far before the middle of a bend to this far behind it.
 const REACH_M: f64 = 25.0;
 
-/// How much is tried on a path.
+/// The effort spent on improving a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Improvement {
-    /// Random shortcuts.
+    /// The number of random shortcuts.
     pub shortcuts: u32,
-    /// Rounds in which all bends are pulled.
+    /// The number of rounds in which all bends are tightened.
     pub pulls: u32,
 }
 
@@ -78,7 +78,7 @@ impl PathImprover {
         }
     }
 
-    /// Returns a path between the same poses that costs no more; where it is new, it keeps the clearance.
+    /// Returns a path between the same poses that costs no more; its new parts keep the clearance.
     pub fn improve(
         &mut self,
         path: &Path,

@@ -1,4 +1,4 @@
-//! Searches over a lattice of poses that ask for less clearance in turn, the last resorts included.
+//! Searches over a lattice of poses that require less clearance in turn, including the last resorts.
 //!
 //! D. Dolgov, S. Thrun, M. Montemerlo, J. Diebel, "Path planning for autonomous vehicles in unknown semi-structured
 //! environments", IJRR 29(5), 2010, section 3: motions of constant curvature, an estimate that is the greater of the
@@ -37,7 +37,7 @@ const LAST_WEIGHT: f64 = 1.5;
 /// The effort of a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Means {
-    /// Searches from the start and from the goal in turn, each of which may expand this number of nodes.
+    /// Searches from the start and from the goal in turn, each with its maximum of expanded nodes.
     Searches { lattice: LatticeKind, forward: u32, backward: u32 },
     /// The coarsest flood from the start.
     Flood,
@@ -45,9 +45,9 @@ enum Means {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum LatticeKind {
-    /// The one of the settings.
+    /// The lattice of the settings.
     Coarse,
-    /// The finest of the floods.
+    /// The finest lattice of the floods.
     Fine,
 }
 
@@ -57,7 +57,7 @@ const fn searches(share: f64, lattice: LatticeKind, forward: u32, backward: u32)
 
 /// Nodes that a search of the coarse lattice expands at most.
 const MOST_COARSE: u32 = 5_000;
-/// The most that the first stage may expand.
+/// The maximum number of expansions of the first stage.
 pub const MOST_FIRST_EXPANSIONS: u32 = MOST_COARSE;
 
 /// Returns the stages, the first of which may expand this number of nodes. The first that succeeds gives the path.
@@ -84,25 +84,25 @@ const BACKWARD: usize = 1;
 /// A disc is searched from at poses on this number of rings.
 const START_RINGS: u32 = 4;
 
-/// The choices of whoever uses a [`RelaxedSearch`]. Lengths are metres.
+/// The settings of a [`RelaxedSearch`]. Lengths are metres.
 #[derive(Clone, Debug)]
 pub struct RelaxedSettings {
     /// The wanted clearance.
     pub clearance_m: f64,
     /// The lattice of all searches but the last.
     pub lattice: Lattice,
-    /// What paths are compared by.
+    /// The cost by which paths are compared.
     pub cost: CostModel,
     pub heuristic_weight: f64,
-    /// What is tried on the path found.
+    /// The effort spent on improving the path found.
     pub improvement: Improvement,
-    /// Nodes that the first stage may expand.
+    /// The maximum number of nodes that the first stage expands.
     pub first_expansions: u32,
-    /// Nodes that one query may expand, over all its searches.
+    /// The maximum number of nodes that one query expands, over all its searches.
     pub max_expansions: u32,
 }
 
-/// The searches for one body on one field.
+/// The searches of one body on one field.
 #[derive(Debug)]
 pub struct RelaxedSearch {
     checker: CollisionChecker,

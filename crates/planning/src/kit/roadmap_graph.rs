@@ -1,15 +1,15 @@
-//! The graph of a roadmap: which edges lead from a milestone, whatever milestones and edges are.
+//! The graph of a roadmap: the edges from each milestone, whatever milestones and edges are.
 
 use std::ops::Range;
 
-/// An edge as it looks from one of its milestones.
+/// An edge as seen from one of its milestones.
 #[derive(Clone, Copy, Debug)]
 pub struct Link {
     pub to: u32,
     pub edge: u32,
 }
 
-/// An undirected graph; milestones and edges are known by their numbers.
+/// An undirected graph; milestones and edges are identified by their numbers.
 #[derive(Debug, Default)]
 pub struct RoadmapGraph {
     /// Links of milestone i are those from `first[i]` to `first[i + 1]`.
@@ -19,7 +19,7 @@ pub struct RoadmapGraph {
 }
 
 impl RoadmapGraph {
-    /// Creates the graph of edges between milestones below `milestones`; an edge's number is its place in the list.
+    /// Creates the graph of edges between milestones below `milestones`; an edge's number is its index in the list.
     ///
     /// A milestone's links are in the order of the edges' numbers.
     pub fn from_edges(milestones: usize, edges: impl ExactSizeIterator<Item = [u32; 2]> + Clone) -> Self {
@@ -56,7 +56,7 @@ impl RoadmapGraph {
         self.links[number as usize]
     }
 
-    /// Returns the most links that any milestone has.
+    /// Returns the maximum number of links of a milestone.
     pub fn most_links(&self) -> usize {
         self.most_links
     }

@@ -1,4 +1,4 @@
-//! Samples for every hectare: settings that mean the same on fields of all sizes.
+//! Samples per hectare: settings that mean the same on fields of all sizes.
 
 use wildfire_base::geometry::FieldFrame;
 use wildfire_base::ranges::{OutOfRange, check_range};
@@ -13,12 +13,12 @@ pub fn hectares(frame: &FieldFrame) -> f64 {
     frame.width_m() * frame.height_m() / SQUARE_METRES_PER_HECTARE
 }
 
-/// Returns how many samples a field has at a density, in samples per hectare.
+/// Returns the number of samples of a field at a density, in samples per hectare.
 pub fn samples_on(frame: &FieldFrame, density: f64) -> u32 {
     (density * hectares(frame)).round() as u32
 }
 
-/// Checks the density that a scenario asks for, if it does.
+/// Checks the density of a scenario, if it sets one.
 ///
 /// # Errors
 /// Refuses densities that are out of range, or too high for a field of this size.

@@ -1,4 +1,4 @@
-//! Where a search may end: the goal of a query, or any of several.
+//! The places where a search may end: the goal of a query, or any of several.
 
 use std::slice;
 
@@ -11,9 +11,9 @@ use wildfire_base::vehicle::Dimensions;
 /// The places where a drive may end.
 #[derive(Clone, Copy, Debug)]
 pub enum Target<'a> {
-    /// The rear axle in this pose.
+    /// The rear axle reaches this pose.
     Pose(Pose),
-    /// The body's centre in any of these discs; there is at least one.
+    /// The body's centre reaches any of these discs; there is at least one.
     Discs(&'a [GoalDisc]),
 }
 
@@ -27,7 +27,7 @@ impl<'a> From<&'a Goal> for Target<'a> {
 }
 
 impl Target<'_> {
-    /// Returns the pose, or the middle of the first disc.
+    /// Returns the pose's position, or the centre of the first disc.
     pub fn position(self) -> DVec2 {
         match self {
             Self::Pose(end) => end.position(),
@@ -35,7 +35,7 @@ impl Target<'_> {
         }
     }
 
-    /// Returns the position of a truck that counts: of its rear axle for a pose, of its body's centre for discs.
+    /// Returns the relevant position of a truck: of its rear axle for a pose, of its body's centre for discs.
     pub fn position_of(self, pose: Pose, body: &Dimensions) -> DVec2 {
         match self {
             Self::Pose(_) => pose.position(),
@@ -43,7 +43,7 @@ impl Target<'_> {
         }
     }
 
-    /// Returns metres in a straight line from a position to the pose, or to the nearest middle of a disc.
+    /// Returns the straight distance in metres from a position to the pose, or to the nearest centre of a disc.
     pub fn straight_m(self, from: DVec2) -> f64 {
         match self {
             Self::Pose(end) => from.distance(end.position()),
@@ -51,7 +51,7 @@ impl Target<'_> {
         }
     }
 
-    /// Returns the place among the discs of the one that a drive ends in; of several, it is the one whose rim is the farthest.
+    /// Returns the index of the disc that a drive ends in; of several, the one whose rim is farthest.
     pub fn disc_of(self, end: Pose, body: &Dimensions) -> usize {
         let Self::Discs(discs) = self else { return 0 };
         let centre = body.body_centre(end);

@@ -1,4 +1,4 @@
-//! Turns followed by straights, aimed at a position or into a disc, where any heading will do.
+//! Turns followed by straights, to a position or into a disc, at any final heading.
 
 use std::f64::consts::{PI, TAU};
 
@@ -33,7 +33,7 @@ pub struct TurnStraight {
 }
 
 impl TurnStraight {
-    /// Returns the pieces that are not absent.
+    /// Returns the pieces that are present.
     pub fn pieces(&self) -> impl Iterator<Item = Segment> + use<> {
         [self.turn, self.straight].into_iter().filter(|piece| piece.length_m != 0.0)
     }
@@ -51,8 +51,8 @@ struct Exit {
     way: TurnStraight,
 }
 
-/// Turn-straight steering (CS): finds motions that bring the centre of one body to a place or into a disc, at one price
-/// list, without what places cost.
+/// Turn-straight steering (CS): finds motions that bring the centre of one body to a position or into a disc, at one
+/// price list, without the surcharge of places.
 ///
 /// With T the target seen from the turning circle's centre, R the radius, u the heading after the turn and n the unit
 /// vector from that centre to the axle, T = (R - o) n + t u, where t is how far ahead the target is then and o how far
@@ -87,7 +87,7 @@ impl TurnStraightSteering {
         }
     }
 
-    /// Returns the cheapest from a pose whose body centre is outside the disc; a disc of radius 0 is a place.
+    /// Returns the cheapest from a pose whose body centre is outside the disc; a disc of radius 0 is a position.
     ///
     /// `after_reverse` says which way the truck came, for the price of a change of direction. Of equals, the first
     /// found: the nearer side, then turns alone, then forward before reverse.
@@ -183,7 +183,7 @@ impl TurnStraightSteering {
         way
     }
 
-    /// Replaces the end of a path by a way into the goal, where that makes it cheaper and is free, cheapest first.
+    /// Replaces the end of a path by a motion into the goal, where that is cheaper and free, cheapest first.
     ///
     /// `is_free` tells whether the truck may drive a segment from a pose.
     pub fn shorten_end(&self, path: &mut Path, goal: GoalDisc, is_free: impl Fn(Pose, Segment) -> bool) {

@@ -1,4 +1,4 @@
-//! The truck's planners, one folder each: what is its own, and its settings. None imports another.
+//! The truck's planners with their settings, one folder each. None imports another.
 
 pub mod hybrid_astar;
 pub mod lattice;

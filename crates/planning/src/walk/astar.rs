@@ -8,12 +8,13 @@ use wildfire_grid::astar::AStar;
 use super::lattice::WalkLattice;
 use super::query::{Walk, WalkCosts, WalkQuery};
 
-/// The estimate of the cost that is still to come.
+/// The estimate of the cost-to-go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Estimate {
-    /// Cost of the shortest lattice path on an empty field to the nearest point of reach: admissible and consistent.
+    /// The cost of the shortest lattice path on an empty field to the nearest point of reach: admissible and
+    /// consistent.
     Octile,
-    /// Metres in a straight line from the point's parent to the cell's centre, whatever a step costs.
+    /// The straight distance in metres from the point's parent to the cell's centre, whatever a step costs.
     ParentEuclidean,
 }
 

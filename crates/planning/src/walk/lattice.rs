@@ -1,4 +1,4 @@
-//! The lattice that a Wumpus walks on: the points where its body has room, and the steps between them.
+//! The lattice that a Wumpus walks on: the points where its body fits, and the steps between them.
 
 use std::f64::consts::SQRT_2;
 
@@ -18,10 +18,10 @@ const WEST_FIRST: [usize; 8] = [2, 1, 0, 3, 5, 4, 7, 6];
 /// The lattice as the user describes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LatticeShape {
-    /// Any point of the lattice; it is part of it whether free or not.
+    /// Any point of the lattice, free or not.
     pub anchor: DVec2,
     pub step_m: f64,
-    /// Side of the body's square.
+    /// The side of the square body.
     pub size_m: f64,
 }
 
@@ -38,7 +38,7 @@ pub struct WalkLattice {
 }
 
 impl WalkLattice {
-    /// Returns the number of points that such a lattice has, before any memory is taken.
+    /// Returns the number of points of such a lattice, before any memory is allocated.
     pub fn point_count(frame: &FieldFrame, shape: &LatticeShape) -> f64 {
         let (west, east) = range(shape.anchor.x, shape.step_m, frame.width_m());
         let (south, north) = range(shape.anchor.y, shape.step_m, frame.height_m());
@@ -113,7 +113,7 @@ impl WalkLattice {
         self.moves.cols()
     }
 
-    /// For every point a mask of [`MOVES`]; row 0 is the south edge.
+    /// Returns a mask of [`MOVES`] for every point; row 0 is the south edge.
     pub fn moves(&self) -> &Grid<u8> {
         &self.moves
     }
@@ -128,7 +128,7 @@ impl WalkLattice {
         self.frame.centre(cell)
     }
 
-    /// Returns the legal steps from a point, west first: which move, and where it leads.
+    /// Returns the legal steps from a point, west first: the move, and the point that it leads to.
     pub fn steps(&self, point: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
         let mask = self.moves.values()[point];
         WEST_FIRST
@@ -147,7 +147,7 @@ impl WalkLattice {
         self.origin + DVec2::new(f64::from(point % cols), f64::from(point / cols)) * self.step_m
     }
 
-    /// Returns row and column of the point nearest to a place, free or not.
+    /// Returns the row and column of the point nearest to a place, free or not.
     pub fn nearest(&self, place: DVec2) -> Place {
         let steps = ((place - self.origin) / self.step_m).round().max(DVec2::ZERO);
         ((steps.y as usize).min(self.rows() - 1), (steps.x as usize).min(self.cols() - 1))
@@ -203,8 +203,8 @@ impl WalkLattice {
         reached
     }
 
-    /// Marks the points that can be walked to from `start`, itself included; none of them has the mark yet. Every step
-    /// can be walked back, so these are all that are connected with it.
+    /// Marks the points that can be reached from `start`, including itself; none of them has the mark yet. Every step
+    /// can be reversed, so these are all that are connected to it.
     pub fn mark_part<M: Copy + PartialEq>(&self, start: usize, marks: &mut [M], mark: M) {
         marks[start] = mark;
         let mut front = vec![start as u32];
@@ -235,7 +235,7 @@ impl WalkLattice {
             .filter(move |&point| self.free[point] && (self.position(point) - centre).length() <= slack)
     }
 
-    /// Returns the metres of the step between two neighbouring points.
+    /// Returns the length in metres of the step between two neighbouring points.
     pub fn step_length(&self, from: usize, to: usize) -> f64 {
         let cols = self.moves.cols();
         let is_orthogonal = from / cols == to / cols || from % cols == to % cols;
@@ -297,7 +297,7 @@ impl OccupiedCount {
         Self { sums }
     }
 
-    /// Says whether a box lies in the field and overlaps no occupied cell.
+    /// Returns whether a box lies in the field and overlaps no occupied cell.
     fn is_free(&self, across: CellSpan, along: CellSpan) -> bool {
         if across.end == CellSpan::OUTSIDE || along.end == CellSpan::OUTSIDE {
             return false;

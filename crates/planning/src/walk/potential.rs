@@ -9,14 +9,14 @@ use super::query::{Walk, WalkCosts, WalkQuery};
 use super::wavefront;
 use crate::{PlanningObserver, SearchPhase};
 
-/// The forces that draw a Wumpus to its goal and push it off bushes; distances are lattice steps.
+/// The forces that attract a Wumpus to its goal and repel it from bushes; distances are lattice steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PotentialSettings {
     pub attraction: Attraction,
-    /// The attraction is divided by its maximum over the lattice and multiplied by this; `None`: it is taken as it is.
+    /// The factor for the attraction after division by its maximum over the lattice; `None` leaves it unchanged.
     pub scale: Option<f64>,
     pub repulsion: Repulsion,
-    /// True if a walk that is stuck goes on down the exact cost-to-go.
+    /// True if a stuck walk continues down the exact cost-to-go.
     pub escapes: bool,
 }
 
@@ -37,7 +37,7 @@ impl PotentialField {
         Self { settings, repulsion }
     }
 
-    /// Downhill to the lowest neighbour, as long as one is strictly lower, to a point of reach or a local minimum.
+    /// Descends to the lowest neighbour, as long as one is strictly lower, to a point of reach or a local minimum.
     ///
     /// Ties go to the first in the order of [`WalkLattice::steps`]. Every point whose neighbours are compared is an
     /// expansion; an escape adds those of its sweep.
@@ -79,7 +79,7 @@ impl PotentialField {
     }
 }
 
-/// The potential for one goal, worked out where it is asked for: a descent sees few points of the lattice.
+/// The potential for one goal, computed only where it is needed: a descent visits few points of the lattice.
 pub struct Potential<'a> {
     field: &'a PotentialField,
     goal: Place,
@@ -88,7 +88,7 @@ pub struct Potential<'a> {
 }
 
 impl Potential<'_> {
-    /// Attraction and repulsion of a point, as the maps of [`wildfire_grid::potential`] hold them.
+    /// Returns attraction and repulsion at a point, as the maps of [`wildfire_grid::potential`] define them.
     ///
     /// Nothing repels within the repulsion's own reach of the goal's centre: what can be set on fire is an obstacle,
     /// and else it would keep off whoever comes for it (Ge and Cui, "New potential functions for mobile robot path

@@ -9,34 +9,34 @@ use super::lattice::WalkLattice;
 /// A planner's answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Walk {
-    /// Point indices from the start to a point of reach, or to the local minimum that the walk ends at; `None` if the
+    /// Point indices from the start to a point of reach, or to the local minimum at which the walk ends; `None` if the
     /// cell cannot be approached.
     pub path: Option<Vec<usize>>,
     pub expansions: u32,
-    /// The local minimum on the way, or at its end.
+    /// The local minimum along the walk or at its end.
     pub minimum: Option<usize>,
 }
 
 impl Walk {
-    /// A walk that meets no local minimum, or none at all.
+    /// Creates a walk without a local minimum, or an answer without a path.
     pub fn straight(path: Option<Vec<usize>>, expansions: u32) -> Self {
         Self { path, expansions, minimum: None }
     }
 
-    /// Says whether the walk ends at a local minimum.
+    /// Returns whether the walk ends at a local minimum.
     pub fn is_stuck(&self) -> bool {
         self.minimum.is_some() && self.path.as_ref().and_then(|path| path.last()) == self.minimum.as_ref()
     }
 }
 
-/// The start of a walk, and where it may end.
+/// The start of a walk and its possible ends.
 #[derive(Clone, Copy)]
 pub struct WalkQuery<'a> {
     pub lattice: &'a WalkLattice,
     pub start: usize,
     /// The points of reach, by index.
     pub goals: &'a [usize],
-    /// Of the cell that is to be reached.
+    /// The centre of the cell that has to be reached.
     pub centre: DVec2,
 }
 
@@ -45,7 +45,7 @@ impl WalkQuery<'_> {
         self.goals.binary_search(&point).is_ok()
     }
 
-    /// Returns the positions of every point of a path and of the one before it; the first comes after itself.
+    /// Returns the positions of every point of a path and of its predecessor; the first comes after itself.
     pub fn lines(&self, path: &[usize]) -> impl Iterator<Item = [DVec2; 2]> {
         let before = path.iter().take(1).chain(path);
         before.zip(path).map(|(&from, &to)| [from, to].map(|point| self.lattice.position(point)))
@@ -55,9 +55,9 @@ impl WalkQuery<'_> {
 /// The costs of the steps of a walk.
 #[derive(Clone, Debug)]
 pub struct WalkCosts {
-    /// Of an orthogonal step and of a diagonal one.
+    /// The costs of an orthogonal and of a diagonal step.
     pub steps: (f64, f64),
-    /// By point: the factor of its half of a step, at least 1; none where all places cost the same.
+    /// By point: the factor of its half of a step, at least 1; empty where all places cost the same.
     pub factors: Option<Vec<f64>>,
 }
 

@@ -1,4 +1,4 @@
-//! The walk down a wavefront from the goal.
+//! The descent of a wavefront from the goal.
 
 use glam::DVec2;
 
@@ -9,7 +9,7 @@ use wildfire_grid::octile::cost_to_go;
 use super::lattice::WalkLattice;
 use super::query::{Walk, WalkCosts, WalkQuery};
 
-/// Down the exact cost-to-go, which one sweep from all points of reach gives.
+/// Descends the exact cost-to-go, which one sweep from all points of reach computes.
 ///
 /// The sweep covers all that is connected with the goal, wherever the start is: every point that it settles is an
 /// expansion. Among steps of equal worth the first in the order of [`super::WalkLattice::steps`] is taken.

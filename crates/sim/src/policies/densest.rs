@@ -1,4 +1,4 @@
-//! Arsonists that go where most will burn: the cell from which fire reaches most, for the way that it takes.
+//! The arsonist's policy of density: the cell from which fire reaches most, per metre of walk.
 //!
 //! A cell is worth what can burn within the reach of its fire, per metre of the straight way there. Alone, a Wumpus so goes
 //! for the nearest dense thicket. In a team the same rule would send all to one thicket: there a cell is worth less the
@@ -24,7 +24,7 @@ const MOST_COUNTED_M: f64 = 100.0;
 /// The share of a cell's worth that is left right beside others: where everything is near to them something has to be chosen.
 const LEAST_SHARE: f64 = 0.05;
 
-/// The cell with most to burn around it per metre of way. Ties go to the smaller cell index.
+/// Chooses the cell with most to burn around it per metre of walk. Ties go to the smaller cell index.
 #[derive(Clone, Debug)]
 pub struct Densest {
     /// Cells from one whose fire spreads to those it reaches, itself among them: columns and rows.
@@ -33,7 +33,7 @@ pub struct Densest {
 }
 
 impl Densest {
-    /// Creates the rule for fires that go this far, in metres.
+    /// Creates the rule for a spread radius in metres.
     pub fn new(frame: &FieldFrame, spread_m: f64, keeps_apart: bool) -> Self {
         let spread_m = spread_m.min(MOST_COUNTED_M);
         let cells = (spread_m / frame.cell_m).floor().min(f64::from(frame.cols.max(frame.rows))) as i32;

@@ -1,4 +1,4 @@
-//! Whom the agents of one run follow, and the question that waits for an answer from outside.
+//! The policies that the agents of a run follow, and the question that waits for an answer from outside.
 
 use std::time::Duration;
 
@@ -13,11 +13,11 @@ use wildfire_fire::FireField;
 use wildfire_planning::{PlanFailure, PlannerName};
 use wildfire_timeline::AgentId;
 
-/// Which of the run's policies an agent follows.
+/// The policy of the run that an agent follows.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Follows(usize);
 
-/// What a policy is asked, and what it may look at.
+/// A question to a policy, with what it may look at.
 pub struct Inquiry<'a> {
     pub now: SimTime,
     pub fires: &'a FireField,
@@ -53,17 +53,17 @@ impl OptionsOf<AgentId> for OptionsByName<'_> {
 pub struct Question {
     pub asked: Vec<AgentId>,
     pub agents: Vec<AgentView>,
-    /// Of those that are asked, in the same order.
+    /// The options of each asked agent, in the same order.
     pub options: Vec<Vec<Cell>>,
 }
 
-/// How asks of policies that are not built in went, and what they cost.
+/// Counts and costs of questions to policies that are not built in.
 #[derive(Debug, Default)]
 pub struct OwnAsks {
     /// `None` where all policies are built in.
     pub tally: Option<PolicyTally>,
     pub messages: FailureMessages,
-    /// CPU time, that of other processes included.
+    /// CPU time, including that of other processes.
     pub cpu: Duration,
     pub elsewhere: Duration,
 }
@@ -141,7 +141,7 @@ impl Following {
         of_agent.expect("policies are made for all agents before these").1
     }
 
-    /// Says whom a policy is asked about.
+    /// Returns how a policy is asked.
     pub fn asking(&self, policy: Follows) -> Asking {
         self.policies[policy.0].policy.asking()
     }
@@ -151,8 +151,8 @@ impl Following {
         self.policies[policy.0].policy.charge()
     }
 
-    /// Asks a policy, or takes what was answered from outside. If the answer comes later nothing is returned, and the
-    /// question is kept.
+    /// Asks a policy, or takes the answer from outside. If the answer comes later, nothing is returned and the question
+    /// is kept.
     pub fn ask(
         &mut self,
         policy: Follows,

@@ -1,11 +1,11 @@
-//! The policy that goes where most burns.
+//! The policy of the largest cluster of fires.
 
 use super::nearest::by_distance;
 use super::{AgentView, Observation, Rule};
 use wildfire_base::geometry::Cell;
 use wildfire_fire::FireField;
 
-/// The nearest cell of the largest cluster of burning cells, and of clusters of one size.
+/// Chooses the nearest cell of the largest cluster of burning cells, also among clusters of equal size.
 #[derive(Clone, Copy, Debug)]
 pub struct LargestCluster;
 
@@ -18,7 +18,7 @@ impl Rule for LargestCluster {
     }
 }
 
-/// Counts, by cell index, how many burning cells are connected to a burning cell over sides and corners.
+/// Counts, by cell index, the burning cells that are connected to a burning cell over sides and corners.
 pub fn cluster_sizes(fires: &FireField) -> Vec<u32> {
     let frame = fires.frame();
     let mut sizes = vec![0; frame.cell_count()];

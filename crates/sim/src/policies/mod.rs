@@ -1,4 +1,4 @@
-//! Who goes where: policies, each for all agents that follow it.
+//! Policies: they decide where the agents that follow them go.
 //!
 //! A [`Policy`] is asked about agents that are free, or that may think better of where they go, at one instant, and sees
 //! the state of that instant. It may choose for all of them together, for some, whose choices are carried out before the
@@ -34,29 +34,29 @@ pub use following::{Following, Follows, Inquiry, OwnAsks, Question};
 pub use largest_cluster::cluster_sizes;
 pub use registry::{BuiltIn, MakePolicy, NamedPolicy, Policies, PolicyNameError, PolicySite, RuleSite};
 
-/// What an agent is to do.
+/// A choice for an agent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Choice {
-    /// It goes for this cell, which is one of its options.
+    /// The agent goes for this cell, which is one of its options.
     Go(Cell),
-    /// A truck goes for whichever of its options is the nearest by drive, as its planner finds. One that has a goal keeps it,
-    /// and a Wumpus waits.
+    /// A truck goes for the option that its planner finds to be nearest by drive. A truck with a goal keeps it, and a
+    /// Wumpus waits.
     GoToNearest,
-    /// A truck of a [team](Asking::Team) drives to this place, in metres in the frame of the field, and waits there; it may
-    /// be called off on the way. One that has a goal drops it. Any other agent waits.
+    /// A truck of a [team](Asking::Team) drives to this place, in metres in the frame of the field, and waits there; it
+    /// may be redirected while driving. A truck with a goal drops it. Any other agent waits.
     Move(DVec2),
-    /// A truck fills its tank, or drives to water. One that has a goal drops it. Where water does not matter, and for any
-    /// other agent, it is [`Self::Wait`].
+    /// A truck fills its tank, or drives to water. A truck with a goal drops it. Where water does not matter, and for
+    /// any other agent, this is [`Self::Wait`].
     Refill,
-    /// It stays where it is, or keeps its goal, until something wakes it.
+    /// The agent stays where it is, or keeps its goal, until something wakes it.
     Wait,
-    /// It does the same, but decides again at this time at the latest; of an agent that has a goal, until something wakes
-    /// it. An instant that is not at least a tenth of a second ahead is put off to there.
+    /// The agent does the same, but decides again at this time at the latest; an agent with a goal waits until
+    /// something wakes it. An instant less than a tenth of a second ahead is postponed to there.
     WaitUntil(SimTime),
 }
 
 impl Choice {
-    /// Says whether an agent that has these options goes for one of them.
+    /// Returns true if an agent with these options goes for one of them.
     pub fn is_one_of(self, options: &[Cell]) -> bool {
         match self {
             Self::Go(cell) => options.contains(&cell),
@@ -65,7 +65,7 @@ impl Choice {
         }
     }
 
-    /// Returns when an agent that waits decides again, if nothing wakes it before.
+    /// Returns when a waiting agent decides again if nothing wakes it before.
     pub fn until(self) -> Option<SimTime> {
         match self {
             Self::WaitUntil(time) => Some(time),
@@ -78,20 +78,20 @@ impl Choice {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AgentView {
     pub id: AgentId,
-    /// The middle of its body, in metres.
+    /// The centre of its body, in metres.
     pub place: DVec2,
-    /// Of a truck's rear axle; of a Wumpus the middle of its body, and where it faces.
+    /// The pose of a truck's rear axle, or of a Wumpus's centre with the direction that it faces.
     pub pose: Pose,
     pub activity: Activity,
     /// The cell that it goes for.
     pub goal: Option<Cell>,
-    /// The place that it was sent to, if it is on its way there or waits there.
+    /// The place that it was sent to, if it is driving there or waits there.
     pub post: Option<DVec2>,
-    /// The stops that the water in its tank suffices for; `None` where water does not matter.
+    /// The number of stops that the water in its tank lasts for; `None` where water does not matter.
     pub stops_left: Option<u32>,
-    /// When it can set out for something else: now, unless it has to end something first.
+    /// The time at which it can set out for something else: now, unless it has to finish something first.
     pub free_at: SimTime,
-    /// Where the middle of its body is then.
+    /// The centre of its body at that time.
     pub free_place: DVec2,
 }
 
@@ -101,16 +101,16 @@ pub struct Observation<'a> {
     pub fires: &'a FireField,
     /// All agents of the run, by name.
     pub agents: &'a [AgentView],
-    /// Of agents that are asked.
+    /// The options of the agents that are asked.
     pub options_of: &'a dyn OptionsOf<AgentId>,
 }
 
-/// Answers for the options of agents. A closure that lists them is one.
+/// Lists the options of agents. A closure that lists them will do.
 pub trait OptionsOf<Id> {
     /// Lists the options of an agent by cell index.
     fn list(&self, agent: Id) -> Vec<Cell>;
 
-    /// Says whether a cell is one of them, without listing the others where there may be many.
+    /// Returns whether a cell is one of them, without listing the others where there may be many.
     fn contains(&self, agent: Id, cell: Cell) -> bool {
         self.list(agent).contains(&cell)
     }
@@ -129,38 +129,38 @@ impl fmt::Debug for Observation<'_> {
 }
 
 impl Observation<'_> {
-    /// Returns the cells that an agent who is asked may go for, by cell index: for a truck what burns, is not another
-    /// truck's goal and is not known to be out of its reach; for a Wumpus what it can approach and light.
+    /// Returns the cells that an asked agent may go for, by cell index: for a truck, fires that are not another truck's
+    /// goal and not known to be unreachable; for a Wumpus, what it can approach and light.
     pub fn options(&self, agent: AgentId) -> Vec<Cell> {
         self.options_of.list(agent)
     }
 
-    /// Says whether an agent who is asked may go for a cell of the field. Where it may go for most of a large field this
-    /// takes far less time than to list its options.
+    /// Returns true if an asked agent may go for a cell of the field. If it may go for most of a large field, this is
+    /// much faster than listing its options.
     pub fn is_option(&self, agent: AgentId, cell: Cell) -> bool {
         self.options_of.contains(agent, cell)
     }
 }
 
-/// Whom a policy is asked about, and when.
+/// The agents that a policy is asked about, and when.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Asking {
-    /// Agents that have something to choose from, as soon as one of them is free.
+    /// Agents that have options, as soon as one of them is free.
     Each,
-    /// All trucks of a team that are free or on their way to a place, whenever a fire begins or ends, also if nothing is
-    /// left to go for. Their options are not those that the others had, but those that the others keep.
+    /// All trucks of a team that are free or driving to a place to wait, whenever a fire begins or ends, even if
+    /// nothing is left to go for. Goals of asked trucks count as options, those that other trucks keep do not.
     Team {
         /// True if trucks that are under way to a fire are asked too.
         replans: bool,
     },
 }
 
-/// Notes on an ask of a policy that is not built in.
+/// Notes on a question to a policy that is not built in.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct AskReport {
-    /// Why there was no answer, and words about it. Agents wait then.
+    /// The reason for a missing answer, with a message. The agents then wait.
     pub failure: Option<(PlanFailure, String)>,
-    /// Words about an answer that nobody could carry out.
+    /// A message about an answer that nobody could carry out.
     pub illegal: Option<String>,
     /// CPU time of other processes.
     pub elsewhere: Duration,
@@ -193,7 +193,7 @@ pub trait Rule: Send + Sync {
     fn best(&mut self, seen: &Observation<'_>, agent: &AgentView, options: &[Cell]) -> Option<Cell>;
 }
 
-/// A rule for one agent as a policy: each agent chooses when those before it have acted.
+/// A rule for one agent as a policy: each agent chooses after those before it have acted.
 #[derive(Clone, Copy, Debug)]
 pub struct OneByOne<R>(pub R);
 

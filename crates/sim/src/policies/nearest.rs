@@ -16,7 +16,7 @@ pub fn by_distance(seen: &Observation<'_>, place: DVec2) -> impl Fn(&Cell, &Cell
     move |a, b| squared_m(a).total_cmp(&squared_m(b))
 }
 
-/// The nearest: of what burns for a truck, of what can be lit for a Wumpus.
+/// Chooses the nearest: of fires for a truck, of what can be lit for a Wumpus.
 #[derive(Clone, Copy, Debug)]
 pub struct Nearest;
 
@@ -26,7 +26,7 @@ impl Rule for Nearest {
     }
 }
 
-/// What has burned for longest, and the nearest of what ignited together.
+/// Chooses the fire that has burned longest; of those that ignited together, the nearest.
 #[derive(Clone, Copy, Debug)]
 pub struct Oldest;
 
@@ -41,7 +41,7 @@ impl Rule for Oldest {
     }
 }
 
-/// What is farthest from the truck that is nearest to it; the nearest where there are no trucks.
+/// Chooses the option that is farthest from the truck nearest to it; the nearest option if there are no trucks.
 #[derive(Clone, Copy, Debug)]
 pub struct FarthestFromTruck;
 

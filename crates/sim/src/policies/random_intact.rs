@@ -1,4 +1,4 @@
-//! The arsonist's policy of chance: a random bush.
+//! The arsonist's random policy: any bush that it can light.
 //!
 //! Each Wumpus goes through one permutation of all bushes, from its own random stream, and takes the first that is an
 //! option, from where it last found one. That is the law of a fresh draw, but two planners on one seed meet the same
@@ -13,7 +13,7 @@ use wildfire_base::geometry::Cell;
 use wildfire_base::rng::{self, ShuffledPrefix};
 use wildfire_timeline::AgentId;
 
-/// A random one of its options.
+/// Chooses a random option.
 #[derive(Debug)]
 pub struct RandomIntact {
     bushes: Vec<Cell>,

@@ -1,4 +1,4 @@
-//! Policies by name: the built-in rules, and what whoever runs the program hands in.
+//! Policies by name: the built-in rules, and those that are registered.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -20,20 +20,20 @@ use wildfire_base::time::SimTime;
 use wildfire_planning::{MakeError, PlannerName};
 use wildfire_timeline::AgentId;
 
-/// What a policy is made for: the agents that follow it in one run.
+/// The context for which a policy is made: the agents that follow it in one run.
 pub struct PolicySite<'a> {
     pub name: &'a PlannerName,
     /// The scenario's name.
     pub scenario: &'a str,
     pub seed: u64,
-    /// When the run ends at the latest.
+    /// The latest end of the run.
     pub duration: SimTime,
     pub frame: FieldFrame,
     /// The cells on which a bush grows, by cell index.
     pub bushes: &'a [Cell],
     /// All agents of the run, by name.
     pub agents: &'a [AgentId],
-    /// Those that follow the policy, by name.
+    /// The agents that follow the policy, by name.
     pub plays: &'a [AgentId],
     /// The `settings` of the scenario's table `[policy.NAME]`, or null.
     pub own: &'a serde_json::Value,
@@ -41,7 +41,7 @@ pub struct PolicySite<'a> {
     pub stream: &'a dyn Fn(&str) -> Xoshiro256PlusPlus,
 }
 
-/// Makes policies of one name. A closure from a [`PolicySite`] to a policy is one.
+/// Makes policies of one name. A closure from a [`PolicySite`] to a policy will do.
 pub trait MakePolicy: Send + Sync {
     /// Makes a policy for one run.
     ///
@@ -59,18 +59,18 @@ where
     }
 }
 
-/// What built-in policies are made for.
+/// The context for which built-in policies are made.
 #[derive(Clone, Copy, Debug)]
 pub struct RuleSite<'a> {
     pub frame: &'a FieldFrame,
     /// The cells that Wumpuses may light, by cell index.
     pub lightable: &'a [Cell],
-    /// How far fire goes from a bush, metres.
+    /// The spread radius of a bush, in metres.
     pub spread_m: f64,
     pub seed: u64,
 }
 
-/// The built-in policies, by what scenarios call them.
+/// The built-in policies, by their names in scenarios.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BuiltIn {
     NearestBurning,
@@ -134,21 +134,21 @@ impl BuiltIn {
     }
 }
 
-/// Why a policy cannot have a name.
+/// The reason why a policy cannot have a name.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum PolicyNameError {
-    /// It has another form.
+    /// The name has another form.
     #[error("a name is 1 to 40 of `a-z 0-9 + - _ .`, a letter first")]
     Malformed,
-    /// A built-in policy of trucks or of Wumpuses has it.
+    /// A built-in policy of trucks or of Wumpuses has this name.
     #[error("`{0}` is the name of a built-in policy")]
     BuiltIn(String),
-    /// Another policy has it.
+    /// Another policy has this name.
     #[error("two policies cannot both be called `{0}`")]
     Taken(String),
 }
 
-/// Policies by name, beside the built-in ones, which are always known.
+/// Policies by name, besides the built-in ones, which are always known.
 #[derive(Clone, Default)]
 pub struct Policies {
     own: BTreeMap<PlannerName, Arc<dyn MakePolicy>>,
@@ -171,7 +171,7 @@ impl Policies {
         Ok(self)
     }
 
-    /// Lists the names of those that are not built in.
+    /// Lists the names of the policies that are not built in.
     pub fn own_names(&self) -> impl Iterator<Item = &PlannerName> {
         self.own.keys()
     }

@@ -1,5 +1,5 @@
-//! A truck's decision: it asks its policy for a fire until it can set out for one, has to wait for other trucks, or finds
-//! nothing more to go for.
+//! A truck's decision: it asks its policy for a fire until it can set out for one, has to wait for other trucks, or has
+//! no option left.
 
 use std::time::Duration;
 
@@ -27,7 +27,7 @@ use wildfire_timeline::{AgentFact, RestReason};
 /// Of its options a truck that goes to the nearest by drive looks at this number of the nearest in a straight line.
 const MOST_GOALS: usize = 6;
 
-/// A decision that is not yet made.
+/// A decision in progress.
 #[derive(Clone, Debug)]
 pub struct Deliberation {
     /// Of the agent that began it.
@@ -36,32 +36,32 @@ pub struct Deliberation {
     activity: Activity,
     /// The drives that were blocked when it decided last; it has not moved since.
     before: Vec<Blocked>,
-    /// The drives that are blocked now, best first.
+    /// The drives that are blocked at present, best first.
     pub blocked: Vec<Blocked>,
     /// Effort of plans that other trucks were in the way of.
     spent: Effort,
     /// What the agent's plans had cost before.
     cpu: Duration,
-    /// Planning time of its team that it waits for before it sets out.
+    /// The planning time of its team that delays its departure.
     pub delay: SimTime,
 }
 
-/// What comes of a choice.
+/// The result of a choice.
 pub enum Conclusion {
     SetsOut(Drive, Trajectory),
     Relocates(Relocation),
-    /// Planning time is charged for a plan that failed.
+    /// Planning time of a failed plan is charged.
     Thinks,
-    /// Others are in its way; never empty.
+    /// Other trucks block its drives; never empty.
     Waits(Vec<Blocked>),
     Rests(RestReason),
-    /// Its policy wants it to stay where it is, until something wakes it or until this time.
+    /// The policy wants it to stay where it is, until something wakes it or until this time.
     Stays(Option<SimTime>),
-    /// It fills its tank until then.
+    /// The truck fills its tank until then.
     Refills(SimTime),
 }
 
-/// A drive to a place where a truck is to wait.
+/// A drive to a place where a truck will wait.
 #[derive(Debug)]
 pub struct Relocation {
     pub place: DVec2,
@@ -70,16 +70,16 @@ pub struct Relocation {
     pub found_by: FoundBy,
 }
 
-/// How a decision has ended.
+/// The end of a decision.
 pub struct Concluded {
-    /// Whether it set out, or plans on.
+    /// True if it set out, or continues planning.
     pub has_new_plans: bool,
-    /// What it did before the decision, and does now.
+    /// Its activities before and after the decision.
     pub was: Activity,
     pub is: Activity,
 }
 
-/// What decisions are made with, besides the trucks and the fires.
+/// The resources of decisions, besides the trucks and the fires.
 #[derive(SystemParam)]
 pub struct DecisionBooks<'w, 's> {
     pub following: ResMut<'w, Following>,
@@ -156,7 +156,7 @@ impl Fleet<'_, '_> {
         fires.burning().filter(|cell| !claimed.contains(cell)).collect()
     }
 
-    /// Lists what a truck may go for; the goals of `askers`, it among them, are nobody's.
+    /// Lists what a truck may go for; goals of the trucks in `askers`, including itself, count as free.
     pub fn options(&self, entity: Entity, askers: &[Entity], fires: &FireField) -> Vec<Cell> {
         let (agent, truck) = self.trucks.one(entity);
         truck.options(agent, self.unclaimed(askers, fires).into_iter())
@@ -218,7 +218,7 @@ impl Fleet<'_, '_> {
         }
     }
 
-    /// Plans a drive to a goal and sets out for it. Returns `None` if that fails and another goal is to be tried.
+    /// Plans a drive to a goal and sets out. Returns `None` if that fails and another goal has to be tried.
     pub fn try_goal(&mut self, entity: Entity, goal: Cell, fires: &FireField) -> Option<Conclusion> {
         let (now, reservations) = (self.now(), self.reservations());
         let (mut agent, mut truck) = self.trucks.one_mut(entity);
@@ -260,8 +260,8 @@ impl Fleet<'_, '_> {
         conclusion
     }
 
-    /// Plans a drive to the option that is the nearest by drive and sets out for it. Returns `None` if that fails and another
-    /// goal is to be tried.
+    /// Plans a drive to the option that is nearest by drive and sets out. Returns `None` if that fails and another goal
+    /// has to be tried.
     pub fn try_nearest(&mut self, entity: Entity, options: &[Cell], fires: &FireField) -> Option<Conclusion> {
         let (now, reservations) = (self.now(), self.reservations());
         let (mut agent, mut truck) = self.trucks.one_mut(entity);
@@ -290,7 +290,7 @@ impl Fleet<'_, '_> {
         self.try_goal(entity, first, fires)
     }
 
-    /// Nothing is left to try: the truck looks for a way round those in its way, waits for them, or rests.
+    /// Ends a search without options: the truck looks for a drive around those that block it, waits for them, or rests.
     pub fn stop_looking(&mut self, entity: Entity, fires: &FireField) -> Conclusion {
         let nothing_burns = self.unclaimed(&[entity], fires).is_empty();
         let (now, reservations) = (self.now(), self.reservations());
@@ -357,7 +357,7 @@ impl Fleet<'_, '_> {
     }
 }
 
-/// Trucks whose turn it is go where their policies say, keep the goals that they have, wait for other trucks, or rest.
+/// Lets trucks whose turn it is follow their policies, keep their goals, wait for other trucks, or rest.
 pub fn decide(mut fleet: Fleet, fires: Res<Fires>, mut books: DecisionBooks) {
     let (now, fires) = (fleet.now(), &fires.field);
     while let Some(wake) = fleet.queue.next_for(now, AgentEvent::Decision, |entity| fleet.trucks.contains(entity)) {

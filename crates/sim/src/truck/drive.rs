@@ -1,4 +1,4 @@
-//! How a truck gets to a goal: by its planner, by what the reachability flood knows, or round the trucks in its way.
+//! How a truck gets to a goal: by its planner, by the reachability flood, or around the trucks that block it.
 
 use super::Truck;
 use crate::recorder::Recorder;
@@ -20,25 +20,25 @@ const BACKED_OUT_LEGS: usize = 8;
 /// Where a scenario has no rule of distance, the flood still drives this near to the fire: the contest's reach.
 const REACH_WITHOUT_RULE_M: f64 = 10.0;
 
-/// A drive that is planned, except for its time.
+/// A planned drive without a departure time.
 #[derive(Clone, Debug)]
 pub struct Drive {
     pub goal: Cell,
     pub path: Path,
-    /// Metres of the path that lead back over the truck's tracks.
+    /// The metres of the path that lead back over the truck's tracks.
     pub back_m: f64,
     pub effort: Effort,
     pub found_by: FoundBy,
 }
 
 impl Drive {
-    /// Returns true if the planner had failed on the goal, and the reachability flood led to the drive.
+    /// Returns true if the planner had failed on the goal and the drive comes from the reachability flood.
     pub fn is_by_flood(&self) -> bool {
         self.found_by.is_after_failure()
     }
 }
 
-/// A drive that another truck is in the way of.
+/// A drive that another truck blocks.
 #[derive(Clone, Debug)]
 pub struct Blocked {
     pub drive: Drive,
@@ -46,20 +46,20 @@ pub struct Blocked {
 }
 
 impl Blocked {
-    /// Returns where it would go, and who is in the way.
+    /// Returns its goal, and the truck that blocks it.
     pub fn reason(&self) -> (Cell, AgentId) {
         (self.drive.goal, self.by)
     }
 }
 
-/// Where a truck that plans stands, and on what.
+/// The position and the field from which a truck plans.
 #[derive(Clone, Copy, Debug)]
 pub struct Outset<'a> {
     pub now: SimTime,
     pub pose: Pose,
     pub frame: &'a FieldFrame,
     pub traffic: Traffic<'a>,
-    /// Planning time of its team that it waits for before it sets out.
+    /// The planning time of its team that delays its departure.
     pub delay: SimTime,
 }
 
@@ -68,7 +68,7 @@ impl Truck {
         GoalDisc { centre: frame.centre(cell), radius_m: self.reach_m }
     }
 
-    /// Plans a drive to a goal, or says why there is none and what that took.
+    /// Plans a drive to a goal, or returns why there is none and what that took.
     ///
     /// `spent` is the effort so far of this decision's plans that other trucks were in the way of; it is passed on.
     pub fn plan(
@@ -84,7 +84,7 @@ impl Truck {
         Ok(Drive { goal, path, back_m: 0.0, effort: *spent, found_by })
     }
 
-    /// Plans a drive to whichever of some goals is the nearest by drive, on the same terms. `None` if there is no way to any.
+    /// Plans a drive to whichever of some goals is nearest by drive, likewise. `None` if no path leads to any.
     pub fn plan_to_nearest(
         &mut self,
         goals: &[Cell],
@@ -100,7 +100,7 @@ impl Truck {
         Some(Drive { goal: goals[index], path, back_m: 0.0, effort: *spent, found_by })
     }
 
-    /// Asks the planner for a path to a disc, on the same terms.
+    /// Asks the planner for a path to a disc, likewise.
     pub fn query(
         &mut self,
         disc: GoalDisc,
@@ -114,7 +114,7 @@ impl Truck {
         settle(plan, monitor, outset.now, spent, cost, recorder).map_err(|reason| (reason, std::mem::take(spent)))
     }
 
-    /// Finds a drive to a goal that the planner failed on; `None` if the reachability flood does not get there.
+    /// Finds a drive to a goal that the planner failed on; `None` if the reachability flood does not reach it.
     pub fn plan_by_flood(&mut self, goal: Cell, outset: Outset<'_>, cost: &mut AgentCost) -> Option<Drive> {
         let mut stopwatch = CpuStopwatch::start();
         let drive = self.find_by_flood(goal, outset, cost);
@@ -154,7 +154,7 @@ impl Truck {
         Some(Drive { goal, path, back_m, effort, found_by: FoundBy::WayHome })
     }
 
-    /// Returns the drive with its leg, as soon as the other trucks allow.
+    /// Returns the drive with its leg, which begins as soon as the other trucks allow.
     pub fn depart(&self, drive: Drive, outset: Outset<'_>) -> Result<(Drive, Trajectory), Blocked> {
         let ready = outset.now + outset.delay + self.charge(&drive.effort);
         let leg = Trajectory::from_path(&drive.path, ready, self.speed);
@@ -164,7 +164,7 @@ impl Truck {
         }
     }
 
-    /// Finds a drive to the same goal round the trucks that are in the way.
+    /// Finds a drive to the same goal around the trucks that block it.
     pub fn replan_around(
         &mut self,
         blocked: &Drive,

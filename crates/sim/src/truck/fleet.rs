@@ -1,4 +1,4 @@
-//! The trucks together: what their systems work on, and how a change of one concerns the others.
+//! The trucks together: the data of their systems, and how a change of one affects the others.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
@@ -32,7 +32,7 @@ impl Trucks<'_, '_> {
         self.0.iter().map(|(agent, _)| agent)
     }
 
-    /// Returns a truck by its entity. What is no truck here has no business with trucks: a fault of the program.
+    /// Returns a truck by its entity. An entity that is no truck is a bug.
     pub fn one(&self, truck: Entity) -> (&Agent, &Truck) {
         self.0.get(truck).expect("the entity is a truck")
     }
@@ -42,7 +42,7 @@ impl Trucks<'_, '_> {
     }
 }
 
-/// All trucks, and the books in which they write.
+/// All trucks, and the records that they write.
 #[derive(SystemParam)]
 pub struct Fleet<'w, 's> {
     clock: Res<'w, SimClock>,
@@ -77,7 +77,7 @@ impl Fleet<'_, '_> {
         others.filter_map(|entity| self.trucks.one(entity).0.goal).collect()
     }
 
-    /// Lists where all trucks are and will be; nothing of a truck alone, because nobody is there whom it concerns.
+    /// Lists the present and future positions of all trucks; empty for a single truck, which concerns nobody.
     pub fn reservations(&self) -> Vec<Reservation> {
         let trucks = self.entities().map(|entity| {
             let (agent, truck) = self.trucks.one(entity);
@@ -87,12 +87,12 @@ impl Fleet<'_, '_> {
         if self.trucks.count() > 1 { trucks.collect() } else { Vec::new() }
     }
 
-    /// A fire has become free: trucks that rest or are blocked look again.
+    /// Wakes trucks that rest or are blocked, because a fire has become free.
     pub fn wake_resting(&mut self, except: Entity) {
         self.wake_trucks(except, |activity| matches!(activity, Activity::Resting(_) | Activity::Blocked));
     }
 
-    /// A truck has changed its way, or stands for longer: those that are blocked look again.
+    /// Wakes trucks that are blocked, because a truck has changed its path or stands longer.
     pub fn wake_blocked(&mut self, except: Entity) {
         self.wake_trucks(except, |activity| activity == Activity::Blocked);
     }
@@ -118,7 +118,7 @@ impl Fleet<'_, '_> {
         agent.set_out(entity, self.clock.0, (goal, leg), AgentEvent::Arrival, &mut self.queue);
     }
 
-    /// Lets a truck without a goal drive aside for another one.
+    /// Lets a truck without a goal move aside for another truck.
     pub fn give_way(&mut self, entity: Entity, to: AgentId, way: Trajectory) {
         let (mut agent, mut truck) = self.trucks.one_mut(entity);
         truck.blocked.clear();
@@ -130,7 +130,7 @@ impl Fleet<'_, '_> {
         agent.reconsider(entity, arrives, &mut self.queue);
     }
 
-    /// Lets a truck on its way to a place stop where it blocks nobody.
+    /// Lets a truck that drives to a place to wait stop where it blocks nobody.
     pub fn halt(&mut self, entity: Entity) {
         let reservations = self.reservations();
         let (mut agent, truck) = self.trucks.one_mut(entity);
@@ -149,7 +149,7 @@ impl Fleet<'_, '_> {
     }
 }
 
-/// Trucks whose fire is over decide again: where they stand, or where they come to stand.
+/// Lets trucks whose fire is over decide again: where they stand, or where they come to stand.
 pub fn lose_goal(mut fleet: Fleet) {
     while let Some(wake) = fleet.take(AgentEvent::GoalLost) {
         let (mut agent, _) = fleet.trucks.one_mut(wake.agent);
@@ -191,7 +191,8 @@ impl Stop {
     }
 }
 
-/// Dwells that end put fires out. All that end at one instant count, even if one of them takes another's fire.
+/// Extinguishes the fires of dwells that end. All that end at one instant count, even if one of them takes another's
+/// fire.
 pub fn end_dwell(mut fleet: Fleet, fires: Res<Fires>) {
     let now = fleet.now();
     let mut stops = Vec::new();
@@ -228,7 +229,7 @@ pub fn end_dwell(mut fleet: Fleet, fires: Res<Fires>) {
     }
 }
 
-/// Trucks that arrived begin to suppress.
+/// Lets trucks that arrived begin to suppress.
 pub fn arrive(mut fleet: Fleet) {
     let now = fleet.now();
     while let Some(wake) = fleet.take(AgentEvent::Arrival) {

@@ -1,4 +1,4 @@
-//! The fire truck: the drive to a fire, and the dwell that puts it out.
+//! The fire truck: the drive to a fire, and the dwell that extinguishes it.
 //!
 //! A goal whose plan fails is set aside while it burns. If the scenario lets the truck be rescued, it is tried again when
 //! nothing else is left: then the reachability flood answers, and where
@@ -39,7 +39,7 @@ use decision::Deliberation;
 use team::ClosedPost;
 use tracks::Tracks;
 
-/// Trucks drive and put fires out.
+/// The plugin in which trucks drive and extinguish fires.
 #[derive(Debug)]
 pub struct TruckPlugin;
 
@@ -50,7 +50,7 @@ impl Plugin for TruckPlugin {
     }
 }
 
-/// A truck's rules, its planners, and what it knows.
+/// A truck's rules, planners and knowledge.
 #[derive(Component)]
 pub struct Truck {
     pub body: Dimensions,
@@ -74,7 +74,8 @@ pub struct Truck {
     pub checker: CollisionChecker,
     /// What it tries before it waits for others.
     traffic: TrafficRules,
-    /// What it would do if other trucks were not in the way, best first. Plans are kept, because it stays in place.
+    /// The drives that it would take if no other trucks blocked them, best first. Plans are kept, because it stays in
+    /// place.
     pub blocked: Vec<Blocked>,
     deliberation: Option<Deliberation>,
     /// The rules of water, if there are any.
@@ -84,7 +85,7 @@ pub struct Truck {
 }
 
 impl Truck {
-    /// Returns the planning time that is charged.
+    /// Returns the planning time charged for an effort.
     pub fn charge(&self, effort: &Effort) -> SimTime {
         let Charge { roadmap_s, local_s } = self.charge;
         let seconds = roadmap_s * f64::from(effort.roadmap_expansions) + local_s * f64::from(effort.local_expansions);

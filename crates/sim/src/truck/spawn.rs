@@ -18,7 +18,7 @@ use wildfire_planning::reachability::Reachability;
 use wildfire_planning::{BuildReport, QueryMonitor};
 use wildfire_timeline::{AgentFact, AgentId, AgentStart, Body};
 
-/// Puts a truck on the free pose that is nearest to its start and builds its planner.
+/// Places a truck on the free pose that is nearest to its start and builds its planner.
 pub fn spawn(
     world: &mut World,
     arena: &Arena<'_>,

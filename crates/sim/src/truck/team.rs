@@ -1,4 +1,5 @@
-//! Decisions of a team: its policy chooses for all trucks that are asked at one instant, and they carry it out together.
+//! Decisions of a team: its policy chooses for all trucks that are asked at one instant, and they carry the choices out
+//! together.
 //!
 //! First those that are under way and are to go elsewhere stop, so that what they went for is free; then those that stand
 //! set out, smaller numbers first. A truck that stops at once, or finds no path to its goal, is asked again at the
@@ -29,7 +30,7 @@ const POST_RADIUS_M: f64 = 10.0;
 /// How long a truck does not try again to set out for a place that others are in the way to.
 const PATIENCE: SimTime = SimTime::from_nanos(10_000_000_000);
 
-/// A place that a truck found no way to.
+/// A place to which a truck found no path.
 #[derive(Clone, Copy, Debug)]
 pub struct ClosedPost {
     from: Pose,
@@ -221,7 +222,7 @@ impl Fleet<'_, '_> {
         self.drive_to(entity, GoalDisc { centre: place, radius_m: POST_RADIUS_M }, fires)
     }
 
-    /// Plans a truck's drive to a place without a fire. It stays where it is if it finds no way or others are in it.
+    /// Plans a truck's drive to a place without a fire. The truck stays if there is no path or others block it.
     pub fn drive_to(&mut self, entity: Entity, disc: GoalDisc, fires: &FireField) -> Conclusion {
         let (now, reservations) = (self.now(), self.reservations());
         let (mut agent, mut truck) = self.trucks.one_mut(entity);
@@ -260,7 +261,8 @@ impl Fleet<'_, '_> {
 }
 
 impl Truck {
-    /// Returns until when a truck does not try again to get from where it stands to a place, if it has tried.
+    /// Returns the time until which a truck does not try again to drive from where it stands to a place, if it has
+    /// tried.
     pub fn closed_until(&self, from: Pose, to: DVec2, now: SimTime) -> Option<SimTime> {
         let is_meant = |closed: &&ClosedPost| closed.from == from && (closed.to - to).length() <= AS_GOOD_M;
         self.closed_posts.iter().filter(is_meant).map(|closed| closed.until).filter(|&until| until > now).max()

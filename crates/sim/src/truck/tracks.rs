@@ -1,4 +1,4 @@
-//! The way from a truck's start to where it stands.
+//! The tracks of a truck: its path from the start to where it stands.
 //!
 //! Where nothing else leads on, a truck drives back the way it came. What it has driven back is no longer part of its
 //! tracks, so that the way back does not grow however often that happens.
@@ -19,12 +19,12 @@ impl Tracks {
         self.legs.len()
     }
 
-    /// Returns where the last `legs` began; there must be as many, and one at least.
+    /// Returns where the last `legs` began; there must be at least one leg, and that many.
     pub fn start_of_last(&self, legs: usize) -> Pose {
         self.legs[self.legs.len() - legs].start
     }
 
-    /// Returns a path from `pose`, the present one, back over the last `legs` and then along `then`, and how many of its
+    /// Returns a path from the present `pose` back over the last `legs` and then along `then`, and how many of its
     /// metres lead back.
     pub fn lead_back(&self, pose: Pose, legs: usize, then: Path) -> (Path, f64) {
         let back: Vec<Segment> = self.legs.iter().rev().take(legs).flat_map(|leg| leg.reversed().segments).collect();
@@ -37,7 +37,7 @@ impl Tracks {
         self.leading_back_m = back_m;
     }
 
-    /// Takes in the leg as it was driven; `None` if the truck never moved.
+    /// Adds the leg as it was driven; `None` if the truck never moved.
     pub fn record(&mut self, driven: Option<Path>) {
         let leading_back_m = std::mem::take(&mut self.leading_back_m);
         let Some(driven) = driven else { return };

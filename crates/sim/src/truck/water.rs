@@ -1,4 +1,4 @@
-//! A truck's tank: the drive to water, and filling up.
+//! A truck's tank: the drive to water, and the refill.
 //!
 //! A truck whose tank does not suffice for a stop has nothing that it may go for, and drives to water by itself, whatever
 //! its policy says. Its policy may send it there before.
@@ -19,12 +19,12 @@ const PLACES_TRIED: usize = 3;
 const WELL_IN_REACH: f64 = 0.9;
 
 impl Fleet<'_, '_> {
-    /// Says whether a truck has too little water for another stop.
+    /// Returns true if a truck has too little water for another stop.
     pub fn is_out_of_water(&self, entity: Entity) -> bool {
         self.trucks.one(entity).0.stops_left == Some(0)
     }
 
-    /// Lets a truck that stands fill its tank, or sends it to the nearest water to which it finds a way.
+    /// Lets a standing truck fill its tank, or sends it to the nearest water that it finds a path to.
     pub fn refill(&mut self, entity: Entity, fires: &FireField) -> Conclusion {
         let now = self.now();
         let (agent, truck) = self.trucks.one(entity);

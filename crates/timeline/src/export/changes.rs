@@ -5,7 +5,7 @@ use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
 use wildfire_fire::BushStateKind;
 
-/// A cell that comes to another state.
+/// A cell that changes its state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CellChange {
     pub time: SimTime,

@@ -1,4 +1,4 @@
-//! A run in the forms that other tools read.
+//! Exports of a run for other tools.
 //!
 //! | form | what it is | for |
 //! |---|---|---|
@@ -28,7 +28,7 @@ pub use object::{schema, write_json};
 pub use sampling::{FINEST_STEP_S, MOST_SAMPLES, Sampling};
 pub use tables::{event_words, ground_event_words, write_events, write_trace};
 
-/// Why a run was not written.
+/// The reason why a run was not written.
 #[derive(Debug, Error)]
 pub enum ExportError {
     #[error("samples need a step of {FINEST_STEP_S} s or more, found {found}")]

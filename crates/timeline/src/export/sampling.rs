@@ -1,16 +1,16 @@
-//! Which moments and agents of a run are sampled.
+//! The sampled times and agents of a run.
 
 use super::ExportError;
 use crate::{AgentId, Setting, Timeline};
 use wildfire_base::time::SimTime;
 
-/// The finest step between samples, in seconds.
+/// The shortest step between samples, in seconds.
 pub const FINEST_STEP_S: f64 = 1e-3;
 
-/// The most samples, of all agents together, that are kept in memory or in one file.
+/// The maximum number of samples, of all agents together, that are kept in memory or in one file.
 pub const MOST_SAMPLES: u64 = 5_000_000;
 
-/// Samples at 0, a step, two steps and so on, and at the end of the run, of all agents or of some.
+/// Samples at 0, at multiples of a step, and at the end of the run, of all or some agents.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sampling {
     step_s: f64,
@@ -46,14 +46,14 @@ impl Sampling {
         if found <= MOST_SAMPLES { Ok(()) } else { Err(ExportError::TooManySamples { found }) }
     }
 
-    /// Multiples of the step, each rounded to the nanosecond, and the end of the run.
+    /// Iterates over multiples of the step, each rounded to the nanosecond, and the end of the run.
     pub fn times(&self) -> impl Iterator<Item = SimTime> + use<> {
         let (step_s, end) = (self.step_s, self.end);
         let multiples = (0_u64..).map(move |k| SimTime::from_seconds(k as f64 * step_s));
         multiples.take_while(move |&time| time < end).chain([end])
     }
 
-    /// The places of the sampled agents in [`Setting::agents`], ascending.
+    /// Returns the places of the sampled agents in [`Setting::agents`], ascending.
     pub fn agents(&self) -> &[usize] {
         &self.agents
     }

@@ -14,7 +14,7 @@ use wildfire_base::trajectory::Trajectory;
 
 const NANOS_PER_SECOND: u64 = 1_000_000_000;
 
-/// Writes one line a fact, in order: `t_s,event,agent,col,row,detail`.
+/// Writes one line per fact, in order: `t_s,event,agent,col,row,detail`.
 ///
 /// What happens to ground is among them, at one instant before the others; its events are `ground-ignited`,
 /// `ground-extinguished` and `wetted`, which may be a bush. `agent` and `col,row` are empty where the fact concerns no agent or no single cell; for plans the cell is the goal.
@@ -47,12 +47,12 @@ fn write_ground_event(table: &mut csv::Writer<impl Write>, event: &GroundEvent) 
     table.write_record([&seconds(event.time), name, &agent, &col, &row, &detail])
 }
 
-/// Returns the word for what happened and its details, as the columns `event` and `detail` have them.
+/// Returns the word for a fact and its details, as in the columns `event` and `detail`.
 pub fn event_words(fact: &Fact) -> (&'static str, String) {
     (name(fact), detail(fact))
 }
 
-/// Does the same for what happened to ground.
+/// Returns the word and the details of a change of the ground.
 pub fn ground_event_words(event: &GroundEvent) -> (&'static str, String) {
     match event.fact {
         GroundFact::Ignited(cause) => ("ground-ignited", words_of(cause)),
@@ -70,7 +70,8 @@ fn words_of(cause: Cause) -> String {
     }
 }
 
-/// Writes where every sampled agent is at every sampled time: `t_s,agent,x_m,y_m,heading_rad,speed_mps,activity`.
+/// Writes the position of every sampled agent at every sampled time:
+/// `t_s,agent,x_m,y_m,heading_rad,speed_mps,activity`.
 ///
 /// Poses and activities are those after all facts of the time. The pose is the world frame's, for a truck that of its
 /// rear axle; the speed is never negative.

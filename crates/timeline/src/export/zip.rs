@@ -1,4 +1,4 @@
-//! An archive of files that are stored as they are, which is what `.npz` is.
+//! ZIP archives of uncompressed files, the format of `.npz`.
 //!
 //! Source: PKWARE, "APPNOTE.TXT - .ZIP File Format Specification", version 6.3.10, sections 4.3.7, 4.3.12 and 4.3.16. All
 //! files are of midnight on 1 January 1980, the first time that the format knows, so that equal files give equal archives.
@@ -12,7 +12,7 @@ const END: u32 = 0x0605_4b50;
 const VERSION: u16 = 20;
 const FIRST_DAY: u16 = (1 << 5) | 1;
 
-/// Writes an archive, file by file.
+/// A writer of an archive, file by file.
 pub struct ZipWriter<W> {
     to: W,
     written: u64,

@@ -1,4 +1,4 @@
-//! What every recording promises its readers: finite values, ordered times, cells of the field, bounded counts.
+//! The guarantees of every recording: finite values, ordered times, cells of the field, bounded counts.
 //!
 //! Whether the facts make sense together is not asked here: an audit must be able to read a run that went wrong.
 
@@ -14,23 +14,24 @@ use wildfire_base::trajectory::{Piece, SpeedLimits, Trajectory};
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::{Landscape, Relief, WeatherInterval};
 
-/// Cells along a side of the field.
+/// The maximum number of cells along a side of the field.
 pub const MAX_SIDE: usize = 4096;
-/// Cells of the largest field whose ground burns, as far as recordings hold it.
+/// The maximum number of cells of a field whose ground burns.
 pub const MAX_GROUND_CELLS: usize = 1000 * 1000;
 pub const MAX_AGENTS: usize = 2000;
 pub const MAX_FACTS: usize = 2_000_000;
-/// Pieces of all legs together.
+/// The maximum number of pieces of all legs together.
 pub const MAX_PIECES: usize = 2_000_000;
-/// Cells of all `OutOfReach` facts together.
+/// The maximum number of cells of all `OutOfReach` facts together.
 pub const MAX_CELLS_OUT_OF_REACH: usize = 8_000_000;
-/// Places of all `Searched` facts together, twice of what a run records at most.
+/// The maximum number of places of all `Searched` facts together, twice of what a run records.
 pub const MAX_SEARCH_PLACES: usize = 8_000_000;
-/// Edges of all `Searched` facts together.
+/// The maximum number of edges of all `Searched` facts together.
 pub const MAX_SEARCH_EDGES: usize = 8_000_000;
-/// Facts about the ground: of every cell of the largest such field, and as many again of cells that burn twice or get wet.
+/// The maximum number of facts about the ground: one for every cell of the largest such field, and as many again for
+/// cells that burn twice or get wet.
 pub const MAX_GROUND_FACTS: usize = 2 * MAX_GROUND_CELLS;
-/// Intervals of weather: a year by the hour.
+/// The maximum number of weather intervals: a year by the hour.
 pub const MAX_WEATHER: usize = 10_000;
 pub const MAX_NAME_BYTES: usize = 4096;
 

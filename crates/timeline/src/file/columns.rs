@@ -1,4 +1,4 @@
-//! Columns of numbers that lie close to what can be predicted of them, as recordings hold them.
+//! Columns of numbers near a prediction, as recordings store them.
 //!
 //! A number of the ground, a time at which a cell caught fire or a height, is told by its difference from a prediction out
 //! of the cells to the west and to the south, which are told before it. Of a difference, its length in bits and the bits
@@ -22,7 +22,7 @@ fn unfold(folded: u64) -> u64 {
 /// Writes differences.
 #[derive(Debug, Default)]
 pub struct DifferenceWriter {
-    /// By number: its bits, from its highest one on.
+    /// The bit length of each number.
     pub lengths: Vec<u8>,
     /// The bits below the highest one of each number, the lowest first.
     pub bits: Vec<u8>,
@@ -54,7 +54,7 @@ impl DifferenceWriter {
     }
 }
 
-/// Reads differences, whatever the bytes say.
+/// Reads differences from any bytes.
 #[derive(Debug)]
 pub struct DifferenceReader<'a> {
     lengths: &'a [u8],
@@ -68,7 +68,7 @@ impl<'a> DifferenceReader<'a> {
         Self { lengths, bits, pending: 0, pending_bits: 0 }
     }
 
-    /// Returns the number that was told by its difference from this prediction.
+    /// Returns the next number from its difference to this prediction.
     pub fn next(&mut self, predicted: u64) -> Result<u64, FileError> {
         let (&length, lengths) = self.lengths.split_first().ok_or(TOO_FEW)?;
         self.lengths = lengths;
@@ -94,7 +94,7 @@ impl<'a> DifferenceReader<'a> {
     }
 }
 
-/// Numbers by cell index, as far as they are known, and what they let expect of the next one.
+/// Numbers by cell index, as far as they are known, and the prediction of the next one.
 ///
 /// A smooth surface is locally a plane: a cell is expected where the plane through its neighbours to the west, to the
 /// south and to the south-west has it.
@@ -151,7 +151,7 @@ pub fn write_surface(cols: usize, numbers: impl ExactSizeIterator<Item = f32>) -
     writer.finish()
 }
 
-/// Reads a number for each of so many cells.
+/// Reads a number for each of `cells` cells.
 pub fn read_surface(cols: usize, cells: usize, lengths: &[u8], bits: &[u8]) -> Result<Vec<f32>, FileError> {
     if lengths.len() != cells {
         return Err(TOO_FEW);

@@ -1,4 +1,4 @@
-//! The facts of a run as recordings hold them.
+//! The facts of a run as recordings store them.
 //!
 //! A fact is the number of its kind and its fields, as varints, in which agents and bushes are places in the setting's
 //! lists, and cells without a bush count on after the bushes by their index; then what does not fit a varint: a leg, a list of cells, a graph. Times are differences and numbers of legs
@@ -345,7 +345,7 @@ fn pieces_equal(a: &Piece, b: &Piece) -> bool {
     kind_a == kind_b && a.map(|number| number.map(f64::to_bits)) == b.map(|number| number.map(f64::to_bits))
 }
 
-/// Reads facts, whatever the bytes say.
+/// Reads facts from any bytes.
 pub struct FactReader<'a> {
     setting: &'a Setting,
     now: SimTime,
@@ -378,7 +378,7 @@ impl<'a> FactReader<'a> {
         }
     }
 
-    /// Reads that many facts, which must be all that the bytes hold; their values are still to be checked.
+    /// Reads `count` facts, which must use up all bytes; their values have not been checked yet.
     pub fn read(mut self, count: usize) -> Result<Vec<Event>, FileError> {
         while self.events.len() < count {
             let delay_ns = take(&mut self.delays)?;

@@ -21,7 +21,7 @@ pub fn append_graph(bytes: &mut Vec<u8>, graph: &SearchGraph) {
     }
 }
 
-/// Reads a graph of that many places and edges from the front of some bytes.
+/// Reads a graph of these numbers of places and edges from the front of some bytes.
 pub fn take_graph(bytes: &mut &[u8], places: u32, edges: u32) -> Result<SearchGraph, FileError> {
     let mut graph = SearchGraph::default();
     let mut last = 0_u32;

@@ -1,4 +1,4 @@
-//! What became of the ground, as recordings hold it.
+//! The changes of the ground as recordings store them.
 //!
 //! A fire that runs over a landscape is a million ignitions, and nearly all of them are of one kind: fire comes for the
 //! first time to a cell, from a cell near by. Those are told by cell index and not by time, because times of neighbours
@@ -157,7 +157,7 @@ struct Told {
 }
 
 impl GroundRecord<'_> {
-    /// Returns the log; its values are still to be checked.
+    /// Returns the log; its values have not been checked yet.
     pub fn read(&self, setting: &Setting) -> Result<Vec<GroundEvent>, FileError> {
         let count = self.facts as usize;
         check::limit("facts about the ground", count, check::MAX_GROUND_FACTS)?;

@@ -44,16 +44,16 @@ use super::{Timeline, WaterRules};
 use wildfire_base::input_file;
 use wildfire_base::whole_file::write_whole;
 
-/// Version of the format. Whatever changes what bytes mean gives it a new number.
+/// The version of the format. Any change of the meaning of bytes gets a new number.
 ///
 /// Only this one is read: before the first release nobody is promised more, and the same scenario and seed give the same
 /// run again.
 pub const FORMAT: u16 = 9;
 
-/// The bytes that every recording begins with.
+/// The first bytes of every recording.
 pub const MAGIC: &[u8; 8] = b"WILDFIRE";
 const HEADER_BYTES: usize = 18;
-/// The longest recording.
+/// The maximum size of a recording, in bytes.
 pub const MAX_BYTES: u64 = (HEADER_BYTES + MAX_PAYLOAD_BYTES) as u64;
 /// Largest payload, deflated or not: 32 MiB for facts, and for each cell of the largest field whose ground burns a fuel
 /// of its own, a gradient and two facts about it. With the limits on counts in [`check`] it keeps the memory of reading
@@ -62,7 +62,7 @@ const MAX_PAYLOAD_BYTES: usize = (32 << 20) + 32 * check::MAX_GROUND_CELLS;
 /// The level of deflation up to which an hour's recording takes less than a millisecond; beyond it files shrink by 4 %.
 const DEFLATE_LEVEL: u8 = 3;
 
-/// Why a recording could not be written or read. Messages read well after a file name.
+/// The reason why a recording could not be written or read. Messages read well after a file name.
 #[derive(Debug, Error)]
 pub enum FileError {
     #[error(transparent)]
@@ -87,7 +87,7 @@ pub enum FileError {
 }
 
 impl FileError {
-    /// Returns the kind of error of an input that cannot be read for this reason.
+    /// Returns the kind of error of an unreadable input.
     pub fn kind(&self) -> ErrorKind {
         match self {
             Self::Io(error) => error.kind(),
@@ -121,7 +121,7 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
     Ok(bytes)
 }
 
-/// The bytes of a recording.
+/// Returns the bytes of a recording.
 pub fn encode(timeline: &Timeline) -> Result<Vec<u8>, FileError> {
     check::check(timeline)?;
     let compact = encode_payload(timeline);
@@ -137,7 +137,7 @@ pub fn encode(timeline: &Timeline) -> Result<Vec<u8>, FileError> {
     Ok(bytes)
 }
 
-/// The timeline of a recording's bytes.
+/// Returns the timeline of a recording's bytes.
 pub fn decode(bytes: &[u8]) -> Result<Timeline, FileError> {
     let payload = checked_payload(bytes)?;
     let compact = inflate::decompress_to_vec_with_limit(payload, MAX_PAYLOAD_BYTES)

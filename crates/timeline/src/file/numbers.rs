@@ -1,4 +1,4 @@
-//! Numbers of legs, written in one stream apart from the facts.
+//! The numbers of legs, stored in one stream apart from the facts.
 //!
 //! Most recur (speeds, curvatures, lattice steps) and become short references; those that occur once, mostly lengths,
 //! stand in a list of their own, because mixing incompressible bytes among the others spoils the compression of both.
@@ -14,7 +14,7 @@ const SINGLE: u32 = 0;
 #[derive(Debug, Default)]
 pub struct NumberWriter(Vec<f64>);
 
-/// Numbers as a file holds them.
+/// Numbers as a file stores them.
 #[derive(Debug, Default)]
 pub struct CodedNumbers {
     /// Most frequent first.
@@ -59,7 +59,7 @@ impl NumberWriter {
     }
 }
 
-/// Gives numbers back in the order in which they were collected.
+/// Returns numbers in the order in which they were collected.
 #[derive(Debug)]
 pub struct NumberReader<'a> {
     recurring: &'a [f64],

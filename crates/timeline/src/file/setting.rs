@@ -1,4 +1,4 @@
-//! The setting of a run as recordings hold it.
+//! The setting of a run as recordings store it.
 //!
 //! These types fix the order and the width of what is written, whatever the program's own types become: postcard writes
 //! fields in order, integers as varints, and a variant by its place. New variants come last; a changed one is a new
@@ -57,7 +57,7 @@ enum BodyRecord {
         rear_overhang_m: f64,
         turning_radius_m: f64,
     },
-    /// A truck whose front wheels take their time to turn.
+    /// A truck whose front wheels turn at a limited rate.
     SteeredTruck {
         length_m: f64,
         width_m: f64,
@@ -79,7 +79,7 @@ struct RulesRecord {
     score_truck_extinguished: f64,
 }
 
-/// The part of a setting behind the facts.
+/// The part of a setting that follows the facts.
 #[derive(Serialize, Deserialize)]
 pub struct Supplement {
     /// In the order of the agents; none are there where nothing is known of any.
@@ -243,7 +243,7 @@ impl From<&Setting> for Supplement {
 }
 
 impl SettingRecord {
-    /// The setting with what its supplement adds; its values are still to be checked.
+    /// Returns the setting including its supplement; its values have not been checked yet.
     pub fn into_setting(self, supplement: &Supplement) -> Result<Setting, FileError> {
         let frame = FieldFrame { cols: self.cols, rows: self.rows, cell_m: self.cell_m };
         limit("cells along a side", frame.cols.max(frame.rows).into(), MAX_SIDE)?;
@@ -274,14 +274,14 @@ impl SettingRecord {
     }
 }
 
-/// Returns the index of each cell less that of the one before it.
+/// Returns the differences between the indices of consecutive cells.
 pub fn steps(frame: FieldFrame, cells: &[Cell]) -> Vec<u32> {
     let mut last = 0;
     let indices = cells.iter().map(|&cell| frame.index(cell) as u32);
     indices.map(|index| index - std::mem::replace(&mut last, index)).collect()
 }
 
-/// Returns the cells with these steps between their indices.
+/// Returns the cells with these differences between their indices.
 pub fn cells(frame: FieldFrame, steps: &[u32]) -> Result<Vec<Cell>, FileError> {
     let mut index = 0_usize;
     let cell = |&step: &u32| {

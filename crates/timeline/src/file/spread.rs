@@ -1,4 +1,4 @@
-//! What fire runs over and by which rules, as recordings hold it: see [`super::setting`].
+//! The ground and the rules of fire as recordings store them: see [`super::setting`].
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ use wildfire_fire::{Landscape, Relief, Weather, WeatherInterval};
 const NO_LANDSCAPE: FileError = FileError::Damaged("its landscape does not fit its field");
 const NO_WORD: FileError = FileError::Damaged("a choice of its fire is unknown");
 
-/// The part of a setting that says what fire on the ground does.
+/// The part of a setting about fire on the ground.
 #[derive(Default, Serialize, Deserialize)]
 pub struct GroundSetting {
     /// Index of each blocked cell without a bush, less that of the one before it.
@@ -135,7 +135,7 @@ impl GroundSetting {
         cells(frame, &self.blocked_steps)
     }
 
-    /// Returns how fire goes over ground on this field; values are still to be checked.
+    /// Returns the rules of fire on this field's ground; values have not been checked yet.
     pub fn spread(&self, frame: FieldFrame) -> Result<Option<SpreadSetting>, FileError> {
         let spread = |record: &SpreadRecord| match record {
             SpreadRecord::Rothermel { landscape, weather, rules } => Ok(SpreadSetting::Rothermel {

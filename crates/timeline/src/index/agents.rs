@@ -1,4 +1,4 @@
-//! The agents over a run: numbers and goal of each as steps, its legs, stops and searches.
+//! The agents in the course of a run: numbers and goal of each as steps, its legs, stops and searches.
 //!
 //! Time is added up in whole nanoseconds and becomes seconds once, at the end. A distance is that of the legs before,
 //! and of the present one as far as it was followed.
@@ -18,22 +18,22 @@ use wildfire_base::trajectory::{Piece, Trajectory};
 use super::bushes::BushCounts;
 use super::ground::GroundIndex;
 
-/// The numbers of an agent until some time.
+/// The numbers of an agent up to some time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AgentStats {
     pub activity: Activity,
     /// By activity, in the order of its variants.
     spent: [SimTime; 6],
-    /// Queries for a plan, failed ones included.
+    /// Planner queries, including failed ones.
     pub plans: u32,
     pub failures: u32,
-    /// Index of the fact of the last failure.
+    /// The index of the fact of the last failure.
     pub last_failure: Option<usize>,
     /// Nodes expanded by all queries.
     pub expansions: u64,
-    /// Cells lit, or extinguished, by this agent.
+    /// Cells lit or extinguished by this agent.
     pub cells: u32,
-    /// Driven or walked, in metres.
+    /// The distance driven or walked, in metres.
     pub distance_m: f64,
 }
 
@@ -43,22 +43,22 @@ impl AgentStats {
     }
 }
 
-/// A leg of an agent as long as it was followed.
+/// A leg of an agent, for as long as it was followed.
 #[derive(Clone, Copy, Debug)]
 pub struct FollowedLeg {
     pub from: SimTime,
-    /// When the next one began; [`SimTime::MAX`] of the last one.
+    /// The time at which the next leg began; [`SimTime::MAX`] for the last one.
     pub until: SimTime,
     fact: usize,
 }
 
 impl FollowedLeg {
-    /// The place in [`Timeline::events`] of the fact that it began with.
+    /// Returns the place in [`Timeline::events`] of the fact with which it began.
     pub fn fact(self) -> usize {
         self.fact
     }
 
-    /// The way and the clock of it, from the timeline that it is of.
+    /// Returns its path and clock from the timeline it belongs to.
     pub fn trajectory(self, timeline: &Timeline) -> &Trajectory {
         timeline.events[self.fact].fact.trajectory().expect("legs are facts with a trajectory")
     }
@@ -87,9 +87,9 @@ pub(super) struct AgentHistory {
     /// The first is at zero.
     steps: Vec<Step>,
     pub legs: Vec<FollowedLeg>,
-    /// When it began to suppress which cell.
+    /// The times at which it began to suppress, with the cells.
     pub stops: Vec<(SimTime, Cell)>,
-    /// When it searched, with the place of the fact.
+    /// The times of its searches, with the places of the facts.
     pub searches: Vec<(SimTime, usize)>,
 }
 
@@ -109,7 +109,7 @@ impl AgentHistory {
         Self { steps: vec![first], legs: Vec::new(), stops: Vec::new(), searches: Vec::new() }
     }
 
-    /// Numbers until `time`, which is not after the end.
+    /// Returns the numbers up to `time`, which is not after the end.
     pub fn stats_at(&self, timeline: &Timeline, time: SimTime) -> AgentStats {
         let Step { mut stats, leg, .. } = self.last_step(time).later(time);
         if let Some(leg) = leg {
@@ -118,7 +118,7 @@ impl AgentHistory {
         stats
     }
 
-    /// The state at `time`, which is not after the end.
+    /// Returns the state at `time`, which is not after the end.
     pub fn state_at(&self, timeline: &Timeline, start: &AgentStart, time: SimTime) -> AgentState {
         let &Step { stats, goal, leg, .. } = self.last_step(time);
         let leg = leg.map(|leg| self.legs[leg].trajectory(timeline));
@@ -126,7 +126,7 @@ impl AgentHistory {
         AgentState { id: start.id, pose, speed_mps, activity: stats.activity, goal }
     }
 
-    /// When something about it changed, the start included, ascending.
+    /// Iterates over the times at which something about it changed, including the start, ascending.
     pub fn change_times(&self) -> impl Iterator<Item = SimTime> + '_ {
         self.steps.iter().map(|step| step.time)
     }
@@ -185,7 +185,7 @@ pub(super) struct Surroundings<'a> {
     pub wet_bushes: &'a [usize],
     /// Burning cells that trucks go for, and how many do, which only matter to a truck that stands.
     pub burning_goals: &'a [(Cell, u32)],
-    /// The cell that the agent goes for itself.
+    /// The goal of the agent itself.
     pub own_goal: Option<Cell>,
 }
 
@@ -370,12 +370,12 @@ impl<'a> AgentReader<'a> {
         }
     }
 
-    /// Records that it lit a cell of ground, or put it out.
+    /// Records that it lit or extinguished a cell of ground.
     pub fn record_deed(&mut self, deed: &GroundEvent) {
         self.drive = self.drive.take().filter(|drive| drive.goal != deed.cell);
     }
 
-    /// Records what the agent does from now on, and where it goes.
+    /// Records the agent's activity from now on, and its goal.
     pub fn turn_to(&mut self, now: SimTime, activity: Activity, goal: Option<Cell>) {
         let last = &self.history.steps[self.history.steps.len() - 1];
         if (last.stats.activity, last.goal) != (activity, goal) {
@@ -384,7 +384,7 @@ impl<'a> AgentReader<'a> {
         }
     }
 
-    /// Records a stretch of time.
+    /// Records a period of time.
     pub fn account(&mut self, span: SimTime, activity: Activity, around: &Surroundings<'_>) {
         let (anything, in_reach) = self.left_to_do(around);
         let stands = activity == Activity::Standing;
@@ -398,7 +398,7 @@ impl<'a> AgentReader<'a> {
         self.longest_idle = self.longest_idle.max(self.idle);
     }
 
-    /// The history, and what it comes to at the end.
+    /// Returns the history and the totals at the end.
     pub fn finish(mut self, end: SimTime) -> (AgentHistory, AgentOutcome) {
         self.end_leg(end);
         self.end_drive(end);
@@ -443,7 +443,7 @@ impl<'a> AgentReader<'a> {
         setting.bush_index(goal).is_some_and(|bush| setting.rules.is_hopeless(bushes[bush], arrives))
     }
 
-    /// Records that another truck's goal is near the one that it has just chosen.
+    /// Records that another truck's goal is near the one just chosen.
     pub fn record_flock(&mut self) {
         self.outcome.flocked_goals += 1;
     }

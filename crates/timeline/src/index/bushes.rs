@@ -1,4 +1,4 @@
-//! The bushes over a run: counts as steps, every change, and the moments at which fire spread.
+//! The bushes in the course of a run: counts as steps, every change, and the moments of spread.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ const NANOS_PER_SECOND: f64 = 1e9;
 /// together are not larger than the changes.
 const LEAST_STRIDE: usize = 256;
 
-/// Bushes by state, and how often each change happened so far.
+/// The bushes by state, and the number of changes of each kind so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BushCounts {
     /// In the order of [`BushStateKind::ALL`].
@@ -36,24 +36,24 @@ impl BushCounts {
         self.count(BushStateKind::Burning)
     }
 
-    /// Burning or burned out.
+    /// Returns the number of bushes that burn or have burned out.
     pub fn burned(&self) -> u32 {
         self.burning() + self.count(BushStateKind::BurnedOut)
     }
 
-    /// Bushes that can catch fire, where the rules let extinguished ones burn again or not.
+    /// Returns the number of bushes that can catch fire, depending on whether extinguished ones burn again.
     pub fn lightable(&self, relight: bool) -> u32 {
         let extinguished = if relight { self.count(BushStateKind::Extinguished) } else { 0 };
         self.count(BushStateKind::Intact) + extinguished
     }
 
-    /// Points for every ignition, by spread and schedule too, and for every burn-out.
+    /// Returns the points for ignitions, including spread and schedule, and for burn-outs.
     pub fn wumpus_score(&self, rules: &Rules) -> f64 {
         rules.score_wumpus_ignited * self.changes_to(BushStateKind::Burning)
             + rules.score_wumpus_burned_out * self.changes_to(BushStateKind::BurnedOut)
     }
 
-    /// Points for every extinction.
+    /// Returns the points for extinctions.
     pub fn truck_score(&self, rules: &Rules) -> f64 {
         rules.score_truck_extinguished * self.changes_to(BushStateKind::Extinguished)
     }
@@ -99,12 +99,12 @@ impl BushHistory {
         }
     }
 
-    /// After all facts at `time`.
+    /// Returns the counts after all facts at `time`.
     pub fn counts_at(&self, time: SimTime) -> BushCounts {
         self.counts[self.counts.partition_point(|step| step.0 <= time) - 1].1
     }
 
-    /// The states in the order of [`Setting::bushes`], after all facts at `time`.
+    /// Returns the states in the order of [`Setting::bushes`], after all facts at `time`.
     pub fn states_at(&self, time: SimTime) -> Vec<BushState> {
         let until = self.changes.partition_point(|change| change.time <= time);
         let before = until / self.stride;
@@ -115,7 +115,7 @@ impl BushHistory {
         bushes
     }
 
-    /// The places of the facts that changed a bush, in order of time.
+    /// Iterates over the places of the facts that changed a bush, in order of time.
     pub fn changes_of(&self, bush: usize) -> impl Iterator<Item = usize> {
         let from = self.by_bush.partition_point(|change| change.0 < bush);
         self.by_bush[from..].iter().take_while(move |change| change.0 == bush).map(|change| change.1)
@@ -182,7 +182,7 @@ impl BushReader {
         }
     }
 
-    /// Records what the fact at that place did; `bushes` are as they are after it.
+    /// Records the effect of the fact at that place; `bushes` are as they are after it.
     pub fn record_change(&mut self, change: BushChange, now: SimTime, fact: usize, bushes: &[BushState]) {
         let BushChange { bush, from, to } = change;
         self.history.push(Change { time: now, bush, to, fact }, from, bushes);
@@ -197,17 +197,17 @@ impl BushReader {
         }
     }
 
-    /// Looks at what burns after all facts of an instant.
+    /// Records what burns after all facts of an instant.
     pub fn end_instant(&mut self) {
         self.outcome.peak_burning = self.outcome.peak_burning.max(self.counts().burning());
     }
 
-    /// Records a stretch of time.
+    /// Records a period of time.
     pub fn account(&mut self, span: SimTime) {
         self.burning_cell_ns += u128::from(self.counts().burning()) * u128::from(span.as_nanos());
     }
 
-    /// The history, and an outcome with what it says about bushes.
+    /// Returns the history, and an outcome with its numbers about bushes.
     pub fn finish(mut self, rules: &Rules) -> (BushHistory, Outcome) {
         let counts = *self.counts();
         let mean_response_s = self.response_ns as f64 / NANOS_PER_SECOND / f64::from(self.responses);
@@ -231,12 +231,12 @@ impl BushReader {
     }
 }
 
-/// A burning cell sets on fire what is near, if anything is.
+/// A moment of spread: a burning cell ignites its neighbourhood, if anything can burn there.
 #[derive(Debug, PartialEq)]
 pub struct SpreadMoment {
     pub time: SimTime,
     pub from: Cell,
-    /// In the order in which they caught fire.
+    /// The ignited cells, in order.
     pub caught: Vec<Cell>,
 }
 

@@ -1,4 +1,4 @@
-//! The ground over a run: which cell burned from when to when, in a form that answers for any time at once.
+//! The ground in the course of a run: when each cell burned, in a form that answers for any time directly.
 //!
 //! Ground burns in far greater numbers than bushes, so no state of all of it is kept. Each burning is a span of time, and
 //! those of a cell are found by its index: a state is a look-up, a count at a time is a binary search. When ground burns
@@ -10,10 +10,10 @@ use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
 use wildfire_fire::fuel::FuelModel;
 
-/// Cells of ground by state at one time.
+/// The ground cells by state at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GroundCounts {
-    /// Cells of ground that can burn, or could.
+    /// The cells of ground that can burn or could.
     pub cells: u32,
     pub burning: u32,
     pub burned_out: u32,
@@ -21,21 +21,21 @@ pub struct GroundCounts {
 }
 
 impl GroundCounts {
-    /// Never caught fire so far.
+    /// Returns the number of cells that have not caught fire so far.
     pub fn intact(&self) -> u32 {
         self.cells.saturating_sub(self.burning + self.burned_out + self.extinguished)
     }
 }
 
-/// A cell of ground from when it caught fire until its fire ended.
+/// A fire on a ground cell, from ignition to its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Burning {
     pub ignited: SimTime,
-    /// [`SimTime::MAX`] if it goes on forever.
+    /// The end of the fire; [`SimTime::MAX`] if it never ends.
     pub ends: SimTime,
-    /// Whether a truck put it out, and it did not burn out.
+    /// True if a truck extinguished it; false if it burned out.
     pub is_extinguished: bool,
-    /// Place of the ignition in [`Timeline::ground`].
+    /// The place of the ignition in [`Timeline::ground`].
     pub event: u32,
 }
 
@@ -69,7 +69,7 @@ pub struct GroundIndex {
 }
 
 impl GroundIndex {
-    /// Reads the ground of a run; `None` where only bushes burn. Costs some tens of nanoseconds for each cell and fact.
+    /// Reads the ground of a run; `None` where only bushes burn. Takes some tens of nanoseconds per cell and fact.
     pub fn new(timeline: &Timeline) -> Option<Self> {
         let Timeline { setting, ground: log, .. } = timeline;
         let spread = setting.spread.as_ref()?;
@@ -128,18 +128,18 @@ impl GroundIndex {
         })
     }
 
-    /// Returns true if the cell is ground that burns, or did.
+    /// Returns true if the cell is ground that burns or burned.
     pub fn is_ground(&self, cell: Cell) -> bool {
         self.is_ground[self.frame.index(cell)]
     }
 
-    /// Returns when a cell of ground burned, in order of time.
+    /// Returns the fires on a ground cell, in order of time.
     pub fn burnings_of(&self, cell: Cell) -> &[Burning] {
         let index = self.frame.index(cell);
         &self.burnings[self.first[index] as usize..self.first[index + 1] as usize]
     }
 
-    /// Returns the state of a cell of ground after all that happens at a time; `None` where no ground burns.
+    /// Returns the state of a ground cell after all events at a time; `None` where no ground burns.
     pub fn state_at(&self, cell: Cell, time: SimTime) -> Option<BushState> {
         if !self.is_ground(cell) {
             return None;
@@ -154,7 +154,7 @@ impl GroundIndex {
         })
     }
 
-    /// Returns until when a cell, bush or ground, is wet at a time, if it is.
+    /// Returns the time until which a cell, bush or ground, stays wet, if it is wet at a time.
     pub fn wet_until(&self, cell: Cell, time: SimTime) -> Option<SimTime> {
         let index = self.frame.index(cell);
         let first = self.wettings.partition_point(|wetting| self.frame.index(wetting.cell) < index);
@@ -163,12 +163,12 @@ impl GroundIndex {
         begun.map(|wetting| wetting.until).max().filter(|&until| until > time)
     }
 
-    /// All that trucks wetted, by cell index and then time.
+    /// Returns all wetting by trucks, by cell index and then time.
     pub fn wettings(&self) -> &[Wetting] {
         &self.wettings
     }
 
-    /// Counts the ground after all that happens at a time.
+    /// Counts the ground cells after all events at a time.
     pub fn counts_at(&self, time: SimTime) -> GroundCounts {
         let so_far = |times: &[SimTime]| times.partition_point(|&happened| happened <= time) as u32;
         let [ignited, relit, burned_out, extinguished] =

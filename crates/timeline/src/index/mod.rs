@@ -1,4 +1,4 @@
-//! Everything that readers ask of a run, found in one pass over its facts.
+//! An index of a run for its readers, built in one pass over its facts.
 //!
 //! Films, tables, reports and the outcome read the same index, so that none of them goes through the facts by itself
 //! and all of them say the same. A number at a time is that after all facts of the time; beyond the end of the run it
@@ -27,7 +27,8 @@ use wildfire_base::geometry::Cell;
 use wildfire_base::query::{SearchGraph, SearchPhase};
 use wildfire_base::time::SimTime;
 
-/// A run with what was found in it once: states, counts, numbers of agents, legs, stops, searches, changes, outcome.
+/// A run with everything that was derived from it once: states, counts, numbers of agents, legs, stops, searches,
+/// changes, outcome.
 ///
 /// Building it costs one pass over the facts, some microseconds for each; an answer is a binary search, or little more.
 /// Agents and bushes are named by their places in the setting.
@@ -72,7 +73,7 @@ impl<'a> RunIndex<'a> {
         self.end
     }
 
-    /// The state at a time, as [`Timeline::state_at`] finds it by going through all facts before.
+    /// Returns the state at a time, as [`Timeline::state_at`] finds it by going through all earlier facts.
     pub fn state_at(&self, time: SimTime) -> State {
         let time = time.min(self.end);
         let agents = self.timeline.setting.agents.iter().zip(&self.agents);
@@ -80,7 +81,7 @@ impl<'a> RunIndex<'a> {
         State { time, bushes: self.bushes.states_at(time), agents }
     }
 
-    /// The state of one agent at a time; cheaper than that of all and of the bushes.
+    /// Returns the state of one agent at a time; cheaper than that of all agents and bushes.
     pub fn agent_at(&self, agent: usize, time: SimTime) -> AgentState {
         self.agents[agent].state_at(&self.timeline, &self.timeline.setting.agents[agent], time.min(self.end))
     }
@@ -89,73 +90,73 @@ impl<'a> RunIndex<'a> {
         self.bushes.counts_at(time)
     }
 
-    /// The ground at all times; `None` where only bushes burn.
+    /// Returns the ground at all times; `None` where only bushes burn.
     pub fn ground(&self) -> Option<&GroundIndex> {
         self.ground.as_ref()
     }
 
-    /// What happened to the ground after `from` up to `to`.
+    /// Returns the changes of the ground after `from` up to `to`.
     pub fn ground_between(&self, from: SimTime, to: SimTime) -> &[GroundEvent] {
         let log = &self.timeline.ground;
         let before = |time: SimTime| log.partition_point(|event| event.time <= time.min(self.end));
         &log[before(from)..before(to).max(before(from))]
     }
 
-    /// Returns the numbers of an agent until a time.
+    /// Returns the numbers of an agent up to a time.
     pub fn stats_at(&self, agent: usize, time: SimTime) -> AgentStats {
         self.agents[agent].stats_at(&self.timeline, time.min(self.end))
     }
 
-    /// The facts that changed a bush, in order of time.
+    /// Iterates over the facts that changed a bush, in order of time.
     pub fn changes_of(&self, bush: usize) -> impl Iterator<Item = &Event> {
         self.bushes.changes_of(bush).map(|fact| &self.timeline.events[fact])
     }
 
-    /// When an agent's numbers, goal or leg changed, the start included, ascending.
+    /// Iterates over the times at which an agent's numbers, goal or leg changed, including the start, ascending.
     pub fn changes_of_agent(&self, agent: usize) -> impl Iterator<Item = SimTime> + '_ {
         self.agents[agent].change_times()
     }
 
-    /// When something happens, ascending, as [`Self::next_event`] goes through it.
+    /// Returns the times at which something happens, ascending, as [`Self::next_event`] visits them.
     pub fn moments(&self) -> &[SimTime] {
         &self.moments
     }
 
-    /// All moments of spreading, in order of time.
+    /// Returns all moments of spread, in order of time.
     pub fn spreads(&self) -> &[SpreadMoment] {
         &self.spreads
     }
 
-    /// Moments of spreading after `from` up to `to`.
+    /// Returns the moments of spread after `from` up to `to`.
     pub fn spreads_between(&self, from: SimTime, to: SimTime) -> &[SpreadMoment] {
         let before = |time: SimTime| self.spreads.partition_point(|spread| spread.time <= time);
         &self.spreads[before(from)..before(to).max(before(from))]
     }
 
-    /// Legs of an agent that it followed between two times, both included, the last one first.
+    /// Iterates over the legs that an agent followed between two times, both included, last first.
     pub fn legs_between(&self, agent: usize, from: SimTime, to: SimTime) -> impl Iterator<Item = FollowedLeg> + '_ {
         let legs = &self.agents[agent].legs;
         let begun = legs.partition_point(|leg| leg.from <= to);
         legs[..begun].iter().rev().take_while(move |leg| leg.until >= from).copied()
     }
 
-    /// All legs of an agent in order of time; of legs that begin at one instant the last is the one that is followed.
+    /// Returns all legs of an agent in order of time; of legs that begin at one instant the last is followed.
     pub fn legs_of(&self, agent: usize) -> &[FollowedLeg] {
         &self.agents[agent].legs
     }
 
-    /// The leg that an agent follows, or has followed to its end.
+    /// Returns the leg that an agent follows, or has followed to its end.
     pub fn leg_at(&self, agent: usize, time: SimTime) -> Option<FollowedLeg> {
         self.legs_between(agent, time, time).next()
     }
 
-    /// Since when an agent suppresses, and which cell, if it does at that time.
+    /// Returns the start of an agent's suppression and its cell, if the agent suppresses at that time.
     pub fn stop_at(&self, agent: usize, time: SimTime) -> Option<(SimTime, Cell)> {
         let stops = &self.agents[agent].stops;
         stops[..stops.partition_point(|(from, _)| *from <= time)].last().copied()
     }
 
-    /// The last search of an agent and phase that was recorded up to a time: its place among the facts, and itself.
+    /// Returns the last search of an agent and phase that was recorded up to a time, with its place among the facts.
     pub fn search_at(&self, agent: usize, phase: SearchPhase, time: SimTime) -> Option<(usize, &SearchGraph)> {
         let searches = self.agents[agent].searches.iter().rev().skip_while(|(at, _)| *at > time);
         searches.into_iter().find_map(|&(_, fact)| match &self.timeline.events[fact].fact {
@@ -164,18 +165,18 @@ impl<'a> RunIndex<'a> {
         })
     }
 
-    /// Returns true if the timeline holds what searches looked at.
+    /// Returns true if the timeline contains recorded searches.
     pub fn has_searches(&self) -> bool {
         self.agents.iter().any(|agent| !agent.searches.is_empty())
     }
 
-    /// The next time after `time` at which something happens; what a search looked at is no event, and fire that goes over
-    /// ground by itself is too many.
+    /// Returns the next time after `time` at which something happens; recorded searches do not count, nor does fire
+    /// that spreads over ground, which would be too many events.
     pub fn next_event(&self, time: SimTime) -> Option<SimTime> {
         self.moments.get(self.moments.partition_point(|&moment| moment <= time)).copied()
     }
 
-    /// The last time before `time` at which something happened.
+    /// Returns the last time before `time` at which something happened.
     pub fn previous_event(&self, time: SimTime) -> Option<SimTime> {
         let before = self.moments.partition_point(|&moment| moment < time);
         before.checked_sub(1).map(|last| self.moments[last])
@@ -289,7 +290,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Says whether a truck's new goal is near the goal that another truck has.
+    /// Returns whether a truck's new goal is near the goal that another truck has.
     fn is_near_another_goal(&self, agent: usize, goal: Cell) -> bool {
         let frame = &self.timeline.setting.frame;
         let is_near = |other: Cell| (frame.centre(other) - frame.centre(goal)).length() <= FLOCK_M;

@@ -68,7 +68,7 @@ pub fn ranks([first, last]: [usize; 2]) -> String {
     if first == last { first.to_string() } else { format!("{first}-{last}") }
 }
 
-/// Decimals that show the smallest uncertainty of the differences from the first entry with two digits.
+/// Returns the decimals that show the smallest uncertainty of the differences from the first entry with two digits.
 pub fn decimals(ranking: &Ranking) -> usize {
     let of_first = ranking.pairs.iter().filter(|pair| pair.places[0] == 0);
     let widths = of_first.filter_map(|pair| pair.contrast.interval).map(|it| 0.5 * (it.high - it.low));

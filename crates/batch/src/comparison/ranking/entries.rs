@@ -1,4 +1,4 @@
-//! The entries of a ranking: whose runs are which, and that all played the same fields by the same rules.
+//! The entries of a ranking: their runs, and the checks that all played the same fields by the same rules.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -23,7 +23,7 @@ const COLUMNS_OF_ENTRIES: [&str; 3] = [ENTRY_COLUMN, "planner", "policy"];
 /// The most differences that a refusal names.
 const MOST_NAMED: usize = 5;
 
-/// The runs of one who is ranked.
+/// The runs of an entry.
 #[derive(Debug)]
 pub struct EntryRuns<'a> {
     pub name: String,
@@ -31,11 +31,11 @@ pub struct EntryRuns<'a> {
     settings: &'a KnownSettings,
     /// The columns of its own that vary in its table, with its values.
     levels: Vec<(String, String)>,
-    /// By seed and stratum; those of all entries are the same.
+    /// The runs by seed and stratum, which are the same for all entries.
     pub runs: Vec<Run>,
 }
 
-/// A run and what it is paired by.
+/// A run, with the values by which it is paired.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Run {
     pub seed: u64,
@@ -43,10 +43,10 @@ pub struct Run {
     pub index: usize,
 }
 
-/// Who may be ranked together.
+/// The rules of which entries may be ranked together.
 pub struct Admission {
     pub freedom: Freedom,
-    /// Names of entries that are left out.
+    /// The names of entries that are left out.
     pub without: Vec<String>,
 }
 
@@ -54,15 +54,15 @@ pub struct Admission {
 #[derive(Debug)]
 pub struct Entries<'a> {
     pub entries: Vec<EntryRuns<'a>>,
-    /// Columns that vary within an entry, of which every mean is one.
+    /// The columns that vary within an entry; every mean is taken over them.
     pub columns: Vec<String>,
     /// The number of combinations of their values.
     pub strata: usize,
 }
 
 impl<'a> Entries<'a> {
-    /// Divides tables into entries, by the columns in which entries may differ, and refuses those that did not play the
-    /// same.
+    /// Splits tables into entries, by the columns in which entries may differ, and refuses those that did not play the
+    /// same fields.
     pub fn new(
         tables: &'a [RunsTable],
         settings: &'a [KnownSettings],
@@ -186,7 +186,7 @@ fn program_differences(plans: [&RecordedPlan; 2]) -> Vec<String> {
 }
 
 impl EntryRuns<'_> {
-    /// Returns the conditions that its runs have in common, such as `runs/a/runs.csv, planner prm-rs`.
+    /// Returns the conditions that the entry's runs share, such as `runs/a/runs.csv, planner prm-rs`.
     pub fn description(&self) -> String {
         let path = visible_start(&self.table.path.display().to_string());
         let levels =
@@ -194,7 +194,7 @@ impl EntryRuns<'_> {
         path + &levels.collect::<String>()
     }
 
-    /// Returns the planner of its trucks; empty if its runs differ in it, or there is no such column.
+    /// Returns the planner of the entry's trucks; empty if its runs differ in it, or there is no such column.
     pub fn planner(&self) -> &str {
         let column = self.table.conditions.iter().find(|condition| condition.name == "planner");
         let mut levels = column.into_iter().flat_map(|column| self.runs.iter().map(|run| column.level_of(run.index)));

@@ -1,4 +1,4 @@
-//! Why batches cannot be ranked.
+//! Errors of rankings.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use thiserror::Error;
 use crate::comparison::ComparisonError;
 use crate::plan::FreeKeysError;
 
-/// A reason for which batches cannot be ranked.
+/// The reason why batches cannot be ranked.
 #[derive(Debug, Error)]
 pub enum RankingError {
     #[error(transparent)]

@@ -11,7 +11,7 @@
 //! comparisons", Journal of Computational and Graphical Statistics 13, 2004), by inserting and absorbing. Two entries
 //! have a letter in common just when they are not significantly different.
 
-/// The most entries that are ranked: a bit each.
+/// The maximum number of entries: one bit each.
 pub const MAX_ENTRIES: usize = 100;
 
 /// The letters of groups, in their order.
@@ -29,7 +29,7 @@ pub struct ToldApart {
 }
 
 impl ToldApart {
-    /// Takes the pairs that are significantly different, of entries with numbers below `count`, which is at most
+    /// Creates the set of significantly different pairs, of entries with numbers below `count`, which is at most
     /// [`MAX_ENTRIES`].
     pub fn new(count: usize, pairs: impl IntoIterator<Item = (usize, usize)>) -> Self {
         let mut from = vec![0; count];

@@ -1,4 +1,4 @@
-//! Entries of a contest, all against all, in one table: who is better, and between whom nothing was found.
+//! Rankings: all entries of a contest compared with each other, in one table with ranks and groups.
 //!
 //! An entry is a batch, or the runs of a batch with one planner, one policy, or one value of any other key in which
 //! entries may differ. All have runs of the same seeds under the same rules; anything else is refused.
@@ -40,45 +40,45 @@ use crate::table::QueryTally;
 use entries::{Admission, Entries, EntryRuns};
 use groups::ToldApart;
 
-/// The metric by which entries are ranked unless another is asked for.
+/// The metric by which entries are ranked by default.
 pub const USUAL_METRIC: &str = "saved";
 
 /// The most runs that are kept for their bad values.
 const MOST_WORST_RUNS: usize = 3;
 
-/// The order that is asked for.
+/// The requested order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RankingRequest {
-    /// [`USUAL_METRIC`] if there is none.
+    /// The metric; [`USUAL_METRIC`] if there is none.
     pub metric: Option<String>,
-    /// The side of the better values; that of the metric if there is none.
+    /// The side of the better values; by default that of the metric.
     pub better: Option<Better>,
-    /// Keys besides [`USUALLY_FREE`] in which entries may differ.
+    /// The keys in which entries may differ, besides [`USUALLY_FREE`].
     pub free: Vec<String>,
-    /// Columns and the value that runs must have in them.
+    /// Columns, with the value that runs must have in each.
     pub only: Vec<(String, String)>,
-    /// Names of entries that are left out.
+    /// The names of entries that are left out.
     pub without: Vec<String>,
 }
 
-/// Entries in the order of a metric.
+/// Entries ordered by a metric.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ranking {
     pub metric: Metric,
     pub better: Better,
-    /// The runs of each entry.
+    /// The number of runs per entry.
     pub runs: usize,
-    /// The seeds of each entry, such as `1..5,9`.
+    /// The seeds of every entry, such as `1..5,9`.
     pub seeds: String,
-    /// Columns that vary within each entry, of whose combinations every mean is one.
+    /// The columns that vary within each entry; every mean is taken over their combinations.
     pub columns: Vec<String>,
     /// The number of these combinations.
     pub strata: usize,
-    /// The number that stands for a run without a value; `None` if there is no such run.
+    /// The value assigned to runs without one; `None` if there is no such run.
     pub worst: Option<f64>,
-    /// Best first; entries of equal means in the order of their failures and names.
+    /// The entries, best first; entries of equal means in the order of their failures and names.
     pub entries: Vec<RankedEntry>,
-    /// All pairs of entries, by their places in `entries`, the better one first.
+    /// All pairs of entries, by their places in `entries`, better entry first.
     pub pairs: Vec<RankedPair>,
 }
 
@@ -86,37 +86,37 @@ pub struct Ranking {
 #[derive(Clone, Debug, PartialEq)]
 pub struct RankedEntry {
     pub name: String,
-    /// The table that its runs are in, and the values that they have in common.
+    /// The table that contains its runs, and the values that they share.
     pub description: String,
-    /// Empty if its runs differ in it.
+    /// The planner; empty if its runs differ in it.
     pub planner: String,
-    /// The first and the last rank that it may have, from 1.
+    /// The first and the last possible rank, from 1.
     pub ranks: [usize; 2],
-    /// Letters of the groups that it is in; `None` if there are more groups than letters.
+    /// The letters of its groups; `None` if there are more groups than letters.
     pub groups: Option<String>,
     pub mean: f64,
     pub failed: usize,
-    /// Runs that are done and have no value of the metric.
+    /// Finished runs without a value of the metric.
     pub without_value: usize,
-    /// Over all of its runs.
+    /// The queries of all of its runs.
     pub queries: QueryTally,
     /// Failed queries by reason, such as `timed_out`, without reasons that never occurred.
     pub failures: Vec<(String, u64)>,
-    /// The table that its runs are in.
+    /// The table that contains its runs.
     pub table: PathBuf,
-    /// The numbers of its runs in their plan, those with the best values of the metric first.
+    /// The numbers of its runs in their plan, best values of the metric first.
     pub run_numbers: Vec<u64>,
-    /// Its runs with the worst values, the worst first.
+    /// Its runs with the worst values, worst first.
     pub worst_runs: Vec<WorstRun>,
-    /// Runs that were repeated and audited, if that was asked for.
+    /// The audit of some of its runs, if requested.
     pub audit: Option<EntryAudit>,
 }
 
-/// A run of an entry that went badly.
+/// A bad run of an entry.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorstRun {
     pub seed: u64,
-    /// Its value of the metric, or the one that stands for it.
+    /// Its value of the metric, or the one assigned to it.
     pub value: f64,
     /// Its row in the table, from 0.
     pub row: usize,
@@ -126,25 +126,25 @@ pub struct WorstRun {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EntryAudit {
     pub runs: u64,
-    /// Runs that violate a rule, or whose rows are not what the runs give.
+    /// Runs that violate a rule, or whose rows differ from the runs.
     pub violations: u64,
-    /// The first of them in words.
+    /// The first violation in words.
     pub first_violation: Option<String>,
 }
 
-/// Two entries set against each other.
+/// Two entries compared.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RankedPair {
     /// Places in [`Ranking::entries`], the smaller one first.
     pub places: [usize; 2],
-    /// The second entry less the first.
+    /// The difference, second entry minus first.
     pub contrast: Contrast,
-    /// By Holm's method over all pairs; 1 if no run differs.
+    /// The p-value adjusted by Holm's method over all pairs; 1 if no run differs.
     pub p_adjusted: f64,
 }
 
 impl RankedPair {
-    /// Says whether there is evidence that the entries differ.
+    /// Returns whether there is evidence that the entries differ.
     pub fn is_told_apart(&self) -> bool {
         self.p_adjusted <= LEVEL
     }
@@ -157,7 +157,7 @@ impl Ranking {
     }
 }
 
-/// Ranks batches, given as folders or as their tables of runs.
+/// Ranks batches, given as folders or tables of runs.
 ///
 /// # Errors
 /// If one cannot be read, or if entries had other seeds or rules than others.

@@ -1,4 +1,4 @@
-//! Where in a journal the line of each run is.
+//! The positions of runs in a journal.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
@@ -17,7 +17,7 @@ const MAX_LINE_BYTES: u64 = 1 << 25;
 /// Bytes that are read at once: few, since of the journals that are merged each is read some lines at a time.
 const BUFFERED_BYTES: usize = 1 << 14;
 
-/// The runs that a journal holds, sixteen bytes each.
+/// The runs in a journal, sixteen bytes each.
 #[derive(Clone, Debug)]
 pub struct JournalIndex {
     slice: Slice,
@@ -42,7 +42,7 @@ pub struct JournalIndex {
 /// What a line of a run is to an index.
 enum Place {
     Free(usize),
-    /// The run has a line already, which begins here.
+    /// The run already has a line, which begins here.
     Taken(u64),
 }
 
@@ -63,7 +63,7 @@ impl JournalIndex {
         }
     }
 
-    /// Reads the journal of a slice of a plan; one without a whole first line is empty.
+    /// Reads the journal of a slice of a plan; without a complete first line it counts as empty.
     ///
     /// # Errors
     /// If a line is damaged, belongs to another plan or slice, or names a run that was named before and ended otherwise.
@@ -112,19 +112,19 @@ impl JournalIndex {
         self.not_done += u64::from(status != Status::Done);
     }
 
-    /// Takes the line of a run that was written at the end.
+    /// Adds the line of a run that was written at the end.
     pub fn append(&mut self, run: u64, status: Status, line: &[u8]) {
         let Ok(Place::Free(place)) = self.place_of(run) else { unreachable!("only missing runs are run") };
         self.add(place, status, self.end, line.strip_suffix(b"\n").unwrap_or(line));
         self.end += line.len() as u64;
     }
 
-    /// Takes note that a line was torn before the journal came to where it was read.
+    /// Notes that a line was torn before the position up to which the journal was read.
     pub fn note_torn(&mut self, was_torn: bool) {
         self.torn |= was_torn;
     }
 
-    /// Takes the first line, which was written.
+    /// Adds the first line, which was written.
     pub fn append_head(&mut self, bytes: usize) {
         self.end = bytes as u64;
     }
@@ -133,12 +133,12 @@ impl JournalIndex {
         self.slice
     }
 
-    /// Runs of the slice.
+    /// Returns the number of runs of the slice.
     pub fn count(&self) -> u64 {
         self.offsets.len() as u64
     }
 
-    /// Runs that the journal holds, and how many of these are not done.
+    /// Returns the number of runs in the journal, and of those among them that are not done.
     pub fn held(&self) -> (u64, u64) {
         (self.held, self.not_done)
     }
@@ -147,29 +147,29 @@ impl JournalIndex {
         self.held == self.count()
     }
 
-    /// The runs that the journal does not hold, in order.
+    /// Iterates over the runs that are missing from the journal, in order.
     pub fn missing(&self) -> impl Iterator<Item = u64> + Send + 'static {
         let (slice, held): (Slice, Vec<bool>) = (self.slice, self.offsets.iter().map(|&offset| offset != 0).collect());
         (0..).zip(held).filter(|(_, held)| !held).map(move |(place, _)| slice.run_at(place))
     }
 
-    /// The runs that were held when the journal was read and that leave recordings, in order.
+    /// Iterates over the runs with recordings that were in the journal when it was read, in order.
     pub fn recorded(&self) -> &[u64] {
         &self.recorded
     }
 
-    /// Bytes of all whole lines, and whether something follows them.
+    /// Returns the number of bytes of all complete lines, and whether something follows them.
     pub fn end(&self) -> (u64, bool) {
         (self.end, self.torn)
     }
 
-    /// Lines of runs that were there before, with rows that are equal in all that is not measured.
+    /// Returns the number of repeated lines, whose rows are equal in everything that is not measured.
     pub fn repeated(&self) -> u64 {
         self.repeated
     }
 }
 
-/// Reads the rows of a journal that is complete.
+/// Reads the rows of a complete journal.
 pub struct RowReader<'a> {
     path: PathBuf,
     reader: BufReader<&'a File>,
@@ -184,7 +184,7 @@ impl<'a> RowReader<'a> {
         Ok(Self { path, reader, index, line: Vec::new() })
     }
 
-    /// The row of a run that the journal holds.
+    /// Returns the row of a run in the journal.
     ///
     /// # Errors
     /// If its line is not the one that was written, or read when the journal was opened. All lines are dropped then, or
@@ -266,9 +266,9 @@ pub(super) fn check_head(path: &Path, line: &[u8], expected: &Head) -> Result<()
 /// Where a line begins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct LineStart {
-    /// Lines before it.
+    /// The number of lines before it.
     pub number: u64,
-    /// Bytes before it.
+    /// The number of bytes before it.
     pub offset: u64,
 }
 
@@ -277,14 +277,14 @@ pub(super) struct Lines<'a> {
     path: &'a Path,
     reader: BufReader<&'a File>,
     pub line: Vec<u8>,
-    /// The next line's.
+    /// The start of the next line.
     pub start: LineStart,
-    /// True if what follows the last whole line was reached, and is something.
+    /// True if an incomplete line follows the last complete one.
     pub torn: bool,
 }
 
 impl<'a> Lines<'a> {
-    /// Reads on from a line.
+    /// Starts reading at a line.
     pub fn from(path: &'a Path, file: &'a File, start: LineStart) -> Result<Self, JournalError> {
         let mut reader = BufReader::with_capacity(BUFFERED_BYTES, file);
         reader.seek(SeekFrom::Start(start.offset)).map_err(|source| JournalError::unreadable(path, source))?;

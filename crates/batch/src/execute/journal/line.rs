@@ -1,4 +1,4 @@
-//! A line of a journal: checksum and JSON.
+//! A line of a journal: a checksum and JSON.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use crate::plan::{Record, Slice};
 /// Version of the format of journals.
 const FORMAT: u32 = 1;
 
-/// The first line: whose journal this is.
+/// The first line, which identifies the journal.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct Head {
     format: u32,
@@ -22,7 +22,7 @@ impl Head {
     }
 }
 
-/// The part of a line by which its run is known.
+/// The part of a line that identifies its run.
 #[derive(Deserialize)]
 pub struct Entry {
     pub label: EntryLabel,
@@ -47,19 +47,19 @@ pub struct EntryLabel {
 }
 
 impl Entry {
-    /// Says whether the run leaves a recording.
+    /// Returns whether the run leaves a recording.
     pub fn is_recorded(&self, record: Record) -> bool {
         let outcome = self.result.as_ref().map(|result| &result.outcome);
         outcome.is_some_and(|outcome| record.keeps(outcome.truck_stuck_s, outcome.wumpus_stuck_s))
     }
 }
 
-/// The line of a finished run.
+/// Returns the line of a finished run.
 pub fn encode_row(row: &RunRow) -> Vec<u8> {
     encode(row)
 }
 
-/// Any line, with its newline.
+/// Returns any line, with its newline.
 pub fn encode(content: &impl Serialize) -> Vec<u8> {
     const CHECKSUM: &[u8] = b"00000000 ";
     let mut line = CHECKSUM.to_vec();
@@ -70,7 +70,7 @@ pub fn encode(content: &impl Serialize) -> Vec<u8> {
     line
 }
 
-/// Returns the number of the run of a line with a right checksum, reading no more of it than need be.
+/// Returns the run number of a line with a valid checksum, and reads no more of the line than necessary.
 pub fn run_of(line: &[u8]) -> Result<u64, String> {
     /// The beginning of a line that this program wrote.
     const START: &[u8] = b"{\"label\":{\"run\":";
@@ -85,7 +85,7 @@ pub fn run_of(line: &[u8]) -> Result<u64, String> {
     }
 }
 
-/// Reads a line, without its newline, or says what is wrong with it.
+/// Reads a line, without its newline, or returns what is wrong with it.
 pub fn decode<'a, T: Deserialize<'a>>(line: &'a [u8]) -> Result<T, String> {
     from_json(checked(line)?)
 }

@@ -1,4 +1,4 @@
-//! The journal of a slice: a line for each run that is finished, in the order in which they were.
+//! The journal of a slice: a line for each finished run, in the order in which runs finished.
 //!
 //! A line is the CRC-32 of what follows it as eight hexadecimal digits, a space, and JSON. The first line says whose
 //! journal it is; every other is a row of the batch with all its numbers, from which the tables are written in the end.
@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-/// A reason for which a journal cannot be read or continued.
+/// The reason why a journal cannot be read or continued.
 #[derive(Debug, Error)]
 pub enum JournalError {
     #[error("cannot read {}: {source}", path.display())]

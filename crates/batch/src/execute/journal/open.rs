@@ -1,4 +1,4 @@
-//! A journal that this process, and no other, writes.
+//! A journal that only this process writes.
 
 use std::fs::{self, File, Metadata, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
@@ -16,7 +16,7 @@ use wildfire_base::whole_file::sync_folder_of;
 /// Bytes of a journal that are brought to their place at once.
 const BROUGHT_BYTES: usize = 1 << 20;
 
-/// A journal with its lock, which lasts as long as this does.
+/// A journal with its lock, which is held as long as this exists.
 pub struct OpenJournal {
     path: PathBuf,
     file: File,
@@ -38,7 +38,7 @@ struct Home {
     end: u64,
 }
 
-/// The lock on a journal that is not read yet.
+/// The lock on a journal that has not been read yet.
 pub struct LockedJournal {
     path: PathBuf,
     file: File,
@@ -47,7 +47,7 @@ pub struct LockedJournal {
 }
 
 impl LockedJournal {
-    /// Opens a slice's journal, creates it if need be, and locks it.
+    /// Opens a slice's journal, creates it if necessary, and locks it.
     pub fn take(folder: &OutputFolder, slice: Slice) -> Result<Self, BatchError> {
         let path = folder.journal(slice);
         let keeping = folder.keeping();
@@ -64,7 +64,7 @@ impl LockedJournal {
         self.file.set_len(0).map_err(|source| BatchError::unwritable(&self.path, source))
     }
 
-    /// Reads what is there, drops a torn line, and begins the journal if it has no line yet.
+    /// Reads the existing lines, drops a torn one, and begins the journal if it has no line yet.
     pub fn open(self, plan: &BatchPlan, slice: Slice, disk: &dyn Disk) -> Result<OpenJournal, BatchError> {
         let sha256 = plan.content_sha256();
         let mut index = JournalIndex::read(&self.path, &self.file, plan, slice)?;
@@ -160,7 +160,7 @@ fn begins_with(local: &File, home: &File, length: u64) -> io::Result<bool> {
 }
 
 impl OpenJournal {
-    /// Writes the line of a run, and brings it to the disk with all before it if the oldest of them has waited long.
+    /// Writes the line of a run, and syncs it with all earlier lines if the oldest of them has waited long.
     pub fn add(&mut self, run: u64, status: Status, line: &[u8]) -> Result<(), BatchError> {
         self.expect_unchanged()?;
         self.write(line)?;
@@ -171,7 +171,7 @@ impl OpenJournal {
         }
     }
 
-    /// To be called at least every now and then while runs are going on.
+    /// Syncs if necessary; has to be called regularly during runs.
     ///
     /// # Errors
     /// If the disk cannot be written, or the journal is no longer as this process left it.
@@ -183,14 +183,14 @@ impl OpenJournal {
         }
     }
 
-    /// Brings all lines to the disk.
+    /// Syncs all lines to the disk.
     pub fn sync(&mut self) -> Result<(), BatchError> {
         self.expect_unchanged()?;
         self.unsynced = None;
         self.writer.sync().map_err(|source| BatchError::unwritable(&self.path, source))
     }
 
-    /// Brings a journal that is written on a local disk to its place; from then on it is written there.
+    /// Moves a journal that is written on a local disk to its destination; from then on it is written there.
     pub fn bring_home(&mut self) -> Result<(), BatchError> {
         let Some(mut home) = self.home.take() else { return Ok(()) };
         let unwritable = |source| BatchError::unwritable(&home.path, source);
@@ -246,7 +246,7 @@ impl OpenJournal {
         &self.index
     }
 
-    /// Reads the row of a run that the journal holds.
+    /// Reads the row of a run in the journal.
     pub fn row(&self, run: u64) -> Result<RunRow, JournalError> {
         self.rows()?.row(run)
     }
@@ -269,7 +269,7 @@ fn is_same_file(_: &Metadata, _: &Metadata) -> bool {
     true
 }
 
-/// Opens a journal to read it, and refuses one at which a process is at work. The lock lasts as long as the file.
+/// Opens a journal for reading, and refuses one that a process is writing. The lock lasts as long as the file is open.
 pub fn open_to_read(path: &Path, lock: Lock) -> Result<File, JournalError> {
     let unreadable = |source| JournalError::unreadable(path, source);
     let file = File::open(path).map_err(unreadable)?;

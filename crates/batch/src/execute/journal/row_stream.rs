@@ -16,7 +16,7 @@ use super::open::open_to_read;
 use crate::execute::{BatchError, Lock, OutputFolder, RunRow};
 use crate::plan::Slice;
 
-/// Reads rows from a journal, some at a time.
+/// Reads rows from a journal, a few at a time.
 pub struct RowStream {
     path: PathBuf,
     lock: Lock,
@@ -36,19 +36,19 @@ pub struct RowStream {
     repeated: u64,
 }
 
-/// What a stream needs to know besides its slice.
+/// The limits and the identity of a stream, besides its slice.
 #[derive(Clone, Copy, Debug)]
 pub struct StreamBudget<'a> {
-    /// The hash of the plan, which the first line must name.
+    /// The hash of the plan, which the first line must contain.
     pub plan_sha256: &'a str,
-    /// Runs of the plan.
+    /// The number of runs of the plan.
     pub runs: u64,
-    /// Bytes of lines that may wait for their turn.
+    /// The maximum number of bytes of lines that wait for their turn.
     pub early_bytes: usize,
 }
 
 impl RowStream {
-    /// Begins to read the journal of a slice, at which nobody may be at work. Reads its first line.
+    /// Opens the journal of a slice, which no process may be writing, and reads its first line.
     ///
     /// # Errors
     /// [`BatchError::NotBegun`] if there is none, [`BatchError::Incomplete`] if it has no whole line.
@@ -84,17 +84,17 @@ impl RowStream {
         Ok(stream)
     }
 
-    /// Bytes of the journal.
+    /// Returns the size of the journal in bytes.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
 
-    /// Lines of runs that were there before.
+    /// Returns the number of repeated lines.
     pub fn repeated(&self) -> u64 {
         self.repeated
     }
 
-    /// Reads the rows of the runs at these places of the slice, in their order; each place is asked for once, and the last
+    /// Reads the rows of the runs at these places of the slice, in order; each place is requested once, and the last
     /// ones make it read to the end.
     ///
     /// # Errors
@@ -177,8 +177,8 @@ fn in_memory(place: u64) -> usize {
     usize::try_from(place).expect("the runs of a slice are counted in memory")
 }
 
-/// Counts the whole lines of a journal from a byte on, and returns the first byte behind them too: a look at how far it is
-/// that costs next to nothing. No line is read for what it says.
+/// Counts the complete lines of a journal from a byte on, and returns the first byte behind them too: a very cheap look
+/// at its progress. Contents of lines are not read.
 pub fn count_lines(path: &Path, from: u64) -> Result<(u64, u64), JournalError> {
     let count = || {
         let mut file = File::open(path)?;

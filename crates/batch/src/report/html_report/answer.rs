@@ -1,4 +1,5 @@
-//! The answer of a batch in sentences: what was saved, or which of its variants is best in what, and how sure that is.
+//! The answer of a batch in sentences: what was saved, or which variant is best in which respect, and how certain that
+//! is.
 //!
 //! Differences, intervals and p-values are those of `wildfire compare`, see [`Compared`].
 
@@ -17,7 +18,7 @@ use wildfire_picture::charts::Estimate;
 /// The most of those that are not significantly different from the best that are named.
 const MOST_NAMED: usize = 3;
 
-/// What a batch answers: one sentence, and more where variants are compared.
+/// The answer of a batch: one sentence, and more where variants are compared.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Answer {
     pub sentence: String,

@@ -1,4 +1,4 @@
-//! Charts as files: SVG and PNG, what they show as CSV, and PDF and PGF for papers.
+//! Chart files: SVG and PNG, the data as CSV, and PDF and PGF for papers.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -10,7 +10,7 @@ use wildfire_base::untrusted::spreadsheet_cell;
 use wildfire_base::whole_file::WholeFile;
 use wildfire_picture::charts::{ChartRow, Drawing};
 
-/// What a chart shows, whatever sheets it takes, and the name of its file, without an ending.
+/// The data of a chart, for all of its sheets, and the file name without an extension.
 #[derive(Debug)]
 pub struct ChartData {
     file: String,
@@ -47,20 +47,20 @@ impl ChartData {
         Self { file: file.to_owned(), rows: rows.map(ChartValues::from).collect() }
     }
 
-    /// Returns the name of its file, without an ending.
+    /// Returns the file name without an extension.
     pub fn file(&self) -> &str {
         &self.file
     }
 }
 
-/// Writes a sheet of a chart as SVG and PNG; `file` is its name without an ending.
+/// Writes a sheet of a chart as SVG and PNG; `file` is its name without an extension.
 pub fn write_chart(folder: &Path, file: &str, drawing: &Drawing) -> Result<(), ReportError> {
     write_whole(&folder.join(format!("{file}.svg")), drawing.to_svg().as_bytes())?;
     let path = folder.join(format!("{file}.png"));
     drawing.paint().write_png(&path).map_err(|source| unwritable(&path, source))
 }
 
-/// Writes what a chart shows as CSV.
+/// Writes the data of a chart as CSV.
 pub fn write_chart_data(folder: &Path, data: &ChartData) -> Result<(), ReportError> {
     let path = folder.join(format!("{}.csv", data.file));
     let write = || {
@@ -71,7 +71,7 @@ pub fn write_chart_data(folder: &Path, data: &ChartData) -> Result<(), ReportErr
     write().map_err(|source| unwritable(&path, source))
 }
 
-/// Writes a sheet of a chart, drawn at the width of the paper, as PDF and PGF if these were asked for.
+/// Writes a sheet of a chart, drawn at the width of the paper, as PDF and PGF if requested.
 pub fn write_paper_chart(folder: &Path, file: &str, drawing: &Drawing, paper: &PaperCharts) -> Result<(), ReportError> {
     if paper.pdf {
         write_whole(&folder.join(format!("{file}.pdf")), &drawing.to_pdf(paper.size))?;

@@ -13,27 +13,27 @@ use wildfire_picture::charts::Estimate;
 /// Times in which agents were stuck.
 const STUCK_S: [usize; 2] = [run_column("truck_stuck_s"), run_column("wumpus_stuck_s")];
 
-/// The most runs of a kind that are listed one by one.
+/// The maximum number of runs of a kind that are listed individually.
 pub const LISTED_RUNS: usize = 100;
 
-/// The numbers of a batch that are reported.
+/// The numbers of a batch for its report.
 #[derive(Debug, Default)]
 pub struct Collected {
     pub report: BatchReport,
     /// The numbers of each variant, in the order of the plan.
     pub variants: Vec<Values>,
-    /// Runs without a result, the first of them; their number is in the report.
+    /// The first runs without a result; the report has their number.
     pub failures: Vec<ListedRun>,
-    /// Runs in which an agent was stuck, the longest first, and how many there are.
+    /// The runs in which an agent was stuck, longest first, and their number.
     pub stuck: Vec<ListedRun>,
     pub stuck_runs: usize,
 }
 
-/// Numbers of the runs of a variant, by quantity: one for each seed, in their order, NaN where the run has none.
+/// The numbers of a variant's runs, by quantity: one per seed, in order, NaN where the run has none.
 #[derive(Debug, Default)]
 pub struct Values(BTreeMap<&'static str, Vec<f64>>);
 
-/// A run in a list, with why it is there.
+/// A listed run, with the reason.
 #[derive(Debug)]
 pub struct ListedRun {
     pub number: u64,
@@ -41,7 +41,7 @@ pub struct ListedRun {
 }
 
 impl Collected {
-    /// Reads all rows, and keeps of runs the usual quantities and what is chosen.
+    /// Reads all rows, and keeps the usual and the chosen quantities of runs.
     pub fn read(plan: &BatchPlan, mut rows: FinishedRows, chosen: &ChosenQuantities) -> Result<Self, FinishedError> {
         let kept = chosen.kept();
         let mut collected = Self::default();
@@ -96,13 +96,13 @@ impl Values {
         self.of_seeds(quantity).iter().copied().filter(|number| !number.is_nan()).collect()
     }
 
-    /// Returns the mean with its interval; `None` without any value.
+    /// Returns the mean with its interval; `None` without values.
     pub fn mean(&self, quantity: &Metric) -> Option<Estimate> {
         mean_of(&self.numbers(quantity), quantity.range())
     }
 }
 
-/// Returns the mean of numbers in a range with its interval, which is within the range; `None` of no numbers.
+/// Returns the mean of numbers in a range with its interval, which stays within the range; `None` without numbers.
 pub fn mean_of(numbers: &[f64], range: (f64, f64)) -> Option<Estimate> {
     let series = Series::from_values(numbers);
     let value = series.mean().filter(|mean| mean.is_finite())?;

@@ -1,4 +1,4 @@
-//! The best of a batch's variants against the others, by the engine of `wildfire compare`.
+//! The best variant of a batch compared with the others, with the methods of `wildfire compare`.
 //!
 //! Variants have runs of the same seeds, so that differences are paired. Where planners are compared, all else that varies
 //! makes the strata; otherwise the variants are compared one by one. P-values are adjusted over all others.
@@ -18,24 +18,24 @@ use wildfire_picture::charts::{Estimate, ForestChart, Titles};
 /// The most rows of a chart of differences that is not over a key.
 const MOST_ROWS: usize = 60;
 
-/// The best of a batch and the others.
+/// The best variant of a batch and the others.
 pub struct Compared {
     pub quantity: &'static Metric,
     pub aim: Aim,
     /// True if differences are in bushes: all have the same fields.
     is_in_bushes: bool,
     pub are_planners: bool,
-    /// What the strata differ in; empty without several.
+    /// The columns in which the strata differ; empty without several.
     pub by: String,
     /// Names of the strata.
     pub strata: Vec<String>,
     pub best: String,
     pub best_mean: Estimate,
-    /// Best first.
+    /// The others, best first.
     pub others: Vec<Other>,
 }
 
-/// One of the others.
+/// Another variant.
 pub struct Other {
     pub name: String,
     /// By stratum.
@@ -112,12 +112,12 @@ impl Compared {
         Some(Self { quantity, aim, is_in_bushes, are_planners, by, strata, best: best.name, best_mean, others })
     }
 
-    /// Returns the words for how the best differs from another, and the factor of such a difference in them.
+    /// Returns the words for a difference from the best, and the factor of the difference in them.
     pub fn than(&self) -> (&'static str, f64) {
         if self.is_in_bushes { ("more bushes per run", 1.0) } else { (self.aim.than, self.quantity.in_words().1) }
     }
 
-    /// Returns how much better the best is than another.
+    /// Returns by how much the best is better than another.
     pub fn better_by(&self, other: &Other) -> Estimate {
         let Some(judged) = &other.judged else { return Estimate { value: 0.0, interval: None } };
         let Estimate { value, interval } = estimate(judged);
@@ -131,7 +131,7 @@ impl Compared {
         other.judged.as_ref().is_some_and(|judged| self.side(judged) == Ordering::Greater)
     }
 
-    /// Returns on which side of the other the best is in a stratum: equal where there is no evidence.
+    /// Returns the verdict on the best against the other in a stratum: equal where there is no evidence.
     pub fn side_in(&self, other: &Other, stratum: usize) -> Ordering {
         let of_stratum = other.strata().find(|(index, _)| *index == stratum);
         of_stratum.map_or(Ordering::Equal, |(_, judged)| self.side(judged))
@@ -154,7 +154,7 @@ impl Compared {
         })
     }
 
-    /// Returns the words of a chart of differences from the best, which are along the y axis.
+    /// Returns the titles of a chart of differences from the best, which are along the y axis.
     pub fn titles(&self) -> Titles {
         let axis = if self.is_in_bushes { "bushes per run" } else { self.quantity.axis() };
         Titles {
@@ -165,7 +165,7 @@ impl Compared {
         }
     }
 
-    /// Draws a row for each of the others, and for each stratum where that makes a difference.
+    /// Returns a row for each of the others, and for each stratum where that matters.
     pub fn forest(&self) -> ForestChart {
         let row = |name: &String, judged: &JudgedContrast| {
             let half_width = judged.contrast.interval.map(|ends| 0.5 * (ends.high - ends.low));
@@ -188,7 +188,7 @@ fn is_higher_better(quantity: &'static Metric) -> bool {
     quantity.about.better == Some(Better::Higher)
 }
 
-/// Says whether the variants of a stratum have the same number of bushes with each seed.
+/// Returns whether the variants of a stratum have the same number of bushes with each seed.
 fn are_on_equal_fields(labels: &Labels, rest: &[usize], variants: &[Values]) -> bool {
     let of_variant = |variant: usize| (labels.label(variant, rest), variants[variant].of_seeds(&BUSHES));
     let is_equal = |(one, other): (&f64, &f64)| one == other || one.is_nan() || other.is_nan();
@@ -208,7 +208,7 @@ fn mean_by_seed(quantity: &'static Metric, group: &Group, variants: &[Values]) -
 }
 
 impl Other {
-    /// Returns the p-value that the difference is the same in all strata, if there is evidence that it is not.
+    /// Returns the p-value of equal differences in all strata, if there is evidence against it.
     pub fn dependence(&self) -> Option<f64> {
         self.judged.as_ref()?.by_stratum.as_ref().filter(|strata| strata.differ())?.p_adjusted
     }

@@ -1,4 +1,4 @@
-//! The division of variants among the panels of a chart, so that none is missing.
+//! The distribution of variants over the panels of a chart, so that none is missing.
 //!
 //! If every planner occurs in all combinations of the other dimensions, planners are the series of every panel, with the
 //! same colours in all charts, and each combination of the rest makes a panel. Otherwise a panel holds as many series as
@@ -9,32 +9,32 @@ use super::labels::Labels;
 use crate::plan::BatchPlan;
 use wildfire_picture::charts::{STYLES, Style};
 
-/// The most panels of a chart; one with more is not drawn, which is said.
+/// The maximum number of panels of a chart; one with more is not drawn, which the report states.
 pub const MOST_PANELS: usize = 120;
 
-/// A part of a chart.
+/// A panel of a chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Facet {
-    /// Empty if it is not one of several on a sheet.
+    /// The name; empty for a single panel.
     pub name: String,
     pub series: Vec<FacetSeries>,
 }
 
-/// A series of a chart: variants that share one look.
+/// A series of a chart: variants with the same appearance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FacetSeries {
     pub name: String,
     pub style: Style,
-    /// Indices of variants: one, or those along the x axis.
+    /// The indices of its variants: one, or those along the x axis.
     pub variants: Vec<usize>,
 }
 
-/// Panels in which every variant is a series.
+/// Returns panels in which every variant is a series.
 pub fn variant_facets(plan: &BatchPlan) -> Vec<Facet> {
     facets(plan.variants.len(), &Labels::new(plan))
 }
 
-/// Panels in which the values of a swept key are the x axis, and all else that differs makes the series.
+/// Returns panels with the values of a swept key on the x axis; all other differences make series.
 pub fn facets_over(plan: &BatchPlan, key: usize) -> Vec<Facet> {
     facets(plan.variants.len(), &Labels::new(plan).without(key))
 }

@@ -19,10 +19,10 @@ use wildfire_picture::charts::{
     StripPanel, Style, Titles,
 };
 
-/// The part of the report that a chart belongs to.
+/// The section of the report to which a chart belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Section {
-    /// The picture under the answer.
+    /// The picture below the answer.
     Answer,
     Means,
     Distributions,
@@ -30,12 +30,12 @@ pub enum Section {
     Sweeps,
 }
 
-/// A sheet of a chart and the name of its files, without an ending.
+/// A sheet of a chart, with its file name without an extension.
 #[derive(Debug)]
 pub struct Figure {
     pub section: Section,
     pub file: String,
-    /// The name of the file of the chart's data, which all of its sheets share.
+    /// The name of the chart's data file, which all of its sheets share.
     pub data: String,
     pub drawing: Drawing,
 }
@@ -45,25 +45,25 @@ pub struct Figure {
 pub struct Figures {
     /// The sheets, in the order of the report.
     pub drawn: Vec<Figure>,
-    /// What they show: one for each chart.
+    /// The data of the charts.
     pub data: Vec<ChartData>,
-    /// Charts that are not drawn, since they would have too many panels: a sentence for each.
+    /// A sentence for each chart that is not drawn because it would have too many panels.
     pub refused: Vec<String>,
-    /// Distributions that are not drawn, since they say nothing: a sentence for each.
+    /// A sentence for each distribution that is not drawn because all values are equal.
     pub constant: Vec<String>,
 }
 
-/// What the figures of a batch are drawn from.
+/// The data from which the figures of a batch are drawn.
 pub struct FigureSource<'a> {
     pub plan: &'a BatchPlan,
     pub collected: &'a Collected,
-    /// For each variant, where the batch has them.
+    /// The states of each variant, if the batch has them.
     pub states: Option<&'a [StateCurves]>,
 }
 
 impl FigureSource<'_> {
-    /// Draws the figures of all variants on sheets of this width, in units. The picture under the answer is left out where
-    /// columns were asked for.
+    /// Draws the figures of all variants on sheets of this width, in units. The picture below the answer is omitted if
+    /// columns were requested.
     pub fn draw(&self, chosen: &ChosenQuantities, width: f32) -> Figures {
         let Self { plan, collected, states } = *self;
         let mut figures = Figures::default();
@@ -126,7 +126,7 @@ impl FigureSource<'_> {
 }
 
 impl Figures {
-    /// Says whether a chart has few enough panels; if not, notes in a sentence that it is not drawn.
+    /// Returns whether a chart has few enough panels; if not, notes in a sentence that it is not drawn.
     fn admits(&mut self, what: &str, panels: usize) -> bool {
         if panels > MOST_PANELS {
             let sentence =
@@ -237,7 +237,7 @@ impl MeansChart {
     }
 }
 
-/// Returns the quantity by which variants are compared first.
+/// Returns the quantity by which variants are compared primarily.
 pub fn main_quantity(variants: &[Values]) -> &'static Metric {
     let has = |quantity: &Metric| {
         variants.iter().any(|values| values.of_seeds(quantity).iter().any(|number| !number.is_nan()))

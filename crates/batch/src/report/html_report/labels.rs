@@ -1,4 +1,4 @@
-//! Short names of variants for charts: only what differs between them.
+//! Short names of variants for charts, made of their differences.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use crate::plan::{BatchPlan, planner_of};
 /// The place of planners in a label, between scenarios and swept keys.
 const PLANNERS: usize = 1;
 
-/// The names of a plan's variants, made of what differs between them.
+/// The names of a plan's variants, made of their differences.
 #[derive(Clone, Debug)]
 pub struct Labels {
     /// The name of all scenarios where nothing differs.
@@ -16,7 +16,7 @@ pub struct Labels {
     dimensions: Vec<Dimension>,
 }
 
-/// Something in which variants differ.
+/// A dimension in which variants differ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dimension {
     /// The index of the swept key, if it is one.
@@ -49,7 +49,7 @@ impl Labels {
         labels
     }
 
-    /// Names things by the words of these lists, each of which has a word for each thing.
+    /// Creates names from lists of words, each of which has a word for each thing.
     pub fn from_words(lists: Vec<Vec<String>>) -> Self {
         let alone = lists.first().and_then(|words| words.first()).cloned().unwrap_or_default();
         let dimension = |(place, words)| Dimension { key: Some(place), words, place };
@@ -66,7 +66,7 @@ impl Labels {
         }
     }
 
-    /// The same without a swept key, and without those that take their values together with it.
+    /// Returns the same without a swept key, and without those that vary together with it.
     pub fn without(mut self, key: usize) -> Self {
         if let Some(left_out) = self.dimensions.iter().find(|dimension| dimension.key == Some(key)).cloned() {
             self.dimensions.retain(|other| other.key.is_none() || !follows(&left_out.words, &other.words));
@@ -74,7 +74,7 @@ impl Labels {
         self
     }
 
-    /// The dimensions by their indices; those that go together, such as keys of one sweep, in one group.
+    /// Returns the dimensions by index; those that vary together, such as keys of one sweep, are grouped.
     pub fn groups(&self) -> Vec<Vec<usize>> {
         let mut groups: Vec<Vec<usize>> = Vec::new();
         for (index, dimension) in self.dimensions.iter().enumerate() {
@@ -90,8 +90,8 @@ impl Labels {
         groups
     }
 
-    /// Returns the planners, with all that goes with them, as dimensions; `None` unless they differ and each is there with
-    /// every combination of the rest.
+    /// Returns the planners, with everything that varies with them, as dimensions; `None` unless they differ and each
+    /// occurs with every combination of the rest.
     pub fn crossed_planners(&self) -> Option<Vec<usize>> {
         let is_planner = |dimension: &Dimension| dimension.key.is_none() && dimension.place == PLANNERS;
         let own = self.dimensions.iter().position(is_planner)?;
@@ -106,7 +106,7 @@ impl Labels {
         (0..self.dimensions.len()).filter(|index| !dimensions.contains(index)).collect()
     }
 
-    /// Names dimensions by what varies: a swept key, or `scenario`, `planner`, `variant`.
+    /// Returns the headings of dimensions: a swept key, or `scenario`, `planner`, `variant`.
     pub fn heads(&self, dimensions: &[usize], plan: &BatchPlan) -> Vec<String> {
         let mut parts: Vec<&Dimension> = dimensions.iter().map(|&index| &self.dimensions[index]).collect();
         parts.sort_by_key(|dimension| dimension.place);
@@ -119,7 +119,7 @@ impl Labels {
         parts.into_iter().map(head).collect()
     }
 
-    /// Names a variant by these dimensions; by its scenario's name if there are none.
+    /// Returns the name of a variant by these dimensions, or its scenario's name if there are none.
     pub fn label(&self, variant: usize, dimensions: &[usize]) -> String {
         let mut parts: Vec<&Dimension> = dimensions.iter().map(|&index| &self.dimensions[index]).collect();
         parts.sort_by_key(|dimension| dimension.place);
@@ -127,7 +127,7 @@ impl Labels {
         if words.is_empty() { self.scenario.clone() } else { words.join(", ") }
     }
 
-    /// The labels by these dimensions, each once, in the order of the variants.
+    /// Returns the distinct names by these dimensions, in the order of the variants.
     pub fn distinct(&self, dimensions: &[usize]) -> Vec<String> {
         let variants = self.dimensions.first().map_or(1, |dimension| dimension.words.len());
         let mut seen = BTreeMap::new();
@@ -146,7 +146,7 @@ impl Dimension {
     }
 }
 
-/// Says whether the word of a variant in `one` determines that in `other`.
+/// Returns whether the word of a variant in `one` determines that in `other`.
 fn follows(one: &[String], other: &[String]) -> bool {
     let mut known = BTreeMap::new();
     one.iter().zip(other).all(|(word, other)| *known.entry(word).or_insert(other) == other)

@@ -1,5 +1,5 @@
-//! The report of a batch: one page that needs no other file and no network, and its charts as SVG and PNG, with what they
-//! show as CSV; for papers also as PDF and PGF.
+//! The report of a batch: one page that needs no other file and no network, and its charts as SVG and PNG with their
+//! data as CSV; for papers also as PDF and PGF.
 //!
 //! Everything in it is read from the batch's folder: plan, `runs.csv`, `states.parquet`, `machines.json`. The same batch
 //! gives the same bytes. Means have the 95 % intervals of the batch's tables, differences those of comparisons.
@@ -41,46 +41,46 @@ use page::{Origin, Page};
 use wildfire_picture::charts::{PaperSize, SCREEN_WIDTH};
 use wildfire_picture::unknown_letters;
 
-/// The files of a report that was written.
+/// The files of a written report.
 #[derive(Clone, Debug)]
 pub struct WrittenReport {
     pub page: PathBuf,
     pub charts_folder: PathBuf,
-    /// The names of the charts' files, without their endings.
+    /// The file names of the charts, without extensions.
     pub charts: Vec<String>,
     /// The tables of the batch.
     pub tables: BatchReport,
-    /// The machines that worked on it, as far as they are known.
+    /// The machines that worked on it, as far as known.
     pub machines: Vec<Machine>,
-    /// Charts that are not drawn since they would have too many panels: a sentence for each.
+    /// A sentence for each chart that is not drawn because it would have too many panels.
     pub refused: Vec<String>,
-    /// Letters in charts that the font of pictures lacks.
+    /// Characters in charts that the font of pictures lacks.
     pub unknown_letters: String,
 }
 
 /// The charts of a page in the window of a phone.
 const PHONE: PaperSize = PaperSize { width_mm: 88.0, font_pt: 8.0 };
 
-/// What a report is made of besides the files of its batch.
+/// The parts of a report besides the files of its batch.
 #[derive(Clone, Debug)]
 pub struct ReportParts<'a> {
-    /// The runs whose pages are there, for links to them.
+    /// The runs that have pages, for links to them.
     pub playing: &'a [NotableRun],
-    /// The field at the end of the median run, where the batch is of one variant and has that run.
+    /// The field at the end of the median run, if the batch has one variant and that run exists.
     pub field: Option<FieldPicture>,
     pub quantities: &'a ChosenQuantities,
     pub paper: PaperCharts,
 }
 
-/// A picture of a field, and what it shows.
+/// A picture of a field, and its description.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldPicture {
     pub caption: String,
-    /// The bytes of a PNG file.
+    /// The bytes of the PNG file.
     pub png: Vec<u8>,
 }
 
-/// The charts for a paper that are written too.
+/// The charts that are also written for a paper.
 #[derive(Clone, Copy, Debug)]
 pub struct PaperCharts {
     pub size: PaperSize,
@@ -88,7 +88,7 @@ pub struct PaperCharts {
     pub pgf: bool,
 }
 
-/// A reason for which a batch has no report.
+/// The reason why a batch has no report.
 #[derive(Debug, Error)]
 pub enum ReportError {
     #[error(transparent)]
@@ -109,7 +109,7 @@ fn likely(nearest: Option<&str>) -> String {
     nearest.map_or_else(String::new, |nearest| format!(" (did you mean `{nearest}`?)"))
 }
 
-/// Reads a batch that is over, and writes `report.html` and a folder of charts beside its tables.
+/// Reads a finished batch, and writes `report.html` and a folder of charts beside its tables.
 pub fn write_report(batch: &FinishedBatch, parts: &ReportParts<'_>) -> Result<WrittenReport, ReportError> {
     let ReportParts { quantities, paper, .. } = parts;
     let folder = batch.folder();

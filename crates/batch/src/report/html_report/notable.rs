@@ -1,5 +1,4 @@
-//! Runs that are worth a look: the one with the fewest burned bushes, the median, and the one with the
-//! most.
+//! Notable runs: the one with the fewest burned bushes, the median, and the one with the most.
 
 use super::ReportError;
 use crate::execute::CHARTS_FOLDER;
@@ -7,19 +6,19 @@ use crate::table::{FinishedBatch, run_column};
 
 const BURNED_RATIO: usize = run_column("burned_ratio");
 
-/// A run that is worth a look.
+/// A notable run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NotableRun {
     /// `best`, `median` or `worst`.
     pub word: &'static str,
-    /// From 1, in the order of the plan.
+    /// The number of the run, from 1, in the order of the plan.
     pub number: u64,
     /// The share of bushes that burned.
     pub burned_ratio: f64,
 }
 
 impl NotableRun {
-    /// The path of its page in the folder of the batch.
+    /// Returns the path of its page in the folder of the batch.
     pub fn page(&self) -> String {
         page_of(self.word)
     }
@@ -32,7 +31,7 @@ fn page_of(word: &str) -> String {
 /// What the runs are called: in them the least burned, the most, and half of the runs burned less.
 const WORDS: [&str; 3] = ["best", "worst", "median"];
 
-/// Finds those notable runs whose pages are there.
+/// Returns the notable runs that have pages.
 pub fn runs_with_pages(batch: &FinishedBatch) -> Result<Vec<NotableRun>, ReportError> {
     let has_page = |word: &str| batch.folder().join(page_of(word)).is_file();
     if !WORDS.into_iter().any(has_page) {
@@ -42,8 +41,8 @@ pub fn runs_with_pages(batch: &FinishedBatch) -> Result<Vec<NotableRun>, ReportE
     Ok(runs.into_iter().filter(|run| has_page(run.word)).collect())
 }
 
-/// Finds the runs that are done with the least and the most burned, and the one in the middle; of runs that are equal the
-/// first. A run that would be two of them is there once.
+/// Returns the finished runs with the fewest and the most burned bushes, and the median; ties go to the first. A run
+/// with two of these roles appears once.
 pub fn notable_runs(batch: &FinishedBatch) -> Result<Vec<NotableRun>, ReportError> {
     let unfinished = || ReportError::Unfinished { folder: batch.folder().to_owned() };
     let mut rows = batch.rows()?.ok_or_else(unfinished)?;

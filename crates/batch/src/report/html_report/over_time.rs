@@ -1,4 +1,4 @@
-//! States of obstacles over time, read from `states.parquet`.
+//! States of obstacles over time, from `states.parquet`.
 
 use std::fs::File;
 use std::io::ErrorKind;
@@ -12,7 +12,7 @@ use crate::stats::quantile;
 use crate::table::{FinishedError, ParquetReader, RowGroup};
 use wildfire_picture::charts::Estimate;
 
-/// The quantiles of the runs between which a band lies.
+/// The quantiles of the runs that limit a band.
 pub const BAND: [f64; 2] = [0.1, 0.9];
 
 /// For each of [`STATES`] its share of the obstacles at points of time in seconds: means, and the middle 80 % of runs.
@@ -20,12 +20,12 @@ pub const BAND: [f64; 2] = [0.1, 0.9];
 pub struct StateCurves(pub [Vec<(f64, Estimate)>; STATES.len()]);
 
 impl StateCurves {
-    /// Says whether some run of the variant is done.
+    /// Returns whether some run of the variant is done.
     pub fn is_there(&self) -> bool {
         self.0[0].len() > 1
     }
 
-    /// Reads one for each variant; `None` if the folder has no such file.
+    /// Reads the curves of each variant; `None` if the folder has no such file.
     pub fn read(folder: &Path, plan: &BatchPlan) -> Result<Option<Vec<Self>>, FinishedError> {
         let path = folder.join(STATES_PARQUET);
         let file = match File::open(&path) {

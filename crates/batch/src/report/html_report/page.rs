@@ -1,4 +1,4 @@
-//! The page itself.
+//! The page of a report.
 
 use super::answer::Answer;
 use super::collected::{Collected, ListedRun};
@@ -16,7 +16,7 @@ use wildfire_base::document::{self, Block, Document, Table};
 /// The most variants whose tables are in the page.
 const SHOWN_TABLES: usize = 50;
 
-/// The longest plan that is in the page.
+/// The maximum length of a plan that is included in the page.
 pub const LONGEST_PLAN: u64 = 200_000;
 
 /// The files beside a page that it links, and what they hold.
@@ -32,7 +32,7 @@ const FILES: [(&str, &str); 9] = [
     (MACHINES_FILE, "the machines that ran it"),
 ];
 
-/// What is known of how the batch was made, besides its rows.
+/// The known origin of the batch, besides its rows.
 pub struct Origin {
     pub writer: PlanWriter,
     /// The text of `plan.json`, if it is short.
@@ -40,19 +40,19 @@ pub struct Origin {
     pub machines: Vec<Machine>,
 }
 
-/// What is on the page.
+/// The contents of the page.
 pub struct Page<'a> {
     pub batch: &'a FinishedBatch,
     pub collected: &'a Collected,
     pub figures: &'a Figures,
-    /// The same charts as narrow as a column of a paper, for phones.
+    /// The same charts at the width of a paper's column, for phones.
     pub narrow: &'a Figures,
     pub parts: &'a ReportParts<'a>,
     pub origin: &'a Origin,
 }
 
 impl Page<'_> {
-    /// Begins with the answer, a picture of it, and links to all sections.
+    /// Creates the document: the answer, a picture of it, links to all sections, and the sections.
     pub fn to_document(&self) -> Document {
         let Self { batch, collected, figures, narrow, parts, origin } = *self;
         let plan = batch.plan();

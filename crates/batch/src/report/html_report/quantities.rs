@@ -1,4 +1,4 @@
-//! The metrics of runs that a report shows, and how.
+//! The metrics that a report shows.
 
 use std::sync::LazyLock;
 
@@ -13,7 +13,7 @@ const OBSTACLES: usize = run_column("obstacles");
 /// The axis of states.
 pub const SHARE_OF_OBSTACLES: &str = "share of obstacles";
 
-/// The ends of a run.
+/// The final states of bushes.
 pub static STATES: [Metric; 4] = [metric("intact"), metric("burning"), metric("burned_out"), metric("extinguished")];
 
 /// The parts of the planners' CPU time.
@@ -29,25 +29,25 @@ pub static CPU_PARTS: [Metric; 9] = [
     metric("cpu_wumpus_s"),
 ];
 
-/// Says whether only runs with planners that are not built in have it.
+/// Returns whether only runs with custom planners have it.
 pub fn is_of_custom_planners(metric: &Metric) -> bool {
     metric.name.starts_with("cpu_custom_")
 }
 
-/// The bushes that did not burn: the share of all.
+/// The share of the bushes that did not burn.
 pub static SAVED: LazyLock<Metric> = LazyLock::new(|| Metric::from_name("saved"));
 
-/// All bushes of a field, as a number.
+/// The number of bushes of a field.
 pub static BUSHES: Metric = metric("obstacles");
 
-/// Where bushes are few or none: what burned of them and of ground.
+/// The burned area of bushes and ground, where there are few bushes or none.
 pub static BURNED_AREA: Metric = metric("burned_ha");
 
-/// Further quantities that differ from run to run.
+/// More quantities that vary between runs.
 pub static MEASURES: [Metric; 4] =
     [metric("mean_response_s"), metric("truck_distance_m"), metric("truck_stuck_s"), metric("cpu_unimog_total_s")];
 
-/// Returns what variants are compared in: the main quantity, and whatever else has an aim.
+/// Returns the quantities in which variants are compared: the main one, and all others with an aim.
 pub fn aims(main: &'static Metric) -> impl Iterator<Item = &'static Metric> {
     let others = Metric::of_columns().iter().filter(|metric| metric.about.aim.is_some() && **metric != BURNED_AREA);
     [main].into_iter().chain(others)
@@ -65,7 +65,7 @@ pub struct ChosenQuantities {
 }
 
 impl ChosenQuantities {
-    /// Finds the columns of these names; without any the usual ones are shown.
+    /// Finds the columns of these names; without any, the default ones.
     ///
     /// # Errors
     /// If there is no such column, or it holds no numbers.
@@ -80,29 +80,29 @@ impl ChosenQuantities {
         Ok(Self { asked })
     }
 
-    /// Returns the places of those that were asked for, among [`RUN_COLUMNS`].
+    /// Returns the places of the requested columns among [`RUN_COLUMNS`].
     pub fn places(&self) -> Vec<usize> {
         let place = |metric: &Metric| RUN_COLUMNS.iter().position(|column| column.name == metric.name);
         self.asked.iter().filter_map(|metric| place(metric)).collect()
     }
 
-    /// Returns those that were asked for.
+    /// Returns the requested quantities.
     pub fn asked(&self) -> &[&'static Metric] {
         &self.asked
     }
 
-    /// Returns those of some quantities that are shown, in their order.
+    /// Returns those of some quantities that are shown, in order.
     pub fn among(&self, quantities: &'static [Metric]) -> Vec<&'static Metric> {
         quantities.iter().filter(|metric| self.asked.is_empty() || self.asked.contains(metric)).collect()
     }
 
-    /// Returns those whose distributions, and means over what is swept, are shown.
+    /// Returns the quantities whose distributions, and means over swept keys, are shown.
     pub fn of_runs(&self) -> Vec<&'static Metric> {
         let usual = || STATES.iter().chain(&MEASURES).collect();
         if self.asked.is_empty() { usual() } else { self.asked.clone() }
     }
 
-    /// Returns everything that is kept of a run: what the answer needs, and what is shown.
+    /// Returns all quantities that are kept of a run: for the answer, and for charts.
     pub fn kept(&self) -> Vec<&'static Metric> {
         let mut kept: Vec<&Metric> = STATES.iter().chain(&CPU_PARTS).chain(&MEASURES).collect();
         kept.extend([&BUSHES, &BURNED_AREA]);
@@ -128,7 +128,7 @@ impl Metric {
         self.about.title
     }
 
-    /// Returns its name outside of a chart of several.
+    /// Returns the title outside of a chart of several quantities.
     pub fn title(&self) -> String {
         let when = if self.is_share_of_bushes() { " at the end of a run" } else { "" };
         format!("{}{when}", self.label())
@@ -147,28 +147,28 @@ impl Metric {
         Some(number * self.about.unit.chart_factor())
     }
 
-    /// Returns the least and the greatest value that it can have.
+    /// Returns the least and the greatest possible value.
     pub fn range(&self) -> (f64, f64) {
         if self.is_share_of_bushes() { (0.0, 1.0) } else { self.about.range() }
     }
 
-    /// Returns what an axis is called that shows it, with the unit.
+    /// Returns the title of an axis, with the unit.
     pub fn axis(&self) -> &'static str {
         if self.is_share_of_bushes() { SHARE_OF_OBSTACLES } else { self.about.unit.axis() }
     }
 
-    /// Returns the unit in which sentences give it, and the factor of its numbers in them.
+    /// Returns the unit in sentences, and the factor of numbers in them.
     pub fn in_words(&self) -> (&'static str, f64) {
         if self.range() == (0.0, 1.0) { ("%", 100.0) } else { (self.unit(), 1.0) }
     }
 
-    /// Returns the unit of its axis; empty of none.
+    /// Returns the unit of the axis; empty if there is none.
     pub fn unit(&self) -> &'static str {
         self.axis().rsplit_once(" (").map_or("", |(_, unit)| unit.trim_end_matches(')'))
     }
 }
 
-/// Names the axis of a swept key, with the unit that the key's last word says, if it says one.
+/// Returns the title of a swept key's axis, with the unit that the key's last word contains, if any.
 pub fn key_axis(key: &str) -> String {
     const UNITS: [(&str, &str); 13] = [
         ("_deg_s", "°/s"),

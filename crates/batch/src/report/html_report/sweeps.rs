@@ -9,15 +9,14 @@ use crate::execute::file_name_of;
 use crate::plan::{BatchPlan, Value};
 use wildfire_picture::charts::{Curve, CurveChart, CurvePanel, Spread, Titles};
 
-/// A chart over a swept key, with the name of its files, and what it shows.
+/// A chart over a swept key, with its file name and its data.
 pub struct SweepChart {
     pub file: String,
     pub what: String,
     pub chart: CurveChart,
 }
 
-/// Returns a chart for every quantity over each key that is swept over numbers; other differences make curves and
-/// panels.
+/// Returns a chart for every quantity over each numeric swept key; other differences make curves and panels.
 pub fn sweep_charts(plan: &BatchPlan, values: &[Values], chosen: &ChosenQuantities) -> Vec<SweepChart> {
     let mut charts = Vec::new();
     for (key, name) in plan.swept_keys.iter().enumerate() {
@@ -35,7 +34,7 @@ pub fn sweep_charts(plan: &BatchPlan, values: &[Values], chosen: &ChosenQuantiti
     charts
 }
 
-/// Returns the means of a quantity over the key that takes most numbers; `None` if no key is swept over numbers.
+/// Returns the means of a quantity over the swept key with the most numbers; `None` without a numeric key.
 pub fn main_curves(plan: &BatchPlan, values: &[Values], quantity: &'static Metric) -> Option<CurveChart> {
     let (key, places) = main_key(plan)?;
     Some(curves_over(plan, values, (key, &places), quantity))
@@ -103,7 +102,7 @@ fn curves_over(
     CurveChart { titles, spread: Spread::Whiskers, panels }
 }
 
-/// Says what marks and whiskers are.
+/// Describes marks and whiskers.
 pub fn interval_note(marks: &str) -> String {
     format!("{marks} are means, whiskers their 95 % intervals.")
 }

@@ -29,7 +29,7 @@ use writer::ParquetWriter;
 const WIDE_ROWS: usize = 2048;
 const LONG_ROWS: usize = 16_384;
 
-/// All three files; they appear when finished.
+/// All three files, which appear when complete.
 pub struct ParquetFiles {
     runs: ParquetWriter,
     calls: ParquetWriter,
@@ -96,7 +96,7 @@ impl ParquetFiles {
     }
 }
 
-/// Returns the columns of the keys that a batch sweeps.
+/// Returns the columns of swept keys.
 pub fn swept_columns(plan: &BatchPlan) -> Vec<FileColumn> {
     let swept = plan.swept_keys.iter().enumerate();
     swept.map(|(index, key)| FileColumn::swept(key, swept_kind(plan, index))).collect()

@@ -1,4 +1,4 @@
-//! The reader of Parquet files that this program wrote, one group of rows after the other.
+//! The reader of Parquet files that this program wrote, one row group after the other.
 
 use std::fs::File;
 
@@ -15,11 +15,11 @@ const MAX_GROUP_ROWS: usize = 1 << 20;
 /// A file of rows.
 pub struct ParquetReader(SerializedFileReader<File>);
 
-/// Some rows of a file.
+/// A group of rows of a file.
 pub struct RowGroup<'a>(Box<dyn RowGroupReader + 'a>);
 
 impl ParquetReader {
-    /// Reads an open file by `read`; says in words what is wrong with it.
+    /// Reads an open file by `read`, or describes what is wrong with it.
     pub fn read<T>(file: File, read: impl FnOnce(&Self) -> Result<T, String>) -> Result<T, String> {
         // Damage can make the library panic.
         let caught = panics::catch(|| read(&Self(SerializedFileReader::new(file).map_err(in_words)?)));
@@ -32,13 +32,13 @@ impl ParquetReader {
 }
 
 impl RowGroup<'_> {
-    /// Returns the whole numbers in a column, of which none may be missing or below zero.
+    /// Returns the integers in a column, none of which may be missing or negative.
     pub fn counts(&self, column: &str) -> Result<Vec<u64>, String> {
         let counts = self.values::<Int64Type>(column)?.into_iter().map(u64::try_from);
         counts.collect::<Result<_, _>>().map_err(|_| format!("a value of `{column}` is below zero"))
     }
 
-    /// Returns the numbers in a column, of which none may be missing.
+    /// Returns the numbers in a column, none of which may be missing.
     pub fn numbers(&self, column: &str) -> Result<Vec<f64>, String> {
         self.values::<DoubleType>(column)
     }

@@ -1,4 +1,4 @@
-//! A Parquet file of named columns, written some thousand rows at a time.
+//! A Parquet file of named columns, written a few thousand rows at a time.
 
 use std::io;
 use std::iter;
@@ -17,7 +17,7 @@ use crate::execute::{BatchError, Disk, Whole};
 use crate::plan::Value;
 use crate::table::column::{FileColumn, Kind};
 
-/// A file that appears when it is finished.
+/// A file that appears when it is complete.
 pub struct ParquetWriter {
     path: PathBuf,
     writer: SerializedFileWriter<Box<dyn Whole>>,
@@ -44,7 +44,7 @@ enum ColumnValues {
 }
 
 impl ParquetWriter {
-    /// Begins a file; `rows_a_group` rows are held in memory at most. `metadata` are keys and values of the whole file.
+    /// Begins a file; at most `rows_a_group` rows are held in memory. `metadata` are keys and values of the whole file.
     pub fn create(
         path: PathBuf,
         disk: &dyn Disk,
@@ -61,7 +61,7 @@ impl ParquetWriter {
         Ok(Self { path, writer, columns, buffers, rows: 0, rows_a_group })
     }
 
-    /// Takes a row, a value for each column.
+    /// Adds a row, with a value for each column.
     ///
     /// # Errors
     /// If a value does not go with its column: it is missing and required, of another kind, or a number that the
@@ -78,8 +78,8 @@ impl ParquetWriter {
         if self.rows < self.rows_a_group { Ok(()) } else { self.write_group() }
     }
 
-    /// Takes rows that begin with the same values, column by column, which costs a fraction of taking them one by one;
-    /// `own` gives the value of each row in each column behind these.
+    /// Adds rows that begin with the same values, column by column, which is much faster than adding them individually;
+    /// `own` returns the value of each row in each following column.
     pub fn add_alike<'a>(
         &mut self,
         shared: impl Iterator<Item = &'a Value> + Clone,

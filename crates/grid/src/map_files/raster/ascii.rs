@@ -13,7 +13,7 @@ const KEYS: [&str; 10] =
 
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
-/// Says whether a file begins as grids do: with one of the keys.
+/// Returns whether a file begins as grids do: with one of the keys.
 pub(super) fn is_start(bytes: &[u8]) -> bool {
     let word = Words::new(bytes).next().map(|word| &word[..word.len().min(16)]);
     word.is_some_and(|word| key_of(word).is_some())

@@ -1,4 +1,4 @@
-//! Faults of rasters.
+//! Errors of rasters.
 
 use std::io;
 use std::path::PathBuf;
@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use super::{MAX_RASTER_CELLS, MAX_RASTER_SIDE};
 
-/// Why a file could not be read as a raster: a sentence that begins with its path.
+/// The reason why a file could not be read as a raster: a sentence that begins with its path.
 #[derive(Debug, Error)]
 #[error("{}: {fault}", path.display())]
 pub struct RasterError {
@@ -15,7 +15,7 @@ pub struct RasterError {
     pub fault: RasterFault,
 }
 
-/// The fault itself. Rows and columns are those of the file, from 0 at its north-west corner.
+/// The error itself. Rows and columns are those of the file, from 0 at its north-west corner.
 #[derive(Debug, Error)]
 pub enum RasterFault {
     #[error("cannot be read: {0}")]

@@ -184,7 +184,7 @@ fn geo_keys(decoder: &mut TiffDecoder<'_>) -> Result<Option<GeoKeys>, RasterFaul
     }
 }
 
-/// Says whether text of a TIFF image may not have a letter.
+/// Returns whether text of a TIFF image may not have a letter.
 fn is_no_text(letter: char) -> bool {
     !letter.is_ascii() || letter == '\0'
 }

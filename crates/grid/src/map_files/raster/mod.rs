@@ -1,4 +1,4 @@
-//! Rasters: a number for each cell of a map, and where the cells are on earth.
+//! Rasters: a number for each cell of a map, and the position of the cells on earth.
 //!
 //! Read are ESRI ASCII grids and GeoTIFF images, distinguished by their content; written are both. In a file the north row
 //! comes first. Here row 0 is the south edge, as everywhere in the simulation, and this module is where rows are turned
@@ -19,11 +19,11 @@ use serde::{Deserialize, Serialize};
 use wildfire_base::input_file;
 use wildfire_base::whole_file::write_whole;
 
-/// The most rows and the most columns of a raster.
+/// The maximum number of rows and of columns of a raster.
 pub const MAX_RASTER_SIDE: usize = 16_384;
-/// The most cells of a raster: 268 MB of values.
+/// The maximum number of cells of a raster: 268 MB of values.
 pub const MAX_RASTER_CELLS: usize = 1 << 26;
-/// The most bytes of a raster's file: about nine letters for each cell of the largest one.
+/// The maximum size of a raster file in bytes: about nine characters for each cell of the largest one.
 pub const MAX_RASTER_BYTES: u64 = 600_000_000;
 
 /// A raster: values of square cells, row 0 at the south edge, column 0 at the west edge.
@@ -35,17 +35,17 @@ pub struct Raster {
     pub west_m: f64,
     /// The south edge of row 0.
     pub south_m: f64,
-    /// Side of a cell, metres.
+    /// The side of a cell, in metres.
     pub cell_m: f64,
     /// A value for each cell, `row * cols + col`.
     pub values: Vec<f32>,
-    /// The value of cells without one; they keep it.
+    /// The value of cells without data; they keep it.
     pub nodata: Option<f32>,
     /// The coordinate system, as a GeoTIFF states it.
     pub crs: Option<GeoKeys>,
 }
 
-/// The coordinate system of a GeoTIFF: its geo keys, which are handed on as they were read.
+/// The coordinate system of a GeoTIFF: its geo keys, passed on unchanged.
 ///
 /// Source: Open Geospatial Consortium, "OGC GeoTIFF Standard", version 1.1, 2019, section 7.1.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -65,12 +65,12 @@ impl Raster {
         self.values[row * self.cols + col]
     }
 
-    /// Says whether a value means that there is none; NaN always does.
+    /// Returns whether a value stands for missing data; NaN always does.
     pub fn is_nodata(&self, value: f32) -> bool {
         value.is_nan() || self.nodata == Some(value)
     }
 
-    /// Returns the row as the file counts it, from the north.
+    /// Returns the row in the file's numbering, from the north.
     pub fn file_row(&self, row: usize) -> usize {
         self.rows - 1 - row
     }
@@ -88,7 +88,7 @@ impl Raster {
     }
 }
 
-/// Reads a raster; its content says in which format it is.
+/// Reads a raster; the format is detected from the content.
 ///
 /// # Errors
 /// If the file is no raster of one band of square cells measured in metres, breaks off, or is larger than
@@ -115,7 +115,7 @@ pub fn parse(bytes: Vec<u8>) -> Result<Raster, RasterFault> {
     }
 }
 
-/// Writes an ESRI ASCII grid: every value in the fewest digits that give it back bit for bit.
+/// Writes an ESRI ASCII grid: every value in the fewest digits that restore it bit for bit.
 ///
 /// # Errors
 /// Those of the disk.
@@ -123,7 +123,7 @@ pub fn write_asc(path: &Path, raster: &Raster) -> io::Result<()> {
     write_whole(path, ascii::to_text(raster).as_bytes())
 }
 
-/// Writes a GeoTIFF of 32-bit floating-point values, packed by deflate.
+/// Writes a GeoTIFF of 32-bit floating-point values, compressed by deflate.
 ///
 /// # Errors
 /// Those of the disk.

@@ -1,4 +1,4 @@
-//! Laws of rasters: what is written is read back bit for bit, and damage is a sentence.
+//! Laws of rasters: what is written is read back bit for bit, and damage is reported in a sentence.
 
 use std::io::Cursor;
 

@@ -1,4 +1,4 @@
-//! Strips and tiles of TIFF images that are packed by LZW or Zstandard, unpacked.
+//! Decompression of strips and tiles of TIFF images that use LZW or Zstandard.
 //!
 //! The crate `tiff` undoes predictors and orders of bytes, but its reader of LZW refuses tiles that reach beyond the image
 //! and strips without an end code, both of which GDAL writes or reads, and its reader of Zstandard is not in Rust. So the

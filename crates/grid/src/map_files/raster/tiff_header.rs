@@ -1,4 +1,4 @@
-//! The head of a TIFF image, checked before a decoder sees it.
+//! The header of a TIFF image, checked before a decoder sees it.
 //!
 //! A decoder multiplies and allocates what a head says. This reads the few tags that sizes follow from, in classic TIFF
 //! and in BigTIFF, and refuses what no raster of ours can be.
@@ -35,7 +35,7 @@ const MAX_RATIO: usize = 1 << 15;
 /// The most tags of a head.
 const MAX_TAGS: u64 = 4096;
 
-/// Says whether a file begins as a TIFF image does, of the classic kind or a BigTIFF.
+/// Returns whether a file begins as a TIFF image does, of the classic kind or a BigTIFF.
 pub(in crate::map_files) fn is_start(bytes: &[u8]) -> bool {
     [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|signature| bytes.starts_with(*signature))
 }
@@ -152,7 +152,7 @@ impl TiffHead {
         Some(if self.is_little { word.iter().rev().fold(0, join) } else { word.iter().fold(0, join) })
     }
 
-    /// Finds a tag; of two with one number a decoder takes the last.
+    /// Finds a tag; of two with the same number the last counts, as in decoders.
     pub fn entry(&self, bytes: &[u8], tag: u16) -> Option<TiffEntry> {
         let places = (0..self.tags).rev().map(|index| self.first + index * self.entry_size());
         let at = places.into_iter().find(|&at| self.read(bytes, at, 2) == Some(tag.into()))?;
@@ -178,14 +178,14 @@ impl TiffHead {
         if self.is_big_tiff { (at + 12, 8) } else { (at + 8, 4) }
     }
 
-    /// Returns all whole numbers of a tag, if there are any and the file has them all.
+    /// Returns all integers of a tag, if it exists and the file is long enough.
     pub fn numbers(&self, bytes: &[u8], tag: u16) -> Option<Vec<u64>> {
         let entry = self.entry(bytes, tag).filter(|entry| entry.value.is_some())?;
         let places = (0..usize::try_from(entry.count).ok()?).map(|place| entry.value_at + place * entry.size);
         places.map(|at| self.read(bytes, at, entry.size)).collect()
     }
 
-    /// Gives a tag that is there other numbers, which are written behind the file if there is no room for them.
+    /// Replaces the numbers of an existing tag; they are appended to the file if they do not fit in place.
     pub fn put(&self, bytes: &mut Vec<u8>, tag: u16, numbers: &[u32]) {
         const LONG: u64 = 4;
         let Some(TiffEntry { at, .. }) = self.entry(bytes, tag) else { return };

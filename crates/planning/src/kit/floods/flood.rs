@@ -18,14 +18,14 @@ use wildfire_base::vehicle::{Path, Segment};
 
 use super::CLEARANCE_M;
 
-/// The most poses that a flood holds.
+/// The maximum number of poses of a flood.
 pub const MAX_POSES: usize = 3_000_000;
-/// The most bins that a flood holds; those of 5 m and 24 headings of a field of 5 km x 5 km fit in.
+/// The maximum number of bins of a flood; enough for bins of 5 m and 24 headings on a field of 5 km x 5 km.
 pub const MAX_BINS: usize = 25_000_000;
 
 const NONE: u32 = u32::MAX;
 
-/// The poses reached from a root, breadth first: the first pose in a bin stands for it.
+/// The poses reached from a root, breadth first: the first pose in a bin represents it.
 ///
 /// It grows on demand. The order in which poses are found does not depend on what is asked.
 #[derive(Debug)]
@@ -75,37 +75,37 @@ impl Flood {
         flood
     }
 
-    /// Returns the first pose found whose body centre lies in a disc; the flood grows until there is one, but spreads from no
-    /// more than `limit` poses.
+    /// Returns the first pose found whose body centre lies in a disc; the flood grows until there is one, but spreads
+    /// from at most `limit` poses.
     pub fn pose_in(&mut self, disc: GoalDisc, limit: u32) -> Option<u32> {
         self.known_in(disc, limit).min().or_else(|| self.grow_into(disc, limit))
     }
 
-    /// Returns all poses known in a disc that are found by spreading from no more than `limit` poses.
+    /// Returns all known poses in a disc that are found by spreading from at most `limit` poses.
     pub fn known_in(&self, disc: GoalDisc, limit: u32) -> impl Iterator<Item = u32> + '_ {
         let reach = disc.radius_m + self.checker.body().centre_offset_m().abs();
         let known = self.bins.about(disc.centre, reach);
         known.filter(move |&pose| self.spreads_to(pose) <= limit && self.is_in(pose, disc))
     }
 
-    /// Spreads from up to `limit` poses, and tells from how many there are to spread.
+    /// Spreads from up to `limit` poses, and returns the number of poses from which it can spread.
     pub fn grow(&mut self, limit: u32) -> u32 {
         while (self.next as u32) < limit && self.spread_next() {}
         limit.min(self.next as u32)
     }
 
-    /// Returns from how many poses the flood spreads until it finds a pose.
+    /// Returns the number of poses from which the flood spreads until it finds a pose.
     pub fn spreads_to(&self, pose: u32) -> u32 {
         // The root has no parent: none.
         self.found[pose as usize].parent.wrapping_add(1)
     }
 
-    /// Says whether it stopped because it holds as many poses, or bytes, as it may.
+    /// Returns whether it stopped at its maximum of poses or bytes.
     pub fn is_full(&self) -> bool {
         self.found.len() == MAX_POSES || self.is_short
     }
 
-    /// Says whether there is memory for this number of further poses; once there is none, there never is.
+    /// Returns whether there is memory for this number of further poses; once there is none, there never is.
     fn has_memory_for(&mut self, poses: usize) -> bool {
         let lists = self.found.bytes_after(poses) + self.frontier.bytes_after(poses);
         let bytes = self.bins.bytes_after(poses).map(|bins| bins + lists);
@@ -158,7 +158,8 @@ impl Flood {
         self.frontier.push_back(pose);
     }
 
-    /// Returns where the poses are that spreading from up to `limit` poses finds, in order, each after the one that it came from.
+    /// Returns the positions of poses that are found by spreading from up to `limit` poses, in order, each after its
+    /// predecessor.
     pub fn reached(&self, limit: u32) -> impl Iterator<Item = [DVec2; 2]> {
         let mut poses: Vec<Pose> = Vec::new();
         let found = self.found.iter().take_while(move |found| found.parent.wrapping_add(1) <= limit);
@@ -172,7 +173,7 @@ impl Flood {
         })
     }
 
-    /// Returns the way from the root to a pose of the flood.
+    /// Returns the path from the root to a pose of the flood.
     pub fn path_to(&self, pose: u32) -> Path {
         let mut segments = Vec::new();
         let mut index = pose as usize;

@@ -27,7 +27,8 @@ pub const LATTICES: [Lattice; 3] = [
 const POSE_BYTES: u64 = 28;
 const BIN_BYTES: u64 = 5;
 
-/// Bounds the bytes of the floods over all lattices of a field, each of which spreads from up to this number of poses.
+/// Returns an upper bound of the bytes of floods over all lattices of a field, each of which spreads from up to this
+/// number of poses.
 pub fn flood_bytes(frame: &FieldFrame, most_spread: u32) -> u64 {
     let of_lattice = |lattice: Lattice| {
         let Lattice { bin_m, headings, .. } = lattice;

@@ -1,4 +1,4 @@
-//! A proof that no lattice reaches a place: the body does not fit through.
+//! A proof that no lattice reaches a place: the body does not fit through any gap.
 
 use std::collections::BTreeSet;
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -22,7 +22,7 @@ const LARGEST_DISC_M: f64 = 20.0;
 /// Bytes of every square for whether it was met, and for its place among those that wait.
 const BYTES_AT_WORK: usize = 1 + size_of::<usize>();
 
-/// The part of the field that the body's centre could get to if only the largest disc in the body had to pass.
+/// The part of the field that the body's centre could reach if only the largest disc in the body had to pass.
 ///
 /// The field is cut into squares. A square is open if its middle is no nearer to a bush than that disc's radius less
 /// half the square's diagonal, so every square in which the body's centre can be is open, and every way of the body's
@@ -75,7 +75,7 @@ impl Passages {
         }
     }
 
-    /// Says whether no place in a disc is joined to the start.
+    /// Returns whether no place in a disc is connected to the start.
     pub fn exclude(&self, disc: GoalDisc) -> bool {
         if self.joined.is_empty() {
             return false;
@@ -84,8 +84,8 @@ impl Passages {
     }
 }
 
-/// Says whether a disc lies in a pocket of the field that the body's centre cannot get to from the start: what
-/// [`Passages`] would say of it, for the price of the pocket. A large pocket is not recognised.
+/// Returns whether a disc lies in a pocket of the field that the body's centre cannot reach from the start: the answer
+/// of [`Passages`] at the cost of the pocket alone. A large pocket is not recognised.
 pub fn lies_in_pocket(checker: &CollisionChecker, start: Pose, disc: GoalDisc) -> bool {
     if disc.radius_m > LARGEST_DISC_M {
         return false;
@@ -121,7 +121,7 @@ impl Squares {
         self.cols * self.rows
     }
 
-    /// Says whether the body's centre can be in a square, as far as the largest disc in the body decides that.
+    /// Returns whether the body's centre can be in a square, as far as the largest disc in the body decides that.
     fn is_open(self, checker: &CollisionChecker, square: usize) -> bool {
         let body = checker.body();
         let needed = 0.5 * body.width_m.min(body.length_m) - SQUARE_M * FRAC_1_SQRT_2;

@@ -21,7 +21,7 @@ use super::{CLEARANCE_M, LATTICES};
 /// Curves into the goal begin no farther than this from it.
 const NEAR_M: f64 = 10.0;
 
-/// The floods from one root, each made when it is first asked for.
+/// The floods from one root, each computed when it is first needed.
 #[derive(Debug)]
 pub struct Floods {
     checker: CollisionChecker,
@@ -41,12 +41,12 @@ impl Floods {
         self.root
     }
 
-    /// Says whether the floods lead into a disc.
+    /// Returns whether the floods lead into a disc.
     pub fn reach(&mut self, disc: GoalDisc) -> bool {
         self.pose_in(disc).is_some()
     }
 
-    /// Returns a path from the root into a disc, not a short one.
+    /// Returns a path from the root into a disc, not necessarily a short one.
     pub fn path_into(&mut self, disc: GoalDisc) -> Option<Path> {
         let (place, pose) = self.pose_in(disc)?;
         Some(self.on(place).path_to(pose))
@@ -78,18 +78,18 @@ impl Floods {
         floods[place].get_or_insert_with(|| Flood::new(checker, memory, *root, LATTICES[place]))
     }
 
-    /// Says whether no way for the body's centre leads into a disc: proof that no lattice has one.
+    /// Returns whether no way for the body's centre leads into a disc: proof that no lattice has one.
     fn exclude(&mut self, disc: GoalDisc) -> bool {
         self.passages.get_or_insert_with(|| Passages::new(&self.checker, &self.memory, self.root)).exclude(disc)
     }
 }
 
-/// The question to floods.
+/// A query to floods.
 #[derive(Clone, Copy, Debug)]
 pub struct FloodQuery {
     pub start: Pose,
     pub goal: Goal,
-    /// The most poses that floods may spread from.
+    /// The maximum number of poses from which floods may spread.
     pub budget: u32,
     /// The number of lattices that are tried, coarsest first.
     pub lattices: usize,
@@ -131,7 +131,7 @@ impl FloodSearch {
         }
     }
 
-    /// Finds a path within the budget; also returns how many poses the floods spread from.
+    /// Finds a path within the budget; also returns the number of poses from which the floods spread.
     pub fn find_within(
         &mut self,
         query: &FloodQuery,

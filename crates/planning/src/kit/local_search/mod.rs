@@ -60,7 +60,7 @@ impl LocalSearch {
         }
     }
 
-    /// Begins a new query, which has the whole budget before it.
+    /// Begins a new query with its whole budget.
     pub fn begin(&mut self) {
         self.expansions = 0;
     }
@@ -70,8 +70,8 @@ impl LocalSearch {
         self.expansions
     }
 
-    /// Finds a path from `start` along positions for the body's centre into `goal`, which holds the last of them or, if
-    /// it is a pose, is near it. A goal pose is free.
+    /// Finds a path from `start` along positions for the body's centre into `goal`, which contains the last of them or,
+    /// if it is a pose, is near it. A goal pose is free.
     ///
     /// Without waypoints the search makes straight for the goal.
     ///

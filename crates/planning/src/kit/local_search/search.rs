@@ -37,14 +37,15 @@ pub struct Progress {
     way: u32,
 }
 
-/// A turn and a straight to a waypoint, or into the goal, to be swept; `way` is its place in the list of ways.
+/// A turn and a straight to a waypoint, or into the goal, that has to be swept; `way` is its index in the list of
+/// paths.
 #[derive(Clone, Copy, Debug)]
 pub struct Steered {
     waypoint: u32,
     way: u32,
 }
 
-/// The question to one search.
+/// A query to one search.
 #[derive(Clone, Copy, Debug)]
 pub struct PrimitiveQuery<'a> {
     pub checker: &'a CollisionChecker,
@@ -56,12 +57,12 @@ pub struct PrimitiveQuery<'a> {
 }
 
 impl PrimitiveQuery<'_> {
-    /// Says whether a waypoint stands for the goal.
+    /// Returns whether a waypoint stands for the goal.
     fn is_last(&self, waypoint: u32) -> bool {
         waypoint as usize + 1 >= self.waypoints.len()
     }
 
-    /// Says whether the body's centre is in the goal disc. Goal poses are met at the end of curves only.
+    /// Returns whether the body's centre is in the goal disc. Goal poses are met at the end of curves only.
     fn is_inside(&self, pose: Pose) -> bool {
         let Goal::Disc(disc) = self.goal else { return false };
         self.checker.body().body_centre(pose).distance(disc.centre) <= disc.radius_m + ROUNDING_M
@@ -121,12 +122,12 @@ impl PrimitiveSearch {
         self.search.expansions
     }
 
-    /// Returns where the poses are that the last search reached, in order, each after the one that it came from.
+    /// Returns the positions that the last search reached, in order, each after its predecessor.
     pub fn lines(&self) -> impl Iterator<Item = [DVec2; 2]> {
         self.search.lines()
     }
 
-    /// Searches for a path into the goal that expands no more than `budget` nodes.
+    /// Searches for a path into the goal and expands at most `budget` nodes.
     ///
     /// # Errors
     /// The reason why there is none.

@@ -1,4 +1,4 @@
-//! The planner `hybrid-astar`: a search over a lattice of poses that looks ahead with Reeds-Shepp curves.
+//! The planner `hybrid-astar`: a search over a lattice of poses with Reeds-Shepp curves as analytic expansions.
 //!
 //! All of it is the [`RelaxedSearch`] of the kit, which other planners fall back on.
 //!
@@ -29,7 +29,7 @@ impl HybridSettings {
         Improvement { shortcuts: self.shortcuts, pulls: self.pulls }
     }
 
-    /// Returns what the search of a truck needs of the settings.
+    /// Returns the settings of the search for a truck.
     pub fn search(&self, cost: DriveCost, limits: &SpeedLimits) -> RelaxedSettings {
         RelaxedSettings {
             clearance_m: self.clearance_m,

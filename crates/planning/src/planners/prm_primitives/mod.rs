@@ -1,4 +1,4 @@
-//! The planner `prm+primitives`: a roadmap gives waypoints, motion primitives make a drivable path of them.
+//! The planner `prm+primitives`: a roadmap provides waypoints, and motion primitives turn them into a drivable path.
 
 mod roadmap;
 mod settings;

@@ -1,4 +1,4 @@
-//! Finds the places near a point, among places that are added one after the other.
+//! Neighbour search among positions that are added one by one.
 
 use glam::DVec2;
 
@@ -9,7 +9,7 @@ const SIDE_M: f64 = 10.0;
 /// Squares along a side of the field, at most.
 const MAX_SQUARES: f64 = 500.0;
 
-/// Places of a field, numbered as they come, in squares that tell which are near.
+/// Positions in a field, numbered as they are added, in squares for neighbour search.
 #[derive(Debug)]
 pub struct Places {
     side_m: f64,

@@ -1,4 +1,5 @@
-//! The roadmap of `prm-rs`: poses joined by Reeds-Shepp curves, either made before the first query or grown by queries.
+//! The roadmap of `prm-rs`: poses joined by Reeds-Shepp curves, either built before the first query or grown by
+//! queries.
 
 use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
@@ -22,10 +23,10 @@ use crate::kit::milestone_tiles::{CellBlock, DrawnMilestones, Tiles};
 use crate::kit::relaxation::Stage;
 use crate::kit::roadmap_graph::{Link, RoadmapGraph};
 
-/// The clearances that queries ask for in turn.
+/// The clearances that queries try in turn.
 pub const SCHEDULE: [Stage<()>; 3] =
     [Stage { share: 1.0, effort: () }, Stage { share: 1.0 / 3.0, effort: () }, Stage { share: 0.04, effort: () }];
-/// The place of a clearance in the schedule.
+/// The index of a clearance in the schedule.
 pub type Level = usize;
 pub const LEVELS: usize = SCHEDULE.len();
 
@@ -41,11 +42,11 @@ pub struct RoadmapSite<'a> {
     pub checker: &'a CollisionChecker,
     pub memory: &'a MemoryMeter,
     pub settings: &'a PrmRsSettings,
-    /// What its curves are compared by.
+    /// The cost by which its curves are compared.
     pub cost: CostModel,
 }
 
-/// Poses, and Reeds-Shepp curves between them that may be driven both ways.
+/// Poses, and Reeds-Shepp curves between them that may be driven in both directions.
 ///
 /// Curves are worked out and swept when they are asked for, and remembered. A roadmap is either made of poses that are
 /// added to it, each joined to the nearest before it, or it grows: its poses are drawn by tiles of the field that
@@ -87,9 +88,9 @@ impl Milestone {
 /// What a roadmap is made of before the first query: all, or nothing.
 #[derive(Debug)]
 enum Extent {
-    /// All nodes there are, and their edges once they are ready for queries.
+    /// All nodes, and their edges once they are ready for queries.
     Whole { places: Places, graph: RoadmapGraph },
-    /// The nodes of the tiles that searches came near.
+    /// The nodes of the tiles near which searches have come.
     Growing {
         tiles: Tiles,
         sampling: TileSampling,
@@ -144,7 +145,7 @@ struct Edge {
     is_free: [Option<bool>; LEVELS],
 }
 
-/// The curve of a link, as it is driven along the link.
+/// The curve of a link, in the direction of the link.
 #[derive(Clone, Copy, Debug)]
 pub struct Bridge {
     pub cost: f64,
@@ -158,7 +159,7 @@ impl Roadmap {
         Self::with(Extent::Whole { places, graph: RoadmapGraph::default() }, site)
     }
 
-    /// Creates a roadmap that grows; `key` is the number that decides where its poses lie.
+    /// Creates a roadmap that grows; `key` determines the positions of its poses.
     pub fn growing(site: &RoadmapSite<'_>, key: u64) -> Self {
         let &RoadmapSite { checker, settings, .. } = site;
         let frame = checker.field().frame();
@@ -190,7 +191,7 @@ impl Roadmap {
         }
     }
 
-    /// Says whether there is memory for this number of further curves that are worked out.
+    /// Returns whether there is memory for this number of further computed curves.
     ///
     /// A roadmap that grows counts all that it holds.
     pub fn has_memory_for(&mut self, ways: usize) -> bool {
@@ -204,7 +205,7 @@ impl Roadmap {
         self.memory.cover(ways + grown)
     }
 
-    /// Returns the most links that any node has.
+    /// Returns the maximum number of links of a node.
     pub fn most_links(&self) -> usize {
         match &self.extent {
             Extent::Whole { graph, .. } => graph.most_links(),
@@ -212,12 +213,12 @@ impl Roadmap {
         }
     }
 
-    /// Says whether it grows with the searches.
+    /// Returns whether it grows with the searches.
     pub fn is_growing(&self) -> bool {
         matches!(self.extent, Extent::Growing { .. })
     }
 
-    /// Forgets what grew if that is more nodes than this. What is drawn and joined again is the same.
+    /// Discards the grown part if it has more nodes than this. Growing it again gives the same poses and edges.
     pub fn forget_beyond(&mut self, most: usize) {
         if let Extent::Growing { tiles, links, .. } = &mut self.extent
             && self.nodes.len() > most
@@ -228,7 +229,7 @@ impl Roadmap {
         }
     }
 
-    /// Joins a node to the nearest about it, unless it was joined before or the roadmap does not grow.
+    /// Joins a node to its nearest neighbours, unless it is joined already or the roadmap does not grow.
     pub fn grow_from(&mut self, node: u32) {
         let Extent::Growing { links, .. } = &self.extent else { return };
         if links.get(node as usize).copied().flatten().is_some() {
@@ -266,7 +267,7 @@ impl Roadmap {
         self.edges.len()
     }
 
-    /// Returns the number of components that edges form which keep the wanted clearance, once they were joined.
+    /// Returns the number of components formed by edges that keep the wanted clearance, after joining.
     pub fn components(&self) -> u32 {
         self.components
     }
@@ -318,7 +319,7 @@ impl Roadmap {
         }
     }
 
-    /// Adds poses, each with edges to the nearest ones before it. Those edges wait until they are asked for.
+    /// Adds poses, each with edges to its nearest predecessors. These edges wait until they are requested.
     pub fn add_milestones(&mut self, poses: impl IntoIterator<Item = Pose>) {
         let mut near = Vec::new();
         for pose in poses {
@@ -343,8 +344,8 @@ impl Roadmap {
         }
     }
 
-    /// Sweeps those edges that join components, and adds poses about the small ones that are left, some
-    /// [`BRIDGE_ROUNDS`] times; returns how many poses were tried.
+    /// Sweeps edges that join components, and adds poses around the small components that are left, up to
+    /// [`BRIDGE_ROUNDS`] times; returns the number of poses tried.
     pub fn join_components(&mut self) -> u32 {
         self.sweep_between_components();
         let mut tried = 0;
@@ -413,7 +414,7 @@ impl Roadmap {
         }
     }
 
-    /// Returns the links of a node, each with its number; of a roadmap that grows, of a node that it has grown from.
+    /// Returns the links of a node, each with its number; in a growing roadmap, of a node from which it has grown.
     #[cfg(test)]
     pub fn links(&self, node: u32) -> impl Iterator<Item = (u32, Link)> + '_ {
         self.link_numbers(node).map(|number| (number, self.link(number)))
@@ -463,7 +464,7 @@ impl Roadmap {
         Bridge { cost, departs_reverse, arrives_reverse }
     }
 
-    /// Says whether an edge keeps one of the clearances; it is swept the first time that this is asked.
+    /// Returns whether an edge keeps one of the clearances; it is swept the first time that this is asked.
     pub fn is_free(&mut self, edge: u32, level: Level) -> bool {
         if let Some(known) = self.edges[edge as usize].is_free[level] {
             return known;

@@ -1,4 +1,4 @@
-//! Samples the poses of the roadmap: in the open, along bushes, and at corners that stick out of them.
+//! The sampling of the roadmap's poses: in the open, along bushes, and at their protruding corners.
 
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
@@ -18,13 +18,13 @@ const MAX_DRAWS_PER_SAMPLE: u32 = 100;
 const ALONG_M: f64 = 6.0;
 /// Half the distance over which the direction to the nearest bush is measured.
 const PROBE_M: f64 = 0.5;
-/// Other poses are tried this far from those of minor components, along as many motions.
+/// The number of motions from poses of minor components along which other poses are tried.
 pub const MOTIONS: u32 = 6;
 const NEAR_M: f64 = 6.0;
 /// Poses at corners keep this much more than the clearance, so that curves through them do too.
 const CORNER_SPARE_M: f64 = 0.1;
 
-/// Draws poses that keep a clearance, on a field or a part of it.
+/// Samples poses that keep a clearance, on a field or a part of it.
 #[derive(Debug)]
 pub struct Sampler<'a> {
     checker: &'a CollisionChecker,
@@ -47,14 +47,14 @@ impl<'a> Sampler<'a> {
         Self { checker, clearance_m, block, shift: std::array::from_fn(|_| rng.random()), draws: 0 }
     }
 
-    /// Draws this number of free poses, on average: the next lower or the next higher whole number of them.
+    /// Samples this number of free poses on average: the next lower or the next higher integer.
     pub fn draw_about(&mut self, wanted: f64, rng: &mut impl Rng) -> Vec<Pose> {
         let more = rng.random_bool(wanted.fract());
         self.draw(wanted as u32 + u32::from(more))
     }
 
-    /// Draws `wanted` free poses, less if the draws run out. Places cover the field evenly; headings lead along the
-    /// nearest bush, or evenly anywhere.
+    /// Samples `wanted` free poses, or fewer if the attempts run out. Positions cover the field evenly; headings are
+    /// along the nearest bush, or evenly distributed.
     ///
     /// Places and headings are Halton's with bases 2, 3 and 5 (J. H. Halton, "On the efficiency of certain quasi-random
     /// sequences of points in evaluating multi-dimensional integrals", Numerische Mathematik 2, 1960), moved by a random
@@ -145,7 +145,7 @@ fn corners_of_one<'a>(
     })
 }
 
-/// Returns poses that the truck gets to by one motion from some others, with the clearance kept.
+/// Returns poses that the truck reaches by one motion from the given ones, with the clearance kept.
 pub fn expand_near(checker: &CollisionChecker, clearance_m: f64, poses: &[Pose]) -> Vec<Pose> {
     let motions = motions(checker.body(), NEAR_M);
     let ways = poses.iter().flat_map(|&pose| motions.map(|motion| (pose, motion)));

@@ -1,4 +1,4 @@
-//! Searches the roadmap for one query, together with motions about the start.
+//! The search of the roadmap for one query, together with motions around the start.
 
 use glam::DVec2;
 
@@ -36,7 +36,7 @@ const MOST_ENTERED_A_METRE: f64 = 0.1;
 /// The lattice of poses about the start.
 const LATTICE: Lattice = Lattice { bin_m: 2.5, headings: 24, step_m: 4.0 };
 
-/// The question to one search.
+/// A query to one search.
 #[derive(Clone, Copy, Debug)]
 pub struct RoadmapQuery<'a> {
     pub checker: &'a CollisionChecker,
@@ -68,11 +68,11 @@ enum Via {
 /// A step along the roadmap that is still to be judged.
 #[derive(Clone, Copy, Debug)]
 enum Along {
-    /// The curve to a milestone is to be worked out.
+    /// Compute the curve to a milestone.
     Curve { to: u32 },
-    /// The curve of a link is to be worked out.
+    /// Compute the curve of a link.
     Link { link: u32 },
-    /// A curve to a milestone is to be swept.
+    /// Sweep a curve to a milestone.
     Enter { state: u32, via: Via },
 }
 
@@ -86,7 +86,7 @@ struct State {
     expansion: Option<u32>,
 }
 
-/// A* over the milestones of a roadmap, each in both directions of driving, and over motions about the start.
+/// A* over the milestones of a roadmap, each in both directions of driving, and over motions around the start.
 ///
 /// Knowledge of the roadmap's edges from earlier searches saves time and changes no answer: candidates are ordered by
 /// what holds for an edge whether it is known or not.
@@ -150,13 +150,13 @@ impl RoadmapSearch {
         self.notes.effort
     }
 
-    /// Says whether the path that the last search found leads over a milestone.
+    /// Returns whether the path that the last search found leads over a milestone.
     pub fn used_roadmap(&self) -> bool {
         self.notes.used_roadmap
     }
 
-    /// Returns where the poses are that the last search reached by motions, or by curves to milestones and links between
-    /// them, in order, each after the one that it came from.
+    /// Returns the positions that the last search reached by motions, or by curves to milestones and links between
+    /// them, in order, each after its predecessor.
     pub fn lines(&self, by_motions: bool) -> impl Iterator<Item = [DVec2; 2]> {
         let reached = self.search.nodes().filter(move |(node, _)| (node.mark.via == Via::Motion) == by_motions);
         reached.map(|(_, line)| line)
@@ -249,7 +249,7 @@ impl RoadmapSpace<'_> {
         }
     }
 
-    /// Says whether a free way leads to the goal from a milestone about it.
+    /// Returns whether a free way leads to the goal from a milestone about it.
     fn leads_to_goal(&mut self) -> bool {
         let Self { query, roadmap, notes, .. } = self;
         let mut leads_from_about = |position: DVec2, reach_m: f64| {

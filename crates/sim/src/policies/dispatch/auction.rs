@@ -55,18 +55,18 @@ impl Assignment for Auction {
     }
 }
 
-/// A fire on a route.
+/// A stop of a route: a fire.
 #[derive(Clone, Copy, Debug)]
 pub struct Stop {
-    /// Its number among those that are open.
+    /// Its number among the open fires.
     pub fire: usize,
-    /// When it is out.
+    /// The time at which it is extinguished.
     pub out_at: SimTime,
     /// When it has to be out at the latest for what was counted on when it was won.
     due: SimTime,
 }
 
-/// What a truck is to do, in turn.
+/// The stops of a truck, in order.
 #[derive(Clone, Debug)]
 pub struct Route<'a> {
     pub truck: &'a TeamTruck,
@@ -89,14 +89,14 @@ struct Bid {
 }
 
 impl Bid {
-    /// Says whether this one is better: more bushes, then less time, then the smaller cell index.
+    /// Returns whether this one is better: more bushes, then less time, then the smaller cell index.
     fn beats(&self, other: &Self) -> bool {
         let by_cost = other.cost_s.total_cmp(&self.cost_s);
         self.bushes.cmp(&other.bushes).then(by_cost).then(other.fire.cmp(&self.fire)).is_gt()
     }
 }
 
-/// Auctions the fires, and returns the routes of all trucks by number.
+/// Auctions the fires and returns the routes of all trucks by number.
 pub fn routes<'a>(open: &OpenFires<'a>, effort: &mut u64) -> Vec<Route<'a>> {
     let auctioneer = Auctioneer { open, threats: threats(open.team, &open.fires) };
     let mut won = vec![false; open.fires.len()];

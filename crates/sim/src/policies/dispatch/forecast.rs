@@ -1,4 +1,4 @@
-//! What becomes of the fires that burn now, if the team goes on in a given way: a simulation without roads and bodies.
+//! A forecast of the fires that burn now and of a team's response: a simulation without roads and bodies.
 //!
 //! Fire goes on by the rule of the radius. Trucks drive straight, at the speed and by the factor by which decisions estimate
 //! drives; who has put out a fire, or has none, goes for the nearest that it can save. Nothing is lit: what Wumpuses will do is
@@ -20,7 +20,7 @@ const HORIZON: SimTime = SimTime::from_nanos(180_000_000_000);
 /// A fire that spreads without end is followed up to so many bushes.
 const MOST_FIRES: usize = 4000;
 
-/// What is lost in a forecast: first bushes, then time in which bushes burn.
+/// The loss in a forecast: bushes first, then the time in which bushes burn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loss {
     pub bushes: u32,
@@ -90,8 +90,8 @@ impl<'a> Forecast<'a> {
         Self { team, near, fires: fires.collect(), index, end: team.end.min(team.now + HORIZON) }
     }
 
-    /// Plays on from now, with these cells as goals of trucks that are asked, named by their places in the team. An asked truck
-    /// without a goal waits until something happens.
+    /// Simulates from now on with these cells as goals of trucks that are asked, which are named by their places in the
+    /// team. An asked truck without a goal waits until something happens.
     pub fn play(&self, goals: &[(usize, Cell)]) -> Loss {
         let mut future = Future {
             of: self,

@@ -1,4 +1,4 @@
-//! The assignment of least total cost.
+//! The assignment of least total cost, by the Hungarian method.
 //!
 //! Every free truck gets at most one fire, every fire at most one truck, so that the sum over all is least: the seconds
 //! until each fire is out, and for each fire that is left, what is lost with it. So as much as possible is saved first, and
@@ -62,15 +62,15 @@ impl Assignment for Hungarian {
     }
 }
 
-/// Counts the bushes that are saved if a fire is out at a time at which it can be saved: itself, and those that it threatens
-/// unless it has set them on fire before.
+/// Counts the bushes that are saved if a fire is extinguished in time: its own, and those that it threatens unless it
+/// has ignited them before.
 pub fn bushes_saved(open: &OpenFires<'_>, threats: &[u32], fire: usize, out_at: SimTime) -> u32 {
     1 + if out_at <= open.fires[fire].spreads_at { threats[fire] } else { 0 }
 }
 
-/// Gives each row a column of its own so that the sum of costs is least, and returns the columns by row. There have to be as
-/// many columns as rows, and a choice of finite costs. Rows come in one after the other, and of columns at the same cost the
-/// first is preferred, so ties always fall the same way.
+/// Assigns each row a column of its own at the least total cost, and returns the columns by row. There must be at least
+/// as many columns as rows, and a choice of finite costs. Rows are added one by one, and of columns at equal cost the
+/// first is preferred, so ties are always broken alike.
 pub fn least_total(rows: usize, columns: usize, cost: impl Fn(usize, usize) -> f64) -> Vec<usize> {
     // Rows and columns count from 1: column 0 stands for the row that comes in, row 0 for nobody.
     let (mut row_price, mut column_price) = (vec![0.0; rows + 1], vec![0.0; columns + 1]);

@@ -1,4 +1,4 @@
-//! Policies for a whole team of trucks: who goes to which fire, and where those wait who go to none.
+//! Policies for a whole team of trucks: which truck goes to which fire, and where idle trucks wait.
 //!
 //! A decision is a pure function of a [`Team`], and of a policy's own memory, which holds no more than counts of bushes: no
 //! clock, no chance. Distances are straight and drives a factor longer; roads, bodies and traffic are the business of

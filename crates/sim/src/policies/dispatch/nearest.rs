@@ -1,11 +1,11 @@
-//! The nearest fire for one truck after the other, in the order of their numbers: each takes the nearest that no other
-//! truck has, in a straight line, of equally near ones the one with the smaller index.
+//! The nearest fire for one truck after the other, in order of their numbers: each takes the nearest that no other
+//! truck has, in a straight line; ties go to the smaller cell index.
 
 use super::team::{Assignment, Team};
 use wildfire_base::geometry::Cell;
 use wildfire_timeline::AgentId;
 
-/// Each truck to the nearest fire that is left.
+/// Assigns each truck the nearest fire that is left.
 #[derive(Clone, Copy, Debug)]
 pub struct NearestByNumber;
 

@@ -1,5 +1,5 @@
-//! The fire that is nearest by drive. Who gets one is decided as by [`NearestByNumber`]; which one, by the truck's planner,
-//! among those that are nearest in a straight line.
+//! The fire that is nearest by drive. [`NearestByNumber`] decides which trucks get a fire; the truck's planner decides
+//! which one, among those nearest in a straight line.
 
 use super::nearest::NearestByNumber;
 use super::team::{Assignment, Team};
@@ -7,7 +7,7 @@ use crate::policies::{Choice, Observation, Policy};
 use wildfire_base::geometry::Cell;
 use wildfire_timeline::AgentId;
 
-/// Each truck to the fire that is left and nearest by drive.
+/// Assigns each truck the fire that is left and nearest by drive.
 #[derive(Clone, Copy, Debug)]
 pub struct NearestByDrive;
 

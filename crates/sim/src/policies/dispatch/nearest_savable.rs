@@ -13,7 +13,7 @@ use super::team::{Assignment, Team};
 use wildfire_base::geometry::Cell;
 use wildfire_timeline::AgentId;
 
-/// Goes for what is out first; the rest of the team takes what is left.
+/// Assigns the pair that extinguishes a fire first; the rest of the team takes what is left.
 #[derive(Clone, Copy, Debug)]
 pub struct NearestSavable;
 
@@ -30,9 +30,9 @@ impl Assignment for NearestSavable {
     }
 }
 
-/// Pairs trucks with fires that are not taken, always those whose fire is out first, and takes these fires. Both are
-/// numbers, of the team's trucks and of open fires; pairs come by truck. Ties go to the nearer fire, then to the smaller
-/// cell index, then to the smaller number of the truck.
+/// Pairs trucks with fires that are not taken, always the pair that extinguishes its fire first, and takes these fires.
+/// Both are numbers, of the team's trucks and of open fires; pairs come by truck. Ties go to the nearer fire, then to
+/// the smaller cell index, then to the smaller number of the truck.
 pub fn nearest_first(
     open: &OpenFires<'_>,
     trucks: &[usize],

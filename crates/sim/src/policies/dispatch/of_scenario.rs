@@ -1,4 +1,4 @@
-//! The policy of a team as its scenario asks for it.
+//! The policy of a team that its scenario asks for.
 
 use super::policy::{DispatchPolicy, TeamSite, TruckSite};
 use super::team::{Assignment, Positioning, TeamRules};

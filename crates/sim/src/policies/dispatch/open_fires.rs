@@ -1,4 +1,4 @@
-//! The fires that a decision is about, and what a truck needs to save one.
+//! The fires of a decision, and what a truck needs to save one.
 //!
 //! A fire is savable for a truck that can have put it out before it burns out and before the run ends: at the speed of the
 //! truck, on a way as long as drives usually are, with the dwell at its end. The others are hopeless, and a drive to
@@ -11,24 +11,24 @@ use super::team::{Fire, Team, TeamTruck, WAY_FACTOR};
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
 
-/// A fire that a truck can put out in time.
+/// A fire that a truck can extinguish in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prospect {
-    /// When it is out.
+    /// The time at which it is extinguished.
     pub out_at: SimTime,
-    /// From the truck to the fire, straight.
+    /// The straight distance from the truck to the fire.
     pub metres: f64,
-    /// The number of the fire among those that are open.
+    /// The number of the fire among the open fires.
     pub fire: usize,
 }
 
-/// The fires that nobody who is not asked goes for, by cell index.
+/// The fires that are not the goal of any truck outside this decision, by cell index.
 #[derive(Clone, Debug)]
 pub struct OpenFires<'a> {
     pub team: &'a Team<'a>,
     pub fires: Vec<Fire>,
     pub index: PlaceIndex,
-    /// When the last of them is beyond saving.
+    /// The latest deadline of the fires.
     pub last_due: SimTime,
 }
 
@@ -42,15 +42,14 @@ impl<'a> OpenFires<'a> {
         Self::with_fires(team, fires)
     }
 
-    /// Takes these fires, whoever goes for them.
+    /// Takes these fires, whichever trucks go for them.
     pub fn with_fires(team: &'a Team<'a>, fires: Vec<Fire>) -> Self {
         let index = PlaceIndex::new(&team.frame, fires.iter().map(|fire| fire.place).collect());
         let last_due = fires.iter().map(|fire| team.due(fire)).max().unwrap_or_default();
         Self { team, fires, index, last_due }
     }
 
-    /// Finds the savable fires that are nearest to a truck, of those that are accepted, the nearest first, of equally near
-    /// ones the smaller cell index.
+    /// Finds the savable, accepted fires that are nearest to a truck, nearest first; ties go to the smaller cell index.
     pub fn nearest_savable(
         &self,
         truck: &TeamTruck,
@@ -63,7 +62,7 @@ impl<'a> OpenFires<'a> {
         found.into_iter().filter_map(|(_, fire)| self.prospect(truck, fire)).collect()
     }
 
-    /// Returns when a truck has a fire out if it sets out for it; `None` if that is too late.
+    /// Returns when a truck extinguishes a fire if it sets out for it; `None` if that is too late.
     pub fn prospect(&self, truck: &TeamTruck, fire: usize) -> Option<Prospect> {
         let place = self.fires[fire].place;
         let out_at = self.team.sets_out_at(truck) + self.team.stop_time(truck.speed_mps, truck.place, place);
@@ -73,7 +72,8 @@ impl<'a> OpenFires<'a> {
 }
 
 impl Team<'_> {
-    /// Returns the last instant at which putting a fire out saves it: extinction comes before burn-out, and before the end.
+    /// Returns the last instant at which extinguishing a fire saves it: extinction comes before burn-out, and before
+    /// the end.
     pub fn due(&self, fire: &Fire) -> SimTime {
         fire.burns_out.min(self.end)
     }
@@ -83,13 +83,13 @@ impl Team<'_> {
         truck.free_at.max(self.now)
     }
 
-    /// Estimates the time from setting out until a fire is out: the drive and the dwell.
+    /// Estimates the time from departure until a fire is extinguished: the drive and the dwell.
     pub fn stop_time(&self, speed_mps: f64, from: DVec2, to: DVec2) -> SimTime {
         self.drive_time(speed_mps, from, to) + self.rules.dwell
     }
 
-    /// Returns how far away, straight, a truck could reach a fire within a time, dwell included; negative if that is too
-    /// short for any.
+    /// Returns the straight distance within which a truck can reach a fire in a given time, dwell included; negative if
+    /// the time is too short for any.
     pub fn range_m(&self, speed_mps: f64, time: SimTime) -> f64 {
         if time < self.rules.dwell {
             return -1.0;

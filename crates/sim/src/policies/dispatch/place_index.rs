@@ -1,4 +1,4 @@
-//! Places in buckets of a field, so that the nearest of thousands are found by looking at a few.
+//! An index of places by buckets of the field, which finds the nearest of thousands by examining a few.
 
 use glam::DVec2;
 
@@ -41,8 +41,8 @@ impl PlaceIndex {
         index
     }
 
-    /// Finds the `count` nearest places of those that are accepted and at most `most_m` away: distances and numbers, the
-    /// nearest first, of equally near ones the smaller number.
+    /// Finds the `count` nearest accepted places at most `most_m` away: distances and numbers, nearest first; ties go
+    /// to the smaller number.
     pub fn nearest(
         &self,
         from: DVec2,

@@ -1,4 +1,4 @@
-//! A rule of dispatch as a policy: what the trucks see becomes a [`Team`], its goals and posts become choices.
+//! A dispatch rule as a policy: what the trucks see becomes a [`Team`], and its goals and posts become choices.
 
 use std::sync::Arc;
 
@@ -12,10 +12,10 @@ use wildfire_base::time::SimTime;
 use wildfire_fire::{BushState, FireField};
 use wildfire_timeline::{Activity, AgentId, WaterRules};
 
-/// What a team is made of and knows throughout a run.
+/// The members of a team and what it knows throughout a run.
 #[derive(Clone, Debug)]
 pub struct TeamSite {
-    /// When the run ends at the latest.
+    /// The latest end of the run.
     pub end: SimTime,
     pub frame: FieldFrame,
     pub rules: TeamRules,
@@ -23,20 +23,20 @@ pub struct TeamSite {
     pub water: Option<WaterRules>,
     /// The cells on which a bush grows, by cell index.
     pub bushes: Arc<[Cell]>,
-    /// By number.
+    /// The trucks by number.
     pub trucks: Vec<TruckSite>,
 }
 
-/// What a team knows of one of its trucks throughout a run.
+/// What a team knows about one of its trucks throughout a run.
 #[derive(Clone, Copy, Debug)]
 pub struct TruckSite {
     pub id: AgentId,
     pub speed_mps: f64,
-    /// Where the middle of its body is before the run.
+    /// The centre of its body before the run.
     pub start: DVec2,
 }
 
-/// A rule that says who goes to which fire, and another one that says where the others wait.
+/// A rule that assigns fires to trucks, and another that places the idle ones.
 pub struct DispatchPolicy {
     site: TeamSite,
     assignment: Box<dyn Assignment>,
@@ -66,7 +66,7 @@ impl Policy for DispatchPolicy {
         let goals = assign(self.assignment.as_mut(), &team, seen, &mut effort);
         let goal_of = |id: AgentId| goals.iter().find(|&&(truck, _)| truck == id).map(|&(_, cell)| cell);
         let free = team.trucks.iter().filter(|truck| truck.is_asked && goal_of(truck.id).is_none());
-        // Whoever has nothing to do fills up before anything else.
+        // Trucks without a goal refill first.
         let full_tank = self.site.water.as_ref().map_or(u32::MAX, |water| water.full_tank);
         let (full, to_refill): (Vec<&TeamTruck>, Vec<&TeamTruck>) =
             free.partition(|truck| truck.stops_left >= full_tank);

@@ -1,4 +1,4 @@
-//! A step of lookahead: candidates are tried in forecasts, and the one that loses least is carried out.
+//! One step of lookahead: candidates are tried in forecasts, and the one with the least loss is carried out.
 //!
 //! Rollout improves on a base policy by simulating it from each state to which a decision leads (Bertsekas, Tsitsiklis and
 //! Wu, "Rollout algorithms for combinatorial optimization", Journal of Heuristics 3, 1997). The base policy is the nearest
@@ -25,7 +25,7 @@ const KEPT_S: f64 = 20.0;
 /// Tries assignments in forecasts.
 #[derive(Clone, Copy, Debug)]
 pub struct Rollout {
-    /// Forecasts for a decision at most; the first is always made.
+    /// The maximum number of forecasts per decision; the first is always made.
     pub rollouts: u32,
 }
 
@@ -168,7 +168,8 @@ mod tests {
         }
     }
 
-    /// Says whether one loss is so much less than another that the lead of what trucks do already does not explain it.
+    /// Returns whether one loss is so much less than another that the lead of what trucks do already does not explain
+    /// it.
     fn beats(one: Loss, other: Loss) -> bool {
         one.cmp(&Loss { burning_s: other.burning_s - KEPT_S, ..other }).is_lt()
     }

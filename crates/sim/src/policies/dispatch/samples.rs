@@ -1,4 +1,4 @@
-//! Teams for tests: at random, or put together by hand.
+//! Teams for tests: random, or assembled by hand.
 
 use std::sync::Arc;
 
@@ -28,17 +28,17 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// Draws up to eight trucks and fifteen fires.
+    /// Creates up to eight random trucks and fifteen fires.
     pub fn new(seed: u64) -> Self {
         Self::drawn(seed, 8, 15)
     }
 
-    /// Draws so few trucks and fires that all ways to assign them can be tried.
+    /// Creates so few random trucks and fires that all assignments can be tried.
     pub fn small(seed: u64) -> Self {
         Self::drawn(seed, 4, 6)
     }
 
-    /// Draws at most so many of each; some trucks are busy, some under way.
+    /// Creates random trucks and fires up to these numbers; some trucks are busy, some are driving.
     pub fn drawn(seed: u64, most_trucks: u16, most_fires: usize) -> Self {
         let mut rng = rng::stream(seed, "team");
         let mut sample = Self::with_trucks(&[]);
@@ -122,7 +122,7 @@ impl Sample {
         }
     }
 
-    /// Fails unless goals are of trucks that are asked, by number, open, savable, and each given once.
+    /// Fails unless goals belong to asked trucks, come by number, are open and savable, and are distinct.
     pub fn assert_sound(&self, goals: &[(AgentId, Cell)]) {
         let team = self.team();
         let open = OpenFires::new(&team);

@@ -1,5 +1,6 @@
-//! How much a fire threatens: the intact bushes that it sets on fire if nobody puts it out before, and that no other fire
-//! would set on fire anyway. What two fires reach is saved by neither of them alone, so it counts for none.
+//! The threat of a fire: the intact bushes that it ignites if nobody extinguishes it before, and that no other fire
+//! would ignite anyway. Bushes in reach of two fires are saved by extinguishing neither of them alone, so they count
+//! for none.
 
 use super::team::{Fire, Team};
 use wildfire_base::geometry::Cell;
@@ -11,7 +12,7 @@ const MOST_PAIRS: usize = 1 << 22;
 const RADIUS_TOLERANCE: f64 = 1e-9;
 
 /// Counts the bushes that each of some fires of the team threatens; 0 for those that have spread. All fires of the team
-/// count as others, those that somebody goes for too.
+/// count as others, including those that have a truck.
 pub fn threats(team: &Team<'_>, fires: &[Fire]) -> Vec<u32> {
     let offsets = match team.rules.spread {
         Some((radius_m, _)) => cells_within(radius_m, team),
@@ -42,8 +43,8 @@ pub fn threats(team: &Team<'_>, fires: &[Fire]) -> Vec<u32> {
     fires.iter().map(|fire| place(fire).map_or(0, |place| of_spreading[place])).collect()
 }
 
-/// Lists the offsets, in columns and rows, of the cells whose centres lie within a radius of a cell's centre, the cell left
-/// out; none beyond the size of the field.
+/// Lists the offsets, in columns and rows, of the cells whose centres lie within a radius of a cell's centre, without
+/// the cell itself and within the size of the field.
 pub fn cells_within(radius_m: f64, team: &Team<'_>) -> Vec<(i32, i32)> {
     let across = radius_m / team.frame.cell_m;
     let limit = across * across * (1.0 + RADIUS_TOLERANCE);

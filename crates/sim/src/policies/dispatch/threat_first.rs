@@ -1,4 +1,4 @@
-//! The most threatening fire first: each gets the free truck that has it out soonest, before it spreads.
+//! The most threatening fire first: each gets the free truck that extinguishes it soonest, before it spreads.
 //!
 //! That is the dispatcher's rule of thumb: to stop what would become large before what is lost alone. Fires that threaten
 //! nothing, or that nobody can stop before they spread, come after all others, the one that is out first before the rest.
@@ -10,7 +10,7 @@ use super::threat::threats;
 use wildfire_base::geometry::Cell;
 use wildfire_timeline::AgentId;
 
-/// Sends the nearest truck in time to the most threatening fire, then to the next.
+/// Assigns the most threatening fire the truck that can be there first, then the next fire.
 #[derive(Clone, Copy, Debug)]
 pub struct ThreatFirst;
 

@@ -1,4 +1,4 @@
-//! The probabilistic roadmap: milestones where the truck's body centre may be, joined by straight lines.
+//! The probabilistic roadmap: collision-free milestones for the truck's body centre, joined by straight lines.
 //!
 //! After Kavraki, Svestka, Latombe and Overmars, "Probabilistic roadmaps for path planning in high-dimensional
 //! configuration spaces", IEEE Trans. Robotics and Automation 12(4), 1996, with low-discrepancy samples as in LaValle,
@@ -51,7 +51,7 @@ pub struct Roadmap {
 }
 
 impl Roadmap {
-    /// Draws milestones, not yet joined.
+    /// Samples milestones, not yet joined.
     ///
     /// There are fewer than wanted when the draws run out (see [`MAX_DRAWS_PER_SAMPLE`]).
     pub fn sampled(checker: &CollisionChecker, settings: &PrmSettings, rng: &mut impl Rng) -> Self {
@@ -69,7 +69,7 @@ impl Roadmap {
         }
     }
 
-    /// Returns the same milestones, the lines between them priced by a safety map.
+    /// Returns the same milestones with a safety map that prices the lines between them.
     #[must_use]
     pub fn priced_by(mut self, safety: Option<Arc<Safety>>) -> Self {
         self.space = self.space.priced_by(safety);
@@ -93,17 +93,17 @@ impl Roadmap {
         &self.milestones
     }
 
-    /// Points drawn to get the milestones.
+    /// Returns the number of points sampled to get the milestones.
     pub fn draws(&self) -> u32 {
         self.draws
     }
 
-    /// Number of edges, each counted once.
+    /// Returns the number of edges, each counted once.
     pub fn edge_count(&self) -> u32 {
         self.costs.len() as u32
     }
 
-    /// Number of connected components.
+    /// Returns the number of connected components.
     pub fn component_count(&self) -> u32 {
         self.components
     }

@@ -96,10 +96,10 @@ impl RoadmapScratch {
 /// A query's answer on the roadmap.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Route {
-    /// Places for the body's centre, in order, without the start; the last one lies in the goal disc, or is the goal
-    /// milestone. Empty when the start is already there.
+    /// Positions for the body's centre, in order, without the start; the last one lies in the goal disc, or is the goal
+    /// milestone. Empty if the start is already there.
     pub waypoints: Vec<DVec2>,
-    /// Metres, and what their places cost more by the safety map.
+    /// The length in metres plus the surcharge of the safety map.
     pub cost: f64,
 }
 
@@ -138,8 +138,8 @@ impl Roadmap {
         Query { roadmap: self, start, goal, end_milestone }.search(scratch).ok_or(PlanFailure::Disconnected)
     }
 
-    /// Returns what the last query looked at, which began at `start`: the milestones that it settled, each after the place that it
-    /// came from, and the start after itself.
+    /// Returns what the last query, which began at `start`, examined: the milestones that it settled, each after its
+    /// predecessor, and the start after itself.
     pub fn looked_at(&self, start: DVec2, scratch: &RoadmapScratch) -> impl Iterator<Item = [DVec2; 2]> {
         let position = move |place: u32| if place == START { start } else { self.milestones[place as usize] };
         let settled = scratch.closed.iter().map(|&milestone| (scratch.visits[milestone as usize].parent, milestone));

@@ -1,4 +1,4 @@
-//! The space of the roadmap: what is free, and what lines cost.
+//! The space of the roadmap: free positions, and the costs of lines.
 
 use std::sync::Arc;
 
@@ -32,13 +32,13 @@ impl FreeSpace {
         }
     }
 
-    /// The same space, its lines priced by a safety map.
+    /// Returns the same space with a safety map that prices lines.
     #[must_use]
     pub fn priced_by(self, safety: Option<Arc<Safety>>) -> Self {
         Self { safety, ..self }
     }
 
-    /// Cost of a straight line: its metres, and what their places cost more.
+    /// Returns the cost of a straight line: its metres plus the surcharge of its places.
     pub fn price(&self, from: DVec2, to: DVec2) -> f64 {
         let metres = from.distance(to);
         match &self.safety {
@@ -47,8 +47,8 @@ impl FreeSpace {
         }
     }
 
-    /// Says whether a shortcut over some places costs no more than the longer way over others, both from one place to
-    /// another.
+    /// Returns whether a shortcut over some positions costs no more than the longer path over others, both between the
+    /// same ends.
     pub fn costs_no_more(&self, from: DVec2, shortcut: &[DVec2], way: &[DVec2]) -> bool {
         let price = |places: &[DVec2]| -> f64 {
             let mut here = from;
@@ -61,7 +61,7 @@ impl FreeSpace {
         self.checker.field()
     }
 
-    /// Width and height of the field in metres.
+    /// Returns the width and height of the field in metres.
     pub fn size_m(&self) -> DVec2 {
         DVec2::new(self.field().frame().width_m(), self.field().frame().height_m())
     }
@@ -70,8 +70,8 @@ impl FreeSpace {
         self.clearance_at(point) >= self.clearance_m
     }
 
-    /// Metres that a point keeps, in the meaning of [`ClearanceTo`]; more than the roadmap's clearance may be reported
-    /// as infinite.
+    /// Returns the clearance of a point in metres, as [`ClearanceTo`] defines it; more than the roadmap's clearance may
+    /// be reported as infinite.
     pub fn clearance_at(&self, point: DVec2) -> f64 {
         match self.clearance_to {
             ClearanceTo::Cells => self.field().lower_bound(point),
@@ -80,12 +80,13 @@ impl FreeSpace {
         }
     }
 
-    /// Says whether all points of a straight line are free.
+    /// Returns whether all points of a straight line are free.
     pub fn line_is_free(&self, from: DVec2, to: DVec2) -> bool {
         self.line_keeps(from, to, self.clearance_m)
     }
 
-    /// Says whether a straight line from a truck's place is free; the first metres may be as tight as the place itself.
+    /// Returns whether a straight line from a truck's position is free; its first metres may be as tight as the
+    /// position itself.
     pub fn departure_is_free(&self, from: DVec2, to: DVec2) -> bool {
         let here = self.clearance_at(from) - ROUNDING_M;
         if here >= self.clearance_m {
@@ -99,7 +100,7 @@ impl FreeSpace {
         self.line_keeps(from, out, here) && self.line_keeps(out, to, self.clearance_m)
     }
 
-    /// Says whether all points of a straight line keep `clearance` metres, which is not more than the roadmap's.
+    /// Returns whether all points of a straight line keep `clearance` metres, which is at most the roadmap's.
     pub fn line_keeps(&self, from: DVec2, to: DVec2, clearance: f64) -> bool {
         match self.clearance_to {
             ClearanceTo::Cells => self.field().line_is_free(from, to, clearance),

@@ -1,4 +1,4 @@
-//! Routes with fewer and straighter lines.
+//! Tightening of routes: fewer and straighter lines.
 
 use glam::DVec2;
 
@@ -9,8 +9,8 @@ use super::{Roadmap, Route};
 const PULLS: u32 = 4;
 
 impl Roadmap {
-    /// Leaves out waypoints that need not be visited and pulls the others towards the straight line, all lines
-    /// staying free and no way becoming more expensive.
+    /// Drops waypoints that are not needed and pulls the others towards the straight line; all lines stay free and no
+    /// path becomes more expensive.
     ///
     /// The last waypoint stays. From each waypoint the farthest one that can be seen and is worth it comes next.
     pub fn tighten(&self, start: DVec2, route: &mut Route) {

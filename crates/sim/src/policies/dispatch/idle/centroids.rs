@@ -1,4 +1,4 @@
-//! Idle trucks spread over the bushes that are intact, each at the centroid of those to which it is the nearest.
+//! Idle trucks spread over the intact bushes, each at the centroid of those to which it is nearest.
 //!
 //! In the literature of initial attack prepositioning is the main lever (Haight and Fried, "Deploying wildland fire
 //! suppression resources with a scenario-based standard response model", INFOR 45(1), 2007): who is near when a fire begins
@@ -24,7 +24,7 @@ const WORTH_SHARE: f64 = 0.3;
 /// would never arrive.
 const NEARER_SHARE: f64 = 0.5;
 
-/// Sends idle trucks to centroids of what is intact, the whole team by the least sum of squared ways.
+/// Sends idle trucks to centroids of intact bushes, the whole team at the least sum of squared distances.
 #[derive(Clone, Debug, Default)]
 pub struct Centroids {
     census: Census,
@@ -39,18 +39,19 @@ impl Positioning for Centroids {
     }
 }
 
-/// Returns the shortest way that is worth a drive where this number of trucks share the field.
+/// Returns the shortest distance that is worth a drive if this number of trucks share the field.
 pub fn worth_m(team: &Team<'_>, trucks: usize) -> f64 {
     let room_m2 = team.frame.width_m() * team.frame.height_m() / trucks.max(1) as f64;
     (WORTH_SHARE * room_m2.sqrt()).max(LEAST_WORTH_M)
 }
 
-/// The place at which a truck waits, or to which it has been sent to wait.
+/// Returns the place at which a truck waits, or to which it has been sent to wait.
 pub fn waits_at(truck: &TeamTruck) -> DVec2 {
     truck.post.unwrap_or(truck.place)
 }
 
-/// Gives each truck a site of its own and returns those to which the way is worth a drive. There are as many sites as trucks.
+/// Assigns each truck a site and returns those that are far enough away to be worth a drive. There are as many sites as
+/// trucks.
 pub fn posts(trucks: &[&TeamTruck], sites: &[DVec2], worth_m: f64) -> Vec<(AgentId, DVec2)> {
     // Squares prefer two ways of middle length to a short one and a long one, which takes longer until all are there.
     let site_of =

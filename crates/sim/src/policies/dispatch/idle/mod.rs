@@ -1,4 +1,4 @@
-//! Where trucks wait that have nothing to go for: places from which they are soon at whatever may burn next.
+//! Positions of idle trucks: places from which they soon reach any fire that may begin.
 
 mod centroids;
 mod regions;

@@ -1,4 +1,4 @@
-//! Regions of the trucks: each looks after the part of the field that is nearer to its start than to any other's.
+//! Regions of the trucks: each covers the part of the field that is nearer to its start than to any other's.
 //!
 //! A truck serves the fires of its own region first, and helps elsewhere when it has none there; idle, it waits among the
 //! intact bushes of its region. Trucks that start at one place share a region.
@@ -11,7 +11,7 @@ use super::spread_out::{Block, Census, spread_out};
 use wildfire_base::geometry::Cell;
 use wildfire_timeline::AgentId;
 
-/// Sends idle trucks to the middle of what is intact in their regions.
+/// Sends idle trucks to the centroid of the intact bushes in their regions.
 #[derive(Clone, Debug, Default)]
 pub struct Regions {
     census: Census,
@@ -40,7 +40,8 @@ impl Positioning for Regions {
     }
 }
 
-/// Assigns fires by another rule, those of each region to its own trucks first, and what is left to those who are left.
+/// Assigns fires by another rule: first those of each region to its own trucks, then the rest to the trucks that are
+/// left.
 pub struct RegionsFirst(pub Box<dyn Assignment>);
 
 impl Assignment for RegionsFirst {

@@ -1,4 +1,4 @@
-//! Places spread over the bushes that are intact, so that whatever burns next is near to one of them.
+//! Places spread over the intact bushes, so that one is near wherever a fire begins next.
 //!
 //! Lloyd's iteration ("Least squares quantization in PCM", IEEE Trans. Information Theory 28(2), 1982) moves every site to
 //! the centroid of the bushes to which it is the nearest, again and again; for vehicles see Cortes, Martinez, Karatas and
@@ -20,23 +20,23 @@ const MOST_ROUNDS: usize = 50;
 /// Sites that move no farther than this have come to rest.
 const REST_M: f64 = 1.0;
 
-/// Intact bushes of a part of the field.
+/// The intact bushes of a part of the field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block {
-    /// The mean of their places.
+    /// The mean of their positions.
     pub place: DVec2,
-    /// How many they are.
+    /// The number of bushes.
     pub bushes: f64,
 }
 
-/// The intact bushes in blocks, counted from time to time.
+/// The intact bushes in blocks, counted at intervals.
 #[derive(Clone, Debug, Default)]
 pub struct Census {
     counted: Option<(SimTime, Vec<Block>)>,
 }
 
 impl Census {
-    /// Returns the blocks in which bushes are intact, as they were when they were last counted.
+    /// Returns the blocks with intact bushes, as of the last count.
     pub fn blocks(&mut self, team: &Team<'_>) -> &[Block] {
         let is_old = self.counted.as_ref().is_none_or(|(at, _)| team.now >= *at + COUNT_EVERY);
         if is_old {
@@ -59,8 +59,8 @@ fn count(team: &Team<'_>) -> Vec<Block> {
     sums.into_values().map(|(sum, bushes)| Block { place: sum / bushes, bushes }).collect()
 }
 
-/// Moves sites until each is at the centroid of the blocks to which it is the nearest, of equally near ones the first. A site
-/// that is the nearest to none goes to the block that is worst off; without any blocks all stay where they are.
+/// Moves sites until each is at the centroid of the blocks to which it is nearest; ties go to the first site. A site
+/// that is nearest to no block moves to the worst-served block; without blocks all sites stay.
 pub fn spread_out(blocks: &[Block], sites: &mut [DVec2]) {
     if sites.is_empty() || blocks.is_empty() {
         return;
