@@ -1,4 +1,4 @@
-//! Slow answers for the tests, computed by other means than the fast ones.
+//! Slow answers for the tests, computed by code that shares nothing with the fast ones.
 
 use glam::DVec2;
 use rand::{Rng, RngExt};
