@@ -33,9 +33,26 @@ pub struct ProgramArguments {
     /// would, but no shell runs. May be repeated.
     #[arg(help_heading = "Programs", long = "command", value_name = "NAME=COMMAND", value_parser = parse_command)]
     pub commands: Vec<NamedCommand>,
+    /// Register a WebAssembly module as the planner and the policy NAME, such as `rrt=rrt.wasm`; needs no trust. May be
+    /// repeated
+    #[arg(help_heading = "Programs", long = "module", value_name = "NAME=FILE.wasm", value_parser = parse_module)]
+    pub modules: Vec<NamedModule>,
     /// Allow programs named in scenario files to run.
     #[arg(help_heading = "Programs", long)]
     pub trust: bool,
+}
+
+/// A planner that is a module: its name, and its file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamedModule {
+    pub name: PlannerName,
+    pub file: String,
+}
+
+fn parse_module(text: &str) -> Result<NamedModule, String> {
+    let (name, file) = text.split_once('=').ok_or("expected NAME=FILE, such as rrt=rrt.wasm")?;
+    let name = PlannerName::new(name).map_err(|error| format!("`{name}`: {error}"))?;
+    Ok(NamedModule { name, file: file.to_owned() })
 }
 
 /// A planner that is a program: its name, and the words of its command.

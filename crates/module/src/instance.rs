@@ -1,5 +1,6 @@
 //! A module that runs: it is asked a line, runs until it waits for the next one, and what it wrote is the answer.
 
+use std::fmt;
 use std::sync::Arc;
 
 use wasmi::{Config, Engine, Extern, Func, Global, Linker, Memory, ResumableCall, ResumableCallHostTrap};
@@ -57,6 +58,13 @@ impl Module {
     }
 }
 
+impl PartialEq for Module {
+    /// Whether it is the same compiled module.
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.module, &other.module)
+    }
+}
+
 /// An answer, and what it cost.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Answer {
@@ -93,6 +101,12 @@ pub struct Instance {
     memory: Memory,
     gas: Global,
     state: State,
+}
+
+impl fmt::Debug for Instance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Instance").field("name", &self.store.data().name).finish_non_exhaustive()
+    }
 }
 
 /// Where an instance is between two answers.
@@ -190,6 +204,11 @@ impl Instance {
             },
         };
         Err(self.failure(kind, message, instructions))
+    }
+
+    /// What it has written to stderr since it was last given a line: the beginning, if that is long.
+    pub fn said(&self) -> &[u8] {
+        &self.store.data().said
     }
 
     /// Adds the last line that a module wrote to stderr to what happened to it.

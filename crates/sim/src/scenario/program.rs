@@ -39,6 +39,15 @@ pub struct Program {
     /// scenario's folder, which is also the program's working folder.
     #[serde(deserialize_with = "list_of_at_most::<MAX_WORDS, _, _>")]
     pub command: Vec<String>,
+    /// A WebAssembly module in place of a command: a file, relative to the scenario's folder.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub module: Option<PathBuf>,
+    /// Instructions of a module in a query [default: 10^9].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub query_instructions: Option<u64>,
+    /// Instructions of a module from its start until it is ready [default: 10^10].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start_instructions: Option<u64>,
     /// Folder of the command and its files instead of the scenario's; relative to the scenario's folder.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub folder: Option<PathBuf>,
@@ -86,6 +95,9 @@ impl Default for Program {
     fn default() -> Self {
         Self {
             command: Vec::new(),
+            module: None,
+            query_instructions: None,
+            start_instructions: None,
             folder: None,
             files: Vec::new(),
             settings: Map::new(),
@@ -107,6 +119,11 @@ impl Program {
     /// Returns the simulated time that its expansions cost.
     pub fn charge(&self) -> Charge {
         Charge { roadmap_s: self.seconds_per_expansion, local_s: self.seconds_per_expansion }
+    }
+
+    /// Whether it answers as a program or a module, rather than being registered in Rust or Python.
+    pub fn is_external(&self) -> bool {
+        !self.command.is_empty() || self.module.is_some()
     }
 
     /// Returns its command as a line that a shell would read.
@@ -132,8 +149,13 @@ impl Program {
     /// Computes the hashes of the files that belong to it, as they are now.
     fn hashes(&self) -> Result<BTreeMap<String, String>, (usize, io::Error)> {
         let mut hashes = BTreeMap::new();
-        if self.command.is_empty() {
+        if !self.is_external() {
             return Ok(hashes);
+        }
+        if let Some(module) = &self.module
+            && let Ok(Some(hash)) = hash_of(&self.works_in.join(module))
+        {
+            hashes.insert(module.display().to_string(), hash);
         }
         for word in &self.command {
             // A program without a slash is found by PATH.
@@ -152,7 +174,7 @@ impl Program {
 
     /// Lists in words the files that are no longer what they were when the scenario was loaded.
     fn changed_files(&self) -> Vec<String> {
-        if self.command.is_empty() {
+        if !self.is_external() {
             return Vec::new();
         }
         let changed = self.sha256.iter().filter_map(|(name, before)| match hash_of(&self.works_in.join(name)) {
@@ -166,7 +188,9 @@ impl Program {
 
     /// Describes it in a sentence; `kind` is planner or policy.
     pub(super) fn describe(&self, kind: &str, name: &PlannerName) -> String {
-        if self.command.is_empty() {
+        if let Some(module) = &self.module {
+            format!("The {kind} `{name}` is the WebAssembly module {}.", module.display())
+        } else if self.command.is_empty() {
             format!("The {kind} `{name}` must be registered when the scenario is run.")
         } else {
             format!("The {kind} `{name}` is a program that runs only if trusted: {}.", self.command_line())
@@ -210,7 +234,7 @@ impl Scenario {
         let policies = self.policy.iter().filter(|(name, _)| self.has_follower(name));
         let planners = planners.map(|(name, table)| UsedProgram { kind: "planner", name, table });
         let policies = policies.map(|(name, table)| UsedProgram { kind: "policy", name, table });
-        planners.chain(policies).filter(|used| !used.table.command.is_empty()).collect()
+        planners.chain(policies).filter(|used| used.table.is_external()).collect()
     }
 
     /// Says whether an agent follows the policy of this name.
@@ -222,7 +246,7 @@ impl Scenario {
     /// Takes over the hashes of registered code from another one; no file has them.
     pub fn take_over_code(&mut self, other: &Self) {
         for (own, others) in [(&mut self.planner, &other.planner), (&mut self.policy, &other.policy)] {
-            for (name, table) in own.iter_mut().filter(|(_, table)| table.command.is_empty()) {
+            for (name, table) in own.iter_mut().filter(|(_, table)| !table.is_external()) {
                 table.sha256 = others.get(name).map_or_else(BTreeMap::new, |other| other.sha256.clone());
             }
         }
@@ -237,7 +261,7 @@ impl Scenario {
 
 ranges! { Program {
     start_limit_s: 0.01..=3600.0, query_limit_s: 0.01..=3600.0, query_cpu_s: 0.001..=3600.0, memory_limit_mb: 1.0..=1e6,
-    seconds_per_expansion: 0.0..=1000.0, expansions_per_query: 0.0..=1e6, restarts: 0.0..=1000.0,
+    query_instructions: 1.0..=1e15, start_instructions: 1.0..=1e15, seconds_per_expansion: 0.0..=1000.0, expansions_per_query: 0.0..=1e6, restarts: 0.0..=1000.0,
 } }
 
 /// Checks the tables of one kind, `planner` or `policy`, some of whose names are taken.
