@@ -1,17 +1,43 @@
 //! A module that runs: it is asked a line, runs until it waits for the next one, and what it wrote is the answer.
 
-use std::fmt;
 use std::sync::Arc;
 
-use wasmi::{Config, Engine, Extern, Func, Global, Linker, Memory, ResumableCall, ResumableCallHostTrap};
-use wasmi::{Store, StoreLimitsBuilder, TrapCode, Val};
 use wildfire_base::rng;
 
-use crate::count::{GAS, counted};
-use crate::host::{self, Host, Stop};
+#[cfg(feature = "wasmtime")]
+use crate::compiler;
+use crate::count::{Counted, counted};
+use crate::host::{Function, Host, SharedHost, Stop};
+use crate::interpreter;
 
-/// The most calls of functions inside of each other.
-const DEEPEST: usize = 10_000;
+/// The most elements of a module's tables.
+pub const MOST_TABLE_ELEMENTS: usize = 1 << 20;
+
+/// What runs modules. All engines give the same answers and the same counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Engine {
+    /// The interpreter `wasmi`.
+    Interpreter,
+    /// The compiler `wasmtime`.
+    #[cfg(feature = "wasmtime")]
+    Compiler,
+}
+
+impl Engine {
+    /// The engines that are built in.
+    pub const ALL: &[Self] = &[
+        Self::Interpreter,
+        #[cfg(feature = "wasmtime")]
+        Self::Compiler,
+    ];
+}
+
+impl Default for Engine {
+    /// The fastest that is built in.
+    fn default() -> Self {
+        Self::ALL[Self::ALL.len() - 1]
+    }
+}
 
 /// What a module may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,34 +51,61 @@ pub struct Limits {
 /// A module, counted and compiled: made once, started as often as there are runs.
 #[derive(Clone, Debug)]
 pub struct Module {
-    engine: Engine,
-    module: Arc<wasmi::Module>,
+    compiled: Arc<Compiled>,
     name: String,
     limits: Limits,
 }
 
+#[derive(Debug)]
+enum Compiled {
+    Interpreter(interpreter::Compiled),
+    #[cfg(feature = "wasmtime")]
+    Compiler(compiler::Compiled),
+}
+
+#[derive(Debug)]
+enum Running {
+    Interpreter(interpreter::Running),
+    #[cfg(feature = "wasmtime")]
+    Compiler(compiler::Running),
+}
+
+/// Checks the bytes of a module's file without compiling it.
+///
+/// # Errors
+/// A sentence that says what is wrong with it; it reads well after the module's name.
+pub fn check(bytes: &[u8], limits: Limits) -> Result<(), String> {
+    checked(bytes, limits).map(drop)
+}
+
+fn checked(bytes: &[u8], limits: Limits) -> Result<Counted, String> {
+    let counted = counted(bytes)?;
+    counted.imports.iter().try_for_each(|import| Function::of(import).map(drop))?;
+    if !counted.has_start {
+        return Err("has no function `_start` without parameters and results; build it as a command".to_owned());
+    }
+    let Some(memory) = counted.memory else { return Err("does not export its `memory`".to_owned()) };
+    if memory > limits.memory as u64 {
+        let (asked, most) = (memory as f64 / 1e6, limits.memory as f64 / 1e6);
+        return Err(format!("begins with {asked:.1} MB of memory; at most {most} MB are allowed"));
+    }
+    Ok(counted)
+}
+
 impl Module {
-    /// Reads a module from the bytes of its file.
+    /// Reads a module from the bytes of its file. Its name is the first argument that it sees.
     ///
     /// # Errors
-    /// A sentence that says what is wrong with it; it reads well after the module's name.
-    pub fn new(name: &str, bytes: &[u8], limits: Limits) -> Result<Self, String> {
-        let counted = counted(bytes)?;
-        let mut config = Config::default();
-        config.set_max_recursion_depth(DEEPEST);
-        let engine = Engine::new(&config);
-        let module = wasmi::Module::new(&engine, &counted).map_err(|error| format!("cannot be compiled: {error}"))?;
-        let module = Self { engine, module: Arc::new(module), name: name.to_owned(), limits };
-        let exports = |name, is_it: fn(&wasmi::ExternType) -> bool| {
-            module.module.get_export(name).is_some_and(|export| is_it(&export))
+    /// Those of [`check`], and if its data do not fit into its memory.
+    pub fn new(engine: Engine, name: &str, bytes: &[u8], limits: Limits) -> Result<Self, String> {
+        let counted = checked(bytes, limits)?;
+        let compiled = match engine {
+            Engine::Interpreter => Compiled::Interpreter(interpreter::Compiled::new(&counted)?),
+            #[cfg(feature = "wasmtime")]
+            Engine::Compiler => Compiled::Compiler(compiler::Compiled::new(&counted)?),
         };
-        if !exports("_start", |export| export.func().is_some()) {
-            return Err("has no function `_start`; build it as a command, not as a library".to_owned());
-        }
-        if !exports("memory", |export| export.memory().is_some()) {
-            return Err("does not export its `memory`".to_owned());
-        }
-        // What is wrong with its imports and its memory shows when it is put together.
+        let module = Self { compiled: Arc::new(compiled), name: name.to_owned(), limits };
+        // Whether its data fit into its memory shows when it is put together.
         Instance::new(&module, 0)?;
         Ok(module)
     }
@@ -61,7 +114,7 @@ impl Module {
 impl PartialEq for Module {
     /// Whether it is the same compiled module.
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.module, &other.module)
+        Arc::ptr_eq(&self.compiled, &other.compiled)
     }
 }
 
@@ -95,125 +148,111 @@ pub struct Failure {
     pub instructions: u64,
 }
 
+/// Why a module runs no longer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Reason {
+    Stop(Stop),
+    /// `_start` has returned.
+    End,
+    /// It has trapped; in the words of the WebAssembly specification.
+    Trap(String),
+}
+
+/// A module that has stopped running, for good unless it needs input.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pause {
+    pub reason: Reason,
+    /// Instructions that it has left; negative if they were spent.
+    pub left: i64,
+    /// Slots for nested calls that it has left; negative if they were spent.
+    pub slots: i32,
+}
+
 /// A module that was started.
+#[derive(Debug)]
 pub struct Instance {
-    store: Store<Host>,
-    memory: Memory,
-    gas: Global,
-    state: State,
-}
-
-impl fmt::Debug for Instance {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Instance").field("name", &self.store.data().name).finish_non_exhaustive()
-    }
-}
-
-/// Where an instance is between two answers.
-enum State {
-    /// It has not run yet.
-    New(Func),
-    /// It waits for input.
-    Waiting(ResumableCallHostTrap),
-    /// It has failed.
-    Over,
+    host: SharedHost,
+    running: Running,
+    has_failed: bool,
+    most_output: usize,
 }
 
 impl Instance {
     /// Prepares a module to run; all its random bytes follow from the seed.
     ///
     /// # Errors
-    /// If its memory is larger than it may be, or its data do not fit into it.
+    /// If its tables are too large, or its data do not fit into its memory.
     pub fn new(module: &Module, seed: u64) -> Result<Self, String> {
-        let limits = StoreLimitsBuilder::new().memory_size(module.limits.memory).table_elements(1 << 20).build();
-        let host = Host {
-            limits,
+        let host = SharedHost::new(Host {
             input: Vec::new(),
             output: Vec::new(),
             most_output: module.limits.answer,
             said: Vec::new(),
             random: rng::stream(seed, "module"),
-            waiting: None,
             name: module.name.clone(),
+        });
+        let running = match &*module.compiled {
+            Compiled::Interpreter(compiled) => compiled.start(host.clone(), module.limits).map(Running::Interpreter),
+            #[cfg(feature = "wasmtime")]
+            Compiled::Compiler(compiled) => compiled.start(host.clone(), module.limits).map(Running::Compiler),
         };
-        let mut store = Store::new(&module.engine, host);
-        store.limiter(|host| &mut host.limits);
-        let mut linker = Linker::new(&module.engine);
-        host::link(&mut linker, &module.module)?;
-        let cannot = |error: wasmi::Error| format!("cannot be started: {error}");
-        let instance = linker.instantiate_and_start(&mut store, &module.module).map_err(cannot)?;
-        let export = |name| instance.get_export(&store, name);
-        let (Some(Extern::Func(start)), Some(Extern::Memory(memory)), Some(Extern::Global(gas))) =
-            (export("_start"), export("memory"), export(GAS))
-        else {
-            unreachable!("`Module::new` has looked");
-        };
-        Ok(Self { store, memory, gas, state: State::New(start) })
+        let running = running.map_err(|words| format!("cannot be started: {words}"))?;
+        Ok(Self { host, running, has_failed: false, most_output: module.limits.answer })
     }
 
-    /// Gives a module a line and lets it run until it reads the next one; returns the line that it wrote.
+    /// Gives a module a line and lets it run until it reads the next one; returns the line that it wrote. It may run
+    /// `budget` instructions, of which `spent` are gone already.
     ///
     /// # Errors
     /// If it runs out of instructions, traps, ends, writes more than it may, or waits without having answered.
-    pub fn exchange(&mut self, line: &[u8], budget: u64) -> Result<Answer, Failure> {
-        let budget = i64::try_from(budget).unwrap_or(i64::MAX);
-        self.gas.set(&mut self.store, Val::I64(budget)).expect("it is a mutable i64");
-        self.store.data_mut().input.extend_from_slice(line);
-        self.store.data_mut().said.clear();
-        let run = match std::mem::replace(&mut self.state, State::Over) {
-            State::New(start) => start.call_resumable(&mut self.store, &[], &mut []),
-            State::Waiting(call) => {
-                let result = host::finish_read(&mut self.store, self.memory, self.gas);
-                call.resume(&mut self.store, &[Val::I32(result)], &mut [])
-            }
-            State::Over => return Err(self.failure(FailureKind::Crashed, "has failed before".to_owned(), 0)),
-        };
-        let left = match self.gas.get(&self.store) {
-            Val::I64(left) => left,
-            _ => unreachable!("it is an i64"),
-        };
-        let instructions = budget.saturating_sub(left).unsigned_abs();
-        if left < 0 {
-            let message = format!("ran more than {budget} instructions");
-            return Err(self.failure(FailureKind::BudgetSpent, message, instructions));
+    pub fn exchange(&mut self, line: &[u8], budget: u64, spent: u64) -> Result<Answer, Failure> {
+        if self.has_failed {
+            return Err(self.failure(FailureKind::Crashed, "has failed before".to_owned(), 0));
         }
-        let (kind, message) = match run {
-            Ok(ResumableCall::HostTrap(call)) => match call.host_error().downcast_ref::<Stop>() {
-                Some(Stop::NeedsInput) => {
-                    let output = &mut self.store.data_mut().output;
-                    match output.iter().position(|&byte| byte == b'\n') {
-                        Some(end) => {
-                            let rest = output.split_off(end + 1);
-                            let line = std::mem::replace(output, rest);
-                            self.state = State::Waiting(call);
-                            return Ok(Answer { line, instructions });
-                        }
-                        None => (FailureKind::BadAnswer, "reads on without having answered".to_owned()),
-                    }
+        {
+            let mut host = self.host.lock();
+            host.input.extend_from_slice(line);
+            host.said.clear();
+        }
+        let may = i64::try_from(budget.saturating_sub(spent)).unwrap_or(i64::MAX);
+        let Pause { reason, left, slots } = match &mut self.running {
+            Running::Interpreter(running) => running.run(may),
+            #[cfg(feature = "wasmtime")]
+            Running::Compiler(running) => running.run(may),
+        };
+        // The sequence that would have taken more than there was did not run.
+        let instructions = may.saturating_sub(left.max(0)).unsigned_abs();
+        let (kind, message) = match reason {
+            _ if left < 0 => (FailureKind::BudgetSpent, format!("ran more than {budget} instructions")),
+            _ if slots < 0 => (FailureKind::Crashed, "nests its calls too deeply".to_owned()),
+            Reason::Stop(Stop::NeedsInput) => {
+                let output = &mut self.host.lock().output;
+                if let Some(end) = output.iter().position(|&byte| byte == b'\n') {
+                    let rest = output.split_off(end + 1);
+                    return Ok(Answer { line: std::mem::replace(output, rest), instructions });
                 }
-                Some(Stop::Exit(code)) => (FailureKind::Crashed, format!("ended with exit code {code}")),
-                Some(Stop::Flood) | None => {
-                    (FailureKind::BadAnswer, format!("wrote more than {} bytes", self.store.data().most_output))
-                }
-            },
-            Ok(_) => (FailureKind::Crashed, "ended".to_owned()),
-            Err(error) => match error.as_trap_code() {
-                Some(TrapCode::StackOverflow) => (FailureKind::Crashed, "nests its calls too deeply".to_owned()),
-                Some(code) => (FailureKind::Crashed, format!("trapped: {code}")),
-                None => (FailureKind::Crashed, format!("trapped: {error}")),
-            },
+                (FailureKind::BadAnswer, "reads on without having answered".to_owned())
+            }
+            Reason::Stop(Stop::Exit(code)) => (FailureKind::Crashed, format!("ended with exit code {code}")),
+            Reason::Stop(Stop::Flood) => {
+                (FailureKind::BadAnswer, format!("wrote more than {} bytes", self.most_output))
+            }
+            Reason::End => (FailureKind::Crashed, "ended".to_owned()),
+            Reason::Trap(words) => (FailureKind::Crashed, format!("trapped: {words}")),
         };
         Err(self.failure(kind, message, instructions))
     }
 
-    /// What it has written to stderr since it was last given a line: the beginning, if that is long.
-    pub fn said(&self) -> &[u8] {
-        &self.store.data().said
+    /// Returns what it has written to stderr since it was last given a line: the beginning, if that is long.
+    pub fn said(&self) -> Vec<u8> {
+        self.host.lock().said.clone()
     }
 
-    /// Adds the last line that a module wrote to stderr to what happened to it.
-    fn failure(&self, kind: FailureKind, message: String, instructions: u64) -> Failure {
-        let said = String::from_utf8_lossy(&self.store.data().said);
+    /// Adds the last line that a module wrote to stderr to what happened to it, and ends it.
+    fn failure(&mut self, kind: FailureKind, message: String, instructions: u64) -> Failure {
+        self.has_failed = true;
+        let host = self.host.lock();
+        let said = String::from_utf8_lossy(&host.said);
         let message = match said.lines().rev().find(|line| !line.trim().is_empty()) {
             Some(line) => format!("{message}; its last message: {}", wildfire_base::untrusted::visible(line.trim())),
             None => message,

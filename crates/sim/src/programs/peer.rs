@@ -55,14 +55,6 @@ impl Peer {
         }
     }
 
-    /// Returns the instructions of a module that are not counted yet.
-    pub fn instructions(&self) -> u64 {
-        match self {
-            Self::Process(_) => 0,
-            Self::Module(guest) => guest.instructions,
-        }
-    }
-
     /// Returns the instructions of a module since the last call; `None` of a process, whose nobody counts.
     pub fn take_instructions(&mut self) -> Option<u64> {
         match self {
@@ -96,8 +88,8 @@ impl Peer {
 
 impl Guest {
     fn exchange(&mut self, message: &[u8], budget: u64) -> Result<Vec<u8>, Trouble> {
-        let answer = self.instance.exchange(message, budget);
-        for line in String::from_utf8_lossy(self.instance.said()).lines() {
+        let answer = self.instance.exchange(message, budget, self.instructions);
+        for line in String::from_utf8_lossy(&self.instance.said()).lines() {
             if self.said < MOST_SAID {
                 say(&self.name, line);
             }

@@ -11,33 +11,22 @@ use serde_json::Value;
 use super::planner::ProgramPlanner;
 use super::policy::ProgramPolicy;
 use super::process::Launch;
-use super::protocol::{FieldMessage, LimitsMessage, MOST_BYTES, ToProgram, VehicleMessage};
+use super::protocol::{FieldMessage, LimitsMessage, ToProgram, VehicleMessage};
 use super::respondent::{Respondent, Session};
 use super::supervisor::Limits;
 use crate::StartPrograms;
 use crate::policies::{Policies, Policy, PolicyNameError, PolicySite};
 use crate::scenario::{Program, Programs, Scenario, UsedProgram};
 use wildfire_base::geometry::{Cell, FieldFrame};
-use wildfire_base::input_file;
 use wildfire_base::trajectory::SpeedLimits;
 use wildfire_base::vehicle::{Dimensions, ReedsShepp};
-use wildfire_module::{Limits as ModuleLimits, Module};
+use wildfire_module::{Engine, Module};
 use wildfire_planning::collision::{ClearanceField, LEAST_CLEARANCE_M};
 use wildfire_planning::{MakeError, NameError, PlannerName, Planners, Site, TruckPlanner};
 use wildfire_timeline::AgentId;
 
 /// The most processes of a program at once.
 const MOST_PROCESSES: usize = 16;
-
-/// Instructions that a module may run where its table does not say.
-const QUERY_INSTRUCTIONS: u64 = 1_000_000_000;
-const START_INSTRUCTIONS: u64 = 10_000_000_000;
-
-/// The largest memory of a module.
-const MOST_MODULE_MB: u32 = 256;
-
-/// The largest file of a module.
-const MOST_MODULE_BYTES: u64 = 64_000_000;
 
 /// Bits of a seed that a program gets: all whole numbers below 2^53 are f64.
 const SEED_BITS: u32 = 53;
@@ -93,8 +82,8 @@ impl Trust {
 pub struct ProgramPool {
     trust: Trust,
     idle: Arc<Idle>,
-    /// Compiled modules by their file and their memory in MB.
-    modules: Arc<Mutex<BTreeMap<(PathBuf, u32), Module>>>,
+    /// Compiled modules by their file and the bytes of their memory.
+    modules: Arc<Mutex<BTreeMap<(PathBuf, usize), Module>>>,
 }
 
 impl ProgramPool {
@@ -175,23 +164,22 @@ impl ProgramPool {
         let Some(file) = &table.module else {
             return Ok((launch, table.reuse.then(|| Arc::clone(&self.idle))));
         };
-        launch.module = Some((self.module(&table.works_in.join(file), table)?, 0));
+        launch.module = Some((self.module(file, table)?, 0));
         Ok((launch, None))
     }
 
     /// Reads and compiles a module, once for all runs.
     fn module(&self, file: &Path, table: &Program) -> Result<Module, String> {
-        let memory = table.memory_limit_mb.min(MOST_MODULE_MB);
-        let key = (file.to_owned(), memory);
+        let (path, limits) = (table.works_in.join(file), table.module_limits());
+        let key = (path, limits.memory);
         let mut modules = self.modules.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(module) = modules.get(&key) {
             return Ok(module.clone());
         }
-        let bytes =
-            input_file::read(file, MOST_MODULE_BYTES).map_err(|error| format!("{}: {error}", file.display()))?;
-        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let limits = ModuleLimits { memory: memory as usize * 1_000_000, answer: MOST_BYTES };
-        let module = Module::new(&name, &bytes, limits).map_err(|error| format!("{} {error}", file.display()))?;
+        let bytes = table.read_module(file).map_err(|error| format!("{}: {error}", key.0.display()))?;
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        let module = Module::new(Engine::default(), &name, &bytes, limits)
+            .map_err(|words| format!("{} {words}", key.0.display()))?;
         modules.insert(key, module.clone());
         Ok(module)
     }
@@ -292,8 +280,8 @@ fn launch(name: &PlannerName, table: &Program) -> Launch {
         restarts: table.restarts,
         expansions_per_query: table.expansions_per_query,
         module: None,
-        start_instructions: table.start_instructions.unwrap_or(START_INSTRUCTIONS),
-        query_instructions: table.query_instructions.unwrap_or(QUERY_INSTRUCTIONS),
+        start_instructions: table.start_instructions(),
+        query_instructions: table.query_instructions(),
         limits: Limits { memory_mb: table.memory_limit_mb.into(), processes: MOST_PROCESSES },
     }
 }

@@ -127,7 +127,7 @@ impl Trouble {
 pub struct Allowance<'a> {
     pub wall: Duration,
     pub cpu: Option<CpuAllowance>,
-    /// Of a module.
+    /// Instructions of a module, with those since it was last asked for their number.
     pub instructions: u64,
     /// Names the answer, for messages.
     pub answer: &'a str,

@@ -90,9 +90,7 @@ impl Respondent {
         let Launch { query_limit: wall, query_cpu, .. } = *self.program;
         // What it thought since its last answer counts for this one.
         let cpu = query_cpu.map(|limit| CpuAllowance { limit, from: session.counted });
-        let begun = session.peer.take_instructions().unwrap_or_default();
-        let instructions = self.program.query_instructions.saturating_sub(begun);
-        let allowance = Allowance { wall, cpu, instructions, answer: "answer" };
+        let allowance = Allowance { wall, cpu, instructions: self.program.query_instructions, answer: "answer" };
         let answer = session.peer.exchange(&query(number), allowance);
         let answer = answer.and_then(|line| {
             let refuse = |words: &str| Err(Trouble::bad_answer(&line, words));
@@ -110,7 +108,7 @@ impl Respondent {
             session.peer.kill();
         }
         let cpu = session.lap().map(|lap| lap + starting);
-        let instructions = session.peer.take_instructions().map(|counted| counted + begun);
+        let instructions = session.peer.take_instructions();
         if answer.is_ok() {
             self.session = Some(session);
         }
@@ -204,8 +202,8 @@ impl Session {
     fn at_start<'a>(&self, program: &Launch, since: WallStopwatch, answer: &'a str) -> Allowance<'a> {
         let Launch { start_limit, query_cpu, .. } = *program;
         let cpu = start_cpu(start_limit, query_cpu, self.counted);
-        let instructions = self.start_instructions.saturating_sub(self.peer.instructions());
-        Allowance { wall: start_limit.saturating_sub(since.elapsed()), cpu, instructions, answer }
+        let wall = start_limit.saturating_sub(since.elapsed());
+        Allowance { wall, cpu, instructions: self.start_instructions, answer }
     }
 
     /// Returns its CPU time since the last lap.
