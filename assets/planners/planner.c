@@ -38,6 +38,9 @@ static int cols, rows, ring, budget, curves;
 static bool *bush;
 static uint64_t bits;
 
+// The length of a vector; `hypot`, which is exact to the last bit, takes several times as long.
+static double norm(double x, double y) { return sqrt(x * x + y * y); }
+
 // Reads up to `most` numbers that follow a key, whichever lists they are in; returns how many there are.
 static int numbers(const char *line, const char *key, double *to, int most) {
     const char *at = strstr(line, key);
@@ -65,9 +68,9 @@ static void read_field(const char *line) {
     half_length = number(line, "\"length\":") / 2, half_width = number(line, "\"width\":") / 2;
     to_centre = half_length - number(line, "\"rear_overhang\":");
     // While the rear axle drives 1 m, no point of the body moves by more than the outer corner does in a turn.
-    stretch = hypot(1 + half_width / radius, (fabs(to_centre) + half_length) / radius);
+    stretch = norm(1 + half_width / radius, (fabs(to_centre) + half_length) / radius);
     // Bushes within FAR of the body are at most so many cells from the one in which its centre is.
-    ring = (int)ceil((hypot(half_length, half_width) + FAR) / cell);
+    ring = (int)ceil((norm(half_length, half_width) + FAR) / cell);
     free(bush);
     bush = calloc((size_t)cols * rows, sizeof *bush);
     double *at = calloc((size_t)cols * rows, 2 * sizeof *at);
@@ -126,7 +129,7 @@ static bool drive(Pose *pose, const Curve *curve, Goal goal, double most, Curve 
         bool is_there = false;
         while (done < whole) {
             Pose centre = ahead(*pose, to_centre);
-            is_there = !goal.is_pose && hypot(centre.x - goal.x, centre.y - goal.y) < goal.last - 0.01;
+            is_there = !goal.is_pose && norm(centre.x - goal.x, centre.y - goal.y) < goal.last - 0.01;
             if (is_there) break;
             // Nothing can be hit before the gap is used up, so there is nothing to check on the way there.
             double to = fmin(done + fmax(gap, MARGIN) / stretch, whole);
@@ -148,7 +151,7 @@ static void keep_shorter(Curve *best, double side, const Motion *parts, int coun
     Curve curve = {.count = count};
     for (int i = 0; i < count; i++) {
         // Either way round a circle ends in the same pose; the shorter is taken.
-        double length = parts[i].curvature == 0 ? parts[i].length : remainder(parts[i].length, TURN);
+        double length = parts[i].curvature == 0 ? parts[i].length : parts[i].length - TURN * rint(parts[i].length / TURN);
         curve.parts[i] = (Motion){side * parts[i].curvature, length};
         curve.length += fabs(length);
     }
@@ -160,8 +163,8 @@ static void keep_shorter(Curve *best, double side, const Motion *parts, int coun
 // the same equation: the centre of the first circle is (0, 1), that of the last one follows from the goal, and the parts in
 // between lead from one to the other: a straight adds its length, two circles that touch add 2 (Reeds and Shepp, 1990).
 static void add_from_left(Curve *best, double side, double x, double y, double turn) {
-    double to_left = hypot(x - sin(turn), y - 1 + cos(turn)), left = atan2(y - 1 + cos(turn), x - sin(turn));
-    double to_right = hypot(x + sin(turn), y - 1 - cos(turn)), right = atan2(y - 1 - cos(turn), x + sin(turn));
+    double to_left = norm(x - sin(turn), y - 1 + cos(turn)), left = atan2(y - 1 + cos(turn), x - sin(turn));
+    double to_right = norm(x + sin(turn), y - 1 - cos(turn)), right = atan2(y - 1 - cos(turn), x + sin(turn));
     for (double sign = 1; sign >= -1; sign -= 2) {  // the direction of the straight
         double quarter = sign * QUARTER, d = to_left, along = sign > 0 ? left : left + HALF_TURN;
         ADD({1, along}, {0, sign * d}, {1, turn - along});  // the last circle is to the left of the goal
@@ -225,7 +228,7 @@ static double uniform(double from, double to) {  // SplitMix64
 // Grows a tree from the start until a free curve leads from it into the goal, or `budget` curves were tried. Returns the
 // number of the last node of the path, or -1.
 static int search(Node *tree, Pose start, Goal goal, Curve *last) {
-    double spread = 20 + hypot(goal.x - start.x, goal.y - start.y) / 2;
+    double spread = 20 + norm(goal.x - start.x, goal.y - start.y) / 2;
     tree[0] = (Node){start, -1, {.count = 0}};
     if (drive_to_goal(start, goal, last)) return 0;
     for (int count = 1; curves < budget;) {
@@ -233,9 +236,10 @@ static int search(Node *tree, Pose start, Goal goal, Curve *last) {
         double x = uniform(fmin(goal.x, start.x) - spread, fmax(goal.x, start.x) + spread);
         double y = uniform(fmin(goal.y, start.y) - spread, fmax(goal.y, start.y) + spread);
         int nearest = 0;
-        for (int i = 1; i < count; i++) {
-            Pose a = tree[i].pose, b = tree[nearest].pose;
-            if (hypot(a.x - x, a.y - y) < hypot(b.x - x, b.y - y)) nearest = i;
+        double least = HUGE_VAL;
+        for (int i = 0; i < count; i++) {
+            double dx = tree[i].pose.x - x, dy = tree[i].pose.y - y, squared = dx * dx + dy * dy;
+            if (squared < least) least = squared, nearest = i;
         }
         Node grown = {tree[nearest].pose, nearest, {.count = 0}};
         Curve curve = shortest_curve(grown.pose, (Pose){x, y, uniform(0, TURN)});
