@@ -97,8 +97,8 @@ static Pose move(Pose pose, Motion motion) {
 // A lower bound on the distance from the body to bushes and border, FAR at most; negative if they meet. Two rectangles are
 // apart if they are so along a side of one of them (the separating axis theorem), and at least as far as that.
 static double gap_at(Pose pose) {
-    Pose centre = ahead(pose, to_centre);
     double c = cos(pose.heading), s = sin(pose.heading), half = cell / 2, turned = half * (fabs(c) + fabs(s));
+    Pose centre = {pose.x + to_centre * c, pose.y + to_centre * s, pose.heading};
     double east = half_length * fabs(c) + half_width * fabs(s), north = half_length * fabs(s) + half_width * fabs(c);
     double gap = fmin(fmin(centre.x - east, width - centre.x - east), fmin(centre.y - north, height - centre.y - north));
     if (gap < 0) return gap;  // outside there are no cells

@@ -109,17 +109,19 @@ fn template_in_rust_plays() {
 const ZIG: [&str; 3] = ["-m", "ziglang", "version"];
 
 #[test]
+#[ignore = "tier 2: interpreted by a debug build it takes a minute"]
 fn template_in_c_plays_as_a_module() {
     expect_it_is_a_module_and_plays("mine.c", "python3", &ZIG);
 }
 
 #[test]
-#[ignore = "tier 2: of the compiler's C library for C++ nothing is cached"]
+#[ignore = "tier 2: interpreted by a debug build it takes a minute, and so does compiling its library"]
 fn template_in_cpp_plays_as_a_module() {
     expect_it_is_a_module_and_plays("mine.cpp", "python3", &ZIG);
 }
 
 #[test]
+#[ignore = "tier 2: interpreted by a debug build it takes a minute"]
 fn template_in_rust_plays_as_a_module() {
     // Only with the target's library there is something to compile against.
     let libraries = "test -d \"$(rustc --print target-libdir --target wasm32-wasip1)\"";

@@ -115,7 +115,7 @@ struct Defined {
 }
 
 impl Counter {
-    /// Validates a module and reads what the rewriting needs to know beforehand.
+    /// Validates a module and reads what the rewriting needs to know first.
     fn of(bytes: &[u8]) -> Result<Self, BinaryReaderError> {
         let mut counter = Self::default();
         let mut validator = Validator::new_with_features(FEATURES);
