@@ -5,6 +5,11 @@
 // Try it:      wildfire run contest --command mine=./planner --set unimog.planner=mine
 // Compare it:  wildfire plan --planner mine,prm-rs --command mine=./planner --goals 20
 //
+// As a WebAssembly module, with the same answers and the same count of instructions on every computer:
+//   rustup target add wasm32-wasip1
+//   rustc --edition 2024 -O --target wasm32-wasip1 FILE -o mine.wasm
+//   wildfire run contest --module mine=mine.wasm --set unimog.planner=mine
+//
 // The simulation writes one query per line to stdin, this program writes one answer per line to stdout, both JSON. Print
 // your own messages to stderr (`eprintln!`). Metres; radians counter-clockwise from east; a pose is that of the middle of
 // the rear axle. `wildfire schema planner-protocol` describes every message. A planner in Rust can also be part of the

@@ -114,7 +114,7 @@ impl Factories {
             };
             for Variant { scenario, .. } in &mut plan.variants {
                 let tables = if is_planner { &mut scenario.planner } else { &mut scenario.policy };
-                let own = tables.iter_mut().filter(|(known, table)| known.name() == name && table.command.is_empty());
+                let own = tables.iter_mut().filter(|(known, table)| known.name() == name && !table.is_external());
                 own.for_each(|(_, table)| drop(table.sha256.insert(kind.to_owned(), signature.clone())));
             }
         }

@@ -33,9 +33,34 @@ pub struct ProgramArguments {
     /// would, but no shell runs. May be repeated.
     #[arg(help_heading = "Programs", long = "command", value_name = "NAME=COMMAND", value_parser = parse_command)]
     pub commands: Vec<NamedCommand>,
+    /// Register a WebAssembly module as planner and policy NAME, such as `rrt=rrt.wasm`; runs without `--trust`. May be
+    /// repeated.
+    #[arg(help_heading = "Programs", long = "module", value_name = "NAME=FILE.wasm", value_parser = parse_module)]
+    pub modules: Vec<NamedModule>,
     /// Allow programs named in scenario files to run.
     #[arg(help_heading = "Programs", long)]
     pub trust: bool,
+}
+
+/// A planner that is a module: its name, and its file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamedModule {
+    pub name: PlannerName,
+    pub file: String,
+}
+
+fn parse_module(text: &str) -> Result<NamedModule, String> {
+    let (name, file) = text.split_once('=').ok_or("expected NAME=FILE.wasm, such as rrt=rrt.wasm")?;
+    Ok(NamedModule { name: parse_own_name(name)?, file: file.to_owned() })
+}
+
+/// Reads a name that no built-in planner has.
+fn parse_own_name(name: &str) -> Result<PlannerName, String> {
+    let name = PlannerName::new(name).map_err(|error| format!("`{name}`: {error}"))?;
+    match name.built_in() {
+        Some(kind) => Err(NameError::BuiltIn(kind).to_string()),
+        None => Ok(name),
+    }
 }
 
 /// A planner that is a program: its name, and the words of its command.
@@ -47,10 +72,7 @@ pub struct NamedCommand {
 
 fn parse_command(text: &str) -> Result<NamedCommand, String> {
     let (name, command) = text.split_once('=').ok_or("expected NAME=COMMAND, such as rrt='python3 rrt.py'")?;
-    let name = PlannerName::new(name).map_err(|error| format!("`{name}`: {error}"))?;
-    if let Some(kind) = name.built_in() {
-        return Err(NameError::BuiltIn(kind).to_string());
-    }
+    let name = parse_own_name(name)?;
     let words = shell_words(command)?;
     if words.first().is_none_or(String::is_empty) {
         return Err("expected a program after NAME=".to_owned());

@@ -39,19 +39,21 @@ impl CommandContext {
 
     /// Returns the same, with or without trust in the programs of files.
     pub fn with_trust(&self, trust: bool) -> Self {
-        self.with_programs(&ProgramArguments { commands: Vec::new(), trust })
+        self.with_programs(&ProgramArguments { trust, ..ProgramArguments::default() })
     }
 
     /// Adds to the changes of a scenario that the planners and policies that were registered are known, and the programs of
     /// the command line.
     pub fn with_own_names(&self, changes: &[String]) -> Vec<String> {
-        let commands = self.programs.commands.iter().flat_map(|NamedCommand { name, words }| {
-            // A list of texts is the same in JSON and in TOML.
-            let words = serde_json::to_string(words).expect("texts are JSON");
+        // A text, and a list of texts, is the same in JSON and in TOML.
+        let ProgramArguments { commands, modules, .. } = &self.programs;
+        let commands = commands.iter().map(|own| (&own.name, "command", serde_json::json!(own.words)));
+        let modules = modules.iter().map(|own| (&own.name, "module", serde_json::json!(own.file)));
+        let programs = commands.chain(modules).flat_map(|(name, key, value)| {
             let kinds = ["planner", "policy"].into_iter().filter(|&kind| kind == "planner" || may_be_policy(name));
-            kinds.map(move |kind| format!("{kind}.\"{name}\".command={words}")).collect::<Vec<_>>()
+            kinds.map(move |kind| format!("{kind}.\"{name}\".{key}={value}")).collect::<Vec<_>>()
         });
-        own_names(&self.entrants).chain(commands).chain(changes.iter().cloned()).collect()
+        own_names(&self.entrants).chain(programs).chain(changes.iter().cloned()).collect()
     }
 
     /// Returns the options of a run.
@@ -80,7 +82,7 @@ impl CommandContext {
     /// Refuses planners that are programs which are not trusted.
     pub fn expect_trusted_planners(&self, scenario: &Scenario, asked: &[PlannerName]) -> Result<(), CliError> {
         let tables = asked.iter().filter_map(|name| Some((name, scenario.planner.get(name)?)));
-        let programs = tables.filter(|(_, table)| !table.command.is_empty());
+        let programs = tables.filter(|(_, table)| table.is_external());
         let mut used = programs.map(|(name, table)| UsedProgram { kind: "planner", name, table });
         used.try_for_each(|used| self.expect_trusted_program(&used))
     }
@@ -90,7 +92,7 @@ impl CommandContext {
         #[cfg(not(unix))]
         return Err(CliError::environment(format_args!("the {kind} `{name}` is a program; programs run only on Unix")));
         #[cfg(unix)]
-        if self.trust().includes(kind, name) {
+        if self.trust().includes(kind, name, table) {
             return Ok(());
         }
         let folder =

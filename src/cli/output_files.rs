@@ -72,7 +72,7 @@ impl Format {
             Self::OmplLog => &["log", "txt"],
             Self::Recording => &["wildfire"],
             Self::Toml => &["toml"],
-            Self::Source => &["py", "cpp", "rs"],
+            Self::Source => &["py", "c", "cpp", "rs"],
         }
     }
 

@@ -36,8 +36,9 @@ const SCENARIO_HEAD: &str = "\
 ";
 
 /// Planners to begin with, by the ending of their file.
-const PLANNER_TEMPLATES: [(&str, &str); 3] = [
+const PLANNER_TEMPLATES: [(&str, &str); 4] = [
     ("py", include_str!("../../assets/planners/planner.py")),
+    ("c", include_str!("../../assets/planners/planner.c")),
     ("cpp", include_str!("../../assets/planners/planner.cpp")),
     ("rs", include_str!("../../assets/planners/planner.rs")),
 ];
@@ -47,7 +48,7 @@ pub struct NewArguments {
     /// The kind of file.
     pub what: NewFile,
     /// Output file; must not exist [default: print it]. The ending of a planner's file selects its language: `.py`,
-    /// `.cpp` or `.rs`. An assignment takes a folder, which must not exist or must be empty.
+    /// `.c`, `.cpp` or `.rs`. An assignment takes a folder, which must not exist or must be empty.
     pub file: Option<PathBuf>,
     /// The same, named as in other commands.
     #[arg(short, long, value_name = "FILE", conflicts_with = "file")]
@@ -289,7 +290,7 @@ fn planner_template(file: Option<&Path>) -> Result<String, CliError> {
     let file = file.unwrap_or(Path::new("planner.py"));
     let ending = file.extension().unwrap_or_default();
     let Some((_, text)) = PLANNER_TEMPLATES.iter().find(|(known, _)| ending == *known) else {
-        let sentence = format!("{}: expected a name that ends in .py, .cpp or .rs", file.display());
+        let sentence = format!("{}: expected a name that ends in .py, .c, .cpp or .rs", file.display());
         return Err(CliError::bad_input(sentence, Some("the ending selects the planner's language")));
     };
     let name = file.file_name().unwrap_or_default().to_string_lossy();

@@ -3,6 +3,7 @@
 
 mod batches;
 mod cost;
+mod modules;
 mod policy;
 mod same;
 mod shell;

@@ -51,7 +51,7 @@ fn whole_result(shell: &Shell, arguments: &[&str]) -> serde_json::Value {
 
 #[test]
 fn policy_that_answers_as_the_rule_does_plays_the_rules_run() {
-    if !has("python3", "--version") {
+    if !has("python3", &["--version"]) {
         return;
     }
     let shell = Shell::new();

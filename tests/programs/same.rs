@@ -44,7 +44,7 @@ for line in sys.stdin:
 
 #[test]
 fn planner_in_rust_and_as_a_program_give_the_same_runs() {
-    if !has("python3", "--version") {
+    if !has("python3", &["--version"]) {
         return;
     }
     supervisor::set_command(vec![env!("CARGO_BIN_EXE_wildfire").into()]);

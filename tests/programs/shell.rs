@@ -77,11 +77,11 @@ impl Shell {
 
 /// Says whether a program is on the machine; if not, which test is left out.
 #[expect(clippy::print_stdout, reason = "whoever reads the test's output is to know")]
-pub fn has(program: &str, argument: &str) -> bool {
-    let found = Command::new(program).arg(argument).stdout(Stdio::null()).stderr(Stdio::null()).status();
+pub fn has(program: &str, arguments: &[&str]) -> bool {
+    let found = Command::new(program).args(arguments).stdout(Stdio::null()).stderr(Stdio::null()).status();
     let is_there = found.is_ok_and(|status| status.success());
     if !is_there {
-        println!("left out: there is no {program} on this machine");
+        println!("left out, since this fails here: {program} {}", arguments.join(" "));
     }
     is_there
 }

@@ -40,14 +40,24 @@ pub struct Stage {
 impl Stage {
     /// Writes the script; `settings` are lines of its table.
     pub fn new(script: &str, settings: &str) -> Self {
-        let folder = tempfile::tempdir().expect("a scratch folder");
-        let path = folder.path().join("script.sh");
-        fs::write(&path, script).expect("the scratch folder is writable");
         // The absolute path marks all processes of the script that are not of other programs.
+        Self::with_file("script.sh", script.as_bytes(), |path| format!("command = [\"sh\", \"{path}\"]\n{settings}"))
+    }
+
+    /// The same with a module.
+    pub fn of_module(module: &[u8], settings: &str) -> Self {
+        Self::with_file("own.wasm", module, |path| format!("module = \"{path}\"\n{settings}"))
+    }
+
+    /// Writes a file; `table` gives lines of the planner's table by its absolute path.
+    fn with_file(name: &str, contents: &[u8], table: impl Fn(&str) -> String) -> Self {
+        let folder = tempfile::tempdir().expect("a scratch folder");
+        let path = folder.path().join(name);
+        fs::write(&path, contents).expect("the scratch folder is writable");
+        let table = table(&path.display().to_string());
         let text = format!(
             "duration_s = 60.0\nwumpus = []\n[field]\nsize_m = 100.0\ncoverage = 0.0\n[[unimog]]\nplanner = \"own\"\n\
-             [planner.own]\ncommand = [\"sh\", \"{}\"]\n{settings}\n",
-            path.display()
+             [planner.own]\n{table}\n"
         );
         Self::in_folder(folder, &text)
     }

@@ -88,6 +88,12 @@ impl Number for Option<f64> {
     }
 }
 
+impl Number for Option<u64> {
+    fn number(self) -> Option<f64> {
+        self.map(|count| count as f64)
+    }
+}
+
 macro_rules! numbers {
     ($($Number:ty)+) => {
         $(impl Number for $Number {

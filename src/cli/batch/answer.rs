@@ -138,7 +138,7 @@ pub fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport) ->
 fn page_command(plan: &BatchPlan, path: &str, report: &BatchReport) -> Option<String> {
     // Commands on a batch show its first variant.
     let seed = report.variants.first()?.first_done?;
-    let has_programs = || plan.variants.iter().any(|variant| !variant.scenario.used_programs().is_empty());
+    let has_programs = || plan.variants.iter().any(|variant| variant.scenario.needs_trust());
     // A run that was not recorded is simulated again.
     let trust = if plan.record != Record::All && has_programs() { " --trust" } else { "" };
     Some(format!("wildfire render {path} --seed {seed}{trust} --page seed-{seed}.html"))

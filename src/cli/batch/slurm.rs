@@ -9,7 +9,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use super::args::{BatchArguments, RUNS_FOLDER, SeedsArgument, SlurmArguments};
-use crate::cli::args::NamedCommand;
+use crate::cli::args::{NamedCommand, NamedModule};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::terminal;
@@ -198,6 +198,9 @@ fn batch_words(arguments: &BatchArguments) -> String {
     for NamedCommand { name, words: command } in &arguments.programs.commands {
         let command: Vec<String> = command.iter().map(|word| shell_word(word)).collect();
         words.extend(["--command".to_owned(), format!("{name}={}", command.join(" "))]);
+    }
+    for NamedModule { name, file } in &arguments.programs.modules {
+        words.extend(["--module".to_owned(), format!("{name}={file}")]);
     }
     if arguments.programs.trust {
         words.push("--trust".to_owned());

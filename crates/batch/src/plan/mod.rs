@@ -213,7 +213,7 @@ impl PlannedRun<'_> {
         for change in &self.variant.changes {
             write!(command, " --set {}", shell_word(change)).expect("a string takes any text");
         }
-        if !self.variant.scenario.used_programs().is_empty() {
+        if self.variant.scenario.needs_trust() {
             command += " --trust";
         }
         command

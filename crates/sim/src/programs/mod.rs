@@ -9,6 +9,8 @@ pub mod protocol;
 #[cfg(unix)]
 mod family;
 #[cfg(unix)]
+mod peer;
+#[cfg(unix)]
 mod planner;
 #[cfg(unix)]
 mod policy;

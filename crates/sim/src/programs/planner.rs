@@ -16,6 +16,9 @@ use wildfire_planning::{
     Unobserved,
 };
 
+/// Instructions of a module that count as one expansion.
+pub const INSTRUCTIONS_PER_EXPANSION: u64 = 1_000_000;
+
 /// Asks a program for paths.
 ///
 /// Nothing of what it answers is believed: the gate is round this planner as round every one that is not built in.
@@ -40,23 +43,33 @@ impl TruckPlanner for ProgramPlanner {
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
         let respondent = self.respondent.as_mut().expect("it is given back when this is dropped");
         let least = respondent.expansions_per_query();
-        let effort =
-            |reported: Option<u32>| Effort { local_expansions: reported.unwrap_or(0).max(least), ..Effort::default() };
         let goal = match goal {
             Goal::Disc(disc) => GoalMessage::Disc([disc.centre.x, disc.centre.y, disc.radius_m]),
             Goal::Pose(pose) => GoalMessage::Pose(numbers(pose)),
         };
         let query = |id| ToProgram::Plan(PlanQuery { id, start: numbers(start), goal }).line();
-        let Reply { answer, cpu, starting } = respondent.ask(query, |answer| match answer {
+        let Reply { answer, cpu, starting, instructions } = respondent.ask(query, |answer| match answer {
             FromProgram::Path(_) | FromProgram::None(_) => Ok(()),
             _ => Err("expected the type `path` or `none`"),
         });
         let cpu = (cpu, starting);
+        // What a module reports of itself counts for nothing: its instructions do.
+        let counted =
+            instructions.map(|count| u32::try_from(count.div_ceil(INSTRUCTIONS_PER_EXPANSION)).unwrap_or(u32::MAX));
+        let effort = |reported: Option<u32>| Effort {
+            local_expansions: counted.or(reported).unwrap_or(0).max(least),
+            ..Effort::default()
+        };
+        let reported_s = |cpu_s: Option<f64>| cpu_s.filter(|_| instructions.is_none());
         match answer {
             Ok(FromProgram::Path(answer)) => {
                 show(answer.searched.as_deref(), observer);
                 let path = self.path(start, &answer);
-                Plan { effort: effort(answer.expansions), cpu: cpu_of(cpu, answer.cpu_s), ..Plan::from(Ok(path)) }
+                Plan {
+                    effort: effort(answer.expansions),
+                    cpu: cpu_of(cpu, reported_s(answer.cpu_s)),
+                    ..Plan::from(Ok(path))
+                }
             }
             Ok(FromProgram::None(answer)) => {
                 show(answer.searched.as_deref(), observer);
@@ -66,7 +79,11 @@ impl TruckPlanner for ProgramPlanner {
                     Reason::GoalBlocked => PlanFailure::GoalBlocked,
                     Reason::BudgetSpent => PlanFailure::BudgetSpent,
                 };
-                Plan { effort: effort(answer.expansions), cpu: cpu_of(cpu, answer.cpu_s), ..Plan::from(Err(failure)) }
+                Plan {
+                    effort: effort(answer.expansions),
+                    cpu: cpu_of(cpu, reported_s(answer.cpu_s)),
+                    ..Plan::from(Err(failure))
+                }
             }
             Ok(_) => unreachable!("other answers are refused"),
             Err(Trouble { kind, words }) => {

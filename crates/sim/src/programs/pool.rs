@@ -1,7 +1,7 @@
 //! The programs of a scenario's tables as planners by name, and those that wait between two runs.
 
-use std::collections::BTreeSet;
-use std::path::Path;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -20,6 +20,7 @@ use crate::scenario::{Program, Programs, Scenario, UsedProgram};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::trajectory::SpeedLimits;
 use wildfire_base::vehicle::{Dimensions, ReedsShepp};
+use wildfire_module::{Engine, Module};
 use wildfire_planning::collision::{ClearanceField, LEAST_CLEARANCE_M};
 use wildfire_planning::{MakeError, NameError, PlannerName, Planners, Site, TruckPlanner};
 use wildfire_timeline::AgentId;
@@ -66,10 +67,11 @@ pub enum Trust {
 }
 
 impl Trust {
-    /// Says whether a program may be started.
-    pub fn includes(&self, kind: &'static str, name: &PlannerName) -> bool {
+    /// Returns whether a program may be started. A module can do nothing but answer, so it always may.
+    pub fn includes(&self, kind: &'static str, name: &PlannerName, table: &Program) -> bool {
         match self {
             Self::All => true,
+            Self::Only(_) if table.module.is_some() => true,
             Self::Only(named) => named.contains(&(kind, name.clone())),
         }
     }
@@ -80,12 +82,14 @@ impl Trust {
 pub struct ProgramPool {
     trust: Trust,
     idle: Arc<Idle>,
+    /// Compiled modules by their file and the bytes of their memory.
+    modules: Arc<Mutex<BTreeMap<(PathBuf, usize), Module>>>,
 }
 
 impl ProgramPool {
     /// Creates a pool in which no program has been started.
     pub fn new(trust: Trust) -> Self {
-        Self { trust, idle: Arc::default() }
+        Self { trust, idle: Arc::default(), modules: Arc::default() }
     }
 
     /// Adds the planners of a scenario's tables, as far as they are trusted, to those that are known otherwise.
@@ -94,26 +98,22 @@ impl ProgramPool {
     /// If one of them cannot have its name.
     pub fn planners_of(&self, scenario: &Scenario, known: Planners) -> Result<Planners, NameError> {
         self.trusted("planner", &scenario.planner).try_fold(known, |planners, (name, table)| {
-            let (launch, idle) = self.launch(name, table);
+            let launch = self.launch(name, table);
             let run = scenario.name.clone();
             let stream = name.name().to_owned();
             let make = move |site: &Site<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> {
+                let (launch, idle) = launch.clone().map_err(MakeError::new)?;
+                let seed = (site.stream)(&stream).next_u64() >> (u64::BITS - SEED_BITS);
                 let cells = bushes(site.checker.field());
                 let message = ToProgram::Field(FieldMessage {
                     truck: Some(site.truck),
                     vehicle: Some(vehicle(site.body, site.limits)),
                     limits: Some(limits(site.limits)),
-                    ..FieldMessage::new(
-                        &run,
-                        (site.stream)(&stream).next_u64() >> (u64::BITS - SEED_BITS),
-                        site.checker.field().frame(),
-                        &cells,
-                        site.own,
-                    )
+                    ..FieldMessage::new(&run, seed, site.checker.field().frame(), &cells, site.own)
                 });
-                let respondent = start(&launch, idle.as_ref(), &message)?;
+                let respondent = start(launch, idle.as_ref(), seed, &message)?;
                 let curves = ReedsShepp { radius_m: site.body.turning_radius_m };
-                Ok(Box::new(ProgramPlanner { respondent: Some(respondent), idle: idle.clone(), curves }))
+                Ok(Box::new(ProgramPlanner { respondent: Some(respondent), idle, curves }))
             };
             planners.with(name.name(), make)
         })
@@ -126,10 +126,12 @@ impl ProgramPool {
     pub fn policies_of(&self, scenario: &Scenario, known: Policies) -> Result<Policies, PolicyNameError> {
         let bodies: Arc<[_]> = scenario.unimog.iter().map(|truck| (truck.vehicle, truck.speed_limits())).collect();
         self.trusted("policy", &scenario.policy).try_fold(known, |policies, (name, table)| {
-            let (launch, idle) = self.launch(name, table);
+            let launch = self.launch(name, table);
             let run = scenario.name.clone();
             let (stream, bodies) = (name.name().to_owned(), Arc::clone(&bodies));
             let make = move |site: &PolicySite<'_>| -> Result<Box<dyn Policy>, MakeError> {
+                let (launch, idle) = launch.clone().map_err(MakeError::new)?;
+                let seed = (site.stream)(&stream).next_u64() >> (u64::BITS - SEED_BITS);
                 let first = site.plays.iter().find(|agent| agent.role.drives());
                 let body = first.and_then(|agent| bodies.get(usize::from(agent.number)));
                 let cells: Vec<[u16; 2]> = site.bushes.iter().copied().map(column_and_row).collect();
@@ -139,16 +141,10 @@ impl ProgramPool {
                     limits: body.map(|(_, speeds)| limits(speeds)),
                     agents: names(site.agents),
                     plays: names(site.plays),
-                    ..FieldMessage::new(
-                        &run,
-                        (site.stream)(&stream).next_u64() >> (u64::BITS - SEED_BITS),
-                        &site.frame,
-                        &cells,
-                        site.own,
-                    )
+                    ..FieldMessage::new(&run, seed, &site.frame, &cells, site.own)
                 });
-                let respondent = start(&launch, idle.as_ref(), &message)?;
-                Ok(Box::new(ProgramPolicy::new(respondent, idle.clone())))
+                let respondent = start(launch, idle.as_ref(), seed, &message)?;
+                Ok(Box::new(ProgramPolicy::new(respondent, idle)))
             };
             policies.with(name.name(), make)
         })
@@ -159,12 +155,33 @@ impl ProgramPool {
         kind: &'static str,
         tables: &'a Programs,
     ) -> impl Iterator<Item = (&'a PlannerName, &'a Program)> {
-        tables.iter().filter(move |(name, table)| !table.command.is_empty() && self.trust.includes(kind, name))
+        tables.iter().filter(move |(name, table)| table.is_external() && self.trust.includes(kind, name, table))
     }
 
-    /// Returns what starts the program of a table, and where it waits between runs if it may.
-    fn launch(&self, name: &PlannerName, table: &Program) -> (Arc<Launch>, Option<Arc<Idle>>) {
-        (Arc::new(launch(name, table)), table.reuse.then(|| Arc::clone(&self.idle)))
+    /// Returns what starts the program of a table, and where it waits between runs if it may. A module is always fresh.
+    fn launch(&self, name: &PlannerName, table: &Program) -> Result<(Launch, Option<Arc<Idle>>), String> {
+        let mut launch = launch(name, table);
+        let Some(file) = &table.module else {
+            return Ok((launch, table.reuse.then(|| Arc::clone(&self.idle))));
+        };
+        launch.module = Some((self.module(file, table)?, 0));
+        Ok((launch, None))
+    }
+
+    /// Reads and compiles a module, once for all runs.
+    fn module(&self, file: &Path, table: &Program) -> Result<Module, String> {
+        let (path, limits) = (table.works_in.join(file), table.module_limits());
+        let key = (path, limits.memory);
+        let mut modules = self.modules.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(module) = modules.get(&key) {
+            return Ok(module.clone());
+        }
+        let bytes = table.read_module(file).map_err(|error| format!("{}: {error}", key.0.display()))?;
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        let module = Module::new(Engine::default(), &name, &bytes, limits)
+            .map_err(|words| format!("{} {words}", key.0.display()))?;
+        modules.insert(key, module.clone());
+        Ok(module)
     }
 }
 
@@ -176,7 +193,9 @@ impl StartPrograms for ProgramPool {
         policies: Policies,
     ) -> Result<(Planners, Policies), MakeError> {
         let mut used = scenario.used_programs().into_iter();
-        if let Some(UsedProgram { name, table, .. }) = used.find(|used| !self.trust.includes(used.kind, used.name)) {
+        if let Some(UsedProgram { name, table, .. }) =
+            used.find(|used| !self.trust.includes(used.kind, used.name, used.table))
+        {
             return Err(MakeError::new(format!("`{name}` is not trusted: {}", table.command_line())));
         }
         let planners = self.planners_of(scenario, planners).map_err(|error| MakeError::new(error.to_string()))?;
@@ -185,9 +204,15 @@ impl StartPrograms for ProgramPool {
     }
 }
 
-fn start(launch: &Arc<Launch>, idle: Option<&Arc<Idle>>, field: &ToProgram<'_>) -> Result<Respondent, MakeError> {
-    let before = idle.and_then(|idle| idle.take(launch));
-    Respondent::new(Arc::clone(launch), field, before).map_err(|trouble| MakeError::new(trouble.words))
+fn start(
+    mut launch: Launch,
+    idle: Option<&Arc<Idle>>,
+    seed: u64,
+    field: &ToProgram<'_>,
+) -> Result<Respondent, MakeError> {
+    let before = idle.and_then(|idle| idle.take(&launch));
+    launch.module.iter_mut().for_each(|(_, of_run)| *of_run = seed);
+    Respondent::new(Arc::new(launch), field, before).map_err(|trouble| MakeError::new(trouble.words))
 }
 
 impl<'a> FieldMessage<'a> {
@@ -254,6 +279,9 @@ fn launch(name: &PlannerName, table: &Program) -> Launch {
         query_cpu: table.query_cpu_s.map(Duration::from_secs_f64),
         restarts: table.restarts,
         expansions_per_query: table.expansions_per_query,
+        module: None,
+        start_instructions: table.start_instructions(),
+        query_instructions: table.query_instructions(),
         limits: Limits { memory_mb: table.memory_limit_mb.into(), processes: MOST_PROCESSES },
     }
 }

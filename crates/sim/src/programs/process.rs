@@ -23,6 +23,7 @@ use super::protocol::MOST_BYTES;
 use super::supervisor::{self, Ending, Exceeded, GRACE, Limits, MOST_SAID, Order, Report};
 use wildfire_base::time::wall::WallStopwatch;
 use wildfire_base::untrusted::visible;
+use wildfire_module::Module;
 use wildfire_planning::PlanFailure;
 
 /// The time in which a supervisor ends what is left of a program, and itself.
@@ -56,6 +57,12 @@ pub struct Launch {
     pub restarts: u32,
     /// Expansions that a query counts for at least.
     pub expansions_per_query: u32,
+    /// In place of a command: a module, and the seed of its random bytes.
+    pub module: Option<(Module, u64)>,
+    /// Instructions of a module from its start to `ready`.
+    pub start_instructions: u64,
+    /// Instructions of a module in a query, a new start after a failure included.
+    pub query_instructions: u64,
     pub limits: Limits,
 }
 
@@ -63,6 +70,7 @@ pub struct Launch {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TroubleKind {
     TimedOut,
+    BudgetSpent,
     Crashed,
     BadAnswer,
 }
@@ -71,6 +79,7 @@ impl From<TroubleKind> for PlanFailure {
     fn from(kind: TroubleKind) -> Self {
         match kind {
             TroubleKind::TimedOut => Self::TimedOut,
+            TroubleKind::BudgetSpent => Self::BudgetSpent,
             TroubleKind::Crashed => Self::Crashed,
             TroubleKind::BadAnswer => Self::BadAnswer,
         }
@@ -118,6 +127,8 @@ impl Trouble {
 pub struct Allowance<'a> {
     pub wall: Duration,
     pub cpu: Option<CpuAllowance>,
+    /// Instructions of a module, with those since it was last asked for their number.
+    pub instructions: u64,
     /// Names the answer, for messages.
     pub answer: &'a str,
 }
@@ -479,7 +490,7 @@ impl Fate {
 }
 
 /// Hands on a line of a program's stderr.
-fn say(name: &str, line: &str) {
+pub fn say(name: &str, line: &str) {
     // A line that nobody can read is no reason to stop.
     let _ = writeln!(io::stderr(), "{name}: {}", visible(line));
 }

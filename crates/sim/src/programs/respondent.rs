@@ -3,7 +3,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::process::{Allowance, CpuAllowance, Launch, Process, Trouble, TroubleKind};
+use super::peer::Peer;
+use super::process::{Allowance, CpuAllowance, Launch, Trouble, TroubleKind};
 use super::protocol::{FromProgram, ToProgram, VERSION};
 use wildfire_base::time::wall::WallStopwatch;
 
@@ -24,11 +25,13 @@ pub struct Respondent {
 /// A program that has said hello.
 #[derive(Debug)]
 pub struct Session {
-    process: Process,
+    peer: Peer,
     /// Queries on this field: they are numbered from 1 on, so that a program may count them itself.
     queries: u64,
     /// Its CPU time that has been counted for something.
     counted: Duration,
+    /// Instructions that a module may run until it is ready.
+    start_instructions: u64,
 }
 
 /// What came of a query.
@@ -39,6 +42,8 @@ pub struct Reply {
     pub cpu: Option<Duration>,
     /// The part of it in which the program started again.
     pub starting: Duration,
+    /// Instructions of a module since the answer before.
+    pub instructions: Option<u64>,
 }
 
 impl Respondent {
@@ -53,8 +58,10 @@ impl Respondent {
                 (session, built)
             }
             None => {
-                let (started, built) = Session::start(&program, &field);
-                (started?, built)
+                let (started, built) = Session::start(&program, &field, program.start_instructions);
+                let mut session = started?;
+                session.peer.take_instructions();
+                (session, built)
             }
         };
         Ok(Self { program, field, session: Some(session), failed_starts: 0, built })
@@ -76,15 +83,15 @@ impl Respondent {
         let starting = started.unwrap_or_default();
         let mut session = match running {
             Ok(session) => session,
-            Err(trouble) => return Reply { answer: Err(trouble), cpu: started, starting },
+            Err(trouble) => return Reply { answer: Err(trouble), cpu: started, starting, instructions: None },
         };
         session.queries += 1;
         let number = session.queries;
         let Launch { query_limit: wall, query_cpu, .. } = *self.program;
         // What it thought since its last answer counts for this one.
         let cpu = query_cpu.map(|limit| CpuAllowance { limit, from: session.counted });
-        let allowance = Allowance { wall, cpu, answer: "answer" };
-        let answer = session.process.exchange(&query(number), allowance);
+        let allowance = Allowance { wall, cpu, instructions: self.program.query_instructions, answer: "answer" };
+        let answer = session.peer.exchange(&query(number), allowance);
         let answer = answer.and_then(|line| {
             let refuse = |words: &str| Err(Trouble::bad_answer(&line, words));
             match FromProgram::parse(&line) {
@@ -98,13 +105,14 @@ impl Respondent {
         });
         // Of what cannot be understood the next line cannot be trusted to answer the next query.
         if answer.is_err() {
-            session.process.kill();
+            session.peer.kill();
         }
         let cpu = session.lap().map(|lap| lap + starting);
+        let instructions = session.peer.take_instructions();
         if answer.is_ok() {
             self.session = Some(session);
         }
-        Reply { answer, cpu, starting }
+        Reply { answer, cpu, starting, instructions }
     }
 
     /// Takes the program, or starts it again; returns the CPU time of a start too. A query that fails costs that query
@@ -116,7 +124,7 @@ impl Respondent {
         if self.failed_starts > self.program.restarts {
             return (Err(Trouble::crashed("failed to start more often than it may")), None);
         }
-        let (started, cpu) = Session::start(&self.program, &self.field);
+        let (started, cpu) = Session::start(&self.program, &self.field, self.program.query_instructions);
         let started = started.map_err(|trouble| {
             self.failed_starts += 1;
             Trouble { kind: TroubleKind::Crashed, words: format!("did not start again: {}", trouble.words) }
@@ -141,10 +149,10 @@ impl Drop for Respondent {
 
 impl Session {
     /// Starts a program and shows it a field; returns the CPU time that it took, also if that fails.
-    fn start(program: &Launch, field: &[u8]) -> (Result<Self, Trouble>, Option<Duration>) {
+    fn start(program: &Launch, field: &[u8], instructions: u64) -> (Result<Self, Trouble>, Option<Duration>) {
         let watch = WallStopwatch::start();
-        let mut session = match Process::start(program) {
-            Ok(process) => Self { process, queries: 0, counted: Duration::ZERO },
+        let mut session = match Peer::start(program) {
+            Ok(peer) => Self { peer, queries: 0, counted: Duration::ZERO, start_instructions: instructions },
             Err(trouble) => return (Err(trouble), None),
         };
         let greeted = session.greet(program, watch).and_then(|()| session.show(program, field, watch));
@@ -156,7 +164,7 @@ impl Session {
     fn greet(&mut self, program: &Launch, since: WallStopwatch) -> Result<(), Trouble> {
         let hello =
             ToProgram::Hello { protocol: VERSION, program: concat!("wildfire ", env!("CARGO_PKG_VERSION")).into() };
-        let line = self.process.exchange(&hello.line(), self.at_start(program, since, "`hello`"))?;
+        let line = self.peer.exchange(&hello.line(), self.at_start(program, since, "`hello`"))?;
         let words = match FromProgram::parse(&line) {
             Ok(FromProgram::Hello(hello)) if hello.protocol == VERSION => None,
             Ok(FromProgram::Hello(hello)) => Some(format!("`protocol` is {}; expected {VERSION}", hello.protocol)),
@@ -171,7 +179,7 @@ impl Session {
 
     /// Shows the field of another run to a program that has played before.
     fn play_again(mut self, program: &Launch, field: &[u8]) -> Option<Self> {
-        self.process.begin_run();
+        self.peer.begin_run();
         self.show(program, field, WallStopwatch::start()).ok()?;
         Some(self)
     }
@@ -179,7 +187,7 @@ impl Session {
     /// Shows it a field, and waits until it is ready.
     fn show(&mut self, program: &Launch, field: &[u8], since: WallStopwatch) -> Result<(), Trouble> {
         self.queries = 0;
-        let line = self.process.exchange(field, self.at_start(program, since, "`ready`"))?;
+        let line = self.peer.exchange(field, self.at_start(program, since, "`ready`"))?;
         let words = match FromProgram::parse(&line) {
             Ok(FromProgram::Ready) => return Ok(()),
             Ok(FromProgram::Error(error)) => return Err(Trouble::refused(&error.message)),
@@ -194,12 +202,13 @@ impl Session {
     fn at_start<'a>(&self, program: &Launch, since: WallStopwatch, answer: &'a str) -> Allowance<'a> {
         let Launch { start_limit, query_cpu, .. } = *program;
         let cpu = start_cpu(start_limit, query_cpu, self.counted);
-        Allowance { wall: start_limit.saturating_sub(since.elapsed()), cpu, answer }
+        let wall = start_limit.saturating_sub(since.elapsed());
+        Allowance { wall, cpu, instructions: self.start_instructions, answer }
     }
 
     /// Returns its CPU time since the last lap.
     fn lap(&mut self) -> Option<Duration> {
-        let now = self.process.cpu()?;
+        let now = self.peer.cpu()?;
         let lap = now.saturating_sub(self.counted);
         self.counted = now;
         Some(lap)
@@ -207,7 +216,7 @@ impl Session {
 
     /// Says goodbye, and waits until nothing of it is left.
     pub fn end(self) {
-        self.process.end(&ToProgram::End.line());
+        self.peer.end();
     }
 }
 

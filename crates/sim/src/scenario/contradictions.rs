@@ -20,7 +20,9 @@ const SLOPE_DEG: &str = "fire.rothermel.slope_deg";
 const STEEPNESS: &str = "each sets the slope of the ground";
 
 /// Values of which a file gives one, and why; `*` stands for any number in a list. A change of one replaces the other.
-const EITHER: [(&[&str], &[&str], &str); 9] = [
+const EITHER: [(&[&str], &[&str], &str); 11] = [
+    (&["planner.*.module"], &["planner.*.command"], "each says what plans"),
+    (&["policy.*.module"], &["policy.*.command"], "each says what decides"),
     (&["field.pieces"], &["field.coverage"], "each sets the number of bushes"),
     (&["unimog.*.goal"], &["dispatch"], "each chooses where trucks go"),
     (&[FUEL_MAP], &["landscape.image"], "each sets what grows where"),

@@ -12,6 +12,7 @@ use super::error::{Fault, ScenarioError, SourceLocation};
 use super::fuel_image::FuelImage;
 use super::layers::{LayerKind, LayerReader, Weights};
 use super::path::{FieldPath, FoundSpan, PathStep};
+use super::program::{Unusable, UnusableFile};
 use super::source::{MAX_MAP_BYTES, ScenarioText, first_too_deep, too_deep_message, unreadable};
 use super::starts::Starting;
 use super::weather_csv::{read_samples, read_wind};
@@ -198,20 +199,26 @@ impl WrittenScenario<'_> {
         let unused =
             scenario.policy.keys().filter(|name| !scenario.has_follower(name) && scenario.planner.contains_key(name));
         for name in unused.cloned().collect::<Vec<PlannerName>>() {
-            let command = FieldPath(["policy", name.name(), "command"].map(PathStep::key).to_vec());
-            if self.changes.set(&command) {
+            let is_changed = ["command", "module"]
+                .map(|key| self.changes.set(&FieldPath(["policy", name.name(), key].map(PathStep::key).to_vec())));
+            if is_changed.contains(&true) {
                 scenario.policy.remove(&name);
             }
         }
         for (kind, programs) in [("planner", &mut scenario.planner), ("policy", &mut scenario.policy)] {
-            for (name, program) in programs.iter_mut().filter(|(_, program)| !program.command.is_empty()) {
+            for (name, program) in programs.iter_mut().filter(|(_, program)| program.is_external()) {
                 let table = FieldPath(vec![PathStep::key(kind), PathStep::key(name.name())]);
-                let command = table.join(PathStep::key("command"));
-                let folder = if self.changes.set(&command) { Path::new("") } else { &self.source.folder };
-                program.fill_in(folder).map_err(|(index, error)| {
-                    let path = table.join(PathStep::key("files")).join(PathStep::Index(index));
-                    unreadable(&program.works_in.join(&program.files[index]), &error)
-                        .at(self.location(&path, KeyOrValue::Value))
+                let is_changed = ["command", "module"].map(|key| self.changes.set(&table.join(PathStep::key(key))));
+                let folder = if is_changed.contains(&true) { Path::new("") } else { &self.source.folder };
+                program.fill_in(folder).map_err(|UnusableFile { place, file, reason }| {
+                    let (path, file) = (FieldPath([table.0.clone(), place].concat()), program.works_in.join(file));
+                    match reason {
+                        Unusable::Unreadable(error) => {
+                            unreadable(&file, &error).at(self.location(&path, KeyOrValue::Value))
+                        }
+                        #[cfg(unix)]
+                        Unusable::Module(words) => self.rule(&path, format!("`{}` {words}", file.display())),
+                    }
                 })?;
             }
         }

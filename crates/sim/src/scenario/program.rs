@@ -1,8 +1,8 @@
 //! Planners and policies that are not built in, as scenarios write them: tables `[planner.NAME]` and `[policy.NAME]`.
 //!
-//! A table with a `command` says how to start a program. One without says that the planner or policy of this name is
-//! registered from Rust or from Python; its `settings` are passed on all the same, and a
-//! batch of Python notes the hash of its code. Reading a scenario never starts anything.
+//! A table with a `command` says how to start a program, one with a `module` which WebAssembly module answers. One with
+//! neither says that the planner or policy of this name is registered from Rust or from Python; its `settings` are passed
+//! on all the same, and a batch of Python notes the hash of its code. Reading a scenario never starts anything.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -16,9 +16,15 @@ use sha2::{Digest, Sha256};
 
 use super::Scenario;
 use super::check::{Check, TablePath};
-use wildfire_base::input_file::list_of_at_most;
+use super::path::PathStep;
+#[cfg(unix)]
+use crate::programs::protocol::MOST_BYTES;
+use wildfire_base::input_file::{self, list_of_at_most};
 use wildfire_base::or_none;
 use wildfire_base::ranges;
+use wildfire_base::ranges::number_text;
+#[cfg(unix)]
+use wildfire_module::Limits;
 use wildfire_planning::PlannerName;
 use wildfire_planning::registry::Charge;
 
@@ -27,6 +33,17 @@ pub type Programs = BTreeMap<PlannerName, Program>;
 
 /// The most tables of a scenario.
 const MAX_PROGRAMS: usize = 100;
+
+/// Instructions of a module where its table gives none.
+const QUERY_INSTRUCTIONS: u64 = 1_000_000_000;
+const START_INSTRUCTIONS: u64 = 10_000_000_000;
+
+/// The largest memory of a module.
+#[cfg(unix)]
+const MOST_MODULE_MB: u32 = 256;
+
+/// The largest file of a module, bytes.
+const MOST_MODULE_BYTES: u64 = 64_000_000;
 
 /// The most words of a command, and files of a table.
 const MAX_WORDS: usize = 1000;
@@ -39,10 +56,19 @@ pub struct Program {
     /// scenario's folder, which is also the program's working folder.
     #[serde(deserialize_with = "list_of_at_most::<MAX_WORDS, _, _>")]
     pub command: Vec<String>,
+    /// File of a WebAssembly module instead of a command, relative to the scenario's folder; runs without trust.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub module: Option<PathBuf>,
+    /// Most instructions of a module in a query, a restart included [default: 10^9].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub query_instructions: Option<u64>,
+    /// Most instructions of a module from its start until it is ready [default: 10^10].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start_instructions: Option<u64>,
     /// Folder of the command and its files instead of the scenario's; relative to the scenario's folder.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub folder: Option<PathBuf>,
-    /// Files whose contents belong to a batch's plan; those that `command` names always do.
+    /// Files whose contents belong to a batch's plan; those that `command` names and the module always do.
     #[serde(deserialize_with = "list_of_at_most::<MAX_WORDS, _, _>")]
     pub files: Vec<PathBuf>,
     /// Passed on unchanged.
@@ -56,9 +82,9 @@ pub struct Program {
     #[serde(with = "or_none")]
     #[schemars(with = "or_none::NumberOrNone")]
     pub query_cpu_s: Option<f64>,
-    /// Memory limit of its process group.
+    /// Memory limit of its process group; of a module at most 256.
     pub memory_limit_mb: u32,
-    /// Simulated planning time for each expansion that an answer reports.
+    /// Simulated planning time for each expansion that an answer reports, or each 10^6 instructions of a module.
     pub seconds_per_expansion: f64,
     /// Least number of expansions charged for each query of a planner, whatever the answer reports.
     pub expansions_per_query: u32,
@@ -86,6 +112,9 @@ impl Default for Program {
     fn default() -> Self {
         Self {
             command: Vec::new(),
+            module: None,
+            query_instructions: None,
+            start_instructions: None,
             folder: None,
             files: Vec::new(),
             settings: Map::new(),
@@ -109,6 +138,11 @@ impl Program {
         Charge { roadmap_s: self.seconds_per_expansion, local_s: self.seconds_per_expansion }
     }
 
+    /// Whether it answers as a program or a module, rather than being registered in Rust or Python.
+    pub fn is_external(&self) -> bool {
+        !self.command.is_empty() || self.module.is_some()
+    }
+
     /// Returns its command as a line that a shell would read.
     pub fn command_line(&self) -> String {
         let quoted = |word: &String| {
@@ -119,21 +153,49 @@ impl Program {
         self.command.iter().map(quoted).collect::<Vec<_>>().join(" ")
     }
 
+    /// Returns the instructions that a module may run in a query.
+    pub fn query_instructions(&self) -> u64 {
+        self.query_instructions.unwrap_or(QUERY_INSTRUCTIONS)
+    }
+
+    /// Returns the instructions that a module may run from its start until it is ready.
+    pub fn start_instructions(&self) -> u64 {
+        self.start_instructions.unwrap_or(START_INSTRUCTIONS)
+    }
+
+    /// Returns what a module may take.
+    #[cfg(unix)]
+    pub fn module_limits(&self) -> Limits {
+        Limits { memory: self.memory_limit_mb.min(MOST_MODULE_MB) as usize * 1_000_000, answer: MOST_BYTES }
+    }
+
+    /// Reads the file of a module.
+    pub fn read_module(&self, file: &Path) -> io::Result<Vec<u8>> {
+        input_file::read(&self.works_in.join(file), MOST_MODULE_BYTES)
+    }
+
     /// Fills in where it works, given the scenario's folder, and the hashes of the files that belong to it.
     ///
     /// # Errors
-    /// If one of [`Self::files`] cannot be read: its place in the list, and why.
-    pub(super) fn fill_in(&mut self, folder: &Path) -> Result<(), (usize, io::Error)> {
+    /// If one of [`Self::files`] or the module cannot be read, or the module is none.
+    pub(super) fn fill_in(&mut self, folder: &Path) -> Result<(), UnusableFile> {
         self.works_in = self.folder.as_ref().map_or_else(|| folder.to_owned(), |own| folder.join(own));
         self.sha256 = self.hashes()?;
         Ok(())
     }
 
     /// Computes the hashes of the files that belong to it, as they are now.
-    fn hashes(&self) -> Result<BTreeMap<String, String>, (usize, io::Error)> {
+    fn hashes(&self) -> Result<BTreeMap<String, String>, UnusableFile> {
         let mut hashes = BTreeMap::new();
-        if self.command.is_empty() {
+        if !self.is_external() {
             return Ok(hashes);
+        }
+        if let Some(module) = &self.module {
+            let unusable = |reason| UnusableFile { place: vec![PathStep::key("module")], file: module.clone(), reason };
+            let bytes = self.read_module(module).map_err(|error| unusable(Unusable::Unreadable(error)))?;
+            #[cfg(unix)]
+            wildfire_module::check(&bytes, self.module_limits()).map_err(|words| unusable(Unusable::Module(words)))?;
+            hashes.insert(module.display().to_string(), hexadecimal(&Sha256::digest(&bytes)));
         }
         for word in &self.command {
             // A program without a slash is found by PATH.
@@ -143,8 +205,13 @@ impl Program {
             }
         }
         for (index, file) in self.files.iter().enumerate() {
-            let hash = hash_of(&self.works_in.join(file)).map_err(|error| (index, error))?;
-            let hash = hash.ok_or_else(|| (index, io::Error::new(ErrorKind::InvalidInput, "it is not a file")))?;
+            let hash = hash_of(&self.works_in.join(file))
+                .and_then(|hash| hash.ok_or_else(|| io::Error::new(ErrorKind::InvalidInput, "it is not a file")));
+            let hash = hash.map_err(|error| UnusableFile {
+                place: vec![PathStep::key("files"), PathStep::Index(index)],
+                file: file.clone(),
+                reason: Unusable::Unreadable(error),
+            })?;
             hashes.insert(file.display().to_string(), hash);
         }
         Ok(hashes)
@@ -152,7 +219,7 @@ impl Program {
 
     /// Lists in words the files that are no longer what they were when the scenario was loaded.
     fn changed_files(&self) -> Vec<String> {
-        if self.command.is_empty() {
+        if !self.is_external() {
             return Vec::new();
         }
         let changed = self.sha256.iter().filter_map(|(name, before)| match hash_of(&self.works_in.join(name)) {
@@ -166,7 +233,13 @@ impl Program {
 
     /// Describes it in a sentence; `kind` is planner or policy.
     pub(super) fn describe(&self, kind: &str, name: &PlannerName) -> String {
-        if self.command.is_empty() {
+        if let Some(module) = &self.module {
+            format!(
+                "The {kind} `{name}` is the WebAssembly module {}; a query may run {} instructions.",
+                module.display(),
+                number_text(self.query_instructions() as f64)
+            )
+        } else if self.command.is_empty() {
             format!("The {kind} `{name}` must be registered when the scenario is run.")
         } else {
             format!("The {kind} `{name}` is a program that runs only if trusted: {}.", self.command_line())
@@ -191,7 +264,29 @@ fn hash_of(path: &Path) -> io::Result<Option<String>> {
             Err(error) => return Err(error),
         }
     }
-    Ok(Some(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()))
+    Ok(Some(hexadecimal(&hash.finalize())))
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// A file of a table that cannot be used.
+#[derive(Debug)]
+pub(super) struct UnusableFile {
+    /// Where the table names it.
+    pub place: Vec<PathStep>,
+    pub file: PathBuf,
+    pub reason: Unusable,
+}
+
+/// Why a file cannot be used.
+#[derive(Debug)]
+pub(super) enum Unusable {
+    Unreadable(io::Error),
+    /// It is no module that could run; reads well after its name.
+    #[cfg(unix)]
+    Module(String),
 }
 
 /// A program that a scenario starts.
@@ -210,7 +305,12 @@ impl Scenario {
         let policies = self.policy.iter().filter(|(name, _)| self.has_follower(name));
         let planners = planners.map(|(name, table)| UsedProgram { kind: "planner", name, table });
         let policies = policies.map(|(name, table)| UsedProgram { kind: "policy", name, table });
-        planners.chain(policies).filter(|used| !used.table.command.is_empty()).collect()
+        planners.chain(policies).filter(|used| used.table.is_external()).collect()
+    }
+
+    /// Says whether a run of it starts a program, which must be trusted; modules need no trust.
+    pub fn needs_trust(&self) -> bool {
+        self.used_programs().iter().any(|used| used.table.module.is_none())
     }
 
     /// Says whether an agent follows the policy of this name.
@@ -222,7 +322,7 @@ impl Scenario {
     /// Takes over the hashes of registered code from another one; no file has them.
     pub fn take_over_code(&mut self, other: &Self) {
         for (own, others) in [(&mut self.planner, &other.planner), (&mut self.policy, &other.policy)] {
-            for (name, table) in own.iter_mut().filter(|(_, table)| table.command.is_empty()) {
+            for (name, table) in own.iter_mut().filter(|(_, table)| !table.is_external()) {
                 table.sha256 = others.get(name).map_or_else(BTreeMap::new, |other| other.sha256.clone());
             }
         }
@@ -237,7 +337,8 @@ impl Scenario {
 
 ranges! { Program {
     start_limit_s: 0.01..=3600.0, query_limit_s: 0.01..=3600.0, query_cpu_s: 0.001..=3600.0, memory_limit_mb: 1.0..=1e6,
-    seconds_per_expansion: 0.0..=1000.0, expansions_per_query: 0.0..=1e6, restarts: 0.0..=1000.0,
+    query_instructions: 1.0..=1e15, start_instructions: 1.0..=1e15, seconds_per_expansion: 0.0..=1000.0,
+    expansions_per_query: 0.0..=1e6, restarts: 0.0..=1000.0,
 } }
 
 /// Checks the tables of one kind, `planner` or `policy`, some of whose names are taken.

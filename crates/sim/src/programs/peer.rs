@@ -1,0 +1,112 @@
+//! What answers the lines of the protocol: a process of its own, or a module inside of this one.
+
+use std::time::Duration;
+
+use wildfire_module::{Failure, FailureKind, Instance};
+
+use super::process::{Allowance, Launch, Process, Trouble, TroubleKind, say};
+use super::protocol::ToProgram;
+use super::supervisor::MOST_SAID;
+
+/// Something that answers a line with a line.
+#[derive(Debug)]
+pub enum Peer {
+    Process(Box<Process>),
+    Module(Box<Guest>),
+}
+
+/// A module that was started.
+#[derive(Debug)]
+pub struct Guest {
+    name: String,
+    instance: Instance,
+    /// Instructions that nobody has counted yet.
+    instructions: u64,
+    /// Lines of stderr that were passed on.
+    said: u64,
+}
+
+impl Peer {
+    /// Starts a program or a module. Whether that succeeds shows when it is asked something.
+    pub fn start(program: &Launch) -> Result<Self, Trouble> {
+        match &program.module {
+            None => Ok(Self::Process(Box::new(Process::start(program)?))),
+            Some((module, seed)) => {
+                let instance = Instance::new(module, *seed).map_err(Trouble::crashed)?;
+                Ok(Self::Module(Box::new(Guest { name: program.name.clone(), instance, instructions: 0, said: 0 })))
+            }
+        }
+    }
+
+    /// Sends a line and waits for the next line that comes. Whatever goes wrong, it answers no more.
+    pub fn exchange(&mut self, message: &[u8], allowance: Allowance<'_>) -> Result<Vec<u8>, Trouble> {
+        match self {
+            Self::Process(process) => process.exchange(message, allowance),
+            Self::Module(guest) => guest.exchange(message, allowance.instructions),
+        }
+    }
+
+    /// Reads the CPU time that a process and its descendants have taken so far; `None` of a module, whose time is that of
+    /// the thread that asks, and where the system does not tell.
+    pub fn cpu(&mut self) -> Option<Duration> {
+        match self {
+            Self::Process(process) => process.cpu(),
+            Self::Module(_) => None,
+        }
+    }
+
+    /// Returns the instructions of a module since the last call; `None` of a process, whose nobody counts.
+    pub fn take_instructions(&mut self) -> Option<u64> {
+        match self {
+            Self::Process(_) => None,
+            Self::Module(guest) => Some(std::mem::take(&mut guest.instructions)),
+        }
+    }
+
+    /// Prepares it to play in another run.
+    pub fn begin_run(&mut self) {
+        match self {
+            Self::Process(process) => process.begin_run(),
+            Self::Module(guest) => guest.said = 0,
+        }
+    }
+
+    /// Says goodbye, and waits until nothing of it is left.
+    pub fn end(self) {
+        if let Self::Process(process) = self {
+            process.end(&ToProgram::End.line());
+        }
+    }
+
+    /// Kills it, and waits until nothing of it is left.
+    pub fn kill(&mut self) {
+        if let Self::Process(process) = self {
+            process.kill();
+        }
+    }
+}
+
+impl Guest {
+    fn exchange(&mut self, message: &[u8], budget: u64) -> Result<Vec<u8>, Trouble> {
+        let answer = self.instance.exchange(message, budget, self.instructions);
+        for line in String::from_utf8_lossy(&self.instance.said()).lines() {
+            if self.said < MOST_SAID {
+                say(&self.name, line);
+            }
+            self.said += 1;
+        }
+        let (instructions, answer) = match answer {
+            Ok(answer) => (answer.instructions, Ok(answer.line)),
+            Err(Failure { kind, message, instructions }) => {
+                let kind = match kind {
+                    FailureKind::BudgetSpent => TroubleKind::BudgetSpent,
+                    FailureKind::Crashed => TroubleKind::Crashed,
+                    FailureKind::BadAnswer => TroubleKind::BadAnswer,
+                };
+                (instructions, Err(Trouble { kind, words: message }))
+            }
+        };
+        self.instructions = self.instructions.saturating_add(instructions);
+        answer
+    }
+}
