@@ -75,6 +75,34 @@ fn agents_run_with_the_seeds_and_rules_of_the_course_and_are_ranked() {
 }
 
 #[test]
+fn every_entry_plays_every_condition_and_its_mean_is_over_them() {
+    let story = course();
+    let conditions = "[conditions]\nnear.wumpus.goal = \"nearest-intact\"\nfast.unimog.speed_mps = 12.0\n";
+    story.file("rules.toml", &format!("{RULES}\n{conditions}"));
+    story.tell(&with(&["--out", "course"])).expect_code(0);
+    let rows = outcomes(&story.path("course/runs.csv"));
+    let column = |name: &str| rows[0].iter().position(|found| found == name).expect("there is such a column");
+    let (entry, condition) = (column("entry"), column("condition"));
+    let of = |wanted: [&'static str; 2]| -> Vec<&String> {
+        let is_it = |row: &&Vec<String>| [&row[entry], &row[condition]] == wanted;
+        rows.iter().filter(is_it).map(|row| &row[column("burned_out")]).collect()
+    };
+    assert_eq!((rows.len(), of(["anna", "near"]).len(), of(["ben", "fast"]).len()), (1 + 3 * 2 * 5, 5, 5));
+    assert_ne!(of(["anna", "near"]), of(["anna", "fast"]));
+    let ranking: Value =
+        serde_json::from_str(&story.tell(&["rank", "course", "--json"]).expect_code(0).stdout).expect("it is JSON");
+    assert_eq!((&ranking["mean_over"][0], &ranking["runs"]), (&"condition".into(), &10.into()));
+    for (wrong, part) in [
+        ("near.unimog.planner = \"prm-rs\"", "`unimog.planner` is both set by [conditions.near] and free"),
+        ("near.unimog.sped_mps = 3.0", "unknown"),
+        ("near = 3", "expected a table"),
+    ] {
+        story.file("rules.toml", &format!("{RULES}\n[conditions]\n{wrong}\n"));
+        refuse(&story, &with(&[]), &["rules.toml:", part]);
+    }
+}
+
+#[test]
 fn entries_may_differ_in_whatever_the_rules_free() {
     let story = course();
     story.file("rules.toml", "free = [\"wumpus.goal\"]\nseeds = \"1..3\"\nscenario.from = \"smoke\"\n");

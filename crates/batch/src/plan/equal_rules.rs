@@ -24,13 +24,15 @@ pub const USUALLY_FREE: [&str; 10] = [
 /// The members of a scenario that hold the tables of programs, whose names and contents are an entry's own, and those of
 /// a table that limit what a program may take.
 pub const TABLES_OF_PROGRAMS: [&str; 2] = ["planner", "policy"];
-const LIMITS: [&str; 7] = [
+const LIMITS: [&str; 9] = [
     "start_limit_s",
     "query_limit_s",
     "query_cpu_s",
     "memory_limit_mb",
     "seconds_per_expansion",
     "expansions_per_query",
+    "query_instructions",
+    "start_instructions",
     "restarts",
 ];
 

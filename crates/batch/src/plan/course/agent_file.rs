@@ -3,27 +3,88 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use serde::Deserialize;
 use toml::{Table, Value as TomlValue};
 
 use super::rules_file::{Course, ProgramLimits};
-use super::{Change, CourseError, Leaf, fault, leaves, message_of, read_toml};
+use super::{Change, CourseError, Leaf, fault, leaves, message_of, parse_toml, read_toml};
 use crate::plan::TABLES_OF_PROGRAMS;
 use crate::plan::free::is_price;
-use wildfire_sim::scenario::Fault;
+use wildfire_sim::scenario::{Fault, FieldPath, PathStep};
+
+/// The table of an agent's file that is no part of a scenario.
+const ENTRY_TABLE: &str = "entry";
+
+/// The most bytes of a name, and of all other texts of a card.
+const MOST_NAME: usize = 40;
+const MOST_CARD_BYTES: usize = 4000;
 
 /// The most values of a file.
 const MAX_VALUES: usize = 500;
 
+/// The table `[entry]` of an agent's file: who enters, for those who read a board.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EntryCard {
+    /// The name under which it is ranked.
+    pub name: String,
+    /// As they wish to be named.
+    #[serde(default)]
+    pub authors: Vec<String>,
+    #[serde(default)]
+    pub licence: String,
+    /// What it does, in a few sentences.
+    #[serde(default)]
+    pub about: String,
+    /// The tracks of an arena that it enters.
+    #[serde(default)]
+    pub tracks: Vec<String>,
+}
+
 /// An agent's file that was read.
 pub struct AgentFile {
     pub path: PathBuf,
+    pub card: Option<EntryCard>,
     text: String,
     table: Table,
+}
+
+impl EntryCard {
+    fn from_value(value: TomlValue) -> Result<Self, String> {
+        let card: Self = value.try_into().map_err(|error: toml::de::Error| format!("[entry]: {}", error.message()))?;
+        let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "-+._".contains(letter);
+        if !(1..=MOST_NAME).contains(&card.name.len()) || !card.name.chars().all(is_plain) || card.name.starts_with('.')
+        {
+            let letters = "expected 1 to 40 letters, digits, `-`, `+`, `_` and `.`, not beginning with a dot";
+            return Err(format!("[entry]: `name` is {:?}; {letters}", card.name));
+        }
+        let texts = [&card.licence, &card.about].into_iter().chain(&card.authors).chain(&card.tracks);
+        match texts.map(String::len).sum::<usize>() > MOST_CARD_BYTES {
+            true => Err(format!("[entry] is too long; expected at most {MOST_CARD_BYTES} bytes")),
+            false => Ok(card),
+        }
+    }
 }
 
 impl AgentFile {
     pub fn read(path: &Path) -> Result<Self, CourseError> {
         let (text, table) = read_toml(path)?;
+        Self::new(path, text, table)
+    }
+
+    /// Takes the text that is or might be the file at this path.
+    pub fn from_text(path: &Path, text: &str) -> Result<Self, CourseError> {
+        Self::new(path, text.to_owned(), parse_toml(path, text)?)
+    }
+
+    fn new(path: &Path, text: String, mut table: Table) -> Result<Self, CourseError> {
+        let card = match table.remove(ENTRY_TABLE) {
+            Some(card) => Some(EntryCard::from_value(card).map_err(|message| {
+                let line = FieldPath(vec![PathStep::key(ENTRY_TABLE)]).line_in(&text);
+                fault(path, Some(line), &message)
+            })?),
+            None => None,
+        };
         if table.is_empty() {
             return Err(fault(
                 path,
@@ -32,7 +93,7 @@ impl AgentFile {
                 planner",
             ));
         }
-        Ok(Self { path: path.to_owned(), text, table })
+        Ok(Self { path: path.to_owned(), card, text, table })
     }
 
     /// The changes that it makes to the scenario of the rules, or every value that these do not allow.

@@ -13,7 +13,8 @@
 //!
 //! An agent's file is the part of a scenario that is free. Each agent is a variant of the plan, with its name in the
 //! column [`ENTRY_COLUMN`]: the scenario of the rules with the agent's values as changes, so that any run can be repeated
-//! by itself.
+//! by itself. Under `[conditions]`, if there are any, each agent plays the scenario with the values of each of them, and the
+//! name of the condition is in the column [`CONDITION_COLUMN`].
 
 mod agent_file;
 mod rules_file;
@@ -32,10 +33,15 @@ use super::{
     BatchPlan, ENTRY_COLUMN, Freedom, MAX_RUNS, Record, RequestError, Seeds, Value, Variant, kept_program, rules_of,
     value_differences,
 };
-use agent_file::AgentFile;
-use rules_file::Course;
+pub(crate) use agent_file::AgentFile;
+pub use agent_file::EntryCard;
+use rules_file::Condition;
+pub(crate) use rules_file::Course;
 pub use rules_file::schema as rules_schema;
 use wildfire_sim::scenario::{FieldPath, MAX_SCENARIO_BYTES, PathStep, first_too_deep};
+
+/// The column with the name of the condition under which an entry plays.
+pub const CONDITION_COLUMN: &str = "condition";
 
 /// The most agents of a course.
 const MAX_AGENTS: usize = 100;
@@ -50,6 +56,11 @@ pub struct CourseError {
     pub message: String,
     /// The kind of error, if a file could not be read.
     pub unreadable: Option<ErrorKind>,
+}
+
+/// Reads the table `[entry]` of an agent's file; `None` if it has none.
+pub fn read_card(path: &Path) -> Result<Option<EntryCard>, CourseRefusal> {
+    AgentFile::read(path).map(|agent| agent.card).map_err(|error| CourseRefusal::Agents(vec![error]))
 }
 
 struct Place<'a>(&'a Path, Option<usize>);
@@ -105,24 +116,38 @@ impl CourseRequest {
         if self.agents.len() > MAX_AGENTS {
             return Err(CourseRefusal::TooManyAgents { count: self.agents.len() });
         }
-        let course = Course::read(&self.rules).map_err(CourseRefusal::Rules)?;
+        self.resolve_by(&Course::read(&self.rules).map_err(CourseRefusal::Rules)?, &AgentFile::read, force)
+    }
+
+    /// The same by rules that were read, with agents that `read` reads.
+    pub(crate) fn resolve_by(
+        &self,
+        course: &Course,
+        read: &dyn Fn(&Path) -> Result<AgentFile, CourseError>,
+        force: bool,
+    ) -> Result<CoursePlan, CourseRefusal> {
         let seeds = match &self.seeds {
             Some(seeds) => seeds.clone(),
             None => course.seeds().map_err(CourseRefusal::Rules)?,
         };
         let (mut variants, mut left_out, mut bytes) = (Vec::new(), Vec::new(), 0);
-        let mut shared = SharedRules::default();
+        let mut shared: Vec<SharedRules> = course.conditions.iter().map(|_| SharedRules::default()).collect();
         for (path, name) in self.agents.iter().zip(self.names()) {
-            let variant = name.map_err(|error| vec![error]).and_then(|name| {
-                let agent = AgentFile::read(path).map_err(|error| vec![error])?;
-                let variant = course.variant(&agent, name.clone())?;
-                shared.admit(&course, &variant, name).map_err(|message| vec![fault(path, None, &message)])?;
-                Ok(variant)
+            let found = name.map_err(|error| vec![error]).and_then(|name| {
+                let agent = read(path).map_err(|error| vec![error])?;
+                let name = agent.card.as_ref().map_or(name, |card| card.name.clone());
+                let of_condition = |(condition, shared): (&Condition, &mut SharedRules)| {
+                    let variant = course.variant(&agent, &name, condition)?;
+                    let admitted = shared.admit(course, &variant, name.clone());
+                    admitted.map_err(|message| vec![fault(path, None, &message)])?;
+                    Ok(variant)
+                };
+                course.conditions.iter().zip(&mut shared).map(of_condition).collect::<Result<Vec<Variant>, _>>()
             });
-            match variant {
-                Ok(variant) => {
-                    bytes += variant.bytes();
-                    variants.push(variant);
+            match found {
+                Ok(found) => {
+                    bytes += found.iter().map(Variant::bytes).sum::<u64>();
+                    variants.extend(found);
                 }
                 Err(faults) => left_out.extend(faults),
             }
@@ -141,9 +166,17 @@ impl CourseRequest {
             return Err(CourseRefusal::Request(refusal));
         }
         let record = self.record.or(course.record).unwrap_or_default();
-        let swept_keys = vec![ENTRY_COLUMN.to_owned()];
+        let mut swept_keys = vec![ENTRY_COLUMN.to_owned()];
+        swept_keys.extend(course.has_conditions().then(|| CONDITION_COLUMN.to_owned()));
         Ok(CoursePlan {
-            plan: BatchPlan { variants, swept_keys, seeds, record, memory: course.memory, free: course.free_keys },
+            plan: BatchPlan {
+                variants,
+                swept_keys,
+                seeds,
+                record,
+                memory: course.memory,
+                free: course.free_keys.clone(),
+            },
             left_out,
         })
     }
@@ -164,9 +197,9 @@ impl CourseRequest {
 }
 
 impl Course {
-    /// The variant of an agent, or all that its file is refused for.
-    fn variant(&self, agent: &AgentFile, name: String) -> Result<Variant, Vec<CourseError>> {
-        let mut changes = self.changes.clone();
+    /// The variant of an agent under a condition, or all that its file is refused for.
+    fn variant(&self, agent: &AgentFile, name: &str, condition: &Condition) -> Result<Variant, Vec<CourseError>> {
+        let mut changes = [&self.changes[..], &condition.changes].concat();
         let agents_changes = agent.changes(self)?;
         changes.extend(agents_changes.iter().map(|change| change.option.clone()));
         let scenario = self.scenario(&changes).map_err(|error| {
@@ -174,7 +207,8 @@ impl Course {
             let line = agents_changes.iter().find(of_agent).map(|change| change.line);
             vec![fault(&agent.path, line, &message_of(&error))]
         })?;
-        let swept = vec![Value::Text(name)];
+        let mut swept = vec![Value::Text(name.to_owned())];
+        swept.extend(self.has_conditions().then(|| Value::Text(condition.name.clone())));
         Ok(Variant { source: self.source().to_owned(), changes, swept, scenario })
     }
 }
@@ -212,7 +246,7 @@ fn message_of(error: &wildfire_sim::scenario::ScenarioError) -> String {
 }
 
 /// A change as `--set` takes it, and the line of the file that asks for it.
-struct Change {
+pub(crate) struct Change {
     option: String,
     line: usize,
 }
@@ -278,11 +312,15 @@ fn read_toml(path: &Path) -> Result<(String, Table), CourseError> {
         };
         CourseError { unreadable: Some(error.kind()), ..fault(path, None, &message) }
     })?;
-    if let Some(at) = first_too_deep(&text) {
-        return Err(fault(path, Some(line_at(&text, at)), "this is not TOML: too many brackets and braces are open"));
-    }
-    let table = toml::from_str(&text).map_err(|error: toml::de::Error| syntax(path, &text, &error))?;
+    let table = parse_toml(path, &text)?;
     Ok((text, table))
+}
+
+fn parse_toml(path: &Path, text: &str) -> Result<Table, CourseError> {
+    if let Some(at) = first_too_deep(text) {
+        return Err(fault(path, Some(line_at(text, at)), "this is not TOML: too many brackets and braces are open"));
+    }
+    toml::from_str(text).map_err(|error: toml::de::Error| syntax(path, text, &error))
 }
 
 fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> CourseError {

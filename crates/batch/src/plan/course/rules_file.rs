@@ -13,6 +13,9 @@ use crate::plan::{FreeKeys, MAX_FREE_KEYS, Record, Seeds};
 use wildfire_base::input_file;
 use wildfire_sim::scenario::{FieldPath, LoadedScenario, MemoryLimit, Scenario, ScenarioError, ScenarioText};
 
+/// The most conditions of a course.
+const MAX_CONDITIONS: usize = 50;
+
 /// The scenario that a rules file changes unless it names another: its values are all defaults.
 const USUAL_SCENARIO: &str = "contest";
 
@@ -35,6 +38,10 @@ struct RulesFile {
     #[serde(default)]
     #[schemars(with = "serde_json::Map<String, serde_json::Value>")]
     scenario: Table,
+    /// Changes of the scenario by name; each entry plays under each of them.
+    #[serde(default)]
+    #[schemars(with = "serde_json::Map<String, serde_json::Value>")]
+    conditions: Table,
     record: Option<Record>,
     /// Memory limit of each run, such as `4GB`; 2 GB by default.
     memory: Option<String>,
@@ -52,6 +59,8 @@ pub struct ProgramLimits {
     seconds_per_expansion: Option<f64>,
     expansions_per_query: Option<f64>,
     restarts: Option<f64>,
+    query_instructions: Option<f64>,
+    start_instructions: Option<f64>,
 }
 
 /// A limit of a course: the key of a program's table, and the value that it has unless an agent asks for less.
@@ -81,12 +90,21 @@ impl ProgramLimits {
             ("seconds_per_expansion", self.seconds_per_expansion, false),
             ("expansions_per_query", self.expansions_per_query, false),
             ("restarts", self.restarts, true),
+            ("query_instructions", self.query_instructions, true),
+            ("start_instructions", self.start_instructions, true),
         ];
         let given = |(key, value, is_most): (&'static str, Option<f64>, bool)| {
             Some(ProgramLimit { key, value: value?, is_most })
         };
         limits.into_iter().filter_map(given).collect()
     }
+}
+
+/// What changes in the scenario while all else of the rules stays.
+#[derive(Clone, Debug, Default)]
+pub struct Condition {
+    pub name: String,
+    pub changes: Vec<String>,
 }
 
 /// A rules file that was read and checked.
@@ -100,6 +118,8 @@ pub struct Course {
     pub memory: MemoryLimit,
     /// Changes that make the scenario of the rules of `base`.
     pub changes: Vec<String>,
+    /// One without a name if the rules have none.
+    pub conditions: Vec<Condition>,
     base: ScenarioText,
     seeds: CourseSeeds,
 }
@@ -118,8 +138,13 @@ impl Course {
     /// Reads and checks the rules; a file of seeds is not read yet.
     pub fn read(path: &Path) -> Result<Self, CourseError> {
         let (text, _) = read_toml(path)?;
-        let file: RulesFile = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
-        let at = |key: &str, message: &str| fault(path, Some(FieldPath::parse(key).line_in(&text)), message);
+        Self::from_text(path, &text, None)
+    }
+
+    /// Checks the text of rules. Where it is given, `base` is what `from` names.
+    pub fn from_text(path: &Path, text: &str, base: Option<ScenarioText>) -> Result<Self, CourseError> {
+        let mut file: RulesFile = toml::from_str(text).map_err(|error| syntax(path, text, &error))?;
+        let at = |key: &str, message: &str| fault(path, Some(FieldPath::parse(key).line_in(text)), message);
         if file.free.is_empty() {
             return Err(at("free", "`free` is empty, so agents could set nothing; expected at least one key"));
         }
@@ -130,7 +155,8 @@ impl Course {
         let free = FreeKeys::parse(&file.free).map_err(|error| at("free", &error.to_string()))?;
         for limit in file.limits.given() {
             let is_whole = limit.value.fract() == 0.0
-                || !["memory_limit_mb", "restarts", "expansions_per_query"].contains(&limit.key);
+                || !["memory_limit_mb", "restarts", "expansions_per_query", "query_instructions", "start_instructions"]
+                    .contains(&limit.key);
             if !limit.value.is_finite() || limit.value < 0.0 || !is_whole {
                 let message = format!("`{}` is {}; expected a number of at least 0", limit.key, limit.value);
                 return Err(at(&format!("limits.{}", limit.key), &message));
@@ -147,29 +173,66 @@ impl Course {
             SeedList::Text(text) if text.starts_with('@') => CourseSeeds::File(folder.join(&text[1..])),
             seeds => CourseSeeds::Given(seeds.parse().map_err(|error| at("seeds", &error.to_string()))?),
         };
-        let (base, rules) = scenario_of(file.scenario, folder, path, &at)?;
-        let mut changes = Vec::new();
-        for (leaf, is_given) in &rules {
-            let line = format!("scenario.{}", leaf.keys.join("."));
+        let (base, rules) = match base {
+            Some(base) => {
+                file.scenario.remove("from");
+                (base, leaves(file.scenario).into_iter().map(|leaf| (leaf, true)).collect())
+            }
+            None => scenario_of(file.scenario, folder, path, &at)?,
+        };
+        let change = |table: &str, leaf: &Leaf, is_given: bool| {
+            let line = format!("{table}.{}", leaf.keys.join("."));
             let key = leaf
                 .key()
                 .ok_or_else(|| at(&line, &format!("`{}` is not a key of a scenario", leaf.keys.join("."))))?;
-            if *is_given && frees_within(&free, leaf) {
-                let message = format!("`{key}` is both set by [scenario] and free; expected one of them");
+            if is_given && frees_within(&free, leaf) {
+                let message = format!("`{key}` is both set by [{table}] and free; expected one of them");
                 return Err(at(&line, &message));
             }
-            changes.push(leaf.change(&key));
+            Ok(leaf.change(&key))
+        };
+        let changes = rules.iter().map(|(leaf, is_given)| change("scenario", leaf, *is_given));
+        let changes = changes.collect::<Result<Vec<String>, _>>()?;
+        let mut conditions = Vec::new();
+        for (name, values) in file.conditions {
+            let table = format!("conditions.{name}");
+            let TomlValue::Table(values) = values else {
+                return Err(at(&table, &format!("`{table}` is {values}; expected a table of values of the scenario")));
+            };
+            let changes = leaves(values).iter().map(|leaf| change(&table, leaf, true)).collect::<Result<_, _>>()?;
+            conditions.push(Condition { name, changes });
+        }
+        if conditions.len() > MAX_CONDITIONS {
+            let message = format!("{} conditions are too many; expected at most {MAX_CONDITIONS}", conditions.len());
+            return Err(at("conditions", &message));
+        }
+        if conditions.is_empty() {
+            conditions.push(Condition::default());
         }
         let (limits, record) = (file.limits, file.record);
-        let mut course =
-            Self { path: path.to_owned(), free, free_keys: file.free, limits, record, memory, changes, base, seeds };
+        let mut course = Self {
+            path: path.to_owned(),
+            free,
+            free_keys: file.free,
+            limits,
+            record,
+            memory,
+            changes,
+            conditions,
+            base,
+            seeds,
+        };
         let scenario = course.scenario(&course.changes).map_err(|error| {
             let changed = course.changes.iter().zip(&rules);
             let is_it = |change: &String| error.location.as_ref().is_some_and(|place| place.is_in(change));
             let key = changed.into_iter().find(|(change, _)| is_it(change)).map(|(_, (leaf, _))| leaf.keys.join("."));
-            let line = key.map(|key| FieldPath::parse(&format!("scenario.{key}")).line_in(&text));
+            let line = key.map(|key| FieldPath::parse(&format!("scenario.{key}")).line_in(text));
             fault(path, line, &message_of(&error))
         })?;
+        for Condition { name, changes } in &course.conditions {
+            let changes = [&course.changes[..], changes].concat();
+            course.scenario(&changes).map_err(|error| at(&format!("conditions.{name}"), &message_of(&error)))?;
+        }
         // Every planner pays alike, whichever table is its own.
         let charged = scenario.unimog.iter().map(|truck| truck.seconds_per_expansion);
         if let Some(least) = course.limits.seconds_per_expansion
@@ -201,6 +264,11 @@ impl Course {
     /// The scenario with these changes, which begin with those of the rules.
     pub fn scenario(&self, changes: &[String]) -> Result<Scenario, Box<ScenarioError>> {
         LoadedScenario::from_text(&self.base, changes).map(|loaded| loaded.scenario)
+    }
+
+    /// Whether entries play under conditions that have names.
+    pub fn has_conditions(&self) -> bool {
+        self.conditions.iter().any(|condition| !condition.name.is_empty())
     }
 
     /// The name or path of the scenario that the rules change.
