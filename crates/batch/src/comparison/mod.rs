@@ -45,6 +45,7 @@ pub use metric::{Metric, MetricKind, NAMED_METRICS, NamedMetric};
 pub use pairs::{Pairs, Stratum};
 pub use published::{BesideReport, PublishedState, PublishedTime};
 pub use questions::{Amount, PowerAnswer, Questions};
+pub(crate) use ranking::{Contender, ranked};
 pub use ranking::{
     EntryAudit, MAX_ENTRIES, RankedEntry, RankedPair, Ranking, RankingError, RankingRequest, USUAL_METRIC,
     USUALLY_FREE, WorstRun, decimals, rank, ranks,

@@ -83,7 +83,7 @@ pub struct Ranking {
 }
 
 /// An entry and its place.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct RankedEntry {
     pub name: String,
     /// The table that contains its runs, and the values that they share.
@@ -184,41 +184,26 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
     let entries = Entries::new(&tables, &settings, &selection, &admission)?;
 
     let (numbers, worst) = numbers(&entries.entries, &metric, of_metric.len(), better)?;
-    let mean = |index: usize| Series::from_values(&numbers[index]).mean().expect("every entry has runs");
-    let means: Vec<f64> = (0..numbers.len()).map(mean).collect();
-    let mut order: Vec<usize> = (0..numbers.len()).collect();
-    order.sort_by(|&one, &other| {
-        let by_mean = better.best_first(means[one], means[other]);
-        let failed = |index: usize| failed(&entries.entries[index]);
-        let by_name = || entries.entries[one].name.cmp(&entries.entries[other].name);
-        by_mean.then_with(|| failed(one).cmp(&failed(other))).then_with(by_name)
-    });
-    let pairs = pairs(&order, &numbers, &entries, &metric);
-    let told = ToldApart::new(
-        order.len(),
-        pairs.iter().filter(|it| it.is_told_apart()).map(|it| (it.places[0], it.places[1])),
-    );
-    let letters = told.letters();
-    let ranked = order.iter().enumerate().map(|(place, &index)| {
-        let entry = &entries.entries[index];
+    let contenders = entries.entries.iter().zip(numbers).map(|(entry, numbers)| {
         let failed = failed(entry);
-        RankedEntry {
+        let entry = RankedEntry {
             name: entry.name.clone(),
             description: entry.description(),
             planner: entry.planner().to_owned(),
-            ranks: told.ranks(place, |one, other| one.cmp(&other) == Ordering::Less),
-            groups: letters.as_ref().map(|letters| letters[place].clone()),
-            mean: means[index],
             failed,
             without_value: without_value(entry, &metric, of_metric.len()) - failed,
             queries: queries_of(entry),
             failures: failures_of(entry),
             table: entry.table.path.clone(),
-            run_numbers: best_first(entry, &numbers[index], better),
-            worst_runs: worst_runs(entry, &numbers[index], better),
-            audit: None,
-        }
+            run_numbers: best_first(entry, &numbers, better),
+            worst_runs: worst_runs(entry, &numbers, better),
+            ..RankedEntry::default()
+        };
+        Contender { entry, numbers }
     });
+    let runs: Vec<(u64, usize)> = entries.entries[0].runs.iter().map(|run| (run.seed, run.stratum)).collect();
+    let by = (entries.strata > 1).then(|| listed(&entries.columns));
+    let (ranked, pairs) = ranked(contenders.collect(), &runs, by, &metric, better);
     let first = &entries.entries[0];
     Ok(Ranking {
         better,
@@ -227,7 +212,7 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
         columns: entries.columns.clone(),
         strata: entries.strata,
         worst,
-        entries: ranked.collect(),
+        entries: ranked,
         pairs,
         metric,
     })
@@ -308,17 +293,57 @@ fn numbers(
     Ok((numbers, is_used.then_some(worst)))
 }
 
-/// Contrasts all pairs in an order of entries.
-fn pairs(order: &[usize], numbers: &[Vec<f64>], entries: &Entries<'_>, metric: &Metric) -> Vec<RankedPair> {
+/// An entry that is not ranked yet, and its number in each run.
+pub(crate) struct Contender {
+    pub entry: RankedEntry,
+    pub numbers: Vec<f64>,
+}
+
+/// Puts entries in order and gives them their means, ranks and groups; `runs` are the seeds and strata of all of them, and
+/// `by` is what the strata differ in, if there are several.
+pub(crate) fn ranked(
+    mut contenders: Vec<Contender>,
+    runs: &[(u64, usize)],
+    by: Option<String>,
+    metric: &Metric,
+    better: Better,
+) -> (Vec<RankedEntry>, Vec<RankedPair>) {
+    for Contender { entry, numbers } in &mut contenders {
+        entry.mean = Series::from_values(numbers).mean().expect("every entry has runs");
+    }
+    contenders.sort_by(|one, other| {
+        let (one, other) = (&one.entry, &other.entry);
+        let by_mean = better.best_first(one.mean, other.mean);
+        by_mean.then_with(|| one.failed.cmp(&other.failed)).then_with(|| one.name.cmp(&other.name))
+    });
+    let pairs = pairs(&contenders, runs, by, metric);
+    let told = ToldApart::new(
+        contenders.len(),
+        pairs.iter().filter(|it| it.is_told_apart()).map(|it| (it.places[0], it.places[1])),
+    );
+    let letters = told.letters();
+    let entries = contenders.into_iter().enumerate().map(|(place, Contender { entry, .. })| RankedEntry {
+        ranks: told.ranks(place, |one, other| one.cmp(&other) == Ordering::Less),
+        groups: letters.as_ref().map(|letters| letters[place].clone()),
+        ..entry
+    });
+    (entries.collect(), pairs)
+}
+
+/// Contrasts all pairs of contenders in their order.
+fn pairs(contenders: &[Contender], runs: &[(u64, usize)], by: Option<String>, metric: &Metric) -> Vec<RankedPair> {
+    let count = contenders.len();
     let places: Vec<[usize; 2]> =
-        (0..order.len()).flat_map(|first| (first + 1..order.len()).map(move |second| [first, second])).collect();
+        (0..count).flat_map(|first| (first + 1..count).map(move |second| [first, second])).collect();
     let contrast = |places: &[usize; 2]| {
-        let [ours, theirs] = places.map(|place| &numbers[order[place]]);
-        let pairs = entries.entries[0].runs.iter().zip(ours.iter().zip(theirs)).map(|(run, (&ours, &theirs))| {
-            NumberPair { seed: run.seed, stratum: run.stratum, numbers: [ours, theirs] }
+        let [ours, theirs] = places.map(|place| &contenders[place].numbers);
+        let numbers = ours.iter().zip(theirs);
+        let pairs = runs.iter().zip(numbers).map(|(&(seed, stratum), (&ours, &theirs))| NumberPair {
+            seed,
+            stratum,
+            numbers: [ours, theirs],
         });
-        let by = (entries.strata > 1).then(|| listed(&entries.columns));
-        Contrast::from_numbers(metric, pairs.collect(), by).expect("every entry has runs").0
+        Contrast::from_numbers(metric, pairs.collect(), by.clone()).expect("every entry has runs").0
     };
     let contrasts: Vec<Contrast> = places.par_iter().map(contrast).collect();
     let p_values = adjusted(contrasts.iter().map(|contrast| Some(contrast.p_value.unwrap_or(1.0))));
