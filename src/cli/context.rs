@@ -117,7 +117,7 @@ impl CommandContext {
     }
 
     #[cfg(unix)]
-    fn trust(&self) -> Trust {
+    pub fn trust(&self) -> Trust {
         match self.programs.trust {
             true => Trust::All,
             false => {

@@ -2,6 +2,7 @@
 //!
 //! Results go to stdout, progress, notes and errors to stderr. Nothing is written before all arguments are checked.
 
+mod arena;
 mod args;
 mod assignment;
 mod audit;
@@ -52,6 +53,7 @@ use std::process::ExitCode;
 use clap::builder::FalseyValueParser;
 use clap::{CommandFactory, Parser, Subcommand};
 
+use arena::ArenaCommand;
 use audit::AuditArguments;
 use batch::{BatchArguments, MergeArguments, ReportArguments, StatusArguments};
 use cite::CiteArguments;
@@ -136,6 +138,11 @@ pub enum Command {
     Compare(CompareArguments),
     /// Rank entries, all against all: batches, or planners and policies within them.
     Rank(RankArguments),
+    /// Enter frozen tracks: play entries, rank them on a board, recompute what a board says.
+    Arena {
+        #[command(subcommand)]
+        command: ArenaCommand,
+    },
     /// Audit finished runs against the rules: recordings, or all runs of batches.
     Audit(AuditArguments),
     /// Write a commented template: a scenario, the plan of a batch, a planner, a course.
@@ -222,6 +229,7 @@ fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode,
         Command::Report(report) => batch::report(report, &context.with_programs(&report.programs)),
         Command::Compare(compare) => compare::run(compare, arguments.quiet),
         Command::Rank(rank) => rank::run(rank, &context.with_trust(rank.trust)),
+        Command::Arena { command } => arena::run(command, context),
         Command::Audit(audit) => audit::run(audit, &context.with_trust(audit.trust)),
         Command::Status(folder) => batch::status(folder),
         Command::Merge(folder) => batch::merge(folder, arguments.quiet),

@@ -1,5 +1,6 @@
 //! The program told to do things from outside, as small stories.
 
+mod arena;
 mod audit;
 #[cfg(unix)]
 mod batch_cluster;

@@ -187,7 +187,9 @@ fn hold(page: &str, largest_picture: usize) {
                 replacements.push((block, wanted));
             }
         } else if let Some(name) = block.words.get(1).filter(|name| name.contains('.')) {
-            fs::write(folder.path().join(name), block.lines.join("\n") + "\n").expect("writable");
+            let file = folder.path().join(name);
+            fs::create_dir_all(file.parent().expect("it is below the folder")).expect("writable");
+            fs::write(file, block.lines.join("\n") + "\n").expect("writable");
         }
     }
     for (block, wanted) in replacements.into_iter().rev() {
@@ -237,6 +239,7 @@ macro_rules! hold {
 hold! {
     readme: "README.md", pictures below 0;
     overview: "docs/README.md", pictures below 0;
+    arena: "docs/arena.md", pictures below 0;
     assignment: "docs/assignment.md", pictures below 0;
     audit: "docs/audit.md", pictures below 0;
     batches: "docs/batches.md", pictures below 0;

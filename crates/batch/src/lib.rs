@@ -8,15 +8,17 @@
 //! the number of workers, on slices or on interruptions. A run that fails or panics is a row like the others, with the
 //! reason.
 //!
-//! Four modules, each of which imports only those before it, and three more beside the last:
+//! Four modules, each of which imports only those before it, and four more beside the last:
 //! - `plan`: the runs, frozen in `plan.json`;
 //! - `execute`: workers, the journal and its folder; each run yields a [`RunRow`];
 //! - `table`: the columns, the files written from them, and the reader of these files;
 //! - `report`: reports on one batch, from its summary to its page of charts, and its audit;
 //! - `maps`: results of a batch for every cell of the field;
 //! - `drives`: queries to planners outside of runs, their table and their summary;
-//! - [`comparison`]: comparisons of batches, including those of other versions of the program.
+//! - [`comparison`]: comparisons of batches, including those of other versions of the program;
+//! - [`arena`]: frozen tracks, and boards of entries on them.
 
+pub mod arena;
 pub mod comparison;
 mod drives;
 mod execute;
@@ -46,11 +48,11 @@ pub use maps::{
     BatchMaps, BatchQuantity, BatchSide, Losses, MapDifference, MapSource, MapsError, MapsOptions, RunMean, map_batches,
 };
 pub use plan::{
-    BatchPlan, BatchRequest, COMMIT, COMPILER, CourseError, CoursePlan, CourseRefusal, CourseRequest, LONG_VERSION,
-    MAX_RUNS, MAX_SEEDS_BYTES, MAX_SLICES, MAX_VARIANTS, PLAN_FILE, PLAN_TEMPLATE, PLANNER_KEY, PROGRAM_VERSION,
-    PlanError, PlanWriter, PlannedRun, RUNS_WITHOUT_FORCE, Record, RequestError, RunLabel, Seeds, SeedsError, Setting,
-    Slice, SliceError, Sweep, SweepError, Value, Variant, plan_schema, planner_of, range_words, rules_schema,
-    shell_word,
+    BatchPlan, BatchRequest, COMMIT, COMPILER, CONDITION_COLUMN, CourseError, CoursePlan, CourseRefusal, CourseRequest,
+    EntryCard, LONG_VERSION, MAX_RUNS, MAX_SEEDS_BYTES, MAX_SLICES, MAX_VARIANTS, PLAN_FILE, PLAN_TEMPLATE,
+    PLANNER_KEY, PROGRAM_VERSION, PlanError, PlanWriter, PlannedRun, RUNS_WITHOUT_FORCE, Record, RequestError,
+    RunLabel, Seeds, SeedsError, Setting, Slice, SliceError, Sweep, SweepError, Value, Variant, plan_schema,
+    planner_of, range_words, rules_schema, shell_word,
 };
 pub use report::{
     AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, ChartData, ChosenQuantities, Facet, FacetSeries,

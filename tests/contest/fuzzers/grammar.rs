@@ -103,7 +103,7 @@ impl Grammar {
             let ignitions = (0..count).map(|_| ignition(dice)).collect();
             scenario.insert("ignition".into(), Value::Array(ignitions));
         }
-        for _ in 0..below(dice, 12) {
+        for _ in 0..below(dice, 10) {
             self.change(dice, &mut scenario);
         }
         Written { scenario, map }
@@ -268,7 +268,7 @@ impl Grammar {
 }
 
 /// Keys that say where a scenario takes place and for how long.
-const FRAME: [&str; 8] = [
+const FRAME: [&str; 10] = [
     "duration_s",
     "field.size_m",
     "field.cell_m",
@@ -277,6 +277,8 @@ const FRAME: [&str; 8] = [
     "unimog.start.x_m",
     "unimog.start.y_m",
     "wumpus.start_m",
+    "planner.rrt.module",
+    "policy.rrt.module",
 ];
 
 /// Reads a number's range from the refusal of one that is too large.

@@ -1,0 +1,345 @@
+//! A board: a folder with entries, a file of rows for each track, and what follows from them.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+use serde::{Serialize, Serializer};
+
+use super::card::data_card;
+use super::entry::class_of;
+use super::row::MOST_BYTES;
+use super::{ARENA_VERSION, ArenaEntry, ArenaError, ArenaRow, Class, TRACKS, Track, rows_hash};
+use crate::comparison::{Contender, RankedEntry, Ranking, ranked};
+use crate::plan::{COMMIT, EntryCard, PROGRAM_VERSION, Seeds};
+use crate::stats::{Interval, Series};
+use crate::table::Better;
+use wildfire_base::document::Document;
+use wildfire_base::input_file;
+use wildfire_base::object;
+use wildfire_base::whole_file::write_whole;
+
+/// The folder of a board that holds its entries.
+const ENTRIES_FOLDER: &str = "entries";
+
+/// The data card of a board.
+const CARD_FILE: &str = "croissant.json";
+
+/// A folder with entries and their rows.
+#[derive(Clone, Debug)]
+pub struct Board {
+    folder: PathBuf,
+}
+
+/// The ranks of a track's entries.
+#[derive(Debug)]
+pub struct TrackBoard {
+    pub track: &'static Track,
+    /// The mean score of each entry, its ranks, and its differences from all others.
+    pub ranking: Ranking,
+    /// In the order of the ranking.
+    pub entries: Vec<BoardEntry>,
+    /// The difference of two entries at which the interval of their difference just leaves 0, the median over all pairs of
+    /// neighbours; `None` of one entry.
+    pub noise_floor: Option<f64>,
+}
+
+/// An entry of a board.
+#[derive(Debug)]
+pub struct BoardEntry {
+    pub card: EntryCard,
+    pub class: Class,
+    /// Mean score under each condition, with its interval.
+    pub by_condition: Vec<(String, f64, Option<Interval>)>,
+    /// The interval of what decides.
+    pub interval: Option<Interval>,
+    /// The place of the worst condition.
+    pub worst: usize,
+    /// Mean over all runs.
+    pub effort: f64,
+    pub entry_hash: String,
+    pub rows_hash: String,
+}
+
+impl Board {
+    pub fn new(folder: &Path) -> Self {
+        Self { folder: folder.to_owned() }
+    }
+
+    fn file(&self, track: &Track, ending: &str) -> PathBuf {
+        self.folder.join(format!("{}.{ending}", track.name))
+    }
+
+    /// Returns the rows of a track; none if nobody has played it.
+    ///
+    /// # Errors
+    /// If the file is no file of rows, with the line.
+    pub fn rows(&self, track: &Track) -> Result<Vec<ArenaRow>, ArenaError> {
+        let path = self.file(track, "csv");
+        match input_file::read(&path, MOST_BYTES) {
+            Ok(bytes) => ArenaRow::read(&path, &bytes[..]),
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(Vec::new()),
+            Err(source) => Err(ArenaError::Unreadable { path, source }),
+        }
+    }
+
+    /// Takes an entry's rows on a track in the place of those that it had, and a copy of its files.
+    ///
+    /// # Errors
+    /// If the folder cannot be written, or another entry has this name.
+    pub fn add(&self, entry: &ArenaEntry, track: &Track, rows: Vec<ArenaRow>) -> Result<(), ArenaError> {
+        let name = &entry.card.name;
+        let mut all = self.rows(track)?;
+        all.retain(|row| row.entry != *name);
+        all.extend(rows);
+        all.sort_by(|one, other| one.key().cmp(&other.key()));
+        let copy = self.folder.join(ENTRIES_FOLDER).join(name);
+        let files = [(self.file(track, "csv"), ArenaRow::write(&all))];
+        self.copy(entry, &copy).map_err(|source| ArenaError::Unreadable { path: copy.clone(), source })?;
+        write(&files)
+    }
+
+    fn copy(&self, entry: &ArenaEntry, copy: &Path) -> io::Result<()> {
+        if copy.is_dir() && fs::canonicalize(copy)? == fs::canonicalize(entry.folder())? {
+            return Ok(());
+        }
+        for file in &entry.files {
+            let to = copy.join(file);
+            fs::create_dir_all(to.parent().expect("it is below the copy"))?;
+            fs::copy(entry.folder().join(file), to)?;
+        }
+        Ok(())
+    }
+
+    /// Reads the entry of this name.
+    ///
+    /// # Errors
+    /// If the board has rows of it and no files.
+    pub fn entry(&self, name: &str) -> Result<ArenaEntry, ArenaError> {
+        ArenaEntry::read(&self.folder.join(ENTRIES_FOLDER).join(name).join(super::entry::ENTRY_FILE))
+    }
+
+    /// Ranks the entries of a track; `None` if it has none.
+    ///
+    /// # Errors
+    /// If rows are missing, twice there, or of an entry whose files are not there.
+    pub fn ranked(&self, track: &'static Track) -> Result<Option<TrackBoard>, ArenaError> {
+        let rows = self.rows(track)?;
+        let mut by_entry: BTreeMap<&str, Vec<&ArenaRow>> = BTreeMap::new();
+        rows.iter().for_each(|row| by_entry.entry(&row.entry).or_default().push(row));
+        if by_entry.is_empty() {
+            return Ok(None);
+        }
+        self.expect_same_runs(track, &by_entry)?;
+        let mut found = Vec::new();
+        for (name, rows) in &mut by_entry {
+            rows.sort_by(|one, other| (one.seed, &one.condition).cmp(&(other.seed, &other.condition)));
+            let entry = self.entry(name)?;
+            let plan = ArenaEntry::plan(std::slice::from_ref(&entry), track, Seeds::default())?;
+            found.push((BoardEntry::new(track, &entry, class_of(&plan, name), rows), &*rows));
+        }
+        Ok(Some(TrackBoard::new(track, found)))
+    }
+
+    /// Every entry has each seed under each condition once.
+    fn expect_same_runs(&self, track: &Track, rows: &BTreeMap<&str, Vec<&ArenaRow>>) -> Result<(), ArenaError> {
+        let keys =
+            |rows: &[&ArenaRow]| rows.iter().map(|row| (row.seed, row.condition.clone())).collect::<BTreeSet<_>>();
+        let mut first: Option<(&str, BTreeSet<(u64, String)>)> = None;
+        for (name, rows) in rows {
+            let found = keys(rows);
+            let wrong = |message: String| ArenaError::Wrong { path: self.file(track, "csv"), message };
+            if found.len() != rows.len() {
+                return Err(wrong(format!("{name} has two rows of one run; expected one")));
+            }
+            let (before, expected) = first.get_or_insert_with(|| (name, found.clone()));
+            if found != *expected {
+                return Err(wrong(format!(
+                    "{before} and {name} did not play the same seeds: {} and {} runs; `wildfire arena run` plays those \
+                     of an entry again",
+                    expected.len(),
+                    found.len()
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes what follows from the rows: `TRACK.json`, `TRACK.md` and `TRACK.html`.
+    ///
+    /// # Errors
+    /// If they cannot be written.
+    pub fn publish(&self, board: &TrackBoard) -> Result<(), ArenaError> {
+        let document = Document::from(board);
+        let json = serde_json::to_string_pretty(board).expect("names, numbers and words are JSON") + "\n";
+        let file = |ending| self.file(board.track, ending);
+        write(&[(file("json"), json), (file("md"), document.to_markdown()), (file("html"), document.to_html())])
+    }
+
+    /// Writes `croissant.json`, the data card of all its files of rows.
+    ///
+    /// # Errors
+    /// If it cannot be written, or rows cannot be read.
+    pub fn publish_card(&self) -> Result<(), ArenaError> {
+        let mut files = Vec::new();
+        for track in &TRACKS {
+            let rows = self.rows(track)?;
+            files.extend((!rows.is_empty()).then(|| (track, ArenaRow::write(&rows))));
+        }
+        let card = serde_json::to_string_pretty(&data_card(&files)).expect("texts are JSON") + "\n";
+        write(&[(self.folder.join(CARD_FILE), card)])
+    }
+}
+
+fn write(files: &[(PathBuf, String)]) -> Result<(), ArenaError> {
+    for (path, text) in files {
+        write_whole(path, text.as_bytes()).map_err(|source| ArenaError::Unreadable { path: path.clone(), source })?;
+    }
+    Ok(())
+}
+
+impl BoardEntry {
+    /// `rows` are in the order of their seeds and conditions.
+    fn new(track: &Track, entry: &ArenaEntry, class: Class, rows: &[&ArenaRow]) -> Self {
+        let mut by_condition: BTreeMap<&str, Series> = BTreeMap::new();
+        let mut effort = Series::default();
+        for row in rows {
+            by_condition.entry(&row.condition).or_default().add(row.score.unwrap_or(0.0));
+            effort.add(row.effort as f64);
+        }
+        let by_condition: Vec<_> = by_condition
+            .into_iter()
+            .map(|(name, scores)| (name.to_owned(), scores.mean().unwrap_or(f64::NAN), scores.mean_interval()))
+            .collect();
+        let worse = |one: &usize, other: &usize| {
+            track.better.best_first(by_condition[*other].1, by_condition[*one].1).then(one.cmp(other))
+        };
+        let worst = (0..by_condition.len()).min_by(worse).unwrap_or(0);
+        let mut found = Self {
+            card: entry.card.clone(),
+            class,
+            worst,
+            interval: None,
+            effort: effort.mean().unwrap_or(0.0),
+            entry_hash: entry.hash.clone(),
+            rows_hash: rows_hash(rows.iter().copied()),
+            by_condition,
+        };
+        let decisive = found.decisive(track, rows);
+        let of_seeds = decisive.chunk_by(|one, next| one.0 == next.0);
+        let means = of_seeds.map(|of_seed| of_seed.iter().map(|it| it.2).sum::<f64>() / of_seed.len() as f64);
+        found.interval = Series::from_values(&means.collect::<Vec<f64>>()).mean_interval();
+        found
+    }
+
+    /// The seed, the stratum and the score of each row that decides.
+    fn decisive(&self, track: &Track, rows: &[&ArenaRow]) -> Vec<(u64, usize, f64)> {
+        let place =
+            |row: &ArenaRow| self.by_condition.iter().position(|(name, ..)| *name == row.condition).unwrap_or(0);
+        let known = rows.iter().filter_map(|row| row.score);
+        let worst_score = match track.better {
+            Better::Higher => known.fold(0.0, f64::min),
+            Better::Lower => known.fold(0.0, f64::max),
+        };
+        let decides = |row: &&&ArenaRow| !track.worst_decides || place(row) == self.worst;
+        let stratum = |row: &ArenaRow| if track.worst_decides { 0 } else { place(row) };
+        rows.iter().filter(decides).map(|row| (row.seed, stratum(row), row.score.unwrap_or(worst_score))).collect()
+    }
+}
+
+impl TrackBoard {
+    fn new(track: &'static Track, found: Vec<(BoardEntry, &Vec<&ArenaRow>)>) -> Self {
+        let metric = track.metric();
+        let decisive: Vec<Vec<(u64, usize, f64)>> =
+            found.iter().map(|(entry, rows)| entry.decisive(track, rows)).collect();
+        let runs: Vec<(u64, usize)> = decisive[0].iter().map(|&(seed, stratum, _)| (seed, stratum)).collect();
+        let strata = runs.iter().map(|(_, stratum)| stratum + 1).max().unwrap_or(1);
+        let contenders = found.iter().zip(&decisive).map(|((entry, rows), decisive)| Contender {
+            entry: RankedEntry {
+                name: entry.card.name.clone(),
+                failed: rows.iter().filter(|row| row.score.is_none()).count(),
+                ..RankedEntry::default()
+            },
+            numbers: decisive.iter().map(|it| it.2).collect(),
+        });
+        let by = (strata > 1).then(|| crate::plan::CONDITION_COLUMN.to_owned());
+        let (entries, pairs) = ranked(contenders.collect(), &runs, by.clone(), &metric, track.better);
+        let seeds: BTreeSet<u64> = runs.iter().map(|(seed, _)| *seed).collect();
+        let ranking = Ranking {
+            better: track.better,
+            runs: runs.len(),
+            seeds: format!("{} of the track", seeds.len()),
+            columns: by.into_iter().collect(),
+            strata,
+            worst: None,
+            entries,
+            pairs,
+            metric,
+        };
+        let mut widths: Vec<f64> = ranking
+            .pairs
+            .iter()
+            .filter(|pair| pair.places[0] + 1 == pair.places[1])
+            .filter_map(|pair| pair.contrast.interval)
+            .map(|interval| 0.5 * (interval.high - interval.low))
+            .collect();
+        widths.sort_by(f64::total_cmp);
+        let noise_floor = widths.get(widths.len() / 2).copied();
+        let place = |entry: &BoardEntry| ranking.entries.iter().position(|ranked| ranked.name == entry.card.name);
+        let mut entries: Vec<BoardEntry> = found.into_iter().map(|(entry, _)| entry).collect();
+        entries.sort_by_key(place);
+        Self { track, ranking, entries, noise_floor }
+    }
+}
+
+impl Serialize for TrackBoard {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        object!(Board {
+            arena: ARENA_VERSION,
+            track: self.track.name,
+            program_version: PROGRAM_VERSION,
+            commit: COMMIT,
+            metric: &self.ranking.metric.name,
+            better: self.track.better.name(),
+            decides: if self.track.worst_decides { "worst condition" } else { "mean" },
+            runs: self.ranking.runs,
+            noise_floor: self.noise_floor,
+            entries: (0..self.entries.len()).map(|place| entry(self, place)).collect::<Vec<_>>(),
+        })
+        .serialize(serializer)
+    }
+}
+
+fn entry(board: &TrackBoard, place: usize) -> impl Serialize {
+    let (entry, ranked) = (&board.entries[place], &board.ranking.entries[place]);
+    let next = board.ranking.pair(place, place + 1).map(|pair| {
+        object!(Next {
+            difference: pair.contrast.difference,
+            interval: pair.contrast.interval,
+            p_adjusted: pair.p_adjusted,
+            told_apart: pair.is_told_apart(),
+        })
+    });
+    let conditions = entry.by_condition.iter();
+    let by_condition = conditions
+        .map(|(name, mean, interval)| object!(OfCondition { condition: name, mean: *mean, interval: *interval }));
+    object!(Entry {
+        entry: &entry.card.name,
+        authors: &entry.card.authors,
+        licence: &entry.card.licence,
+        about: &entry.card.about,
+        class: entry.class.name(),
+        rank_from: ranked.ranks[0],
+        rank_to: ranked.ranks[1],
+        score: ranked.mean,
+        interval: entry.interval,
+        next_less_this: next,
+        worst_condition: &entry.by_condition[entry.worst].0,
+        by_condition: by_condition.collect::<Vec<_>>(),
+        failed: ranked.failed,
+        effort: entry.effort,
+        rows_sha256: &entry.rows_hash,
+        entry_sha256: &entry.entry_hash,
+    })
+}

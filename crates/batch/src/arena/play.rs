@@ -1,0 +1,130 @@
+//! Runs of a track, made in memory, several at once.
+
+use std::time::Duration;
+
+use rayon::prelude::*;
+
+use super::row::{hash_of_query, hash_of_run};
+use super::{ArenaError, ArenaRow, Track, TrackKind};
+use crate::drives::{DriveProblems, Question, attempts};
+use crate::execute::{BatchError, RunResult, RunRow, Status, panics};
+use crate::plan::{BatchPlan, PlannedRun};
+use crate::table::{RunRecord, run_column};
+use wildfire_audit::{SampleStep, audit_timeline};
+use wildfire_planning::Planners;
+use wildfire_sim::scenario::Scenario;
+use wildfire_sim::{Entrants, RunOptions};
+use wildfire_timeline::Outcome;
+
+/// Who plays, and on how many threads.
+#[derive(Clone, Copy)]
+pub struct Players<'a> {
+    pub entrants: &'a Entrants,
+    /// The planners that a scenario names, programs and modules among them, or why there are none.
+    pub planners_of: &'a (dyn Fn(&Scenario) -> Result<Planners, String> + Sync),
+    pub jobs: usize,
+}
+
+/// A run that was made.
+#[derive(Clone, Debug)]
+pub struct Played {
+    pub row: ArenaRow,
+    /// The first rule that the independent audit found broken.
+    pub violation: Option<String>,
+    /// Why it failed, or what planners and policies said about failed queries.
+    pub message: String,
+    /// Queries that failed, and all.
+    pub queries: [u64; 2],
+}
+
+/// Makes the runs with these numbers, counted from 1; `on_run` is called after each, in any order.
+///
+/// # Errors
+/// If threads cannot be started, or a track's field has no goal. A run that fails is a row without a score.
+pub fn play(
+    track: &Track,
+    plan: &BatchPlan,
+    numbers: &[u64],
+    players: &Players<'_>,
+    on_run: impl Fn() + Sync,
+) -> Result<Vec<Played>, ArenaError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(players.jobs).build();
+    let pool = pool.map_err(|error| BatchError::NoWorkers { jobs: players.jobs, reason: error.to_string() })?;
+    let options = RunOptions { memory: plan.memory, ..players.entrants.clone().into() };
+    let make = |&number: &u64| {
+        let run = plan.run(number);
+        let played = match track.kind {
+            TrackKind::Run => Ok(simulated(track, &run, &options)),
+            TrackKind::Drive => driven(&run, plan, players),
+        };
+        on_run();
+        played
+    };
+    pool.install(|| numbers.par_iter().with_max_len(1).map(make).collect())
+}
+
+fn row_of(run: &PlannedRun<'_>, score: Option<f64>, effort: u64, hash: String) -> ArenaRow {
+    let name = |place: usize| run.variant.swept.get(place).map_or(String::new(), ToString::to_string);
+    ArenaRow { entry: name(0), condition: name(1), seed: run.seed, score, effort, hash }
+}
+
+fn simulated(track: &Track, run: &PlannedRun<'_>, options: &RunOptions) -> Played {
+    let made = panics::catch(|| wildfire_sim::run_with_options(&run.variant.scenario, run.seed, options));
+    let not_done = |status, message| (RunRow::not_done(run.label(), status, message, Duration::ZERO), None);
+    let (row, violation) = match made {
+        Ok(Ok(done)) => {
+            let violation =
+                audit_timeline(&done.timeline, SampleStep::default()).violation.map(|found| found.to_string());
+            let result = RunResult { asks: done.asks, ..RunResult::new(Outcome::new(&done.timeline), done.cost) };
+            let message = done.messages.to_string();
+            (RunRow { message, ..RunRow::done(run.label(), result, Duration::ZERO) }, violation)
+        }
+        Ok(Err(error)) => not_done(Status::Failed, error.to_string()),
+        Err(panic) => not_done(Status::Panicked, panic),
+    };
+    let record = RunRecord::from_row(&row);
+    let number = |column: &&str| record.number(run_column(column)).unwrap_or(0.0);
+    let effort = track.effort.iter().map(|column| number(column) as u64).sum();
+    let failed = super::row::HASHED_COLUMNS.iter().filter(|column| column.starts_with("truck_failed_"));
+    let queries = [failed.map(|column| number(column) as u64).sum(), number(&"truck_plans") as u64];
+    let row = ArenaRow { ..row_of(run, track.metric().number(&record), effort, hash_of_run(&record)) };
+    Played { row, violation, message: record.message().to_owned(), queries }
+}
+
+/// A query's score is the share of its path that is needed, 0 if there is none: the lower bound of the length over the length.
+/// So the mean over queries is success weighted by path length (Anderson et al., "On evaluation of embodied navigation
+/// agents", 2018), with a bound in the place of the shortest length, which nobody knows.
+fn driven(run: &PlannedRun<'_>, plan: &BatchPlan, players: &Players<'_>) -> Result<Played, ArenaError> {
+    let scenario = &run.variant.scenario;
+    let problems = DriveProblems { goals: Some(1), ..DriveProblems::default() }.load(scenario, run.seed)?;
+    let problem = &problems[0];
+    let planners: Vec<_> = scenario.unimog.iter().take(1).map(|truck| truck.planner.clone()).collect();
+    let asked = panics::catch(|| {
+        let makers = (players.planners_of)(scenario)?;
+        let question = Question {
+            planners: &planners,
+            makers: &makers,
+            programs: &scenario.planner,
+            seed: run.seed,
+            limit: plan.memory,
+        };
+        let asked = attempts(problem, &question);
+        asked.map(|asked| asked[0].query(None, 0)).map_err(|error| error.to_string())
+    });
+    Ok(match asked {
+        Ok(Ok(query)) => {
+            // A path may be as long as the bound, and rounding may make it shorter.
+            let solved =
+                query.solved().map(|figures| figures.lower_bound_ratio.map_or(1.0, |ratio| 1.0 / ratio.max(1.0)));
+            let effort = query.cost.map_or(0, |cost| cost.expansions);
+            let row = row_of(run, Some(solved.unwrap_or(0.0)), effort, hash_of_query(&query));
+            let message = query.message.map_or(String::new(), String::from);
+            let failed = u64::from(solved.is_none());
+            Played { row, violation: query.violation.map(String::from), message, queries: [failed, 1] }
+        }
+        Ok(Err(message)) | Err(message) => {
+            let row = row_of(run, None, 0, super::row::shown_hash("failed\n"));
+            Played { row, violation: None, message, queries: [1, 1] }
+        }
+    })
+}

@@ -1,0 +1,536 @@
+//! `wildfire arena`: frozen tracks, entries, and boards whose every number anybody recomputes.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Args, Subcommand};
+use serde::Serialize;
+
+use crate::cli::args::{ProgramArguments, jobs_or_all, parse_jobs};
+use crate::cli::context::CommandContext;
+use crate::cli::error::{CliError, exit};
+use crate::cli::report::FormArguments;
+use crate::cli::terminal::{self, Progress};
+use wildfire_base::document::number::{count, rounded};
+use wildfire_base::document::{Block, Document, Table};
+use wildfire_base::input_file;
+use wildfire_base::object;
+use wildfire_base::time::wall::WallStopwatch;
+use wildfire_base::whole_file::write_whole;
+use wildfire_batch::arena::{
+    ARENA_VERSION, ArenaEntry, ArenaError, ArenaRow, Board, Played, Players, TRACKS, Track, TrackBoard, play,
+};
+use wildfire_batch::{BatchPlan, CourseRefusal, MAX_SEEDS_BYTES, Seeds};
+#[cfg(unix)]
+use wildfire_sim::programs::ProgramPool;
+use wildfire_sim::scenario::Scenario;
+
+/// The folder of a board, unless another is named.
+const BOARD: &str = "board";
+
+/// Seeds of each track that `submit-check` plays, and rows that differ which are listed.
+const CHECKED_SEEDS: usize = 3;
+const MOST_LISTED: usize = 20;
+
+#[derive(Debug, Subcommand)]
+pub enum ArenaCommand {
+    /// List the tracks, or write their files: rules, scenario, seeds, reference entries.
+    Tracks(TracksArguments),
+    /// Check an entry before it is submitted: its rules, three seeds of each track, and what all seeds would cost.
+    SubmitCheck(SubmitArguments),
+    /// Play entries on a track and add their rows to a board.
+    Run(RunArguments),
+    /// Rank the entries of a board; write the ranking beside its rows as JSON, Markdown and a page, and a data card.
+    Rank(RankArguments),
+    /// Play a board's runs again and name rows that differ; exit with 4 if there are any.
+    Recompute(RecomputeArguments),
+    /// Play the reference entries and compare them with the frozen rows; exit with 4 if any row differs.
+    Verify(VerifyArguments),
+}
+
+#[derive(Debug, Args)]
+pub struct TracksArguments {
+    /// Write the files of the tracks into this folder, a folder for each.
+    #[arg(short, long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub form: FormArguments,
+}
+
+/// How runs are played.
+#[derive(Clone, Debug, Args)]
+pub struct PlayArguments {
+    /// Number of threads [default: the number of processors].
+    #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
+    pub jobs: Option<NonZeroUsize>,
+    /// Allow programs named in entries to run; modules need no trust.
+    #[arg(long)]
+    pub trust: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct SubmitArguments {
+    /// The entry: a folder with entry.toml, or that file.
+    #[arg(value_name = "ENTRY")]
+    pub entry: PathBuf,
+    #[command(flatten)]
+    pub play: PlayArguments,
+    #[command(flatten)]
+    pub form: FormArguments,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Rows of an entry that the board has already are replaced.
+
+Examples:
+  wildfire arena tracks
+  wildfire arena submit-check entries/mine
+  wildfire arena run entries/mine entries/yours --track contest
+  wildfire arena rank")]
+pub struct RunArguments {
+    /// Entries: folders with entry.toml, or such files.
+    #[arg(value_name = "ENTRY", required = true)]
+    pub entries: Vec<PathBuf>,
+    /// Play only this track; may be repeated [default: all that an entry names].
+    #[arg(long, value_name = "NAME")]
+    pub track: Vec<String>,
+    /// Seeds: `public`, `hidden`, or a file with the list to which the track committed itself.
+    #[arg(long, value_name = "WHICH", default_value = "public")]
+    pub seeds: String,
+    /// Folder of the board.
+    #[arg(long, value_name = "DIR", default_value = BOARD)]
+    pub board: PathBuf,
+    #[command(flatten)]
+    pub play: PlayArguments,
+}
+
+#[derive(Debug, Args)]
+pub struct RankArguments {
+    /// Folder of the board.
+    #[arg(value_name = "BOARD", default_value = BOARD)]
+    pub board: PathBuf,
+    /// Rank only this track; may be repeated.
+    #[arg(long, value_name = "NAME")]
+    pub track: Vec<String>,
+    #[command(flatten)]
+    pub form: FormArguments,
+}
+
+#[derive(Debug, Args)]
+pub struct RecomputeArguments {
+    /// Folder of the board.
+    #[arg(value_name = "BOARD", default_value = BOARD)]
+    pub board: PathBuf,
+    /// Share of the rows to recompute, such as 5%; they are spread evenly over entries, conditions and seeds.
+    #[arg(long, value_name = "SHARE", default_value = "100%", value_parser = parse_share)]
+    pub sample: f64,
+    /// Recompute only this track; may be repeated.
+    #[arg(long, value_name = "NAME")]
+    pub track: Vec<String>,
+    #[command(flatten)]
+    pub play: PlayArguments,
+}
+
+#[derive(Debug, Args)]
+pub struct VerifyArguments {
+    /// Verify only this track; may be repeated.
+    #[arg(long, value_name = "NAME")]
+    pub track: Vec<String>,
+    /// Number of seeds of each track, from the first [default: all].
+    #[arg(long, value_name = "N")]
+    pub seeds: Option<NonZeroUsize>,
+    #[command(flatten)]
+    pub play: PlayArguments,
+}
+
+fn parse_share(text: &str) -> Result<f64, String> {
+    let percent = text.strip_suffix('%').unwrap_or(text).trim().parse::<f64>();
+    let share = percent.ok().map(|percent| percent / 100.0).filter(|share| *share > 0.0 && *share <= 1.0);
+    share.ok_or_else(|| "expected a share above 0 and up to 100%, such as 5%".to_owned())
+}
+
+pub fn run(command: &ArenaCommand, context: &CommandContext) -> Result<ExitCode, CliError> {
+    match command {
+        ArenaCommand::Tracks(arguments) => tracks(arguments, context),
+        ArenaCommand::SubmitCheck(arguments) => submit_check(arguments, &Stage::new(&arguments.play, context)),
+        ArenaCommand::Run(arguments) => add_to_board(arguments, &Stage::new(&arguments.play, context)),
+        ArenaCommand::Rank(arguments) => rank(arguments),
+        ArenaCommand::Recompute(arguments) => recompute(arguments, &Stage::new(&arguments.play, context)),
+        ArenaCommand::Verify(arguments) => verify(arguments, &Stage::new(&arguments.play, context)),
+    }
+}
+
+/// The tracks of these names; all of them if there are no names.
+fn chosen(names: &[String]) -> Result<Vec<&'static Track>, CliError> {
+    if names.is_empty() {
+        return Ok(TRACKS.iter().collect());
+    }
+    Ok(names.iter().map(|name| Track::named(name)).collect::<Result<Vec<_>, _>>()?)
+}
+
+fn tracks(arguments: &TracksArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
+    if let Some(folder) = &arguments.out {
+        for track in &TRACKS {
+            let folder = folder.join(track.name);
+            fs::create_dir_all(&folder).map_err(|error| CliError::unwritable(&folder, &error))?;
+            for (name, text) in track.files() {
+                let path = folder.join(name);
+                write_whole(&path, text.as_bytes()).map_err(|error| CliError::unwritable(&path, &error))?;
+            }
+        }
+        if !context.quiet {
+            terminal::note(&format!("wrote {} tracks to {}", TRACKS.len(), folder.display()));
+        }
+        return Ok(ExitCode::SUCCESS);
+    }
+    let runs = |track: &Track| track.conditions().len() as u64 * track.public_seeds().count();
+    let object = |track: &'static Track| {
+        object!(TrackObject {
+            track: track.name,
+            metric: track.metric().name,
+            better: track.better.name(),
+            conditions: track.conditions(),
+            seeds: track.public_seeds().to_string(),
+            runs: runs(track),
+            hidden_sha256: track.hidden_hash(),
+        })
+    };
+    let objects: Vec<_> = TRACKS.iter().map(object).collect();
+    let row = |track: &Track| {
+        let about = track.readme.lines().find(|line| !line.is_empty() && !line.starts_with('#')).unwrap_or_default();
+        vec![track.name.to_owned(), about.to_owned(), runs(track).to_string()]
+    };
+    let table =
+        Table { text_columns: 2, ..Table::new(&["Track", "Measures", "Runs"], TRACKS.iter().map(row).collect()) };
+    let document = || {
+        let runs =
+            "Runs: those of an entry with the public seeds. --out DIR writes all files of the tracks.".to_owned();
+        Document::new(format!("Arena {ARENA_VERSION}")).with([Block::Table(table), Block::Text(runs)])
+    };
+    terminal::print(&arguments.form.render_either(&objects, document))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Where entries are played: threads, and trust.
+struct Stage {
+    context: CommandContext,
+    jobs: usize,
+}
+
+impl Stage {
+    fn new(arguments: &PlayArguments, context: &CommandContext) -> Self {
+        let programs = ProgramArguments { trust: arguments.trust, ..ProgramArguments::default() };
+        Self { context: context.with_programs(&programs), jobs: jobs_or_all(arguments.jobs) }
+    }
+
+    /// Plays the runs with these numbers.
+    fn play(
+        &self,
+        track: &Track,
+        plan: &BatchPlan,
+        numbers: &[u64],
+        progress: &Progress,
+    ) -> Result<Vec<Played>, CliError> {
+        self.context.expect_trusted_plan(plan)?;
+        // One pool for all runs, so that a module is compiled once.
+        #[cfg(unix)]
+        let pool = ProgramPool::new(self.context.trust());
+        let planners_of = |scenario: &Scenario| {
+            let planners = self.context.entrants.planners.clone();
+            #[cfg(unix)]
+            let planners = pool.planners_of(scenario, planners).map_err(|error| error.to_string())?;
+            Ok(planners)
+        };
+        let players = Players { entrants: &self.context.entrants, planners_of: &planners_of, jobs: self.jobs };
+        Ok(play(track, plan, numbers, &players, || progress.advance())?)
+    }
+
+    fn progress(&self, runs: u64) -> Progress {
+        Progress::new(runs, "runs", self.context.quiet)
+    }
+}
+
+/// The public seeds of a track, its hidden ones, or those of a file that are the hidden ones.
+fn seeds_of(track: &Track, which: &str) -> Result<Seeds, CliError> {
+    let text = match which {
+        "public" => return Ok(track.public_seeds()),
+        "hidden" => track.hidden.to_owned(),
+        file => input_file::read_text(Path::new(file), MAX_SEEDS_BYTES)
+            .map_err(|error| CliError::unreadable(Path::new(file), &error))?,
+    };
+    if !track.is_hidden_list(&text) {
+        let sentence = format!(
+            "{which} is not the list to which the track `{}` committed itself: expected SHA-256 {}",
+            track.name,
+            track.hidden_hash()
+        );
+        return Err(CliError::bad_input(sentence, Some("--seeds public plays the seeds that everybody has")));
+    }
+    Seeds::from_file_text(&text).map_err(|error| CliError::bad_input(format_args!("{which}: {error}"), None))
+}
+
+fn add_to_board(arguments: &RunArguments, stage: &Stage) -> Result<ExitCode, CliError> {
+    let entries = arguments.entries.iter().map(|path| ArenaEntry::read(path)).collect::<Result<Vec<_>, _>>()?;
+    let asked = chosen(&arguments.track)?;
+    let board = Board::new(&arguments.board);
+    fs::create_dir_all(&arguments.board).map_err(|error| CliError::unwritable(&arguments.board, &error))?;
+    let mut work = Vec::new();
+    for entry in &entries {
+        let enters = |track: &&&'static Track| entry.card.tracks.iter().any(|name| name == track.name);
+        let tracks: Vec<&&'static Track> = asked.iter().filter(enters).collect();
+        if tracks.is_empty() {
+            let sentence = format!(
+                "{} enters none of these tracks; its `tracks` are {}",
+                entry.card.name,
+                entry.card.tracks.join(", ")
+            );
+            return Err(CliError::bad_input(sentence, None));
+        }
+        for track in tracks {
+            let plan = ArenaEntry::plan(std::slice::from_ref(entry), track, seeds_of(track, &arguments.seeds)?)?;
+            stage.context.expect_trusted_plan(&plan)?;
+            work.push((entry, *track, plan));
+        }
+    }
+    let progress = stage.progress(work.iter().map(|(_, _, plan)| plan.count()).sum());
+    let mut has_violation = false;
+    for (entry, track, plan) in work {
+        let numbers: Vec<u64> = (1..=plan.count()).collect();
+        let played = stage.play(track, &plan, &numbers, &progress)?;
+        if let Some(first) = played.iter().find(|played| played.violation.is_some()) {
+            has_violation = true;
+            progress.note(&format!(
+                "{} was not added to `{}`: seed {}: {}",
+                entry.card.name,
+                track.name,
+                first.row.seed,
+                first.violation.as_deref().unwrap_or_default()
+            ));
+            continue;
+        }
+        board.add(entry, track, played.into_iter().map(|played| played.row).collect())?;
+    }
+    progress.end();
+    if !stage.context.quiet {
+        terminal::note(&format!(
+            "rank them: wildfire arena rank {}",
+            wildfire_batch::shell_word(&arguments.board.display().to_string())
+        ));
+    }
+    Ok(if has_violation { ExitCode::from(exit::VIOLATION) } else { ExitCode::SUCCESS })
+}
+
+fn rank(arguments: &RankArguments) -> Result<ExitCode, CliError> {
+    let board = Board::new(&arguments.board);
+    let mut boards: Vec<TrackBoard> = Vec::new();
+    for track in chosen(&arguments.track)? {
+        boards.extend(board.ranked(track)?);
+    }
+    if boards.is_empty() {
+        let sentence = format!("{} has no rows; expected the folder of a board", arguments.board.display());
+        return Err(CliError::bad_input(sentence, Some("wildfire arena run ENTRY adds the rows of an entry")));
+    }
+    boards.iter().try_for_each(|it| board.publish(it))?;
+    board.publish_card()?;
+    let all = || {
+        let mut documents = boards.iter().map(Document::from);
+        let first = documents.next().expect("there is one");
+        documents.fold(first, |all, next| all.with([Block::Heading(next.title)]).with(next.blocks))
+    };
+    terminal::print(&arguments.form.render_either(&boards, all))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Plays rows again; returns those that differ, in words, and how many were played.
+fn differences(
+    stage: &Stage,
+    track: &'static Track,
+    plan: &BatchPlan,
+    rows: &[&ArenaRow],
+    progress: &Progress,
+) -> Result<Vec<String>, CliError> {
+    let seeds: BTreeMap<u64, u64> = plan.seeds.iter().zip(1..).collect();
+    let mut numbers = BTreeMap::new();
+    for row in rows {
+        let is_it = |swept: &[wildfire_batch::Value]| {
+            swept[0].to_string() == row.entry
+                && swept.get(1).map_or(String::new(), ToString::to_string) == row.condition
+        };
+        let variant = plan.variants.iter().position(|variant| is_it(&variant.swept));
+        let (Some(variant), Some(seed)) = (variant, seeds.get(&row.seed)) else {
+            return Ok(vec![format!(
+                "{}, {}, seed {}: there is no such run on the track `{}`",
+                row.entry, row.condition, row.seed, track.name
+            )]);
+        };
+        numbers.insert(variant as u64 * plan.seeds.count() + seed, *row);
+    }
+    let played = stage.play(track, plan, &numbers.keys().copied().collect::<Vec<_>>(), progress)?;
+    let pairs = numbers.values().zip(&played);
+    let violations = played.iter().filter_map(|played| {
+        let violation = played.violation.as_ref()?;
+        Some(format!("{}, seed {}: it violates a rule: {violation}", played.row.entry, played.row.seed))
+    });
+    Ok(pairs.filter_map(|(row, played)| row.difference(&played.row)).chain(violations).collect())
+}
+
+fn report_differences(what: &str, runs: usize, found: &[String]) -> Result<ExitCode, CliError> {
+    let verdict = match found.len() {
+        0 => format!("{}: all of {what}", count(runs, "run")),
+        differing => format!("{differing} of {} differ from {what}", count(runs, "run")),
+    };
+    let mut lines: Vec<String> = found.iter().take(MOST_LISTED).cloned().collect();
+    lines.extend((found.len() > MOST_LISTED).then(|| format!("and {} more", found.len() - MOST_LISTED)));
+    let mut document = Document::new(verdict);
+    document.add_list(lines);
+    terminal::print(&document.to_text())?;
+    Ok(if found.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
+}
+
+fn recompute(arguments: &RecomputeArguments, stage: &Stage) -> Result<ExitCode, CliError> {
+    let board = Board::new(&arguments.board);
+    let mut work = Vec::new();
+    for track in chosen(&arguments.track)? {
+        let rows = board.rows(track)?;
+        let step = 1.0 / arguments.sample;
+        let sampled: Vec<ArenaRow> = (0..)
+            .map(|place| (f64::from(place) * step) as usize)
+            .take_while(|place| *place < rows.len())
+            .map(|place| rows[place].clone())
+            .collect();
+        let mut by_entry: BTreeMap<String, Vec<ArenaRow>> = BTreeMap::new();
+        sampled.into_iter().for_each(|row| by_entry.entry(row.entry.clone()).or_default().push(row));
+        work.extend(by_entry.into_iter().map(|(name, rows)| (track, name, rows)));
+    }
+    let runs: usize = work.iter().map(|(_, _, rows)| rows.len()).sum();
+    if runs == 0 {
+        let sentence = format!("{} has no rows; expected the folder of a board", arguments.board.display());
+        return Err(CliError::bad_input(sentence, None));
+    }
+    let progress = stage.progress(runs as u64);
+    let mut found = Vec::new();
+    for (track, name, rows) in work {
+        let entry = board.entry(&name)?;
+        let seeds = rows.iter().map(|row| row.seed).collect::<std::collections::BTreeSet<_>>();
+        let seeds = Seeds::from_file_text(&seeds.iter().map(|seed| format!("{seed}\n")).collect::<String>());
+        let plan = ArenaEntry::plan(&[entry], track, seeds.expect("there is a row"))?;
+        found.extend(differences(stage, track, &plan, &rows.iter().collect::<Vec<_>>(), &progress)?);
+    }
+    progress.end();
+    report_differences("what the board says", runs, &found)
+}
+
+fn verify(arguments: &VerifyArguments, stage: &Stage) -> Result<ExitCode, CliError> {
+    let mut work = Vec::new();
+    for track in chosen(&arguments.track)? {
+        let seeds = track.public_seeds();
+        let most = arguments.seeds.map_or(usize::MAX, NonZeroUsize::get);
+        let first: Vec<String> = seeds.iter().take(most).map(|seed| seed.to_string()).collect();
+        let seeds = Seeds::from_file_text(&first.join("\n")).expect("some of a list");
+        let plan = track.golden_plan(seeds)?;
+        let played: std::collections::BTreeSet<u64> = plan.seeds.iter().collect();
+        let rows: Vec<ArenaRow> = track.golden().into_iter().filter(|row| played.contains(&row.seed)).collect();
+        work.push((track, plan, rows));
+    }
+    let runs: usize = work.iter().map(|(_, _, rows)| rows.len()).sum();
+    let progress = stage.progress(runs as u64);
+    let mut found = Vec::new();
+    for (track, plan, rows) in work {
+        if rows.len() as u64 != plan.count() {
+            found.push(format!("{}: {} golden rows, {} runs", track.name, rows.len(), plan.count()));
+        }
+        found.extend(differences(stage, track, &plan, &rows.iter().collect::<Vec<_>>(), &progress)?);
+    }
+    progress.end();
+    report_differences("the rows that were frozen", runs, &found)
+}
+
+fn submit_check(arguments: &SubmitArguments, stage: &Stage) -> Result<ExitCode, CliError> {
+    let entry = ArenaEntry::read(&arguments.entry)?;
+    let tracks = entry.card.tracks.iter().map(|name| Track::named(name)).collect::<Result<Vec<_>, _>>()?;
+    let mut rows = Vec::new();
+    let (mut objects, mut violations) = (Vec::new(), Vec::new());
+    for track in tracks {
+        let public = track.public_seeds();
+        let first: Vec<String> = public.iter().take(CHECKED_SEEDS).map(|seed| seed.to_string()).collect();
+        let seeds = Seeds::from_file_text(&first.join("\n")).expect("some of a list");
+        let plan = ArenaEntry::plan(std::slice::from_ref(&entry), track, seeds)?;
+        let progress = stage.progress(plan.count());
+        let stopwatch = WallStopwatch::start();
+        let played = stage.play(track, &plan, &(1..=plan.count()).collect::<Vec<_>>(), &progress)?;
+        let seeds = public.count() as f64 / plan.seeds.count() as f64;
+        let all_s = stopwatch.elapsed().as_secs_f64() * seeds;
+        progress.end();
+        let scores: Vec<f64> = played.iter().filter_map(|played| played.row.score).collect();
+        let mean = scores.iter().sum::<f64>() / scores.len().max(1) as f64;
+        let failed_runs = played.len() - scores.len();
+        let queries = played.iter().fold([0, 0], |sum, it| [sum[0] + it.queries[0], sum[1] + it.queries[1]]);
+        let effort = played.iter().map(|it| it.row.effort as f64).sum::<f64>() / played.len() as f64;
+        violations.extend(
+            played
+                .iter()
+                .filter_map(|it| Some(format!("{}, seed {}: {}", track.name, it.row.seed, it.violation.as_ref()?))),
+        );
+        let message = played.iter().find(|it| !it.message.is_empty()).map(|it| it.message.clone());
+        rows.push(vec![
+            track.name.to_owned(),
+            played.len().to_string(),
+            failed_runs.to_string(),
+            rounded(mean, 2),
+            rounded(effort, 0),
+            format!("{}/{}", queries[0], queries[1]),
+            rounded(all_s / 60.0, 1),
+        ]);
+        objects.push(object!(Checked {
+            track: track.name,
+            runs: played.len(),
+            failed: failed_runs,
+            score: mean,
+            effort,
+            failed_queries: queries[0],
+            queries: queries[1],
+            wall_all_seeds_s: all_s,
+            message: message.clone(),
+        }));
+        violations.extend(message.filter(|_| failed_runs > 0).map(|message| format!("{}: {message}", track.name)));
+    }
+    let is_accepted = violations.is_empty();
+    let verdict = if is_accepted { "can be submitted" } else { "cannot be submitted" };
+    let title = format!("{} {verdict}", entry.card.name);
+    let headings = ["Track", "Runs", "Failed", "Score", "Effort", "Failed\nqueries", "All seeds\nmin"];
+    let document = || {
+        let mut document = Document::new(title);
+        document.add(Table::new(&headings, rows));
+        document.add_list(violations);
+        document.add(Block::Text(format!("Files: SHA-256 {}", entry.hash)));
+        document
+    };
+    terminal::print(&arguments.form.render_either(&Objects { entry: &entry.card.name, tracks: &objects }, document))?;
+    Ok(if is_accepted { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
+}
+
+#[derive(Serialize)]
+struct Objects<'a, T> {
+    entry: &'a str,
+    tracks: &'a [T],
+}
+
+impl From<ArenaError> for CliError {
+    fn from(error: ArenaError) -> Self {
+        match error {
+            ArenaError::Unreadable { path, source } => Self::unreadable(&path, &source),
+            ArenaError::Batch(error) => error.into(),
+            ArenaError::Drive(error) => error.into(),
+            ArenaError::Refused(CourseRefusal::Agents(faults)) => {
+                let [first, others @ ..] = &faults[..] else { unreachable!("an agent is refused for something") };
+                others.iter().rev().for_each(|fault| terminal::note(&fault.to_string()));
+                Self::bad_input(first, None)
+            }
+            error => Self::bad_input(error, None),
+        }
+    }
+}

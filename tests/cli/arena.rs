@@ -1,0 +1,142 @@
+//! The arena: tracks stay what they are, a board's rows are those of its entries, and one changed digit is found.
+
+use std::fs;
+
+use serde_json::Value;
+use wildfire::batch::arena::{ARENA_VERSION, ArenaRow, HASHED_COLUMNS, TRACKS, TrackKind};
+use wildfire::batch::{RUN_COLUMNS, is_measured};
+
+use crate::story::Story;
+
+fn entry(story: &Story, name: &str, track: &str, values: &str) {
+    fs::create_dir_all(story.path(name)).expect("writable");
+    story.file(&format!("{name}/entry.toml"), &format!("[entry]\nname = \"{name}\"\ntracks = [\"{track}\"]\n{values}"));
+}
+
+/// A board of the quickest track, with two entries.
+fn board() -> Story {
+    let story = Story::begin();
+    entry(&story, "near", "drive", "[unimog]\nplanner = \"hybrid-astar\"\n");
+    entry(&story, "far", "drive", "[unimog]\nplanner = \"hybrid-astar\"\nhybrid.heuristic_weight = 2.5\n");
+    story.tell(&["arena", "run", "near", "far", "--jobs", "2"]).expect_code(0);
+    story
+}
+
+#[test]
+fn reference_entries_do_what_they_did_when_the_tracks_were_frozen() {
+    let said = Story::begin().tell(&["arena", "verify", "--seeds", "1"]).expect_code(0).stdout;
+    assert!(said.contains("all of the rows that were frozen"), "{said}");
+    for track in &TRACKS {
+        let plan = track.golden_plan(track.public_seeds()).expect("the references are right");
+        assert_eq!(track.golden().len() as u64, plan.count(), "{}", track.name);
+        assert!(track.is_hidden_list(track.hidden), "{}: the list is not the one that was promised", track.name);
+        assert!(!track.is_hidden_list(&format!("{}1\n", track.hidden)));
+    }
+}
+
+#[test]
+fn hashed_columns_are_outcomes() {
+    for name in HASHED_COLUMNS {
+        assert!(RUN_COLUMNS.iter().any(|column| column.name == name) && !is_measured(name), "{name}");
+    }
+}
+
+#[test]
+fn rows_are_read_as_they_were_written() {
+    let rows = TRACKS[0].golden();
+    let text = ArenaRow::write(&rows);
+    assert_eq!(ArenaRow::read("golden.csv".as_ref(), text.as_bytes()).expect("they are rows"), rows);
+    assert_eq!((TRACKS[0].kind, ARENA_VERSION), (TrackKind::Drive, "1.0"));
+}
+
+#[test]
+fn a_board_ranks_its_entries_and_is_recomputed() {
+    let story = board();
+    let rows = story.read("board/drive.csv");
+    let ranked: Value =
+        serde_json::from_str(&story.tell(&["arena", "rank", "--json"]).expect_code(0).stdout).expect("JSON");
+    let entries = ranked[0]["entries"].as_array().expect("a list");
+    assert_eq!(entries.iter().map(|entry| &entry["entry"]).collect::<Vec<_>>(), ["near", "far"]);
+    let score = |place: usize| entries[place]["score"].as_f64().expect("a number");
+    let next = entries[0]["next_less_this"]["difference"].as_f64().expect("a number");
+    assert!((score(1) - score(0) - next).abs() < 1e-12 && next < 0.0);
+    assert!(entries.iter().all(|entry| entry["class"] == "counted"));
+    for file in ["drive.json", "drive.md", "drive.html"] {
+        assert!(story.read(&format!("board/{file}")).contains("near"), "{file}");
+    }
+    // Another number of threads, and another time: the same rows.
+    story.tell(&["arena", "run", "near", "far", "--jobs", "1"]).expect_code(0);
+    assert_eq!(story.read("board/drive.csv"), rows);
+    story.tell(&["arena", "recompute", "--sample", "20%"]).expect_code(0);
+}
+
+#[test]
+fn one_changed_digit_is_found_and_named() {
+    let story = board();
+    let rows = story.read("board/drive.csv");
+    for (place, name) in [(3, "score"), (4, "effort"), (5, "hash")] {
+        let mut lines: Vec<String> = rows.lines().map(str::to_owned).collect();
+        let mut values: Vec<String> = lines[17].split(',').map(str::to_owned).collect();
+        // A digit in the middle, so that a score stays one in its shortest form.
+        let digit = values[place].remove(if place == 4 { 0 } else { 5 });
+        values[place].insert(if place == 4 { 0 } else { 5 }, if digit == '7' { '8' } else { '7' });
+        lines[17] = values.join(",");
+        fs::write(story.path("board/drive.csv"), lines.join("\n") + "\n").expect("writable");
+        let said = story.tell(&["arena", "recompute"]).expect_code(4).stdout;
+        let seed = format!("{}, {}, seed {}: {name} ", values[0], values[1], values[2]);
+        assert!(said.contains("1 of 600 runs differ") && said.replace("\n  ", " ").contains(&seed), "{said}");
+    }
+    // A seed that the track does not have cannot be slipped in either.
+    let foreign = rows.replacen(",75,", ",76,", 1);
+    fs::write(story.path("board/drive.csv"), foreign).expect("writable");
+    let said = story.tell(&["arena", "recompute"]).expect_code(4).stdout;
+    assert!(said.contains("differ"), "{said}");
+}
+
+#[test]
+fn what_is_wrong_is_named_with_its_place() {
+    let story = board();
+    let refused = |words: &[&str], part: &str| {
+        let said = story.tell(words).expect_code(2).stderr;
+        assert!(said.contains(part), "{words:?}: {said}");
+    };
+    entry(&story, "fast", "contest", "[unimog]\nplanner = \"prm-rs\"\nspeed_mps = 20\n");
+    refused(
+        &["arena", "submit-check", "fast"],
+        "entry.toml:6: `unimog.speed_mps` is fixed by the rules in arena/1.0/contest/rules.toml",
+    );
+    entry(&story, "lost", "maze", "[unimog]\nplanner = \"prm-rs\"\n");
+    refused(&["arena", "run", "lost"], "there is no track `maze`; expected one of drive, contest");
+    story.file("nobody.toml", "[unimog]\nplanner = \"prm-rs\"\n");
+    refused(&["arena", "run", "nobody.toml"], "there is no table [entry]");
+    refused(&["arena", "run", "near", "--track", "fleet"], "near enters none of these tracks");
+    story.file("learned.txt", "1\n2\n3\n");
+    refused(
+        &["arena", "run", "near", "--seeds", "learned.txt"],
+        "is not the list to which the track `drive` committed itself",
+    );
+    refused(&["arena", "rank", "nowhere"], "nowhere has no rows");
+    refused(&["arena", "recompute", "--sample", "0"], "above 0");
+    fs::remove_file(story.path("board/entries/far/entry.toml")).expect("it is there");
+    refused(&["arena", "rank"], "entry.toml");
+    let rows = story.read("board/drive.csv");
+    story.file("board/drive.csv", &rows.replacen(",0.9", ",x.9", 1));
+    refused(&["arena", "rank"], ": score is \"x.9");
+    // More digits than the number has could hide a changed one.
+    story.file("board/drive.csv", &rows.replacen(",0.9", ",00.9", 1));
+    refused(&["arena", "recompute"], "expected nothing, or a number in its shortest form");
+}
+
+#[test]
+fn a_list_of_hidden_seeds_is_played_when_its_hash_is_the_promised_one() {
+    let story = board();
+    story.tell(&["arena", "tracks", "--out", "tracks"]).expect_code(0);
+    let words = ["arena", "run", "near", "--board", "season", "--seeds", "tracks/drive/hidden.txt"];
+    story.tell(&words).expect_code(0);
+    let seeds = |file: &str| {
+        let rows = ArenaRow::read(file.as_ref(), story.read(file).as_bytes()).expect("rows");
+        rows.iter().map(|row| row.seed).collect::<std::collections::BTreeSet<_>>()
+    };
+    assert!(seeds("season/drive.csv").is_disjoint(&seeds("board/drive.csv")));
+    assert_eq!(seeds("season/drive.csv").len(), 75);
+}
