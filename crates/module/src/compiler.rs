@@ -1,7 +1,7 @@
 //! The engine `wasmtime`: it compiles a module to machine code, and takes the place of the interpreter where it is built in.
 //!
 //! It cannot resume a call that a function of the host has ended. So a module runs on a stack of its own, as a future that
-//! owns its store; a read with no input suspends that once, and whoever asks the module polls it again.
+//! owns its store; a read with no input suspends that once, and the next question polls it again.
 
 use std::fmt;
 use std::future::poll_fn;

@@ -39,7 +39,7 @@ pub struct Host {
     pub name: String,
 }
 
-/// A host that a module and whoever asks it share.
+/// A host, shared by a module and its caller.
 #[derive(Clone, Debug)]
 pub struct SharedHost(Arc<Mutex<Host>>);
 

@@ -1,6 +1,6 @@
 //! The planners that `wildfire new planner` writes, compiled as modules: each engine gives the same answers for the same
 //! numbers of instructions.
-#![expect(clippy::print_stdout, reason = "whoever reads the test's output is to know what was left out")]
+#![expect(clippy::print_stdout, reason = "the test's output says what was left out")]
 
 use std::fs;
 use std::path::Path;
