@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use crate::time::SimTime;
 
 /// Events of type `E`, whose rank of type `R` orders those of one instant.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct EventQueue<R, E> {
     events: BTreeMap<(SimTime, R, u64), E>,
     next_sequence: u64,
@@ -23,6 +23,11 @@ impl<R: Ord + Copy, E> EventQueue<R, E> {
     pub fn push(&mut self, time: SimTime, rank: R, event: E) {
         self.events.insert((time, rank, self.next_sequence), event);
         self.next_sequence += 1;
+    }
+
+    /// Iterates over all events, in their order.
+    pub fn events_mut(&mut self) -> impl Iterator<Item = &mut E> {
+        self.events.values_mut()
     }
 
     /// Returns time and rank of the event that comes next.

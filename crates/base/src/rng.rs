@@ -9,6 +9,7 @@
 //! (Blackman, Vigna, "Scrambled linear pseudorandom number generators", ACM TOMS 2021).
 
 use std::fmt;
+use std::sync::Arc;
 
 pub use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
@@ -43,9 +44,10 @@ pub fn mixed(mut state: u64) -> u64 {
 /// place `i` with a random place that is not behind it. Before that step place `i` still holds `i`, and later steps read
 /// no place below `i`, so the places of a prefix need no others: all draws are made, and only what falls into the prefix
 /// is kept. The prefix is made longer when a place behind it is asked for, from the stream's first draw on.
+#[derive(Clone)]
 pub struct ShuffledPrefix {
     length: usize,
-    stream: Box<dyn Fn() -> Xoshiro256PlusPlus + Send + Sync>,
+    stream: Arc<dyn Fn() -> Xoshiro256PlusPlus + Send + Sync>,
     prefix: Vec<u32>,
 }
 
@@ -60,7 +62,7 @@ impl ShuffledPrefix {
     /// If there are more than 32 bits can number.
     pub fn new(length: usize, stream: impl Fn() -> Xoshiro256PlusPlus + Send + Sync + 'static) -> Self {
         assert!(u32::try_from(length).is_ok(), "{length} is too long to be shuffled");
-        Self { length, stream: Box::new(stream), prefix: Vec::new() }
+        Self { length, stream: Arc::new(stream), prefix: Vec::new() }
     }
 
     /// Returns the number at a place of the permutation.

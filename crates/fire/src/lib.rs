@@ -20,6 +20,7 @@ mod weather;
 
 use std::fmt;
 
+use dyn_clone::DynClone;
 use serde::{Deserialize, Serialize};
 
 pub use field::{BushState, BushStateKind, FireField};
@@ -124,7 +125,7 @@ pub struct Spread {
 ///
 /// A model draws chance, if it does, from the run's seed, the cell and its episode, so that the order of events at one
 /// instant cannot matter.
-pub trait FireModel: fmt::Debug + Send + Sync {
+pub trait FireModel: fmt::Debug + DynClone + Send + Sync {
     /// Takes in a change that `fires` has just been through, and adds to `expected` what follows from it and when. To
     /// void an arrival the model forgets its revision.
     fn follow(&mut self, fires: &FireField, now: SimTime, change: FireChange, expected: &mut Vec<(SimTime, FireEvent)>);
@@ -144,7 +145,12 @@ pub trait FireModel: fmt::Debug + Send + Sync {
     fn is_under_way(&self) -> bool {
         false
     }
+
+    /// Draws what chance decides from now on by another seed.
+    fn redraw(&mut self, _seed: u64) {}
 }
+
+dyn_clone::clone_trait_object!(FireModel);
 
 #[cfg(test)]
 mod tests {
@@ -160,7 +166,7 @@ mod tests {
 
     /// Fire on a row of bushes, driven by a wind from the west: a front needs 10 s to the next cell in the east and
     /// 30 s to the one in the west. Every cell has at most one arrival that counts.
-    #[derive(Debug, Default)]
+    #[derive(Clone, Debug, Default)]
     struct Front {
         /// By column: the revision that counts, and the plan that it stands for.
         plans: [(u32, Option<(SimTime, Cell)>); 9],

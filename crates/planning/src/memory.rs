@@ -122,6 +122,15 @@ impl Held {
     }
 }
 
+impl Clone for Held {
+    /// Creates a holder that asks for as many bytes.
+    fn clone(&self) -> Self {
+        let mut other = self.beside();
+        other.cover(self.bytes as usize);
+        other
+    }
+}
+
 impl Drop for Held {
     fn drop(&mut self) {
         self.meter.0.held[self.kind as usize].fetch_sub(self.bytes, Ordering::Relaxed);

@@ -41,7 +41,7 @@ pub enum Activity {
 }
 
 /// An agent of the contest.
-#[derive(Component, Debug)]
+#[derive(Component, Clone, Debug)]
 pub struct Agent {
     pub id: AgentId,
     pub body: Body,
@@ -264,7 +264,7 @@ impl Agent {
 }
 
 /// The agents in the order in which loops visit them, by name.
-#[derive(Resource, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default)]
 pub struct Roster(pub Vec<Entity>);
 
 /// What agents are built from and placed on.

@@ -24,7 +24,7 @@ impl Plugin for EndPlugin {
 }
 
 /// True once the run has ended.
-#[derive(Resource, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default)]
 pub struct Ended(pub bool);
 
 /// Ends the run at its time, or when nothing burns, nothing will be lit, and no Wumpus has anything left to do.

@@ -71,6 +71,20 @@ impl Episode {
         Ok(episode)
     }
 
+    /// Returns a copy of the contest at this instant; what is left to chance afterwards is drawn again if a future has a
+    /// number, see [`Simulation::redraw`].
+    ///
+    /// # Errors
+    /// If an agent that is not played follows a policy that cannot be copied.
+    pub fn fork(&self, future: Option<u32>) -> Result<Self, RunError> {
+        let mut simulation = self.simulation.fork()?;
+        if let Some(future) = future {
+            simulation.redraw(future);
+        }
+        let Self { asked, agents, points, counted, .. } = self;
+        Ok(Self { simulation, asked: asked.clone(), agents: agents.clone(), points: *points, counted: *counted })
+    }
+
     /// Lists the agents that wait for an answer, in the order in which they act; empty once the contest is over.
     pub fn asked(&self) -> &[Asked] {
         &self.asked

@@ -29,14 +29,14 @@ impl Plugin for FirePlugin {
 }
 
 /// Everything that can burn, with the fire model.
-#[derive(Resource, Debug)]
+#[derive(Resource, Clone, Debug)]
 pub struct Fires {
     pub field: FireField,
     pub model: Box<dyn FireModel>,
 }
 
 /// The ignitions that the scenario schedules.
-#[derive(Resource, Debug)]
+#[derive(Resource, Clone, Debug)]
 pub struct Ignitions {
     pub entries: Vec<ScheduledIgnition>,
     /// The number of ignitions still to come.
@@ -44,7 +44,7 @@ pub struct Ignitions {
 }
 
 /// The cells of a scheduled ignition.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub enum ScheduledIgnition {
     /// The given cells.
     Named(Vec<Cell>),

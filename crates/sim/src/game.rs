@@ -210,11 +210,16 @@ pub fn played() -> Policies {
 }
 
 /// Leaves every decision to somebody outside.
+#[derive(Clone)]
 pub(crate) struct Outside;
 
 impl Policy for Outside {
     fn choose(&mut self, _: &Observation<'_>, _: &[AgentId]) -> Vec<(AgentId, Choice)> {
         Vec::new()
+    }
+
+    fn fork(&self) -> Option<Box<dyn Policy>> {
+        Some(Box::new(self.clone()))
     }
 }
 
@@ -230,6 +235,7 @@ impl Unanswered {
 }
 
 /// Gives the answers of a game.
+#[derive(Clone)]
 struct Replayed {
     answers: Arc<Vec<Answer>>,
     next: usize,
@@ -250,6 +256,10 @@ impl Policy for Replayed {
         let mut first = self.unanswered.0.lock().expect("nobody panics while holding it");
         first.get_or_insert_with(|| format!("{} is asked at {} s, and {has}", asked[0], seen.now.as_seconds()));
         asked.iter().map(|&agent| (agent, Choice::Wait)).collect()
+    }
+
+    fn fork(&self) -> Option<Box<dyn Policy>> {
+        Some(Box::new(self.clone()))
     }
 }
 

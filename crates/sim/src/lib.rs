@@ -14,6 +14,7 @@ mod agent;
 mod end;
 mod episode;
 mod fire;
+mod fork;
 pub mod game;
 pub mod policies;
 #[cfg(not(target_family = "wasm"))]
@@ -24,6 +25,7 @@ mod run;
 pub mod scenario;
 mod schedule;
 mod setup;
+mod shared;
 mod standoff;
 mod traffic;
 mod truck;
@@ -44,6 +46,7 @@ use wildfire_planning::memory::MemoryMeter;
 use wildfire_timeline::{AgentId, Event, GroundEvent, Setting, Timeline};
 
 pub use episode::{Asked, Episode, Points};
+pub use fork::NotForked;
 pub use run::{AgentCost, Entrants, FailureMessages, PolicyTally, Run, RunCost, RunError, RunOptions, StartPrograms};
 
 use agent::{Agent, Roster};
@@ -131,11 +134,8 @@ impl Simulation {
     pub fn with(scenario: &Scenario, seed: u64, options: &RunOptions) -> Result<Self, RunError> {
         let estimate = MemoryEstimate::new(scenario);
         let meter = estimate.meter(options.memory)?;
-        let mut app = app();
-        let (setting, cost) = setup::fill(app.world_mut(), scenario, seed, &meter, options)?;
-        let mut world = std::mem::take(app.world_mut());
-        let schedules = world.remove_resource::<Schedules>().and_then(|mut schedules| schedules.remove(Pass));
-        let schedule = schedules.expect("a plugin made the schedule");
+        let (mut world, schedule) = empty_world();
+        let (setting, cost) = setup::fill(&mut world, scenario, seed, &meter, options)?;
         let memory = Memory { limit: options.memory, estimate, meter };
         let simulation = Self { world, schedule, setting, cost, has_begun: false, memory };
         simulation.expect_within_memory()?;
@@ -257,6 +257,13 @@ impl Simulation {
         let timeline = Timeline { setting: self.setting, events, ground };
         Run { timeline, cost: self.cost, cpu_samples, answer_cpu, messages, asks }
     }
+}
+
+/// Returns a world in which there is nothing, and the schedule for it.
+fn empty_world() -> (World, Schedule) {
+    let mut world = std::mem::take(app().world_mut());
+    let schedules = world.remove_resource::<Schedules>().and_then(|mut schedules| schedules.remove(Pass));
+    (world, schedules.expect("a plugin made the schedule"))
 }
 
 /// Builds the schedule out of its plugins.

@@ -99,7 +99,7 @@ impl Due {
 pub struct SimClock(pub SimTime);
 
 /// All events that are due. Systems take the next event only at its time, so that none can act out of turn.
-#[derive(Resource, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default)]
 pub struct SimQueue(EventQueue<Rank, Due>);
 
 impl SimQueue {
@@ -109,6 +109,17 @@ impl SimQueue {
 
     pub fn push_for(&mut self, time: SimTime, event: AgentEvent, wake: Wake) {
         self.push(time, Due::Agent(event, wake));
+    }
+
+    /// Returns the same queue for agents that have other entities.
+    pub fn for_agents(&self, other: impl Fn(Entity) -> Entity) -> Self {
+        let mut queue = self.clone();
+        for due in queue.0.events_mut() {
+            if let Due::Agent(_, wake) = due {
+                wake.agent = other(wake.agent);
+            }
+        }
+        queue
     }
 
     /// Takes the next entry if it is due now with this rank.

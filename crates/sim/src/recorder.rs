@@ -16,7 +16,7 @@ use super::run::FailureMessages;
 const MAX_RECORDED: usize = 4_000_000;
 
 /// The facts so far.
-#[derive(Resource, Debug)]
+#[derive(Resource, Clone, Debug)]
 pub struct Recorder {
     pub events: Vec<Event>,
     pub ground: Vec<GroundEvent>,
@@ -47,6 +47,12 @@ impl Recorder {
             beside: 0,
             memory,
         }
+    }
+
+    /// Counts its memory on another meter from now on.
+    pub fn count_on(&mut self, memory: &MemoryMeter) {
+        self.memory = memory.holder(Growing::Timeline);
+        self.memory.cover(self.events.bytes_after(0) + self.ground.bytes_after(0) + self.beside);
     }
 
     /// Adds a fact. If memory is exhausted, the fact is dropped and the run is over.
@@ -113,7 +119,7 @@ fn bytes_beside(fact: &Fact) -> usize {
 }
 
 /// CPU time spent on decisions so far.
-#[derive(Resource, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default)]
 pub struct CpuLog(pub Vec<CpuSample>);
 
 impl CpuLog {

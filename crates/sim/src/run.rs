@@ -7,6 +7,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::fork::NotForked;
 use super::policies::Policies;
 use crate::scenario::{MemoryExceeded, MemoryLimit, Scenario, TerrainError};
 use wildfire_base::time::SimTime;
@@ -281,6 +282,10 @@ pub enum RunError {
     Memory(#[from] MemoryExceeded),
     #[error(transparent)]
     Terrain(#[from] TerrainError),
+    #[error(transparent)]
+    NotForked(#[from] NotForked),
+    #[error("`{key}` cannot change in the middle of a run; planners of trucks, their settings, and policies can")]
+    FixedInRun { key: String },
     #[error("the policy `{name}` could not be made: {reason}")]
     NoPolicy { name: PlannerName, reason: MakeError },
     #[error("its programs could not be used: {reason}")]

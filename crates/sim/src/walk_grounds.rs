@@ -4,27 +4,28 @@
 //! Each part is made when the first Wumpus needs it, so that setting out costs the same for one Wumpus and for a hundred.
 
 use std::f64::consts::SQRT_2;
-use std::sync::Arc;
+use std::sync::{Arc, MutexGuard};
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use crate::scenario::{self, StepCost, Terrain};
+use crate::shared::Shared;
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_planning::walk::{LatticeShape, WalkCosts, WalkLattice, WalkMethod, WalkPlanner};
 use wildfire_planning::{Safety, SafetySettings};
 
 /// The planners of a run, each for all Wumpuses of equal rules. They keep what they learn from query to query.
-#[derive(Resource, Default)]
-pub struct WalkPlanners(Vec<WalkPlanner>);
+#[derive(Resource, Clone, Default)]
+pub struct WalkPlanners(Vec<Shared<WalkPlanner>>);
 
 /// The place of a Wumpus's planner among those of the run.
 #[derive(Clone, Copy, Debug)]
 pub struct WalkPlannerId(usize);
 
 impl WalkPlanners {
-    pub fn get_mut(&mut self, id: WalkPlannerId) -> &mut WalkPlanner {
-        &mut self.0[id.0]
+    pub fn lock(&self, id: WalkPlannerId) -> MutexGuard<'_, WalkPlanner> {
+        self.0[id.0].lock()
     }
 }
 
@@ -121,7 +122,7 @@ impl<'a> WalkGrounds<'a> {
         WalkPlannerId(known.unwrap_or_else(|| {
             let lattice = &self.lattices[lattice].lattice;
             let costs = walk_costs(settings, self.terrain, lattice);
-            self.planners.0.push(WalkPlanner::new(lattice, method, costs));
+            self.planners.0.push(Shared::new(WalkPlanner::new(lattice, method, costs)));
             self.known_planners.push(key);
             self.planners.0.len() - 1
         }))

@@ -46,7 +46,7 @@ impl Plugin for WumpusPlugin {
 }
 
 /// A Wumpus's rules, its lattice, and its position on it.
-#[derive(Component)]
+#[derive(Component, Clone)]
 pub struct Wumpus {
     reach_m: f64,
     /// Seconds for an orthogonal step and for a diagonal one.
@@ -201,12 +201,12 @@ struct Turn<'a> {
 impl Turn<'_> {
     /// Walks to a goal, or fails to approach it; then it may choose again. `ready` is when it may set out, and is put
     /// off by what the plan takes. Returns true if it sets out.
-    fn try_goal(&mut self, goal: Cell, ready: &mut SimTime, planners: &mut WalkPlanners) -> bool {
+    fn try_goal(&mut self, goal: Cell, ready: &mut SimTime, planners: &WalkPlanners) -> bool {
         let Self { agent, wumpus, now, recorder, .. } = self;
         let mut stopwatch = CpuStopwatch::start();
         let mut monitor = QueryMonitor::new(recorder.records_searches);
-        let planner = planners.get_mut(wumpus.planner);
-        let walk = planner.plan(&wumpus.lattice, wumpus.point, (goal, wumpus.reach_m), &mut monitor);
+        let walk =
+            planners.lock(wumpus.planner).plan(&wumpus.lattice, wumpus.point, (goal, wumpus.reach_m), &mut monitor);
         agent.cost.local_search += stopwatch.lap();
         *ready += wumpus.charge(walk.expansions);
         recorder.record_searches(*now, agent.id, monitor.finish().1);
@@ -280,7 +280,7 @@ impl Turn<'_> {
     }
 
     /// Carries out what its policy chose. If that fails it is asked again, with what it learned in mind.
-    fn act(mut self, choice: Choice, fires: &FireField, planners: &mut WalkPlanners, cpu_log: &mut CpuLog) {
+    fn act(mut self, choice: Choice, fires: &FireField, planners: &WalkPlanners, cpu_log: &mut CpuLog) {
         let Self { agent, wumpus, now, .. } = &mut self;
         let begun = wumpus.deliberation.take().filter(|begun| begun.revision == agent.revision);
         let Deliberation { mut ready, cpu, .. } =
@@ -375,7 +375,7 @@ fn decide(
     clock: Res<SimClock>,
     fires: Res<Fires>,
     (mut queue, mut recorder, mut cpu_log): (ResMut<SimQueue>, ResMut<Recorder>, ResMut<CpuLog>),
-    (mut following, mut planners): (ResMut<Following>, ResMut<WalkPlanners>),
+    (mut following, planners): (ResMut<Following>, Res<WalkPlanners>),
     mut wumpuses: Query<(&mut Agent, &mut Wumpus, &Follows)>,
     others: Query<&Agent, Without<Wumpus>>,
 ) {
@@ -414,7 +414,7 @@ fn decide(
             let (mut agent, mut wumpus, _) = wumpuses.get_mut(entity).expect("a Wumpus was asked");
             let (agent, wumpus) = (&mut *agent, &mut *wumpus);
             let turn = Turn { entity, agent, wumpus, now, queue: &mut queue, recorder: &mut recorder };
-            turn.act(choice, fires, &mut planners, &mut cpu_log);
+            turn.act(choice, fires, &planners, &mut cpu_log);
         }
     }
 }

@@ -97,7 +97,9 @@ fn scenario_keeps_the_rules(case: &mut Case<'_>) -> Law {
             case.count("would take more memory than it may");
             Ok(())
         }
-        Err(RunError::Stopped) => Err("it was stopped, which nobody asked for".to_owned()),
+        Err(error @ (RunError::Stopped | RunError::NotForked(_) | RunError::FixedInRun { .. })) => {
+            Err(format!("nobody asked for this: {error}"))
+        }
     }
 }
 

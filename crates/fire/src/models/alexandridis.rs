@@ -224,6 +224,10 @@ fn length(v: DVec2) -> f64 {
 }
 
 impl FireModel for Alexandridis {
+    fn redraw(&mut self, seed: u64) {
+        self.chance = Chance::new(seed, CHANCE);
+    }
+
     /// An arrival names the cell that tries and its episode.
     fn follow(
         &mut self,

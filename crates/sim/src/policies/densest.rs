@@ -57,6 +57,10 @@ impl Policy for Densest {
         let choice = first.map(|agent| (agent.id, self.best(seen, agent).map_or(Choice::Wait, Choice::Go)));
         choice.into_iter().collect()
     }
+
+    fn fork(&self) -> Option<Box<dyn Policy>> {
+        Some(Box::new(self.clone()))
+    }
 }
 
 impl Densest {

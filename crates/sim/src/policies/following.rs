@@ -49,7 +49,7 @@ impl OptionsOf<AgentId> for OptionsByName<'_> {
 }
 
 /// Agents that wait for an answer, and what they can see meanwhile.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Question {
     pub asked: Vec<AgentId>,
     pub agents: Vec<AgentView>,
@@ -58,7 +58,7 @@ pub struct Question {
 }
 
 /// Counts and costs of questions to policies that are not built in.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct OwnAsks {
     /// `None` where all policies are built in.
     pub tally: Option<PolicyTally>,
@@ -102,6 +102,38 @@ struct Followed {
     own: Option<PlannerName>,
 }
 
+/// A choice that an agent is given in place of its policy's, from the instant at which it is asked next until it acts on
+/// it; at that instant its policy does not change its mind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Forced {
+    pub agent: AgentId,
+    pub choice: Choice,
+    /// When it was asked first.
+    pub since: Option<SimTime>,
+    /// Whether it was an option of the agent then, so that the agent was given it.
+    pub is_given: bool,
+}
+
+impl Forced {
+    /// Returns whether an agent is given the choice that is asked now and has these options; `None` if that is over.
+    fn applies(&self, since: SimTime, agent: &AgentView, now: SimTime, options: &[Cell]) -> Option<bool> {
+        let Choice::Go(cell) = self.choice else { return (!self.is_given).then_some(true) };
+        let is_over = now > since && (!self.is_given || agent.goal == Some(cell));
+        (!is_over).then(|| options.contains(&cell))
+    }
+}
+
+/// A decision of an agent that had something to choose from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Decision {
+    pub time: SimTime,
+    pub agent: AgentView,
+    /// By cell index.
+    pub options: Vec<Cell>,
+    /// The answer of its policy.
+    pub choice: Choice,
+}
+
 /// The policies of a run, one for all agents of a name, and the question that waits for an answer from outside.
 #[derive(Resource, Default)]
 pub struct Following {
@@ -113,6 +145,12 @@ pub struct Following {
     /// CPU time of the policies of teams.
     pub team_cpu: Duration,
     pub own: OwnAsks,
+    /// A choice that takes the place of the policy's.
+    pub forced: Option<Forced>,
+    /// When the agent was given it.
+    pub forced_at: Option<SimTime>,
+    /// The decisions so far, if anybody wants them.
+    pub decisions: Option<Vec<Decision>>,
 }
 
 impl Following {
@@ -127,6 +165,64 @@ impl Following {
         self.own.add_cpu(making, policy.take_report().elsewhere);
         self.add_for(agents, policy);
         self.policies.last_mut().expect("it was just added").own = Some(name.clone());
+    }
+
+    /// Returns a copy in which everybody follows a copy of the same policy.
+    ///
+    /// # Errors
+    /// The name of the first policy that cannot be copied.
+    pub fn fork(&self) -> Result<Self, String> {
+        let copy = |followed: &Followed| {
+            let own = followed.own.clone();
+            let name = own.as_ref().map_or("that the program was given", PlannerName::name);
+            let policy = followed.policy.fork().ok_or_else(|| name.to_owned())?;
+            Ok::<_, String>(Followed { policy, own })
+        };
+        Ok(Self {
+            policies: self.policies.iter().map(copy).collect::<Result<_, _>>()?,
+            of_agents: self.of_agents.clone(),
+            question: self.question.clone(),
+            answer: self.answer.clone(),
+            team_cpu: self.team_cpu,
+            own: self.own.clone(),
+            forced: self.forced,
+            forced_at: self.forced_at,
+            decisions: self.decisions.clone(),
+        })
+    }
+
+    /// Takes over the policies of another run, and returns what agents follow here that follow one of them there.
+    pub fn adopt(&mut self, other: Self) -> impl Fn(Follows) -> Follows + use<> {
+        let held = self.policies.len();
+        self.policies.extend(other.policies);
+        self.own.tally = self.own.tally.or(other.own.tally);
+        move |Follows(number)| Follows(held + number)
+    }
+
+    /// Draws what policies leave to chance from now on by another seed.
+    pub fn redraw(&mut self, seed: u64) {
+        for Followed { policy, .. } in &mut self.policies {
+            policy.redraw(seed);
+        }
+    }
+
+    /// Returns an agent with a forced choice, if it is among those who are asked and is given the choice now.
+    fn forced_among(
+        &mut self,
+        agents: &[AgentView],
+        options: &OptionsByName<'_>,
+        now: SimTime,
+    ) -> Option<(AgentId, Choice)> {
+        let mut forced = self.forced.filter(|forced| options.entity(forced.agent).is_some())?;
+        let agent = agents.iter().find(|agent| agent.id == forced.agent)?;
+        let since = *forced.since.get_or_insert(now);
+        let applies = forced.applies(since, agent, now, &options.list(agent.id));
+        forced.is_given |= applies == Some(true);
+        if forced.is_given {
+            self.forced_at.get_or_insert(now);
+        }
+        self.forced = applies.map(|_| forced);
+        applies?.then_some((forced.agent, forced.choice))
     }
 
     /// Adds a policy for these agents.
@@ -163,9 +259,15 @@ impl Following {
         agents.sort_by_key(|agent| agent.id);
         let entity_of = |id: AgentId| asked.iter().find(|&&(known, _)| known == id).map(|&(_, entity)| entity);
         let ids: Vec<AgentId> = asked.iter().map(|&(id, _)| id).collect();
+        let by_name = OptionsByName { asked: &asked, options_of };
         let mut choices = std::mem::take(&mut self.answer);
-        if choices.is_empty() {
-            let by_name = OptionsByName { asked: &asked, options_of };
+        let forced = self.forced_among(&agents, &by_name, now);
+        if let Some(forced) = forced
+            && self.asking(policy) == Asking::Each
+        {
+            // Others are asked when it has acted.
+            choices = vec![forced];
+        } else if choices.is_empty() {
             let seen = Observation { now, fires, agents: &agents, options_of: &by_name };
             let Followed { policy, own } = &mut self.policies[policy.0];
             let mut stopwatch = CpuStopwatch::start();
@@ -180,12 +282,37 @@ impl Following {
             }
         }
         choices.retain(|(id, _)| ids.contains(id));
+        if let Some(forced) = forced {
+            force(&mut choices, forced);
+        }
+        if let Some(decisions) = &mut self.decisions {
+            decisions.extend(choices.iter().filter_map(|&(id, choice)| {
+                let agent = *agents.iter().find(|agent| agent.id == id)?;
+                let options = by_name.list(id);
+                let goes_on = agent.goal.is_some_and(|goal| !matches!(choice, Choice::Go(cell) if cell != goal));
+                (options.len() > 1 && !goes_on).then_some(Decision { time: now, agent, options, choice })
+            }));
+        }
         if choices.is_empty() {
             let options = asked.iter().map(|&(_, entity)| options_of.list(entity)).collect();
             self.question = Some(Question { asked: ids, agents, options });
             return Vec::new();
         }
         choices.into_iter().filter_map(|(id, choice)| Some((entity_of(id)?, choice))).collect()
+    }
+}
+
+/// Gives an agent another choice. Whoever was to go where it goes now gets what was meant for it.
+fn force(choices: &mut Vec<(AgentId, Choice)>, (agent, choice): (AgentId, Choice)) {
+    let place = choices.iter().position(|&(id, _)| id == agent).unwrap_or_else(|| {
+        choices.push((agent, Choice::Wait));
+        choices.len() - 1
+    });
+    let before = std::mem::replace(&mut choices[place].1, choice);
+    if let Some((_, other)) =
+        choices.iter_mut().find(|&&mut (id, other)| id != agent && matches!(choice, Choice::Go(_)) && other == choice)
+    {
+        *other = before;
     }
 }
 

@@ -30,7 +30,7 @@ use wildfire_fire::FireField;
 use wildfire_planning::PlanFailure;
 use wildfire_timeline::{Activity, AgentId};
 
-pub use following::{Following, Follows, Inquiry, OwnAsks, Question};
+pub use following::{Decision, Following, Follows, Forced, Inquiry, OwnAsks, Question};
 pub use largest_cluster::cluster_sizes;
 pub use registry::{BuiltIn, MakePolicy, NamedPolicy, Policies, PolicyNameError, PolicySite, RuleSite};
 
@@ -185,6 +185,15 @@ pub trait Policy: Send + Sync {
     fn take_report(&mut self) -> AskReport {
         AskReport::default()
     }
+
+    /// Returns a copy with all that it knows, for a [fork](crate::Simulation::fork) of its run; `None` if it cannot be
+    /// copied.
+    fn fork(&self) -> Option<Box<dyn Policy>> {
+        None
+    }
+
+    /// Draws what it leaves to chance from now on by another seed.
+    fn redraw(&mut self, _seed: u64) {}
 }
 
 /// Chooses for one agent at a time.
@@ -197,7 +206,7 @@ pub trait Rule: Send + Sync {
 #[derive(Clone, Copy, Debug)]
 pub struct OneByOne<R>(pub R);
 
-impl<R: Rule> Policy for OneByOne<R> {
+impl<R: Rule + Clone + 'static> Policy for OneByOne<R> {
     fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
         let first = asked.iter().find_map(|&id| seen.agents.iter().find(|agent| agent.id == id));
         let choice = first.map(|agent| {
@@ -205,5 +214,9 @@ impl<R: Rule> Policy for OneByOne<R> {
             (agent.id, best.map_or(Choice::Wait, Choice::Go))
         });
         choice.into_iter().collect()
+    }
+
+    fn fork(&self) -> Option<Box<dyn Policy>> {
+        Some(Box::new(self.clone()))
     }
 }

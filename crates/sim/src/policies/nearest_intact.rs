@@ -26,6 +26,10 @@ impl Policy for NearestIntact {
         });
         choice.into_iter().collect()
     }
+
+    fn fork(&self) -> Option<Box<dyn Policy>> {
+        Some(Box::new(self.clone()))
+    }
 }
 
 /// Returns the cell whose centre is nearest to a place of the field, of those that are wanted; ties by cell index.

@@ -14,7 +14,7 @@ use wildfire_base::rng::{self, ShuffledPrefix};
 use wildfire_timeline::AgentId;
 
 /// Chooses a random option.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct RandomIntact {
     bushes: Vec<Cell>,
     seed: u64,
@@ -22,7 +22,7 @@ pub struct RandomIntact {
 }
 
 /// The order of one Wumpus.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Turns {
     permutation: ShuffledPrefix,
     /// Where the next one is looked for first.
@@ -54,5 +54,14 @@ impl Policy for RandomIntact {
     fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
         let first = asked.first();
         first.map(|&agent| (agent, self.draw(seen, agent).map_or(Choice::Wait, Choice::Go))).into_iter().collect()
+    }
+
+    fn fork(&self) -> Option<Box<dyn Policy>> {
+        Some(Box::new(self.clone()))
+    }
+
+    fn redraw(&mut self, seed: u64) {
+        self.seed = seed;
+        self.turns.clear();
     }
 }

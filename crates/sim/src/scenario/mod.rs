@@ -200,6 +200,28 @@ pub struct Scenario {
     pub policy: Programs,
 }
 
+impl Scenario {
+    /// Returns this scenario with everything of another that may change in the middle of a run: how trucks plan, and how
+    /// agents decide.
+    pub fn with_conduct_of(&self, other: &Self) -> Self {
+        let wumpus = |(own, other): (&Wumpus, &Wumpus)| Wumpus { goal: other.goal.clone(), ..own.clone() };
+        let unimog = |(own, other): (&Unimog, &Unimog)| {
+            let Unimog { start, vehicle, speed_mps, reverse_speed_mps, limits, .. } = own.clone();
+            Unimog { start, vehicle, speed_mps, reverse_speed_mps, limits, ..other.clone() }
+        };
+        Self {
+            dispatch: other.dispatch.clone(),
+            sight: other.sight.clone(),
+            traffic: other.traffic.clone(),
+            planner: other.planner.clone(),
+            policy: other.policy.clone(),
+            wumpus: self.wumpus.iter().zip(&other.wumpus).map(wumpus).collect(),
+            unimog: self.unimog.iter().zip(&other.unimog).map(unimog).collect(),
+            ..self.clone()
+        }
+    }
+}
+
 ranges! { Scenario {
     duration_s: 0.001..=1e6;
     fire, suppression, score, dispatch, sight, traffic, water, wind, weather, landscape, planner, policy, wumpus, unimog,

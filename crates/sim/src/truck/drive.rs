@@ -95,7 +95,8 @@ impl Truck {
     ) -> Option<Drive> {
         let discs: Vec<GoalDisc> = goals.iter().map(|&goal| self.disc(outset.frame, goal)).collect();
         let mut monitor = QueryMonitor::new(recorder.records_searches);
-        let (index, plan) = plan_to_nearest(self.planner.as_mut(), &self.body, outset.pose, &discs, &mut monitor)?;
+        let planner = &mut **self.planner.lock();
+        let (index, plan) = plan_to_nearest(planner, &self.body, outset.pose, &discs, &mut monitor)?;
         let (path, found_by) = settle(plan, monitor, outset.now, spent, cost, recorder).ok()?;
         Some(Drive { goal: goals[index], path, back_m: 0.0, effort: *spent, found_by })
     }
@@ -110,7 +111,7 @@ impl Truck {
         recorder: &mut Recorder,
     ) -> Result<(Path, FoundBy), (PlanFailure, Effort)> {
         let mut monitor = QueryMonitor::new(recorder.records_searches);
-        let plan = self.planner.plan_observed(outset.pose, disc.into(), &mut monitor);
+        let plan = self.planner.lock().plan_observed(outset.pose, disc.into(), &mut monitor);
         settle(plan, monitor, outset.now, spent, cost, recorder).map_err(|reason| (reason, std::mem::take(spent)))
     }
 
@@ -126,11 +127,11 @@ impl Truck {
         let Outset { pose, frame, .. } = outset;
         let disc = self.disc(frame, goal);
         let near = if disc.radius_m.is_finite() { disc } else { GoalDisc { radius_m: REACH_WITHOUT_RULE_M, ..disc } };
-        if !self.reachability.reaches(near) {
+        if !self.reachability.lock().reaches(near) {
             return None;
         }
         let mut effort = Effort::default();
-        let (path, expansions) = self.reachability.search(pose, near);
+        let (path, expansions) = self.reachability.lock().search(pose, near);
         effort.local_expansions += expansions;
         if let Some(path) = path {
             return Some(Drive { goal, path, back_m: 0.0, effort, found_by: FoundBy::Reachability });
@@ -138,7 +139,7 @@ impl Truck {
         // Where it cannot turn it came in another way: back along its own tracks to where one of the last legs began, and
         // planned from there. The planner keeps to the scenario's rule, so it may end farther away where there is none.
         for legs in 1..=self.tracks.legs().min(BACKED_OUT_LEGS) {
-            let plan = self.planner.plan(self.tracks.start_of_last(legs), disc.into());
+            let plan = self.planner.lock().plan(self.tracks.start_of_last(legs), disc.into());
             effort += plan.effort;
             // What this thread did is in the time of the whole.
             if let Some(cpu) = plan.cpu.filter(|cpu| cpu.source != CpuSource::Thread) {
@@ -149,7 +150,7 @@ impl Truck {
                 return Some(Drive { goal, path, back_m, effort, found_by: FoundBy::BackingOut });
             }
         }
-        let path = self.reachability.path_to(near)?;
+        let path = self.reachability.lock().path_to(near)?;
         let (path, back_m) = self.tracks.lead_back(pose, self.tracks.legs(), path);
         Some(Drive { goal, path, back_m, effort, found_by: FoundBy::WayHome })
     }

@@ -20,6 +20,7 @@ use bevy_app::prelude::*;
 use bevy_ecs::prelude::*;
 
 use crate::scenario::TrafficRules;
+use crate::shared::Shared;
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::SpeedLimits;
@@ -51,7 +52,7 @@ impl Plugin for TruckPlugin {
 }
 
 /// A truck's rules, planners and knowledge.
-#[derive(Component)]
+#[derive(Component, Clone)]
 pub struct Truck {
     pub body: Dimensions,
     pub speed: SpeedLimits,
@@ -62,10 +63,10 @@ pub struct Truck {
     /// For how long a stop wets what does not burn in reach, if it does.
     wets: Option<SimTime>,
     charge: Charge,
-    planner: Box<dyn TruckPlanner>,
+    planner: Shared<Box<dyn TruckPlanner>>,
     /// Whether goals that the planner failed on are driven by what the flood knows.
     is_rescued: bool,
-    reachability: Reachability,
+    reachability: Shared<Reachability>,
     /// Goals that the planner failed on, while they burn.
     failed_goals: Vec<Cell>,
     /// Goals that the flood does not reach.
@@ -85,6 +86,13 @@ pub struct Truck {
 }
 
 impl Truck {
+    /// Plans from now on as another truck on the same field does.
+    pub fn plan_like(&mut self, other: &Self) {
+        self.planner = other.planner.clone();
+        (self.charge, self.is_rescued, self.traffic) = (other.charge, other.is_rescued, other.traffic.clone());
+        self.failed_goals.clear();
+    }
+
     /// Returns the planning time charged for an effort.
     pub fn charge(&self, effort: &Effort) -> SimTime {
         let Charge { roadmap_s, local_s } = self.charge;

@@ -11,6 +11,7 @@ use crate::policies::Following;
 use crate::recorder::Recorder;
 use crate::run::{AgentCost, RunError};
 use crate::scenario::{self, Extinguishes, PlannerContext, Retarget, free_start};
+use crate::shared::Shared;
 use crate::wake::WokenBy;
 use wildfire_base::time::SimTime;
 use wildfire_planning::collision::CollisionChecker;
@@ -67,9 +68,9 @@ pub fn spawn(
         extinguishes_all: suppression.extinguishes == Extinguishes::AllInReach,
         wets: arena.scenario.fire.wet(),
         charge: settings.planning_charge(&arena.scenario.planner),
-        planner,
+        planner: Shared::new(planner),
         is_rescued: settings.is_rescued(),
-        reachability: Reachability::new(&checker, arena.memory, start),
+        reachability: Shared::new(Reachability::new(&checker, arena.memory, start)),
         failed_goals: Vec::new(),
         out_of_reach: Vec::new(),
         tracks: Tracks::default(),

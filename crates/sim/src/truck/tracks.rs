@@ -7,7 +7,7 @@ use wildfire_base::geometry::Pose;
 use wildfire_base::vehicle::{Path, Segment};
 
 /// Legs from the start to the present pose, each beginning where the one before ended.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Tracks {
     legs: Vec<Path>,
     /// Metres of the present leg that lead back over the last ones.

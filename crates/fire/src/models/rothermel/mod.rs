@@ -113,6 +113,12 @@ impl Rothermel {
 }
 
 impl FireModel for Rothermel {
+    fn redraw(&mut self, seed: u64) {
+        if let Some(sparks) = &mut self.sparks {
+            sparks.redraw(seed);
+        }
+    }
+
     fn follow(
         &mut self,
         fires: &FireField,

@@ -27,6 +27,11 @@ impl Sparks {
         Self { embers, landscape, weather, options, glowing: BTreeSet::new() }
     }
 
+    /// Draws embers that fly from now on by another seed.
+    pub fn redraw(&mut self, seed: u64) {
+        self.embers.seed = seed;
+    }
+
     /// Lets the embers fly of a cell that catches fire from a front that came along a way, or that was lit: then its front
     /// is that of the head.
     pub fn fly_from(&mut self, cell: Cell, way: Option<DVec2>, episode: u32, time: SimTime) {

@@ -30,4 +30,8 @@ impl Policy for NearestByDrive {
     fn choose(&mut self, _: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
         asked.first().map(|&truck| (truck, Choice::GoToNearest)).into_iter().collect()
     }
+
+    fn fork(&self) -> Option<Box<dyn Policy>> {
+        Some(Box::new(self.clone()))
+    }
 }

@@ -37,6 +37,7 @@ pub struct TruckSite {
 }
 
 /// A rule that assigns fires to trucks, and another that places the idle ones.
+#[derive(Clone)]
 pub struct DispatchPolicy {
     site: TeamSite,
     assignment: Box<dyn Assignment>,
@@ -101,6 +102,10 @@ impl Policy for DispatchPolicy {
 
     fn charge(&self) -> SimTime {
         self.charge
+    }
+
+    fn fork(&self) -> Option<Box<dyn Policy>> {
+        Some(Box::new(self.clone()))
     }
 }
 

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use dyn_clone::DynClone;
 use glam::DVec2;
 
 use wildfire_base::geometry::{Cell, FieldFrame};
@@ -122,7 +123,7 @@ impl Team<'_> {
 }
 
 /// Assigns fires to the trucks of a team.
-pub trait Assignment: Send + Sync {
+pub trait Assignment: DynClone + Send + Sync {
     /// Returns the goals of trucks that are asked; those that are left out have nothing to go for. No cell is given twice.
     /// Adds what it looked at to `effort`, in pairs of a truck and a fire, or in rollouts.
     fn assign(&mut self, team: &Team<'_>, effort: &mut u64) -> Vec<(AgentId, Cell)>;
@@ -136,8 +137,12 @@ pub trait Assignment: Send + Sync {
     }
 }
 
+dyn_clone::clone_trait_object!(Assignment);
+
 /// Chooses where trucks without a goal wait.
-pub trait Positioning: Send + Sync {
+pub trait Positioning: DynClone + Send + Sync {
     /// Returns places for some of these trucks, which are asked and have no goal; the others stay where they are.
     fn post(&mut self, team: &Team<'_>, idle: &[AgentId]) -> Vec<(AgentId, DVec2)>;
 }
+
+dyn_clone::clone_trait_object!(Positioning);

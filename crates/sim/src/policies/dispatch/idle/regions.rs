@@ -42,6 +42,7 @@ impl Positioning for Regions {
 
 /// Assigns fires by another rule: first those of each region to its own trucks, then the rest to the trucks that are
 /// left.
+#[derive(Clone)]
 pub struct RegionsFirst(pub Box<dyn Assignment>);
 
 impl Assignment for RegionsFirst {

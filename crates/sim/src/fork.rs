@@ -1,0 +1,338 @@
+//! Forks: copies of an unfinished run that go on by themselves.
+
+use bevy_ecs::prelude::*;
+use serde_json::Value;
+use thiserror::Error;
+
+use super::agent::{Agent, Roster};
+use super::end::Ended;
+use super::fire::{Fires, Ignitions};
+use super::policies::{Choice, Decision, Following, Follows, Forced};
+use super::queue::{SimClock, SimQueue};
+use super::recorder::{CpuLog, Recorder};
+use super::truck::Truck;
+use super::wake::WokenBy;
+use super::walk_grounds::WalkPlanners;
+use super::wumpus::Wumpus;
+use super::{Memory, RunError, RunOptions, Simulation};
+use crate::scenario::Scenario;
+use wildfire_base::geometry::Cell;
+use wildfire_base::rng;
+use wildfire_base::time::SimTime;
+use wildfire_fire::BushStateKind;
+use wildfire_timeline::{AgentId, Role};
+
+/// The reason why a run has no forks.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("the policy {0} runs outside this program and cannot be copied in the middle of a run")]
+pub struct NotForked(String);
+
+impl Simulation {
+    /// Returns a copy of the run at this instant. A copy that nobody interferes with ends as this run does, bit for bit.
+    ///
+    /// Planners are shared, as their answers do not depend on earlier ones.
+    ///
+    /// # Errors
+    /// If a policy cannot be copied, because another program decides.
+    pub fn fork(&self) -> Result<Self, NotForked> {
+        let (world, schedule) = super::empty_world();
+        let Memory { limit, estimate, meter } = &self.memory;
+        let memory = Memory { limit: *limit, estimate: estimate.clone(), meter: meter.clone() };
+        let (setting, cost, has_begun) = (self.setting.clone(), self.cost.clone(), self.has_begun);
+        let mut fork = Self { world, schedule, setting, cost, has_begun, memory };
+        copy_world(&self.world, &mut fork.world)?;
+        Ok(fork)
+    }
+
+    /// Makes this run a copy of another run of the same setting, which is cheaper than a new fork.
+    ///
+    /// # Errors
+    /// As [`Self::fork`]; then this run is as it was.
+    pub fn become_fork_of(&mut self, other: &Self) -> Result<(), NotForked> {
+        copy_world(&other.world, &mut self.world)?;
+        self.has_begun = other.has_begun;
+        Ok(())
+    }
+
+    /// Returns a fork in which trucks plan, and agents decide, as another scenario says from now on. Agents that are under
+    /// way stay so; the others decide at once.
+    ///
+    /// # Errors
+    /// As [`Self::fork`]; if the scenarios differ in anything that cannot change in the middle of a run; or if a planner
+    /// or a policy cannot be made.
+    pub fn fork_into(&self, before: &Scenario, after: &Scenario, options: &RunOptions) -> Result<Self, RunError> {
+        let fixed = before.with_conduct_of(after);
+        if fixed != *after {
+            return Err(RunError::FixedInRun { key: first_difference(&fixed, after) });
+        }
+        let mut other = Self::with(after, self.setting.seed, options)?;
+        let mut fork = self.fork()?;
+        let policies = other.world.remove_resource::<Following>().expect("every run has policies");
+        let follows = fork.world.resource_mut::<Following>().adopt(policies);
+        fork.world.resource_mut::<Recorder>().count_on(&other.memory.meter);
+        let is_team_new = before.dispatch != after.dispatch || before.sight != after.sight;
+        let plans_otherwise = before.planner != after.planner || before.traffic != after.traffic;
+        let agents = [&fork, &other].map(|run| run.world.resource::<Roster>().0.clone());
+        for (&entity, &model) in agents[0].iter().zip(&agents[1]) {
+            let (model, mut own) = (other.world.entity(model), fork.world.entity_mut(entity));
+            let id = own.get::<Agent>().expect("it is an agent").id;
+            let number = usize::from(id.number);
+            let decides_otherwise = before.policy != after.policy
+                || match id.role {
+                    Role::Wumpus => before.wumpus[number].goal != after.wumpus[number].goal,
+                    Role::Unimog => {
+                        let conduct = |scenario: &Scenario| {
+                            let truck = &scenario.unimog[number];
+                            (truck.goal.clone(), truck.retarget)
+                        };
+                        is_team_new || conduct(before) != conduct(after)
+                    }
+                };
+            if let (Some(mut own), Some(model)) = (own.get_mut::<Truck>(), model.get::<Truck>())
+                && (plans_otherwise || before.unimog[number] != after.unimog[number])
+            {
+                own.plan_like(model);
+            }
+            if decides_otherwise {
+                let follows = follows(*model.get::<Follows>().expect("every agent follows a policy"));
+                own.insert((follows, model.get::<WokenBy>().expect("every agent is woken").clone()));
+                fork.let_decide(entity);
+            }
+        }
+        fork.memory = other.memory;
+        Ok(fork)
+    }
+
+    /// Lets an agent that stands without a goal decide now.
+    fn let_decide(&mut self, entity: Entity) {
+        let now = self.now();
+        self.world.resource_scope(|world, mut queue: Mut<'_, SimQueue>| {
+            let mut agent = world.get_mut::<Agent>(entity).expect("it is an agent");
+            if agent.is_free() {
+                agent.reconsider(entity, now, &mut queue);
+            }
+        });
+    }
+
+    /// Draws what is left to chance from now on again: the bushes that a random arsonist goes for next, and whether fire
+    /// spreads where the model of the fire leaves it to chance. Runs of one seed and one number share their luck.
+    pub fn redraw(&mut self, future: u32) {
+        let seed = rng::key(self.setting.seed, &format!("future/{future}"));
+        self.world.resource_mut::<Following>().redraw(seed);
+        self.world.resource_mut::<Fires>().model.redraw(seed);
+    }
+
+    /// Gives an agent this choice when it is asked next, in place of its policy's. At that instant its policy does not
+    /// change its mind; later it may. What is no option of the agent then has no effect.
+    pub fn force(&mut self, agent: AgentId, choice: Choice) {
+        self.world.resource_mut::<Following>().forced = Some(Forced { agent, choice, since: None, is_given: false });
+    }
+
+    /// Returns when the agent with a [forced](Self::force) choice was given it.
+    pub fn forced_at(&self) -> Option<SimTime> {
+        self.world.resource::<Following>().forced_at
+    }
+
+    /// Returns the number of bushes that have burned out or burn.
+    pub fn lost(&self) -> usize {
+        let is_lost =
+            |cell: &&Cell| matches!(self.fires().kind(**cell), Some(BushStateKind::Burning | BushStateKind::BurnedOut));
+        self.setting.bushes.iter().filter(is_lost).count()
+    }
+
+    /// Notes the [decisions](Self::decisions) from now on.
+    pub fn note_decisions(&mut self) {
+        self.world.resource_mut::<Following>().decisions = Some(Vec::new());
+    }
+
+    /// Returns the decisions that were noted: those of agents that had something to choose from and set out for something
+    /// new, or stayed.
+    pub fn decisions(&self) -> &[Decision] {
+        self.world.resource::<Following>().decisions.as_deref().unwrap_or_default()
+    }
+}
+
+/// Returns the first key in which two scenarios differ.
+fn first_difference(one: &Scenario, other: &Scenario) -> String {
+    fn find(one: &Value, other: &Value) -> Option<String> {
+        let below = |name: String, rest: String| if rest.is_empty() { name } else { format!("{name}.{rest}") };
+        match (one, other) {
+            (Value::Object(one), Value::Object(other)) => one.keys().chain(other.keys()).find_map(|name| {
+                let pair = (one.get(name).unwrap_or(&Value::Null), other.get(name).unwrap_or(&Value::Null));
+                Some(below(name.clone(), find(pair.0, pair.1)?))
+            }),
+            (Value::Array(one), Value::Array(other)) if one.len() == other.len() => {
+                let mut pairs = one.iter().zip(other).enumerate();
+                pairs.find_map(|(number, (one, other))| Some(below(number.to_string(), find(one, other)?)))
+            }
+            _ => (one != other).then(String::new),
+        }
+    }
+    let [one, other] = [one, other].map(|scenario| serde_json::to_value(scenario).unwrap_or_default());
+    find(&one, &other).unwrap_or_default()
+}
+
+/// Copies what a run consists of. A world that holds a run of as many agents is overwritten.
+fn copy_world(from: &World, to: &mut World) -> Result<(), NotForked> {
+    let following = from.resource::<Following>().fork().map_err(NotForked)?;
+    let agents = &from.resource::<Roster>().0;
+    let held = to.get_resource::<Roster>().map_or(Vec::new(), |roster| roster.0.clone());
+    let copies: Vec<Entity> =
+        if held.len() == agents.len() { held } else { agents.iter().map(|_| to.spawn_empty().id()).collect() };
+    for (&agent, &copy) in agents.iter().zip(&copies) {
+        let (from, mut to) = (from.entity(agent), to.entity_mut(copy));
+        copy_component::<Agent>(&from, &mut to);
+        copy_component::<Follows>(&from, &mut to);
+        copy_component::<WokenBy>(&from, &mut to);
+        copy_component::<Wumpus>(&from, &mut to);
+        copy_component::<Truck>(&from, &mut to);
+    }
+    let copy_of = |agent| agents.iter().position(|&other| other == agent).map_or(agent, |number| copies[number]);
+    to.insert_resource(from.resource::<SimQueue>().for_agents(copy_of));
+    to.insert_resource(Roster(copies));
+    to.insert_resource(following);
+    copy_resource::<SimClock>(from, to);
+    copy_resource::<Ended>(from, to);
+    copy_resource::<Fires>(from, to);
+    copy_resource::<Ignitions>(from, to);
+    copy_resource::<WalkPlanners>(from, to);
+    copy_resource::<Recorder>(from, to);
+    copy_resource::<CpuLog>(from, to);
+    Ok(())
+}
+
+fn copy_component<T: Component + Clone>(from: &EntityRef<'_>, to: &mut EntityWorldMut<'_>) {
+    if let Some(component) = from.get::<T>() {
+        to.insert(component.clone());
+    }
+}
+
+fn copy_resource<T: Resource + Clone>(from: &World, to: &mut World) {
+    to.insert_resource(from.resource::<T>().clone());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::policies::Policies;
+    use crate::{run, scenario};
+    use wildfire_timeline::{Fact, FireFact, Timeline};
+
+    fn load(name: &str, duration_s: f64) -> Scenario {
+        scenario::load(name, &[format!("duration_s={duration_s}")]).expect("the preset loads")
+    }
+
+    fn ended(mut simulation: Simulation) -> Timeline {
+        simulation.advance_to(SimTime::MAX);
+        simulation.finish().timeline
+    }
+
+    #[test]
+    fn a_fork_of_any_preset_ends_as_its_parent() {
+        for (name, duration_s, instants) in [("smoke", 300.0, 20), ("fleet", 200.0, 8), ("river", 200.0, 4)] {
+            let scenario = load(name, duration_s);
+            let expected = run(&scenario, 3).expect("it takes place").timeline;
+            let mut parent = Simulation::new(&scenario, 3).expect("it takes place");
+            let mut other = Simulation::new(&scenario, 3).expect("it takes place");
+            let end = expected.end_time().as_seconds();
+            let mut forks = vec![parent.fork().expect("its policies are built in")];
+            for instant in 0..instants {
+                parent.advance_to(SimTime::from_seconds(end * f64::from(instant) / f64::from(instants)));
+                forks.push(parent.fork().expect("its policies are built in"));
+                // Of one that has gone elsewhere.
+                other.redraw(instant as u32);
+                other.advance_to(SimTime::from_seconds(0.5 * end));
+                other.become_fork_of(&parent).expect("its policies are built in");
+                assert_eq!(other.now(), parent.now());
+                assert_eq!(other.facts(), parent.facts());
+            }
+            // Forks of forks, the last first: what planners have learned since does not matter.
+            for fork in forks.iter().rev() {
+                assert_eq!(ended(fork.fork().expect("its policies are built in")), expected, "{name}");
+            }
+            assert_eq!(ended(other), expected, "{name}");
+            assert_eq!(ended(parent), expected, "{name}");
+            for fork in forks {
+                assert_eq!(ended(fork), expected, "{name}");
+            }
+        }
+    }
+
+    fn lit(timeline: &Timeline) -> Vec<Cell> {
+        let lit = timeline.events.iter().filter_map(|event| match event.fact {
+            Fact::Fire(FireFact::Ignited { cell, .. }) => Some(cell),
+            _ => None,
+        });
+        lit.collect()
+    }
+
+    #[test]
+    fn futures_share_what_has_happened_and_runs_of_one_number_their_luck() {
+        let scenario = load("fleet", 400.0);
+        let mut parent = Simulation::new(&scenario, 3).expect("it takes place");
+        let middle = SimTime::from_seconds(150.0);
+        parent.advance_to(middle);
+        let future = |number| {
+            let mut fork = parent.fork().expect("its policies are built in");
+            fork.redraw(number);
+            ended(fork)
+        };
+        let unchanged = ended(parent.fork().expect("its policies are built in"));
+        assert_eq!(future(1), future(1));
+        assert!(lit(&future(1)) != lit(&future(2)) && lit(&future(1)) != lit(&unchanged));
+        let until_middle = |timeline: &Timeline| timeline.events.partition_point(|event| event.time <= middle);
+        assert_eq!(future(1).events[..until_middle(&unchanged)], unchanged.events[..until_middle(&unchanged)]);
+    }
+
+    #[test]
+    fn a_forced_choice_is_carried_out_once_and_the_policy_decides_again() {
+        for (name, changes) in [("smoke", vec![]), ("fleet", vec!["dispatch.policy=auction".to_owned()])] {
+            let scenario = scenario::load(name, &changes).expect("the preset loads");
+            let mut noting = Simulation::new(&scenario, 5).expect("it takes place");
+            noting.note_decisions();
+            noting.advance_to(SimTime::from_seconds(600.0));
+            let goes = noting.decisions().iter().rev().filter_map(|decision| match decision.choice {
+                Choice::Go(cell) if decision.agent.id.role.suppresses() => Some((decision, cell)),
+                _ => None,
+            });
+            let (mut tried, mut carried_out) = (0, 0);
+            for (decision, cell) in goes.take(8) {
+                let other = *decision.options.iter().find(|&&option| option != cell).expect("there were two");
+                let mut fork = Simulation::new(&scenario, 5).expect("it takes place");
+                fork.advance_to(decision.time - SimTime::from_nanos(1));
+                fork.force(decision.agent.id, Choice::Go(other));
+                fork.advance_to(decision.time);
+                assert_eq!(fork.forced_at(), Some(decision.time), "{name}");
+                let agents = fork.agents();
+                let agent = agents.iter().find(|agent| agent.id == decision.agent.id).expect("all are seen");
+                tried += 1;
+                // Others may be in the way there.
+                carried_out += u32::from(agent.goal == Some(other));
+                let timeline = ended(fork);
+                assert!(wildfire_audit::audit_timeline(&timeline, Default::default()).violation.is_none());
+            }
+            assert!(tried == 8 && carried_out >= 6, "{name}: {carried_out}");
+        }
+    }
+
+    #[test]
+    fn a_policy_that_cannot_be_copied_is_named() {
+        struct Foreign;
+        impl crate::policies::Policy for Foreign {
+            fn choose(&mut self, _: &crate::policies::Observation<'_>, _: &[AgentId]) -> Vec<(AgentId, Choice)> {
+                Vec::new()
+            }
+        }
+        let make = |_: &crate::policies::PolicySite<'_>| {
+            let policy: Box<dyn crate::policies::Policy> = Box::new(Foreign);
+            Ok(policy)
+        };
+        let policies = Policies::default().with("foreign", make).expect("it is free");
+        let options = RunOptions { policies, ..RunOptions::default() };
+        let changes = ["policy.foreign.command=[]".to_owned(), "unimog.goal=foreign".to_owned()];
+        let scenario = scenario::load("smoke", &changes).expect("it loads");
+        let simulation = Simulation::with(&scenario, 1, &options).expect("it takes place");
+        let refused = simulation.fork().map(drop).expect_err("nobody can copy it").to_string();
+        assert!(refused.starts_with("the policy foreign runs outside"), "{refused}");
+    }
+}
