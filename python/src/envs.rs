@@ -7,6 +7,7 @@ use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use wildfire::geometry::Cell;
 use wildfire::picture::film::{FrameRenderer, FrameRequest, RunView, ViewOptions};
+use wildfire::rng;
 use wildfire::scenario::{Scenario, TruckGoal, WumpusGoal};
 use wildfire::sim::{Episode, Points, RunError, RunOptions};
 use wildfire::time::SimTime;
@@ -23,10 +24,19 @@ const MOST_LANES: usize = 4096;
 #[derive(Default)]
 struct Lane {
     episode: Option<Episode>,
+    /// The seed and all actions so far.
+    history: History,
     /// The cells of each seat's candidates.
     candidates: Vec<Vec<Cell>>,
     points: Points,
     time: SimTime,
+}
+
+/// What a contest was played with: a seed, and the actions of all seats of each step.
+#[derive(Clone, Default)]
+struct History {
+    seed: u64,
+    actions: Vec<Vec<i64>>,
 }
 
 /// The parts of the arrays that belong to one lane.
@@ -47,6 +57,7 @@ struct Board<'a> {
 enum Task<'a> {
     Stay,
     Reset(u64),
+    Restore(&'a SavedContest, Option<u32>),
     Step(&'a [i64]),
 }
 
@@ -57,6 +68,8 @@ struct Rules {
     layout: Layout,
     /// True if all asked agents answer together, each in its own seat; otherwise one answers at a time.
     together: bool,
+    /// A number of its own for scenario, agents and actions: a saved contest fits where it is the same.
+    key: u64,
 }
 
 impl Rules {
@@ -76,6 +89,27 @@ impl Rules {
                 board.action_mask.fill(0);
                 board.illegal.fill(false);
                 lane.episode = Some(episode);
+                lane.history = History { seed, actions: Vec::new() };
+            }
+            Task::Restore(saved, future) => {
+                let Some(episode) = &saved.episode else {
+                    // It was pickled: played again up to there, it is the same.
+                    self.carry_out(lane, Task::Reset(saved.history.seed), board)?;
+                    for actions in &saved.history.actions {
+                        self.carry_out(lane, Task::Step(actions), board)?;
+                    }
+                    let Some(episode) = &lane.episode else { return Ok(()) };
+                    let restored = SavedContest { episode: Some(episode.fork(None)?), ..saved.without_episode() };
+                    return self.carry_out(lane, Task::Restore(&restored, future), board);
+                };
+                let episode = episode.fork(future)?;
+                (lane.points, lane.time) = (episode.points(), episode.now());
+                board.shared.cells.fill(0);
+                board.shared.burning_s.fill(0.0);
+                board.action_mask.fill(0);
+                board.illegal.fill(false);
+                lane.episode = Some(episode);
+                lane.history = saved.history.clone();
             }
             Task::Step(actions) => {
                 let Some(episode) = &mut lane.episode else { return Ok(()) };
@@ -92,6 +126,7 @@ impl Rules {
                     }
                 }
                 episode.answer(&choices)?;
+                lane.history.actions.push(actions.to_vec());
             }
         }
         self.observe(lane, board);
@@ -147,6 +182,36 @@ struct Arrays {
 
 fn zeros<T: Element>(py: Python<'_>, length: usize) -> Py<PyArray1<T>> {
     PyArray1::zeros(py, length, false).unbind()
+}
+
+/// A contest as it was when it was saved.
+#[pyclass(module = "wildfire_contest._core", frozen)]
+pub struct SavedContest {
+    /// `None` after it was pickled.
+    episode: Option<Episode>,
+    history: History,
+    /// The environments that it fits.
+    played_in: u64,
+}
+
+impl SavedContest {
+    fn without_episode(&self) -> Self {
+        Self { episode: None, history: self.history.clone(), played_in: self.played_in }
+    }
+}
+
+#[pymethods]
+impl SavedContest {
+    #[new]
+    fn new(seed: u64, actions: Vec<Vec<i64>>, played_in: u64) -> Self {
+        Self { episode: None, history: History { seed, actions }, played_in }
+    }
+
+    /// Pickles the seed and the actions; whoever restores the contest plays them again.
+    fn __reduce__(&self, py: Python<'_>) -> PyResult<(Py<PyAny>, (u64, Vec<Vec<i64>>, u64))> {
+        let class = py.get_type::<Self>().into_any().unbind();
+        Ok((class, (self.history.seed, self.history.actions.clone(), self.played_in)))
+    }
 }
 
 /// Contests of one scenario side by side, played from outside. Observations are written into the same arrays.
@@ -207,7 +272,8 @@ impl Contests {
             wait: SimTime::from_seconds(wait_s),
             duration: SimTime::from_seconds(scenario.duration_s),
         };
-        let rules = Rules { scenario, played, layout, together };
+        let settings = format!("{scenario:?} {played:?} {nearest:?} {wait_s} {together}");
+        let rules = Rules { scenario, played, layout, together, key: rng::key(0, &settings) };
         let (cells, seats) = (lanes * rules.layout.frame.cell_count(), lanes * rules.seats());
         let arrays = Arrays {
             cells: zeros(py, cells),
@@ -329,6 +395,30 @@ impl Contests {
         }
         let tasks = self.tasks(&resets, |lane| Task::Step(&actions[lane * seats..(lane + 1) * seats]))?;
         self.carry_out(py, tasks)
+    }
+
+    /// Returns a copy of a contest as it is now.
+    fn save(&self, lane: usize) -> PyResult<SavedContest> {
+        let none = || PyIndexError::new_err("there is no contest to save yet: call reset first");
+        let lane = self.lanes.get(lane).ok_or_else(none)?;
+        let episode = lane.episode.as_ref().ok_or_else(none)?.fork(None).map_err(error)?;
+        Ok(SavedContest { episode: Some(episode), history: lane.history.clone(), played_in: self.rules.key })
+    }
+
+    /// Makes a contest what it was when it was saved, with its own future or one that is drawn again by a number.
+    #[pyo3(signature = (lane, saved, future=None))]
+    fn restore(&mut self, py: Python<'_>, lane: usize, saved: &SavedContest, future: Option<u32>) -> PyResult<()> {
+        if saved.played_in != self.rules.key {
+            return Err(PyValueError::new_err("the contest was saved in an environment with other settings"));
+        }
+        if lane >= self.lanes.len() {
+            return Err(PyIndexError::new_err(format!("there is no contest {lane}")));
+        }
+        let tasks = (0..self.lanes.len()).map(|other| match other == lane {
+            true => Task::Restore(saved, future),
+            false => Task::Stay,
+        });
+        self.carry_out(py, tasks.collect())
     }
 
     /// Draws the current state of a contest: an array of height, width and red, green, blue.

@@ -41,7 +41,7 @@ mod _core {
     #[pymodule_export]
     use crate::drive::Driver;
     #[pymodule_export]
-    use crate::envs::{Contests, named_agents};
+    use crate::envs::{Contests, SavedContest, named_agents};
     #[pymodule_export]
     use crate::path::{Path, dubins_length, reeds_shepp_length};
     #[pymodule_export]

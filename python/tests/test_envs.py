@@ -1,5 +1,6 @@
 """Environments: the tests of Gymnasium and PettingZoo, and whole episodes."""
 
+import pickle
 import subprocess
 import sys
 
@@ -306,3 +307,35 @@ def test_pictures_have_three_colours():
     assert picture.dtype == np.uint8
     assert picture.std() > 5
     assert envs.TruckEnv("smoke").render() is None
+
+
+@pytest.mark.parametrize("actions", ["cells", "nearest"])
+def test_a_restored_contest_goes_on_as_the_saved_one_did(actions):
+    env = envs.TruckEnv("fleet", actions=actions)
+    choose = envs.nearest if actions == "nearest" else lambda seen: int(np.flatnonzero(seen["action_mask"])[-1])
+    seen, _ = env.reset(seed=3)
+    for _ in range(25):
+        seen = env.step(choose(seen))[0]
+    saved = env.save()
+    copies = [saved, pickle.loads(pickle.dumps(saved))]
+
+    def go_on(seen, steps):
+        trace = []
+        for _ in range(steps):
+            seen, reward, *_ = env.step(choose(seen))
+            trace.append((reward, seen["time_s"].tolist(), seen["agents"].tolist(), seen["cells"].tolist()))
+        return trace
+
+    expected = go_on(seen, 40)
+    for copy in copies:
+        restored, info = env.restore(copy)
+        assert info == {"dt_s": 0.0, "illegal": 0}
+        assert all(np.array_equal(restored[name], seen[name]) for name in seen)
+        assert go_on(restored, 40) == expected
+        futures = [go_on(env.restore(copy, future=future)[0], 40) for future in (1, 1, 2)]
+        assert futures[0] == futures[1] != futures[2]
+        assert futures[0] != expected
+    with pytest.raises(ValueError, match="other settings"):
+        envs.TruckEnv("smoke", actions=actions).restore(saved)
+    with pytest.raises(IndexError, match="reset first"):
+        envs.TruckEnv("smoke", actions=actions).save()

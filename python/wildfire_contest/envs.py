@@ -170,6 +170,19 @@ class TruckEnv(gymnasium.Env[dict[str, Any], np.int64]):
         info = {"dt_s": float(self._dt_s[0]), "illegal": int(self._illegal[0])}
         return self._seen(), float(self._reward[0]), bool(self._ended[0]), False, info
 
+    def save(self) -> _core.SavedContest:
+        """Return a copy of the contest as it is now, for `restore`. It can be pickled: then it is played again up to there."""
+        return self._contests.save(0)
+
+    def restore(self, state: _core.SavedContest, *, future: int | None = None) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Make the contest what it was when it was saved.
+
+        Without `future` it goes on as it did. With a number, what is left to chance is drawn again from here on, so that a
+        planner that tries actions does not know the future; the same number is the same future.
+        """
+        self._contests.restore(0, state, future)
+        return self._seen(), {"dt_s": 0.0, "illegal": 0}
+
     def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
         """Return a picture of the contest's current state, of shape (height, width, 3)."""
         return None if self.render_mode is None else self._contests.picture(0, PICTURE_SIZE)

@@ -5,6 +5,7 @@
 mod arena;
 mod args;
 mod assignment;
+mod attain;
 mod audit;
 mod batch;
 mod cite;
@@ -19,6 +20,7 @@ mod demo;
 mod error;
 mod export;
 mod fire;
+mod fork;
 #[cfg(test)]
 #[path = "../../tests/fuzz/mod.rs"]
 mod fuzz;
@@ -45,6 +47,7 @@ mod scenarios;
 mod shell;
 mod show;
 mod terminal;
+mod why;
 
 use std::env;
 use std::ffi::OsString;
@@ -54,6 +57,7 @@ use clap::builder::FalseyValueParser;
 use clap::{CommandFactory, Parser, Subcommand};
 
 use arena::ArenaCommand;
+use attain::AttainArguments;
 use audit::AuditArguments;
 use batch::{BatchArguments, MergeArguments, ReportArguments, StatusArguments};
 use cite::CiteArguments;
@@ -64,6 +68,7 @@ use demo::DemoArguments;
 use error::CliError;
 use export::ExportArguments;
 use fire::FireCommand;
+use fork::ForkArguments;
 use judge::JudgeArguments;
 use map::MapCommand;
 use map_of::MapOfArguments;
@@ -75,6 +80,7 @@ use render::RenderArguments;
 use run::RunArguments;
 use scenarios::{CheckArguments, NewArguments, ScenariosArguments, SchemaArguments};
 use shell::{CompletionsArguments, ManArguments};
+use why::WhyArguments;
 
 use wildfire_base::untrusted::visible;
 use wildfire_batch::LONG_VERSION;
@@ -143,6 +149,12 @@ pub enum Command {
         #[command(subcommand)]
         command: ArenaCommand,
     },
+    /// Run again up to a time and then otherwise: another answer, another policy, another planner.
+    Fork(ForkArguments),
+    /// Judge the decisions of a run: what every other choice would have cost or saved.
+    Why(WhyArguments),
+    /// Search for the fewest bushes that trucks who know the future could have lost.
+    Attain(AttainArguments),
     /// Audit finished runs against the rules: recordings, or all runs of batches.
     Audit(AuditArguments),
     /// Write a commented template: a scenario, the plan of a batch, a planner, a course.
@@ -230,6 +242,9 @@ fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode,
         Command::Compare(compare) => compare::run(compare, arguments.quiet),
         Command::Rank(rank) => rank::run(rank, &context.with_trust(rank.trust)),
         Command::Arena { command } => arena::run(command, context),
+        Command::Fork(fork) => fork::run(fork, &context.with_programs(&fork.scenario.programs)),
+        Command::Why(why) => why::run(why, &context.with_programs(&why.scenario.programs)),
+        Command::Attain(attain) => attain::run(attain, &context.with_programs(&attain.scenario.programs)),
         Command::Audit(audit) => audit::run(audit, &context.with_trust(audit.trust)),
         Command::Status(folder) => batch::status(folder),
         Command::Merge(folder) => batch::merge(folder, arguments.quiet),

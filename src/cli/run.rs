@@ -137,7 +137,7 @@ impl<'a> Outputs<'a> {
             let sentence = format!("--step is {step_s}; expected seconds, at least {FINEST_STEP_S}");
             return Err(CliError::bad_input(sentence, None));
         }
-        check_agents(&arguments.agents, scenario)?;
+        check_agents("--agent", &arguments.agents, scenario)?;
         let recording = arguments.out.as_deref().map(|path| recording_path(path, scenario, seed));
         let inputs = vec![arguments.answers.as_deref().unwrap_or(Path::new(&arguments.scenario.source))];
         let files = Files { inputs, form: arguments.form, ..Files::default() }.writing([
@@ -170,7 +170,7 @@ impl<'a> Outputs<'a> {
 }
 
 /// Refuses names that no agent of the scenario has.
-fn check_agents(named: &[AgentId], scenario: &Scenario) -> Result<(), CliError> {
+pub fn check_agents(option: &str, named: &[AgentId], scenario: &Scenario) -> Result<(), CliError> {
     let count = |role| match role {
         Role::Wumpus => scenario.wumpus.len(),
         Role::Unimog => scenario.unimog.len(),
@@ -179,8 +179,9 @@ fn check_agents(named: &[AgentId], scenario: &Scenario) -> Result<(), CliError> 
         return Ok(());
     };
     let (role, found) = (stranger.role.name(), count(stranger.role));
-    let sentence =
-        format!("--agent names {stranger}; the scenario has {found} of this kind, expected {role}/N with N below that");
+    let sentence = format!(
+        "{option} names {stranger}; the scenario has {found} of this kind, expected {role}/N with N below that"
+    );
     Err(CliError::bad_input(sentence, None))
 }
 
@@ -194,14 +195,14 @@ fn recording_path(path: &Path, scenario: &Scenario, seed: u64) -> PathBuf {
     }
 }
 
-fn write_recording(path: &Path, timeline: &Timeline) -> Result<(), CliError> {
+pub fn write_recording(path: &Path, timeline: &Timeline) -> Result<(), CliError> {
     let unwritable = |error| CliError::environment(format_args!("cannot write {}: {error}", path.display()));
     file::write(timeline, path).map_err(unwritable)
 }
 
 /// The result of a run.
-struct RunReport {
-    row: RunRow,
+pub struct RunReport {
+    pub row: RunRow,
 }
 
 impl Serialize for RunReport {

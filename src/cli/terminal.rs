@@ -82,6 +82,11 @@ impl Progress {
         Self { bar: self.bar.with_position(held), held, ..self }
     }
 
+    /// Says how many there will be.
+    pub fn expect(&self, count: u64) {
+        self.bar.set_length(count);
+    }
+
     /// Counts one.
     pub fn advance(&self) {
         self.bar.inc(1);

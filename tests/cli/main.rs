@@ -14,6 +14,7 @@ mod contest;
 mod course;
 mod curve;
 mod curve_pairs;
+mod decisions;
 mod demo;
 mod english;
 mod errors;

@@ -8,18 +8,20 @@
 //! the number of workers, on slices or on interruptions. A run that fails or panics is a row like the others, with the
 //! reason.
 //!
-//! Four modules, each of which imports only those before it, and four more beside the last:
+//! Four modules, each of which imports only those before it, and five more beside the last:
 //! - `plan`: the runs, frozen in `plan.json`;
 //! - `execute`: workers, the journal and its folder; each run yields a [`RunRow`];
 //! - `table`: the columns, the files written from them, and the reader of these files;
 //! - `report`: reports on one batch, from its summary to its page of charts, and its audit;
 //! - `maps`: results of a batch for every cell of the field;
+//! - `decisions`: what the decisions of a run were worth;
 //! - `drives`: queries to planners outside of runs, their table and their summary;
 //! - [`comparison`]: comparisons of batches, including those of other versions of the program;
 //! - [`arena`]: frozen tracks, and boards of entries on them.
 
 pub mod arena;
 pub mod comparison;
+mod decisions;
 mod drives;
 mod execute;
 mod maps;
@@ -28,6 +30,7 @@ mod report;
 pub mod stats;
 mod table;
 
+pub use decisions::{Answers, Attained, ChosenDecisions, PlayedChoice, WhyReport, Worth, attain, attain_all};
 #[doc(hidden)]
 pub use drives::made_up_drives;
 pub use drives::{

@@ -37,7 +37,7 @@ mod survival;
 
 pub use answers::{PairedAnswers, mean_rate_difference_interval, wilson_interval};
 pub use bootstrap::{RESAMPLES, RESOLUTION, studentised_bootstrap};
-pub use distributions::t_reach;
+pub use distributions::{t_quantile_above, t_reach, t_two_sided};
 pub use equivalence::Equivalence;
 pub use holm::holm;
 pub use mean::{cohens_dz, estimate_mean};

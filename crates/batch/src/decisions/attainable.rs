@@ -1,0 +1,158 @@
+//! How few bushes a run could have lost: the best that was found by dispatchers who know what the arsonists will do.
+//!
+//! The search goes through the decisions of the trucks by time, plays each with other choices to the end of the run, as its
+//! policies go on, and keeps what loses less (rollout with a known future: Bertsekas, Tsitsiklis, Wu, "Rollout algorithms for
+//! combinatorial optimization", Journal of Heuristics 3, 1997). It begins again with the improved run until nothing improves
+//! or its budget of runs is spent. Whatever it finds is a run that takes place, by the rules that all runs keep: an attainable
+//! loss, from above. How far the best possible loss is below that, it does not say.
+
+use std::collections::BTreeMap;
+use std::ops::Bound;
+
+use rayon::prelude::*;
+use wildfire_base::geometry::Cell;
+use wildfire_base::time::SimTime;
+use wildfire_sim::policies::{Choice, Decision};
+use wildfire_sim::scenario::Scenario;
+use wildfire_sim::{RunError, RunOptions, Simulation};
+use wildfire_timeline::{AgentId, Timeline};
+
+use super::futures::nearest_options;
+
+/// A better course of a run.
+#[derive(Clone, Debug)]
+pub struct Attained {
+    /// The bushes that the run lost by its own policies.
+    pub lost: usize,
+    /// The bushes that it loses with these answers.
+    pub attainable: usize,
+    /// Where trucks go instead of where their policies send them.
+    pub answers: Answers,
+    /// The runs that were played.
+    pub runs: u32,
+    pub timeline: Timeline,
+}
+
+/// The cells of trucks that decide at a time; one for each instant.
+pub type Answers = BTreeMap<SimTime, (AgentId, Cell)>;
+
+/// Searches for a course of a run that loses less, with at most `budget` runs of at most `choices` choices a decision.
+///
+/// # Errors
+/// If the run cannot take place or cannot be forked.
+pub fn attain(
+    (scenario, seed): (&Scenario, u64),
+    options: &RunOptions,
+    (choices, budget): (usize, u32),
+) -> Result<Attained, RunError> {
+    let start = Simulation::with(scenario, seed, options)?;
+    let mut search =
+        Search { before: start.fork()?, fork: start.fork()?, answers: Answers::new(), given: None, left: budget };
+    let mut decisions = search.play(None)?;
+    let lost = search.fork.lost();
+    let mut attainable = lost;
+    loop {
+        let before = attainable;
+        search.restart(&start)?;
+        let mut next = 0;
+        while let Some(decision) = decisions.get(next).cloned() {
+            next += 1;
+            let Decision { time, agent, .. } = &decision;
+            search.go_to(*time);
+            let taken = search.answers.get(time).copied();
+            if taken.is_some_and(|(other, _)| other != agent.id) {
+                continue;
+            }
+            for cell in nearest_options(&decision, search.before.fires().frame(), None).into_iter().take(choices) {
+                if Some((agent.id, cell)) == taken || Choice::Go(cell) == decision.choice || search.left == 0 {
+                    continue;
+                }
+                let answer = (*time, (agent.id, cell));
+                let played = search.play(Some(answer))?;
+                if search.fork.lost() < attainable {
+                    attainable = search.fork.lost();
+                    // What came later was an answer to another course of the run.
+                    search.answers.split_off(time);
+                    search.answers.insert(answer.0, answer.1);
+                    next = played.partition_point(|later| later.time <= *time);
+                    decisions = played;
+                }
+            }
+        }
+        if attainable == before || search.left == 0 {
+            break;
+        }
+    }
+    search.restart(&start)?;
+    search.go_to(SimTime::MAX);
+    search.before.expect_within_memory()?;
+    let Search { before, answers, left, .. } = search;
+    debug_assert_eq!(before.lost(), attainable);
+    Ok(Attained { lost, attainable, answers, runs: budget - left, timeline: before.finish().timeline })
+}
+
+/// Searches likewise for each of some seeds, and calls `on_seed` after each.
+///
+/// # Errors
+/// As [`attain`].
+pub fn attain_all(
+    (scenario, seeds): (&Scenario, &[u64]),
+    options: &RunOptions,
+    how: (usize, u32),
+    on_seed: impl Fn() + Sync,
+) -> Result<Vec<(u64, Attained)>, RunError> {
+    let one = |&seed: &u64| {
+        let attained = attain((scenario, seed), options, how)?;
+        on_seed();
+        Ok((seed, attained))
+    };
+    seeds.par_iter().map(one).collect()
+}
+
+struct Search {
+    /// The course so far, before the decision that is looked at.
+    before: Simulation,
+    /// What is played on from there.
+    fork: Simulation,
+    answers: Answers,
+    /// The time of the last answer that the course was given.
+    given: Option<SimTime>,
+    left: u32,
+}
+
+impl Search {
+    fn restart(&mut self, start: &Simulation) -> Result<(), RunError> {
+        self.given = None;
+        Ok(self.before.become_fork_of(start)?)
+    }
+
+    /// Advances the course to just before a time.
+    fn go_to(&mut self, time: SimTime) {
+        let instant = SimTime::from_nanos(1);
+        let given = self.given.map_or(Bound::Unbounded, Bound::Excluded);
+        for (&at, &(agent, cell)) in self.answers.range((given, Bound::Excluded(time))) {
+            if at > SimTime::ZERO {
+                self.before.advance_to(at - instant);
+            }
+            self.before.force(agent, Choice::Go(cell));
+            self.given = Some(at);
+        }
+        if time > SimTime::ZERO {
+            self.before.advance_to(if time == SimTime::MAX { time } else { time - instant });
+        }
+    }
+
+    /// Plays the course to its end, with another answer, or with those that are known. Returns the decisions of trucks.
+    fn play(&mut self, answer: Option<(SimTime, (AgentId, Cell))>) -> Result<Vec<Decision>, RunError> {
+        self.left = self.left.saturating_sub(1);
+        self.fork.become_fork_of(&self.before)?;
+        self.fork.note_decisions();
+        if let Some((_, (agent, cell))) = answer {
+            self.fork.force(agent, Choice::Go(cell));
+        }
+        self.fork.advance_to(SimTime::MAX);
+        self.fork.expect_within_memory()?;
+        let of_trucks = self.fork.decisions().iter().filter(|decision| decision.agent.id.role.suppresses());
+        Ok(of_trucks.cloned().collect())
+    }
+}

@@ -1,0 +1,257 @@
+//! Plays the choices of decisions over the same futures.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use wildfire_base::geometry::{Cell, FieldFrame};
+use wildfire_base::time::SimTime;
+use wildfire_sim::policies::{Choice, Decision};
+use wildfire_sim::scenario::Scenario;
+use wildfire_sim::{RunError, RunOptions, Simulation};
+use wildfire_timeline::{AgentFact, AgentId, Fact};
+
+use super::why::WhyReport;
+use crate::stats::{CONFIDENCE, Interval, Series, holm};
+
+/// The parts of all futures after which a decision may be settled.
+const ROUNDS: [f64; 3] = [0.25, 0.5, 1.0];
+
+/// The fewest futures that a round begins with: fewer leave their spread unknown.
+const FEWEST_FUTURES: u32 = 4;
+
+/// A difference that surely is below this, in bushes, is settled.
+const NOTHING: f64 = 0.5;
+
+/// Pieces of work for each thread, so that none waits long for the others.
+const PIECES_A_THREAD: usize = 4;
+
+/// The decisions that are looked at, and how closely.
+#[derive(Clone, Debug)]
+pub struct ChosenDecisions {
+    /// All trucks if there are none.
+    pub agents: Vec<AgentId>,
+    pub from: SimTime,
+    pub to: SimTime,
+    /// At most so many decisions, spread evenly over those that there are.
+    pub sample: Option<usize>,
+    /// The most choices of one decision, including what was chosen.
+    pub choices: usize,
+    /// The most futures in which each is played.
+    pub futures: u32,
+}
+
+/// A choice that an agent had and did not take.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlayedChoice {
+    pub cell: Cell,
+    /// By how many bushes the agent's side would have done better, by future.
+    pub gains: Vec<f64>,
+    /// Their mean and its interval, over all rounds.
+    pub mean: f64,
+    pub interval: Interval,
+    pub p_value: f64,
+    /// The same after adjustment for all choices of the run.
+    pub p_adjusted: f64,
+}
+
+/// A decision, and what its choices were worth.
+#[derive(Clone, Debug)]
+pub struct Worth {
+    pub decision: Decision,
+    /// Where the agent set out for; `None` if it stayed.
+    pub chosen: Option<Cell>,
+    /// By mean, the best first.
+    pub others: Vec<PlayedChoice>,
+}
+
+impl Worth {
+    /// Returns the best of the other choices if it is significantly better than what was chosen.
+    pub fn better(&self) -> Option<&PlayedChoice> {
+        self.others.first().filter(|best| best.p_adjusted < 1.0 - CONFIDENCE && best.mean > 0.0)
+    }
+
+    /// Returns the best of the other choices if all of them are significantly worse than what was chosen.
+    pub fn all_worse(&self) -> Option<&PlayedChoice> {
+        let is_worse = |other: &PlayedChoice| other.p_adjusted < 1.0 - CONFIDENCE && other.mean < 0.0;
+        self.others.first().filter(|_| self.others.iter().all(is_worse))
+    }
+}
+
+impl ChosenDecisions {
+    /// Plays the choices of decisions of a run.
+    ///
+    /// Calls `on_decision` after each, with the number of all.
+    ///
+    /// # Errors
+    /// If the run cannot take place or cannot be forked.
+    pub fn judge(
+        &self,
+        scenario: &Scenario,
+        seed: u64,
+        options: &RunOptions,
+        on_decision: impl Fn(usize) + Sync,
+    ) -> Result<WhyReport, RunError> {
+        let mut run = Simulation::with(scenario, seed, options)?;
+        run.note_decisions();
+        run.fork()?;
+        run.advance_to(SimTime::MAX);
+        run.expect_within_memory()?;
+        let chosen = self.of_run(&run);
+        let count = chosen.len();
+        let pieces = chosen.chunks(count.div_ceil(PIECES_A_THREAD * rayon::current_num_threads()).max(1));
+        let judged: Vec<Result<Vec<Worth>, RunError>> = pieces
+            .collect::<Vec<_>>()
+            .into_par_iter()
+            .map(|piece| {
+                let mut bench = Bench::new(scenario, seed, options)?;
+                let mut worths = Vec::new();
+                for (decision, cell) in piece {
+                    worths.push(bench.judge((decision, *cell), self, count)?);
+                    on_decision(count);
+                }
+                Ok(worths)
+            })
+            .collect();
+        let judged = judged.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let mut worths: Vec<Worth> = judged.into_iter().flatten().collect();
+        let p_values: Vec<f64> = worths.iter().flat_map(|worth| &worth.others).map(|other| other.p_value).collect();
+        let others = worths.iter_mut().flat_map(|worth| &mut worth.others);
+        others.zip(holm(&p_values)).for_each(|(other, p_adjusted)| other.p_adjusted = p_adjusted);
+        let (scenario, lost) = (scenario.name.clone(), run.lost());
+        Ok(WhyReport { scenario, seed, lost, bushes: run.setting().bushes.len(), worths })
+    }
+
+    /// Lists the decisions of a run that are looked at, with where the agents set out for.
+    fn of_run(&self, run: &Simulation) -> Vec<(Decision, Option<Cell>)> {
+        let mut set_out: BTreeMap<(AgentId, SimTime), Cell> = BTreeMap::new();
+        for event in run.facts() {
+            if let Fact::Agent(agent, AgentFact::Planned { goal, .. }) = event.fact {
+                set_out.insert((agent, event.time), goal);
+            }
+        }
+        let is_meant =
+            |agent: AgentId| self.agents.contains(&agent) || self.agents.is_empty() && agent.role.suppresses();
+        let mut decisions: Vec<(Decision, Option<Cell>)> = Vec::new();
+        for decision in run.decisions() {
+            let (agent, time) = (decision.agent.id, decision.time);
+            if !is_meant(agent) || time < self.from || time > self.to {
+                continue;
+            }
+            // An agent may be asked several times at one instant, until it can do what was chosen.
+            if !decisions.iter().rev().take_while(|(last, _)| last.time == time).any(|(last, _)| last.agent.id == agent)
+            {
+                decisions.push((decision.clone(), set_out.get(&(agent, time)).copied()));
+            }
+        }
+        let count = decisions.len();
+        match self.sample {
+            Some(sample) if sample < count => {
+                (0..sample).map(|number| decisions[(2 * number + 1) * count / (2 * sample)].clone()).collect()
+            }
+            _ => decisions,
+        }
+    }
+}
+
+/// Lists the options of a decision but one, the nearest to the agent first.
+pub fn nearest_options(decision: &Decision, frame: &FieldFrame, except: Option<Cell>) -> Vec<Cell> {
+    let squared_m = |cell: &Cell| (frame.centre(*cell) - decision.agent.place).length_squared();
+    let mut cells: Vec<Cell> = decision.options.iter().copied().filter(|&cell| Some(cell) != except).collect();
+    cells.sort_by(|a, b| squared_m(a).total_cmp(&squared_m(b)));
+    cells
+}
+
+/// A run before a decision, and a copy of it that is played on.
+struct Bench {
+    before: Simulation,
+    fork: Simulation,
+}
+
+impl Bench {
+    fn new(scenario: &Scenario, seed: u64, options: &RunOptions) -> Result<Self, RunError> {
+        let before = Simulation::with(scenario, seed, options)?;
+        let fork = before.fork()?;
+        Ok(Self { before, fork })
+    }
+
+    /// Plays the choices of a decision, one of `count`, that is not earlier than the last.
+    fn judge(
+        &mut self,
+        (decision, chosen): (&Decision, Option<Cell>),
+        how: &ChosenDecisions,
+        count: usize,
+    ) -> Result<Worth, RunError> {
+        if decision.time > SimTime::ZERO {
+            self.before.advance_to(decision.time - SimTime::from_nanos(1));
+        }
+        let cells = nearest_options(decision, self.before.fires().frame(), chosen);
+        let mut others: Vec<PlayedChoice> =
+            cells.into_iter().take(how.choices.saturating_sub(1)).map(PlayedChoice::new).collect();
+        // What was left to chance at the decision itself has been drawn.
+        let kept = match decision.choice {
+            Choice::Go(cell) => Some(cell),
+            _ => None,
+        };
+        let sign = if decision.agent.id.role.suppresses() { 1.0 } else { -1.0 };
+        let mut played = 0;
+        for part in ROUNDS {
+            let until = ((f64::from(how.futures) * part).round() as u32).clamp(FEWEST_FUTURES, how.futures);
+            for future in played..until {
+                let lost = self.play(decision, kept, future)?;
+                for other in &mut others {
+                    other.gains.push(sign * (lost - self.play(decision, Some(other.cell), future)?));
+                }
+            }
+            played = until;
+            others.iter_mut().for_each(PlayedChoice::sum_up);
+            if others.iter().all(|other| other.is_settled(count)) {
+                break;
+            }
+        }
+        others.sort_by(|a, b| b.mean.total_cmp(&a.mean));
+        Ok(Worth { decision: decision.clone(), chosen, others })
+    }
+
+    /// Plays one future, in which the agent goes for a cell if one is named, and returns what is lost.
+    fn play(&mut self, decision: &Decision, cell: Option<Cell>, future: u32) -> Result<f64, RunError> {
+        self.fork.become_fork_of(&self.before)?;
+        self.fork.redraw(future);
+        if let Some(cell) = cell {
+            self.fork.force(decision.agent.id, Choice::Go(cell));
+        }
+        self.fork.advance_to(SimTime::MAX);
+        self.fork.expect_within_memory()?;
+        Ok(self.fork.lost() as f64)
+    }
+}
+
+impl PlayedChoice {
+    fn new(cell: Cell) -> Self {
+        let nothing = Interval { low: 0.0, high: 0.0 };
+        Self { cell, gains: Vec::new(), mean: 0.0, interval: nothing, p_value: 1.0, p_adjusted: 1.0 }
+    }
+
+    /// Computes mean, interval and p-value of the gains so far, for one of the [`ROUNDS`].
+    fn sum_up(&mut self) {
+        let series = Series::from_values(&self.gains);
+        let rounds = ROUNDS.len() as f64;
+        self.mean = series.mean().unwrap_or(0.0);
+        let error = series.standard_error().unwrap_or(0.0);
+        let degrees = self.gains.len() as f64 - 1.0;
+        let reach = crate::stats::t_quantile_above(0.5 * (1.0 - CONFIDENCE) / rounds, degrees);
+        self.interval = Interval { low: self.mean - reach * error, high: self.mean + reach * error };
+        self.p_value = match error > 0.0 {
+            true => (rounds * crate::stats::t_two_sided(self.mean / error, degrees)).min(1.0),
+            // All futures agree, which few of them may do by chance: at best they are as rare as equal signs.
+            false if self.mean == 0.0 => 1.0,
+            false => (rounds * 2.0 * 0.5_f64.powf(self.gains.len() as f64)).min(1.0),
+        };
+    }
+
+    /// Returns whether more futures would hardly change what is said about it, as one of so many decisions.
+    fn is_settled(&self, decisions: usize) -> bool {
+        let Interval { low, high } = self.interval;
+        let is_significant = self.p_value * (decisions as f64) < 1.0 - CONFIDENCE;
+        is_significant || high < 0.0 || low > -NOTHING && high < NOTHING
+    }
+}

@@ -1,0 +1,165 @@
+//! The report on decisions: a sentence, a table, an object.
+
+use serde::{Serialize, Serializer};
+use wildfire_base::document::number::{probability, rounded};
+use wildfire_base::document::{Block, Document, Table};
+use wildfire_base::geometry::Cell;
+use wildfire_base::object;
+
+use super::futures::{PlayedChoice, Worth};
+
+/// The most decisions that the table lists.
+const LISTED: usize = 20;
+
+/// What the decisions of a run were worth.
+#[derive(Clone, Debug)]
+pub struct WhyReport {
+    pub scenario: String,
+    pub seed: u64,
+    /// Bushes that burned out or burned at the end.
+    pub lost: usize,
+    pub bushes: usize,
+    /// By time.
+    pub worths: Vec<Worth>,
+}
+
+fn place(cell: Cell) -> String {
+    format!("({}, {})", cell.col, cell.row)
+}
+
+/// Returns the time of a decision in seconds, rounded down: a run that is forked there has not decided yet.
+fn time_before(worth: &Worth) -> String {
+    rounded((worth.decision.time.as_seconds() * 10.0).floor() / 10.0, 1)
+}
+
+fn went(worth: &Worth) -> String {
+    let who = worth.decision.agent.id;
+    match worth.chosen {
+        Some(cell) => format!("{who} went to {}", place(cell)),
+        None => format!("{who} stayed"),
+    }
+}
+
+fn bushes(choice: &PlayedChoice) -> String {
+    let size = |bushes: f64| rounded(bushes, 1);
+    let (low, high) = (choice.interval.low, choice.interval.high);
+    let (mean, low, high) = if choice.mean < 0.0 { (-choice.mean, -high, -low) } else { (choice.mean, low, high) };
+    format!("{} bushes (95 % {} to {})", size(mean), size(low), size(high))
+}
+
+impl WhyReport {
+    /// Lists the decisions that cost something, the worst first.
+    pub fn mistakes(&self) -> Vec<&Worth> {
+        let cost = |worth: &&Worth| worth.better().map_or(0.0, |better| better.mean);
+        let mut mistakes: Vec<&Worth> = self.worths.iter().filter(|worth| worth.better().is_some()).collect();
+        mistakes.sort_by(|a, b| cost(b).total_cmp(&cost(a)));
+        mistakes
+    }
+
+    /// Lists the decisions that were better than all other choices.
+    pub fn good(&self) -> Vec<&Worth> {
+        self.worths.iter().filter(|worth| worth.all_worse().is_some()).collect()
+    }
+
+    fn sentences(&self) -> Vec<String> {
+        let Self { lost, bushes: all, worths, .. } = self;
+        let (mistakes, good) = (self.mistakes(), self.good());
+        let mut sentences = vec![format!("{lost} of {all} bushes were lost.")];
+        if let Some(worst) = mistakes.first()
+            && let Some(better) = worst.better()
+        {
+            sentences.push(format!(
+                "The decision at {} s cost {}: {}, not to {}.",
+                time_before(worst),
+                bushes(better),
+                went(worst),
+                place(better.cell)
+            ));
+        }
+        sentences.push(format!(
+            "Of {} decisions {} cost something and {} were better than every other choice; for the rest no choice is \
+             significantly better or worse.",
+            worths.len(),
+            mistakes.len(),
+            good.len()
+        ));
+        let mean = |of: &dyn Fn(&Worth) -> f64| worths.iter().map(of).sum::<f64>() / worths.len().max(1) as f64;
+        let best = mean(&|worth| worth.others.first().map_or(0.0, |best| best.mean.max(0.0)));
+        sentences.push(format!(
+            "The best other choice of each looks {} bushes better on average, part of which is luck: the best of several \
+             means is too high.",
+            rounded(best, 2)
+        ));
+        sentences
+    }
+
+    fn table(&self) -> Table {
+        let mut ranked: Vec<&Worth> = self.worths.iter().filter(|worth| !worth.others.is_empty()).collect();
+        ranked.sort_by(|a, b| b.others[0].mean.total_cmp(&a.others[0].mean));
+        let row = |worth: &&Worth| {
+            let best = &worth.others[0];
+            let verdict = match (worth.better().is_some(), worth.all_worse().is_some()) {
+                (true, _) => "mistake",
+                (_, true) => "good",
+                _ => "",
+            };
+            vec![
+                worth.decision.agent.id.to_string(),
+                worth.chosen.map_or_else(|| "stayed".to_owned(), place),
+                place(best.cell),
+                verdict.to_owned(),
+                time_before(worth),
+                rounded(best.mean, 2),
+                format!("{} to {}", rounded(best.interval.low, 1), rounded(best.interval.high, 1)),
+                probability(best.p_adjusted),
+                best.gains.len().to_string(),
+            ]
+        };
+        let rows = ranked.iter().take(LISTED).map(row).collect();
+        let headings = ["Agent", "Went to", "Best other", "", "t [s]", "Gain", "95 %", "p", "Futures"];
+        Table { text_columns: 4, ..Table::new(&headings, rows) }
+    }
+}
+
+impl From<&WhyReport> for Document {
+    fn from(report: &WhyReport) -> Self {
+        let mut document = Self::new(format!("{}, seed {}: what decisions were worth", report.scenario, report.seed))
+            .with([Block::List(report.sentences())]);
+        if report.worths.iter().any(|worth| !worth.others.is_empty()) {
+            document.add(report.table());
+            document.add(Block::Text(
+                "Gain: how many bushes more the agent's side would have saved (a truck) or burned (a Wumpus) by going \
+                 to the best other cell, the mean over futures drawn again. p is adjusted for all choices of the run \
+                 (Holm)."
+                    .to_owned(),
+            ));
+        }
+        document
+    }
+}
+
+impl Serialize for WhyReport {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let cell = |cell: Cell| [cell.col, cell.row];
+        let choice = |choice: &PlayedChoice| {
+            let PlayedChoice { mean, interval, p_value, p_adjusted, gains, .. } = choice.clone();
+            object!(Choice { cell: cell(choice.cell), mean, interval, p_value, p_adjusted, gains })
+        };
+        let decision = |worth: &Worth| {
+            object!(Decision {
+                t_s: worth.decision.time.as_seconds(),
+                agent: worth.decision.agent.id.to_string(),
+                x_m: worth.decision.agent.place.x,
+                y_m: worth.decision.agent.place.y,
+                chosen: worth.chosen.map(cell),
+                options: worth.decision.options.len(),
+                is_mistake: worth.better().is_some(),
+                is_good: worth.all_worse().is_some(),
+                others: worth.others.iter().map(choice).collect::<Vec<_>>(),
+            })
+        };
+        let Self { scenario, seed, lost, bushes, worths } = self;
+        let decisions = worths.iter().map(decision).collect::<Vec<_>>();
+        object!(Why { scenario, seed, lost, bushes, decisions }).serialize(serializer)
+    }
+}

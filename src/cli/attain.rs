@@ -1,0 +1,165 @@
+//! `wildfire attain`.
+
+use std::num::NonZeroUsize;
+use std::process::ExitCode;
+
+use clap::Args;
+use serde::{Serialize, Serializer};
+
+use crate::cli::args::{MemoryArguments, ScenarioArguments, jobs_or_all, parse_jobs};
+use crate::cli::context::CommandContext;
+use crate::cli::error::CliError;
+use crate::cli::report::FormArguments;
+use crate::cli::terminal::Progress;
+use crate::cli::{numbers, terminal};
+use wildfire_base::document::number::{optional, rounded};
+use wildfire_base::document::{Block, Document, Table};
+use wildfire_base::geometry::Cell;
+use wildfire_base::object;
+use wildfire_base::time::SimTime;
+use wildfire_batch::stats::{Interval, Series};
+use wildfire_batch::{Attained, Seeds, attain_all, limit_threads};
+use wildfire_sim::scenario;
+use wildfire_timeline::AgentId;
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  wildfire attain fleet --seeds 1..10
+  wildfire attain fleet --set dispatch.policy=auction --runs 1000 --json
+
+The search knows what the arsonists will do, so no dispatcher needs to be able to do as well;
+but every loss that it finds is that of a run by the rules. A better one may exist.")]
+pub struct AttainArguments {
+    #[command(flatten)]
+    pub scenario: ScenarioArguments,
+    #[command(flatten)]
+    pub memory: MemoryArguments,
+    /// The seeds, such as `7`, `1..5` or `1,5,9`.
+    #[arg(short, long, default_value = "1..5", allow_hyphen_values = true, value_parser = parse_seeds)]
+    pub seeds: Seeds,
+    /// Try at most so many choices of a decision: the cells nearest to the truck.
+    #[arg(long, default_value_t = 4, allow_hyphen_values = true, value_parser = parse_choices)]
+    pub choices: usize,
+    /// Play at most so many runs for each seed.
+    #[arg(long, default_value_t = 400, allow_hyphen_values = true, value_parser = parse_runs)]
+    pub runs: u32,
+    /// Number of threads [default: the number of processors].
+    #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
+    pub jobs: Option<NonZeroUsize>,
+    #[command(flatten)]
+    pub form: FormArguments,
+}
+
+fn parse_seeds(text: &str) -> Result<Seeds, String> {
+    text.parse().map_err(|error: wildfire_batch::SeedsError| error.to_string())
+}
+
+fn parse_choices(text: &str) -> Result<usize, String> {
+    numbers::parse_within(text, &(1..=1000), "a whole number")
+}
+
+fn parse_runs(text: &str) -> Result<u32, String> {
+    numbers::parse_within(text, &(1..=1_000_000), "a whole number")
+}
+
+/// Refuses more: each seed takes seconds to minutes.
+const MOST_SEEDS: u64 = 100_000;
+
+pub fn run(arguments: &AttainArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
+    let changes = context.with_own_names(&arguments.scenario.overrides);
+    let scenario = scenario::load(&arguments.scenario.source, &changes)?;
+    context.expect_trusted(&scenario)?;
+    context.note_doubts([&scenario]);
+    if arguments.seeds.count() > MOST_SEEDS {
+        let sentence = format!("--seeds has {} seeds; expected at most {MOST_SEEDS}", arguments.seeds.count());
+        return Err(CliError::bad_input(sentence, None));
+    }
+    let seeds: Vec<u64> = arguments.seeds.iter().collect();
+    limit_threads(jobs_or_all(arguments.jobs));
+    let options = context.run_options(false, arguments.memory.limit());
+    let progress = Progress::new(seeds.len() as u64, "seeds", context.quiet);
+    let how = (arguments.choices, arguments.runs);
+    let rows = attain_all((&scenario, &seeds), &options, how, || progress.advance());
+    progress.end();
+    let report = AttainReport { scenario: scenario.name.clone(), rows: rows.map_err(CliError::run_failed)? };
+    terminal::print(&arguments.form.render(&report))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+struct AttainReport {
+    scenario: String,
+    rows: Vec<(u64, Attained)>,
+}
+
+/// The most seeds that have a row each.
+const LISTED: usize = 20;
+
+impl AttainReport {
+    /// Returns losses, attainable losses and their differences.
+    fn series(&self) -> [(&'static str, Series); 3] {
+        let of = |value: fn(&Attained) -> f64| {
+            Series::from_values(&self.rows.iter().map(|(_, row)| value(row)).collect::<Vec<_>>())
+        };
+        [
+            ("lost", of(|row| row.lost as f64)),
+            ("attainable", of(|row| row.attainable as f64)),
+            ("headroom", of(|row| (row.lost - row.attainable) as f64)),
+        ]
+    }
+}
+
+impl From<&AttainReport> for Document {
+    fn from(report: &AttainReport) -> Self {
+        let row = |(seed, row): &(u64, Attained)| {
+            let headroom = row.lost - row.attainable;
+            [*seed as usize, row.lost, row.attainable, headroom, row.answers.len(), row.runs as usize]
+                .map(|number| number.to_string())
+                .to_vec()
+        };
+        let mut rows: Vec<Vec<String>> = report.rows.iter().take(LISTED).map(row).collect();
+        let series = report.series();
+        let rules_before = vec![rows.len()];
+        let line = |name: &str, value: &dyn Fn(&Series) -> Option<f64>| {
+            let cells = series.iter().map(|(_, series)| optional(value(series), 1));
+            [name.to_owned()].into_iter().chain(cells).chain([String::new(), String::new()]).collect::<Vec<_>>()
+        };
+        rows.push(line("Mean", &Series::mean));
+        rows.push(line("95% low", &|series| series.mean_interval().map(|interval: Interval| interval.low)));
+        rows.push(line("95% high", &|series| series.mean_interval().map(|interval: Interval| interval.high)));
+        let headings = ["Seed", "Lost", "Attainable", "Headroom", "Answers", "Runs"];
+        let [(_, lost), _, (_, headroom)] = &series;
+        let (mean, lost) = (headroom.mean().unwrap_or(0.0), lost.mean().unwrap_or(0.0));
+        Self::new(format!("{}: what dispatchers who know the future could save", report.scenario)).with([
+            Block::Text(format!(
+                "Of {} bushes that a run loses, at least {} could be saved, on average over {} seeds.",
+                rounded(lost, 1),
+                rounded(mean, 1),
+                report.rows.len()
+            )),
+            Table { rules_before, ..Table::new(&headings, rows) }.into(),
+            Block::Text(
+                "Headroom is what trucks would save that went elsewhere at some of their decisions (answers), all else \
+                 by their policies; found in so many runs."
+                    .to_owned(),
+            ),
+        ])
+    }
+}
+
+impl Serialize for AttainReport {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let row = |(seed, row): &(u64, Attained)| {
+            let answer = |(time, (agent, cell)): (&SimTime, &(AgentId, Cell))| {
+                object!(Answer { t_s: time.as_seconds(), agent: agent.to_string(), cell: [cell.col, cell.row] })
+            };
+            let answers = row.answers.iter().map(answer).collect::<Vec<_>>();
+            object!(Row { seed: *seed, lost: row.lost, attainable: row.attainable, runs: row.runs, answers })
+        };
+        let rows = self.rows.iter().map(row).collect::<Vec<_>>();
+        let means = self.series().map(|(quantity, series)| {
+            object!(Mean { quantity, mean: series.mean(), interval: series.mean_interval() })
+        });
+        object!(Attain { scenario: &self.scenario, means, seeds: rows }).serialize(serializer)
+    }
+}

@@ -1,0 +1,149 @@
+//! `wildfire fork`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+
+use crate::cli::args::{MemoryArguments, ScenarioArguments, parse_seed};
+use crate::cli::context::CommandContext;
+use crate::cli::error::CliError;
+use crate::cli::numbers;
+use crate::cli::output_files::{self, Files, Format};
+use crate::cli::report::FormArguments;
+use crate::cli::run::{RunReport, check_agents, write_recording};
+use crate::cli::show::parse_agent;
+use wildfire_base::geometry::Cell;
+use wildfire_base::time::SimTime;
+use wildfire_base::time::cpu::CpuStopwatch;
+use wildfire_base::time::wall::WallStopwatch;
+use wildfire_batch::{RunLabel, RunResult, RunRow};
+use wildfire_sim::policies::Choice;
+use wildfire_sim::{Run, Simulation, scenario};
+use wildfire_timeline::{AgentId, Outcome};
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  wildfire fork contest --seed 7 --at 350 --answer unimog/0=35,44 --out other.wildfire
+  wildfire fork fleet --seed 7 --at 600 --then dispatch.policy=auction
+  wildfire fork contest --seed 7 --at 900 --then unimog.planner=hybrid-astar --out b.wildfire --parent a.wildfire
+
+Then `wildfire play a.wildfire --with b.wildfire` shows both on one clock.")]
+pub struct ForkArguments {
+    #[command(flatten)]
+    pub scenario: ScenarioArguments,
+    #[command(flatten)]
+    pub memory: MemoryArguments,
+    /// The seed of everything random in the run.
+    #[arg(short, long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
+    pub seed: u64,
+    /// The simulated time from which on the run may differ.
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = parse_instant)]
+    pub at: f64,
+    /// Change a value of the scenario from then on: a planner of trucks, its settings, a policy; may be repeated.
+    #[arg(long = "then", value_name = "KEY=VALUE")]
+    pub changes: Vec<String>,
+    /// Send an agent to this cell when it decides next, such as `unimog/0=35,44` (column, row).
+    #[arg(long, value_name = "AGENT=CELL", value_parser = parse_answer)]
+    pub answer: Option<(AgentId, Cell)>,
+    #[command(flatten)]
+    pub form: FormArguments,
+    /// Record the forked run into this file.
+    #[arg(short, long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Record the run as it was without the fork into this file.
+    #[arg(long, value_name = "FILE")]
+    pub parent: Option<PathBuf>,
+}
+
+fn parse_instant(text: &str) -> Result<f64, String> {
+    numbers::parse_time_within(text, &(0.0..=1e9))
+}
+
+fn parse_answer(text: &str) -> Result<(AgentId, Cell), String> {
+    let answer = text.split_once('=').and_then(|(agent, cell)| {
+        let (col, row) = cell.split_once(',')?;
+        let (col, row) = (numbers::parse(col.trim())?, numbers::parse(row.trim())?);
+        Some((parse_agent(agent).ok()?, Cell { col, row }))
+    });
+    answer.ok_or_else(|| "expected AGENT=COLUMN,ROW, such as unimog/0=35,44".to_owned())
+}
+
+pub fn run(arguments: &ForkArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
+    let ForkArguments { at, answer, seed, .. } = *arguments;
+    let source = &arguments.scenario.source;
+    let changes = context.with_own_names(&arguments.scenario.overrides);
+    let before = scenario::load(source, &changes)?;
+    let after = scenario::load(source, &[&changes[..], &arguments.changes].concat())?;
+    context.expect_trusted(&before)?;
+    context.expect_trusted(&after)?;
+    context.note_doubts([&before, &after]);
+    if let Some((agent, _)) = answer {
+        check_agents("--answer", &[agent], &before)?;
+    }
+    let files = Files { form: arguments.form, ..Files::default() }
+        .writing([(Format::Recording, &arguments.out), (Format::Recording, &arguments.parent)]);
+    let words = files.check()?;
+
+    let options = context.run_options(false, arguments.memory.limit());
+    let (stopwatch, mut cpu) = (WallStopwatch::start(), CpuStopwatch::start());
+    let mut parent = Simulation::with(&before, seed, &options).map_err(CliError::run_failed)?;
+    if at > 0.0 {
+        parent.advance_to(SimTime::from_seconds(at) - SimTime::from_nanos(1));
+    }
+    if parent.has_ended() {
+        let sentence = format!("--at is {at} s; the run ends at {} s", parent.now().as_seconds());
+        return Err(CliError::bad_input(sentence, None));
+    }
+    let fork = if arguments.changes.is_empty() {
+        parent.fork().map_err(CliError::run_failed)?
+    } else {
+        parent.fork_into(&before, &after, &options).map_err(|error| CliError::bad_input(error, None))?
+    };
+    let mut fork = ended(fork, answer)?;
+    fork.cost.total = cpu.lap() + fork.cost.elsewhere();
+    let row = RunRow::done(RunLabel::from_scenario(&after, seed), result_of(&fork), stopwatch.elapsed());
+    let parent = ended(parent, None)?;
+    let (own, was) = (Outcome::new(&fork.timeline).burned(), Outcome::new(&parent.timeline).burned());
+    let verdict = match own.cmp(&was) {
+        std::cmp::Ordering::Less => format!("{} fewer than without the change", was - own),
+        std::cmp::Ordering::Equal => "as many as without the change".to_owned(),
+        std::cmp::Ordering::Greater => format!("{} more than without the change", own - was),
+    };
+    words.print(&arguments.form.render(&RunReport { row }))?;
+    if arguments.form.is_text() {
+        words.print(&format!("{own} bushes burned, {verdict}.\n"))?;
+    }
+    for (path, run) in [(&arguments.out, &fork), (&arguments.parent, &parent)] {
+        if let Some(path) = path {
+            write_recording(path, &run.timeline)?;
+            output_files::note_written(path, context.quiet);
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn result_of(run: &Run) -> RunResult {
+    RunResult { asks: run.asks, ..RunResult::new(Outcome::new(&run.timeline), run.cost.clone()) }
+}
+
+/// Plays a run to its end, with an answer that an agent is given.
+fn ended(mut run: Simulation, answer: Option<(AgentId, Cell)>) -> Result<Run, CliError> {
+    if let Some((agent, cell)) = answer {
+        run.force(agent, Choice::Go(cell));
+    }
+    run.advance_to(SimTime::MAX);
+    run.expect_within_memory().map_err(CliError::run_failed)?;
+    match answer {
+        Some((agent, cell)) if run.forced_at().is_none() => {
+            let sentence = format!(
+                "--answer sends {agent} to ({}, {}), which it could not go for when it decided next",
+                cell.col, cell.row
+            );
+            let help = "`wildfire why` lists what each decision chose from; a cell is column and row";
+            Err(CliError::bad_input(sentence, Some(help)))
+        }
+        _ => Ok(run.finish()),
+    }
+}
