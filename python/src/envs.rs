@@ -5,6 +5,7 @@ use std::thread;
 use numpy::{Element, PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 use wildfire::geometry::Cell;
 use wildfire::picture::film::{FrameRenderer, FrameRequest, RunView, ViewOptions};
 use wildfire::rng;
@@ -208,9 +209,9 @@ impl SavedContest {
     }
 
     /// Pickles the seed and the actions; whoever restores the contest plays them again.
-    fn __reduce__(&self, py: Python<'_>) -> PyResult<(Py<PyAny>, (u64, Vec<Vec<i64>>, u64))> {
-        let class = py.get_type::<Self>().into_any().unbind();
-        Ok((class, (self.history.seed, self.history.actions.clone(), self.played_in)))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let arguments = (self.history.seed, self.history.actions.clone(), self.played_in);
+        (py.get_type::<Self>(), arguments).into_pyobject(py)
     }
 }
 

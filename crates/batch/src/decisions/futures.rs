@@ -244,7 +244,7 @@ impl PlayedChoice {
             true => (rounds * crate::stats::t_two_sided(self.mean / error, degrees)).min(1.0),
             // All futures agree, which few of them may do by chance: at best they are as rare as equal signs.
             false if self.mean == 0.0 => 1.0,
-            false => (rounds * 2.0 * 0.5_f64.powf(self.gains.len() as f64)).min(1.0),
+            false => self.gains.iter().fold(rounds * 2.0, |p, _| 0.5 * p).min(1.0),
         };
     }
 

@@ -28,7 +28,7 @@ impl Policy for NearestIntact {
     }
 
     fn fork(&self) -> Option<Box<dyn Policy>> {
-        Some(Box::new(self.clone()))
+        Some(Box::new(*self))
     }
 }
 

@@ -32,6 +32,6 @@ impl Policy for NearestByDrive {
     }
 
     fn fork(&self) -> Option<Box<dyn Policy>> {
-        Some(Box::new(self.clone()))
+        Some(Box::new(*self))
     }
 }
