@@ -89,8 +89,33 @@ fn one_changed_digit_is_found_and_named() {
     // A seed that the track does not have cannot be slipped in either.
     let foreign = rows.replacen(",75,", ",76,", 1);
     fs::write(story.path("board/drive.csv"), foreign).expect("writable");
-    let said = story.tell(&["arena", "recompute"]).expect_code(4).stdout;
-    assert!(said.contains("differ"), "{said}");
+    for command in ["recompute", "rank"] {
+        let said = story.tell(&["arena", command]).expect_code(2).stderr;
+        assert!(said.contains("has a row of seed 76, which the track does not have"), "{said}");
+    }
+    // Nor can all entries be shown on the seeds that suit one.
+    let few: Vec<&str> = rows.lines().filter(|line| !line.contains(",75,")).collect();
+    fs::write(story.path("board/drive.csv"), few.join("\n") + "\n").expect("writable");
+    for command in ["recompute", "rank"] {
+        let said = story.tell(&["arena", command]).expect_code(2).stderr;
+        assert!(said.contains("runs; expected the 300 of the track's seeds"), "{said}");
+    }
+}
+
+#[test]
+fn programs_are_left_out_when_a_board_is_recomputed_without_trust() {
+    let story = board();
+    let program = "[unimog]\nplanner = \"own\"\n[planner.own]\ncommand = [\"cat\"]\n";
+    entry(&story, "timed", "drive", program);
+    let rows = story.read("board/drive.csv");
+    let of_timed = rows.lines().filter(|line| line.starts_with("near,")).map(|line| line.replacen("near", "timed", 1));
+    let all = [rows.trim_end().to_owned()].into_iter().chain(of_timed).collect::<Vec<_>>();
+    fs::write(story.path("board/drive.csv"), all.join("\n") + "\n").expect("writable");
+    fs::create_dir_all(story.path("board/entries/timed")).expect("writable");
+    fs::copy(story.path("timed/entry.toml"), story.path("board/entries/timed/entry.toml")).expect("writable");
+    let answer = story.tell(&["arena", "recompute", "--sample", "10%"]).expect_code(0);
+    assert!(answer.stderr.contains("left out, because they are programs: timed; --trust"), "{}", answer.stderr);
+    assert!(answer.stdout.contains("60 runs"), "{}", answer.stdout);
 }
 
 #[test]

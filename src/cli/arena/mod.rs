@@ -393,9 +393,9 @@ fn report_differences(what: &str, runs: usize, found: &[String]) -> Result<ExitC
 
 fn recompute(arguments: &RecomputeArguments, stage: &Stage) -> Result<ExitCode, CliError> {
     let board = Board::new(&arguments.board);
-    let mut work = Vec::new();
+    let (mut work, mut left_out) = (Vec::new(), Vec::new());
     for track in chosen(&arguments.track)? {
-        let rows = board.rows(track)?;
+        let rows = board.whole_rows(track)?;
         let step = 1.0 / arguments.sample;
         let sampled: Vec<ArenaRow> = (0..)
             .map(|place| (f64::from(place) * step) as usize)
@@ -404,23 +404,34 @@ fn recompute(arguments: &RecomputeArguments, stage: &Stage) -> Result<ExitCode, 
             .collect();
         let mut by_entry: BTreeMap<String, Vec<ArenaRow>> = BTreeMap::new();
         sampled.into_iter().for_each(|row| by_entry.entry(row.entry.clone()).or_default().push(row));
-        work.extend(by_entry.into_iter().map(|(name, rows)| (track, name, rows)));
+        for (name, rows) in by_entry {
+            let seeds = rows.iter().map(|row| row.seed).collect::<std::collections::BTreeSet<_>>();
+            let seeds = Seeds::from_file_text(&seeds.iter().map(|seed| format!("{seed}\n")).collect::<String>());
+            let plan = ArenaEntry::plan(&[board.entry(&name)?], track, seeds.expect("there is a row"))?;
+            match stage.context.expect_trusted_plan(&plan) {
+                Ok(()) => work.push((track, plan, rows)),
+                Err(error) => left_out.push((name, error)),
+            }
+        }
     }
     let runs: usize = work.iter().map(|(_, _, rows)| rows.len()).sum();
     if runs == 0 {
+        if let Some((_, error)) = left_out.pop() {
+            return Err(error);
+        }
         let sentence = format!("{} has no rows; expected the folder of a board", arguments.board.display());
         return Err(CliError::bad_input(sentence, None));
     }
     let progress = stage.progress(runs as u64);
     let mut found = Vec::new();
-    for (track, name, rows) in work {
-        let entry = board.entry(&name)?;
-        let seeds = rows.iter().map(|row| row.seed).collect::<std::collections::BTreeSet<_>>();
-        let seeds = Seeds::from_file_text(&seeds.iter().map(|seed| format!("{seed}\n")).collect::<String>());
-        let plan = ArenaEntry::plan(&[entry], track, seeds.expect("there is a row"))?;
+    for (track, plan, rows) in work {
         found.extend(differences(stage, track, &plan, &rows.iter().collect::<Vec<_>>(), &progress)?);
     }
     progress.end();
+    if !left_out.is_empty() && !stage.context.quiet {
+        let names: Vec<&str> = left_out.iter().map(|(name, _)| &name[..]).collect();
+        terminal::note(&format!("left out, because they are programs: {}; --trust plays them", names.join(", ")));
+    }
     report_differences("what the board says", runs, &found)
 }
 

@@ -84,6 +84,35 @@ impl Board {
         }
     }
 
+    /// Returns the rows of a track if each entry has those of all seeds that everybody has, or of all hidden ones. Who may
+    /// choose the seeds of a board chooses its order.
+    ///
+    /// # Errors
+    /// As [`Self::rows`], and if an entry has rows of other seeds.
+    pub fn whole_rows(&self, track: &Track) -> Result<Vec<ArenaRow>, ArenaError> {
+        let rows = self.rows(track)?;
+        let mut by_entry: BTreeMap<&str, BTreeSet<(&str, u64)>> = BTreeMap::new();
+        rows.iter().for_each(|row| _ = by_entry.entry(&row.entry).or_default().insert((&row.condition, row.seed)));
+        let conditions = track.conditions();
+        let hidden = Seeds::from_file_text(track.hidden).expect("the seeds of a frozen track are right");
+        let lists = [track.public_seeds(), hidden].map(|seeds| {
+            let runs = seeds.iter().flat_map(|seed| conditions.iter().map(move |name| (name.as_str(), seed)));
+            runs.collect::<BTreeSet<(&str, u64)>>()
+        });
+        let Some((name, runs)) = by_entry.iter().find(|(_, runs)| !lists.contains(runs)) else { return Ok(rows) };
+        let strange = runs.iter().find(|run| !lists.iter().any(|list| list.contains(*run)));
+        let message = match strange {
+            Some((_, seed)) => format!("{name} has a row of seed {seed}, which the track does not have"),
+            None => format!(
+                "{name} has rows of {} runs; expected the {} of the track's seeds, or the {} of its hidden ones",
+                runs.len(),
+                lists[0].len(),
+                lists[1].len()
+            ),
+        };
+        Err(ArenaError::Wrong { path: self.file(track, "csv"), message })
+    }
+
     /// Takes an entry's rows on a track in the place of those that it had, and a copy of its files.
     ///
     /// # Errors
@@ -125,7 +154,7 @@ impl Board {
     /// # Errors
     /// If rows are missing, twice there, or of an entry whose files are not there.
     pub fn ranked(&self, track: &'static Track) -> Result<Option<TrackBoard>, ArenaError> {
-        let rows = self.rows(track)?;
+        let rows = self.whole_rows(track)?;
         let mut by_entry: BTreeMap<&str, Vec<&ArenaRow>> = BTreeMap::new();
         rows.iter().for_each(|row| by_entry.entry(&row.entry).or_default().push(row));
         if by_entry.is_empty() {
