@@ -26,6 +26,7 @@ __all__ = [
     "Path",
     "Query",
     "Run",
+    "SavedContest",
     "Scenario",
     "Site",
     "Vehicle",
@@ -230,10 +231,10 @@ class Driver:
     def pose(self) -> _OnePose: ...
 
 @final
-@final
 class SavedContest:
-    def __new__(cls, seed: int, actions: Sequence[Sequence[int]], played_in: int) -> Self: ...
+    def __new__(cls, seed: int, actions: Sequence[Sequence[int]], played_in: int) -> SavedContest: ...
 
+@final
 class Contests:
     def __new__(
         cls,
