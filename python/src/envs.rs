@@ -33,11 +33,14 @@ struct Lane {
     time: SimTime,
 }
 
-/// What a contest was played with: a seed, and the actions of all seats of each step.
+/// Everything that makes a contest what it is: played again, it gives the same.
 #[derive(Clone, Default)]
 struct History {
     seed: u64,
-    actions: Vec<Vec<i64>>,
+    /// The actions of all seats, step by step.
+    actions: Vec<i64>,
+    /// Futures that were drawn, each with the number of actions before.
+    futures: Vec<(usize, u32)>,
 }
 
 /// The parts of the arrays that belong to one lane.
@@ -62,6 +65,18 @@ enum Task<'a> {
     Step(&'a [i64]),
 }
 
+impl Lane {
+    /// Takes a contest up; what is in the arrays was another one's.
+    fn begin(&mut self, episode: Episode, board: &mut Board<'_>) {
+        (self.points, self.time) = (episode.points(), episode.now());
+        board.shared.cells.fill(0);
+        board.shared.burning_s.fill(0.0);
+        board.action_mask.fill(0);
+        board.illegal.fill(false);
+        self.episode = Some(episode);
+    }
+}
+
 /// The settings that lanes share.
 struct Rules {
     scenario: Scenario,
@@ -84,33 +99,22 @@ impl Rules {
             Task::Reset(seed) => {
                 lane.episode = None;
                 let episode = Episode::new(&self.scenario, seed, &RunOptions::default(), &self.played)?;
-                (lane.points, lane.time) = (episode.points(), episode.now());
-                board.shared.cells.fill(0);
-                board.shared.burning_s.fill(0.0);
-                board.action_mask.fill(0);
-                board.illegal.fill(false);
-                lane.episode = Some(episode);
-                lane.history = History { seed, actions: Vec::new() };
+                lane.history = History { seed, ..History::default() };
+                lane.begin(episode, board);
             }
             Task::Restore(saved, future) => {
-                let Some(episode) = &saved.episode else {
-                    // It was pickled: played again up to there, it is the same.
-                    self.carry_out(lane, Task::Reset(saved.history.seed), board)?;
-                    for actions in &saved.history.actions {
-                        self.carry_out(lane, Task::Step(actions), board)?;
+                match &saved.episode {
+                    Some(episode) => {
+                        lane.history = saved.history.clone();
+                        lane.begin(episode.fork(None)?, board);
                     }
-                    let Some(episode) = &lane.episode else { return Ok(()) };
-                    let restored = SavedContest { episode: Some(episode.fork(None)?), ..saved.without_episode() };
-                    return self.carry_out(lane, Task::Restore(&restored, future), board);
-                };
-                let episode = episode.fork(future)?;
-                (lane.points, lane.time) = (episode.points(), episode.now());
-                board.shared.cells.fill(0);
-                board.shared.burning_s.fill(0.0);
-                board.action_mask.fill(0);
-                board.illegal.fill(false);
-                lane.episode = Some(episode);
-                lane.history = saved.history.clone();
+                    None => self.play_again(&saved.history, lane, board)?,
+                }
+                if let (Some(future), Some(episode)) = (future, &lane.episode) {
+                    let episode = episode.fork(Some(future))?;
+                    lane.history.futures.push((lane.history.actions.len(), future));
+                    lane.begin(episode, board);
+                }
             }
             Task::Step(actions) => {
                 let Some(episode) = &mut lane.episode else { return Ok(()) };
@@ -127,10 +131,26 @@ impl Rules {
                     }
                 }
                 episode.answer(&choices)?;
-                lane.history.actions.push(actions.to_vec());
+                lane.history.actions.extend(actions);
             }
         }
         self.observe(lane, board);
+        Ok(())
+    }
+
+    /// Plays a contest up to where it was saved.
+    fn play_again(&self, history: &History, lane: &mut Lane, board: &mut Board<'_>) -> Result<(), RunError> {
+        self.carry_out(lane, Task::Reset(history.seed), board)?;
+        let mut futures = history.futures.iter().copied().peekable();
+        for step in 0..=history.actions.len() / self.seats() {
+            while let Some((_, future)) = futures.next_if(|&(actions, _)| actions <= step * self.seats()) {
+                lane.episode = lane.episode.as_ref().map(|episode| episode.fork(Some(future))).transpose()?;
+            }
+            if let Some(actions) = history.actions.chunks_exact(self.seats()).nth(step) {
+                self.carry_out(lane, Task::Step(actions), board)?;
+            }
+        }
+        lane.history = history.clone();
         Ok(())
     }
 
@@ -195,23 +215,17 @@ pub struct SavedContest {
     played_in: u64,
 }
 
-impl SavedContest {
-    fn without_episode(&self) -> Self {
-        Self { episode: None, history: self.history.clone(), played_in: self.played_in }
-    }
-}
-
 #[pymethods]
 impl SavedContest {
     #[new]
-    fn new(seed: u64, actions: Vec<Vec<i64>>, played_in: u64) -> Self {
-        Self { episode: None, history: History { seed, actions }, played_in }
+    fn new(seed: u64, actions: Vec<i64>, futures: Vec<(usize, u32)>, played_in: u64) -> Self {
+        Self { episode: None, history: History { seed, actions, futures }, played_in }
     }
 
-    /// Pickles the seed and the actions; whoever restores the contest plays them again.
+    /// Pickles its history; the contest is played again where it is restored.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        let arguments = (self.history.seed, self.history.actions.clone(), self.played_in);
-        (py.get_type::<Self>(), arguments).into_pyobject(py)
+        let History { seed, actions, futures } = self.history.clone();
+        (py.get_type::<Self>(), (seed, actions, futures, self.played_in)).into_pyobject(py)
     }
 }
 
@@ -411,6 +425,9 @@ impl Contests {
     fn restore(&mut self, py: Python<'_>, lane: usize, saved: &SavedContest, future: Option<u32>) -> PyResult<()> {
         if saved.played_in != self.rules.key {
             return Err(PyValueError::new_err("the contest was saved in an environment with other settings"));
+        }
+        if !saved.history.actions.len().is_multiple_of(self.rules.seats()) {
+            return Err(PyValueError::new_err("the saved contest has actions for another number of agents"));
         }
         if lane >= self.lanes.len() {
             return Err(PyIndexError::new_err(format!("there is no contest {lane}")));

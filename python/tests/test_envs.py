@@ -335,6 +335,13 @@ def test_a_restored_contest_goes_on_as_the_saved_one_did(actions):
         futures = [go_on(env.restore(copy, future=future)[0], 40) for future in (1, 1, 2)]
         assert futures[0] == futures[1] != futures[2]
         assert futures[0] != expected
+    # A future is part of what is saved.
+    seen, _ = env.restore(saved, future=2)
+    seen = env.step(choose(seen))[0]
+    again = pickle.loads(pickle.dumps(env.save()))
+    expected = go_on(seen, 39)
+    assert expected == futures[2][1:]
+    assert go_on(env.restore(again)[0], 39) == expected
     with pytest.raises(ValueError, match="other settings"):
         envs.TruckEnv("smoke", actions=actions).restore(saved)
     with pytest.raises(IndexError, match="reset first"):

@@ -232,7 +232,7 @@ class Driver:
 
 @final
 class SavedContest:
-    def __new__(cls, seed: int, actions: Sequence[Sequence[int]], played_in: int) -> SavedContest: ...
+    def __new__(cls, seed: int, actions: Sequence[int], futures: Sequence[tuple[int, int]], played_in: int) -> SavedContest: ...
 
 @final
 class Contests:

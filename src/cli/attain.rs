@@ -7,6 +7,7 @@ use clap::Args;
 use serde::{Serialize, Serializer};
 
 use crate::cli::args::{MemoryArguments, ScenarioArguments, jobs_or_all, parse_jobs};
+use crate::cli::batch::{SeedsArgument, parse_seeds};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::report::FormArguments;
@@ -18,7 +19,7 @@ use wildfire_base::geometry::Cell;
 use wildfire_base::object;
 use wildfire_base::time::SimTime;
 use wildfire_batch::stats::{Interval, Series};
-use wildfire_batch::{Attained, Seeds, attain_all, limit_threads};
+use wildfire_batch::{Attained, attain_all, limit_threads};
 use wildfire_sim::scenario;
 use wildfire_timeline::AgentId;
 
@@ -35,9 +36,9 @@ pub struct AttainArguments {
     pub scenario: ScenarioArguments,
     #[command(flatten)]
     pub memory: MemoryArguments,
-    /// The seeds, such as `7`, `1..5` or `1,5,9`.
+    /// Seeds, such as `7`, `1..5`, `1,5,9` or `@seeds.txt`.
     #[arg(short, long, default_value = "1..5", allow_hyphen_values = true, value_parser = parse_seeds)]
-    pub seeds: Seeds,
+    pub seeds: SeedsArgument,
     /// Try at most so many choices of a decision: the cells nearest to the truck.
     #[arg(long, default_value_t = 4, allow_hyphen_values = true, value_parser = parse_choices)]
     pub choices: usize,
@@ -49,10 +50,6 @@ pub struct AttainArguments {
     pub jobs: Option<NonZeroUsize>,
     #[command(flatten)]
     pub form: FormArguments,
-}
-
-fn parse_seeds(text: &str) -> Result<Seeds, String> {
-    text.parse().map_err(|error: wildfire_batch::SeedsError| error.to_string())
 }
 
 fn parse_choices(text: &str) -> Result<usize, String> {
@@ -71,11 +68,12 @@ pub fn run(arguments: &AttainArguments, context: &CommandContext) -> Result<Exit
     let scenario = scenario::load(&arguments.scenario.source, &changes)?;
     context.expect_trusted(&scenario)?;
     context.note_doubts([&scenario]);
-    if arguments.seeds.count() > MOST_SEEDS {
-        let sentence = format!("--seeds has {} seeds; expected at most {MOST_SEEDS}", arguments.seeds.count());
+    let seeds = arguments.seeds.seeds()?;
+    if seeds.count() > MOST_SEEDS {
+        let sentence = format!("--seeds has {} seeds; expected at most {MOST_SEEDS}", seeds.count());
         return Err(CliError::bad_input(sentence, None));
     }
-    let seeds: Vec<u64> = arguments.seeds.iter().collect();
+    let seeds: Vec<u64> = seeds.iter().collect();
     limit_threads(jobs_or_all(arguments.jobs));
     let options = context.run_options(false, arguments.memory.limit());
     let progress = Progress::new(seeds.len() as u64, "seeds", context.quiet);

@@ -39,7 +39,7 @@ pub struct ForkArguments {
     #[arg(short, long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
     pub seed: u64,
     /// The simulated time from which on the run may differ.
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = parse_instant)]
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = numbers::parse_instant)]
     pub at: f64,
     /// Change a value of the scenario from then on: a planner of trucks, its settings, a policy; may be repeated.
     #[arg(long = "then", value_name = "KEY=VALUE")]
@@ -55,10 +55,6 @@ pub struct ForkArguments {
     /// Record the run as it was without the fork into this file.
     #[arg(long, value_name = "FILE")]
     pub parent: Option<PathBuf>,
-}
-
-fn parse_instant(text: &str) -> Result<f64, String> {
-    numbers::parse_time_within(text, &(0.0..=1e9))
 }
 
 fn parse_answer(text: &str) -> Result<(AgentId, Cell), String> {

@@ -47,6 +47,11 @@ pub fn parse_time_within(text: &str, range: &RangeInclusive<f64>) -> Result<f64,
     parse_time(text).filter(|seconds| range.contains(seconds)).ok_or_else(expected)
 }
 
+/// Reads an instant of a run.
+pub fn parse_instant(text: &str) -> Result<f64, String> {
+    parse_time_within(text, &(0.0..=1e9))
+}
+
 /// Words a range, as `from 0 to 5`.
 pub fn range_words<T: Display>(range: &RangeInclusive<T>) -> String {
     format!("from {} to {}", range.start(), range.end())

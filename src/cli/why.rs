@@ -39,10 +39,10 @@ pub struct WhyArguments {
     #[arg(long = "agent", value_name = "AGENT", value_parser = parse_agent)]
     pub agents: Vec<AgentId>,
     /// Judge decisions from this simulated time on.
-    #[arg(long, value_name = "SECONDS", default_value = "0", allow_hyphen_values = true, value_parser = parse_instant)]
+    #[arg(long, value_name = "SECONDS", default_value = "0", allow_hyphen_values = true, value_parser = numbers::parse_instant)]
     pub from: f64,
     /// Judge decisions up to this simulated time [default: the end].
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = parse_instant)]
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = numbers::parse_instant)]
     pub to: Option<f64>,
     /// Judge at most so many decisions, spread evenly over the run.
     #[arg(long, value_name = "DECISIONS", allow_hyphen_values = true, value_parser = parse_sample)]
@@ -58,10 +58,6 @@ pub struct WhyArguments {
     pub jobs: Option<NonZeroUsize>,
     #[command(flatten)]
     pub form: FormArguments,
-}
-
-fn parse_instant(text: &str) -> Result<f64, String> {
-    numbers::parse_time_within(text, &(0.0..=1e9))
 }
 
 fn parse_sample(text: &str) -> Result<usize, String> {

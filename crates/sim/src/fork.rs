@@ -1,21 +1,20 @@
 //! Forks: copies of an unfinished run that go on by themselves.
 
 use bevy_ecs::prelude::*;
-use serde_json::Value;
 use thiserror::Error;
 
 use super::agent::{Agent, Roster};
 use super::end::Ended;
 use super::fire::{Fires, Ignitions};
-use super::policies::{Choice, Decision, Following, Follows, Forced};
+use super::policies::{Choice, Decision, Following, Follows, Forced, NamedPolicy};
 use super::queue::{SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
 use super::truck::Truck;
 use super::wake::WokenBy;
 use super::walk_grounds::WalkPlanners;
 use super::wumpus::Wumpus;
-use super::{Memory, RunError, RunOptions, Simulation};
-use crate::scenario::Scenario;
+use super::{RunError, RunOptions, Simulation};
+use crate::scenario::{Program, Retarget, Scenario, ValueDifference, value_differences};
 use wildfire_base::geometry::Cell;
 use wildfire_base::rng;
 use wildfire_base::time::SimTime;
@@ -36,10 +35,8 @@ impl Simulation {
     /// If a policy cannot be copied, because another program decides.
     pub fn fork(&self) -> Result<Self, NotForked> {
         let (world, schedule) = super::empty_world();
-        let Memory { limit, estimate, meter } = &self.memory;
-        let memory = Memory { limit: *limit, estimate: estimate.clone(), meter: meter.clone() };
-        let (setting, cost, has_begun) = (self.setting.clone(), self.cost.clone(), self.has_begun);
-        let mut fork = Self { world, schedule, setting, cost, has_begun, memory };
+        let (setting, cost, memory) = (self.setting.clone(), self.cost.clone(), self.memory.clone());
+        let mut fork = Self { world, schedule, setting, cost, has_begun: self.has_begun, memory };
         copy_world(&self.world, &mut fork.world)?;
         Ok(fork)
     }
@@ -61,9 +58,10 @@ impl Simulation {
     /// As [`Self::fork`]; if the scenarios differ in anything that cannot change in the middle of a run; or if a planner
     /// or a policy cannot be made.
     pub fn fork_into(&self, before: &Scenario, after: &Scenario, options: &RunOptions) -> Result<Self, RunError> {
-        let fixed = before.with_conduct_of(after);
-        if fixed != *after {
-            return Err(RunError::FixedInRun { key: first_difference(&fixed, after) });
+        let values = [&before.with_conduct_of(after), after]
+            .map(|scenario| serde_json::to_value(scenario).expect("scenarios hold names, numbers and lists only"));
+        if let Some(ValueDifference { key, .. }) = value_differences(&values[0], &values[1]).into_iter().next() {
+            return Err(RunError::FixedInRun { key });
         }
         let mut other = Self::with(after, self.setting.seed, options)?;
         let mut fork = self.fork()?;
@@ -76,20 +74,11 @@ impl Simulation {
         for (&entity, &model) in agents[0].iter().zip(&agents[1]) {
             let (model, mut own) = (other.world.entity(model), fork.world.entity_mut(entity));
             let id = own.get::<Agent>().expect("it is an agent").id;
+            let decides_otherwise =
+                conduct_of(before, id) != conduct_of(after, id) || id.role.suppresses() && is_team_new;
             let number = usize::from(id.number);
-            let decides_otherwise = before.policy != after.policy
-                || match id.role {
-                    Role::Wumpus => before.wumpus[number].goal != after.wumpus[number].goal,
-                    Role::Unimog => {
-                        let conduct = |scenario: &Scenario| {
-                            let truck = &scenario.unimog[number];
-                            (truck.goal.clone(), truck.retarget)
-                        };
-                        is_team_new || conduct(before) != conduct(after)
-                    }
-                };
             if let (Some(mut own), Some(model)) = (own.get_mut::<Truck>(), model.get::<Truck>())
-                && (plans_otherwise || before.unimog[number] != after.unimog[number])
+                && (plans_otherwise || before.unimog.get(number) != after.unimog.get(number))
             {
                 own.plan_like(model);
             }
@@ -125,12 +114,12 @@ impl Simulation {
     /// Gives an agent this choice when it is asked next, in place of its policy's. At that instant its policy does not
     /// change its mind; later it may. What is no option of the agent then has no effect.
     pub fn force(&mut self, agent: AgentId, choice: Choice) {
-        self.world.resource_mut::<Following>().forced = Some(Forced { agent, choice, since: None, is_given: false });
+        self.world.resource_mut::<Following>().forced = Some(Forced::new(agent, choice));
     }
 
     /// Returns when the agent with a [forced](Self::force) choice was given it.
     pub fn forced_at(&self) -> Option<SimTime> {
-        self.world.resource::<Following>().forced_at
+        self.world.resource::<Following>().forced?.given_at
     }
 
     /// Returns the number of bushes that have burned out or burn.
@@ -140,36 +129,30 @@ impl Simulation {
         self.setting.bushes.iter().filter(is_lost).count()
     }
 
-    /// Notes the [decisions](Self::decisions) from now on.
-    pub fn note_decisions(&mut self) {
+    /// Records the [decisions](Self::decisions) from now on.
+    pub fn record_decisions(&mut self) {
         self.world.resource_mut::<Following>().decisions = Some(Vec::new());
     }
 
-    /// Returns the decisions that were noted: those of agents that had something to choose from and set out for something
-    /// new, or stayed.
+    /// Returns the recorded decisions: of agents that had several options and set out for a new goal, or stayed. An agent
+    /// that is asked several times at one instant has one, its first.
     pub fn decisions(&self) -> &[Decision] {
         self.world.resource::<Following>().decisions.as_deref().unwrap_or_default()
     }
 }
 
-/// Returns the first key in which two scenarios differ.
-fn first_difference(one: &Scenario, other: &Scenario) -> String {
-    fn find(one: &Value, other: &Value) -> Option<String> {
-        let below = |name: String, rest: String| if rest.is_empty() { name } else { format!("{name}.{rest}") };
-        match (one, other) {
-            (Value::Object(one), Value::Object(other)) => one.keys().chain(other.keys()).find_map(|name| {
-                let pair = (one.get(name).unwrap_or(&Value::Null), other.get(name).unwrap_or(&Value::Null));
-                Some(below(name.clone(), find(pair.0, pair.1)?))
-            }),
-            (Value::Array(one), Value::Array(other)) if one.len() == other.len() => {
-                let mut pairs = one.iter().zip(other).enumerate();
-                pairs.find_map(|(number, (one, other))| Some(below(number.to_string(), find(one, other)?)))
-            }
-            _ => (one != other).then(String::new),
-        }
-    }
-    let [one, other] = [one, other].map(|scenario| serde_json::to_value(scenario).unwrap_or_default());
-    find(&one, &other).unwrap_or_default()
+/// Returns how an agent decides: its policy, the table of one that is not built in, and when a truck reconsiders.
+fn conduct_of(scenario: &Scenario, agent: AgentId) -> (NamedPolicy<'_>, Option<&Program>, Option<Retarget>) {
+    let number = usize::from(agent.number);
+    let (policy, retarget) = match agent.role {
+        Role::Wumpus => (NamedPolicy::from(&scenario.wumpus[number].goal), None),
+        Role::Unimog => (NamedPolicy::from(&scenario.unimog[number].goal), Some(scenario.unimog[number].retarget)),
+    };
+    let table = match policy {
+        NamedPolicy::Own(name) => scenario.policy.get(name),
+        NamedPolicy::BuiltIn(_) => None,
+    };
+    (policy, table, retarget)
 }
 
 /// Copies what a run consists of. A world that holds a run of as many agents is overwritten.
@@ -239,7 +222,7 @@ mod tests {
             for instant in 0..instants {
                 parent.advance_to(SimTime::from_seconds(end * f64::from(instant) / f64::from(instants)));
                 forks.push(parent.fork().expect("its policies are built in"));
-                // Of one that has gone elsewhere.
+                // It was a fork already, and its Wumpuses had gone for other bushes.
                 other.redraw(instant as u32);
                 other.advance_to(SimTime::from_seconds(0.5 * end));
                 other.become_fork_of(&parent).expect("its policies are built in");
@@ -289,7 +272,7 @@ mod tests {
         for (name, changes) in [("smoke", vec![]), ("fleet", vec!["dispatch.policy=auction".to_owned()])] {
             let scenario = scenario::load(name, &changes).expect("the preset loads");
             let mut noting = Simulation::new(&scenario, 5).expect("it takes place");
-            noting.note_decisions();
+            noting.record_decisions();
             noting.advance_to(SimTime::from_seconds(600.0));
             let goes = noting.decisions().iter().rev().filter_map(|decision| match decision.choice {
                 Choice::Go(cell) if decision.agent.id.role.suppresses() => Some((decision, cell)),

@@ -102,6 +102,7 @@ pub struct Simulation {
 }
 
 /// The memory that a run may take, was estimated to take, and holds in what grows.
+#[derive(Clone)]
 struct Memory {
     limit: MemoryLimit,
     estimate: MemoryEstimate,

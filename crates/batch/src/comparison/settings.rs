@@ -13,8 +13,9 @@ use crate::comparison::pairs::Pairs;
 use crate::comparison::runs_table::RunsTable;
 use crate::comparison::sides::Side;
 use crate::comparison::words::listed;
-use crate::plan::{PLAN_FILE, PLANNER_KEY, PlanError, RecordedPlan, RecordedVariant, range_words, value_differences};
+use crate::plan::{PLAN_FILE, PLANNER_KEY, PlanError, RecordedPlan, RecordedVariant, range_words};
 use wildfire_base::untrusted::visible_start;
+use wildfire_sim::scenario::value_differences;
 
 /// The name of a scenario, which says nothing of its runs.
 const NAME_KEY: &str = "name";

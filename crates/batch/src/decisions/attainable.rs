@@ -19,7 +19,7 @@ use wildfire_timeline::{AgentId, Timeline};
 
 use super::futures::nearest_options;
 
-/// A better course of a run.
+/// A run with other answers, which loses less.
 #[derive(Clone, Debug)]
 pub struct Attained {
     /// The bushes that the run lost by its own policies.
@@ -36,7 +36,7 @@ pub struct Attained {
 /// The cells of trucks that decide at a time; one for each instant.
 pub type Answers = BTreeMap<SimTime, (AgentId, Cell)>;
 
-/// Searches for a course of a run that loses less, with at most `budget` runs of at most `choices` choices a decision.
+/// Searches for answers with which a run loses less, with at most `budget` runs of at most `choices` choices a decision.
 ///
 /// # Errors
 /// If the run cannot take place or cannot be forked.
@@ -71,7 +71,7 @@ pub fn attain(
                 let played = search.play(Some(answer))?;
                 if search.fork.lost() < attainable {
                     attainable = search.fork.lost();
-                    // What came later was an answer to another course of the run.
+                    // Later answers belonged to the run before this improvement.
                     search.answers.split_off(time);
                     search.answers.insert(answer.0, answer.1);
                     next = played.partition_point(|later| later.time <= *time);
@@ -88,7 +88,8 @@ pub fn attain(
     search.before.expect_within_memory()?;
     let Search { before, answers, left, .. } = search;
     debug_assert_eq!(before.lost(), attainable);
-    Ok(Attained { lost, attainable, answers, runs: budget - left, timeline: before.finish().timeline })
+    // The loss of the run that is returned, whatever the search believed.
+    Ok(Attained { lost, attainable: before.lost(), answers, runs: budget - left, timeline: before.finish().timeline })
 }
 
 /// Searches likewise for each of some seeds, and calls `on_seed` after each.
@@ -110,12 +111,12 @@ pub fn attain_all(
 }
 
 struct Search {
-    /// The course so far, before the decision that is looked at.
+    /// The run with the answers so far, just before a decision.
     before: Simulation,
-    /// What is played on from there.
+    /// A copy of it that is played to the end.
     fork: Simulation,
     answers: Answers,
-    /// The time of the last answer that the course was given.
+    /// The time of the last answer that `before` was given.
     given: Option<SimTime>,
     left: u32,
 }
@@ -126,7 +127,7 @@ impl Search {
         Ok(self.before.become_fork_of(start)?)
     }
 
-    /// Advances the course to just before a time.
+    /// Advances the run to just before a time.
     fn go_to(&mut self, time: SimTime) {
         let instant = SimTime::from_nanos(1);
         let given = self.given.map_or(Bound::Unbounded, Bound::Excluded);
@@ -142,11 +143,11 @@ impl Search {
         }
     }
 
-    /// Plays the course to its end, with another answer, or with those that are known. Returns the decisions of trucks.
+    /// Plays the run to its end, with another answer now if there is one. Returns the decisions of trucks.
     fn play(&mut self, answer: Option<(SimTime, (AgentId, Cell))>) -> Result<Vec<Decision>, RunError> {
         self.left = self.left.saturating_sub(1);
         self.fork.become_fork_of(&self.before)?;
-        self.fork.note_decisions();
+        self.fork.record_decisions();
         if let Some((_, (agent, cell))) = answer {
             self.fork.force(agent, Choice::Go(cell));
         }
@@ -154,5 +155,32 @@ impl Search {
         self.fork.expect_within_memory()?;
         let of_trucks = self.fork.decisions().iter().filter(|decision| decision.agent.id.role.suppresses());
         Ok(of_trucks.cloned().collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wildfire_sim::scenario;
+    use wildfire_timeline::Outcome;
+
+    #[test]
+    fn what_is_attained_is_a_run_by_the_rules_that_loses_less() {
+        for changes in [vec![], vec!["dispatch.policy=auction".to_owned()]] {
+            let changes = [vec!["duration_s=200".to_owned()], changes].concat();
+            let scenario = scenario::load("fleet", &changes).expect("the preset loads");
+            let options = RunOptions::default();
+            let attained = attain((&scenario, 3), &options, (3, 60)).expect("it takes place");
+            let own = wildfire_sim::run(&scenario, 3).expect("it takes place").timeline;
+            assert_eq!(attained.lost as u32, Outcome::new(&own).burned());
+            assert_eq!(attained.attainable as u32, Outcome::new(&attained.timeline).burned());
+            assert!(attained.attainable < attained.lost && attained.runs <= 60 && !attained.answers.is_empty());
+            assert!(wildfire_audit::audit_timeline(&attained.timeline, Default::default()).violation.is_none());
+            let again = attain((&scenario, 3), &options, (3, 60)).expect("it takes place");
+            assert_eq!(again.timeline, attained.timeline);
+            // Fewer runs find no better one.
+            let fewer = attain((&scenario, 3), &options, (3, 20)).expect("it takes place");
+            assert!(fewer.attainable >= attained.attainable);
+        }
     }
 }

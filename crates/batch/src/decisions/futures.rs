@@ -11,7 +11,7 @@ use wildfire_sim::{RunError, RunOptions, Simulation};
 use wildfire_timeline::{AgentFact, AgentId, Fact};
 
 use super::why::WhyReport;
-use crate::stats::{CONFIDENCE, Interval, Series, holm};
+use crate::stats::{CONFIDENCE, Interval, Series, holm, t_quantile_above, t_two_sided};
 
 /// The parts of all futures after which a decision may be settled.
 const ROUNDS: [f64; 3] = [0.25, 0.5, 1.0];
@@ -32,7 +32,7 @@ pub struct ChosenDecisions {
     pub agents: Vec<AgentId>,
     pub from: SimTime,
     pub to: SimTime,
-    /// At most so many decisions, spread evenly over those that there are.
+    /// The most decisions, a sample at equal intervals of their order.
     pub sample: Option<usize>,
     /// The most choices of one decision, including what was chosen.
     pub choices: usize,
@@ -54,7 +54,7 @@ pub struct PlayedChoice {
     pub p_adjusted: f64,
 }
 
-/// A decision, and what its choices were worth.
+/// A decision and the worth of its choices.
 #[derive(Clone, Debug)]
 pub struct Worth {
     pub decision: Decision,
@@ -92,7 +92,8 @@ impl ChosenDecisions {
         on_decision: impl Fn(usize) + Sync,
     ) -> Result<WhyReport, RunError> {
         let mut run = Simulation::with(scenario, seed, options)?;
-        run.note_decisions();
+        run.record_decisions();
+        // Whether it can be forked at all is known before anything is played.
         run.fork()?;
         run.advance_to(SimTime::MAX);
         run.expect_within_memory()?;
@@ -137,11 +138,7 @@ impl ChosenDecisions {
             if !is_meant(agent) || time < self.from || time > self.to {
                 continue;
             }
-            // An agent may be asked several times at one instant, until it can do what was chosen.
-            if !decisions.iter().rev().take_while(|(last, _)| last.time == time).any(|(last, _)| last.agent.id == agent)
-            {
-                decisions.push((decision.clone(), set_out.get(&(agent, time)).copied()));
-            }
+            decisions.push((decision.clone(), set_out.get(&(agent, time)).copied()));
         }
         let count = decisions.len();
         match self.sample {
@@ -187,7 +184,7 @@ impl Bench {
         let cells = nearest_options(decision, self.before.fires().frame(), chosen);
         let mut others: Vec<PlayedChoice> =
             cells.into_iter().take(how.choices.saturating_sub(1)).map(PlayedChoice::new).collect();
-        // What was left to chance at the decision itself has been drawn.
+        // The decision of a random policy was drawn before the future begins.
         let kept = match decision.choice {
             Choice::Go(cell) => Some(cell),
             _ => None,
@@ -238,17 +235,20 @@ impl PlayedChoice {
         self.mean = series.mean().unwrap_or(0.0);
         let error = series.standard_error().unwrap_or(0.0);
         let degrees = self.gains.len() as f64 - 1.0;
-        let reach = crate::stats::t_quantile_above(0.5 * (1.0 - CONFIDENCE) / rounds, degrees);
-        self.interval = Interval { low: self.mean - reach * error, high: self.mean + reach * error };
-        self.p_value = match error > 0.0 {
-            true => (rounds * crate::stats::t_two_sided(self.mean / error, degrees)).min(1.0),
-            // All futures agree, which few of them may do by chance: at best they are as rare as equal signs.
-            false if self.mean == 0.0 => 1.0,
-            false => self.gains.iter().fold(rounds * 2.0, |p, _| 0.5 * p).min(1.0),
+        let reach = t_quantile_above(0.5 * (1.0 - CONFIDENCE) / rounds, degrees);
+        self.interval = Interval::about(self.mean, reach * error);
+        self.p_value = if error > 0.0 {
+            rounds * t_two_sided(self.mean / error, degrees)
+        } else if self.mean == 0.0 {
+            1.0
+        } else {
+            // All futures agree: as likely as equal signs at best.
+            self.gains.iter().fold(rounds * 2.0, |p, _| 0.5 * p)
         };
+        self.p_value = self.p_value.min(1.0);
     }
 
-    /// Returns whether more futures would hardly change what is said about it, as one of so many decisions.
+    /// Returns whether more futures can hardly change the verdict on it; significance is asked for among so many decisions.
     fn is_settled(&self, decisions: usize) -> bool {
         let Interval { low, high } = self.interval;
         let is_significant = self.p_value * (decisions as f64) < 1.0 - CONFIDENCE;

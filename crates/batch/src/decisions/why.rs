@@ -11,7 +11,7 @@ use super::futures::{PlayedChoice, Worth};
 /// The most decisions that the table lists.
 const LISTED: usize = 20;
 
-/// What the decisions of a run were worth.
+/// The worth of the decisions of a run.
 #[derive(Clone, Debug)]
 pub struct WhyReport {
     pub scenario: String,
@@ -65,6 +65,10 @@ impl WhyReport {
         let Self { lost, bushes: all, worths, .. } = self;
         let (mistakes, good) = (self.mistakes(), self.good());
         let mut sentences = vec![format!("{lost} of {all} bushes were lost.")];
+        if worths.is_empty() {
+            sentences.push("Nobody had several options to choose from in that time.".to_owned());
+            return sentences;
+        }
         if let Some(worst) = mistakes.first()
             && let Some(better) = worst.better()
         {
@@ -83,8 +87,8 @@ impl WhyReport {
             mistakes.len(),
             good.len()
         ));
-        let mean = |of: &dyn Fn(&Worth) -> f64| worths.iter().map(of).sum::<f64>() / worths.len().max(1) as f64;
-        let best = mean(&|worth| worth.others.first().map_or(0.0, |best| best.mean.max(0.0)));
+        let best = worths.iter().filter_map(|worth| worth.others.first()).map(|best| best.mean.max(0.0)).sum::<f64>();
+        let best = best / worths.len() as f64;
         sentences.push(format!(
             "The best other choice of each looks {} bushes better on average, part of which is luck: the best of several \
              means is too high.",

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use crate::execute::{CpuSplit, RunDetail};
-use crate::plan::{RunLabel, value_differences};
+use crate::plan::RunLabel;
+use wildfire_sim::scenario::value_differences;
 use wildfire_sim::{PolicyTally, RunCost};
 use wildfire_timeline::{AgentOutcome, Outcome};
 

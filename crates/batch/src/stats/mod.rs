@@ -37,7 +37,8 @@ mod survival;
 
 pub use answers::{PairedAnswers, mean_rate_difference_interval, wilson_interval};
 pub use bootstrap::{RESAMPLES, RESOLUTION, studentised_bootstrap};
-pub use distributions::{t_quantile_above, t_reach, t_two_sided};
+pub use distributions::t_reach;
+pub(crate) use distributions::{t_quantile_above, t_two_sided};
 pub use equivalence::Equivalence;
 pub use holm::holm;
 pub use mean::{cohens_dz, estimate_mean};
@@ -59,7 +60,7 @@ pub struct Interval {
 }
 
 impl Interval {
-    fn about(centre: f64, half_width: f64) -> Self {
+    pub(crate) fn about(centre: f64, half_width: f64) -> Self {
         Self { low: centre - half_width, high: centre + half_width }
     }
 

@@ -102,24 +102,40 @@ struct Followed {
     own: Option<PlannerName>,
 }
 
-/// A choice that an agent is given in place of its policy's, from the instant at which it is asked next until it acts on
-/// it; at that instant its policy does not change its mind.
+/// A choice that an agent gets instead of its policy's, from the instant at which it is asked next until it has set out
+/// for it; at that instant its policy does not change its mind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forced {
-    pub agent: AgentId,
-    pub choice: Choice,
-    /// When it was asked first.
-    pub since: Option<SimTime>,
-    /// Whether it was an option of the agent then, so that the agent was given it.
-    pub is_given: bool,
+    agent: AgentId,
+    choice: Choice,
+    /// The time at which the agent was asked first.
+    asked_at: Option<SimTime>,
+    /// The time at which it got the choice.
+    pub given_at: Option<SimTime>,
+    is_over: bool,
 }
 
 impl Forced {
-    /// Returns whether an agent is given the choice that is asked now and has these options; `None` if that is over.
-    fn applies(&self, since: SimTime, agent: &AgentView, now: SimTime, options: &[Cell]) -> Option<bool> {
-        let Choice::Go(cell) = self.choice else { return (!self.is_given).then_some(true) };
-        let is_over = now > since && (!self.is_given || agent.goal == Some(cell));
-        (!is_over).then(|| options.contains(&cell))
+    pub fn new(agent: AgentId, choice: Choice) -> Self {
+        Self { agent, choice, asked_at: None, given_at: None, is_over: false }
+    }
+
+    /// Returns whether the agent, asked now with these options, gets the choice.
+    fn applies(&mut self, agent: &AgentView, now: SimTime, options: &[Cell]) -> bool {
+        let is_first_instant = *self.asked_at.get_or_insert(now) == now;
+        let applies = match self.choice {
+            Choice::Go(cell) => {
+                let has_set_out = self.given_at.is_none() || agent.goal == Some(cell);
+                options.contains(&cell) && (is_first_instant || !has_set_out)
+            }
+            _ => self.given_at.is_none(),
+        };
+        self.is_over |= !applies && !is_first_instant;
+        let applies = applies && !self.is_over;
+        if applies {
+            self.given_at.get_or_insert(now);
+        }
+        applies
     }
 }
 
@@ -147,9 +163,7 @@ pub struct Following {
     pub own: OwnAsks,
     /// A choice that takes the place of the policy's.
     pub forced: Option<Forced>,
-    /// When the agent was given it.
-    pub forced_at: Option<SimTime>,
-    /// The decisions so far, if anybody wants them.
+    /// The decisions so far, if they are recorded.
     pub decisions: Option<Vec<Decision>>,
 }
 
@@ -186,7 +200,6 @@ impl Following {
             team_cpu: self.team_cpu,
             own: self.own.clone(),
             forced: self.forced,
-            forced_at: self.forced_at,
             decisions: self.decisions.clone(),
         })
     }
@@ -206,23 +219,17 @@ impl Following {
         }
     }
 
-    /// Returns an agent with a forced choice, if it is among those who are asked and is given the choice now.
+    /// Returns the agent with a forced choice, if it is asked and gets the choice now.
     fn forced_among(
         &mut self,
         agents: &[AgentView],
         options: &OptionsByName<'_>,
         now: SimTime,
     ) -> Option<(AgentId, Choice)> {
-        let mut forced = self.forced.filter(|forced| options.entity(forced.agent).is_some())?;
+        let forced = self.forced.as_mut().filter(|forced| !forced.is_over)?;
+        options.entity(forced.agent)?;
         let agent = agents.iter().find(|agent| agent.id == forced.agent)?;
-        let since = *forced.since.get_or_insert(now);
-        let applies = forced.applies(since, agent, now, &options.list(agent.id));
-        forced.is_given |= applies == Some(true);
-        if forced.is_given {
-            self.forced_at.get_or_insert(now);
-        }
-        self.forced = applies.map(|_| forced);
-        applies?.then_some((forced.agent, forced.choice))
+        forced.applies(agent, now, &options.list(agent.id)).then_some((forced.agent, forced.choice))
     }
 
     /// Adds a policy for these agents.
@@ -286,12 +293,15 @@ impl Following {
             force(&mut choices, forced);
         }
         if let Some(decisions) = &mut self.decisions {
-            decisions.extend(choices.iter().filter_map(|&(id, choice)| {
-                let agent = *agents.iter().find(|agent| agent.id == id)?;
+            for &(id, choice) in &choices {
+                let Some(&agent) = agents.iter().find(|agent| agent.id == id) else { continue };
                 let options = by_name.list(id);
                 let goes_on = agent.goal.is_some_and(|goal| !matches!(choice, Choice::Go(cell) if cell != goal));
-                (options.len() > 1 && !goes_on).then_some(Decision { time: now, agent, options, choice })
-            }));
+                let mut at_once = decisions.iter().rev().take_while(|decision| decision.time == now);
+                if options.len() > 1 && !goes_on && !at_once.any(|decision| decision.agent.id == id) {
+                    decisions.push(Decision { time: now, agent, options, choice });
+                }
+            }
         }
         if choices.is_empty() {
             let options = asked.iter().map(|&(_, entity)| options_of.list(entity)).collect();
@@ -302,7 +312,7 @@ impl Following {
     }
 }
 
-/// Gives an agent another choice. Whoever was to go where it goes now gets what was meant for it.
+/// Gives an agent another choice. A truck that was to go to the same cell swaps with it.
 fn force(choices: &mut Vec<(AgentId, Choice)>, (agent, choice): (AgentId, Choice)) {
     let place = choices.iter().position(|&(id, _)| id == agent).unwrap_or_else(|| {
         choices.push((agent, Choice::Wait));

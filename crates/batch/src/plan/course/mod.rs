@@ -31,14 +31,13 @@ use toml::{Table, Value as TomlValue};
 use super::request::{MAX_PLAN_BYTES, RUNS_WITHOUT_FORCE};
 use super::{
     BatchPlan, ENTRY_COLUMN, Freedom, MAX_RUNS, Record, RequestError, Seeds, Value, Variant, kept_program, rules_of,
-    value_differences,
 };
 pub(crate) use agent_file::AgentFile;
 pub use agent_file::EntryCard;
 use rules_file::Condition;
 pub(crate) use rules_file::Course;
 pub use rules_file::schema as rules_schema;
-use wildfire_sim::scenario::{FieldPath, MAX_SCENARIO_BYTES, PathStep, first_too_deep};
+use wildfire_sim::scenario::{FieldPath, MAX_SCENARIO_BYTES, PathStep, first_too_deep, value_differences};
 
 /// The column with the name of the condition under which an entry plays.
 pub const CONDITION_COLUMN: &str = "condition";
