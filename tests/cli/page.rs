@@ -1,8 +1,11 @@
 //! Pages that compute runs, and games that come from them.
 
+use std::fs;
+use std::process::Command;
+
 use serde_json::Value;
 
-use crate::story::Story;
+use crate::story::{Answer, Story};
 
 /// The first bytes of every module.
 const MODULE: &str = "\0asm\x01\0\0\0";
@@ -36,9 +39,14 @@ fn what_cannot_be_a_page_is_refused() {
     story.file("text.wasm", "(module)");
     story.file("game.json", &GAME.replace("game\": 1", "game\": 7"));
     story.file("wrong.toml", "[fires]\n");
+    // A build may have left a module beside this program, but not beside a copy of it.
+    let copy = story.path("wildfire-copy");
+    fs::copy(env!("CARGO_BIN_EXE_wildfire"), &copy).expect("there is room");
+    let alone = Command::new(&copy).args(["page", "-o", "p.html"]).current_dir(story.path("")).output();
+    let answer = Answer::of(&alone.expect("it can be started")).expect_code(2);
+    assert!(answer.stderr.contains("there is no module beside the program"), "{}", answer.stderr);
     for (words, sentence) in [
-        (&["page", "-o", "p.html"][..], "there is no module beside the program"),
-        (&["page", "-o", "p.html", "--module", "gone.wasm"], "gone.wasm: it cannot be read"),
+        (&["page", "-o", "p.html", "--module", "gone.wasm"][..], "gone.wasm: it cannot be read"),
         (&["page", "-o", "p.html", "--module", "text.wasm"], "text.wasm: it is no WebAssembly module"),
         (&["page", "-o", "p.png", "--module", "m.wasm"], "p.png would hold a page"),
         (&["page", "nowhere", "-o", "p.html", "--module", "m.wasm"], "nor a built-in scenario `nowhere`"),
@@ -69,7 +77,7 @@ fn lessons_are_self_contained_and_their_data_keep_the_laws() {
     let story = Story::begin();
     story.tell(&["page", "--lessons", "course"]).expect_code(0);
     let mut names: Vec<String> = Vec::new();
-    for entry in std::fs::read_dir(story.path("course")).expect("the folder is there") {
+    for entry in fs::read_dir(story.path("course")).expect("the folder is there") {
         names.push(entry.expect("readable").file_name().into_string().expect("a name"));
     }
     names.sort();
