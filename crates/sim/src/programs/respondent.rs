@@ -8,6 +8,10 @@ use super::process::{Allowance, CpuAllowance, Launch, Trouble, TroubleKind};
 use super::protocol::{FromProgram, ToProgram, VERSION};
 use wildfire_base::time::wall::WallStopwatch;
 
+/// Queries in a row over its instructions after which a module is given up for the rest of a run. All later ones count as one
+/// over its instructions does, so that a module that loops has the same outcomes, and a run takes no hours.
+const MOST_SPENT_IN_A_ROW: u32 = 10;
+
 /// A program on a field, through failures and new starts.
 #[derive(Debug)]
 pub struct Respondent {
@@ -18,6 +22,8 @@ pub struct Respondent {
     session: Option<Session>,
     /// Attempts to start it again that failed.
     failed_starts: u32,
+    /// The last queries in a row in which a module ran out of instructions.
+    spent_in_a_row: u32,
     /// CPU time up to the first `ready`.
     pub built: Option<Duration>,
 }
@@ -64,7 +70,7 @@ impl Respondent {
                 (session, built)
             }
         };
-        Ok(Self { program, field, session: Some(session), failed_starts: 0, built })
+        Ok(Self { program, field, session: Some(session), failed_starts: 0, spent_in_a_row: 0, built })
     }
 
     /// Returns the expansions that a query counts for at least.
@@ -79,6 +85,12 @@ impl Respondent {
         query: impl FnOnce(u64) -> Vec<u8>,
         check: impl FnOnce(&FromProgram) -> Result<(), &'static str>,
     ) -> Reply {
+        if self.spent_in_a_row == MOST_SPENT_IN_A_ROW {
+            let budget = self.program.query_instructions;
+            let words = format!("was given up after {MOST_SPENT_IN_A_ROW} queries in a row over {budget} instructions");
+            let answer = Err(Trouble { kind: TroubleKind::BudgetSpent, words });
+            return Reply { answer, cpu: None, starting: Duration::ZERO, instructions: Some(budget) };
+        }
         let (running, started) = self.running();
         let starting = started.unwrap_or_default();
         let mut session = match running {
@@ -103,6 +115,8 @@ impl Respondent {
                 },
             }
         });
+        let is_spent = answer.as_ref().is_err_and(|trouble| trouble.kind == TroubleKind::BudgetSpent);
+        self.spent_in_a_row = if is_spent { self.spent_in_a_row + 1 } else { 0 };
         // Of what cannot be understood the next line cannot be trusted to answer the next query.
         if answer.is_err() {
             session.peer.kill();
