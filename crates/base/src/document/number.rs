@@ -42,9 +42,13 @@ pub fn probability(p: f64) -> String {
     if p < 0.001 { "<0.001".into() } else { rounded(p, 3) }
 }
 
-/// A number of things, such as `1 goal` or `2 goals`.
+/// A number of things, such as `1 goal`, `2 goals` or `3 entries`.
 pub fn count(number: usize, thing: &str) -> String {
-    if number == 1 { format!("1 {thing}") } else { format!("{number} {thing}s") }
+    match thing.strip_suffix('y') {
+        _ if number == 1 => format!("1 {thing}"),
+        Some(stem) => format!("{number} {stem}ies"),
+        None => format!("{number} {thing}s"),
+    }
 }
 
 #[cfg(test)]

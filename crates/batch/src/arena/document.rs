@@ -22,7 +22,7 @@ run beside and report their effort themselves.";
 impl From<&TrackBoard> for Document {
     fn from(board: &TrackBoard) -> Self {
         let ranking = &board.ranking;
-        let entries = if ranking.entries.len() == 1 { "one entry".into() } else { count_words(ranking.entries.len()) };
+        let entries = count(ranking.entries.len(), "entry");
         let mut document = Self::new(format!("Track `{}`: {entries}", board.track.name));
         document.add_list(facts(board));
         document.add(ranks_table(board));
@@ -37,10 +37,6 @@ impl From<&TrackBoard> for Document {
         document.add(Block::Text(LEGEND.into()));
         document
     }
-}
-
-fn count_words(entries: usize) -> String {
-    format!("{entries} entries")
 }
 
 fn facts(board: &TrackBoard) -> Vec<String> {

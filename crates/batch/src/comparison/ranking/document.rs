@@ -25,9 +25,8 @@ not adjusted. p is adjusted by Holm's method over all pairs; pairs with p ≤ 0.
 impl From<&Ranking> for Document {
     fn from(ranking: &Ranking) -> Self {
         let better = ranking.better.name();
-        let entries = count_words(ranking.entries.len());
-        let mut document =
-            Self::new(format!("{entries} by {}, {better} is better", visible_start(&ranking.metric.name)));
+        let (entries, metric) = (count(ranking.entries.len(), "entry"), visible_start(&ranking.metric.name));
+        let mut document = Self::new(format!("{entries} by {metric}, {better} is better"));
         document.add_list(played(ranking));
         document.add(table(ranking));
         document.add_list(remarks(ranking));
@@ -39,10 +38,6 @@ impl From<&Ranking> for Document {
         }
         document
     }
-}
-
-fn count_words(entries: usize) -> String {
-    if entries == 1 { "One entry".into() } else { format!("{entries} entries") }
 }
 
 /// What every entry played.
