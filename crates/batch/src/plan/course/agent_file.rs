@@ -78,6 +78,9 @@ impl AgentFile {
     }
 
     fn new(path: &Path, text: String, mut table: Table) -> Result<Self, CourseError> {
+        if table.get("free").is_some_and(TomlValue::is_array) {
+            return Err(fault(path, None, "it is a rules file; expected an entry"));
+        }
         let card = match table.remove(ENTRY_TABLE) {
             Some(card) => Some(EntryCard::from_value(card).map_err(|message| {
                 let line = FieldPath(vec![PathStep::key(ENTRY_TABLE)]).line_in(&text);
