@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::AddAssign;
 
+use crate::drives::DriveQuery;
 use crate::table::{RUN_COLUMNS, RunRecord, run_column};
 use wildfire_base::document::number::percent;
 use wildfire_base::untrusted::visible_start;
@@ -42,6 +43,17 @@ impl Failures {
         Self::new(run, run_column("truck_plans"), reasons("truck_failed_"), |who| !who.starts_with(POLICY))
     }
 
+    /// Counts a single query.
+    pub fn of_query(query: &DriveQuery) -> Self {
+        let reason = query.failure.map(|failure| {
+            let name = failure.to_string();
+            let column = reasons("truck_failed_").find(|(known, _)| *known == name);
+            let words = query.message.as_deref().map(visible_start);
+            (column.map_or(usize::MAX, |(_, place)| place), Reason { name, count: 1, words })
+        });
+        Self { asked: 1, reasons: reason.into_iter().collect(), policy: None }
+    }
+
     /// Counts the failed questions to policies in a run.
     pub fn of_asks(run: &RunRecord) -> Self {
         let illegal = ("illegal".to_owned(), run_column("policy_illegal"));
@@ -59,7 +71,9 @@ impl Failures {
         let number = |column| run.number(column).unwrap_or(0.0) as u64;
         let mut failures = Self { asked: number(asked), ..Self::default() };
         for (name, column) in reasons.filter(|(_, column)| number(*column) > 0) {
-            let (who, words) = message_about(run.message(), &name, &is_meant).unzip();
+            let about = |reason| message_about(run.message(), reason, &is_meant);
+            // A policy over its instructions counts as crashed.
+            let (who, words) = about(&name).or_else(|| about("budget spent").filter(|_| name == "crashed")).unzip();
             let policy = who.and_then(|who: &str| who.strip_prefix(POLICY)?.split(' ').next());
             failures.policy = failures.policy.or(policy.map(visible_start));
             let reason = Reason { name, count: number(column), words: words.map(visible_start) };
@@ -79,8 +93,18 @@ impl Failures {
         self.sentence(&format!("Failed asks of {name}"))
     }
 
+    /// The number of queries or asks.
+    pub fn asked(&self) -> u64 {
+        self.asked
+    }
+
+    /// The number of those that failed.
+    pub fn failed(&self) -> u64 {
+        self.reasons.values().map(|reason| reason.count).sum()
+    }
+
     fn sentence(&self, subject: &str) -> Option<String> {
-        let failed: u64 = self.reasons.values().map(|reason| reason.count).sum();
+        let failed = self.failed();
         let mut reasons: Vec<&Reason> = self.reasons.values().collect();
         reasons.sort_by_key(|reason| std::cmp::Reverse(reason.count));
         let reasons = reasons.into_iter().map(|Reason { name, count, words }| {

@@ -1,5 +1,8 @@
 //! The summary of a finished batch: tables and tally of each variant, and means over all.
 
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
 use crate::execute::RunRow;
 use crate::plan::{BatchPlan, Value, planner_of};
 use crate::report::notes::notes;
@@ -30,6 +33,8 @@ pub struct VariantReport {
     /// A series for each of the columns of runs; of those without numbers it is empty.
     columns: Vec<Series>,
     profile: Profile,
+    /// The folders and hashes of custom planners, by name.
+    files: BTreeMap<String, (PathBuf, BTreeMap<String, String>)>,
 }
 
 /// A mean that a table of several variants shows, over runs that are done.
@@ -76,7 +81,10 @@ impl VariantReport {
     pub fn new(title: String, scenario: &Scenario) -> Self {
         let columns = vec![Series::default(); RUN_COLUMNS.len()];
         let tally = Tally::new(scenario.unimog.len(), scenario.wumpus.len());
-        Self { title, tally, columns, ..Self::default() }
+        let custom = scenario.planner.iter().filter(|(_, table)| table.is_external());
+        let files =
+            custom.map(|(name, table)| (name.to_string(), (table.works_in.clone(), table.sha256.clone()))).collect();
+        Self { title, tally, columns, files, ..Self::default() }
     }
 
     /// Adds the next run of the plan.
@@ -226,16 +234,25 @@ impl BatchReport {
         self.variants.iter().flat_map(notes).collect()
     }
 
-    /// Describes the failures of each planner, and of custom policies, over all variants.
+    /// Describes the failures of each planner, and of custom policies, over all variants. Custom planners of one name with
+    /// different files are described by variant.
     pub fn failure_sentences(&self) -> Vec<String> {
-        let mut sum = Tally::default();
-        for tally in self.variants.iter().map(|variant| &variant.tally) {
-            for (planner, failures) in &tally.failures {
-                *sum.failures.entry(planner.clone()).or_default() += failures.clone();
+        let (mut sum, mut sentences) = (Tally::default(), Vec::new());
+        for (variant, number) in self.variants.iter().zip(1..) {
+            for (planner, failures) in &variant.tally.failures {
+                let is_other = |it: &VariantReport| {
+                    it.files.get(planner).is_some_and(|files| Some(files) != variant.files.get(planner))
+                };
+                if self.variants.iter().any(is_other) {
+                    sentences.extend(failures.of_planner(&format!("{planner} (variant {number})")));
+                } else {
+                    *sum.failures.entry(planner.clone()).or_default() += failures.clone();
+                }
             }
-            sum.failed_asks += tally.failed_asks.clone();
+            sum.failed_asks += variant.tally.failed_asks.clone();
         }
-        sum.failure_sentences()
+        sentences.extend(sum.failure_sentences());
+        sentences
     }
 
     /// Returns the CPU time of each variant by part.
