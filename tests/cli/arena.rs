@@ -116,6 +116,14 @@ fn programs_are_left_out_when_a_board_is_recomputed_without_trust() {
     let answer = story.tell(&["arena", "recompute", "--sample", "10%"]).expect_code(0);
     assert!(answer.stderr.contains("left out, because they are programs: timed; --trust"), "{}", answer.stderr);
     assert!(answer.stdout.contains("60 runs"), "{}", answer.stdout);
+    // A program that does not start here is no reason to doubt the board.
+    let answer = story.tell(&["arena", "recompute", "--sample", "10%", "--trust"]).expect_code(0);
+    assert!(answer.stderr.contains("left out: timed could not be started in 30 runs: "), "{}", answer.stderr);
+    assert!(answer.stdout.contains("60 runs"), "{}", answer.stdout);
+    let timed: Vec<&str> = all.iter().flat_map(|lines| lines.lines()).filter(|line| !line.contains("ar,")).collect();
+    fs::write(story.path("board/drive.csv"), timed.join("\n") + "\n").expect("writable");
+    let said = story.tell(&["arena", "recompute", "--sample", "10%", "--trust"]).expect_code(2).stderr;
+    assert!(said.contains("nothing could be recomputed: timed could not be started in 30 runs: "), "{said}");
 }
 
 #[test]

@@ -112,6 +112,70 @@ fn each_failure_of_a_module_is_a_failed_query_with_a_sentence() {
 }
 
 #[test]
+fn module_that_spends_ten_budgets_in_a_row_is_given_up() {
+    let stage = Stage::of_module(&module(LOOP), "query_instructions = 2000000");
+    let mut planner = stage.planner().expect("it starts");
+    for number in 0..12 {
+        let plan = ask(planner.as_mut());
+        assert_eq!((plan.path.err(), plan.effort.local_expansions), (Some(PlanFailure::BudgetSpent), 2));
+        let given_up = "was given up after 10 queries in a row over 2000000 instructions";
+        assert_eq!(plan.message.as_deref() == Some(given_up), number >= 10, "{number}: {:?}", plan.message);
+    }
+}
+
+#[test]
+fn submit_check_refuses_an_entry_that_never_answers_and_prints_why() {
+    let shell = Shell::new();
+    std::fs::write(shell.path("loop.wasm"), module(LOOP)).expect("the folder is writable");
+    shell.file(
+        "entry.toml",
+        "[entry]\nname = \"loop\"\ntracks = [\"drive\", \"contest\"]\n[unimog]\nplanner = \"own\"\n[planner.own]\n\
+         module = \"loop.wasm\"\nquery_instructions = 1000000\n",
+    );
+    let check = |words: &[&str]| {
+        let said = shell.run(&[&["arena", "submit-check", "entry.toml"], words].concat(), &[4]).stdout;
+        String::from_utf8_lossy(&said).split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let said = check(&["--track", "drive"]);
+    let drive = "drive: all 4 queries failed on the first seed; the other seeds were not played";
+    assert!(
+        said.starts_with("loop cannot be submitted") && said.contains(drive) && !said.contains("contest"),
+        "{said}"
+    );
+    assert!(said.contains("Failed queries of own: 4 of 4 (100.0 %): budget spent 4 (ran more than 1000000"), "{said}");
+    let said = check(&[]);
+    let (_, rest) = said.split_once("contest: all ").expect("it is refused there too");
+    let queries = rest.split_once(' ').expect("a number").0;
+    assert!(rest.contains(&format!("budget spent {queries} (ran more than 1000000 instructions)")), "{said}");
+    shell.refuse(&["arena", "submit-check", "entry.toml", "--track", "fleet"], &["enters none of these tracks"]);
+}
+
+#[test]
+fn failures_of_modules_with_one_name_are_those_of_each() {
+    let shell = Shell::new();
+    shell.file(
+        "rules.toml",
+        "free = [\"unimog.planner\", \"planner.*\"]\nseeds = \"1\"\n[scenario]\nfrom = \"smoke\"\n",
+    );
+    for (name, body) in [("anna", TRAP), ("ben", NONE)] {
+        std::fs::create_dir(shell.path(name)).expect("the folder is writable");
+        std::fs::write(shell.path(name).join("mine.wasm"), module(body)).expect("the folder is writable");
+        let table = "[unimog]\nplanner = \"mine\"\n[planner.mine]\nmodule = \"mine.wasm\"\n";
+        shell.file(&format!("{name}/entry.toml"), table);
+    }
+    let words = ["batch", "--rules", "rules.toml", "--agent", "anna/entry.toml", "ben/entry.toml", "--out", "out"];
+    let said = String::from_utf8_lossy(&shell.run(&words, &[0]).stdout).into_owned();
+    for (number, reason) in [(1, "crashed"), (2, "disconnected")] {
+        let (_, rest) = said.split_once(&format!("Failed queries of mine (variant {number}): ")).expect(&said);
+        assert!(rest.split('.').nth(1).is_some_and(|sentence| sentence.contains(reason)), "{said}");
+    }
+    shell.refuse(
+        &["batch", "--rules", "rules.toml", "--agent", "rules.toml", "anna/entry.toml"],
+        &["rules.toml: it is a rules file; expected an entry"],
+    );
+}
+
+#[test]
 fn instructions_count_and_not_what_a_module_says() {
     let plan = |body: &str| {
         let stage = Stage::of_module(&module(body), "");

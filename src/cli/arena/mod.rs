@@ -23,7 +23,7 @@ use wildfire_base::whole_file::write_whole;
 use wildfire_batch::arena::{
     ARENA_VERSION, ArenaEntry, ArenaError, ArenaRow, Board, Played, Players, TRACKS, Track, TrackBoard, play,
 };
-use wildfire_batch::{BatchPlan, CourseRefusal, MAX_SEEDS_BYTES, Seeds};
+use wildfire_batch::{BatchPlan, CourseRefusal, Failures, MAX_SEEDS_BYTES, Seeds, planner_of};
 #[cfg(unix)]
 use wildfire_sim::programs::ProgramPool;
 use wildfire_sim::scenario::Scenario;
@@ -76,6 +76,9 @@ pub struct SubmitArguments {
     /// The entry: a folder with entry.toml, or that file.
     #[arg(value_name = "ENTRY")]
     pub entry: PathBuf,
+    /// Check only this track; may be repeated [default: all that the entry names].
+    #[arg(long, value_name = "NAME")]
+    pub track: Vec<String>,
     #[command(flatten)]
     pub play: PlayArguments,
     #[command(flatten)]
@@ -170,6 +173,17 @@ fn chosen(names: &[String]) -> Result<Vec<&'static Track>, CliError> {
         return Ok(TRACKS.iter().collect());
     }
     Ok(names.iter().map(|name| Track::named(name)).collect::<Result<Vec<_>, _>>()?)
+}
+
+/// Those of these tracks that an entry enters.
+fn entered(entry: &ArenaEntry, asked: &[&'static Track]) -> Result<Vec<&'static Track>, CliError> {
+    let enters = |track: &&'static Track| entry.card.tracks.iter().any(|name| name == track.name);
+    let tracks: Vec<&'static Track> = asked.iter().copied().filter(enters).collect();
+    if tracks.is_empty() {
+        let (name, its) = (&entry.card.name, entry.card.tracks.join(", "));
+        return Err(CliError::bad_input(format!("{name} enters none of these tracks; its `tracks` are {its}"), None));
+    }
+    Ok(tracks)
 }
 
 fn tracks(arguments: &TracksArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
@@ -280,20 +294,10 @@ fn add_to_board(arguments: &RunArguments, stage: &Stage) -> Result<ExitCode, Cli
     fs::create_dir_all(&arguments.board).map_err(|error| CliError::unwritable(&arguments.board, &error))?;
     let mut work = Vec::new();
     for entry in &entries {
-        let enters = |track: &&&'static Track| entry.card.tracks.iter().any(|name| name == track.name);
-        let tracks: Vec<&&'static Track> = asked.iter().filter(enters).collect();
-        if tracks.is_empty() {
-            let sentence = format!(
-                "{} enters none of these tracks; its `tracks` are {}",
-                entry.card.name,
-                entry.card.tracks.join(", ")
-            );
-            return Err(CliError::bad_input(sentence, None));
-        }
-        for track in tracks {
+        for track in entered(entry, &asked)? {
             let plan = ArenaEntry::plan(std::slice::from_ref(entry), track, seeds_of(track, &arguments.seeds)?)?;
             stage.context.expect_trusted_plan(&plan)?;
-            work.push((entry, *track, plan));
+            work.push((entry, track, plan));
         }
     }
     let progress = stage.progress(work.iter().map(|(_, _, plan)| plan.count()).sum());
@@ -345,14 +349,24 @@ fn rank(arguments: &RankArguments) -> Result<ExitCode, CliError> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Plays rows again; returns those that differ, in words, and how many were played.
-fn differences(
+/// What came of rows that were played again.
+#[derive(Default)]
+struct Replayed {
+    /// Those that differ, in words.
+    differences: Vec<String>,
+    /// By entry, why its programs were not started in some runs, and the number of these.
+    not_started: BTreeMap<String, (String, usize)>,
+}
+
+/// Plays rows again. Programs may lack something on this machine, so a run in which one does not start is no difference.
+fn replay(
     stage: &Stage,
     track: &'static Track,
     plan: &BatchPlan,
     rows: &[&ArenaRow],
     progress: &Progress,
-) -> Result<Vec<String>, CliError> {
+    replayed: &mut Replayed,
+) -> Result<(), CliError> {
     let seeds: BTreeMap<u64, u64> = plan.seeds.iter().zip(1..).collect();
     let mut numbers = BTreeMap::new();
     for row in rows {
@@ -362,20 +376,26 @@ fn differences(
         };
         let variant = plan.variants.iter().position(|variant| is_it(&variant.swept));
         let (Some(variant), Some(seed)) = (variant, seeds.get(&row.seed)) else {
-            return Ok(vec![format!(
+            replayed.differences.push(format!(
                 "{}, {}, seed {}: there is no such run on the track `{}`",
                 row.entry, row.condition, row.seed, track.name
-            )]);
+            ));
+            return Ok(());
         };
         numbers.insert(variant as u64 * plan.seeds.count() + seed, *row);
     }
     let played = stage.play(track, plan, &numbers.keys().copied().collect::<Vec<_>>(), progress)?;
-    let pairs = numbers.values().zip(&played);
-    let violations = played.iter().filter_map(|played| {
-        let violation = played.violation.as_ref()?;
-        Some(format!("{}, seed {}: it violates a rule: {violation}", played.row.entry, played.row.seed))
-    });
-    Ok(pairs.filter_map(|(row, played)| row.difference(&played.row)).chain(violations).collect())
+    let is_timed = plan.variants.iter().any(|variant| variant.scenario.needs_trust());
+    for (row, Played { row: again, violation, message, is_not_started, .. }) in numbers.values().zip(played) {
+        let difference = row.difference(&again);
+        if is_timed && is_not_started && difference.is_some() {
+            replayed.not_started.entry(again.entry).or_insert((message, 0)).1 += 1;
+            continue;
+        }
+        let violation = violation.map(|it| format!("{}, seed {}: it violates a rule: {it}", again.entry, again.seed));
+        replayed.differences.extend(difference.into_iter().chain(violation));
+    }
+    Ok(())
 }
 
 fn report_differences(what: &str, runs: usize, found: &[String]) -> Result<ExitCode, CliError> {
@@ -423,16 +443,27 @@ fn recompute(arguments: &RecomputeArguments, stage: &Stage) -> Result<ExitCode, 
         return Err(CliError::bad_input(sentence, None));
     }
     let progress = stage.progress(runs as u64);
-    let mut found = Vec::new();
+    let mut replayed = Replayed::default();
     for (track, plan, rows) in work {
-        found.extend(differences(stage, track, &plan, &rows.iter().collect::<Vec<_>>(), &progress)?);
+        replay(stage, track, &plan, &rows.iter().collect::<Vec<_>>(), &progress, &mut replayed)?;
     }
     progress.end();
+    let words = |(name, (message, runs)): (&String, &(String, usize))| {
+        format!("{name} could not be started in {}: {message}", count(*runs, "run"))
+    };
+    let not_started = replayed.not_started.iter().map(words).collect::<Vec<_>>().join("\n");
+    let left: usize = replayed.not_started.values().map(|(_, runs)| runs).sum();
+    if left == runs {
+        return Err(CliError::bad_input(format_args!("nothing could be recomputed: {not_started}"), None));
+    }
+    if left > 0 && !stage.context.quiet {
+        terminal::note(&format!("left out: {not_started}"));
+    }
     if !left_out.is_empty() && !stage.context.quiet {
         let names: Vec<&str> = left_out.iter().map(|(name, _)| &name[..]).collect();
         terminal::note(&format!("left out, because they are programs: {}; --trust plays them", names.join(", ")));
     }
-    report_differences("what the board says", runs, &found)
+    report_differences("what the board says", runs - left, &replayed.differences)
 }
 
 fn verify(arguments: &VerifyArguments, stage: &Stage) -> Result<ExitCode, CliError> {
@@ -449,51 +480,62 @@ fn verify(arguments: &VerifyArguments, stage: &Stage) -> Result<ExitCode, CliErr
     }
     let runs: usize = work.iter().map(|(_, _, rows)| rows.len()).sum();
     let progress = stage.progress(runs as u64);
-    let mut found = Vec::new();
+    let mut replayed = Replayed::default();
     for (track, plan, rows) in work {
         if rows.len() as u64 != plan.count() {
-            found.push(format!("{}: {} golden rows, {} runs", track.name, rows.len(), plan.count()));
+            replayed.differences.push(format!("{}: {} golden rows, {} runs", track.name, rows.len(), plan.count()));
         }
-        found.extend(differences(stage, track, &plan, &rows.iter().collect::<Vec<_>>(), &progress)?);
+        replay(stage, track, &plan, &rows.iter().collect::<Vec<_>>(), &progress, &mut replayed)?;
     }
     progress.end();
-    report_differences("the rows that were frozen", runs, &found)
+    report_differences("the rows that were frozen", runs, &replayed.differences)
 }
 
 fn submit_check(arguments: &SubmitArguments, stage: &Stage) -> Result<ExitCode, CliError> {
     let entry = ArenaEntry::read(&arguments.entry)?;
-    let tracks = entry.card.tracks.iter().map(|name| Track::named(name)).collect::<Result<Vec<_>, _>>()?;
     let mut rows = Vec::new();
-    let (mut objects, mut violations) = (Vec::new(), Vec::new());
-    for track in tracks {
+    let (mut objects, mut refusals, mut remarks) = (Vec::new(), Vec::new(), Vec::new());
+    for track in entered(&entry, &chosen(&arguments.track)?)? {
         let public = track.public_seeds();
         let first: Vec<String> = public.iter().take(CHECKED_SEEDS).map(|seed| seed.to_string()).collect();
         let seeds = Seeds::from_file_text(&first.join("\n")).expect("some of a list");
         let plan = ArenaEntry::plan(std::slice::from_ref(&entry), track, seeds)?;
         let progress = stage.progress(plan.count());
-        let stopwatch = WallStopwatch::start();
-        let played = stage.play(track, &plan, &(1..=plan.count()).collect::<Vec<_>>(), &progress)?;
-        let seeds = public.count() as f64 / plan.seeds.count() as f64;
-        let all_s = stopwatch.elapsed().as_secs_f64() * seeds;
+        // All other seeds of an entry that cannot answer would take as long as its first one.
+        let is_of_first = |number: &u64| (number - 1).is_multiple_of(plan.seeds.count());
+        let (of_first, others): (Vec<u64>, Vec<u64>) = (1..=plan.count()).partition(is_of_first);
+        let mut stopwatch = WallStopwatch::start();
+        let (mut played, mut timed) = (stage.play(track, &plan, &of_first, &progress)?, of_first.len());
+        let first_failure = total_failure(&played);
+        if first_failure.is_none() {
+            (stopwatch, timed) = (WallStopwatch::start(), others.len());
+            played.extend(stage.play(track, &plan, &others, &progress)?);
+        }
+        let all_s = stopwatch.elapsed().as_secs_f64() / timed as f64 * (public.count() * of_first.len() as u64) as f64;
         progress.end();
         let scores: Vec<f64> = played.iter().filter_map(|played| played.row.score).collect();
         let mean = scores.iter().sum::<f64>() / scores.len().max(1) as f64;
         let failed_runs = played.len() - scores.len();
-        let queries = played.iter().fold([0, 0], |sum, it| [sum[0] + it.queries[0], sum[1] + it.queries[1]]);
+        let [queries, asks] = failures_of(&played);
+        let of_planner = queries.of_planner(&planner_of(&plan.variants[0].scenario));
+        let reasons: Vec<String> = of_planner.into_iter().chain(asks.of_policies()).collect();
         let effort = played.iter().map(|it| it.row.effort as f64).sum::<f64>() / played.len() as f64;
-        violations.extend(
-            played
-                .iter()
-                .filter_map(|it| Some(format!("{}, seed {}: {}", track.name, it.row.seed, it.violation.as_ref()?))),
-        );
+        let mut violations: Vec<String> = played
+            .iter()
+            .filter_map(|it| Some(format!("{}, seed {}: {}", track.name, it.row.seed, it.violation.as_ref()?)))
+            .collect();
+        let cut_short = first_failure.map(|it| format!("{it} on the first seed; the other seeds were not played"));
+        violations.extend(cut_short.or_else(|| total_failure(&played)).map(|it| format!("{}: {it}", track.name)));
         let message = played.iter().find(|it| !it.message.is_empty()).map(|it| it.message.clone());
+        let of_run = message.as_ref().filter(|_| failed_runs > 0);
+        violations.extend(of_run.map(|message| format!("{}: {message}", track.name)));
         rows.push(vec![
             track.name.to_owned(),
             played.len().to_string(),
             failed_runs.to_string(),
             rounded(mean, 2),
             rounded(effort, 0),
-            format!("{}/{}", queries[0], queries[1]),
+            format!("{}/{}", queries.failed(), queries.asked()),
             rounded(all_s / 60.0, 1),
         ]);
         objects.push(object!(Checked {
@@ -502,26 +544,50 @@ fn submit_check(arguments: &SubmitArguments, stage: &Stage) -> Result<ExitCode, 
             failed: failed_runs,
             score: mean,
             effort,
-            failed_queries: queries[0],
-            queries: queries[1],
+            failed_queries: queries.failed(),
+            queries: queries.asked(),
+            reasons: reasons.clone(),
+            refusals: violations.clone(),
             wall_all_seeds_s: all_s,
-            message: message.clone(),
+            message,
         }));
-        violations.extend(message.filter(|_| failed_runs > 0).map(|message| format!("{}: {message}", track.name)));
+        refusals.extend(violations);
+        remarks.extend(reasons.iter().map(|reason| format!("{}: {reason}", track.name)));
     }
-    let is_accepted = violations.is_empty();
+    let is_accepted = refusals.is_empty();
     let verdict = if is_accepted { "can be submitted" } else { "cannot be submitted" };
     let title = format!("{} {verdict}", entry.card.name);
     let headings = ["Track", "Runs", "Failed", "Score", "Effort", "Failed\nqueries", "All seeds\nmin"];
     let document = || {
         let mut document = Document::new(title);
         document.add(Table::new(&headings, rows));
-        document.add_list(violations);
+        document.add_list(refusals);
+        document.add_list(remarks);
         document.add(Block::Text(format!("Files: SHA-256 {}", entry.hash)));
         document
     };
     terminal::print(&arguments.form.render_either(&Objects { entry: &entry.card.name, tracks: &objects }, document))?;
     Ok(if is_accepted { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
+}
+
+/// The failures of some runs: those of queries, and of asks.
+fn failures_of(played: &[Played]) -> [Failures; 2] {
+    played.iter().fold(Default::default(), |[mut queries, mut asks], run| {
+        queries += run.failures[0].clone();
+        asks += run.failures[1].clone();
+        [queries, asks]
+    })
+}
+
+/// Says what failed in runs in which everything did.
+fn total_failure(played: &[Played]) -> Option<String> {
+    if played.iter().all(|run| run.row.score.is_none()) {
+        return Some("every run failed".to_owned());
+    }
+    let [queries, asks] =
+        failures_of(played).map(|it| Some(it.asked()).filter(|&asked| 0 < asked && asked <= it.failed()));
+    let queries = queries.map(|asked| format!("all {asked} queries failed"));
+    queries.or_else(|| asks.map(|asked| format!("all {asked} asks of policies failed")))
 }
 
 #[derive(Serialize)]

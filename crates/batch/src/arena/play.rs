@@ -6,14 +6,15 @@ use rayon::prelude::*;
 
 use super::row::{hash_of_query, hash_of_run};
 use super::{ArenaError, ArenaRow, Track, TrackKind};
-use crate::drives::{DriveProblems, Question, attempts};
+use crate::drives::{AttemptError, DriveProblems, Question, attempts};
 use crate::execute::{BatchError, RunResult, RunRow, Status, panics};
 use crate::plan::{BatchPlan, PlannedRun};
+use crate::report::Failures;
 use crate::table::{RunRecord, run_column};
 use wildfire_audit::{SampleStep, audit_timeline};
 use wildfire_planning::Planners;
 use wildfire_sim::scenario::Scenario;
-use wildfire_sim::{Entrants, RunOptions};
+use wildfire_sim::{Entrants, RunError, RunOptions};
 use wildfire_timeline::Outcome;
 
 /// Who plays, and on how many threads.
@@ -33,8 +34,10 @@ pub struct Played {
     pub violation: Option<String>,
     /// Why it failed, or what planners and policies said about failed queries.
     pub message: String,
-    /// Queries that failed, and all.
-    pub queries: [u64; 2],
+    /// Failed queries of the trucks' planners, and failed asks of policies.
+    pub failures: [Failures; 2],
+    /// Whether a planner or policy could not be started or built.
+    pub is_not_started: bool,
 }
 
 /// Makes the runs with these numbers, counted from 1; `on_run` is called after each, in any order.
@@ -70,6 +73,8 @@ fn row_of(run: &PlannedRun<'_>, score: Option<f64>, effort: u64, hash: String) -
 
 fn simulated(track: &Track, run: &PlannedRun<'_>, options: &RunOptions) -> Played {
     let made = panics::catch(|| wildfire_sim::run_with_options(&run.variant.scenario, run.seed, options));
+    let is_not_started =
+        matches!(&made, Ok(Err(RunError::NoPolicy { .. } | RunError::NoPrograms { .. } | RunError::NoPlanner { .. })));
     let not_done = |status, message| (RunRow::not_done(run.label(), status, message, Duration::ZERO), None);
     let (row, violation) = match made {
         Ok(Ok(done)) => {
@@ -85,10 +90,9 @@ fn simulated(track: &Track, run: &PlannedRun<'_>, options: &RunOptions) -> Playe
     let record = RunRecord::from_row(&row);
     let number = |column: &&str| record.number(run_column(column)).unwrap_or(0.0);
     let effort = track.effort.iter().map(|column| number(column) as u64).sum();
-    let failed = super::row::HASHED_COLUMNS.iter().filter(|column| column.starts_with("truck_failed_"));
-    let queries = [failed.map(|column| number(column) as u64).sum(), number(&"truck_plans") as u64];
+    let failures = [Failures::of_queries(&record), Failures::of_asks(&record)];
     let row = ArenaRow { ..row_of(run, track.metric().number(&record), effort, hash_of_run(&record)) };
-    Played { row, violation, message: record.message().to_owned(), queries }
+    Played { row, violation, message: record.message().to_owned(), failures, is_not_started }
 }
 
 /// A query's score is the share of its path that is needed, 0 if there is none: the lower bound of the length over the length.
@@ -100,7 +104,7 @@ fn driven(run: &PlannedRun<'_>, plan: &BatchPlan, players: &Players<'_>) -> Resu
     let problem = &problems[0];
     let planners: Vec<_> = scenario.unimog.iter().take(1).map(|truck| truck.planner.clone()).collect();
     let asked = panics::catch(|| {
-        let makers = (players.planners_of)(scenario)?;
+        let makers = (players.planners_of)(scenario).map_err(|words| (words, true))?;
         let question = Question {
             planners: &planners,
             makers: &makers,
@@ -109,22 +113,26 @@ fn driven(run: &PlannedRun<'_>, plan: &BatchPlan, players: &Players<'_>) -> Resu
             limit: plan.memory,
         };
         let asked = attempts(problem, &question);
-        asked.map(|asked| asked[0].query(None, 0)).map_err(|error| error.to_string())
+        asked.map(|asked| asked[0].query(None, 0)).map_err(|error| {
+            let is_not_started = matches!(error, AttemptError::NoPlanner { .. });
+            (error.to_string(), is_not_started)
+        })
     });
+    let asked = asked.map_err(|panic| (panic, false)).flatten();
     Ok(match asked {
-        Ok(Ok(query)) => {
+        Ok(query) => {
             // A path may be as long as the bound, and rounding may make it shorter.
             let solved =
                 query.solved().map(|figures| figures.lower_bound_ratio.map_or(1.0, |ratio| 1.0 / ratio.max(1.0)));
             let effort = query.cost.map_or(0, |cost| cost.expansions);
             let row = row_of(run, Some(solved.unwrap_or(0.0)), effort, hash_of_query(&query));
+            let failures = [Failures::of_query(&query), Failures::default()];
             let message = query.message.map_or(String::new(), String::from);
-            let failed = u64::from(solved.is_none());
-            Played { row, violation: query.violation.map(String::from), message, queries: [failed, 1] }
+            Played { row, violation: query.violation.map(String::from), message, failures, is_not_started: false }
         }
-        Ok(Err(message)) | Err(message) => {
+        Err((message, is_not_started)) => {
             let row = row_of(run, None, 0, super::row::shown_hash("failed\n"));
-            Played { row, violation: None, message, queries: [1, 1] }
+            Played { row, violation: None, message, failures: Default::default(), is_not_started }
         }
     })
 }
