@@ -147,7 +147,6 @@ fn submit_check_refuses_an_entry_that_never_answers_and_prints_why() {
     let (_, rest) = said.split_once("contest: all ").expect("it is refused there too");
     let queries = rest.split_once(' ').expect("a number").0;
     assert!(rest.contains(&format!("budget spent {queries} (ran more than 1000000 instructions)")), "{said}");
-    shell.refuse(&["arena", "submit-check", "entry.toml", "--track", "fleet"], &["enters none of these tracks"]);
 }
 
 #[test]

@@ -126,7 +126,8 @@ fn driven(run: &PlannedRun<'_>, plan: &BatchPlan, players: &Players<'_>) -> Resu
                 query.solved().map(|figures| figures.lower_bound_ratio.map_or(1.0, |ratio| 1.0 / ratio.max(1.0)));
             let effort = query.cost.map_or(0, |cost| cost.expansions);
             let row = row_of(run, Some(solved.unwrap_or(0.0)), effort, hash_of_query(&query));
-            let failures = [Failures::of_query(&query), Failures::default()];
+            let reason = query.failure.map(|failure| failure.to_string());
+            let failures = [Failures::of_query(reason, query.message.as_deref()), Failures::default()];
             let message = query.message.map_or(String::new(), String::from);
             Played { row, violation: query.violation.map(String::from), message, failures, is_not_started: false }
         }

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::ops::AddAssign;
 
-use crate::drives::DriveQuery;
 use crate::table::{RUN_COLUMNS, RunRecord, run_column};
 use wildfire_base::document::number::percent;
 use wildfire_base::untrusted::visible_start;
@@ -43,12 +42,11 @@ impl Failures {
         Self::new(run, run_column("truck_plans"), reasons("truck_failed_"), |who| !who.starts_with(POLICY))
     }
 
-    /// Counts a single query.
-    pub fn of_query(query: &DriveQuery) -> Self {
-        let reason = query.failure.map(|failure| {
-            let name = failure.to_string();
+    /// Counts a single query that failed for a reason, if it did, with a message.
+    pub fn of_query(failure: Option<String>, message: Option<&str>) -> Self {
+        let reason = failure.map(|name| {
             let column = reasons("truck_failed_").find(|(known, _)| *known == name);
-            let words = query.message.as_deref().map(visible_start);
+            let words = message.map(visible_start);
             (column.map_or(usize::MAX, |(_, place)| place), Reason { name, count: 1, words })
         });
         Self { asked: 1, reasons: reason.into_iter().collect(), policy: None }

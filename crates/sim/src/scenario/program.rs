@@ -59,8 +59,7 @@ pub struct Program {
     /// File of a WebAssembly module instead of a command, relative to the scenario's folder; runs without trust.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub module: Option<PathBuf>,
-    /// Most instructions of a module in a query, a restart included [default: 10^9]. After 10 queries in a row that spent
-    /// them, the other queries of the run fail as budget spent at once.
+    /// Most instructions of a module in a query, a restart included [default: 10^9].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub query_instructions: Option<u64>,
     /// Most instructions of a module from its start until it is ready [default: 10^10].
