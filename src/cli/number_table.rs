@@ -1,6 +1,6 @@
 //! Tables of numbers from other programs, whose columns are found by their names, in any order among others.
 
-use std::fmt;
+use std::borrow::Cow;
 use std::io::{self, ErrorKind, Write};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -19,9 +19,20 @@ const SHOWN: usize = 40;
 #[derive(Clone, Debug)]
 pub struct Column {
     pub name: &'static str,
-    pub range: RangeInclusive<f64>,
-    /// What rows hold where the table has no such column; `None` if it must have it.
+    pub content: Content,
+    /// The number of rows without it: where the table has no such column, or the field is empty; `None` if every row
+    /// must have it.
     pub without: Option<f64>,
+}
+
+/// What the fields of a column hold.
+#[derive(Clone, Debug)]
+pub enum Content {
+    Number(RangeInclusive<f64>),
+    /// One of these words; its place among them is the number.
+    Word(&'static [&'static str]),
+    /// Anything, see [`NumberTable::text`]; the number is NaN.
+    Text,
 }
 
 /// The columns of a kind of table, what a row is called, and the columns that are written after those that are there.
@@ -107,7 +118,7 @@ impl<'a, const N: usize> NumberTable<'a, N> {
     }
 
     /// Writes the line that was read last, as it is in the file, with more fields behind it.
-    pub fn write_row(&self, table: &mut WholeFile, added: fmt::Arguments) -> io::Result<()> {
+    fn write_row(&self, table: &mut WholeFile, added: &str) -> io::Result<()> {
         table.write_all(self.rows.row())?;
         writeln!(table, ",{added}")
     }
@@ -129,7 +140,9 @@ impl<'a, const N: usize> NumberTable<'a, N> {
         for (place, field) in fields(self.rows.row()).enumerate() {
             found += 1;
             if let Some(index) = self.places.iter().position(|&column| column == Some(place)) {
-                numbers[index] = self.number(field, &self.columns.read[index])?;
+                let column = &self.columns.read[index];
+                let empty = column.without.filter(|_| field.is_empty());
+                numbers[index] = empty.map_or_else(|| self.number(field, column), Ok)?;
             }
         }
         if found != self.width {
@@ -140,8 +153,16 @@ impl<'a, const N: usize> NumberTable<'a, N> {
 
     /// Says that a number of the row that was read last is none of those that may be there.
     pub fn refuse(&self, index: usize, expected: String) -> CliError {
-        let field = self.places[index].and_then(|place| fields(self.rows.row()).nth(place)).unwrap_or_default();
-        refused(&self.path, self.fault(field, self.columns.read[index].name, expected))
+        refused(&self.path, self.fault(self.field(index), self.columns.read[index].name, expected))
+    }
+
+    /// Returns a field of the row that was read last as it is in the file.
+    pub fn text(&self, index: usize) -> Cow<'_, str> {
+        String::from_utf8_lossy(self.field(index))
+    }
+
+    fn field(&self, index: usize) -> &[u8] {
+        self.places[index].and_then(|place| fields(self.rows.row()).nth(place)).unwrap_or_default()
     }
 
     fn advance(&mut self) -> Result<bool, TableFault> {
@@ -152,15 +173,48 @@ impl<'a, const N: usize> NumberTable<'a, N> {
     }
 
     fn number(&self, field: &[u8], column: &Column) -> Result<f64, TableFault> {
-        let number = std::str::from_utf8(field).ok().and_then(numbers::parse);
-        let expected = || format!("a number {}", numbers::range_words(&column.range));
-        number.filter(|number| column.range.contains(number)).ok_or_else(|| self.fault(field, column.name, expected()))
+        let (number, expected) = match &column.content {
+            Content::Number(range) => {
+                let number = std::str::from_utf8(field).ok().and_then(numbers::parse);
+                (number.filter(|number| range.contains(number)), format!("a number {}", numbers::range_words(range)))
+            }
+            Content::Word(words) => {
+                let place = words.iter().position(|word| word.as_bytes() == field);
+                (place.map(|place| place as f64), words.join(" or "))
+            }
+            Content::Text => (Some(f64::NAN), String::new()),
+        };
+        number.ok_or_else(|| self.fault(field, column.name, expected))
     }
 
     fn fault(&self, field: &[u8], column: &'static str, expected: String) -> TableFault {
         let found = String::from_utf8_lossy(field).chars().take(SHOWN).collect();
         TableFault::Number { line: self.rows.line(), column, found, expected }
     }
+}
+
+/// Writes the rows of a table, each once with every one of its answers behind it, which `answer` computes from its numbers;
+/// returns the number of rows that were read. A row is read, written and forgotten before the next.
+pub fn write_answers<const N: usize>(
+    input: &Path,
+    output: &Path,
+    columns: Columns<N>,
+    mut answer: impl FnMut(&NumberTable<N>, &[f64; N]) -> Result<Vec<String>, CliError>,
+) -> Result<u64, CliError> {
+    let unwritable = |error: io::Error| CliError::unwritable(output, &error);
+    let added = columns.added.join(",");
+    let mut rows = NumberTable::open(input, columns)?;
+    let mut table = WholeFile::create(output).map_err(unwritable)?;
+    rows.write_row(&mut table, &added).map_err(unwritable)?;
+    let mut count = 0;
+    while let Some(numbers) = rows.next()? {
+        for answer in answer(&rows, &numbers)? {
+            rows.write_row(&mut table, &answer).map_err(unwritable)?;
+        }
+        count += 1;
+    }
+    table.finish().map_err(unwritable)?;
+    Ok(count)
 }
 
 fn refused(path: &Path, fault: TableFault) -> CliError {

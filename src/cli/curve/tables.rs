@@ -8,7 +8,7 @@ use std::path::Path as FilePath;
 
 use crate::cli::curve::report::{FoundCurve, direction};
 use crate::cli::error::CliError;
-use crate::cli::number_table::{Column, Columns, NumberTable};
+use crate::cli::number_table::{Column, Columns, Content, write_answers};
 use wildfire_base::geometry::Pose;
 use wildfire_base::vehicle::{Dubins, Path, ReedsShepp};
 use wildfire_base::whole_file::WholeFile;
@@ -26,30 +26,18 @@ const ADDED: [&str; 4] = ["reeds_shepp_m", "reeds_shepp_word", "dubins_m", "dubi
 /// Numbers are the shortest decimals that read back as the same `f64`. A row is read, written and forgotten before the
 /// next.
 pub fn write_lengths(input: &FilePath, output: &FilePath, radius_m: f64) -> Result<u64, CliError> {
-    let unwritable = |error: io::Error| CliError::unwritable(output, &error);
     let (reeds_shepp, dubins) = (ReedsShepp { radius_m }, Dubins { radius_m });
-    let mut pairs = open_pairs(input)?;
-    let mut table = WholeFile::create(output).map_err(unwritable)?;
-    pairs.write_row(&mut table, format_args!("{}", ADDED.join(","))).map_err(unwritable)?;
-    let mut rows = 0;
-    while let Some([x0, y0, th0, x1, y1, th1]) = pairs.next()? {
+    let read = COLUMNS.map(|name| Column { name, content: Content::Number(COORDINATES), without: None });
+    let columns = Columns { read, row: "a pair of poses", added: &ADDED };
+    write_answers(input, output, columns, |_, &[x0, y0, th0, x1, y1, th1]| {
         let (from, to) = (Pose::new(x0, y0, th0), Pose::new(x1, y1, th1));
         let (best, forward) = (reeds_shepp.shortest(from, to), dubins.shortest(from, to));
-        let added = format_args!("{},{},{},{}", best.length_m, best.word, forward.length_m, forward.word);
-        pairs.write_row(&mut table, added).map_err(unwritable)?;
-        rows += 1;
-    }
-    table.finish().map_err(unwritable)?;
-    Ok(rows)
+        Ok(vec![format!("{},{},{},{}", best.length_m, best.word, forward.length_m, forward.word)])
+    })
 }
 
 /// Columns that are read, by their names in the header: metres and radians.
 const COLUMNS: [&str; 6] = ["x0", "y0", "th0", "x1", "y1", "th1"];
-
-fn open_pairs(path: &FilePath) -> Result<NumberTable<'static, { COLUMNS.len() }>, CliError> {
-    let read = COLUMNS.map(|name| Column { name, range: COORDINATES, without: None });
-    NumberTable::open(path, Columns { read, row: "a pair of poses", added: &ADDED })
-}
 
 /// The most rows of a table.
 const MOST_ROWS: f64 = 1e6;

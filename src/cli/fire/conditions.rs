@@ -4,17 +4,15 @@
 //! Numbers are the shortest decimals that read back as the same `f64`. A row is read, written and forgotten before the
 //! next.
 
-use std::io;
 use std::path::Path;
 
 use crate::cli::error::CliError;
 use crate::cli::fire::options::{
     AZIMUTHS_DEG, DEAD_MOISTURES, LIVE_MOISTURES, SLOPES, SlopeArguments, WINDS_MPS, no_such_fuel,
 };
-use crate::cli::number_table::{Column, Columns, NumberTable};
+use crate::cli::number_table::{Column, Columns, Content, NumberTable, write_answers};
 use wildfire_base::geometry::compass;
 use wildfire_base::object::Members;
-use wildfire_base::whole_file::WholeFile;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::surface::{FuelBed, FuelMoisture, SurfaceFire, SurfaceOptions, WindLimit, flame_length_m};
 
@@ -79,34 +77,27 @@ pub fn write_fires(
     options: &SurfaceOptions,
     azimuths: &[f64],
 ) -> Result<[u64; 2], CliError> {
-    let unwritable = |error: io::Error| CliError::unwritable(output, &error);
     let mut added = FIRE_COLUMNS.map(|(name, _)| name).to_vec();
     if !azimuths.is_empty() {
         added.extend(DIRECTION_COLUMNS.map(|(name, _)| name));
     }
-    let mut conditions = NumberTable::open(input, columns(&added))?;
-    let mut table = WholeFile::create(output).map_err(unwritable)?;
-    conditions.write_row(&mut table, format_args!("{}", added.join(","))).map_err(unwritable)?;
-    let [mut rows, mut without_fire] = [0; 2];
-    while let Some(numbers) = conditions.next()? {
-        let fire = fire(&conditions, &numbers, options)?;
-        let values = FIRE_COLUMNS.map(|(_, value)| value(&fire).to_string()).join(",");
-        if azimuths.is_empty() {
-            conditions.write_row(&mut table, format_args!("{values}")).map_err(unwritable)?;
-        }
-        for &azimuth in azimuths {
-            let of_azimuth = DIRECTION_COLUMNS.map(|(_, value)| value(&fire, azimuth).to_string()).join(",");
-            conditions.write_row(&mut table, format_args!("{values},{of_azimuth}")).map_err(unwritable)?;
-        }
-        rows += 1;
+    let mut without_fire = 0;
+    let rows = write_answers(input, output, columns(&added), |table, numbers| {
+        let fire = fire(table, numbers, options)?;
         without_fire += u64::from(fire.rate_mps == 0.0);
-    }
-    table.finish().map_err(unwritable)?;
+        let values = FIRE_COLUMNS.map(|(_, value)| value(&fire).to_string()).join(",");
+        let of_azimuth =
+            |&azimuth: &f64| DIRECTION_COLUMNS.map(|(_, value)| value(&fire, azimuth).to_string()).join(",");
+        Ok(match azimuths {
+            [] => vec![values],
+            _ => azimuths.iter().map(|azimuth| format!("{values},{}", of_azimuth(azimuth))).collect(),
+        })
+    })?;
     Ok([rows, without_fire])
 }
 
 fn columns<'a>(added: &'a [&'static str]) -> Columns<'a, 11> {
-    let column = |name, range| Column { name, range, without: None };
+    let column = |name, range| Column { name, content: Content::Number(range), without: None };
     Columns {
         read: [
             column("number", 0.0..=255.0),
@@ -119,7 +110,7 @@ fn columns<'a>(added: &'a [&'static str]) -> Columns<'a, 11> {
             column("wind_from_deg", AZIMUTHS_DEG),
             column("slope_rise_run", SLOPES),
             column("aspect_deg", AZIMUTHS_DEG),
-            Column { name: "wind_limit", range: 0.0..=1.0, without: Some(f64::NAN) },
+            Column { name: "wind_limit", content: Content::Number(0.0..=1.0), without: Some(f64::NAN) },
         ],
         row: "the conditions of a fire",
         added,
