@@ -9,12 +9,15 @@
 
 mod cell_set;
 pub mod chance;
+pub mod contain;
 pub mod embers;
 mod field;
+pub mod fine_moisture;
 pub mod fuel;
 mod landscape;
 pub mod lone;
 pub mod models;
+pub mod spotting;
 pub mod surface;
 mod weather;
 

@@ -99,7 +99,8 @@ fn unit(v: DVec3) -> DVec3 {
     if length > 0.0 { v / length } else { DVec3::ZERO }
 }
 
-fn length_to_width(effective_mph: f64, rule: LengthToWidth) -> f64 {
+/// Computes how many times a fire is as long as wide, from a wind at mid-flame height.
+pub(crate) fn length_to_width(effective_mph: f64, rule: LengthToWidth) -> f64 {
     let ratio = match rule {
         LengthToWidth::Anderson1983 => {
             let ratio = 0.936 * ops::exp(0.1147 * effective_mph) + 0.461 * ops::exp(-0.0692 * effective_mph) - 0.397;

@@ -20,6 +20,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use wildfire_base::ranges;
 
+pub(crate) use behavior::length_to_width;
 pub use behavior::{SurfaceFire, flame_length_m};
 pub use ellipse::Ellipse;
 pub use fuel_bed::{FuelBed, FuelState};

@@ -1,0 +1,149 @@
+//! Moisture of fine dead fuel from the tables of Rothermel (1983): a reference by temperature and humidity, and a correction
+//! by season, shade, place and time of day.
+//!
+//! Rothermel, R.C. 1983. How to predict the spread and intensity of forest and range fires. USDA Forest Service, General
+//! Technical Report INT-143. The tables are for the day, 8:00 to 19:59. In two cells of February to April they are those of
+//! BEHAVE, where the NWCG's field guides have one percent more: on gentle eastern slopes at 16:00 above the weather station,
+//! and on steep ones at 18:00 below it.
+
+/// Percent of the dry weight, by temperature (10-29, 30-49, 50-69, 70-89, 90-109 degrees Fahrenheit, and above) and relative
+/// humidity (0-4, 5-9, ..., 95-99 %, 100 %).
+const REFERENCE: [[u8; 21]; 6] = [
+    [1, 2, 2, 3, 4, 5, 5, 6, 7, 8, 8, 8, 9, 9, 10, 11, 12, 12, 13, 13, 14],
+    [1, 2, 2, 3, 4, 5, 5, 6, 7, 7, 7, 8, 9, 9, 10, 10, 11, 12, 13, 13, 13],
+    [1, 2, 2, 3, 4, 5, 5, 6, 6, 7, 7, 8, 8, 9, 9, 10, 11, 12, 12, 12, 13],
+    [1, 1, 2, 2, 3, 4, 5, 5, 6, 7, 7, 8, 8, 8, 9, 10, 10, 11, 12, 12, 13],
+    [1, 1, 2, 2, 3, 4, 4, 5, 6, 7, 7, 8, 8, 8, 9, 10, 10, 11, 12, 12, 13],
+    [1, 1, 2, 2, 3, 4, 4, 5, 6, 7, 7, 8, 8, 8, 9, 10, 10, 11, 12, 12, 12],
+];
+
+/// Percent to add, a digit each: by season and shade, then aspect and slope, then time of day and elevation.
+const CORRECTION: [[&[u8; 18]; 8]; 6] = [
+    [
+        b"234111001001111234",
+        b"344122112112122344",
+        b"223111001001112344",
+        b"122001001112234456",
+        b"233111001001111233",
+        b"233112011011112233",
+        b"234112001001011233",
+        b"456234112001001122",
+    ],
+    [
+        b"455345334334345455",
+        b"455345334334345455",
+        b"445345334344345456",
+        b"445345334344345456",
+        b"445345334334345455",
+        b"445345334334345455",
+        b"456345334334345445",
+        b"456345334334345445",
+    ],
+    [
+        b"345123112112123345",
+        b"345334234234334345",
+        b"345123111112123345",
+        b"334111111123345356",
+        b"345122111111123345",
+        b"345122011011122345",
+        b"345123111111123345",
+        b"456345123111111334",
+    ],
+    [
+        b"456455345345455456",
+        b"456455345345455456",
+        b"456345345345456456",
+        b"456345345345456456",
+        b"456345345345345456",
+        b"456345345345345456",
+        b"456456345345345456",
+        b"456456345345345456",
+    ],
+    [
+        b"456345234234345456",
+        b"456456456456456456",
+        b"456344233233345456",
+        b"456234223344456456",
+        b"456345233223344456",
+        b"456233112112233456",
+        b"456345233233344456",
+        b"456456344223234456",
+    ],
+    [
+        b"456456456456456456",
+        b"456456456456456456",
+        b"456456456456456456",
+        b"456456456456456456",
+        b"456456456456456456",
+        b"456456456456456456",
+        b"456456456456456456",
+        b"456456456456456456",
+    ],
+];
+
+/// Returns the moisture that the correction is added to, in percent of the dry weight, for classes of temperature (0 to 5) and
+/// relative humidity (0 to 20), counted as in Rothermel's table A; `None` if there is no such class.
+pub fn reference_pct(temperature: usize, humidity: usize) -> Option<u8> {
+    REFERENCE.get(temperature)?.get(humidity).copied()
+}
+
+/// The conditions of a correction, as classes counted from 0 in the order of Rothermel's tables B to D.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Site {
+    /// May to July; February to April and August to October; November to January.
+    pub season: usize,
+    /// Exposed to the sun; shaded by half or more.
+    pub shade: usize,
+    /// North, east, south, west.
+    pub aspect: usize,
+    /// 0 to 30 percent; steeper.
+    pub slope: usize,
+    /// From 8:00 in steps of two hours.
+    pub time: usize,
+    /// The fuel is 1000 to 2000 ft below the place of the weather, level with it, or 1000 to 2000 ft above.
+    pub elevation: usize,
+}
+
+impl Site {
+    /// Returns what is added to [`reference_pct`]; `None` if a class does not exist.
+    pub fn correction_pct(self) -> Option<u8> {
+        let Self { season, shade, aspect, slope, time, elevation } = self;
+        if season > 2 || shade > 1 || aspect > 3 || slope > 1 || time > 5 || elevation > 2 {
+            return None;
+        }
+        Some(CORRECTION[2 * season + shade][2 * aspect + slope][3 * time + elevation] - b'0')
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fine_fuel_is_wetter_in_humid_air_in_the_shade_and_in_winter() {
+        // 80 F and 20 %, on a level meadow in July at 14:00; the same under trees; the same in December.
+        let site = Site { season: 0, shade: 0, aspect: 2, slope: 0, time: 3, elevation: 1 };
+        let corrections = [site, Site { shade: 1, ..site }, Site { season: 2, ..site }].map(Site::correction_pct);
+        assert_eq!((reference_pct(3, 4), corrections), (Some(3), [Some(0), Some(3), Some(2)]));
+        for temperature in 0..6 {
+            let row: Vec<u8> = (0..21).map(|humidity| reference_pct(temperature, humidity).expect("a cell")).collect();
+            assert!(row.is_sorted() && row[0] == 1, "{row:?}");
+        }
+    }
+
+    #[test]
+    fn classes_beyond_the_tables_have_no_moisture() {
+        assert_eq!((reference_pct(6, 0), reference_pct(0, 21)), (None, None));
+        let site = Site { season: 0, shade: 0, aspect: 0, slope: 0, time: 0, elevation: 0 };
+        assert_eq!(site.correction_pct(), Some(2));
+        let beyond = [
+            Site { season: 3, ..site },
+            Site { shade: 2, ..site },
+            Site { aspect: 4, ..site },
+            Site { slope: 2, ..site },
+            Site { time: 6, ..site },
+            Site { elevation: 3, ..site },
+        ];
+        assert_eq!(beyond.map(Site::correction_pct), [None; 6]);
+    }
+}
