@@ -4,6 +4,7 @@
 //! from, as in weather reports.
 
 mod behavior;
+mod calculators;
 mod conditions;
 mod options;
 mod spread;
@@ -13,6 +14,7 @@ use std::process::ExitCode;
 use clap::Subcommand;
 
 use behavior::BehaviorArguments;
+use calculators::{ContainArguments, MoistureArguments, SpottingArguments};
 use spread::SpreadArguments;
 
 use crate::cli::error::CliError;
@@ -23,12 +25,21 @@ pub enum FireCommand {
     Behavior(BehaviorArguments),
     /// Simulate a fire over a landscape without agents: when it reaches each cell.
     Spread(SpreadArguments),
+    /// Look up the moisture of fine dead fuel in Rothermel's tables.
+    Moisture(MoistureArguments),
+    /// Compute when crews contain a fire and how large it is then, by Fried and Fried's model.
+    Contain(ContainArguments),
+    /// Compute how far firebrands light spot fires, by Albini's models.
+    Spotting(SpottingArguments),
 }
 
 pub fn run(command: &FireCommand, quiet: bool) -> Result<ExitCode, CliError> {
     match command {
         FireCommand::Behavior(arguments) => behavior::run(arguments, quiet)?,
         FireCommand::Spread(arguments) => spread::run(arguments, quiet)?,
+        FireCommand::Moisture(arguments) => calculators::moisture(arguments, quiet)?,
+        FireCommand::Contain(arguments) => calculators::contain(arguments, quiet)?,
+        FireCommand::Spotting(arguments) => calculators::spotting(arguments, quiet)?,
     }
     Ok(ExitCode::SUCCESS)
 }
