@@ -233,3 +233,57 @@ fn automaton_burns_the_same_with_any_number_of_threads() {
         areas.lines().nth(11).map(|row| row.replace("10,", "0,")).as_deref()
     );
 }
+
+const CELLS: &str = "table,dry_bulb,relative_humidity,month,shading,aspect,slope,time_of_day,elevation\n";
+const ATTACKS: &str = "report_rate_ch_h,report_size_acre,length_to_width,tactic,line_offset_ch,\
+                       resources_arrival_min:duration_min:production_ch_h\n";
+const BRANDS: &str = "source,location,ridge_to_valley_distance_mi,ridge_to_valley_elevation_ft,\
+                      downwind_cover_height_ft,downwind_canopy,wind_20ft_mi_h,flame_ft,torching_trees,dbh_in,\
+                      tree_height_ft,species\n";
+
+#[test]
+fn calculators_write_answers_behind_the_columns_of_a_table() {
+    let story = Story::begin();
+    story.file("cells.csv", &format!("{CELLS}reference,3,4,,,,,,\ncorrection,,,0,1,2,0,3,1\n"));
+    let table = story.tell(&["fire", "moisture", "--csv", "cells.csv"]).expect_code(0).stdout;
+    let answers: Vec<&str> = table.lines().filter_map(|line| line.rsplit(',').next()).collect();
+    assert_eq!(answers, ["fine_moisture_pct", "3", "3"]);
+    story.file("attacks.csv", &format!("{ATTACKS}5,1,3,head,0,120:480:20\n20,1,3,rear,1,30:60:6|40:50:6\n"));
+    let steps = ["fire", "contain", "--csv", "attacks.csv", "--min-steps", "250", "--out", "contained.csv"];
+    assert!(story.tell(&steps).expect_code(0).stderr.contains("wrote contained.csv: answers to 2 rows"));
+    let contained = story.read("contained.csv");
+    assert!(contained.contains("120:480:20,contained,238.75,39.5398"), "{contained}");
+    assert!(contained.contains("40:50:6,exhausted,90,"), "{contained}");
+    let pile = "burning_pile,ridge_top,1,2000,30,closed,5,5,,,,";
+    story.file("brands.csv", &format!("{BRANDS}{pile}\nactive_crown,ridge_top,1,2000,,closed,5,20,,,30,\n"));
+    let brands = story.tell(&["fire", "spotting", "--csv", "brands.csv"]).expect_code(0).stdout;
+    assert!(brands.contains(",61,30,,0.01706") && brands.ends_with(",30,,,,,,,,\n"), "{brands}");
+}
+
+#[test]
+fn calculators_refuse_rows_by_line_and_column() {
+    let story = Story::begin();
+    let tree = "torching_trees,ridge_top,1,2000,30,closed,5,,15,20,30";
+    for (command, table, sentence) in [
+        ("moisture", format!("{CELLS}both,3,4,,,,,,\n"), "line 2, column table: found \"both\", expected reference or"),
+        ("moisture", format!("{CELLS}reference,3,,,,,,,\n"), "line 2, column relative_humidity: found \"\", expected"),
+        ("moisture", format!("{CELLS}reference,3,21,,,,,,\n"), "expected a number from 0 to 20"),
+        (
+            "moisture",
+            format!("{CELLS}correction,,,0,0,1.5,0,0,0\n"),
+            "column aspect: found \"1.5\", expected the whole",
+        ),
+        ("contain", format!("{ATTACKS}5,1,0.5,head,0,1:2:3\n"), "column length_to_width: found \"0.5\""),
+        ("contain", format!("{ATTACKS}5,1,3,flank,0,1:2:3\n"), "column tactic: found \"flank\", expected head or rear"),
+        ("contain", format!("{ATTACKS}5,1,3,head,0,1:2:3|4:5\n"), "found \"1:2:3|4:5\", expected ARRIVAL:DURATION"),
+        ("spotting", format!("{BRANDS}{tree},14\n"), "line 2, column species: found \"14\""),
+        ("spotting", format!("{BRANDS}{tree},\n"), "column species: found \"\", expected a number for this source"),
+        ("spotting", format!("{BRANDS}{tree},0.5\n"), "column species: found \"0.5\", expected the whole number"),
+        ("spotting", "source\n".to_owned(), "line 1: the column location is missing"),
+    ] {
+        story.file("in.csv", &table);
+        let refused = story.tell(&["fire", command, "--csv", "in.csv", "--out", "out.csv"]).expect_code(2).stderr;
+        assert!(refused.contains(sentence), "{sentence}: {refused}");
+        assert!(!story.path("out.csv").exists(), "{sentence}");
+    }
+}

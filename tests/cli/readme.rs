@@ -252,6 +252,7 @@ hold! {
     fallbacks: "docs/fallbacks.md", pictures below 0;
     first_hour: "docs/first-hour.md", pictures below 0;
     fire_behavior: "docs/fire-behavior.md", pictures below 0;
+    fire_calculators: "docs/fire-calculators.md", pictures below 0;
     fire_spread: "docs/fire-spread.md", pictures below 200_000;
     fire_validation: "docs/fire-validation.md", pictures below 0;
     grid_maps: "docs/grid-maps.md", pictures below 100_000;

@@ -10,10 +10,15 @@
 #![expect(clippy::print_stdout, reason = "prints the tables of the page on validation")]
 
 use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::Arc;
 
+use flate2::read::GzDecoder;
 use glam::DVec2;
+use wildfire::fire::contain::{Attack, Resource, Status, Tactic};
 use wildfire::fire::fuel::{FUEL_MODELS, FuelModel};
 use wildfire::fire::models::{Alexandridis, AlexandridisRules};
 use wildfire::fire::surface::{
@@ -24,33 +29,56 @@ use wildfire::fire::{FireField, Landscape, Relief, Weather};
 use wildfire::geometry::{Cell, FieldFrame, compass, ops};
 use wildfire::time::SimTime;
 
+/// Finds a file of the reference; `None`, after saying so, where it is not.
+fn reference(name: &str) -> Option<PathBuf> {
+    let root = std::env::var_os("WILDFIRE_REFERENCE")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference"), PathBuf::from);
+    let path = root.join("fire").join(name);
+    if !path.is_file() {
+        println!("{name} is not there: nothing compared");
+        return None;
+    }
+    Some(path)
+}
+
 /// A table of numbers by the names of its columns; words are NaN.
 struct Numbers {
     columns: BTreeMap<String, usize>,
     rows: Vec<Vec<f64>>,
+    cells: Vec<csv::StringRecord>,
 }
 
 impl Numbers {
-    /// Reads a file of the reference; `None`, after saying so, where it is not.
     fn read(name: &str) -> Option<Self> {
-        let root = std::env::var_os("WILDFIRE_REFERENCE")
-            .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference"), PathBuf::from);
-        let path = root.join("fire").join(name);
-        if !path.is_file() {
-            println!("{name} is not there: nothing compared");
-            return None;
-        }
-        let mut reader = csv::Reader::from_path(path).expect("it can be read");
+        Some(Self::parse(&fs::read(reference(name)?).expect("it can be read")))
+    }
+
+    /// Reads a compressed table with the answers of a command of `wildfire fire` beside its own.
+    fn answered(name: &str, command: &[&str]) -> Option<Self> {
+        let mut table = Vec::new();
+        let packed = File::open(reference(name)?).expect("it can be read");
+        GzDecoder::new(packed).read_to_end(&mut table).expect("it is compressed");
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("table.csv");
+        fs::write(&path, table).expect("it can be written");
+        let mut program = Command::new(env!("CARGO_BIN_EXE_wildfire"));
+        let output = program.arg("fire").args(command).arg("--csv").arg(path).output().expect("it runs");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        Some(Self::parse(&output.stdout))
+    }
+
+    fn parse(table: &[u8]) -> Self {
+        let mut reader = csv::Reader::from_reader(table);
         let header = reader.headers().expect("a header").clone();
         let columns = header.iter().enumerate().map(|(place, name)| (name.to_owned(), place)).collect();
-        let row = |row: Result<csv::StringRecord, csv::Error>| {
-            row.expect("a row").iter().map(|cell| cell.parse().unwrap_or(f64::NAN)).collect()
-        };
-        Some(Self { columns, rows: reader.records().map(row).collect() })
+        let cells: Vec<csv::StringRecord> = reader.records().map(|row| row.expect("a row")).collect();
+        let row = |row: &csv::StringRecord| row.iter().map(|cell| cell.parse().unwrap_or(f64::NAN)).collect();
+        Self { columns, rows: cells.iter().map(row).collect(), cells }
     }
 
     fn rows(&self) -> impl Iterator<Item = Row<'_>> {
-        self.rows.iter().map(|numbers| Row { columns: &self.columns, numbers })
+        let rows = self.rows.iter().zip(&self.cells);
+        rows.map(|(numbers, cells)| Row { columns: &self.columns, numbers, cells })
     }
 }
 
@@ -58,11 +86,20 @@ impl Numbers {
 struct Row<'t> {
     columns: &'t BTreeMap<String, usize>,
     numbers: &'t [f64],
+    cells: &'t csv::StringRecord,
 }
 
-impl Row<'_> {
+impl<'t> Row<'t> {
+    fn place(&self, column: &str) -> usize {
+        *self.columns.get(column).unwrap_or_else(|| panic!("no column {column}"))
+    }
+
     fn get(&self, column: &str) -> f64 {
-        self.numbers[*self.columns.get(column).unwrap_or_else(|| panic!("no column {column}"))]
+        self.numbers[self.place(column)]
+    }
+
+    fn word(&self, column: &str) -> &'t str {
+        &self.cells[self.place(column)]
     }
 
     fn model(&self) -> &'static FuelModel {
@@ -371,4 +408,119 @@ fn burned_areas_of_the_automaton_are_those_of_another_implementation() {
         assert!((sd / their_sd - 1.0).abs() <= 0.1, "{title}: standard deviation {sd}, expected {their_sd}");
         assert!(p > 0.001, "{title}: the areas differ, p = {p}");
     }
+}
+
+#[test]
+fn fine_dead_moisture_is_that_of_behave() {
+    let Some(table) = Numbers::answered("behave_fdfm.csv.gz", &["moisture"]) else { return };
+    let mut worst = Worst::default();
+    for row in table.rows() {
+        worst.note("moisture, %", (row.get("fine_moisture_pct") - row.get("moisture_pct")).abs());
+    }
+    worst.expect("BEHAVE, fine dead fuel", &[("moisture, %", 1e-9)]);
+}
+
+#[test]
+fn spotting_distances_are_those_of_behave() {
+    let Some(table) = Numbers::answered("behave_spotting.csv.gz", &["spotting"]) else { return };
+    let mut worst = Worst::default();
+    for row in table.rows().filter(|row| row.word("source") != "active_crown") {
+        for (what, ours, theirs) in [
+            ("flame height", "spot_flame_ft", "flame_height_steady_ft"),
+            ("flame duration", "spot_flame_duration", "flame_duration_1"),
+            ("height of firebrands", "spot_firebrand_ft", "firebrand_height_ft"),
+            ("cover that counts", "spot_cover_ft", "cover_height_used_ft"),
+            ("drift", "spot_drift_mi", "firebrand_drift_mi"),
+            ("distance on level ground", "spot_flat_mi", "flat_distance_mi"),
+            ("distance over mountains", "spot_mountain_mi", "mountain_distance_mi"),
+        ] {
+            let [ours, theirs] = [ours, theirs].map(|column| row.get(column));
+            assert_eq!(ours.is_nan(), theirs.is_nan(), "{what}");
+            if !ours.is_nan() {
+                worst.note_relative(what, ours, theirs);
+            }
+        }
+    }
+    let bounds = [
+        "flame height",
+        "flame duration",
+        "height of firebrands",
+        "cover that counts",
+        "drift",
+        "distance on level ground",
+        "distance over mountains",
+    ];
+    worst.expect("BEHAVE, spotting", &bounds.map(|what| (what, 1e-8)));
+}
+
+/// How far BEHAVE's containment moves where its steps are ten times finer: the 95th percentile, and the worst of all.
+const FINER: [(&str, f64, f64); 3] = [("time", 2.4e-3, 0.037), ("line", 1.4e-3, 0.037), ("area", 4.4e-3, 0.037)];
+
+#[test]
+fn containment_is_that_of_behave_with_fine_steps() {
+    let Some(table) = Numbers::answered("behave_contain.csv.gz", &["contain"]) else { return };
+    let mut differences = [(); 3].map(|()| Vec::new());
+    let mut worst = Worst::default();
+    for row in table.rows() {
+        assert_eq!(row.word("contain_status"), row.word("fine_status"), "row {}", row.get("id"));
+        let columns = [
+            ("contain_min", "fine_time_since_report_min"),
+            ("contain_line_ch", "fine_line_length_ch"),
+            ("contain_fire_acre", "fine_fire_size_acre"),
+        ];
+        for (found, (ours, theirs)) in differences.iter_mut().zip(columns) {
+            found.push((row.get(ours) / row.get(theirs) - 1.0).abs());
+        }
+        worst.note_relative("size at attack", row.get("attack_fire_acre"), row.get("fire_size_at_attack_acre"));
+        worst.note_relative("perimeter at attack", row.get("attack_perimeter_ch"), row.get("perimeter_at_attack_ch"));
+    }
+    for (mut found, (what, percentile, bound)) in differences.into_iter().zip(FINER) {
+        found.sort_by(f64::total_cmp);
+        let at = |share: f64| found[((found.len() - 1) as f64 * share) as usize];
+        println!(
+            "| BEHAVE, containment | {what} | {} | {:.1e} (median {:.1e}, 95 %: {:.1e}) | {bound:.0e} |",
+            found.len(),
+            at(1.0),
+            at(0.5),
+            at(0.95),
+        );
+        assert!(at(1.0) <= bound && at(0.95) <= percentile, "{what}: {} and {}", at(1.0), at(0.95));
+    }
+    worst.expect("BEHAVE, containment", &[("size at attack", 1e-6), ("perimeter at attack", 1e-6)]);
+}
+
+#[test]
+fn the_published_containment_is_that_of_behave_with_its_steps() {
+    let Some(table) = Numbers::read("behave_checks.csv") else { return };
+    let attack = Attack {
+        rate_ch_h: 5.0,
+        size_acre: 1.0,
+        length_to_width: 3.0,
+        tactic: Tactic::Head,
+        offset_ch: 0.0,
+        resources: vec![Resource { arrival_min: 120.0, duration_min: 480.0, production_ch_h: 20.0 }],
+        min_steps: 250,
+    };
+    let (outcome, [free_ch, free_acre]) = (attack.run(), attack.free_fire());
+    let mut worst = Worst::default();
+    for row in table.rows().filter(|row| row.word("group") == "contain") {
+        let found = match row.word("name") {
+            "line_length" | "perimeter_at_containment" => outcome.line_ch,
+            "perimeter_at_initial_attack" => free_ch,
+            "fire_size_at_initial_attack" => free_acre,
+            "final_fire_size" | "containment_area" => outcome.area_acre,
+            "time_since_report" => outcome.time_min,
+            // The third of its states.
+            "status_contained" => {
+                if outcome.status == Status::Contained {
+                    3.0
+                } else {
+                    0.0
+                }
+            }
+            name => panic!("no answer to {name}"),
+        };
+        worst.note("published values", (found - row.get("expected")).abs());
+    }
+    worst.expect("BEHAVE, containment", &[("published values", 1e-6)]);
 }
