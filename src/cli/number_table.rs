@@ -29,6 +29,8 @@ pub struct Column {
 #[derive(Clone, Debug)]
 pub enum Content {
     Number(RangeInclusive<f64>),
+    /// A whole number from 0 to this one.
+    Class(u8),
     /// One of these words; its place among them is the number.
     Word(&'static [&'static str]),
     /// Anything, see [`NumberTable::text`]; the number is NaN.
@@ -177,6 +179,10 @@ impl<'a, const N: usize> NumberTable<'a, N> {
             Content::Number(range) => {
                 let number = std::str::from_utf8(field).ok().and_then(numbers::parse);
                 (number.filter(|number| range.contains(number)), format!("a number {}", numbers::range_words(range)))
+            }
+            Content::Class(last) => {
+                let class = std::str::from_utf8(field).ok().and_then(numbers::parse::<u8>);
+                (class.filter(|class| class <= last).map(f64::from), format!("a whole number from 0 to {last}"))
             }
             Content::Word(words) => {
                 let place = words.iter().position(|word| word.as_bytes() == field);

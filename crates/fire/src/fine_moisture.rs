@@ -17,68 +17,39 @@ const REFERENCE: [[u8; 21]; 6] = [
     [1, 1, 2, 2, 3, 4, 4, 5, 6, 7, 7, 8, 8, 8, 9, 10, 10, 11, 12, 12, 12],
 ];
 
-/// Percent to add, a digit each: by season and shade, then aspect and slope, then time of day and elevation.
-const CORRECTION: [[&[u8; 18]; 8]; 6] = [
+/// Percent to add, a digit each: by season and shade, then by aspect, then slope, time of day and elevation.
+const CORRECTION: [[&[u8; 36]; 4]; 6] = [
     [
-        b"234111001001111234",
-        b"344122112112122344",
-        b"223111001001112344",
-        b"122001001112234456",
-        b"233111001001111233",
-        b"233112011011112233",
-        b"234112001001011233",
-        b"456234112001001122",
+        b"234111001001111234344122112112122344",
+        b"223111001001112344122001001112234456",
+        b"233111001001111233233112011011112233",
+        b"234112001001011233456234112001001122",
     ],
     [
-        b"455345334334345455",
-        b"455345334334345455",
-        b"445345334344345456",
-        b"445345334344345456",
-        b"445345334334345455",
-        b"445345334334345455",
-        b"456345334334345445",
-        b"456345334334345445",
+        b"455345334334345455455345334334345455",
+        b"445345334344345456445345334344345456",
+        b"445345334334345455445345334334345455",
+        b"456345334334345445456345334334345445",
     ],
     [
-        b"345123112112123345",
-        b"345334234234334345",
-        b"345123111112123345",
-        b"334111111123345356",
-        b"345122111111123345",
-        b"345122011011122345",
-        b"345123111111123345",
-        b"456345123111111334",
+        b"345123112112123345345334234234334345",
+        b"345123111112123345334111111123345356",
+        b"345122111111123345345122011011122345",
+        b"345123111111123345456345123111111334",
     ],
     [
-        b"456455345345455456",
-        b"456455345345455456",
-        b"456345345345456456",
-        b"456345345345456456",
-        b"456345345345345456",
-        b"456345345345345456",
-        b"456456345345345456",
-        b"456456345345345456",
+        b"456455345345455456456455345345455456",
+        b"456345345345456456456345345345456456",
+        b"456345345345345456456345345345345456",
+        b"456456345345345456456456345345345456",
     ],
     [
-        b"456345234234345456",
-        b"456456456456456456",
-        b"456344233233345456",
-        b"456234223344456456",
-        b"456345233223344456",
-        b"456233112112233456",
-        b"456345233233344456",
-        b"456456344223234456",
+        b"456345234234345456456456456456456456",
+        b"456344233233345456456234223344456456",
+        b"456345233223344456456233112112233456",
+        b"456345233233344456456456344223234456",
     ],
-    [
-        b"456456456456456456",
-        b"456456456456456456",
-        b"456456456456456456",
-        b"456456456456456456",
-        b"456456456456456456",
-        b"456456456456456456",
-        b"456456456456456456",
-        b"456456456456456456",
-    ],
+    [b"456456456456456456456456456456456456"; 4],
 ];
 
 /// Returns the moisture that the correction is added to, in percent of the dry weight, for classes of temperature (0 to 5) and
@@ -87,20 +58,16 @@ pub fn reference_pct(temperature: usize, humidity: usize) -> Option<u8> {
     REFERENCE.get(temperature)?.get(humidity).copied()
 }
 
-/// The conditions of a correction, as classes counted from 0 in the order of Rothermel's tables B to D.
+/// The conditions of a correction, as classes counted from 0: May to July, the months between, or November to January;
+/// exposed or shaded; north, east, south, west; up to 30 percent or steeper; from 8:00 in steps of two hours; the fuel 1000
+/// to 2000 ft below the weather station, level with it, or above.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Site {
-    /// May to July; February to April and August to October; November to January.
     pub season: usize,
-    /// Exposed to the sun; shaded by half or more.
     pub shade: usize,
-    /// North, east, south, west.
     pub aspect: usize,
-    /// 0 to 30 percent; steeper.
     pub slope: usize,
-    /// From 8:00 in steps of two hours.
     pub time: usize,
-    /// The fuel is 1000 to 2000 ft below the place of the weather, level with it, or 1000 to 2000 ft above.
     pub elevation: usize,
 }
 
@@ -111,7 +78,7 @@ impl Site {
         if season > 2 || shade > 1 || aspect > 3 || slope > 1 || time > 5 || elevation > 2 {
             return None;
         }
-        Some(CORRECTION[2 * season + shade][2 * aspect + slope][3 * time + elevation] - b'0')
+        Some(CORRECTION[2 * season + shade][aspect][18 * slope + 3 * time + elevation] - b'0')
     }
 }
 
@@ -129,21 +96,7 @@ mod tests {
             let row: Vec<u8> = (0..21).map(|humidity| reference_pct(temperature, humidity).expect("a cell")).collect();
             assert!(row.is_sorted() && row[0] == 1, "{row:?}");
         }
-    }
-
-    #[test]
-    fn classes_beyond_the_tables_have_no_moisture() {
-        assert_eq!((reference_pct(6, 0), reference_pct(0, 21)), (None, None));
-        let site = Site { season: 0, shade: 0, aspect: 0, slope: 0, time: 0, elevation: 0 };
-        assert_eq!(site.correction_pct(), Some(2));
-        let beyond = [
-            Site { season: 3, ..site },
-            Site { shade: 2, ..site },
-            Site { aspect: 4, ..site },
-            Site { slope: 2, ..site },
-            Site { time: 6, ..site },
-            Site { elevation: 3, ..site },
-        ];
-        assert_eq!(beyond.map(Site::correction_pct), [None; 6]);
+        let beyond = [Site { season: 3, ..site }, Site { slope: 2, ..site }, Site { time: 6, elevation: 3, ..site }];
+        assert_eq!((beyond.map(Site::correction_pct), reference_pct(6, 0)), ([None; 3], None));
     }
 }

@@ -11,9 +11,9 @@ use crate::cli::numbers;
 use crate::cli::output_files::{Files, Format};
 use crate::cli::terminal;
 use wildfire_base::input_file::is_standard_stream;
-use wildfire_fire::contain::{Attack, Resource, Status, Tactic};
+use wildfire_fire::contain::{Attack, Outcome, Resource, Status, Tactic};
 use wildfire_fire::fine_moisture::{Site, reference_pct};
-use wildfire_fire::spotting::{Location, SPECIES, Source, Spotting};
+use wildfire_fire::spotting::{Location, SPECIES, Source, SpotDistance, Spotting};
 
 /// A table that is read and one that is written.
 #[derive(Debug, Args)]
@@ -47,22 +47,24 @@ const fn number(name: &'static str, range: RangeInclusive<f64>) -> Column {
     Column { name, content: Content::Number(range), without: None }
 }
 
-/// A number that some rows do without; NaN where it is missing.
-const fn optional(name: &'static str, range: RangeInclusive<f64>) -> Column {
-    Column { name, content: Content::Number(range), without: Some(f64::NAN) }
+/// A number, or that of a class, which some rows do without; NaN where it is missing.
+const fn optional(name: &'static str, content: Content) -> Column {
+    Column { name, content, without: Some(f64::NAN) }
 }
 
 const fn word(name: &'static str, words: &'static [&'static str]) -> Column {
     Column { name, content: Content::Word(words), without: None }
 }
 
-/// Numbers as fields of a row; the field of a number that does not exist is empty.
-fn fields<const N: usize>(numbers: [f64; N]) -> String {
-    numbers.map(|number| if number.is_nan() { String::new() } else { number.to_string() }).join(",")
+/// Refuses a row that does without a number which it needs.
+fn check_needed<const N: usize>(table: &NumberTable<N>, numbers: &[f64; N], needed: &[usize]) -> Result<(), CliError> {
+    match needed.iter().find(|&&index| numbers[index].is_nan()) {
+        Some(&index) => Err(table.refuse(index, "a number for this kind of row".to_owned())),
+        None => Ok(()),
+    }
 }
 
-#[derive(Debug, Args)]
-#[command(after_help = "\
+pub const MOISTURE_TABLE: &str = "\
 IN.csv has the column table, with reference or correction. Rows of the reference have dry_bulb (0: 10-29 F, 1: 30-49, \
 2: 50-69, 3: 70-89, 4: 90-109, 5: above) and relative_humidity (0: 0-4 %, 1: 5-9, ..., 20: 100). Rows of the \
 correction have month (0: May to July, 1: February to April and August to October, 2: November to January), shading (0: \
@@ -71,35 +73,30 @@ exposed, 1: shaded), aspect (0: N, 1: E, 2: S, 3: W), slope (0: up to 30 %, 1: s
 above). OUT.csv adds fine_moisture_pct; the moisture of fine dead fuel is the sum of a reference and a correction.
 
 Example:
-  wildfire fire moisture --csv in.csv --out out.csv")]
-pub struct MoistureArguments {
-    #[command(flatten)]
-    pub table: TableArguments,
-}
+  wildfire fire moisture --csv in.csv --out out.csv";
 
-pub fn moisture(arguments: &MoistureArguments, quiet: bool) -> Result<(), CliError> {
+pub fn moisture(table: &TableArguments, quiet: bool) -> Result<(), CliError> {
+    let class = |name, last| optional(name, Content::Class(last));
     let read = [
         word("table", &["reference", "correction"]),
-        optional("dry_bulb", 0.0..=5.0),
-        optional("relative_humidity", 0.0..=20.0),
-        optional("month", 0.0..=2.0),
-        optional("shading", 0.0..=1.0),
-        optional("aspect", 0.0..=3.0),
-        optional("slope", 0.0..=1.0),
-        optional("time_of_day", 0.0..=5.0),
-        optional("elevation", 0.0..=2.0),
+        class("dry_bulb", 5),
+        class("relative_humidity", 20),
+        class("month", 2),
+        class("shading", 1),
+        class("aspect", 3),
+        class("slope", 1),
+        class("time_of_day", 5),
+        class("elevation", 2),
     ];
     let columns = Columns { read, row: "the conditions of fine dead fuel", added: &["fine_moisture_pct"] };
-    arguments.table.answer(columns, quiet, |table, numbers| {
-        let needed = if numbers[0] == 0.0 { 1..3 } else { 3..9 };
-        if let Some(index) = needed.into_iter().find(|&index| numbers[index].fract() != 0.0) {
-            return Err(table.refuse(index, "the whole number of a class".to_owned()));
-        }
+    table.answer(columns, quiet, |table, numbers| {
+        let is_reference = numbers[0] == 0.0;
+        check_needed(table, numbers, if is_reference { &[1, 2] } else { &[3, 4, 5, 6, 7, 8] })?;
         let [_, temperature, humidity, season, shade, aspect, slope, time, elevation] =
             numbers.map(|number| number as usize);
-        let percent = match numbers[0] {
-            0.0 => reference_pct(temperature, humidity),
-            _ => Site { season, shade, aspect, slope, time, elevation }.correction_pct(),
+        let percent = match is_reference {
+            true => reference_pct(temperature, humidity),
+            false => Site { season, shade, aspect, slope, time, elevation }.correction_pct(),
         };
         Ok(percent.expect("the classes are within the tables").to_string())
     })
@@ -133,15 +130,8 @@ pub fn contain(arguments: &ContainArguments, quiet: bool) -> Result<(), CliError
         number("line_offset_ch", 0.0..=1000.0),
         Column { name: "resources_arrival_min:duration_min:production_ch_h", content: Content::Text, without: None },
     ];
-    let added = &[
-        "contain_status",
-        "contain_min",
-        "contain_line_ch",
-        "contain_perimeter_ch",
-        "contain_fire_acre",
-        "attack_perimeter_ch",
-        "attack_fire_acre",
-    ];
+    const ADDED: &str = "contain_status,contain_min,contain_line_ch,contain_perimeter_ch,contain_fire_acre,attack_perimeter_ch,attack_fire_acre";
+    let added = &ADDED.split(',').collect::<Vec<_>>();
     let columns = Columns { read, row: "a fire and the resources sent to it", added };
     arguments.table.answer(columns, quiet, |table, &[rate_ch_h, size_acre, length_to_width, tactic, offset_ch, _]| {
         let text = table.text(RESOURCES);
@@ -155,8 +145,8 @@ pub fn contain(arguments: &ContainArguments, quiet: bool) -> Result<(), CliError
         let outcome = attack.run();
         let perimeter_ch = if outcome.status == Status::Contained { outcome.line_ch } else { 0.0 };
         let [free_ch, free_acre] = attack.free_fire();
-        let numbers = [outcome.time_min, outcome.line_ch, perimeter_ch, outcome.area_acre, free_ch, free_acre];
-        Ok(format!("{},{}", outcome.status.name(), fields(numbers)))
+        let Outcome { status, time_min, line_ch, area_acre } = outcome;
+        Ok(format!("{},{time_min},{line_ch},{perimeter_ch},{area_acre},{free_ch},{free_acre}", status.name()))
     })
 }
 
@@ -170,27 +160,22 @@ fn resource(text: &str) -> Option<Resource> {
     })
 }
 
-#[derive(Debug, Args)]
-#[command(after_help = "\
+pub const SPOTTING_TABLE: &str = "\
 IN.csv has the columns source (torching_trees, burning_pile, surface_fire, active_crown), location (midslope_windward, \
 valley_bottom, midslope_leeward, ridge_top), ridge_to_valley_distance_mi, ridge_to_valley_elevation_ft, \
 downwind_cover_height_ft, downwind_canopy (closed or open), wind_20ft_mi_h, flame_ft (of a pile or a surface fire), \
 torching_trees, dbh_in, tree_height_ft and species (of torching trees). OUT.csv adds spot_flame_ft, spot_flame_duration, \
-spot_firebrand_ft, spot_cover_ft, spot_drift_mi, spot_flat_mi, spot_mountain_mi; what does not belong to a source is empty, \
-as are the answers for active_crown, which is not computed.
+spot_firebrand_ft, spot_cover_ft, spot_drift_mi, spot_flat_mi, spot_mountain_mi; what does not belong to a source is 0, and \
+the answers for active_crown, which is not computed, are empty.
 
 Species: 0 Engelmann spruce, 1 Douglas-fir, 2 subalpine fir, 3 western hemlock, 4 ponderosa pine, 5 lodgepole pine, 6 \
 western white pine, 7 grand fir, 8 balsam fir, 9 slash pine, 10 longleaf pine, 11 pond pine, 12 shortleaf pine, 13 \
 loblolly pine.
 
 Example:
-  wildfire fire spotting --csv in.csv --out out.csv")]
-pub struct SpottingArguments {
-    #[command(flatten)]
-    pub table: TableArguments,
-}
+  wildfire fire spotting --csv in.csv --out out.csv";
 
-pub fn spotting(arguments: &SpottingArguments, quiet: bool) -> Result<(), CliError> {
+pub fn spotting(table: &TableArguments, quiet: bool) -> Result<(), CliError> {
     const LOCATIONS: [Location; 4] =
         [Location::MidslopeWindward, Location::ValleyBottom, Location::MidslopeLeeward, Location::RidgeTop];
     let read = [
@@ -198,68 +183,38 @@ pub fn spotting(arguments: &SpottingArguments, quiet: bool) -> Result<(), CliErr
         word("location", &["midslope_windward", "valley_bottom", "midslope_leeward", "ridge_top"]),
         number("ridge_to_valley_distance_mi", 0.0..=100.0),
         number("ridge_to_valley_elevation_ft", 0.0..=30_000.0),
-        optional("downwind_cover_height_ft", 0.0..=1000.0),
+        optional("downwind_cover_height_ft", Content::Number(0.0..=1000.0)),
         word("downwind_canopy", &["closed", "open"]),
         number("wind_20ft_mi_h", 0.0..=200.0),
-        optional("flame_ft", 0.0..=1000.0),
-        optional("torching_trees", 1.0..=100.0),
-        optional("dbh_in", 0.1..=200.0),
-        optional("tree_height_ft", 0.1..=500.0),
-        optional("species", 0.0..=13.0),
+        optional("flame_ft", Content::Number(0.0..=1000.0)),
+        optional("torching_trees", Content::Number(1.0..=100.0)),
+        optional("dbh_in", Content::Number(0.1..=200.0)),
+        optional("tree_height_ft", Content::Number(0.1..=500.0)),
+        optional("species", Content::Class(13)),
     ];
-    let added = &[
-        "spot_flame_ft",
-        "spot_flame_duration",
-        "spot_firebrand_ft",
-        "spot_cover_ft",
-        "spot_drift_mi",
-        "spot_flat_mi",
-        "spot_mountain_mi",
-    ];
+    const ADDED: &str =
+        "spot_flame_ft,spot_flame_duration,spot_firebrand_ft,spot_cover_ft,spot_drift_mi,spot_flat_mi,spot_mountain_mi";
+    let added = &ADDED.split(',').collect::<Vec<_>>();
     let columns = Columns { read, row: "a source of firebrands", added };
-    arguments.table.answer(columns, quiet, |table, numbers| {
-        let &[
-            source,
-            location,
-            distance,
-            elevation,
-            cover_ft,
-            canopy,
-            wind_20ft_mph,
-            flame_ft,
-            trees,
-            dbh_in,
-            height_ft,
-            species,
-        ] = numbers;
+    table.answer(columns, quiet, |table, numbers| {
+        let &[source, location, miles, rise_ft, cover_ft, canopy, wind, flame_ft, trees, dbh_in, height_ft, species] =
+            numbers;
         let needed: &[usize] = match source {
             0.0 => &[4, 8, 9, 10, 11],
-            3.0 => return Ok(fields([f64::NAN; 7])),
+            3.0 => return Ok(",".repeat(added.len() - 1)),
             _ => &[4, 7],
         };
-        if let Some(&index) = needed.iter().find(|&&index| numbers[index].is_nan()) {
-            return Err(table.refuse(index, "a number for this source".to_owned()));
-        }
+        check_needed(table, numbers, needed)?;
         let source = match source {
-            0.0 if species.fract() != 0.0 => return Err(table.refuse(11, "the whole number of a species".to_owned())),
             0.0 => Source::TorchingTrees { trees, species: &SPECIES[species as usize], dbh_in, height_ft },
             1.0 => Source::BurningPile { flame_ft },
             _ => Source::SurfaceFire { flame_ft },
         };
-        let spot = Spotting {
-            source,
-            location: LOCATIONS[location as usize],
-            ridge_to_valley_mi: distance,
-            ridge_to_valley_ft: elevation,
-            cover_ft,
-            open: canopy == 1.0,
-            wind_20ft_mph,
-        }
-        .distance();
-        let is_trees = matches!(source, Source::TorchingTrees { .. });
-        let [flame, duration] =
-            [spot.flame_ft, spot.flame_duration].map(|of_trees| if is_trees { of_trees } else { f64::NAN });
-        let drift = if matches!(source, Source::SurfaceFire { .. }) { spot.drift_mi } else { f64::NAN };
-        Ok(fields([flame, duration, spot.firebrand_ft, spot.cover_ft, drift, spot.flat_mi, spot.mountain_mi]))
+        let (location, open) = (LOCATIONS[location as usize], canopy == 1.0);
+        let ridge_to_valley = [miles, rise_ft];
+        let spotting = Spotting { source, location, ridge_to_valley, cover_ft, open, wind_20ft_mph: wind };
+        let SpotDistance { flame_ft, flame_duration, firebrand_ft, cover_ft, drift_mi, flat_mi, mountain_mi } =
+            spotting.distance();
+        Ok(format!("{flame_ft},{flame_duration},{firebrand_ft},{cover_ft},{drift_mi},{flat_mi},{mountain_mi}"))
     })
 }

@@ -14,7 +14,7 @@ use std::process::ExitCode;
 use clap::Subcommand;
 
 use behavior::BehaviorArguments;
-use calculators::{ContainArguments, MoistureArguments, SpottingArguments};
+use calculators::{ContainArguments, MOISTURE_TABLE, SPOTTING_TABLE, TableArguments};
 use spread::SpreadArguments;
 
 use crate::cli::error::CliError;
@@ -26,11 +26,13 @@ pub enum FireCommand {
     /// Simulate a fire over a landscape without agents: when it reaches each cell.
     Spread(SpreadArguments),
     /// Look up the moisture of fine dead fuel in Rothermel's tables.
-    Moisture(MoistureArguments),
+    #[command(after_help = MOISTURE_TABLE)]
+    Moisture(TableArguments),
     /// Compute when crews contain a fire and how large it is then, by Fried and Fried's model.
     Contain(ContainArguments),
     /// Compute how far firebrands light spot fires, by Albini's models.
-    Spotting(SpottingArguments),
+    #[command(after_help = SPOTTING_TABLE)]
+    Spotting(TableArguments),
 }
 
 pub fn run(command: &FireCommand, quiet: bool) -> Result<ExitCode, CliError> {
