@@ -175,22 +175,20 @@ impl<'a, const N: usize> NumberTable<'a, N> {
     }
 
     fn number(&self, field: &[u8], column: &Column) -> Result<f64, TableFault> {
-        let (number, expected) = match &column.content {
-            Content::Number(range) => {
-                let number = std::str::from_utf8(field).ok().and_then(numbers::parse);
-                (number.filter(|number| range.contains(number)), format!("a number {}", numbers::range_words(range)))
-            }
-            Content::Class(last) => {
-                let class = std::str::from_utf8(field).ok().and_then(numbers::parse::<u8>);
-                (class.filter(|class| class <= last).map(f64::from), format!("a whole number from 0 to {last}"))
-            }
-            Content::Word(words) => {
-                let place = words.iter().position(|word| word.as_bytes() == field);
-                (place.map(|place| place as f64), words.join(" or "))
-            }
-            Content::Text => (Some(f64::NAN), String::new()),
+        let text = std::str::from_utf8(field).ok();
+        let number = match &column.content {
+            Content::Number(range) => text.and_then(numbers::parse).filter(|number| range.contains(number)),
+            Content::Class(last) => text.and_then(numbers::parse::<u8>).filter(|class| class <= last).map(f64::from),
+            Content::Word(words) => words.iter().position(|word| Some(*word) == text).map(|place| place as f64),
+            Content::Text => Some(f64::NAN),
         };
-        number.ok_or_else(|| self.fault(field, column.name, expected))
+        let expected = || match &column.content {
+            Content::Number(range) => format!("a number {}", numbers::range_words(range)),
+            Content::Class(last) => format!("a whole number from 0 to {last}"),
+            Content::Word(words) => words.join(" or "),
+            Content::Text => String::new(),
+        };
+        number.ok_or_else(|| self.fault(field, column.name, expected()))
     }
 
     fn fault(&self, field: &[u8], column: &'static str, expected: String) -> TableFault {

@@ -412,19 +412,26 @@ fn burned_areas_of_the_automaton_are_those_of_another_implementation() {
     }
 }
 
-#[test]
-fn fine_dead_moisture_is_that_of_behave() {
-    let Some(table) = Numbers::answered("behave_fdfm.csv.gz", "moisture") else { return };
+/// Compares columns of answers with those of a table, where it has any.
+fn compare_columns(title: &str, file: &str, command: &str, columns: &[(&'static str, &str)]) {
+    let Some(table) = Numbers::answered(file, command) else { return };
     let mut worst = Worst::default();
     for row in table.rows() {
-        worst.note("moisture, %", (row.get("fine_moisture_pct") - row.get("moisture_pct")).abs());
+        for (ours, theirs) in columns {
+            if !row.get(theirs).is_nan() && !row.get(ours).is_nan() {
+                worst.note_relative(ours, row.get(ours), row.get(theirs));
+            }
+        }
     }
-    worst.expect("BEHAVE, fine dead fuel", &[("moisture, %", 1e-9)]);
+    worst.expect(title, &columns.iter().map(|(ours, _)| (*ours, 1e-8)).collect::<Vec<_>>());
 }
 
 #[test]
-fn spotting_distances_are_those_of_behave() {
-    const COLUMNS: [(&str, &str); 7] = [
+fn fine_dead_moisture_and_spotting_are_those_of_behave() {
+    let columns = [("fine_moisture_pct", "moisture_pct")];
+    compare_columns("BEHAVE, fine dead fuel", "behave_fdfm.csv.gz", "moisture", &columns);
+    // The answers for active crown fires are empty.
+    let columns = [
         ("spot_flame_ft", "flame_height_steady_ft"),
         ("spot_flame_duration", "flame_duration_1"),
         ("spot_firebrand_ft", "firebrand_height_ft"),
@@ -433,21 +440,10 @@ fn spotting_distances_are_those_of_behave() {
         ("spot_flat_mi", "flat_distance_mi"),
         ("spot_mountain_mi", "mountain_distance_mi"),
     ];
-    let Some(table) = Numbers::answered("behave_spotting.csv.gz", "spotting") else { return };
-    let mut worst = Worst::default();
-    for row in table.rows().filter(|row| row.word("source") != "active_crown") {
-        for (what, theirs) in COLUMNS {
-            // What does not belong to a source is empty.
-            if !row.get(theirs).is_nan() {
-                worst.note_relative(what, row.get(what), row.get(theirs));
-            }
-        }
-    }
-    worst.expect("BEHAVE, spotting", &COLUMNS.map(|(what, _)| (what, 1e-8)));
+    compare_columns("BEHAVE, spotting", "behave_spotting.csv.gz", "spotting", &columns);
 }
 
-/// Columns of a containment, and how far BEHAVE's move where its steps are ten times finer: the 95th percentile. The worst
-/// of all moves by 3.7 percent.
+/// Columns of a containment, and the 95th percentile of how far BEHAVE's move where its steps are ten times finer.
 const FINER: [(&str, &str, f64); 3] = [
     ("contain_min", "fine_time_since_report_min", 2.4e-3),
     ("contain_line_ch", "fine_line_length_ch", 1.4e-3),

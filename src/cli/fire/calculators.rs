@@ -130,34 +130,31 @@ pub fn contain(arguments: &ContainArguments, quiet: bool) -> Result<(), CliError
         number("line_offset_ch", 0.0..=1000.0),
         Column { name: "resources_arrival_min:duration_min:production_ch_h", content: Content::Text, without: None },
     ];
-    const ADDED: &str = "contain_status,contain_min,contain_line_ch,contain_perimeter_ch,contain_fire_acre,attack_perimeter_ch,attack_fire_acre";
-    let added = &ADDED.split(',').collect::<Vec<_>>();
+    let added = "contain_status,contain_min,contain_line_ch,contain_perimeter_ch,contain_fire_acre,\
+                 attack_perimeter_ch,attack_fire_acre";
+    let added = &added.split(',').collect::<Vec<_>>();
     let columns = Columns { read, row: "a fire and the resources sent to it", added };
     arguments.table.answer(columns, quiet, |table, &[rate_ch_h, size_acre, length_to_width, tactic, offset_ch, _]| {
-        let text = table.text(RESOURCES);
-        let resources = text.split('|').map(resource).collect::<Option<_>>();
-        let expected =
-            "ARRIVAL:DURATION:PRODUCTION, minutes up to 1080 and ch/h up to 10000, with bars between several";
+        let resources = table.text(RESOURCES).split('|').map(resource).collect::<Option<_>>();
+        let expected = "ARRIVAL:DURATION:PRODUCTION, numbers up to 10000 in min and ch/h, with bars between several";
         let resources = resources.ok_or_else(|| table.refuse(RESOURCES, expected.to_owned()))?;
         let tactic = if tactic == 0.0 { Tactic::Head } else { Tactic::Rear };
         let min_steps = arguments.min_steps;
         let attack = Attack { rate_ch_h, size_acre, length_to_width, tactic, offset_ch, resources, min_steps };
-        let outcome = attack.run();
-        let perimeter_ch = if outcome.status == Status::Contained { outcome.line_ch } else { 0.0 };
+        let Outcome { status, time_min, line_ch, area_acre } = attack.run();
+        let perimeter_ch = if status == Status::Contained { line_ch } else { 0.0 };
         let [free_ch, free_acre] = attack.free_fire();
-        let Outcome { status, time_min, line_ch, area_acre } = outcome;
         Ok(format!("{},{time_min},{line_ch},{perimeter_ch},{area_acre},{free_ch},{free_acre}", status.name()))
     })
 }
 
 /// Reads `ARRIVAL:DURATION:PRODUCTION`.
 fn resource(text: &str) -> Option<Resource> {
-    let [arrival_min, duration_min, production_ch_h] = text.split(':').collect::<Vec<_>>()[..] else { return None };
-    Some(Resource {
-        arrival_min: numbers::within(arrival_min, &(0.0..=1080.0))?,
-        duration_min: numbers::within(duration_min, &(0.0..=1080.0))?,
-        production_ch_h: numbers::within(production_ch_h, &(0.0..=10_000.0))?,
-    })
+    let parts = text.split(':').map(|part| numbers::within(part, &(0.0..=10_000.0)));
+    match parts.collect::<Option<Vec<f64>>>()?[..] {
+        [arrival_min, duration_min, production_ch_h] => Some(Resource { arrival_min, duration_min, production_ch_h }),
+        _ => None,
+    }
 }
 
 pub const SPOTTING_TABLE: &str = "\
