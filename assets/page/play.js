@@ -337,8 +337,8 @@ class Desk {
         const words = { wumpus: "The Wumpus wins", unimog: "The fire trucks win", tie: "A tie" };
         byId("verdict").textContent = `${words[result.winner]}: ${result.saved} of ${result.bushes} bushes saved`;
         const isOfArsonist = this.game.plays.join() === "wumpus";
-        byId("regret").textContent =
-            isOfArsonist || result.regret === null ? "" : `A better dispatcher could have saved at most ${result.regret} more bushes (upper bound).`;
+        byId("bound").textContent =
+            isOfArsonist || result.burned_beyond_bound === null ? "" : `A better dispatcher could have saved at most ${result.burned_beyond_bound} more bushes (upper bound).`;
         byId("link").hidden = this.game.plays.length === 0;
         byId("result").hidden = false;
         this.showRivals();

@@ -213,8 +213,8 @@ impl Outcome {
     }
 
     /// Returns the bushes burned beyond [`Outcome::least_burned`]: an upper bound on what another dispatcher could have
-    /// saved.
-    pub fn regret(&self) -> Option<u32> {
+    /// saved, seldom near to what one can.
+    pub fn burned_beyond_bound(&self) -> Option<u32> {
         self.least_burned.map(|least| self.burned().saturating_sub(least))
     }
 

@@ -368,7 +368,7 @@ fn result(outcome: &Outcome) -> Value {
         "wumpus_points": outcome.wumpus_score,
         "truck_points": outcome.truck_score,
         "winner": winner,
-        "regret": outcome.regret(),
+        "burned_beyond_bound": outcome.burned_beyond_bound(),
         "ended_s": outcome.ended_s,
     })
 }

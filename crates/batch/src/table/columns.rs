@@ -222,9 +222,6 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     winner: optional Text None "wumpus, unimog or tie" = outcome(row, winner);
     least_burned: optional Count Cells "lower bound on the bush cells that burn whatever the trucks do"
         = outcome(row, |o| o.least_burned), title("Lower bound on burned bushes");
-    regret: optional Count Cells "upper bound on the burned bush cells that trucks knowing all future ignitions could \
-        have saved"
-        = outcome(row, Outcome::regret), title("Regret"), better(Lower);
     truck_plans: optional Count None "planner queries of trucks, including failed queries"
         = trucks_count(row, |a| a.plans.into()), title("Truck queries");
     truck_failed_start_blocked: optional Count None "failed queries: the truck's own pose is not free"
