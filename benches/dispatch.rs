@@ -12,6 +12,7 @@ use rand::{Rng, RngExt};
 use wildfire::geometry::{Cell, DVec2, FieldFrame};
 use wildfire::rng;
 use wildfire::sim::policies::dispatch::{AssignmentRule, Fire, IdleRule, Intact, Team, TeamRules, TeamTruck, make};
+use wildfire::sim::policies::learned::Networks;
 use wildfire::time::SimTime;
 use wildfire::time::cpu::CpuStopwatch;
 use wildfire::timeline::AgentId;
@@ -106,6 +107,7 @@ fn main() {
         ("rollout of 40", AssignmentRule::Rollout { rollouts: 40 }),
     ];
     let (county, town) = (bushes(2000), bushes(200));
+    let networks = Networks::new(None);
     println!("milliseconds of CPU a decision, and pairs of a truck and a fire, or rollouts");
     for (field, name) in [(&county, "10 km"), (&town, "1 km")] {
         for (trucks, fires) in [(10, 100), (100, 100), (100, 1000), (100, 4000)] {
@@ -115,7 +117,7 @@ fn main() {
                 let (mut effort, mut spent_ms) = (0, 0.0);
                 for _ in 0..DECISIONS {
                     let team = team(field, trucks, fires, &mut rng);
-                    let (mut assignment, _) = make(rule, IdleRule::Stay);
+                    let (mut assignment, _) = make(rule, IdleRule::Stay, &networks);
                     let mut watch = CpuStopwatch::start();
                     assignment.assign(&team, &mut effort);
                     spent_ms += watch.lap().as_secs_f64() * 1e3;
@@ -127,7 +129,7 @@ fn main() {
         for trucks in [10, 100] {
             let team = team(field, trucks, 100, &mut rng::stream(2, "teams"));
             let idle: Vec<AgentId> = team.trucks.iter().map(|truck| truck.id).collect();
-            let (_, mut positioning) = make(AssignmentRule::Auction, IdleRule::Centroids);
+            let (_, mut positioning) = make(AssignmentRule::Auction, IdleRule::Centroids, &networks);
             let mut watch = CpuStopwatch::start();
             let posts = positioning.post(&team, &idle);
             let first_ms = watch.lap().as_secs_f64() * 1e3;

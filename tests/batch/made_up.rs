@@ -25,6 +25,7 @@ fn scenario() -> Scenario {
         wumpus: vec![Wumpus::default()],
         unimog: vec![Unimog::default()],
         dispatch: None,
+        learned: None,
         sight: None,
         traffic: None,
         water: None,

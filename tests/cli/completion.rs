@@ -52,7 +52,7 @@ fn bash_offers_names_of_scenarios_planners_policies_and_columns() {
         ("wildfire batch --planner=hyb", &["hybrid-astar"]),
         ("wildfire run --set dispatch.policy=hun", &["hungarian"]),
         ("wildfire run --set unimog.goal=old", &["oldest"]),
-        ("wildfire run --set dispatch.idle=", &["stay", "centroids", "regions"]),
+        ("wildfire run --set dispatch.idle=", &["stay", "centroids", "regions", "learned"]),
         ("wildfire report --metric truck_cu", &["truck_cusps"]),
         ("wildfire compare a b --metric saved,truck_cu", &["saved,truck_cusps"]),
         ("wildfire compare a b --metric sav", &["saved"]),

@@ -271,6 +271,7 @@ hold! {
     recording_format: "docs/recording-format.md", pictures below 0;
     scenarios: "docs/scenarios.md", pictures below 0;
     stability: "docs/stability.md", pictures below 0;
+    train: "docs/train.md", pictures below 40_000;
     watch: "docs/watch.md", pictures below 3_000_000;
     why: "docs/why.md", pictures below 0;
     words: "docs/words.md", pictures below 0;

@@ -9,6 +9,7 @@ mod contest_audit;
 mod dispatch_rules;
 mod fuzzers;
 mod gate;
+mod learned;
 mod original;
 mod own_planners;
 mod pose_planners;

@@ -77,6 +77,7 @@ fn both_contests_spell_out_every_value_and_those_of_the_first_are_the_defaults()
         wumpus: vec![Wumpus::default()],
         unimog: vec![Unimog::default()],
         dispatch: None,
+        learned: None,
         sight: None,
         traffic: None,
         water: None,

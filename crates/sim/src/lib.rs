@@ -330,7 +330,8 @@ mod tests {
             let agents: Vec<AgentId> = at_once.setting.agents.iter().map(|agent| agent.id).collect();
             simulation.follow(&agents, Box::new(Elsewhere));
             let setting = &at_once.setting;
-            let site = RuleSite { frame: &setting.frame, lightable: &setting.bushes, spread_m: 30.0, seed: 5 };
+            let site =
+                RuleSite { frame: &setting.frame, lightable: &setting.bushes, spread_m: 30.0, seed: 5, learned: None };
             let make = |policy: NamedPolicy<'_>| match policy {
                 NamedPolicy::BuiltIn(rule) => rule.make(&site),
                 NamedPolicy::Own(name) => panic!("{name} is not built in"),

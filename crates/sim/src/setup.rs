@@ -86,7 +86,8 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies)
     let (agents, named): (Vec<AgentId>, Vec<NamedPolicy>) = ids.unzip();
     let lightable = terrain.lightable(scenario.fire.lights_ground());
     let spread_m = scenario.fire.spread_radius_m;
-    let rule_site = RuleSite { frame: &terrain.frame, lightable: &lightable, spread_m, seed };
+    let rule_site =
+        RuleSite { frame: &terrain.frame, lightable: &lightable, spread_m, seed, learned: scenario.learned.as_ref() };
     let mut following = Following::default();
     let of_team = dispatch::policy_of(scenario, terrain, water_rules(scenario));
     let is_dispatched = |agent: &usize| of_team.is_some() && agents[*agent].role.suppresses();

@@ -319,6 +319,7 @@ fn substitutes(game: &Game, scenario: &Scenario) -> Result<Substitutes, Refusal>
         lightable: &lightable,
         spread_m: scenario.fire.spread_radius_m,
         seed: game.seed,
+        learned: scenario.learned.as_ref(),
     };
     let named = |side: Side| match side {
         Side::Wumpus => scenario.wumpus.first().map(|wumpus| NamedPolicy::from(&wumpus.goal)),

@@ -44,7 +44,7 @@ impl Densest {
     }
 
     /// Counts what can burn in reach of a fire of this cell.
-    fn thickness(&self, seen: &Observation<'_>, cell: Cell) -> usize {
+    pub fn thickness(&self, seen: &Observation<'_>, cell: Cell) -> usize {
         let frame = seen.fires.frame();
         let around = self.reached.iter().filter_map(|&(cols, rows)| frame.offset(cell, cols, rows));
         around.filter(|&other| seen.fires.can_burn(other)).count()
@@ -64,20 +64,25 @@ impl Policy for Densest {
 }
 
 impl Densest {
+    /// Lists where others are and go, if the agent keeps apart from them.
+    pub fn others(&self, seen: &Observation<'_>, agent: &AgentView) -> Vec<DVec2> {
+        let frame = seen.fires.frame();
+        let others = seen.agents.iter().filter(|other| self.keeps_apart && other.id != agent.id);
+        others.flat_map(|other| [Some(other.place), other.goal.map(|goal| frame.centre(goal))]).flatten().collect()
+    }
+
+    /// Returns the worth of a place with so many bushes around it to an agent that comes from another.
+    pub fn worth(&self, thickness: f64, place: DVec2, from: DVec2, others: &[DVec2]) -> f64 {
+        let nearest = others.iter().map(|other| (*other - place).length()).fold(f64::INFINITY, f64::min);
+        let share = (nearest / APART_M).clamp(LEAST_SHARE, 1.0);
+        thickness * share / ((place - from).length() + ADDED_M)
+    }
+
     /// Returns the best of an agent's options. They are most of a field at first, so they are not listed: square rings of
     /// cells about it are looked at, from the inside to the outside.
     fn best(&self, seen: &Observation<'_>, agent: &AgentView) -> Option<Cell> {
         let frame = seen.fires.frame();
-        let others: Vec<DVec2> = if self.keeps_apart {
-            let others = seen.agents.iter().filter(|other| other.id != agent.id);
-            others.flat_map(|other| [Some(other.place), other.goal.map(|goal| frame.centre(goal))]).flatten().collect()
-        } else {
-            Vec::new()
-        };
-        let share = |place: DVec2| {
-            let nearest = others.iter().map(|other| (*other - place).length()).fold(f64::INFINITY, f64::min);
-            (nearest / APART_M).clamp(LEAST_SHARE, 1.0)
-        };
+        let others = self.others(seen, agent);
         let middle = (agent.place / frame.cell_m).floor();
         let middle = (middle.x as i32, middle.y as i32);
         let mut best: Option<(f64, Cell)> = None;
@@ -89,8 +94,7 @@ impl Densest {
             }
             for cell in ring_around(frame, middle, ring).filter(|&cell| seen.is_option(agent.id, cell)) {
                 let place = frame.centre(cell);
-                let way_m = (place - agent.place).length() + ADDED_M;
-                let worth = self.thickness(seen, cell) as f64 * share(place) / way_m;
+                let worth = self.worth(self.thickness(seen, cell) as f64, place, agent.place, &others);
                 let is_better = |(most, so_far): (f64, Cell)| {
                     worth > most || (worth == most && frame.index(cell) < frame.index(so_far))
                 };

@@ -14,6 +14,7 @@ mod densest;
 pub mod dispatch;
 mod following;
 mod largest_cluster;
+pub mod learned;
 mod nearest;
 mod nearest_intact;
 mod random_intact;

@@ -9,11 +9,12 @@ use thiserror::Error;
 use super::densest::Densest;
 use super::dispatch::NearestByDrive;
 use super::largest_cluster::LargestCluster;
+use super::learned::{LearnedArsonist, Networks};
 use super::nearest::{FarthestFromTruck, Nearest, Oldest};
 use super::nearest_intact::NearestIntact;
 use super::random_intact::RandomIntact;
 use super::{OneByOne, Policy};
-use crate::scenario::{TruckGoal, WumpusGoal};
+use crate::scenario::{Learned, TruckGoal, WumpusGoal};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::rng::Xoshiro256PlusPlus;
 use wildfire_base::time::SimTime;
@@ -68,6 +69,8 @@ pub struct RuleSite<'a> {
     /// The spread radius of a bush, in metres.
     pub spread_m: f64,
     pub seed: u64,
+    /// Weights of the scenario for learned policies.
+    pub learned: Option<&'a Learned>,
 }
 
 /// The built-in policies, by their names in scenarios.
@@ -82,6 +85,7 @@ pub enum BuiltIn {
     FarthestFromTruck,
     Densest,
     DensestApart,
+    Learned,
 }
 
 /// The policy that a scenario names.
@@ -111,6 +115,7 @@ impl<'a> From<&'a WumpusGoal> for NamedPolicy<'a> {
             WumpusGoal::FarthestFromTruck => Self::BuiltIn(BuiltIn::FarthestFromTruck),
             WumpusGoal::Densest => Self::BuiltIn(BuiltIn::Densest),
             WumpusGoal::DensestApart => Self::BuiltIn(BuiltIn::DensestApart),
+            WumpusGoal::Learned => Self::BuiltIn(BuiltIn::Learned),
             WumpusGoal::Policy(name) => Self::Own(name),
         }
     }
@@ -119,7 +124,7 @@ impl<'a> From<&'a WumpusGoal> for NamedPolicy<'a> {
 impl BuiltIn {
     /// Makes the policy for a run.
     pub fn make(self, site: &RuleSite<'_>) -> Box<dyn Policy> {
-        let &RuleSite { frame, lightable, spread_m, seed } = site;
+        let &RuleSite { frame, lightable, spread_m, seed, learned } = site;
         match self {
             Self::NearestBurning => Box::new(OneByOne(Nearest)),
             Self::NearestByDrive => Box::new(NearestByDrive),
@@ -130,6 +135,7 @@ impl BuiltIn {
             Self::FarthestFromTruck => Box::new(OneByOne(FarthestFromTruck)),
             Self::Densest => Box::new(Densest::new(frame, spread_m, false)),
             Self::DensestApart => Box::new(Densest::new(frame, spread_m, true)),
+            Self::Learned => Box::new(LearnedArsonist::new(frame, spread_m, Networks::new(learned).lights)),
         }
     }
 }

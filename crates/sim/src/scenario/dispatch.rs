@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Scenario;
+use super::learned::warn_of_weights;
 use wildfire_base::ranges;
 
 /// The most rollouts of one decision: some seconds of CPU time.
@@ -92,11 +93,13 @@ pub enum IdleRule {
     Centroids,
     /// In their regions of the field, which are those of their starts.
     Regions,
+    /// Spread over the bushes, weighted by a small trained network that knows recent ignitions.
+    Learned,
 }
 
 impl IdleRule {
     /// All rules, in the order in which they are listed.
-    pub const ALL: [Self; 3] = [Self::Stay, Self::Centroids, Self::Regions];
+    pub const ALL: [Self; 4] = [Self::Stay, Self::Centroids, Self::Regions, Self::Learned];
 
     /// Returns the name that scenarios and tables write.
     pub const fn name(self) -> &'static str {
@@ -104,6 +107,7 @@ impl IdleRule {
             Self::Stay => "stay",
             Self::Centroids => "centroids",
             Self::Regions => "regions",
+            Self::Learned => "learned",
         }
     }
 }
@@ -159,6 +163,7 @@ ranges! { Sight { radius_m: 0.0..=1e6 } }
 
 /// Warns of values that do nothing.
 pub(super) fn warn_of_team(scenario: &Scenario, found: &mut Vec<String>) {
+    warn_of_weights(scenario, found);
     let Some(dispatch) = &scenario.dispatch else {
         if scenario.sight.is_some() {
             found.push(

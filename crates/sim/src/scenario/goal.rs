@@ -110,4 +110,6 @@ goals! {
     Densest, "densest";
     /// The same, but away from other Wumpuses, their goals and trucks.
     DensestApart, "densest-apart";
+    /// The same, corrected by a small trained network that knows trucks and fires.
+    Learned, "learned";
 }

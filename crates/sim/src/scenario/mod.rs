@@ -34,6 +34,7 @@ mod ground_report;
 mod json_location;
 mod landscape;
 mod layers;
+mod learned;
 mod load;
 mod memory;
 mod path;
@@ -71,6 +72,7 @@ pub use given::{GivenField, MAX_CELLS_A_SIDE, MapError};
 pub use goal::{TruckGoal, WumpusGoal};
 pub use landscape::LandscapeSettings;
 pub use layers::{GivenLayers, LayerKind, LayerReader, Weights};
+pub use learned::{HIDDEN, Learned};
 pub use load::{LoadedScenario, load};
 pub use memory::{MemoryEstimate, MemoryExceeded, MemoryLimit, bytes_text};
 pub use path::{FieldPath, PathStep};
@@ -170,6 +172,9 @@ pub struct Scenario {
     /// How the trucks are dispatched to fires as a team; without it each follows its `goal`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dispatch: Option<Dispatch>,
+    /// Weights of the networks of `learned` policies; without it, those that come with the program.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub learned: Option<Learned>,
     /// What a dispatched team sees; without it, everything except the Wumpuses.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sight: Option<Sight>,
@@ -213,6 +218,7 @@ impl Scenario {
         };
         Self {
             dispatch: other.dispatch.clone(),
+            learned: other.learned.clone(),
             sight: other.sight.clone(),
             traffic: other.traffic.clone(),
             planner: other.planner.clone(),
@@ -251,6 +257,7 @@ impl Scenario {
         self.landscape.as_ref().map_or(Ok(()), |landscape| landscape.check(&top.inner("landscape"), &frame))?;
         self.check_stops()?;
         self.check_nearest_by_drive()?;
+        self.learned.as_ref().map_or(Ok(()), |learned| learned.check(&top.inner("learned")))?;
         self.water.as_ref().map_or(Ok(()), |water| water.check(&top.inner("water"), &frame))?;
         check_programs("planner", &self.planner, |name| name.built_in().is_some())?;
         let is_rule = |name: &PlannerName| TruckGoal::is_built_in(name.name()) || WumpusGoal::is_built_in(name.name());

@@ -200,6 +200,7 @@ mod tests {
             wumpus: vec![Wumpus::default()],
             unimog: vec![Unimog::default()],
             dispatch: None,
+            learned: None,
             sight: None,
             traffic: None,
             water: None,

@@ -30,9 +30,13 @@ mod team;
 mod threat;
 mod threat_first;
 
+use std::sync::Arc;
+
+use super::learned::Networks;
+
 pub use auction::Auction;
 pub use hungarian::Hungarian;
-pub use idle::{Centroids, Regions, RegionsFirst, Stay};
+pub use idle::{Centroids, LearnedPosts, Regions, RegionsFirst, Stay};
 pub use nearest::NearestByNumber;
 pub use nearest_by_drive::NearestByDrive;
 pub use nearest_savable::NearestSavable;
@@ -65,10 +69,12 @@ pub enum IdleRule {
     Centroids,
     /// Trucks also serve their own regions first.
     Regions,
+    /// By learned weights of bushes.
+    Learned,
 }
 
 /// Makes the two halves of a team's policy, which are asked in turn for one run.
-pub fn make(rule: AssignmentRule, idle: IdleRule) -> (Box<dyn Assignment>, Box<dyn Positioning>) {
+pub fn make(rule: AssignmentRule, idle: IdleRule, networks: &Networks) -> (Box<dyn Assignment>, Box<dyn Positioning>) {
     let assignment: Box<dyn Assignment> = match rule {
         AssignmentRule::Nearest => Box::new(NearestByNumber),
         AssignmentRule::NearestByDrive => Box::new(NearestByDrive),
@@ -81,6 +87,7 @@ pub fn make(rule: AssignmentRule, idle: IdleRule) -> (Box<dyn Assignment>, Box<d
     match idle {
         IdleRule::Stay => (assignment, Box::new(Stay)),
         IdleRule::Centroids => (assignment, Box::<Centroids>::default()),
+        IdleRule::Learned => (assignment, Box::new(LearnedPosts::new(Arc::clone(&networks.posts)))),
         IdleRule::Regions => (Box::new(RegionsFirst(assignment)), Box::<Regions>::default()),
     }
 }

@@ -3,6 +3,7 @@
 use super::policy::{DispatchPolicy, TeamSite, TruckSite};
 use super::team::{Assignment, Positioning, TeamRules};
 use super::{AssignmentRule, IdleRule, NearestByDrive, make};
+use crate::policies::learned::Networks;
 use crate::policies::nearest::Nearest;
 use crate::policies::{OneByOne, Policy};
 use crate::scenario::{self, Extinguishes, FireModelName, Scenario, SightOfField, Terrain};
@@ -30,7 +31,7 @@ pub fn policy_of(scenario: &Scenario, terrain: &Terrain, water: Option<WaterRule
         bushes: terrain.bushes.clone().into(),
         trucks: (0..).map(AgentId::unimog).zip(&scenario.unimog).map(truck_site).collect(),
     };
-    let (assignment, positioning) = halves(dispatch);
+    let (assignment, positioning) = halves(dispatch, &Networks::new(scenario.learned.as_ref()));
     let policy = DispatchPolicy::new(site, assignment, positioning, dispatch.seconds_per_evaluation);
     Some(Box::new(policy))
 }
@@ -53,11 +54,12 @@ fn rules(scenario: &Scenario) -> TeamRules {
 }
 
 /// Makes what the scenario names: who goes where, and where the others wait if they do not stay where they are.
-fn halves(dispatch: &scenario::Dispatch) -> (Box<dyn Assignment>, Option<Box<dyn Positioning>>) {
+fn halves(dispatch: &scenario::Dispatch, networks: &Networks) -> (Box<dyn Assignment>, Option<Box<dyn Positioning>>) {
     let idle = match dispatch.idle {
         scenario::IdleRule::Stay => IdleRule::Stay,
         scenario::IdleRule::Centroids => IdleRule::Centroids,
         scenario::IdleRule::Regions => IdleRule::Regions,
+        scenario::IdleRule::Learned => IdleRule::Learned,
     };
     let rule = match dispatch.policy {
         scenario::DispatchPolicy::Nearest => AssignmentRule::Nearest,
@@ -68,6 +70,6 @@ fn halves(dispatch: &scenario::Dispatch) -> (Box<dyn Assignment>, Option<Box<dyn
         scenario::DispatchPolicy::Auction => AssignmentRule::Auction,
         scenario::DispatchPolicy::Rollout => AssignmentRule::Rollout { rollouts: dispatch.rollouts },
     };
-    let (assignment, positioning) = make(rule, idle);
+    let (assignment, positioning) = make(rule, idle, networks);
     (assignment, (idle != IdleRule::Stay).then_some(positioning))
 }

@@ -1,6 +1,7 @@
 //! Positions of idle trucks: places from which they soon reach any fire that may begin.
 
 mod centroids;
+mod learned;
 mod regions;
 mod spread_out;
 
@@ -9,6 +10,7 @@ use glam::DVec2;
 use wildfire_timeline::AgentId;
 
 pub use centroids::Centroids;
+pub use learned::LearnedPosts;
 pub use regions::{Regions, RegionsFirst};
 
 /// Lets trucks wait where they are.

@@ -1,0 +1,112 @@
+//! Idle trucks spread over the intact bushes as by [`super::Centroids`], but bushes count more or less by what a network makes
+//! of recent ignitions: an arsonist on foot is not far from where it was.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use super::super::team::{Fire, Positioning, Team, TeamTruck};
+use super::centroids::{posts, waits_at, worth_m};
+use super::spread_out::{Block, Census, spread_out};
+use crate::policies::learned::Network;
+use wildfire_base::geometry::Cell;
+use wildfire_base::time::SimTime;
+use wildfire_timeline::AgentId;
+
+/// The ignitions that are remembered, the latest.
+const REMEMBERED: usize = 8;
+
+/// The age from which an ignition is forgotten.
+const FORGOTTEN: SimTime = SimTime::from_nanos(300_000_000_000);
+
+/// The least weight of a bush: none is left out altogether.
+const LEAST: f64 = 0.02;
+
+/// Sends idle trucks to centroids of weighted bushes.
+#[derive(Clone, Debug)]
+pub struct LearnedPosts {
+    census: Census,
+    network: Arc<Network>,
+    /// The cells of recent ignitions, their places and times, the latest last.
+    lit: Vec<(Cell, DVec2, SimTime)>,
+}
+
+impl LearnedPosts {
+    pub fn new(network: Arc<Network>) -> Self {
+        Self { census: Census::default(), network, lit: Vec::new() }
+    }
+
+    /// Remembers fires that arsonists have lit: where only those spread, the others are left out.
+    fn remember(&mut self, team: &Team<'_>) {
+        let tells = team.rules.spread.is_some() && !team.rules.caught_spreads;
+        let is_lit = |fire: &&Fire| !tells || fire.spreads_at < SimTime::MAX;
+        for fire in team.fires.iter().filter(is_lit) {
+            if !self.lit.iter().any(|(cell, _, since)| (*cell, *since) == (fire.cell, fire.since)) {
+                self.lit.push((fire.cell, fire.place, fire.since));
+            }
+        }
+        self.lit.retain(|(.., since)| team.now.since(*since) < FORGOTTEN);
+        self.lit.sort_by_key(|(.., since)| *since);
+        self.lit.drain(..self.lit.len().saturating_sub(REMEMBERED));
+    }
+
+    fn weight(&self, place: DVec2, now: SimTime, idle_share: f64) -> f64 {
+        let mut weight = 1.0;
+        for (_, lit, since) in &self.lit {
+            let age_s = now.since(*since).as_seconds();
+            weight += self.network.value(&[(*lit - place).length() / 100.0, age_s / 60.0, idle_share]);
+        }
+        weight.max(LEAST)
+    }
+}
+
+impl Positioning for LearnedPosts {
+    fn post(&mut self, team: &Team<'_>, idle: &[AgentId]) -> Vec<(AgentId, DVec2)> {
+        self.remember(team);
+        let trucks: Vec<&TeamTruck> = team.trucks.iter().filter(|truck| idle.contains(&truck.id)).collect();
+        let share = trucks.len() as f64 / team.trucks.len() as f64;
+        let counted: Vec<Block> = self.census.blocks(team).to_vec();
+        let weigh =
+            |block: &Block| Block { bushes: block.bushes * self.weight(block.place, team.now, share), ..*block };
+        let blocks: Vec<Block> = counted.iter().map(weigh).collect();
+        let mut sites: Vec<DVec2> = trucks.iter().map(|truck| waits_at(truck)).collect();
+        spread_out(&blocks, &mut sites);
+        posts(&trucks, &sites, worth_m(team, trucks.len()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::samples::Sample;
+    use super::*;
+    use crate::policies::learned::Networks;
+
+    #[test]
+    fn trucks_wait_nearer_to_where_a_fire_was_just_lit() {
+        let mut sample = Sample::with_trucks(&[(10.0, 10.0)]);
+        let cells: Vec<(u16, u16)> = (0..50).flat_map(|col| (0..50).map(move |row| (col, row))).collect();
+        sample.grow(&cells);
+        let post = |sample: &Sample| {
+            let mut posts = LearnedPosts::new(Networks::new(None).posts);
+            posts.post(&sample.team(), &[sample.trucks[0].id])[0].1
+        };
+        assert!((post(&sample) - DVec2::splat(125.0)).length() < 1e-6, "without fires it is in the middle");
+        sample.burn((45, 45));
+        let near = post(&sample);
+        assert!(near.x > 135.0 && near.y > 135.0, "{near}");
+    }
+
+    #[test]
+    fn ignitions_are_forgotten_the_oldest_first() {
+        let mut sample = Sample::with_trucks(&[(125.0, 125.0)]);
+        let mut posts = LearnedPosts::new(Networks::new(None).posts);
+        for col in 0..12 {
+            sample.burn((3 * col, 20));
+        }
+        posts.remember(&sample.team());
+        assert_eq!(posts.lit.len(), REMEMBERED);
+        sample.now_s = 301.0;
+        posts.remember(&Team { fires: Vec::new(), ..sample.team() });
+        assert_eq!(posts.lit, []);
+    }
+}

@@ -1,0 +1,43 @@
+//! Policies with learned parts: small networks that correct what a rule reckons, or weigh what it counts.
+//!
+//! A network of zeros changes nothing, so a learned policy is a rule plus what training added to it. Weights come with the
+//! program, trained by the scripts in `python/training`, or from the table `learned` of a scenario.
+
+mod arsonist;
+mod network;
+
+use std::sync::{Arc, LazyLock};
+
+use crate::scenario::Learned;
+
+pub use arsonist::LearnedArsonist;
+pub use network::Network;
+
+/// The networks of a run's learned policies.
+#[derive(Clone, Debug)]
+pub struct Networks {
+    /// Weigh bushes for the places where idle trucks wait.
+    pub posts: Arc<Network>,
+    /// Corrects the worth of a cell to an arsonist.
+    pub lights: Arc<Network>,
+}
+
+/// The weights that come with the program.
+static SHIPPED: LazyLock<Learned> = LazyLock::new(|| {
+    serde_json::from_str(include_str!("../../../learned/weights.json")).expect("the weights are lists of numbers")
+});
+
+impl Networks {
+    /// Takes the weights of a scenario, and those that come with the program for what it leaves out.
+    pub fn new(own: Option<&Learned>) -> Self {
+        let pick = |weights: fn(&Learned) -> &Vec<f64>| {
+            let own = own.map(weights).filter(|own| !own.is_empty());
+            own.unwrap_or_else(|| weights(&SHIPPED)).as_slice()
+        };
+        let network = |inputs: usize, weights: &[f64]| Arc::new(Network::new(inputs, weights));
+        Self {
+            posts: network(Learned::POST_INPUTS.len(), pick(|learned| &learned.posts)),
+            lights: network(Learned::LIGHT_INPUTS.len(), pick(|learned| &learned.lights)),
+        }
+    }
+}
