@@ -30,7 +30,8 @@ Examples:
   wildfire attain fleet --set dispatch.policy=auction --runs 1000 --json
 
 The search knows what the arsonists will do, so no dispatcher needs to be able to do as well;
-but every loss that it finds is that of a run by the rules. A better one may exist.")]
+but every loss that it finds is that of a run by the rules. A better one may exist, except
+where all choices of a single truck were played.")]
 pub struct AttainArguments {
     #[command(flatten)]
     pub scenario: ScenarioArguments,
@@ -102,7 +103,7 @@ impl AttainReport {
         [
             ("lost", of(|row| row.lost as f64)),
             ("attainable", of(|row| row.attainable as f64)),
-            ("headroom", of(|row| (row.lost - row.attainable) as f64)),
+            ("regret_attainable", of(|row| (row.lost - row.attainable) as f64)),
         ]
     }
 }
@@ -125,7 +126,7 @@ impl From<&AttainReport> for Document {
         rows.push(line("Mean", &Series::mean));
         rows.push(line("95% low", &|series| series.mean_interval().map(|interval: Interval| interval.low)));
         rows.push(line("95% high", &|series| series.mean_interval().map(|interval: Interval| interval.high)));
-        let headings = ["Seed", "Lost", "Attainable", "Headroom", "Answers", "Runs"];
+        let headings = ["Seed", "Lost", "Attainable", "Regret", "Answers", "Runs"];
         let [(_, lost), _, (_, headroom)] = &series;
         let (mean, lost) = (headroom.mean().unwrap_or(0.0), lost.mean().unwrap_or(0.0));
         Self::new(format!("{}: what dispatchers who know the future could save", report.scenario)).with([
@@ -137,8 +138,8 @@ impl From<&AttainReport> for Document {
             )),
             Table { rules_before, ..Table::new(&headings, rows) }.into(),
             Block::Text(
-                "Headroom is what trucks would save that went elsewhere at some of their decisions (answers), all else \
-                 by their policies; found in so many runs."
+                "Regret is what trucks would save that went elsewhere at some of their decisions (answers), all else by \
+                 their policies; found in so many runs."
                     .to_owned(),
             ),
         ])
@@ -152,7 +153,15 @@ impl Serialize for AttainReport {
                 object!(Answer { t_s: time.as_seconds(), agent: agent.to_string(), cell: [cell.col, cell.row] })
             };
             let answers = row.answers.iter().map(answer).collect::<Vec<_>>();
-            object!(Row { seed: *seed, lost: row.lost, attainable: row.attainable, runs: row.runs, answers })
+            object!(Row {
+                seed: *seed,
+                lost: row.lost,
+                attainable: row.attainable,
+                regret_attainable: row.lost - row.attainable,
+                runs: row.runs,
+                is_exact: row.is_exact,
+                answers
+            })
         };
         let rows = self.rows.iter().map(row).collect::<Vec<_>>();
         let means = self.series().map(|(quantity, series)| {

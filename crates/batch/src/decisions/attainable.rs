@@ -30,6 +30,8 @@ pub struct Attained {
     pub answers: Answers,
     /// The runs that were played.
     pub runs: u32,
+    /// True if all sequences of choices were played: none loses less.
+    pub is_exact: bool,
     pub timeline: Timeline,
 }
 
@@ -37,6 +39,8 @@ pub struct Attained {
 pub type Answers = BTreeMap<SimTime, (AgentId, Cell)>;
 
 /// Searches for answers with which a run loses less, with at most `budget` runs of at most `choices` choices a decision.
+///
+/// All sequences of choices of a single truck are played if the budget is enough for them.
 ///
 /// # Errors
 /// If the run cannot take place or cannot be forked.
@@ -46,6 +50,78 @@ pub fn attain(
     (choices, budget): (usize, u32),
 ) -> Result<Attained, RunError> {
     let start = Simulation::with(scenario, seed, options)?;
+    if scenario.unimog.len() == 1
+        && let Some(best) = exhaust(&start, (choices, budget))?
+    {
+        return Ok(best);
+    }
+    improve(&start, (choices, budget))
+}
+
+/// Plays all sequences of choices of a single truck; `None` if the budget is too small for them.
+fn exhaust(start: &Simulation, (choices, budget): (usize, u32)) -> Result<Option<Attained>, RunError> {
+    let mut tree = Tree { choices, left: budget, best: None };
+    if !tree.descend(start, &mut Answers::new())? {
+        return Ok(None);
+    }
+    let own = played(start, false)?.lost();
+    let (best, answers) = tree.best.expect("the run itself was played");
+    let (attainable, runs) = (best.lost(), budget - tree.left);
+    Ok(Some(Attained { lost: own, attainable, answers, runs, is_exact: true, timeline: best.finish().timeline }))
+}
+
+/// Plays a copy of a run to its end.
+fn played(run: &Simulation, records: bool) -> Result<Simulation, RunError> {
+    let mut copy = run.fork()?;
+    if records {
+        copy.record_decisions();
+    }
+    copy.advance_to(SimTime::MAX);
+    copy.expect_within_memory()?;
+    Ok(copy)
+}
+
+struct Tree {
+    choices: usize,
+    left: u32,
+    best: Option<(Simulation, Answers)>,
+}
+
+impl Tree {
+    /// Plays all that may follow; false if the budget ends before.
+    fn descend(&mut self, before: &Simulation, answers: &mut Answers) -> Result<bool, RunError> {
+        if self.left == 0 {
+            return Ok(false);
+        }
+        self.left -= 1;
+        let run = played(before, true)?;
+        let is_next = |decision: &&Decision| {
+            decision.agent.id.role.suppresses() && decision.options.len() > 1 && decision.time > before.now()
+        };
+        let next = run.decisions().iter().find(is_next).cloned();
+        if self.best.as_ref().is_none_or(|(best, _)| run.lost() < best.lost()) {
+            self.best = Some((run, answers.clone()));
+        }
+        let Some(decision) = next else { return Ok(true) };
+        let mut node = before.fork()?;
+        node.advance_to(decision.time - SimTime::from_nanos(1));
+        for cell in nearest_options(&decision, node.fires().frame(), None).into_iter().take(self.choices) {
+            let mut child = node.fork()?;
+            child.force(decision.agent.id, Choice::Go(cell));
+            child.advance_to(decision.time);
+            answers.insert(decision.time, (decision.agent.id, cell));
+            let is_whole = self.descend(&child, answers)?;
+            answers.remove(&decision.time);
+            if !is_whole {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+}
+
+/// Goes through decisions by time, and keeps every answer that loses less.
+fn improve(start: &Simulation, (choices, budget): (usize, u32)) -> Result<Attained, RunError> {
     let mut search =
         Search { before: start.fork()?, fork: start.fork()?, answers: Answers::new(), given: None, left: budget };
     let mut decisions = search.play(None)?;
@@ -53,7 +129,7 @@ pub fn attain(
     let mut attainable = lost;
     loop {
         let before = attainable;
-        search.restart(&start)?;
+        search.restart(start)?;
         let mut next = 0;
         while let Some(decision) = decisions.get(next).cloned() {
             next += 1;
@@ -83,13 +159,20 @@ pub fn attain(
             break;
         }
     }
-    search.restart(&start)?;
+    search.restart(start)?;
     search.go_to(SimTime::MAX);
     search.before.expect_within_memory()?;
     let Search { before, answers, left, .. } = search;
     debug_assert_eq!(before.lost(), attainable);
     // The loss of the run that is returned, whatever the search believed.
-    Ok(Attained { lost, attainable: before.lost(), answers, runs: budget - left, timeline: before.finish().timeline })
+    Ok(Attained {
+        lost,
+        attainable: before.lost(),
+        answers,
+        runs: budget - left,
+        is_exact: false,
+        timeline: before.finish().timeline,
+    })
 }
 
 /// Searches likewise for each of some seeds, and calls `on_seed` after each.
@@ -163,6 +246,40 @@ mod tests {
     use super::*;
     use wildfire_sim::scenario;
     use wildfire_timeline::Outcome;
+
+    /// One truck and some fires that begin in a row, without an arsonist.
+    fn fires_in_a_row(seed: u64) -> Simulation {
+        let mut changes =
+            ["duration_s=150", "wumpus=[]", "fire.burn_out_s=40", "fire.spread_radius_m=1"].map(str::to_owned).to_vec();
+        let scenario = scenario::load("contest", &changes).expect("it loads");
+        let bushes = Simulation::new(&scenario, seed).expect("it takes place").setting().bushes.clone();
+        let lit = bushes.iter().step_by(bushes.len() / 5).take(5).enumerate();
+        let ignition = |(number, cell): (usize, &Cell)| {
+            format!("{{cells=[[{}, {}]], at_s={}}}", cell.col, cell.row, 1 + 4 * number)
+        };
+        changes.push(format!("ignition=[{}]", lit.map(ignition).collect::<Vec<_>>().join(", ")));
+        let scenario = scenario::load("contest", &changes).expect("it loads");
+        Simulation::new(&scenario, seed).expect("it takes place")
+    }
+
+    #[test]
+    fn the_search_finds_nearly_what_all_sequences_of_choices_attain() {
+        let (mut of_search, mut of_all, mut own) = (0, 0, 0);
+        for seed in 1..=8 {
+            let start = fires_in_a_row(seed);
+            let all = exhaust(&start, (8, 100_000)).expect("it is played").expect("the tree is small");
+            let found = improve(&start, (8, 300)).expect("it is played");
+            assert!(
+                all.is_exact && all.attainable <= found.attainable && found.attainable <= found.lost,
+                "seed {seed}"
+            );
+            assert_eq!((all.lost, all.attainable as u32), (found.lost, Outcome::new(&all.timeline).burned()));
+            assert!(exhaust(&start, (8, all.runs - 1)).expect("it is played").is_none(), "one run less is too few");
+            (own, of_search, of_all) = (own + all.lost, of_search + found.attainable, of_all + all.attainable);
+        }
+        assert!(of_all < own, "there is something to gain: {of_all} of {own}");
+        assert!(of_search - of_all <= (own - of_all) / 4, "{own} lost, {of_search} by the search, {of_all} at least");
+    }
 
     #[test]
     fn what_is_attained_is_a_run_by_the_rules_that_loses_less() {
