@@ -37,9 +37,14 @@ class Chart {
         this.keptKey = "";
     }
 
+    // Lanes of marks above the counts of a run: verdicts on decisions have one if there are any.
+    get lanes() {
+        return this.runs.some((run) => run.verdicts.length > 0) ? 4 : 3;
+    }
+
     // Its height in pixels of the page.
     get height() {
-        const each = 3 * LANE + BELOW_LANES + STRIP + GAP;
+        const each = this.lanes * LANE + BELOW_LANES + STRIP + GAP;
         return this.runs.length * each + (this.runs.length > 1 ? DIFFERENCE + 2 * GAP : 0) + AXIS;
     }
 
@@ -102,7 +107,7 @@ class Chart {
         let top = GAP;
         this.runs.forEach((run, runIndex) => {
             this.drawLanes(context, run, { ...area, top }, share);
-            const strip = { ...area, top: top + 3 * LANE + BELOW_LANES, height: STRIP };
+            const strip = { ...area, top: top + this.lanes * LANE + BELOW_LANES, height: STRIP };
             const most = run.without_intact ?? Math.max(1, run.bushCells.length);
             this.drawStacked(context, run, strip, most, share, pixelRatio);
             this.drawValues(context, strip, [0, most]);
@@ -114,7 +119,7 @@ class Chart {
                 context.fillText("AB"[runIndex], 4, strip.top + 0.5 * STRIP + 6);
                 context.font = `12px ${FONT}`;
             }
-            top += 3 * LANE + BELOW_LANES + STRIP + GAP;
+            top += this.lanes * LANE + BELOW_LANES + STRIP + GAP;
         });
         if (this.runs.length > 1) this.drawDifference(context, { ...area, top: top + GAP, height: DIFFERENCE }, share);
         this.drawTimes(context, area, height - AXIS);
@@ -134,15 +139,18 @@ class Chart {
     drawLanes(context, run, { left, top, width }, share) {
         const changes = (kind) => run.changes.times.filter((_, index) => run.changes.to[index] === kind);
         const lanes = [
-            ["ignitions", this.colours.burning, changes(BURNING)],
-            ["put out", this.colours.extinguished, changes(EXTINGUISHED)],
-            ["failed", this.ink, run.failedPlans],
+            ["ignitions", [[this.colours.burning, changes(BURNING)]]],
+            ["put out", [[this.colours.extinguished, changes(EXTINGUISHED)]]],
+            ["failed", [[this.ink, run.failedPlans]]],
         ];
-        lanes.forEach(([name, colour, times], index) => {
+        if (run.verdicts.length > 0) lanes.push(["decisions", run.verdicts]);
+        lanes.forEach(([name, marks], index) => {
             const laneTop = top + index * LANE;
             context.globalAlpha = share;
-            context.fillStyle = colour;
-            for (const time of times) context.fillRect(left + (time / this.endNs) * width, laneTop + 1, 1, LANE - 3);
+            for (const [colour, times] of marks) {
+                context.fillStyle = colour;
+                for (const time of times) context.fillRect(left + (time / this.endNs) * width, laneTop + 1, 1, LANE - 3);
+            }
             context.globalAlpha = 0.75;
             context.textAlign = "right";
             context.font = `10px ${FONT}`;

@@ -226,6 +226,7 @@ class Run {
         this.changes = { times: sums(data.changes.time_ns), bushes: sums(data.changes.bush), to, words, burned };
         this.counts = { ...data.counts, times: sums(data.counts.time_ns), bushes: data.counts.bushes.map((kind) => sums(kind)) };
         this.failedPlans = sums(data.failed_plans_ns);
+        this.verdicts = data.verdicts.map(([colour, times]) => [colour, sums(times)]);
         this.moments = sums(data.moments_ns);
         this.spreadTimes = Float64Array.from(this.spreads, (spread) => spread.time_ns);
         this.hasSearches = this.searches.length > 0;

@@ -201,7 +201,7 @@ fn shown_run(arguments: &MapOfArguments, context: &CommandContext) -> Result<(Sh
         let run = source.run(arguments.seed)?;
         let found = source.timeline(&run, &context.entrants)?;
         let (timeline, _) = found.ok_or_else(|| CliError::run_failed(format_args!("{} failed", source.title())))?;
-        let run = ShownRun { title: source.title(), timeline, cpu_samples: None };
+        let run = ShownRun { title: source.title(), timeline, cpu_samples: None, verdicts: Vec::new() };
         return Ok((run, MapPlace::new(Some(source.scenario()))));
     }
     if !arguments.only.is_empty() {

@@ -1,5 +1,6 @@
 //! Arguments that name the runs to show and the view of them, which is checked against the runs.
 
+use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::Args;
@@ -37,6 +38,9 @@ pub struct ShowArguments {
     /// Change a value of the second run's scenario; may be repeated.
     #[arg(long = "with-set", value_name = "KEY=VALUE")]
     pub with_overrides: Vec<String>,
+    /// Mark decisions of the first run by their verdicts, from the JSON of `wildfire why`.
+    #[arg(long, value_name = "FILE")]
+    pub why: Option<PathBuf>,
     /// Additional layers to show; `-NAME` hides a layer, `none` hides all.
     #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',', allow_hyphen_values = true)]
     layers: Vec<LayerChange>,

@@ -4,12 +4,13 @@
 mod args;
 mod page_file;
 mod source;
+mod verdicts;
 
 pub use args::{Moment, ShowArguments, look, parse_agent, parse_moment, parse_speed};
 pub use page_file::{check_grounds, write_page};
-pub use source::{Searches, ShownRun, run_of_batch};
+pub use source::{Searches, ShownRun, Source, run_of_batch};
 
-use source::{Named, Source};
+use source::Named;
 
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
@@ -34,7 +35,10 @@ pub fn shown_runs(
     let named = Named::open(&arguments.source)?;
     let source = Source::new(&named, &arguments.overrides, arguments.memory.memory, context)?;
     let second = second_source(arguments, &named, context)?;
-    let run = source.run(arguments.seed, searches)?;
+    let mut run = source.run(arguments.seed, searches)?;
+    if let Some(path) = &arguments.why {
+        run.verdicts = verdicts::read(path, &run.timeline)?;
+    }
     let seed = run.timeline.setting.seed;
     let mut shown = vec![Shown { source, run }];
     if let Some(source) = second {

@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use wildfire_base::input_file;
+use wildfire_base::time::SimTime;
 use wildfire_batch::{FinishedBatch, PlannedRun, Record};
-use wildfire_picture::film::RunView;
+use wildfire_picture::film::{RunView, Verdict};
 use wildfire_sim::RunOptions;
 use wildfire_sim::scenario::{BUILT_IN, LoadedScenario, MemoryLimit, Scenario, ScenarioText};
 use wildfire_timeline::file::{self, FileError};
@@ -32,11 +33,13 @@ pub struct ShownRun {
     pub timeline: Timeline,
     /// `None` of a recording: what was measured is no part of it.
     pub cpu_samples: Option<Vec<CpuSample>>,
+    /// Verdicts on decisions, by time.
+    pub verdicts: Vec<(SimTime, Verdict)>,
 }
 
 impl ShownRun {
     pub fn into_view(self) -> RunView {
-        RunView::new(self.timeline, self.cpu_samples).with_title(self.title)
+        RunView::new(self.timeline, self.cpu_samples).with_title(self.title).with_verdicts(self.verdicts)
     }
 }
 
@@ -218,7 +221,7 @@ fn recorded(path: &Path, timeline: Result<Timeline, FileError>) -> Result<ShownR
     let unreadable =
         |error: FileError| CliError::from_input_error(format_args!("{}: {error}", path.display()), error.kind());
     let timeline = timeline.map_err(unreadable)?;
-    Ok(ShownRun { title: timeline.setting.scenario.clone(), timeline, cpu_samples: None })
+    Ok(ShownRun { title: timeline.setting.scenario.clone(), timeline, cpu_samples: None, verdicts: Vec::new() })
 }
 
 fn simulated(scenario: &Scenario, seed: u64, searches: Searches, options: &RunOptions) -> Result<ShownRun, CliError> {
@@ -227,7 +230,8 @@ fn simulated(scenario: &Scenario, seed: u64, searches: Searches, options: &RunOp
     let caught = panic::catch_unwind(AssertUnwindSafe(|| wildfire_sim::run_with_options(scenario, seed, &options)));
     let run = caught.map_err(|_| CliError::run_failed("the run panicked: this is a bug in wildfire"))?;
     let run = run.map_err(CliError::run_failed)?;
-    Ok(ShownRun { title: scenario.name.clone(), timeline: run.timeline, cpu_samples: Some(run.cpu_samples) })
+    let cpu_samples = Some(run.cpu_samples);
+    Ok(ShownRun { title: scenario.name.clone(), timeline: run.timeline, cpu_samples, verdicts: Vec::new() })
 }
 
 #[cfg(feature = "view")]

@@ -23,4 +23,4 @@ pub use layout::{FrameLayout, FramePart, PixelRect};
 pub use options::{Followed, Layer, Layers, Selected, Status, ViewOptions};
 pub use page::{MOST_GROUND_CELLS, page, page_data, play_page};
 pub use renderer::{FrameRenderer, FrameRequest, still};
-pub use run::{RunView, RunViewId};
+pub use run::{RunView, RunViewId, Verdict};

@@ -3,6 +3,8 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
+use crate::Rgb;
+use crate::colours::{BURNING, EXTINGUISHED, FAINT_INK};
 use wildfire_base::time::SimTime;
 use wildfire_timeline::{
     AgentId, AgentState, AgentStats, BushCounts, CpuHistory, CpuSample, Event, RunIndex, State, Timeline,
@@ -23,6 +25,31 @@ impl RunViewId {
 /// are written where there is room.
 const MOST_ONE_BY_ONE: usize = 8;
 
+/// The verdict on a decision of an agent, as `wildfire why` finds it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// No other choice is significantly better, and not all are worse.
+    Neutral,
+    /// Every other choice is significantly worse.
+    Good,
+    /// Another choice is significantly better.
+    Mistake,
+}
+
+impl Verdict {
+    /// All verdicts, in the order in which their marks are drawn: those that matter most lie on top.
+    pub const ALL: [Self; 3] = [Self::Neutral, Self::Good, Self::Mistake];
+
+    /// Returns the colour of its marks.
+    pub fn colour(self) -> Rgb {
+        match self {
+            Self::Neutral => FAINT_INK,
+            Self::Good => EXTINGUISHED,
+            Self::Mistake => BURNING,
+        }
+    }
+}
+
 /// A run prepared for being shown: its state at any time, its title, and what its decisions cost.
 #[derive(Debug)]
 pub struct RunView {
@@ -30,6 +57,7 @@ pub struct RunView {
     title: String,
     index: RunIndex<'static>,
     cpu: Option<CpuHistory>,
+    verdicts: Vec<(SimTime, Verdict)>,
 }
 
 impl RunView {
@@ -40,12 +68,23 @@ impl RunView {
             title: timeline.setting.scenario.clone(),
             index: timeline.into(),
             cpu: cpu_samples.as_deref().map(CpuHistory::new),
+            verdicts: Vec::new(),
         }
     }
 
     /// The same run under another title, which tells it apart from others of its scenario and seed.
     pub fn with_title(self, title: String) -> Self {
         Self { id: RunViewId::next(), title, ..self }
+    }
+
+    /// The same run with verdicts on decisions, which are drawn above its counts; in order of time.
+    pub fn with_verdicts(self, verdicts: Vec<(SimTime, Verdict)>) -> Self {
+        Self { id: RunViewId::next(), verdicts, ..self }
+    }
+
+    /// Lists the verdicts on decisions, if there are any.
+    pub fn verdicts(&self) -> &[(SimTime, Verdict)] {
+        &self.verdicts
     }
 
     /// What the run is called, without its seed.

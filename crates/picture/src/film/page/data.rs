@@ -9,12 +9,12 @@ use serde::Serialize;
 
 use super::ground::GroundData;
 use crate::Rgb;
-use crate::film::RunView;
 use crate::film::field::searches::STYLES;
 use crate::film::hud::chart::CountScale;
 use crate::film::hud::legend::points_sentence;
 use crate::film::hud::stories::{burned_for, cells_word, change_text};
 use crate::film::hud::words::activity_name;
+use crate::film::{RunView, Verdict};
 use wildfire_base::geometry::{Cell, Pose};
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::Piece;
@@ -57,6 +57,8 @@ pub struct RunData {
     changes: ChangeTable,
     counts: CountTable,
     failed_plans_ns: Vec<i64>,
+    /// Times of decisions by verdict, with the colours of their marks.
+    verdicts: Vec<(String, Vec<i64>)>,
     /// When something happens that one can step to.
     moments_ns: Vec<i64>,
     spreads: Vec<SpreadData>,
@@ -226,6 +228,7 @@ impl RunData {
             changes,
             counts: count_table(run, &setting.rules),
             failed_plans_ns: time_differences(failed),
+            verdicts: verdicts(run),
             moments_ns: time_differences(index.moments().iter().copied()),
             spreads: index.spreads().iter().map(spread).collect(),
             searches: searches(run),
@@ -399,6 +402,17 @@ fn pose(pose: Pose) -> [i64; 3] {
 #[expect(clippy::cast_possible_truncation, reason = "fields have some kilometres, runs some hours")]
 fn scaled(value: f64, parts: f64) -> i64 {
     (value * parts).round() as i64
+}
+
+fn verdicts(run: &RunView) -> Vec<(String, Vec<i64>)> {
+    if run.verdicts().is_empty() {
+        return Vec::new();
+    }
+    let times = |verdict: Verdict| {
+        let those = run.verdicts().iter().filter(|(_, own)| *own == verdict);
+        (hex(verdict.colour()), time_differences(those.map(|(time, _)| *time)))
+    };
+    Verdict::ALL.map(times).to_vec()
 }
 
 fn time_differences(times: impl IntoIterator<Item = SimTime>) -> Vec<i64> {

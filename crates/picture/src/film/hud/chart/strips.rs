@@ -4,9 +4,9 @@
 use crate::Rgb;
 use crate::canvas::{Canvas, Point};
 use crate::colours::{BURNING, EXTINGUISHED, FAINT_INK, INK, PAPER, blend, bush_colour};
-use crate::film::RunView;
 use crate::film::hud::chart::{ChartPen, ChartPlan, CountScale, RowRange, draw_value_axis};
 use crate::film::lettering::{LetterStyle, fitted};
+use crate::film::{RunView, Verdict};
 use crate::font::Weight;
 use crate::marks::to_f32;
 use crate::text::{Align, measure_weighted};
@@ -101,14 +101,24 @@ const LANES: [Lane; 3] = [
 /// Names are written where a lane is at least this high, in pixels.
 const NAMED: u32 = 8;
 
-/// Draws one lane for each kind of events, and one mark in a column however many of them fall on it.
+/// The columns of a lane's marks by colour.
+type LaneMarks = Vec<(Rgb, Vec<u32>)>;
+
+/// Draws one lane for each kind of events, and one mark in a column however many of them fall on it. Verdicts on decisions
+/// have a lane of their own.
 pub fn draw_event_lanes(pen: &mut ChartPen, (top, height): RowRange, run: &RunView) {
-    for (index, lane) in (0..).zip(&LANES) {
-        let pitch = height / LANES.len() as u32;
+    let (width, end) = (pen.plan.columns.1, pen.end);
+    let events = LANES.iter().map(|lane| (lane.name, vec![(lane.colour, event_columns(run, width, end, lane))]));
+    let verdicts = (!run.verdicts().is_empty()).then(|| ("decisions", verdict_columns(run, width, end)));
+    let lanes: Vec<(&str, LaneMarks)> = events.chain(verdicts).collect();
+    let pitch = height / lanes.len() as u32;
+    for (index, (name, marks)) in (0..).zip(lanes) {
         let (top, bottom) = (top + index * pitch, top + (index + 1) * pitch - 1);
-        let colour = pen.shade(lane.colour);
-        let ChartPen { canvas, lettering, plan, end, .. } = &mut *pen;
-        draw_marks(canvas, plan, (top, bottom), &event_columns(run, plan.columns.1, *end, lane), colour);
+        for (colour, columns) in marks {
+            let colour = pen.shade(colour);
+            draw_marks(&mut pen.canvas, &pen.plan, (top, bottom), &columns, colour);
+        }
+        let ChartPen { canvas, lettering, plan, .. } = &mut *pen;
         if bottom - top >= NAMED {
             let style = LetterStyle {
                 height: 0.75 * plan.text as f32,
@@ -116,7 +126,7 @@ pub fn draw_event_lanes(pen: &mut ChartPen, (top, height): RowRange, run: &RunVi
                 colour: blend(PAPER, INK, 0.7),
             };
             let at = (plan.columns.0 as f32 - plan.length(0.6), bottom as f32);
-            lettering.draw(canvas, lane.name, at, Align::Right, style);
+            lettering.draw(canvas, name, at, Align::Right, style);
         }
     }
 }
@@ -127,6 +137,15 @@ fn event_columns(run: &RunView, width: u32, end: SimTime, lane: &Lane) -> Vec<u3
     let mut columns: Vec<u32> = events.map(|event| column_of(event.time, width, end)).collect();
     columns.dedup();
     columns
+}
+
+/// Returns the columns of decisions by verdict, with their colours.
+fn verdict_columns(run: &RunView, width: u32, end: SimTime) -> LaneMarks {
+    let columns = |verdict: Verdict| {
+        let those = run.verdicts().iter().filter(|(time, own)| *own == verdict && *time <= end);
+        (verdict.colour(), those.map(|(time, _)| column_of(*time, width, end)).collect())
+    };
+    Verdict::ALL.map(columns).to_vec()
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a column lies on the sheet")]
