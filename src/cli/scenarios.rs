@@ -99,6 +99,7 @@ pub enum SchemaOf {
     Runs,
     PlannerCalls,
     States,
+    Decisions,
     PlannerProtocol,
     /// The object that `wildfire export` writes as JSON.
     Export,
@@ -423,6 +424,7 @@ pub fn schema(arguments: &SchemaArguments) -> Result<ExitCode, CliError> {
         SchemaOf::Runs => row_schema(TableOfRows::Runs),
         SchemaOf::PlannerCalls => row_schema(TableOfRows::PlannerCalls),
         SchemaOf::States => row_schema(TableOfRows::States),
+        SchemaOf::Decisions => row_schema(TableOfRows::Decisions),
         SchemaOf::PlannerProtocol => of_file(protocol::schema()),
         SchemaOf::Export => of_file(export::schema()),
         SchemaOf::Machines => of_file(schema_for!(Machines)),

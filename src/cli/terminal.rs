@@ -108,6 +108,13 @@ impl Progress {
         self.bar.suspend(|| note(text));
     }
 
+    /// Prints a preliminary result to standard error, unless nothing is shown there.
+    pub fn preview(&self, result: &str) {
+        if !self.bar.is_hidden() || self.lines.is_some() {
+            self.bar.suspend(|| io::stderr().write_all(visible_lines(result).as_bytes()).unwrap_or_default());
+        }
+    }
+
     /// Takes the bar away.
     pub fn end(&self) {
         self.bar.finish_and_clear();

@@ -2,20 +2,27 @@
 
 use std::num::NonZeroUsize;
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use clap::Args;
 
 use crate::cli::args::{MemoryArguments, ScenarioArguments, jobs_or_all, parse_jobs, parse_seed};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
+use crate::cli::output_files;
 use crate::cli::report::FormArguments;
 use crate::cli::run::check_agents;
-use crate::cli::show::parse_agent;
+use crate::cli::show::{Source, parse_agent, source_of_runs};
 use crate::cli::terminal::Progress;
 use crate::cli::{numbers, terminal};
+use serde::{Serialize, Serializer};
+use wildfire_base::document::{Block, Document, Table};
+use wildfire_base::object;
 use wildfire_base::time::SimTime;
-use wildfire_batch::{ChosenDecisions, limit_threads};
-use wildfire_sim::scenario;
+use wildfire_batch::{
+    ChosenDecisions, DECISIONS_PARQUET, DecisionTally, FinishedBatch, JudgeError, Judging, judge_batch, limit_threads,
+};
+use wildfire_sim::RunOptions;
 use wildfire_timeline::AgentId;
 
 #[derive(Debug, Args)]
@@ -24,17 +31,21 @@ Examples:
   wildfire why fleet --seed 7 --sample 40
   wildfire why contest --seed 7 --agent unimog/0 --from 600 --to 900
   wildfire why contest --seed 7 --agent wumpus/0 --json > worth.json
+  wildfire why runs/fleets --sample 5
 
 The run is forked before each decision and goes on with every other choice there was, in
-several futures: what is left to chance afterwards is drawn again, alike for all choices.")]
+several futures: what is left to chance afterwards is drawn again, alike for all choices.
+
+Of the folder of a batch all runs are judged, and decisions.parquet in it gets a row for each
+choice that was not taken; `batch --why` does the same when its runs are done.")]
 pub struct WhyArguments {
     #[command(flatten)]
     pub scenario: ScenarioArguments,
     #[command(flatten)]
     pub memory: MemoryArguments,
-    /// The seed of everything random in the run.
-    #[arg(short, long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
-    pub seed: u64,
+    /// The seed of everything random in the run [default: 1; all runs of a batch].
+    #[arg(short, long, allow_hyphen_values = true, value_parser = parse_seed)]
+    pub seed: Option<u64>,
     /// Judge the decisions of this agent, such as `unimog/0`; may be repeated [default: all trucks].
     #[arg(long = "agent", value_name = "AGENT", value_parser = parse_agent)]
     pub agents: Vec<AgentId>,
@@ -48,10 +59,10 @@ pub struct WhyArguments {
     #[arg(long, value_name = "DECISIONS", allow_hyphen_values = true, value_parser = parse_sample)]
     pub sample: Option<usize>,
     /// Play at most so many choices of a decision: the one that was taken, and the cells nearest to the agent.
-    #[arg(long, default_value_t = 5, allow_hyphen_values = true, value_parser = parse_choices)]
+    #[arg(long, default_value_t = ChosenDecisions::CHOICES, allow_hyphen_values = true, value_parser = parse_choices)]
     pub choices: usize,
     /// Play each choice in at most so many futures.
-    #[arg(long, default_value_t = 20, allow_hyphen_values = true, value_parser = parse_futures)]
+    #[arg(long, default_value_t = ChosenDecisions::FUTURES, allow_hyphen_values = true, value_parser = parse_futures)]
     pub futures: u32,
     /// Number of threads [default: the number of processors].
     #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
@@ -60,7 +71,7 @@ pub struct WhyArguments {
     pub form: FormArguments,
 }
 
-fn parse_sample(text: &str) -> Result<usize, String> {
+pub fn parse_sample(text: &str) -> Result<usize, String> {
     numbers::parse_within(text, &(1..=1_000_000), "a whole number")
 }
 
@@ -72,29 +83,102 @@ fn parse_futures(text: &str) -> Result<u32, String> {
     numbers::parse_within(text, &(4..=10_000), "a whole number")
 }
 
-pub fn run(arguments: &WhyArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
-    let changes = context.with_own_names(&arguments.scenario.overrides);
-    let scenario = scenario::load(&arguments.scenario.source, &changes)?;
-    context.expect_trusted(&scenario)?;
-    context.note_doubts([&scenario]);
-    check_agents("--agent", &arguments.agents, &scenario)?;
-    let chosen = ChosenDecisions {
+/// Lists which decisions are judged, and how closely.
+fn chosen(arguments: &WhyArguments) -> ChosenDecisions {
+    ChosenDecisions {
         agents: arguments.agents.clone(),
         from: SimTime::from_seconds(arguments.from),
         to: arguments.to.map_or(SimTime::MAX, SimTime::from_seconds),
         sample: arguments.sample,
         choices: arguments.choices,
         futures: arguments.futures,
-    };
+    }
+}
+
+pub fn run(arguments: &WhyArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
+    let ScenarioArguments { source: name, overrides, .. } = &arguments.scenario;
     limit_threads(jobs_or_all(arguments.jobs));
+    let source = source_of_runs(name, overrides, arguments.memory.memory, context)?;
+    if let (Source::Batch { batch, options, .. }, None) = (&source, arguments.seed) {
+        context.expect_trusted_plan(batch.plan())?;
+        batch.plan().variants.iter().try_for_each(|it| check_agents("--agent", &arguments.agents, &it.scenario))?;
+        judge_runs(batch, &chosen(arguments), options, arguments.form, context)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let Some(scenario) = source.scenario() else {
+        let sentence = format!("{name} is a recording, which does not hold its scenario");
+        return Err(CliError::bad_input(sentence, Some("name its scenario or its batch, and its --seed")));
+    };
+    context.expect_trusted(scenario)?;
+    context.note_doubts([scenario]);
+    check_agents("--agent", &arguments.agents, scenario)?;
     let options = context.run_options(false, arguments.memory.limit());
     let progress = Progress::new(0, "decisions", context.quiet);
-    let judged = chosen.judge(&scenario, arguments.seed, &options, |count| {
-        progress.expect(count as u64);
-        progress.advance();
+    let (begun, futures) = (AtomicU64::new(0), arguments.futures);
+    let judged = chosen(arguments).judge(scenario, arguments.seed.unwrap_or(1), &options, |judging| match judging {
+        Judging::Begins { decisions } => {
+            let decisions = decisions as u64;
+            progress.expect(begun.fetch_add(decisions, Ordering::Relaxed) + decisions);
+        }
+        Judging::Played => progress.advance(),
+        Judging::Known { futures: played, report } if arguments.form.is_text() => {
+            let text = Document::from(report).to_text();
+            progress.preview(&format!("After {played} of at most {futures} futures:\n{text}\n"));
+        }
+        Judging::Known { .. } => {}
     });
     progress.end();
     let report = judged.map_err(CliError::run_failed)?;
     terminal::print(&arguments.form.render(&report))?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Judges decisions of all runs of a batch, writes their table, and prints how many were mistakes.
+pub fn judge_runs(
+    batch: &FinishedBatch,
+    chosen: &ChosenDecisions,
+    options: &RunOptions,
+    form: FormArguments,
+    context: &CommandContext,
+) -> Result<(), CliError> {
+    let progress = Progress::new(batch.count(), "runs", context.quiet);
+    let judged = judge_batch(batch, chosen, options, || progress.advance());
+    progress.end();
+    let tallies = judged.map_err(|error| match error {
+        JudgeError::Run(error) => CliError::run_failed(error),
+        JudgeError::File(error) => CliError::environment(error),
+    })?;
+    let names = batch.plan().variants.iter().map(|variant| batch.plan().title(variant));
+    let report = JudgedRuns { tallies: names.zip(tallies).collect() };
+    terminal::print(&form.render(&report))?;
+    output_files::note_written(&batch.folder().join(DECISIONS_PARQUET), context.quiet);
+    Ok(())
+}
+
+/// Numbers of judged decisions by variant.
+struct JudgedRuns {
+    tallies: Vec<(String, DecisionTally)>,
+}
+
+impl From<&JudgedRuns> for Document {
+    fn from(report: &JudgedRuns) -> Self {
+        let row = |(name, tally): &(String, DecisionTally)| {
+            let DecisionTally { runs, decisions, mistakes, good } = *tally;
+            let numbers = [runs, decisions, mistakes, good].map(|number| number.to_string());
+            [name.clone()].into_iter().chain(numbers).collect()
+        };
+        let rows = report.tallies.iter().map(row).collect();
+        Self::new("What decisions were worth")
+            .with([Block::from(Table::new(&["Variant", "Runs", "Decisions", "Mistakes", "Good"], rows))])
+    }
+}
+
+impl Serialize for JudgedRuns {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let row = |(variant, tally): &(String, DecisionTally)| {
+            let DecisionTally { runs, decisions, mistakes, good } = *tally;
+            object!(JudgedVariant { variant: variant.clone(), runs, decisions, mistakes, good })
+        };
+        object!(JudgedBatch { variants: self.tallies.iter().map(row).collect::<Vec<_>>() }).serialize(serializer)
+    }
 }

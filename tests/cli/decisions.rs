@@ -67,3 +67,58 @@ fn the_worth_of_decisions_does_not_depend_on_threads_and_forks_are_its_futures()
         }
     }
 }
+
+#[test]
+fn verdicts_are_marked_in_pages_and_pictures_of_their_run_only() {
+    let story = Story::begin();
+    let smoke = ["contest", "--seed", "7", "--set", "duration_s=200"];
+    let worth =
+        story.tell(&[&["why"], &smoke[..], &["--sample", "3", "--futures", "4", "--json"]].concat()).expect_code(0);
+    fs::write(story.path("worth.json"), worth.stdout).expect("writable");
+    let render = |more: &[&str]| story.tell(&[&["render"], &smoke[..], more].concat()).expect_code(0);
+    render(&["--out", "plain.png", "--page", "plain.html"]);
+    render(&["--why", "worth.json", "--out", "marked.png", "--page", "marked.html"]);
+    for name in ["png", "html"] {
+        let [plain, marked] =
+            ["plain", "marked"].map(|stem| fs::read(story.path(&format!("{stem}.{name}"))).expect("it was written"));
+        assert!(plain != marked, "{name}");
+    }
+    let other = ["render", "contest", "--seed", "8", "--why", "worth.json", "--out", "x.png"];
+    refuse(&story, &other, &["worth.json is about seed 7 of contest; expected seed 8 of contest"]);
+    fs::write(story.path("other.json"), "{}").expect("writable");
+    let no_worth = ["render", "contest", "--seed", "7", "--why", "other.json", "--out", "x.png"];
+    refuse(
+        &story,
+        &no_worth,
+        &["other.json: missing field `scenario`", "expected the output of `wildfire why --json`"],
+    );
+}
+
+#[test]
+fn decisions_of_a_batch_are_a_table_with_a_row_for_each_choice() {
+    let story = Story::begin();
+    let sweep = ["--set", "dispatch.policy=nearest,auction", "--set", "duration_s=120"];
+    let batch = [&["batch", "fleet", "--seeds", "1..2", "--why", "2", "--out", "judged"], &sweep[..]].concat();
+    let printed = story.tell(&batch).expect_code(0).stdout;
+    assert!(printed.contains("What decisions were worth"), "{printed}");
+    let table = || fs::read(story.path("judged/decisions.parquet")).expect("it was written");
+    let first = table();
+    assert!(first.starts_with(b"PAR1") && first.windows(10).any(|bytes| bytes == b"is_mistake"));
+    let again = story.tell(&["why", "judged", "--sample", "2", "--json"]).expect_code(0).stdout;
+    let again: Value = serde_json::from_str(&again).expect("JSON");
+    let variants = again["variants"].as_array().expect("a list");
+    assert_eq!(variants.len(), 2);
+    assert!(variants.iter().all(|variant| variant["runs"] == 2 && variant["decisions"] == 4), "{again}");
+    assert!(table() == first, "the same decisions have the same worth");
+    // One run of the batch is judged as that of its scenario.
+    let one = story.tell(&["why", "judged", "--seed", "2", "--sample", "1", "--futures", "4", "--json"]).expect_code(0);
+    let one: Value = serde_json::from_str(&one.stdout).expect("JSON");
+    assert_eq!((&one["scenario"], &one["seed"]), (&Value::from("fleet"), &Value::from(2)));
+}
+
+#[test]
+fn a_recording_is_not_judged_for_it_does_not_hold_its_scenario() {
+    let story = Story::begin();
+    story.tell(&["run", "smoke", "--seed", "1", "--out", "run.wildfire"]).expect_code(0);
+    refuse(&story, &["why", "run.wildfire"], &["run.wildfire is a recording, which does not hold its scenario"]);
+}

@@ -30,7 +30,10 @@ mod report;
 pub mod stats;
 mod table;
 
-pub use decisions::{Answers, Attained, ChosenDecisions, PlayedChoice, WhyReport, Worth, attain, attain_all};
+pub use decisions::{
+    Answers, Attained, ChosenDecisions, DecisionTally, JudgeError, Judging, PlayedChoice, WhyReport, Worth, attain,
+    attain_all, judge_batch,
+};
 #[doc(hidden)]
 pub use drives::made_up_drives;
 pub use drives::{
@@ -41,10 +44,10 @@ pub use drives::{
     violation_sentences,
 };
 pub use execute::{
-    AGENTS_FILE, Append, Batch, BatchError, BatchStatus, CALLS_PARQUET, CHARTS_FOLDER, CpuSplit, Disk, Found,
-    JournalError, JournalIndex, JournalKeeping, Lock, LostRecording, Machine, Machines, MissingRuns, OutputFolder,
-    Pilot, PlannerCall, RECORDINGS_FOLDER, REPORT_FILE, RUNS_FILE, RUNS_PARQUET, RealDisk, RunDetail, RunEnd,
-    RunResult, RunRow, RunScenario, STATE_STEPS, STATES_PARQUET, SliceState, Solution, StateCount, Status,
+    AGENTS_FILE, Append, Batch, BatchError, BatchStatus, CALLS_PARQUET, CHARTS_FOLDER, CpuSplit, DECISIONS_PARQUET,
+    Disk, Found, JournalError, JournalIndex, JournalKeeping, Lock, LostRecording, Machine, Machines, MissingRuns,
+    OutputFolder, Pilot, PlannerCall, RECORDINGS_FOLDER, REPORT_FILE, RUNS_FILE, RUNS_PARQUET, RealDisk, RunDetail,
+    RunEnd, RunResult, RunRow, RunScenario, STATE_STEPS, STATES_PARQUET, SliceState, Solution, StateCount, Status,
     StrangeEntry, Survey, TABLES_FILE, Whole, batch_status, file_name_of, limit_threads, with_threads,
 };
 pub use maps::{

@@ -11,6 +11,7 @@ use crate::cli::args::{ProgramArguments, parse_jobs};
 use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::cli::report::FormArguments;
+use crate::cli::why::parse_sample;
 use wildfire_base::input_file;
 use wildfire_batch::{MAX_SEEDS_BYTES, MAX_SLICES, Record, Seeds, SeedsError, Slice};
 use wildfire_sim::scenario::MemoryLimit;
@@ -78,6 +79,9 @@ pub struct BatchArguments {
     /// stuck (runs with status `failed` have nothing to record).
     #[arg(long, value_name = "WHICH")]
     pub record: Option<Record>,
+    /// Judge this number of decisions of each run when all runs are done, and write decisions.parquet.
+    #[arg(long, value_name = "DECISIONS", conflicts_with = "json", allow_hyphen_values = true, value_parser = parse_sample)]
+    pub why: Option<usize>,
     /// List the planned runs without running them.
     #[arg(long)]
     pub dry_run: bool,

@@ -21,6 +21,7 @@ use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::next_command::resume_command;
 use crate::cli::terminal::Progress;
+use crate::cli::why::judge_runs;
 use crate::cli::{interrupt, terminal};
 use answer::summary;
 use args::RUNS_FOLDER;
@@ -28,8 +29,9 @@ use estimates::Estimates;
 use keeping::LockArguments;
 use wildfire_base::document::{Block, Document};
 use wildfire_batch::{
-    Batch, BatchError, BatchPlan, BatchRequest, CoursePlan, CourseRefusal, CourseRequest, Found, OutputFolder,
-    PROGRAM_VERSION, RequestError, Slice, Status, Variant, limit_threads, shell_word,
+    Batch, BatchError, BatchPlan, BatchRequest, ChosenDecisions, CoursePlan, CourseRefusal, CourseRequest,
+    FinishedBatch, Found, OutputFolder, PROGRAM_VERSION, RequestError, Slice, Status, Variant, limit_threads,
+    shell_word,
 };
 use wildfire_sim::scenario::ScenarioText;
 
@@ -111,6 +113,11 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
     };
     let object = BatchObject::new(batch.plan(), batch.folder().path(), &report);
     terminal::print(&arguments.form.render_either(&object, document))?;
+    if let Some(sample) = arguments.why {
+        let finished = FinishedBatch::open(batch.folder().path())?;
+        let options = context.run_options(false, finished.plan().memory);
+        judge_runs(&finished, &ChosenDecisions::sample(sample), &options, arguments.form, context)?;
+    }
     Ok(exit_code(report.not_done() + left_out))
 }
 

@@ -1,6 +1,7 @@
 //! Plays the choices of decisions over the same futures.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use rayon::prelude::*;
 use wildfire_base::geometry::{Cell, FieldFrame};
@@ -11,10 +12,10 @@ use wildfire_sim::{RunError, RunOptions, Simulation};
 use wildfire_timeline::{AgentFact, AgentId, Fact};
 
 use super::why::WhyReport;
-use crate::stats::{CONFIDENCE, Interval, Series, holm, t_quantile_above, t_two_sided};
+use crate::stats::{CONFIDENCE, Interval, Series, t_quantile_above, t_two_sided};
 
 /// The parts of all futures after which a decision may be settled.
-const ROUNDS: [f64; 3] = [0.25, 0.5, 1.0];
+const ROUNDS: [f64; 3] = [0.2, 0.5, 1.0];
 
 /// The fewest futures that a round begins with: fewer leave their spread unknown.
 const FEWEST_FUTURES: u32 = 4;
@@ -65,6 +66,11 @@ pub struct Worth {
 }
 
 impl Worth {
+    /// Returns whether more futures can hardly change the verdict, among so many decisions.
+    fn is_settled(&self, decisions: usize) -> bool {
+        self.others.iter().all(|other| other.is_settled(decisions))
+    }
+
     /// Returns the best of the other choices if it is significantly better than what was chosen.
     pub fn better(&self) -> Option<&PlayedChoice> {
         self.others.first().filter(|best| best.p_adjusted < 1.0 - CONFIDENCE && best.mean > 0.0)
@@ -77,10 +83,31 @@ impl Worth {
     }
 }
 
+/// The progress of a judgement.
+#[derive(Clone, Copy, Debug)]
+pub enum Judging<'a> {
+    /// A round begins in which the choices of so many decisions are played.
+    Begins { decisions: usize },
+    /// Those of one more decision have been played.
+    Played,
+    /// A round is over, but not the last: what is known after so many futures.
+    Known { futures: u32, report: &'a WhyReport },
+}
+
 impl ChosenDecisions {
-    /// Plays the choices of decisions of a run.
-    ///
-    /// Calls `on_decision` after each, with the number of all.
+    /// The choices of a decision that are played unless others are asked for.
+    pub const CHOICES: usize = 5;
+
+    /// The futures in which each is played unless others are asked for.
+    pub const FUTURES: u32 = 20;
+
+    /// Chooses decisions of trucks over the whole run, at most so many.
+    pub fn sample(decisions: usize) -> Self {
+        let (from, to, sample) = (SimTime::ZERO, SimTime::MAX, Some(decisions));
+        Self { agents: Vec::new(), from, to, sample, choices: Self::CHOICES, futures: Self::FUTURES }
+    }
+
+    /// Plays the choices of decisions of a run, in rounds: after each, decisions that are settled are left out.
     ///
     /// # Errors
     /// If the run cannot take place or cannot be forked.
@@ -89,7 +116,7 @@ impl ChosenDecisions {
         scenario: &Scenario,
         seed: u64,
         options: &RunOptions,
-        on_decision: impl Fn(usize) + Sync,
+        tell: impl Fn(Judging<'_>) + Sync,
     ) -> Result<WhyReport, RunError> {
         let mut run = Simulation::with(scenario, seed, options)?;
         run.record_decisions();
@@ -97,33 +124,39 @@ impl ChosenDecisions {
         run.fork()?;
         run.advance_to(SimTime::MAX);
         run.expect_within_memory()?;
-        let chosen = self.of_run(&run);
-        let count = chosen.len();
-        let pieces = chosen.chunks(count.div_ceil(PIECES_A_THREAD * rayon::current_num_threads()).max(1));
-        let judged: Vec<Result<Vec<Worth>, RunError>> = pieces
-            .collect::<Vec<_>>()
-            .into_par_iter()
-            .map(|piece| {
+        let worths = self.of_run(&run);
+        let (scenario_name, lost, bushes) = (scenario.name.clone(), run.lost(), run.setting().bushes.len());
+        let mut report = WhyReport { scenario: scenario_name, seed, lost, bushes, worths };
+        let count = report.worths.len();
+        let mut played = 0;
+        for part in ROUNDS {
+            let until = ((f64::from(self.futures) * part).round() as u32).clamp(FEWEST_FUTURES, self.futures);
+            let mut open: Vec<&mut Worth> =
+                report.worths.iter_mut().filter(|worth| played == 0 || !worth.is_settled(count)).collect();
+            if until == played || open.is_empty() {
+                continue;
+            }
+            tell(Judging::Begins { decisions: open.len() });
+            let piece = open.len().div_ceil(PIECES_A_THREAD * rayon::current_num_threads());
+            open.par_chunks_mut(piece).try_for_each(|piece| {
                 let mut bench = Bench::new(scenario, seed, options)?;
-                let mut worths = Vec::new();
-                for (decision, cell) in piece {
-                    worths.push(bench.judge((decision, *cell), self, count)?);
-                    on_decision(count);
-                }
-                Ok(worths)
-            })
-            .collect();
-        let judged = judged.into_iter().collect::<Result<Vec<_>, _>>()?;
-        let mut worths: Vec<Worth> = judged.into_iter().flatten().collect();
-        let p_values: Vec<f64> = worths.iter().flat_map(|worth| &worth.others).map(|other| other.p_value).collect();
-        let others = worths.iter_mut().flat_map(|worth| &mut worth.others);
-        others.zip(holm(&p_values)).for_each(|(other, p_adjusted)| other.p_adjusted = p_adjusted);
-        let (scenario, lost) = (scenario.name.clone(), run.lost());
-        Ok(WhyReport { scenario, seed, lost, bushes: run.setting().bushes.len(), worths })
+                piece.iter_mut().try_for_each(|worth| {
+                    bench.play_round(worth, played..until)?;
+                    tell(Judging::Played);
+                    Ok::<(), RunError>(())
+                })
+            })?;
+            played = until;
+            report.adjust();
+            if played < self.futures {
+                tell(Judging::Known { futures: played, report: &report });
+            }
+        }
+        Ok(report)
     }
 
-    /// Lists the decisions of a run that are looked at, with where the agents set out for.
-    fn of_run(&self, run: &Simulation) -> Vec<(Decision, Option<Cell>)> {
+    /// Lists the decisions of a run that are looked at, with choices that have not been played.
+    fn of_run(&self, run: &Simulation) -> Vec<Worth> {
         let mut set_out: BTreeMap<(AgentId, SimTime), Cell> = BTreeMap::new();
         for event in run.facts() {
             if let Fact::Agent(agent, AgentFact::Planned { goal, .. }) = event.fact {
@@ -132,13 +165,16 @@ impl ChosenDecisions {
         }
         let is_meant =
             |agent: AgentId| self.agents.contains(&agent) || self.agents.is_empty() && agent.role.suppresses();
-        let mut decisions: Vec<(Decision, Option<Cell>)> = Vec::new();
+        let mut decisions: Vec<Worth> = Vec::new();
         for decision in run.decisions() {
             let (agent, time) = (decision.agent.id, decision.time);
             if !is_meant(agent) || time < self.from || time > self.to {
                 continue;
             }
-            decisions.push((decision.clone(), set_out.get(&(agent, time)).copied()));
+            let chosen = set_out.get(&(agent, time)).copied();
+            let cells = nearest_options(decision, run.fires().frame(), chosen).into_iter();
+            let others = cells.take(self.choices.saturating_sub(1)).map(PlayedChoice::new).collect();
+            decisions.push(Worth { decision: decision.clone(), chosen, others });
         }
         let count = decisions.len();
         match self.sample {
@@ -171,42 +207,27 @@ impl Bench {
         Ok(Self { before, fork })
     }
 
-    /// Plays the choices of a decision, one of `count`, that is not earlier than the last.
-    fn judge(
-        &mut self,
-        (decision, chosen): (&Decision, Option<Cell>),
-        how: &ChosenDecisions,
-        count: usize,
-    ) -> Result<Worth, RunError> {
+    /// Plays the choices of a decision, which is not earlier than the last, in some futures.
+    fn play_round(&mut self, worth: &mut Worth, futures: Range<u32>) -> Result<(), RunError> {
+        let Worth { decision, others, .. } = worth;
         if decision.time > SimTime::ZERO {
             self.before.advance_to(decision.time - SimTime::from_nanos(1));
         }
-        let cells = nearest_options(decision, self.before.fires().frame(), chosen);
-        let mut others: Vec<PlayedChoice> =
-            cells.into_iter().take(how.choices.saturating_sub(1)).map(PlayedChoice::new).collect();
         // The decision of a random policy was drawn before the future begins.
         let kept = match decision.choice {
             Choice::Go(cell) => Some(cell),
             _ => None,
         };
         let sign = if decision.agent.id.role.suppresses() { 1.0 } else { -1.0 };
-        let mut played = 0;
-        for part in ROUNDS {
-            let until = ((f64::from(how.futures) * part).round() as u32).clamp(FEWEST_FUTURES, how.futures);
-            for future in played..until {
-                let lost = self.play(decision, kept, future)?;
-                for other in &mut others {
-                    other.gains.push(sign * (lost - self.play(decision, Some(other.cell), future)?));
-                }
-            }
-            played = until;
-            others.iter_mut().for_each(PlayedChoice::sum_up);
-            if others.iter().all(|other| other.is_settled(count)) {
-                break;
+        for future in futures {
+            let lost = self.play(decision, kept, future)?;
+            for other in others.iter_mut() {
+                other.gains.push(sign * (lost - self.play(decision, Some(other.cell), future)?));
             }
         }
+        others.iter_mut().for_each(PlayedChoice::sum_up);
         others.sort_by(|a, b| b.mean.total_cmp(&a.mean));
-        Ok(Worth { decision: decision.clone(), chosen, others })
+        Ok(())
     }
 
     /// Plays one future, in which the agent goes for a cell if one is named, and returns what is lost.

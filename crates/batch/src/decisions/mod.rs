@@ -10,8 +10,10 @@
 
 mod attainable;
 mod futures;
+mod table;
 mod why;
 
 pub use attainable::{Answers, Attained, attain, attain_all};
-pub use futures::{ChosenDecisions, PlayedChoice, Worth};
+pub use futures::{ChosenDecisions, Judging, PlayedChoice, Worth};
+pub use table::{DECISION_COLUMNS, DecisionTally, JudgeError, judge_batch};
 pub use why::WhyReport;

@@ -7,6 +7,7 @@ use wildfire_base::geometry::Cell;
 use wildfire_base::object;
 
 use super::futures::{PlayedChoice, Worth};
+use crate::stats::holm;
 
 /// The most decisions that the table lists.
 const LISTED: usize = 20;
@@ -48,6 +49,14 @@ fn bushes(choice: &PlayedChoice) -> String {
 }
 
 impl WhyReport {
+    /// Adjusts the p-values of all choices for their number.
+    pub(super) fn adjust(&mut self) {
+        let others = self.worths.iter().flat_map(|worth| &worth.others);
+        let adjusted = holm(&others.map(|other| other.p_value).collect::<Vec<f64>>());
+        let others = self.worths.iter_mut().flat_map(|worth| &mut worth.others);
+        others.zip(adjusted).for_each(|(other, p_adjusted)| other.p_adjusted = p_adjusted);
+    }
+
     /// Lists the decisions that cost something, the worst first.
     pub fn mistakes(&self) -> Vec<&Worth> {
         let cost = |worth: &&Worth| worth.better().map_or(0.0, |better| better.mean);

@@ -17,12 +17,13 @@ pub const RECORDINGS_FOLDER: &str = "recordings";
 pub const RUNS_PARQUET: &str = "runs.parquet";
 pub const CALLS_PARQUET: &str = "planner_calls.parquet";
 pub const STATES_PARQUET: &str = "states.parquet";
+pub const DECISIONS_PARQUET: &str = "decisions.parquet";
 pub const REPORT_FILE: &str = "report.html";
 pub const CHARTS_FOLDER: &str = "charts";
 pub const MACHINES_FILE: &str = "machines.json";
 
 /// The files that a batch may write into its folder, besides journals and lists of the machines of slices.
-pub const FILES: [&str; 10] = [
+pub const FILES: [&str; 11] = [
     PLAN_FILE,
     RUNS_FILE,
     AGENTS_FILE,
@@ -31,6 +32,7 @@ pub const FILES: [&str; 10] = [
     RUNS_PARQUET,
     CALLS_PARQUET,
     STATES_PARQUET,
+    DECISIONS_PARQUET,
     REPORT_FILE,
     MACHINES_FILE,
 ];

@@ -22,8 +22,8 @@ pub use cpu_split::CpuSplit;
 pub use detail::{PlannerCall, RunDetail, STATE_STEPS, Solution, StateCount};
 pub use disk::{Append, Disk, RealDisk, Whole};
 pub use entries::{
-    AGENTS_FILE, CALLS_PARQUET, CHARTS_FOLDER, MACHINES_FILE, RECORDINGS_FOLDER, REPORT_FILE, RUNS_FILE, RUNS_PARQUET,
-    STATES_PARQUET, SUMMARY_FILE, StrangeEntry, TABLES_FILE,
+    AGENTS_FILE, CALLS_PARQUET, CHARTS_FOLDER, DECISIONS_PARQUET, MACHINES_FILE, RECORDINGS_FOLDER, REPORT_FILE,
+    RUNS_FILE, RUNS_PARQUET, STATES_PARQUET, SUMMARY_FILE, StrangeEntry, TABLES_FILE,
 };
 pub(super) use entries::{expect_file, expect_files};
 pub use error::BatchError;

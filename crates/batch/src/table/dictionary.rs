@@ -2,6 +2,7 @@
 
 use serde_json::{Map, Value as Json, json};
 
+use crate::decisions::DECISION_COLUMNS;
 use crate::table::column::{Column, FileColumn, Kind, Unit};
 use crate::table::columns::{CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, RUN_COLUMNS, STATE_COLUMNS};
 
@@ -11,9 +12,12 @@ pub enum TableOfRows {
     Runs,
     PlannerCalls,
     States,
+    Decisions,
 }
 
 impl TableOfRows {
+    pub const ALL: [Self; 4] = [Self::Runs, Self::PlannerCalls, Self::States, Self::Decisions];
+
     /// Returns the columns of the table's file, including those of swept keys.
     pub fn columns(self, swept: &[FileColumn]) -> Vec<FileColumn> {
         let label = RUN_COLUMNS[..COLUMNS_BEFORE_SWEPT].iter().map(Column::described);
@@ -21,6 +25,7 @@ impl TableOfRows {
             Self::Runs => RUN_COLUMNS[COLUMNS_BEFORE_SWEPT..].iter().map(Column::described).collect(),
             Self::PlannerCalls => CALL_COLUMNS.iter().map(Column::described).collect(),
             Self::States => STATE_COLUMNS.iter().map(Column::described).collect(),
+            Self::Decisions => DECISION_COLUMNS.iter().map(Column::described).collect(),
         };
         label.chain(swept.iter().cloned()).chain(own).collect()
     }
@@ -38,6 +43,7 @@ pub fn schema_of(table: TableOfRows, columns: &[FileColumn]) -> Json {
         TableOfRows::Runs => "A run",
         TableOfRows::PlannerCalls => "A query to a planner",
         TableOfRows::States => "The bushes at a time",
+        TableOfRows::Decisions => "A choice that an agent had and did not take",
     };
     let properties: Map<String, Json> = columns.iter().map(|it| (it.name.clone().into_owned(), property(it))).collect();
     json!({
@@ -75,7 +81,7 @@ mod tests {
 
     #[test]
     fn every_column_has_words_and_a_name_of_its_own() {
-        for table in [TableOfRows::Runs, TableOfRows::PlannerCalls, TableOfRows::States] {
+        for table in TableOfRows::ALL {
             let columns = table.columns(&[]);
             let properties = schema_of(table, &columns)["properties"].as_object().expect("columns").clone();
             assert_eq!(properties.len(), columns.len(), "{table:?} has a column twice");
@@ -85,7 +91,7 @@ mod tests {
 
     #[test]
     fn units_are_those_that_names_end_with() {
-        let all = [TableOfRows::Runs, TableOfRows::PlannerCalls, TableOfRows::States].map(|table| table.columns(&[]));
+        let all = TableOfRows::ALL.map(|table| table.columns(&[]));
         for column in all.iter().flatten() {
             let expected = match column.name.rsplit('_').next() {
                 _ if column.name == "burning_cell_s" => Unit::CellSeconds,

@@ -25,7 +25,7 @@ pub use dictionary::{TableOfRows, row_schema};
 pub(super) use finished::FinishedRows;
 pub use finished::{FinishedBatch, FinishedError, recordings_in};
 pub use parquet::swept_columns;
-pub(super) use parquet::{ParquetFiles, ParquetReader, RowGroup};
+pub(super) use parquet::{ParquetFiles, ParquetReader, ParquetWriter, RowGroup, new_file};
 pub use query_tally::QueryTally;
 pub use reader::{TableError, TableReader};
 pub(super) use record::RecordedRow;

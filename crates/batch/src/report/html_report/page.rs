@@ -6,8 +6,8 @@ use super::figures::{Figure, Figures, Section};
 use super::notable::NotableRun;
 use super::{FieldPicture, PaperCharts, ReportParts};
 use crate::execute::{
-    AGENTS_FILE, CALLS_PARQUET, CHARTS_FOLDER, MACHINES_FILE, Machine, RUNS_FILE, RUNS_PARQUET, STATES_PARQUET,
-    SUMMARY_FILE, TABLES_FILE,
+    AGENTS_FILE, CALLS_PARQUET, CHARTS_FOLDER, DECISIONS_PARQUET, MACHINES_FILE, Machine, RUNS_FILE, RUNS_PARQUET,
+    STATES_PARQUET, SUMMARY_FILE, TABLES_FILE,
 };
 use crate::plan::{BatchPlan, PLAN_FILE, PlanWriter};
 use crate::table::FinishedBatch;
@@ -20,12 +20,13 @@ const SHOWN_TABLES: usize = 50;
 pub const LONGEST_PLAN: u64 = 200_000;
 
 /// The files beside a page that it links, and what they hold.
-const FILES: [(&str, &str); 9] = [
+const FILES: [(&str, &str); 10] = [
     (RUNS_FILE, "a row for each run"),
     (AGENTS_FILE, "a row for each agent of a run"),
     (RUNS_PARQUET, "the rows of runs, with types and units"),
     (CALLS_PARQUET, "a row for each query of a planner"),
     (STATES_PARQUET, "the states of the bushes over time"),
+    (DECISIONS_PARQUET, "what decisions were worth"),
     (TABLES_FILE, "the tables of all variants"),
     (SUMMARY_FILE, "the means of each variant"),
     (PLAN_FILE, "scenarios, seeds and settings"),

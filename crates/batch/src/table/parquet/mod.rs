@@ -16,6 +16,9 @@ mod reader;
 mod writer;
 
 pub use reader::{ParquetReader, RowGroup};
+pub use writer::ParquetWriter;
+
+use std::path::PathBuf;
 
 use crate::execute::{BatchError, CALLS_PARQUET, Disk, OutputFolder, RUNS_PARQUET, STATES_PARQUET};
 use crate::plan::{BatchPlan, COMMIT, COMPILER, PROGRAM_VERSION, Value};
@@ -23,7 +26,6 @@ use crate::table::column::{FileColumn, Kind};
 use crate::table::columns::{CALL_COLUMNS, STATE_COLUMNS};
 use crate::table::dictionary::{TableOfRows, schema_of};
 use crate::table::record::RecordedRow;
-use writer::ParquetWriter;
 
 /// Rows that are held in memory, of some seventy columns and of some fifteen.
 const WIDE_ROWS: usize = 2048;
@@ -38,27 +40,11 @@ pub struct ParquetFiles {
 
 impl ParquetFiles {
     pub fn create(folder: &OutputFolder, disk: &dyn Disk, plan: &BatchPlan) -> Result<Self, BatchError> {
-        let content_sha256 = plan.content_sha256();
-        let largest_seed = plan.seeds.iter().max().expect("a plan has seeds");
-        let swept = swept_columns(plan);
-        let create = |name, table: TableOfRows, rows_a_group| {
-            let mut columns = table.columns(&swept);
-            let seed = columns.iter_mut().find(|column| column.name == "seed").expect("every run has a seed");
-            seed.kind = Kind::holding_up_to(largest_seed);
-            let commit = COMMIT.map(|commit| ("commit", commit.to_owned()));
-            let about = [
-                ("program_version", PROGRAM_VERSION.to_owned()),
-                ("compiler", COMPILER.to_owned()),
-                ("content_sha256", content_sha256.clone()),
-                ("row_schema", schema_of(table, &columns).to_string()),
-            ];
-            let metadata: Vec<_> = about.into_iter().chain(commit).collect();
-            ParquetWriter::create(folder.path().join(name), disk, columns, &metadata, rows_a_group)
-        };
+        let folder = folder.path();
         Ok(Self {
-            runs: create(RUNS_PARQUET, TableOfRows::Runs, WIDE_ROWS)?,
-            calls: create(CALLS_PARQUET, TableOfRows::PlannerCalls, LONG_ROWS)?,
-            states: create(STATES_PARQUET, TableOfRows::States, LONG_ROWS)?,
+            runs: new_file(folder.join(RUNS_PARQUET), disk, plan, TableOfRows::Runs, WIDE_ROWS)?,
+            calls: new_file(folder.join(CALLS_PARQUET), disk, plan, TableOfRows::PlannerCalls, LONG_ROWS)?,
+            states: new_file(folder.join(STATES_PARQUET), disk, plan, TableOfRows::States, LONG_ROWS)?,
         })
     }
 
@@ -94,6 +80,28 @@ impl ParquetFiles {
         self.states.finish()?;
         self.runs.finish()
     }
+}
+
+/// Begins the file of a table of a batch; at most `rows_a_group` rows are held in memory.
+pub fn new_file(
+    path: PathBuf,
+    disk: &dyn Disk,
+    plan: &BatchPlan,
+    table: TableOfRows,
+    rows_a_group: usize,
+) -> Result<ParquetWriter, BatchError> {
+    let mut columns = table.columns(&swept_columns(plan));
+    let seed = columns.iter_mut().find(|column| column.name == "seed").expect("every run has a seed");
+    seed.kind = Kind::holding_up_to(plan.seeds.iter().max().expect("a plan has seeds"));
+    let commit = COMMIT.map(|commit| ("commit", commit.to_owned()));
+    let about = [
+        ("program_version", PROGRAM_VERSION.to_owned()),
+        ("compiler", COMPILER.to_owned()),
+        ("content_sha256", plan.content_sha256()),
+        ("row_schema", schema_of(table, &columns).to_string()),
+    ];
+    let metadata: Vec<_> = about.into_iter().chain(commit).collect();
+    ParquetWriter::create(path, disk, columns, &metadata, rows_a_group)
 }
 
 /// Returns the columns of swept keys.

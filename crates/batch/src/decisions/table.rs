@@ -1,0 +1,123 @@
+//! The worth of decisions of all runs of a batch, as a table: a row for each choice that was not taken.
+
+use std::time::Duration;
+
+use crate::decisions::futures::{ChosenDecisions, PlayedChoice, Worth};
+use crate::decisions::why::WhyReport;
+use crate::execute::{BatchError, DECISIONS_PARQUET, RealDisk, RunResult, RunRow};
+use crate::plan::{PlannedRun, Value};
+use crate::stats::Series;
+use crate::table::{
+    Column, FinishedBatch, Kind, ParquetWriter, RecordedRow, TableOfRows, Unit, about, columns, new_file,
+};
+use wildfire_base::geometry::Cell;
+use wildfire_sim::{RunCost, RunOptions};
+use wildfire_timeline::Outcome;
+
+/// Rows that are held in memory.
+const ROWS_A_GROUP: usize = 16_384;
+
+/// A decision and one of the choices that were not taken.
+#[derive(Clone, Copy)]
+pub struct ChoiceRow<'a> {
+    worth: &'a Worth,
+    /// The number of the decision among those of its run that were judged, from 0.
+    number: usize,
+    choice: &'a PlayedChoice,
+    /// Distances from the agent to where it set out for, and to the choice, in metres.
+    metres: (Option<f64>, f64),
+}
+
+pub type DecisionColumn = Column<for<'a> fn(&ChoiceRow<'a>) -> Value>;
+
+fn whole(cell: Option<Cell>, side: fn(Cell) -> u16) -> Option<u64> {
+    cell.map(|cell| u64::from(side(cell)))
+}
+
+/// The columns of `decisions.parquet` in order, after those of the run.
+#[rustfmt::skip]
+pub const DECISION_COLUMNS: &[DecisionColumn] = columns! { DecisionColumn, row;
+    decision: Count None "number of the decision among those of its run that were judged, from 0" = row.number as u64;
+    agent: Text None "agent that decides: unimog/0, wumpus/0 ..." = row.worth.decision.agent.id.to_string();
+    t_s: Real Seconds "simulated time of the decision" = row.worth.decision.time.as_seconds();
+    x_m: Real Metres "position of the agent, from the west" = row.worth.decision.agent.place.x;
+    y_m: Real Metres "position of the agent, from the south" = row.worth.decision.agent.place.y;
+    options: Count None "number of cells that the agent could go for" = row.worth.decision.options.len() as u64;
+    chosen_col: optional Count None "column of the cell that it set out for; none if it stayed"
+        = whole(row.worth.chosen, |cell| cell.col);
+    chosen_row: optional Count None "row of that cell" = whole(row.worth.chosen, |cell| cell.row);
+    chosen_distance_m: optional Real Metres "straight distance from the agent to that cell" = row.metres.0;
+    choice_col: Count None "column of the other cell" = u64::from(row.choice.cell.col);
+    choice_row: Count None "row of the other cell" = u64::from(row.choice.cell.row);
+    choice_distance_m: Real Metres "straight distance from the agent to the other cell" = row.metres.1;
+    futures: Count None "number of futures in which both were played" = row.choice.gains.len() as u64;
+    gain: Real None "bushes by which the agent's side does better with the other cell, mean over futures" = row.choice.mean;
+    gain_standard_error: Real None "standard error of that mean"
+        = Series::from_values(&row.choice.gains).standard_error().unwrap_or(0.0);
+    p_adjusted: Real None "p-value of the gain, adjusted for all choices of the run (Holm)" = row.choice.p_adjusted;
+    is_mistake: Flag None "whether another choice than that of the agent is significantly better" = row.worth.better().is_some();
+};
+
+/// Numbers of decisions of the runs of one variant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DecisionTally {
+    pub runs: u64,
+    pub decisions: u64,
+    pub mistakes: u64,
+    pub good: u64,
+}
+
+/// Judges decisions of all runs of a batch and writes `decisions.parquet` into its folder.
+///
+/// Calls `on_run` after each run. Returns a tally for each variant of the plan.
+///
+/// # Errors
+/// If a run cannot take place or be forked, or the file cannot be written.
+pub fn judge_batch(
+    batch: &FinishedBatch,
+    chosen: &ChosenDecisions,
+    options: &RunOptions,
+    on_run: impl Fn(),
+) -> Result<Vec<DecisionTally>, JudgeError> {
+    let plan = batch.plan();
+    let path = batch.folder().join(DECISIONS_PARQUET);
+    let mut file = new_file(path, &RealDisk, plan, TableOfRows::Decisions, ROWS_A_GROUP)?;
+    let mut tallies = vec![DecisionTally::default(); plan.variants.len()];
+    for run in batch.runs() {
+        let report = chosen.judge(&run.variant.scenario, run.seed, options, |_| {})?;
+        add(&mut file, &run, &report)?;
+        let variant = ((run.number - 1) / plan.seeds.count()) as usize;
+        let tally = &mut tallies[variant];
+        tally.runs += 1;
+        tally.decisions += report.worths.len() as u64;
+        tally.mistakes += report.mistakes().len() as u64;
+        tally.good += report.good().len() as u64;
+        on_run();
+    }
+    file.finish()?;
+    Ok(tallies)
+}
+
+fn add(file: &mut ParquetWriter, run: &PlannedRun<'_>, report: &WhyReport) -> Result<(), BatchError> {
+    let frame = run.variant.scenario.field.frame();
+    let metres = |worth: &Worth, cell: Cell| (frame.centre(cell) - worth.decision.agent.place).length();
+    let mut rows: Vec<ChoiceRow<'_>> = Vec::new();
+    for (number, worth) in report.worths.iter().enumerate() {
+        let chosen_m = worth.chosen.map(|cell| metres(worth, cell));
+        let row = |choice| ChoiceRow { worth, number, choice, metres: (chosen_m, metres(worth, choice.cell)) };
+        rows.extend(worth.others.iter().map(row));
+    }
+    // The columns that name the run are those of its row, whatever its outcome.
+    let outcome = RunResult::new(Outcome::default(), RunCost::default());
+    let named = RecordedRow::new(RunRow::done(run.label(), outcome, Duration::ZERO));
+    file.add_alike(named.values().0, rows.len(), |row, column| (DECISION_COLUMNS[column].value)(&rows[row]))
+}
+
+/// The reason why decisions of a batch were not judged.
+#[derive(Debug, thiserror::Error)]
+pub enum JudgeError {
+    #[error(transparent)]
+    Run(#[from] wildfire_sim::RunError),
+    #[error(transparent)]
+    File(#[from] BatchError),
+}
