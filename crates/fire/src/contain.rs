@@ -27,7 +27,7 @@ pub struct Resource {
     /// After the report.
     pub arrival_min: f64,
     pub duration_min: f64,
-    /// Of both flanks together.
+    /// The sum of both flanks.
     pub production_ch_h: f64,
 }
 

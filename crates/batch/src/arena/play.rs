@@ -36,7 +36,7 @@ pub struct Played {
     pub message: String,
     /// Failed queries of the trucks' planners, and failed asks of policies.
     pub failures: [Failures; 2],
-    /// Whether a planner or policy could not be started or built.
+    /// True if a planner or policy could not be started or built.
     pub is_not_started: bool,
 }
 

@@ -66,7 +66,7 @@ pub struct Worth {
 }
 
 impl Worth {
-    /// Returns whether more futures can hardly change the verdict, among so many decisions.
+    /// Returns true if more futures can hardly change the verdict, among this number of decisions.
     fn is_settled(&self, decisions: usize) -> bool {
         self.others.iter().all(|other| other.is_settled(decisions))
     }
@@ -86,11 +86,11 @@ impl Worth {
 /// The progress of a judgement.
 #[derive(Clone, Copy, Debug)]
 pub enum Judging<'a> {
-    /// A round begins in which the choices of so many decisions are played.
+    /// A round begins in which the choices of this number of decisions are played.
     Begins { decisions: usize },
     /// Those of one more decision have been played.
     Played,
-    /// A round is over, but not the last: what is known after so many futures.
+    /// A round is over, but not the last: the report after this number of futures.
     Known { futures: u32, report: &'a WhyReport },
 }
 
@@ -101,7 +101,7 @@ impl ChosenDecisions {
     /// The futures in which each is played unless others are asked for.
     pub const FUTURES: u32 = 20;
 
-    /// Chooses decisions of trucks over the whole run, at most so many.
+    /// Chooses decisions of trucks over the whole run, up to a number.
     pub fn sample(decisions: usize) -> Self {
         let (from, to, sample) = (SimTime::ZERO, SimTime::MAX, Some(decisions));
         Self { agents: Vec::new(), from, to, sample, choices: Self::CHOICES, futures: Self::FUTURES }
