@@ -56,8 +56,8 @@ fn an_arsonist_that_learned_burns_more() {
 #[test]
 fn weights_of_another_number_or_size_are_refused_where_they_stand() {
     for (change, words) in [
-        ("learned.posts=[1, 2]", "`learned.posts` is 2 numbers; expected 41 weights"),
-        ("learned.lights=[1e9]", "`learned.lights` is 1 numbers; expected 73 weights"),
+        ("learned.posts=[1, 2]", "`learned.posts` is a list of 2; expected 41 weights"),
+        ("learned.lights=[1e9]", "`learned.lights` is a list of 1; expected 73 weights"),
     ] {
         let error = scenario::load("contest-1", &[change.to_owned()]).expect_err("it is refused").to_string();
         assert!(error.contains(words), "{error}");

@@ -49,7 +49,7 @@ impl Learned {
         {
             let size = Network::size(inputs);
             if !weights.is_empty() && weights.len() != size {
-                return table.refuse(key, format!("{} numbers", weights.len()), format!("{size} weights"));
+                return table.refuse(key, format!("a list of {}", weights.len()), format!("{size} weights"));
             }
             if let Some(weight) = weights.iter().find(|weight| !weight.is_finite() || weight.abs() > MOST) {
                 return table.refuse(key, weight.to_string(), format!("weights from -{MOST:e} to {MOST:e}"));
