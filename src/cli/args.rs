@@ -26,6 +26,18 @@ pub struct ScenarioArguments {
     pub programs: ProgramArguments,
 }
 
+/// The runs of a scenario or a batch, and the seed of one of them.
+#[derive(Debug, Args)]
+pub struct SeededArguments {
+    #[command(flatten)]
+    pub scenario: ScenarioArguments,
+    #[command(flatten)]
+    pub memory: MemoryArguments,
+    /// The seed of everything random in the run [default: 1].
+    #[arg(short, long, allow_hyphen_values = true, value_parser = parse_seed)]
+    pub seed: Option<u64>,
+}
+
 /// Programs that plan.
 #[derive(Clone, Debug, Default, Args)]
 pub struct ProgramArguments {

@@ -5,21 +5,21 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use crate::cli::args::{MemoryArguments, ScenarioArguments, parse_seed};
+use crate::cli::args::{ScenarioArguments, SeededArguments};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::report::FormArguments;
 use crate::cli::run::{RunReport, check_agents, write_recording};
-use crate::cli::show::parse_agent;
+use crate::cli::show::{parse_agent, source_of_runs};
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
 use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_base::time::wall::WallStopwatch;
 use wildfire_batch::{RunLabel, RunResult, RunRow};
 use wildfire_sim::policies::Choice;
-use wildfire_sim::{Run, Simulation, scenario};
+use wildfire_sim::{Run, Simulation};
 use wildfire_timeline::{AgentId, Outcome};
 
 #[derive(Debug, Args)]
@@ -27,17 +27,13 @@ use wildfire_timeline::{AgentId, Outcome};
 Examples:
   wildfire fork contest --seed 7 --at 350 --answer unimog/0=35,44 --out other.wildfire
   wildfire fork fleet --seed 7 --at 600 --then dispatch.policy=auction
+  wildfire fork runs/fleets --seed 3 --at 600 --answer unimog/1=20,31
   wildfire fork contest --seed 7 --at 900 --then unimog.planner=hybrid-astar --out b.wildfire --parent a.wildfire
 
 Then `wildfire play a.wildfire --with b.wildfire` shows both on one clock.")]
 pub struct ForkArguments {
     #[command(flatten)]
-    pub scenario: ScenarioArguments,
-    #[command(flatten)]
-    pub memory: MemoryArguments,
-    /// The seed of everything random in the run.
-    #[arg(short, long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
-    pub seed: u64,
+    pub run: SeededArguments,
     /// The simulated time from which on the run may differ.
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = numbers::parse_instant)]
     pub at: f64,
@@ -67,24 +63,29 @@ fn parse_answer(text: &str) -> Result<(AgentId, Cell), String> {
 }
 
 pub fn run(arguments: &ForkArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
-    let ForkArguments { at, answer, seed, .. } = *arguments;
-    let source = &arguments.scenario.source;
-    let changes = context.with_own_names(&arguments.scenario.overrides);
-    let before = scenario::load(source, &changes)?;
-    let after = scenario::load(source, &[&changes[..], &arguments.changes].concat())?;
-    context.expect_trusted(&before)?;
-    context.expect_trusted(&after)?;
-    context.note_doubts([&before, &after]);
+    let ForkArguments { at, answer, .. } = *arguments;
+    let ScenarioArguments { source: name, overrides, .. } = &arguments.run.scenario;
+    let (seed, memory) = (arguments.run.seed.unwrap_or(1), &arguments.run.memory);
+    let source = source_of_runs(name, overrides, memory.memory, context)?;
+    let before = source.expect_scenario(name, context)?;
+    context.expect_trusted(before)?;
+    let after = if arguments.changes.is_empty() {
+        before.clone()
+    } else {
+        let changes = [&overrides[..], &arguments.changes].concat();
+        source_of_runs(name, &changes, memory.memory, context)?.expect_scenario(name, context)?.clone()
+    };
+    context.note_doubts([before, &after]);
     if let Some((agent, _)) = answer {
-        check_agents("--answer", &[agent], &before)?;
+        check_agents("--answer", &[agent], before)?;
     }
     let files = Files { form: arguments.form, ..Files::default() }
         .writing([(Format::Recording, &arguments.out), (Format::Recording, &arguments.parent)]);
     let words = files.check()?;
 
-    let options = context.run_options(false, arguments.memory.limit());
+    let options = context.run_options(false, memory.limit());
     let (stopwatch, mut cpu) = (WallStopwatch::start(), CpuStopwatch::start());
-    let mut parent = Simulation::with(&before, seed, &options).map_err(CliError::run_failed)?;
+    let mut parent = Simulation::with(before, seed, &options).map_err(CliError::run_failed)?;
     if at > 0.0 {
         parent.advance_to(SimTime::from_seconds(at) - SimTime::from_nanos(1));
     }
@@ -95,7 +96,7 @@ pub fn run(arguments: &ForkArguments, context: &CommandContext) -> Result<ExitCo
     let fork = if arguments.changes.is_empty() {
         parent.fork().map_err(CliError::run_failed)?
     } else {
-        parent.fork_into(&before, &after, &options).map_err(|error| CliError::bad_input(error, None))?
+        parent.fork_into(before, &after, &options).map_err(|error| CliError::bad_input(error, None))?
     };
     let mut fork = ended(fork, answer)?;
     fork.cost.total = cpu.lap() + fork.cost.elsewhere();

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use clap::Args;
 
-use crate::cli::args::{MemoryArguments, ScenarioArguments, jobs_or_all, parse_jobs, parse_seed};
+use crate::cli::args::{ScenarioArguments, SeededArguments, jobs_or_all, parse_jobs};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::output_files;
@@ -36,16 +36,11 @@ Examples:
 The run is forked before each decision and goes on with every other choice there was, in
 several futures: what is left to chance afterwards is drawn again, alike for all choices.
 
-Of the folder of a batch all runs are judged, and decisions.parquet in it gets a row for each
+Without --seed all runs of the folder of a batch are judged, and decisions.parquet in it gets a row for each
 choice that was not taken; `batch --why` does the same when its runs are done.")]
 pub struct WhyArguments {
     #[command(flatten)]
-    pub scenario: ScenarioArguments,
-    #[command(flatten)]
-    pub memory: MemoryArguments,
-    /// The seed of everything random in the run [default: 1; all runs of a batch].
-    #[arg(short, long, allow_hyphen_values = true, value_parser = parse_seed)]
-    pub seed: Option<u64>,
+    pub run: SeededArguments,
     /// Judge the decisions of this agent, such as `unimog/0`; may be repeated [default: all trucks].
     #[arg(long = "agent", value_name = "AGENT", value_parser = parse_agent)]
     pub agents: Vec<AgentId>,
@@ -96,37 +91,35 @@ fn chosen(arguments: &WhyArguments) -> ChosenDecisions {
 }
 
 pub fn run(arguments: &WhyArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
-    let ScenarioArguments { source: name, overrides, .. } = &arguments.scenario;
+    let ScenarioArguments { source: name, overrides, .. } = &arguments.run.scenario;
     limit_threads(jobs_or_all(arguments.jobs));
-    let source = source_of_runs(name, overrides, arguments.memory.memory, context)?;
-    if let (Source::Batch { batch, options, .. }, None) = (&source, arguments.seed) {
+    let source = source_of_runs(name, overrides, arguments.run.memory.memory, context)?;
+    if let (Source::Batch { batch, options, .. }, None) = (&source, arguments.run.seed) {
         context.expect_trusted_plan(batch.plan())?;
         batch.plan().variants.iter().try_for_each(|it| check_agents("--agent", &arguments.agents, &it.scenario))?;
         judge_runs(batch, &chosen(arguments), options, arguments.form, context)?;
         return Ok(ExitCode::SUCCESS);
     }
-    let Some(scenario) = source.scenario() else {
-        let sentence = format!("{name} is a recording, which does not hold its scenario");
-        return Err(CliError::bad_input(sentence, Some("name its scenario or its batch, and its --seed")));
-    };
+    let scenario = source.expect_scenario(name, context)?;
     context.expect_trusted(scenario)?;
     context.note_doubts([scenario]);
     check_agents("--agent", &arguments.agents, scenario)?;
-    let options = context.run_options(false, arguments.memory.limit());
+    let options = context.run_options(false, arguments.run.memory.limit());
     let progress = Progress::new(0, "decisions", context.quiet);
     let (begun, futures) = (AtomicU64::new(0), arguments.futures);
-    let judged = chosen(arguments).judge(scenario, arguments.seed.unwrap_or(1), &options, |judging| match judging {
-        Judging::Begins { decisions } => {
-            let decisions = decisions as u64;
-            progress.expect(begun.fetch_add(decisions, Ordering::Relaxed) + decisions);
-        }
-        Judging::Played => progress.advance(),
-        Judging::Known { futures: played, report } if arguments.form.is_text() => {
-            let text = Document::from(report).to_text();
-            progress.preview(&format!("After {played} of at most {futures} futures:\n{text}\n"));
-        }
-        Judging::Known { .. } => {}
-    });
+    let judged =
+        chosen(arguments).judge(scenario, arguments.run.seed.unwrap_or(1), &options, |judging| match judging {
+            Judging::Begins { decisions } => {
+                let decisions = decisions as u64;
+                progress.expect(begun.fetch_add(decisions, Ordering::Relaxed) + decisions);
+            }
+            Judging::Played => progress.advance(),
+            Judging::Known { futures: played, report } if arguments.form.is_text() => {
+                let text = Document::from(report).to_text();
+                progress.preview(&format!("After {played} of at most {futures} futures:\n{text}\n"));
+            }
+            Judging::Known { .. } => {}
+        });
     progress.end();
     let report = judged.map_err(CliError::run_failed)?;
     terminal::print(&arguments.form.render(&report))?;

@@ -114,11 +114,20 @@ fn decisions_of_a_batch_are_a_table_with_a_row_for_each_choice() {
     let one = story.tell(&["why", "judged", "--seed", "2", "--sample", "1", "--futures", "4", "--json"]).expect_code(0);
     let one: Value = serde_json::from_str(&one.stdout).expect("JSON");
     assert_eq!((&one["scenario"], &one["seed"]), (&Value::from("fleet"), &Value::from(2)));
+    // It is forked so too.
+    let fork =
+        |source: &[&str]| story.tell(&[&["fork"], source, &["--seed", "2", "--at", "60"]].concat()).expect_code(0);
+    let (of_batch, of_scenario) = (fork(&["judged"]), fork(&["fleet", "--set", "duration_s=120"]));
+    assert_eq!(of_batch.stdout.lines().last(), of_scenario.stdout.lines().last());
+    assert!(of_batch.stderr.contains("using the first, fleet"), "{}", of_batch.stderr);
+    let change = ["fork", "judged", "--seed", "2", "--at", "60", "--then", "dispatch.policy=auction"];
+    refuse(&story, &change, &["judged is a finished run; expected a scenario if values are changed"]);
 }
 
 #[test]
 fn a_recording_is_not_judged_for_it_does_not_hold_its_scenario() {
     let story = Story::begin();
     story.tell(&["run", "smoke", "--seed", "1", "--out", "run.wildfire"]).expect_code(0);
+    refuse(&story, &["fork", "run.wildfire", "--at", "5"], &["run.wildfire is a recording"]);
     refuse(&story, &["why", "run.wildfire"], &["run.wildfire is a recording, which does not hold its scenario"]);
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
+use crate::cli::terminal;
 use wildfire_base::input_file;
 use wildfire_base::time::SimTime;
 use wildfire_batch::{FinishedBatch, PlannedRun, Record};
@@ -160,6 +161,20 @@ impl Source {
         }
     }
 
+    /// Returns the scenario of the runs, and notes what is left out of a batch.
+    ///
+    /// # Errors
+    /// If the source is a recording.
+    pub fn expect_scenario(&self, name: &str, context: &CommandContext) -> Result<&Scenario, CliError> {
+        if let Some(note) = self.note().filter(|_| !context.quiet) {
+            terminal::note(&note);
+        }
+        self.scenario().ok_or_else(|| {
+            let sentence = format!("{name} is a recording, which does not hold its scenario");
+            CliError::bad_input(sentence, Some("name its scenario or its batch, and its --seed"))
+        })
+    }
+
     pub fn has_one_run(&self) -> bool {
         matches!(self, Self::Recording { .. })
     }
@@ -168,7 +183,7 @@ impl Source {
     pub fn note(&self) -> Option<String> {
         let Self::Batch { batch, title, .. } = self else { return None };
         let (folder, variants) = (batch.folder().display(), batch.plan().variants.len());
-        (variants > 1).then(|| format!("{folder} has {variants} variants; showing the first, {title}"))
+        (variants > 1).then(|| format!("{folder} has {variants} variants; using the first, {title}"))
     }
 
     /// The run of a seed, or the first one.

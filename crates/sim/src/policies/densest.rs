@@ -7,7 +7,7 @@
 use glam::DVec2;
 
 use super::nearest_intact::ring_around;
-use super::{AgentView, Choice, Observation, Policy};
+use super::{AgentView, Choice, Observation, Policy, first_goes};
 use wildfire_base::geometry::{Cell, FieldFrame, ops};
 use wildfire_timeline::AgentId;
 
@@ -53,9 +53,7 @@ impl Densest {
 
 impl Policy for Densest {
     fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
-        let first = asked.iter().find_map(|&id| seen.agents.iter().find(|agent| agent.id == id));
-        let choice = first.map(|agent| (agent.id, self.best(seen, agent).map_or(Choice::Wait, Choice::Go)));
-        choice.into_iter().collect()
+        first_goes(seen, asked, |agent| self.best(seen, agent))
     }
 
     fn fork(&self) -> Option<Box<dyn Policy>> {

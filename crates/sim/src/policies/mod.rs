@@ -203,18 +203,23 @@ pub trait Rule: Send + Sync {
     fn best(&mut self, seen: &Observation<'_>, agent: &AgentView, options: &[Cell]) -> Option<Cell>;
 }
 
+/// Sends the first of those that are asked to its best cell; without one it waits.
+fn first_goes(
+    seen: &Observation<'_>,
+    asked: &[AgentId],
+    best: impl FnOnce(&AgentView) -> Option<Cell>,
+) -> Vec<(AgentId, Choice)> {
+    let first = asked.iter().find_map(|&id| seen.agents.iter().find(|agent| agent.id == id));
+    first.map(|agent| (agent.id, best(agent).map_or(Choice::Wait, Choice::Go))).into_iter().collect()
+}
+
 /// A rule for one agent as a policy: each agent chooses after those before it have acted.
 #[derive(Clone, Copy, Debug)]
 pub struct OneByOne<R>(pub R);
 
 impl<R: Rule + Clone + 'static> Policy for OneByOne<R> {
     fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
-        let first = asked.iter().find_map(|&id| seen.agents.iter().find(|agent| agent.id == id));
-        let choice = first.map(|agent| {
-            let best = self.0.best(seen, agent, &seen.options(agent.id));
-            (agent.id, best.map_or(Choice::Wait, Choice::Go))
-        });
-        choice.into_iter().collect()
+        first_goes(seen, asked, |agent| self.0.best(seen, agent, &seen.options(agent.id)))
     }
 
     fn fork(&self) -> Option<Box<dyn Policy>> {

@@ -6,7 +6,7 @@
 
 use glam::DVec2;
 
-use super::{Choice, Observation, Policy};
+use super::{Choice, Observation, Policy, first_goes};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_timeline::AgentId;
 
@@ -19,12 +19,9 @@ pub struct NearestIntact;
 
 impl Policy for NearestIntact {
     fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
-        let first = asked.iter().find_map(|&id| seen.agents.iter().find(|agent| agent.id == id));
-        let choice = first.map(|agent| {
-            let nearest = nearest_cell(seen.fires.frame(), agent.place, |cell| seen.is_option(agent.id, cell));
-            (agent.id, nearest.map_or(Choice::Wait, Choice::Go))
-        });
-        choice.into_iter().collect()
+        first_goes(seen, asked, |agent| {
+            nearest_cell(seen.fires.frame(), agent.place, |cell| seen.is_option(agent.id, cell))
+        })
     }
 
     fn fork(&self) -> Option<Box<dyn Policy>> {

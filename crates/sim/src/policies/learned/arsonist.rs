@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::Network;
 use crate::policies::densest::Densest;
 use crate::policies::nearest_intact::ring_around;
-use crate::policies::{AgentView, Choice, Observation, Policy};
+use crate::policies::{AgentView, Choice, Observation, Policy, first_goes};
 use wildfire_base::geometry::{Cell, FieldFrame, ops};
 use wildfire_timeline::AgentId;
 
@@ -57,9 +57,7 @@ impl LearnedArsonist {
 
 impl Policy for LearnedArsonist {
     fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
-        let first = asked.iter().find_map(|&id| seen.agents.iter().find(|agent| agent.id == id));
-        let choice = first.map(|agent| (agent.id, self.best(seen, agent).map_or(Choice::Wait, Choice::Go)));
-        choice.into_iter().collect()
+        first_goes(seen, asked, |agent| self.best(seen, agent))
     }
 
     fn fork(&self) -> Option<Box<dyn Policy>> {

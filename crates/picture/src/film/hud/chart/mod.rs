@@ -5,7 +5,7 @@
 
 mod strips;
 
-use strips::{draw_differences, draw_event_lanes, draw_stacked_counts, draw_without_intact};
+use strips::{draw_differences, draw_event_lanes, draw_stacked_counts, draw_without_intact, lanes_of};
 
 use crate::Rgb;
 use crate::canvas::Canvas;
@@ -59,7 +59,7 @@ impl ChartRenderer {
         let at = (layout.chart.left, layout.chart.top);
         sheet.copy_from(&drawn.ahead, at);
         sheet.copy_columns(&drawn.past, x, at);
-        draw_cursor(sheet, layout, x, request.runs.len());
+        draw_cursor(sheet, layout, x, request.runs);
     }
 }
 
@@ -136,7 +136,7 @@ fn cursor_x(layout: &FrameLayout, time: SimTime, end: SimTime) -> u32 {
 
 fn draw_chart(runs: &[&RunView], layout: &FrameLayout, lettering: &mut Lettering, colourfulness: f64) -> Canvas {
     let canvas = Canvas::new(layout.chart.width, layout.chart.height, PAPER);
-    let plan = ChartPlan::new(layout, runs.len());
+    let plan = ChartPlan::new(layout, runs);
     let (strips, difference) = (plan.strips.clone(), plan.difference);
     let scale = CountScale::new(runs);
     let mut pen = ChartPen { canvas, lettering, plan, scale, end: RunView::last_end(runs), colourfulness };
@@ -166,7 +166,7 @@ fn draw_chart(runs: &[&RunView], layout: &FrameLayout, lettering: &mut Lettering
 }
 
 /// Draws a line through all of the chart with a handle at its upper end.
-fn draw_cursor(sheet: &mut Canvas, layout: &FrameLayout, x: u32, runs: usize) {
+fn draw_cursor(sheet: &mut Canvas, layout: &FrameLayout, x: u32, runs: &[&RunView]) {
     let plan = ChartPlan::new(layout, runs);
     let (top, bottom) = plan.cursor;
     let (x, top, bottom) = (x as f32 + 0.5, (layout.chart.top + top) as f32, (layout.chart.top + bottom) as f32);
@@ -213,8 +213,8 @@ struct ChartPlan {
 }
 
 impl ChartPlan {
-    fn new(layout: &FrameLayout, runs: usize) -> Self {
-        let text = layout.text;
+    fn new(layout: &FrameLayout, shown: &[&RunView]) -> Self {
+        let (text, runs) = (layout.text, shown.len());
         let part = |tenths: u32| tenths * text / 10;
         // Where there is no panel, a line above the strips tells the most important of it.
         let header = if layout.panel.is_none() { part(22) } else { 0 };
@@ -227,7 +227,8 @@ impl ChartPlan {
             (room, None)
         };
         let (each, gap) = (strips_room / runs as u32, part(5));
-        let lanes_height = if runs == 1 { part(36) } else { part(24) };
+        let lanes = shown.iter().copied().map(lanes_of).max().unwrap_or(0);
+        let lanes_height = part(lanes * if runs == 1 { 12 } else { 8 });
         let strips = (0..runs as u32).map(|run_index| {
             let (top, height) =
                 (top + run_index * each, if run_index + 1 == runs as u32 { each } else { each - gap.min(each) });
@@ -349,7 +350,7 @@ mod tests {
         let mut lettering = Lettering::default();
         let picture = |run: &RunView, lettering: &mut Lettering| draw_chart(&[run], &layout, lettering, 1.0).finish();
         let few = picture(&run(2000, 40), &mut lettering);
-        let (top, height) = ChartPlan::new(&layout, 1).strips[0].area;
+        let (top, height) = ChartPlan::new(&layout, &[&run(2000, 40)]).strips[0].area;
         let column = layout.timeline.left + layout.timeline.width - 2;
         let colour_at =
             |picture: &crate::Picture, share: f32| picture.pixel(column, top + (height as f32 * (1.0 - share)) as u32);

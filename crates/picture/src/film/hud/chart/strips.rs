@@ -101,6 +101,11 @@ const LANES: [Lane; 3] = [
 /// Names are written where a lane is at least this high, in pixels.
 const NAMED: u32 = 8;
 
+/// Counts the lanes of a run.
+pub fn lanes_of(run: &RunView) -> u32 {
+    LANES.len() as u32 + u32::from(!run.verdicts().is_empty())
+}
+
 /// The columns of a lane's marks by colour.
 type LaneMarks = Vec<(Rgb, Vec<u32>)>;
 
