@@ -2,14 +2,12 @@
 //!
 //! Fried, J.S., Fried, B.D. 1996. Simulating wildfire containment with realistic tactics. Forest Science 42, 267-281.
 //!
-//! The free fire is an ellipse that grows from its rear focus. Two halves of the crew begin at the head or at the rear and
-//! build line on both flanks, so that each flank gets half of the production. A builder is at the point of the ellipse with
-//! the eccentric angle u, or at the offset from it along its normal. It moves with the front, and along it with what its
-//! rate leaves; a builder who is slower than the front falls back along it. The fire is contained when u has passed all of
-//! the flank. Units are those of the model's users: chains (20.1168 m), acres (10 square chains), minutes.
+//! The free fire is an ellipse that grows from its rear focus. Crews begin at the head or at the rear and build line on both
+//! flanks, each with half of the production. A builder is at the point of the ellipse with the eccentric angle u, or at the
+//! offset from it along its normal: it moves with the front, and along it with what its rate leaves. The fire is contained
+//! when u has passed all of the flank. Units: chains (20.1168 m), acres (10 square chains), minutes.
 //!
-//! The paper leaves steps of time open. Those here, and the conventions named at [`Flank`], were deduced from the answers of
-//! BEHAVE to 1,200 cases, so that they can be compared.
+//! Steps of time and the conventions named at [`Flank`] were deduced from the answers of BEHAVE to 1,200 cases.
 
 use std::f64::consts::PI;
 
@@ -44,7 +42,6 @@ pub struct Attack {
     /// Of the head, at the report and from then on.
     pub rate_ch_h: f64,
     pub size_acre: f64,
-    /// At least 1.
     pub length_to_width: f64,
     pub tactic: Tactic,
     /// Between the fire and the line.
@@ -56,17 +53,14 @@ pub struct Attack {
     pub min_steps: u32,
 }
 
-/// How an attack ends.
+/// How an attack ends: the line is closed, the last resource has left, the fire is larger than 1,000 acres, 18 hours have
+/// passed since the report, or the steps ran out before that.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     Contained,
-    /// The last resource has left.
     Exhausted,
-    /// The fire is larger than 1,000 acres.
     SizeLimit,
-    /// 18 hours have passed since the report.
     TimeLimit,
-    /// The steps ran out before that.
     Attacked,
 }
 

@@ -94,10 +94,8 @@ pub fn moisture(table: &TableArguments, quiet: bool) -> Result<(), CliError> {
         check_needed(table, numbers, if is_reference { &[1, 2] } else { &[3, 4, 5, 6, 7, 8] })?;
         let [_, temperature, humidity, season, shade, aspect, slope, time, elevation] =
             numbers.map(|number| number as usize);
-        let percent = match is_reference {
-            true => reference_pct(temperature, humidity),
-            false => Site { season, shade, aspect, slope, time, elevation }.correction_pct(),
-        };
+        let site = Site { season, shade, aspect, slope, time, elevation };
+        let percent = if is_reference { reference_pct(temperature, humidity) } else { site.correction_pct() };
         Ok(percent.expect("the classes are within the tables").to_string())
     })
 }

@@ -86,11 +86,10 @@ pub fn write_fires(
         let fire = fire(table, numbers, options)?;
         without_fire += u64::from(fire.rate_mps == 0.0);
         let values = FIRE_COLUMNS.map(|(_, value)| value(&fire).to_string()).join(",");
-        let of_azimuth =
-            |&azimuth: &f64| DIRECTION_COLUMNS.map(|(_, value)| value(&fire, azimuth).to_string()).join(",");
+        let along = |&azimuth: &f64| DIRECTION_COLUMNS.map(|(_, value)| value(&fire, azimuth).to_string()).join(",");
         Ok(match azimuths {
             [] => vec![values],
-            _ => azimuths.iter().map(|azimuth| format!("{values},{}", of_azimuth(azimuth))).collect(),
+            _ => azimuths.iter().map(|azimuth| format!("{values},{}", along(azimuth))).collect(),
         })
     })?;
     Ok([rows, without_fire])
