@@ -6,7 +6,7 @@ use super::{BTU_J, Combine, Ellipse, FOOT_M, FOOT_PER_MINUTE, FuelBed, LengthToW
 use wildfire_base::geometry::ops;
 
 /// Feet per minute in a mile per hour.
-const MILE_PER_HOUR: f64 = 88.0;
+pub(super) const MILE_PER_HOUR: f64 = 88.0;
 
 /// The longest ellipse of Anderson's formula.
 const MAX_LENGTH_TO_WIDTH: f64 = 8.0;
@@ -48,7 +48,7 @@ impl FuelBed {
         let slope_factor = self.slope_scale * (steepness * steepness);
         let together = unit(wind) * wind_factor + unit(uphill) * slope_factor;
         let mut factor = length(together);
-        let mut effective = ops::pow(factor / self.wind_scale, 1.0 / self.wind_exponent);
+        let mut effective = self.wind_of(factor);
         let most = match options.wind_limit {
             WindLimit::None => f64::INFINITY,
             WindLimit::Rothermel1972 => 0.9 * self.reaction_intensity,
@@ -82,10 +82,20 @@ impl FuelBed {
     fn wind_factor(&self, wind: f64) -> f64 {
         self.wind_scale * ops::pow(wind, self.wind_exponent)
     }
+
+    /// Returns the wind in ft/min of a factor.
+    fn wind_of(&self, factor: f64) -> f64 {
+        ops::pow(factor / self.wind_scale, 1.0 / self.wind_exponent)
+    }
+
+    /// Returns the wind at midflame height that has this factor.
+    pub(super) fn wind_of_factor(&self, factor: f64) -> f64 {
+        self.wind_of(factor) * FOOT_PER_MINUTE
+    }
 }
 
 /// Lifts a horizontal vector onto a slope: what is above it there.
-fn lift(v: DVec2, gradient: DVec2) -> DVec3 {
+pub(super) fn lift(v: DVec2, gradient: DVec2) -> DVec3 {
     v.extend(v.x * gradient.x + v.y * gradient.y)
 }
 
@@ -94,7 +104,7 @@ fn length(v: DVec3) -> f64 {
 }
 
 /// The vector of length 1 in the same direction; of zero, zero.
-fn unit(v: DVec3) -> DVec3 {
+pub(super) fn unit(v: DVec3) -> DVec3 {
     let length = length(v);
     if length > 0.0 { v / length } else { DVec3::ZERO }
 }

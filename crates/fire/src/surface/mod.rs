@@ -12,6 +12,7 @@
 //! spread model and associated developments", RMRS-GTR-371, 2018. Further ones are named where they are used.
 
 mod behavior;
+pub mod crown;
 mod ellipse;
 mod fuel_bed;
 mod wind_adjustment;
