@@ -413,9 +413,9 @@ fn burned_areas_of_the_automaton_are_those_of_another_implementation() {
 }
 
 /// Compares columns of answers with those of a table, where it has any.
-fn compare_columns(title: &str, table: &Numbers, columns: &[(&'static str, &str)], bound: f64) {
+fn compare_columns<'t>(title: &str, rows: impl Iterator<Item = Row<'t>>, columns: &[(&'static str, &str)], bound: f64) {
     let mut worst = Worst::default();
-    for row in table.rows() {
+    for row in rows {
         for &(ours, theirs) in columns {
             if !row.get(theirs).is_nan() && !row.get(ours).is_nan() {
                 worst.note_relative(ours, row.get(ours), row.get(theirs));
@@ -428,7 +428,7 @@ fn compare_columns(title: &str, table: &Numbers, columns: &[(&'static str, &str)
 #[test]
 fn fine_dead_moisture_and_spotting_are_those_of_behave() {
     let Some(table) = Numbers::answered("behave_fdfm.csv.gz", "moisture") else { return };
-    compare_columns("BEHAVE, fine dead fuel", &table, &[("fine_moisture_pct", "moisture_pct")], 1e-9);
+    compare_columns("BEHAVE, fine dead fuel", table.rows(), &[("fine_moisture_pct", "moisture_pct")], 1e-9);
     let Some(table) = Numbers::answered("behave_spotting.csv.gz", "spotting") else { return };
     let columns = [
         ("spot_flame_ft", "flame_height_steady_ft"),
@@ -439,7 +439,7 @@ fn fine_dead_moisture_and_spotting_are_those_of_behave() {
         ("spot_flat_mi", "flat_distance_mi"),
         ("spot_mountain_mi", "mountain_distance_mi"),
     ];
-    compare_columns("BEHAVE, spotting", &table, &columns, 1e-8);
+    compare_columns("BEHAVE, spotting", table.rows(), &columns, 1e-8);
 }
 
 /// Columns of a containment, and the 95th percentile of how far BEHAVE's move where its steps are ten times finer.
@@ -455,7 +455,7 @@ fn containment_is_that_of_behave_with_fine_steps() {
     let words = |column| table.rows().map(|row| row.word(column)).collect::<Vec<_>>();
     assert_eq!(words("contain_status"), words("fine_status"));
     let free = [("attack_fire_acre", "fire_size_at_attack_acre"), ("attack_perimeter_ch", "perimeter_at_attack_ch")];
-    compare_columns("BEHAVE, containment", &table, &free, 1e-6);
+    compare_columns("BEHAVE, containment", table.rows(), &free, 1e-6);
     for (ours, theirs, bound) in FINER {
         let difference = |row: Row<'_>| (row.get(ours) / row.get(theirs) - 1.0).abs();
         let mut found: Vec<f64> = table.rows().map(difference).collect();
@@ -491,4 +491,76 @@ fn the_published_containment_is_that_of_behave_with_its_steps() {
         worst.note("published values", (answer.get(column) - row.get("expected")).abs());
     }
     worst.expect("BEHAVE, containment", &[("published values", 1e-6)]);
+}
+
+#[test]
+fn crown_fires_are_those_of_behave() {
+    let Some(table) = Numbers::answered("behave_crown.csv.gz", "crown") else { return };
+    let common = table.columns.keys().filter_map(|ours| {
+        let theirs = ours.strip_prefix("wildfire_").filter(|theirs| table.columns.contains_key(*theirs))?;
+        Some((&*ours.clone().leak(), theirs))
+    });
+    let columns: Vec<(&'static str, &str)> = common.collect();
+    assert_eq!(columns.len(), 34);
+    // Of model 7 BEHAVE has another surface-area-to-volume ratio.
+    let is_model_7 = |row: &Row<'_>| row.get("fuel_model") == 7.0;
+    compare_columns("BEHAVE, crowns", table.rows().filter(|row| !is_model_7(row)), &columns, 1e-8);
+    compare_columns("BEHAVE, crowns above model 7", table.rows().filter(is_model_7), &columns, 0.03);
+}
+
+/// How the quantities of published crown fires begin, and our columns of them.
+const PUBLISHED_CROWNS: [(&str, &str); 11] = [
+    ("crown_spread_rate", "crown_ros_ft_min"),
+    ("crown_length_to_width", "crown_length_to_width"),
+    ("crown_area_after_1h", "crown_area_1h_acre"),
+    ("crown_perimeter_after_1h", "crown_perimeter_1h_ch"),
+    ("crown_flame_length", "crown_flame_ft"),
+    ("crown_fireline_intensity", "crown_intensity_btu_ft_s"),
+    ("fire_type", "fire_type"),
+    ("final_spread_rate", "scott_final_ros_ft_min"),
+    ("final_flame_length", "scott_final_flame_ft"),
+    ("final_fireline_intensity", "scott_final_intensity_btu_ft_s"),
+    ("critical_open_wind_speed", "crowning_wind_20ft_ft_min"),
+];
+
+#[test]
+fn published_crown_fires_are_met() {
+    let Some(table) = Numbers::read("behave_checks.csv") else { return };
+    const DEAD: [&str; 3] = ["moisture_1h_pct", "moisture_10h_pct", "moisture_100h_pct"];
+    const LIVE: [&str; 2] = ["moisture_live_herb_pct", "moisture_live_woody_pct"];
+    const OTHERS: [&str; 6] = [
+        "fuel_model",
+        "moisture_foliar_pct",
+        "canopy_cover_pct",
+        "canopy_height_ft",
+        "canopy_base_height_ft",
+        "canopy_bulk_density_lb_ft3",
+    ];
+    let header = [&DEAD[..], &LIVE, &OTHERS].concat().join(",");
+    let mut questions = format!("{header},wind_20ft_mi_h,wind_to_deg_from_upslope,slope_deg,waf_input\n");
+    let checks: Vec<Row<'_>> = table.rows().filter(|check| check.word("group").starts_with("crown")).collect();
+    for check in &checks {
+        let inputs: BTreeMap<&str, &str> =
+            check.word("inputs").split(';').filter_map(|input| input.split_once('=')).collect();
+        let number = |name: &str| inputs.get(name).map(|text| text.parse::<f64>().expect("a number"));
+        let value = |(name, all): (&str, &str)| number(name).or(number(all)).expect("a number").to_string();
+        let numbers = [DEAD.map(|name| (name, "dead_pct")).as_slice(), &LIVE.map(|name| (name, "live_pct"))].concat();
+        let numbers = numbers.into_iter().chain(OTHERS.map(|name| (name, name))).map(value);
+        let wind = number("wind_20ft_mi_h").or(number("wind_20ft_ft_min").map(|wind| wind / 88.0)).expect("a wind");
+        let slope_deg = ops::atan2(number("slope_pct").expect("a slope") / 100.0, 1.0).to_degrees();
+        let factor = inputs.get("waf_surface").unwrap_or(&"computed");
+        // Winds and slopes of all go the same way.
+        assert_eq!([number("wind_direction_deg"), number("aspect_deg")], [Some(0.0); 2]);
+        questions += &format!("{},{wind},0,{slope_deg},{factor}\n", numbers.collect::<Vec<_>>().join(","));
+    }
+    let answers = Numbers::with_answers(questions.as_bytes(), &["crown"]);
+    assert_eq!((checks.len(), answers.rows.len()), (22, 22));
+    let mut worst = Worst::default();
+    for (check, answer) in checks.iter().zip(answers.rows()) {
+        let name = check.word("name");
+        let (_, column) = PUBLISHED_CROWNS.iter().find(|(start, _)| name.starts_with(start)).expect("a known quantity");
+        let found = answer.get(&format!("wildfire_{column}")) / if check.word("unit") == "ch/h" { 1.1 } else { 1.0 };
+        worst.note("published values", (found - check.get("expected")).abs());
+    }
+    worst.expect("BEHAVE, crowns", &[("published values", 1e-6)]);
 }

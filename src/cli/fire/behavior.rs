@@ -3,10 +3,12 @@
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
+use clap::builder::ArgPredicate;
 use clap::{ArgGroup, Args, ValueEnum};
 use serde::{Serialize, Serializer};
 
-use super::conditions::{self, Conditions, DIRECTION_COLUMNS, FIRE_COLUMNS, direction};
+use super::conditions::{self, Conditions, DIRECTION_COLUMNS, FIRE_COLUMNS, direction, moisture_words};
+use super::crown::{self, TreeArguments};
 use super::options::{ChoiceArguments, SlopeArguments, Wind, azimuth, fuel, moisture, wind};
 use crate::cli::error::CliError;
 use crate::cli::output_files::{Files, Format};
@@ -20,6 +22,7 @@ use wildfire_base::object;
 use wildfire_base::object::Members;
 use wildfire_batch::PROGRAM_VERSION;
 use wildfire_fire::fuel::{FUEL_MODELS, FuelModel};
+use wildfire_fire::surface::crown::{CrownConditions, CrownFire, CrownUnits, model_10};
 use wildfire_fire::surface::{
     FuelBed, FuelMoisture, FuelState, SurfaceFire, SurfaceOptions, flame_length_m, twenty_foot_wind,
     unsheltered_adjustment,
@@ -50,6 +53,7 @@ Examples:
   wildfire fire behavior --fuel GR2 --wind 5@270
   wildfire fire behavior --fuel SH5 --wind 12@200 --wind-height 10m --slope 0.3 --json
   wildfire fire behavior --fuel 102 --wind 3 --azimuths 0,45,...
+  wildfire fire behavior --fuel TU5 --wind 9@270 --canopy-height 20 --canopy-base 1.5 --canopy-density 0.05
   wildfire fire behavior --conditions in.csv --csv out.csv --combine flat
   wildfire fire behavior --list-fuels"
 )]
@@ -73,11 +77,20 @@ pub struct BehaviorArguments {
     /// Azimuth the wind blows from, if --wind gives only a speed.
     #[arg(long, hide = true, value_name = "AZIMUTH", allow_hyphen_values = true, value_parser = azimuth)]
     pub wind_from: Option<f64>,
-    /// Height of --wind; a wind at 20 ft or 10 m is reduced to mid-flame height for unsheltered ground.
-    #[arg(long, value_enum, value_name = "HEIGHT", default_value = "midflame")]
+    /// Height of --wind; a wind at 20 ft or 10 m is reduced to mid-flame height, for unsheltered ground or below the
+    /// trees [default with trees: 20ft].
+    #[arg(
+        long,
+        value_enum,
+        value_name = "HEIGHT",
+        default_value = "midflame",
+        default_value_if("canopy_height", ArgPredicate::IsPresent, "20ft")
+    )]
     pub wind_height: WindHeight,
     #[command(flatten)]
     pub slope: SlopeArguments,
+    #[command(flatten)]
+    pub trees: TreeArguments,
     /// Azimuths to compute rates for, such as 0,90,200; `0,5,...` continues in equal steps to the full circle.
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = azimuths)]
     pub azimuths: Option<Azimuths>,
@@ -88,7 +101,7 @@ pub struct BehaviorArguments {
         long,
         value_name = "IN.csv",
         requires = "csv",
-        conflicts_with_all = ["report_form", "moisture", "wind", "wind_from", "wind_height", "slope", "aspect"]
+        conflicts_with_all = ["report_form", "moisture", "wind", "wind_from", "wind_height", "slope", "aspect", "canopy_height"]
     )]
     pub conditions: Option<PathBuf>,
     /// Write the conditions and the resulting fires.
@@ -121,12 +134,12 @@ pub enum WindHeight {
 }
 
 impl WindHeight {
-    /// Returns the part of such a wind that the flames of a fuel feel.
-    fn factor(self, model: &FuelModel) -> f64 {
+    /// Returns the part of such a wind that the flames feel, by that of a wind at 20 ft.
+    fn factor(self, adjustment: f64) -> f64 {
         match self {
             Self::Midflame => 1.0,
-            Self::TwentyFeet => unsheltered_adjustment(model.depth_ft),
-            Self::TenMetres => unsheltered_adjustment(model.depth_ft) * twenty_foot_wind(1.0),
+            Self::TwentyFeet => adjustment,
+            Self::TenMetres => adjustment * twenty_foot_wind(1.0),
         }
     }
 }
@@ -164,6 +177,10 @@ pub fn run(arguments: &BehaviorArguments, quiet: bool) -> Result<(), CliError> {
         let sentence = format!("--wind already gives the azimuth {from_deg}; expected no --wind-from");
         return Err(CliError::bad_input(sentence, None));
     }
+    if arguments.trees.canopy_height.is_some() && arguments.wind_height == WindHeight::Midflame {
+        let sentence = "--wind-height is midflame; expected 20ft or 10m with --canopy-height: above the trees";
+        return Err(CliError::bad_input(sentence, None));
+    }
     match (arguments.fuel, &arguments.conditions, &arguments.csv) {
         (_, Some(conditions), Some(csv)) => write_fires(conditions, csv, arguments, quiet),
         (Some(model), ..) => terminal::print(&arguments.form.render(&BehaviorReport::new(model, arguments))),
@@ -194,27 +211,45 @@ struct BehaviorReport<'a> {
     options: SurfaceOptions,
     bed: FuelBed,
     fire: SurfaceFire,
+    /// The same below trees, where there are any.
+    crown: Option<CrownFire>,
     azimuths: &'a [f64],
 }
 
 impl<'a> BehaviorReport<'a> {
     fn new(model: &'static FuelModel, arguments: &'a BehaviorArguments) -> Self {
         let options = arguments.choices.options();
+        let canopy = arguments.trees.canopy();
+        let open = || unsheltered_adjustment(model.depth_ft);
+        let wind_factor = canopy.map_or_else(open, |canopy| canopy.wind_adjustment(model.depth_ft));
         let conditions = Conditions {
             model,
             moisture: arguments.moisture,
-            wind_midflame_mps: arguments.wind.speed_mps * arguments.wind_height.factor(model),
+            wind_midflame_mps: arguments.wind.speed_mps * arguments.wind_height.factor(wind_factor),
             wind_from_deg: arguments.wind.from_deg.or(arguments.wind_from).unwrap_or(USUAL_WIND_FROM_DEG),
             slope: arguments.slope,
         };
         let (bed, fire) = conditions.burn(&options);
-        Self { conditions, options, bed, fire, azimuths: arguments.azimuths() }
+        let crown = canopy.map(|canopy| {
+            let below = CrownConditions {
+                canopy,
+                foliar_moisture: arguments.trees.foliar_moisture,
+                ground: bed,
+                model_10: model_10(&arguments.moisture, options.curing),
+                wind_20ft_mps: arguments.wind.speed_mps * arguments.wind_height.factor(1.0),
+                toward: compass::unit_from(conditions.wind_from_deg),
+                wind_factor,
+                gradient: conditions.slope.gradient(),
+                options,
+                units: CrownUnits::Exact,
+            };
+            below.burn()
+        });
+        Self { conditions, options, bed, fire, crown, azimuths: arguments.azimuths() }
     }
 
     fn conditions(&self) -> Vec<String> {
         let Conditions { moisture, wind_midflame_mps, wind_from_deg, slope, .. } = &self.conditions;
-        let FuelMoisture { d1, d10, d100, herb, woody } = moisture;
-        let [d1, d10, d100, herb, woody] = [d1, d10, d100, herb, woody].map(|part| short(100.0 * part));
         let wind = match *wind_midflame_mps {
             0.0 => "No wind".to_owned(),
             speed => format!("Wind of {} m/s at the flames, from {}", short(speed), short(*wind_from_deg)),
@@ -224,10 +259,7 @@ impl<'a> BehaviorReport<'a> {
             0.0 => "level ground".to_owned(),
             slope => format!("slope of {} %, uphill to {}", short(100.0 * slope), short(uphill_deg)),
         };
-        vec![
-            format!("{wind}; {slope}"),
-            format!("Moisture of dead fuel {d1}, {d10} and {d100} %, of live grass {herb} %, of live wood {woody} %"),
-        ]
+        vec![format!("{wind}; {slope}"), moisture_words(moisture)]
     }
 
     /// Says why nothing burns, or what its numbers leave out.
@@ -296,6 +328,10 @@ impl From<&BehaviorReport<'_>> for Document {
                 rounded(fire.heat_kj_m2(), 0)
             ),
         ]);
+        if let Some(crown) = &report.crown {
+            document.add(crown::heads_table(crown));
+            document.add_list(crown::sentences(crown));
+        }
         if !azimuths.is_empty() {
             document.add(Block::Table(directions_table(fire, azimuths)));
             document.add(Block::Text(
@@ -350,6 +386,9 @@ impl Serialize for BehaviorReport<'_> {
             dead: self.bed.dead.map(state),
             live: self.bed.live.map(state),
             remarks: self.remarks(),
+            // Only below trees.
+            #[serde(flatten)]
+            crown: Members(self.crown.iter().map(|fire| ("crown", crown::object(fire))).collect()),
             directions: self.azimuths.iter().map(|&azimuth| direction(fire, azimuth)).collect::<Vec<_>>(),
         });
         report.serialize(serializer)

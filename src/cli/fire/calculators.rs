@@ -27,7 +27,8 @@ pub struct TableArguments {
 }
 
 impl TableArguments {
-    fn answer<const N: usize>(
+    /// Writes the table with the answers to its rows.
+    pub fn answer<const N: usize>(
         &self,
         columns: Columns<N>,
         quiet: bool,
@@ -43,7 +44,7 @@ impl TableArguments {
     }
 }
 
-const fn number(name: &'static str, range: RangeInclusive<f64>) -> Column {
+pub const fn number(name: &'static str, range: RangeInclusive<f64>) -> Column {
     Column { name, content: Content::Number(range), without: None }
 }
 

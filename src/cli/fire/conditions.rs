@@ -11,6 +11,7 @@ use crate::cli::fire::options::{
     AZIMUTHS_DEG, DEAD_MOISTURES, LIVE_MOISTURES, SLOPES, SlopeArguments, WINDS_MPS, no_such_fuel,
 };
 use crate::cli::number_table::{Column, Columns, Content, NumberTable, write_answers};
+use wildfire_base::document::number::short;
 use wildfire_base::geometry::compass;
 use wildfire_base::object::Members;
 use wildfire_fire::fuel::FuelModel;
@@ -34,6 +35,12 @@ impl Conditions {
         let fire = bed.behavior(wind, self.slope.gradient(), options);
         (bed, fire)
     }
+}
+
+/// Names the moistures of fuel in percent.
+pub fn moisture_words(&FuelMoisture { d1, d10, d100, herb, woody }: &FuelMoisture) -> String {
+    let [d1, d10, d100, herb, woody] = [d1, d10, d100, herb, woody].map(|part| short(100.0 * part));
+    format!("Moisture of dead fuel {d1}, {d10} and {d100} %, of live grass {herb} %, of live wood {woody} %")
 }
 
 /// A column of a fire, and one of a fire over an azimuth.
@@ -116,10 +123,19 @@ fn columns<'a>(added: &'a [&'static str]) -> Columns<'a, 11> {
     }
 }
 
+/// Returns the fuel model of a row by its number.
+pub fn fuel_model<const N: usize>(
+    table: &NumberTable<N>,
+    column: usize,
+    number: f64,
+) -> Result<&'static FuelModel, CliError> {
+    let model = FuelModel::by_number(number as u8).filter(|_| number.fract() == 0.0);
+    model.ok_or_else(|| table.refuse(column, no_such_fuel(&number.trunc().to_string())))
+}
+
 fn fire(table: &NumberTable<11>, numbers: &[f64; 11], options: &SurfaceOptions) -> Result<SurfaceFire, CliError> {
     let [number, d1, d10, d100, herb, woody, wind_midflame_mps, wind_from_deg, slope, aspect, wind_limit] = *numbers;
-    let model = FuelModel::by_number(number as u8).filter(|_| number.fract() == 0.0);
-    let model = model.ok_or_else(|| table.refuse(NUMBER, no_such_fuel(&number.trunc().to_string())))?;
+    let model = fuel_model(table, NUMBER, number)?;
     let wind_limit = match wind_limit {
         0.0 => WindLimit::None,
         1.0 => WindLimit::Rothermel1972,

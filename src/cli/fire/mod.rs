@@ -6,6 +6,7 @@
 mod behavior;
 mod calculators;
 mod conditions;
+mod crown;
 mod options;
 mod spread;
 
@@ -15,6 +16,7 @@ use clap::Subcommand;
 
 use behavior::BehaviorArguments;
 use calculators::{ContainArguments, MOISTURE_TABLE, SPOTTING_TABLE, TableArguments};
+use crown::CROWN_TABLE;
 use spread::SpreadArguments;
 
 use crate::cli::error::CliError;
@@ -24,7 +26,10 @@ pub enum FireCommand {
     /// Compute rate, intensity, flame length and shape of a fire, by Rothermel's equations.
     Behavior(BehaviorArguments),
     /// Simulate a fire over a landscape without agents: when it reaches each cell.
-    Spread(SpreadArguments),
+    Spread(Box<SpreadArguments>),
+    /// Compute whether fires below trees reach their crowns, and how fast and hot they then are.
+    #[command(after_help = CROWN_TABLE)]
+    Crown(TableArguments),
     /// Look up the moisture of fine dead fuel in Rothermel's tables.
     #[command(after_help = MOISTURE_TABLE)]
     Moisture(TableArguments),
@@ -39,6 +44,7 @@ pub fn run(command: &FireCommand, quiet: bool) -> Result<ExitCode, CliError> {
     match command {
         FireCommand::Behavior(arguments) => behavior::run(arguments, quiet)?,
         FireCommand::Spread(arguments) => spread::run(arguments, quiet)?,
+        FireCommand::Crown(arguments) => crown::run(arguments, quiet)?,
         FireCommand::Moisture(arguments) => calculators::moisture(arguments, quiet)?,
         FireCommand::Contain(arguments) => calculators::contain(arguments, quiet)?,
         FireCommand::Spotting(arguments) => calculators::spotting(arguments, quiet)?,
