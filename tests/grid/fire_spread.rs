@@ -11,10 +11,13 @@ use wildfire::event_queue::EventQueue;
 use wildfire::fire::fuel::FuelModel;
 use wildfire::fire::lone::LoneFire;
 use wildfire::fire::models::{Neighbours, Rothermel, RothermelRules};
+use wildfire::fire::surface::crown::{Canopy, CrownConditions, CrownMethod, CrownRules, FireType, model_10};
 use wildfire::fire::surface::{
     Ellipse, FuelBed, FuelMoisture, SurfaceFire, SurfaceOptions, WindLimit, twenty_foot_wind, unsheltered_adjustment,
 };
-use wildfire::fire::{FireChange, FireEvent, FireField, FireModel, Landscape, Relief, Weather, WeatherInterval};
+use wildfire::fire::{
+    CanopyLayers, FireChange, FireEvent, FireField, FireModel, Landscape, Relief, Weather, WeatherInterval,
+};
 use wildfire::geometry::{Cell, DVec2, FieldFrame, ops};
 use wildfire::time::SimTime;
 
@@ -95,7 +98,7 @@ fn patchwork(frame: FieldFrame, seed: u64, relief: Relief) -> Landscape {
         let Cell { col, row } = frame.cell(index);
         patches[usize::from(col / 4) + 100 * usize::from(row / 4)]
     });
-    Landscape { frame, fuel: fuel.collect(), relief }
+    Landscape { frame, fuel: fuel.collect(), relief, canopy: None }
 }
 
 fn waves(frame: FieldFrame) -> Relief {
@@ -974,4 +977,100 @@ fn fuel_that_is_too_moist_waits_for_dry_weather() {
         let [late, dry] = [&late, &dry].map(|fire| fire.arrival(frame.cell(index)).expect("all burns").as_seconds());
         assert!((late - dry - 900.0).abs() < 1e-6, "{late} {dry}");
     }
+}
+
+const PINES: Canopy = Canopy { height_m: 20.0, base_m: 1.5, bulk_density_kg_m3: 0.2, cover: 0.6 };
+
+fn crowned(method: CrownMethod) -> RothermelRules {
+    let crowns = Some(CrownRules { method, foliar_moisture: 1.0 });
+    RothermelRules { crowns, ..rules(Neighbours::ThirtyTwo) }
+}
+
+/// Trees over timber litter with shrubs, 480 m square, by the place in metres.
+fn wood(cells: u16, canopy: impl Fn(DVec2) -> Canopy) -> Landscape {
+    let frame = square(cells, 480.0 / f64::from(cells));
+    let mut trees = CanopyLayers::uniform(&PINES, frame.cell_count());
+    for index in 0..frame.cell_count() {
+        let here = CanopyLayers::uniform(&canopy(frame.centre(frame.cell(index))), 1);
+        trees.0.iter_mut().zip(here.0).for_each(|(layer, here)| layer[index] = here[0]);
+    }
+    Landscape { canopy: Some(trees), ..Landscape::uniform(frame, 165) }
+}
+
+/// Returns the ellipse of the fire below trees on level ground.
+fn crown_ellipse(canopy: Canopy, wind_mps: DVec2, method: CrownMethod) -> Ellipse {
+    let (rules, moisture) = (crowned(method), FuelMoisture::default());
+    let model = FuelModel::by_number(165).expect("the number is of a model");
+    let ground = (FuelBed::new(model, &moisture, rules.options.curing), model.depth_ft);
+    let ten = model_10(&moisture, rules.options.curing);
+    let crowns = rules.crowns.expect("there are some");
+    let fire = CrownConditions::in_weather(ground, ten, canopy, wind_mps, DVec2::ZERO, rules.options, crowns).burn();
+    fire.spreading(method).ellipse()
+}
+
+#[test]
+fn fires_in_crowns_have_their_ellipse() {
+    let blows = wind(9.0, 20.0);
+    let weather = Weather::constant(blows, FuelMoisture::default());
+    let lit = Cell { col: 40, row: 40 };
+    for (canopy, kind) in [
+        (PINES, FireType::Active),
+        (Canopy { bulk_density_kg_m3: 0.05, ..PINES }, FireType::Passive),
+        (Canopy { base_m: 15.0, bulk_density_kg_m3: 0.02, ..PINES }, FireType::Surface),
+    ] {
+        for method in [CrownMethod::ScottReinhardt, CrownMethod::Rothermel] {
+            let landscape = wood(80, |_| canopy);
+            let mut fire = burn(&landscape, &weather, crowned(method), &[lit], FOR_EVER);
+            let ellipse = crown_ellipse(canopy, blows, method);
+            let mut errors = Vec::new();
+            for cell in (0..landscape.frame.cell_count()).map(|index| landscape.frame.cell(index)) {
+                assert_eq!(fire.fire_type(cell), Some(kind));
+                let exact = ellipse.travel_s(landscape.frame.centre(cell) - landscape.frame.centre(lit));
+                if cell.col > lit.col {
+                    let found = fire.arrival(cell).expect("all burns").as_seconds();
+                    errors.push((found / exact - 1.0).abs());
+                }
+            }
+            let error = errors.iter().sum::<f64>() / errors.len() as f64;
+            assert!(error < 0.01, "{kind:?} {method:?}: {error}");
+        }
+    }
+}
+
+#[test]
+fn trees_without_rules_and_clearings_burn_as_ground_without_trees() {
+    let weather = Weather::constant(wind(9.0, 20.0), FuelMoisture::default());
+    let times = |landscape: &Landscape, rules| {
+        arrivals(&burn(landscape, &weather, rules, &[Cell { col: 40, row: 40 }], FOR_EVER))
+    };
+    let trees = wood(80, |_| PINES);
+    let expected = times(&Landscape { canopy: None, ..trees.clone() }, rules(Neighbours::ThirtyTwo));
+    assert_eq!(times(&trees, rules(Neighbours::ThirtyTwo)), expected);
+    let cleared = wood(80, |_| Canopy { cover: 0.0, ..PINES });
+    for (one, other) in times(&cleared, crowned(CrownMethod::ScottReinhardt)).iter().zip(&expected) {
+        let [one, other] = [one, other].map(|time| time.expect("all burns").as_seconds());
+        assert!((one - other).abs() < 1e-5, "{one} {other}");
+    }
+}
+
+#[test]
+fn fires_below_groves_converge_as_cells_halve() {
+    let weather = Weather::constant(wind(9.0, 0.0), FuelMoisture::default());
+    // Groves, thinned woods and clearings in strips of 60 m across the wind and of 120 m along it.
+    let canopy = |at: DVec2| match (at.x / 60.0) as u32 % 3 + (at.y / 120.0) as u32 % 2 {
+        0 => PINES,
+        1 => Canopy { bulk_density_kg_m3: 0.05, ..PINES },
+        _ => Canopy { cover: 0.0, ..PINES },
+    };
+    let arrivals = [16_u16, 32, 64, 128, 256].map(|cells| {
+        let landscape = wood(cells, canopy);
+        let frame = landscape.frame;
+        let at = |x, y| frame.cell_at(DVec2::new(x, y)).expect("it is inside");
+        let fire = burn(&landscape, &weather, crowned(CrownMethod::ScottReinhardt), &[at(15.0, 255.0)], FOR_EVER);
+        let places = [(465.0, 255.0), (465.0, 75.0), (255.0, 345.0), (225.0, 165.0)];
+        places.map(|(x, y)| fire.arrival(at(x, y)).expect("it burns").as_seconds())
+    });
+    let change = |pair: &[[f64; 4]]| pair[0].iter().zip(pair[1]).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+    let changes: Vec<f64> = arrivals.windows(2).map(change).collect();
+    assert!(changes[3] < 0.5 * changes[0] && changes[3] < 0.02, "as cells halve from 30 m: {changes:?}");
 }

@@ -22,8 +22,11 @@ use wildfire_base::geometry::{Cell, DVec2, FieldFrame, ops};
 use wildfire_base::time::SimTime;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::models::RothermelRules;
+use wildfire_fire::surface::crown::model_10;
 use wildfire_fire::surface::{Ellipse, FuelBed, twenty_foot_wind, unsheltered_adjustment};
 use wildfire_fire::{Landscape, Relief, Weather};
+
+use crate::crown::{self, Below};
 
 /// Later than any time.
 pub const NEVER: u64 = u64::MAX;
@@ -249,7 +252,9 @@ pub struct Arrivals<'a> {
     disc: Vec<Line>,
     /// By interval of the weather and by fuel.
     beds: Vec<Vec<FuelBed>>,
-    /// On a plane: by interval, fuel and line, the disc after the others.
+    /// Fuel model 10 by interval, where there are trees.
+    crown_beds: Vec<FuelBed>,
+    /// On a plane without trees: by interval, fuel and line, the disc after the others.
     plane: Vec<Vec<(Ellipse, Vec<f64>)>>,
     /// Elsewhere, for a part of the cells and intervals: which, and its ellipse.
     kept: Vec<(u64, Ellipse)>,
@@ -284,6 +289,8 @@ impl<'a> Arrivals<'a> {
                 models.iter().map(|model| FuelBed::new(model, &interval.moisture, rules.options.curing)).collect()
             })
             .collect();
+        let has_trees = landscape.canopy.is_some() && rules.crowns.is_some();
+        let with_trees = weather.intervals().iter().filter(|_| has_trees);
         let mut arrivals = Self {
             frame,
             landscape,
@@ -295,11 +302,12 @@ impl<'a> Arrivals<'a> {
             lines,
             disc,
             beds,
+            crown_beds: with_trees.map(|interval| model_10(&interval.moisture, rules.options.curing)).collect(),
             plane: Vec::new(),
             kept: Vec::new(),
         };
         match landscape.relief {
-            Relief::Plane(gradient) => arrivals.plane = arrivals.on_plane(gradient),
+            Relief::Plane(gradient) if !has_trees => arrivals.plane = arrivals.on_plane(gradient),
             _ => {
                 let kept = (frame.cell_count() / 4).next_power_of_two().max(LEAST_KEPT);
                 arrivals.kept = vec![(NEVER, Ellipse::NEVER); kept];
@@ -324,6 +332,18 @@ impl<'a> Arrivals<'a> {
         self.beds[interval][fuel].behavior(midflame, gradient, &self.rules.options).ellipse()
     }
 
+    /// Returns the ellipse of a cell with trees; `None` where there are none.
+    fn below_trees(&self, interval: usize, fuel: usize, cell: Cell, gradient: DVec2) -> Option<Ellipse> {
+        let below = Below {
+            ground: &self.beds[interval][fuel],
+            depth_ft: self.models[fuel].depth_ft,
+            model_10: self.crown_beds.get(interval)?,
+            wind_10m_mps: self.weather.intervals()[interval].wind_mps,
+            gradient,
+        };
+        Some(crown::ellipse(&self.landscape.canopy(cell)?, &below, &self.rules.options, self.rules.crowns?))
+    }
+
     fn ellipse(&mut self, interval: usize, index: usize) -> Ellipse {
         let Some(fuel) = self.fuel[index].map(usize::from) else { return Ellipse::NEVER };
         if let Some(table) = self.plane.get(interval) {
@@ -332,8 +352,11 @@ impl<'a> Arrivals<'a> {
         let key = (interval as u64) << 32 | index as u64;
         let place = (index + 97 * interval) & (self.kept.len() - 1);
         if self.kept[place].0 != key {
-            let gradient = self.landscape.gradient(self.frame.cell(index));
-            self.kept[place] = (key, self.new_ellipse(interval, fuel, gradient));
+            let cell = self.frame.cell(index);
+            let gradient = self.landscape.gradient(cell);
+            let below_trees = self.below_trees(interval, fuel, cell, gradient);
+            let ellipse = below_trees.unwrap_or_else(|| self.new_ellipse(interval, fuel, gradient));
+            self.kept[place] = (key, ellipse);
         }
         self.kept[place].1
     }

@@ -308,7 +308,10 @@ mod tests {
     use wildfire_fire::embers::{EmberSettings, Embers};
     use wildfire_fire::models::{AlexandridisRules, Neighbours, RothermelRules};
     use wildfire_fire::surface::FuelMoisture;
-    use wildfire_fire::{FireChange, FireEvent, FireField, Landscape, Relief, SpreadBy, Weather, WeatherInterval};
+    use wildfire_fire::surface::crown::{CrownMethod, CrownRules};
+    use wildfire_fire::{
+        CanopyLayers, FireChange, FireEvent, FireField, Landscape, Relief, SpreadBy, Weather, WeatherInterval,
+    };
     use wildfire_timeline::{AgentId, AgentStart, Body, Event, Fact, FireFact, GroundEvent, GroundFact, Rules};
 
     const TRUCK: AgentId = AgentId::unimog(0);
@@ -330,7 +333,8 @@ mod tests {
                 _ => 104,
             }
         };
-        let mut landscape = Landscape { frame: FRAME, fuel: (0..FRAME.cell_count()).map(fuel).collect(), relief };
+        let mut landscape =
+            Landscape { frame: FRAME, fuel: (0..FRAME.cell_count()).map(fuel).collect(), relief, canopy: None };
         let bushes: Vec<Cell> = (0..FRAME.cell_count()).step_by(37).map(|index| FRAME.cell(index)).collect();
         bushes.iter().for_each(|&bush| landscape.fuel[FRAME.index(bush)] = 142);
         let weather = (0..6).map(|hour| WeatherInterval {
@@ -368,6 +372,35 @@ mod tests {
                 weather: Arc::new(Weather::new(weather.collect()).expect("it is in order")),
                 rules: RothermelRules { neighbours, burn_out: Some(seconds(90.0)), ..RothermelRules::default() },
             }),
+        }
+    }
+
+    /// The same below trees: groves of all kinds, with clearings between them.
+    fn with_trees(mut setting: Setting, method: CrownMethod) -> Setting {
+        if let Some(SpreadSetting::Rothermel { landscape, rules, .. }) = &mut setting.spread {
+            let cells = FRAME.cell_count();
+            let layer = |of: fn(usize) -> u16| (0..cells).map(|index| of(index / 6 % 10)).collect();
+            let (height, base): (Vec<u16>, Vec<u16>) =
+                (layer(|grove| 20 * grove as u16), layer(|grove| 3 * grove as u16));
+            let trees =
+                CanopyLayers([height, base, layer(|grove| 4 + 5 * grove as u16), layer(|grove| 10 * grove as u16)]);
+            *landscape = Arc::new(Landscape { canopy: Some(trees), ..Landscape::clone(landscape) });
+            rules.crowns = Some(CrownRules { method, foliar_moisture: 0.9 });
+        }
+        setting
+    }
+
+    #[test]
+    fn fires_in_crowns_are_accepted_and_those_of_other_crowns_are_not() {
+        for relief in [Relief::FLAT, hill()] {
+            for method in [CrownMethod::ScottReinhardt, CrownMethod::Rothermel] {
+                let bare = setting(relief.clone(), Neighbours::ThirtyTwo, false);
+                let timeline = burn(with_trees(bare.clone(), method), vec![(0.0, Act::Light(cell(25, 12)))]);
+                assert!(timeline.ground.len() > 300, "{}", timeline.ground.len());
+                assert_eq!(audit_spread(&timeline), Ok(()));
+                let other = Timeline { setting: bare, ..timeline };
+                assert!(audit_spread(&other).is_err());
+            }
         }
     }
 

@@ -4,6 +4,7 @@
 //! and points uphill. Gradients from elevations are those of Horn 1981, "Hill shading and the reflectance map": the
 //! differences of three rows (columns) with weights 1, 2, 1, one-sided at the border.
 
+use crate::surface::crown::Canopy;
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
 
 /// What lies on the cells of a field, by cell index.
@@ -13,6 +14,36 @@ pub struct Landscape {
     /// Numbers of fuel models; 0 where nothing grows.
     pub fuel: Vec<u8>,
     pub relief: Relief,
+    /// Trees above the fuel on the ground, where any are given.
+    pub canopy: Option<CanopyLayers>,
+}
+
+/// Trees by cell index, in the units of LANDFIRE's layers CH, CBH, CBD and CC: the heights of the trees and of the
+/// beginning of their crowns in tenths of metres, the bulk density of the crowns in hundredths of kg/m3, and how much of the
+/// ground they cover in percent.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CanopyLayers(pub [Vec<u16>; 4]);
+
+impl CanopyLayers {
+    /// Of the numbers, by metre, kg/m3 and part of the ground.
+    const UNITS: [f64; 4] = [10.0, 10.0, 100.0, 100.0];
+
+    /// Creates the same trees everywhere; their numbers are rounded to the units.
+    pub fn uniform(canopy: &Canopy, cells: usize) -> Self {
+        let Canopy { height_m, base_m, bulk_density_kg_m3, cover } = *canopy;
+        let mut units = Self::UNITS.into_iter();
+        Self([height_m, base_m, bulk_density_kg_m3, cover].map(|number| {
+            let unit = units.next().expect("there are as many");
+            vec![(number * unit).round() as u16; cells]
+        }))
+    }
+
+    /// Returns the trees of a cell; `None` where there are none.
+    fn canopy(&self, index: usize) -> Option<Canopy> {
+        let [height_m, base_m, bulk_density_kg_m3, cover] =
+            [0, 1, 2, 3].map(|layer| f64::from(self.0[layer][index]) / Self::UNITS[layer]);
+        (height_m > 0.0 && cover > 0.0).then_some(Canopy { height_m, base_m, bulk_density_kg_m3, cover })
+    }
 }
 
 /// How steep the ground is.
@@ -34,12 +65,17 @@ impl Relief {
 impl Landscape {
     /// Creates flat ground with one fuel everywhere.
     pub fn uniform(frame: FieldFrame, fuel: u8) -> Self {
-        Self { frame, fuel: vec![fuel; frame.cell_count()], relief: Relief::FLAT }
+        Self { frame, fuel: vec![fuel; frame.cell_count()], relief: Relief::FLAT, canopy: None }
     }
 
     /// Returns the number of the fuel model of a cell.
     pub fn fuel_number(&self, cell: Cell) -> u8 {
         self.fuel[self.frame.index(cell)]
+    }
+
+    /// Returns the trees of a cell; `None` where there are none.
+    pub fn canopy(&self, cell: Cell) -> Option<Canopy> {
+        self.canopy.as_ref()?.canopy(self.frame.index(cell))
     }
 
     /// Returns the gradient of the ground in a cell: rise per metre to the east and to the north.

@@ -27,7 +27,7 @@ use dyn_clone::DynClone;
 use serde::{Deserialize, Serialize};
 
 pub use field::{BushState, BushStateKind, FireField};
-pub use landscape::{Landscape, Relief};
+pub use landscape::{CanopyLayers, Landscape, Relief};
 pub use weather::{Weather, WeatherInterval, WeatherTableError};
 
 use wildfire_base::geometry::Cell;

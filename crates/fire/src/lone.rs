@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::fuel::FuelModel;
 use super::models::{Rothermel, RothermelRules};
+use super::surface::crown::FireType;
 use super::{FireField, Landscape, Spread, Weather};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
@@ -79,6 +80,13 @@ impl LoneFire {
     /// Returns when a cell caught fire.
     pub fn arrival(&self, cell: Cell) -> Option<SimTime> {
         self.fires.ignited_at(cell)
+    }
+
+    /// Returns the kind of fire that came to a cell with trees; without trees it is a surface fire, and `None` where nothing
+    /// burned.
+    pub fn fire_type(&mut self, cell: Cell) -> Option<FireType> {
+        let time = self.arrival(cell)?;
+        Some(self.model.fire_type(cell, time).unwrap_or(FireType::Surface))
     }
 
     /// Returns the cell from which the fire came to one, the cell itself if it was lit; `None` where nothing burned.

@@ -16,6 +16,7 @@ use wildfire_base::geometry::{Cell, DVec2, FieldFrame, compass};
 use wildfire_base::time::SimTime;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::models::RothermelRules;
+use wildfire_fire::surface::crown::{CrownConditions, model_10};
 use wildfire_fire::surface::{FuelBed, SurfaceFire, flame_length_m, twenty_foot_wind, unsheltered_adjustment};
 use wildfire_fire::{Landscape, Relief, Weather};
 
@@ -174,13 +175,23 @@ impl<'a> LocalFires<'a> {
     /// Returns the fire of a cell that the front reaches at a time; `None` where nothing can burn.
     fn at(&mut self, cell: Cell, time: SimTime) -> Option<SurfaceFire> {
         let Self { landscape, weather, rules, .. } = *self;
-        let place = weather.interval_at(time) * FUELS + usize::from(landscape.fuel_number(cell));
-        let is_plane = matches!(landscape.relief, Relief::Plane(_));
+        let interval = weather.interval_at(time);
+        let place = interval * FUELS + usize::from(landscape.fuel_number(cell));
+        let trees = rules.crowns.zip(landscape.canopy(cell));
+        let is_plane = matches!(landscape.relief, Relief::Plane(_)) && trees.is_none();
         if let Some(fire) = self.level[place].filter(|_| is_plane) {
             return Some(fire);
         }
         let (bed, wind) = self.beds[place].as_ref()?;
-        let fire = bed.behavior(*wind, landscape.gradient(cell), &rules.options);
+        let gradient = landscape.gradient(cell);
+        if let Some((crowns, canopy)) = trees {
+            let ground = (*bed, FuelModel::by_number(landscape.fuel_number(cell))?.depth_ft);
+            let (weather, options) = (&weather.intervals()[interval], rules.options);
+            let (ten, wind) = (model_10(&weather.moisture, options.curing), weather.wind_mps);
+            let below = CrownConditions::in_weather(ground, ten, canopy, wind, gradient, options, crowns);
+            return Some(below.burn().spreading(crowns.method));
+        }
+        let fire = bed.behavior(*wind, gradient, &rules.options);
         self.level[place] = is_plane.then_some(fire);
         Some(fire)
     }

@@ -98,7 +98,7 @@ mod tests {
                 _ => 102,
             }
         });
-        Landscape { fuel: fuel.collect(), relief: Relief::Elevation(heights.collect()), frame: FRAME }
+        Landscape { fuel: fuel.collect(), relief: Relief::Elevation(heights.collect()), frame: FRAME, canopy: None }
     }
 
     fn arrivals() -> Vec<f64> {

@@ -47,7 +47,15 @@ const DECIDED: [(&[&str], &[&str], &str); 5] = [
     (&["field.size_m"], &["landscape.image"], "an image has a pixel for each cell"),
     (
         &["field.size_m", "field.cell_m"],
-        &[FUEL_MAP, ELEVATION, SLOPE],
+        &[
+            FUEL_MAP,
+            ELEVATION,
+            SLOPE,
+            "fire.crowns.height_map",
+            "fire.crowns.base_map",
+            "fire.crowns.density_map",
+            "fire.crowns.cover_map",
+        ],
         "a raster sets the size of the field and its cells itself",
     ),
 ];

@@ -13,6 +13,7 @@ use wildfire_base::time::SimTime;
 use wildfire_fire::FireRules;
 use wildfire_fire::embers::{EmberSettings, Embers};
 use wildfire_fire::models::{AlexandridisRules, RothermelRules};
+use wildfire_fire::surface::crown::CrownSettings;
 
 /// The most pairs of a burning cell and a piece of a row in its radius.
 const MAX_SPREAD_PAIRS: f64 = 1e9;
@@ -46,6 +47,9 @@ pub struct Fire {
     /// Embers of the model `rothermel`; without this table there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub embers: Option<EmberSettings>,
+    /// Trees of the model `rothermel` and fire in their crowns; without this table there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crowns: Option<CrownSettings>,
 }
 
 /// The fire models by their names.
@@ -73,6 +77,7 @@ impl Default for Fire {
             rothermel: None,
             alexandridis: None,
             embers: None,
+            crowns: None,
         }
     }
 }
@@ -124,6 +129,11 @@ impl Fire {
         if self.model == FireModelName::Rothermel { self.rothermel.as_ref() } else { None }
     }
 
+    /// Returns the trees and the fire in their crowns, in the model `rothermel`.
+    pub(super) fn crowns(&self) -> Option<&CrownSettings> {
+        self.crowns.as_ref().filter(|_| self.model == FireModelName::Rothermel)
+    }
+
     /// Returns true if Wumpuses light ground as well as bushes.
     pub fn lights_ground(&self) -> bool {
         self.rothermel().is_some_and(|settings| settings.lights_ground)
@@ -144,6 +154,7 @@ impl Fire {
             wet: SimTime::from_seconds(settings.wet_s),
             burn_out: self.burn_out_s.map(SimTime::from_seconds),
             embers: self.embers.map(|settings| Embers { settings, seed }),
+            crowns: self.crowns.as_ref().map(CrownSettings::rules),
         })
     }
 
@@ -176,9 +187,9 @@ impl Fire {
     /// Names the settings that the chosen model does not use.
     pub(super) fn unused(&self) -> &'static [&'static str] {
         match self.model {
-            FireModelName::Radius => &["rothermel", "alexandridis", "embers"],
+            FireModelName::Radius => &["rothermel", "alexandridis", "embers", "crowns"],
             FireModelName::Rothermel => &["spread_delay_s", "spread_radius_m", "spread_from", "alexandridis"],
-            FireModelName::Alexandridis => &["spread_delay_s", "spread_radius_m", "spread_from", "embers"],
+            FireModelName::Alexandridis => &["spread_delay_s", "spread_radius_m", "spread_from", "embers", "crowns"],
         }
     }
 
@@ -186,6 +197,9 @@ impl Fire {
     pub(super) fn warn(&self, frame: &FieldFrame, found: &mut Vec<String>) {
         if self.embers.is_some() && self.model != FireModelName::Rothermel {
             found.push("`[fire.embers]` has no effect: only the model `rothermel` has embers.".to_owned());
+        }
+        if self.crowns.is_some() && self.model != FireModelName::Rothermel {
+            found.push("`[fire.crowns]` has no effect: only the model `rothermel` has trees.".to_owned());
         }
         if self.model != FireModelName::Radius {
             return;
@@ -205,5 +219,5 @@ impl Fire {
 
 ranges! { Fire {
     spread_delay_s: 0.0..=1e6, spread_radius_m: 0.0..=1e6, burn_out_s: 0.001..=1e6;
-    rothermel, alexandridis, embers
+    rothermel, alexandridis, embers, crowns
 } and Self::check_work }

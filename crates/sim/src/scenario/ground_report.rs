@@ -65,6 +65,10 @@ pub fn describe_ground(scenario: &Scenario, terrain: &Terrain) -> Vec<String> {
         listed.push(format!("nothing {} %", percent(empty as f64 / cells)));
     }
     let mut lines = vec![format!("Fuels by share: {}.", listed.join(", ")), describe_relief(landscape)];
+    if landscape.canopy.is_some() {
+        let trees = (0..landscape.fuel.len()).filter(|&index| landscape.canopy(landscape.frame.cell(index)).is_some());
+        lines.push(format!("Trees on {} % of the cells.", percent(trees.count() as f64 / cells)));
+    }
     let blocked = terrain.blocked.len();
     if blocked > 0 {
         let usual = LandscapeSettings::default();

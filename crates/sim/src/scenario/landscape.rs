@@ -20,7 +20,7 @@ use super::{FireModelName, Scenario};
 use wildfire_base::geometry::{Cell, FieldFrame, compass, ops};
 use wildfire_base::ranges;
 use wildfire_fire::fuel::FuelModel;
-use wildfire_fire::{Landscape, Relief};
+use wildfire_fire::{CanopyLayers, Landscape, Relief};
 use wildfire_grid::Grid;
 
 /// The most colours of a legend.
@@ -164,7 +164,14 @@ pub fn ground(scenario: &Scenario, seed: u64, frame: FieldFrame, mut fuel: Vec<u
             blocked.push(frame.cell(index));
         }
     }
-    Ground { landscape: Landscape { frame, fuel, relief: relief(scenario, settings, seed, &frame) }, blocked }
+    let canopy = scenario.fire.crowns().map(|crowns| {
+        let mut trees = CanopyLayers::uniform(&crowns.canopy(), frame.cell_count());
+        if let Some(given) = &settings.given {
+            given.plant(&mut trees);
+        }
+        trees
+    });
+    Ground { landscape: Landscape { frame, fuel, relief: relief(scenario, settings, seed, &frame), canopy }, blocked }
 }
 
 fn relief(scenario: &Scenario, settings: &LandscapeSettings, seed: u64, frame: &FieldFrame) -> Relief {
@@ -207,6 +214,31 @@ mod tests {
         let path = folder.join("mine.toml");
         load(path.to_str().expect("plain"), &[])
             .map_err(|error| format!("{error} at {}", error.location.as_ref().expect("a place")))
+    }
+
+    #[test]
+    fn trees_are_numbers_or_rasters_in_the_units_of_landfire_and_only_there_on_request() {
+        let folder = tempfile::tempdir().expect("a scratch folder");
+        let trees = |text: &str| {
+            let text = format!("{FIRE}[fire.rothermel]\nfuel_map = \"fuel.asc\"\n{text}\n[field]\ncoverage = 0\n");
+            let scenario = loaded(folder.path(), &text)?;
+            let json = serde_json::to_string(&scenario).expect("scenarios are text and numbers");
+            let frozen: Scenario = serde_json::from_str(&json).expect("it was written so");
+            assert!(frozen == scenario && frozen.check().is_ok());
+            let landscape = Terrain::from_scenario(&frozen, 1).expect("it needs no drawing").landscape;
+            Ok::<_, String>((landscape.expect("the ground burns"), json))
+        };
+        let north = Cell { col: 0, row: 3 };
+        let (landscape, json) = trees("").expect("it is right");
+        assert!(landscape.canopy.is_none() && !json.contains("crowns") && !json.contains("canopy"));
+        let (landscape, _) = trees("[fire.crowns]\nheight_map = \"dem.asc\"\nbase_m = 1.5").expect("it is right");
+        let canopy = landscape.canopy(north).expect("there are trees");
+        assert_eq!((canopy.height_m, canopy.base_m, canopy.bulk_density_kg_m3, canopy.cover), (30.0, 1.5, 0.1, 0.5));
+        assert_eq!(landscape.canopy(Cell { row: 0, ..north }).expect("there are trees").height_m, 28.5);
+        let refusal = trees("[fire.crowns]\ncover_map = \"dem.asc\"").expect_err("it is no percentage");
+        assert!(refusal.contains("row 0, column 0: found 300, expected the cover of crowns in percent"), "{refusal}");
+        let refusal = trees("[fire.crowns]\ncover = 50").expect_err("it is no share");
+        assert!(refusal.contains("cover"), "{refusal}");
     }
 
     #[test]

@@ -13,8 +13,8 @@ use miniz_oxide::inflate::decompress_to_vec_with_limit;
 use serde::{Deserialize, Serialize};
 
 use wildfire_base::geometry::{FieldFrame, compass, ops};
-use wildfire_fire::Relief;
 use wildfire_fire::fuel::FuelModel;
+use wildfire_fire::{CanopyLayers, Relief};
 use wildfire_grid::map_files::raster::{self, GeoKeys, MAX_RASTER_CELLS, MAX_RASTER_SIDE, Raster};
 
 /// The effort of packing, as zlib counts it.
@@ -50,6 +50,13 @@ pub struct GivenLayers {
     /// Rise over run to the east and to the north.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     gradient: Option<[PackedLayer; 2]>,
+    /// Those of [`CanopyLayers`].
+    #[serde(default, skip_serializing_if = "is_without_trees")]
+    canopy: [Option<PackedLayer>; 4],
+}
+
+fn is_without_trees(canopy: &[Option<PackedLayer>; 4]) -> bool {
+    canopy.iter().all(Option::is_none)
 }
 
 /// How likely each cell is to catch fire by itself, beside the others.
@@ -104,7 +111,17 @@ pub enum LayerKind {
     Elevation,
     Slope,
     Aspect,
+    /// A layer of [`CanopyLayers`], by its place there.
+    Canopy(usize),
 }
+
+/// The greatest number of each layer of trees, and what it holds.
+const CANOPY: [(f32, &str); 4] = [
+    (1500.0, "the height of trees in tenths of metres, whole, from 0 to 1500"),
+    (1500.0, "the height of the base of crowns in tenths of metres, whole, from 0 to 1500"),
+    (1000.0, "the density of crowns in hundredths of kg/m3, whole, from 0 to 1000"),
+    (100.0, "the cover of crowns in percent, whole, from 0 to 100"),
+];
 
 /// Layers while their files are being read.
 #[derive(Default)]
@@ -115,6 +132,7 @@ pub struct LayerReader {
     elevation: Option<Vec<f32>>,
     slope: Option<Vec<f32>>,
     aspect: Option<Vec<f32>>,
+    canopy: [Option<Vec<f32>>; 4],
 }
 
 impl LayerReader {
@@ -144,6 +162,7 @@ impl LayerReader {
             LayerKind::Elevation => self.elevation = Some(values),
             LayerKind::Slope => self.slope = Some(values),
             LayerKind::Aspect => self.aspect = Some(values),
+            LayerKind::Canopy(place) => self.canopy[place] = Some(values),
         }
         if self.first.is_none() {
             self.first = Some((Raster { values: Vec::new(), ..raster }, name));
@@ -167,6 +186,7 @@ impl LayerReader {
             fuel: self.fuel.as_deref().map(PackedLayer::from_bytes),
             elevation: self.elevation.as_deref().map(PackedLayer::from_numbers),
             gradient,
+            canopy: self.canopy.map(|layer| layer.as_deref().map(PackedLayer::from_numbers)),
         })
     }
 }
@@ -214,6 +234,8 @@ impl LayerKind {
             Self::Slope => Some("a slope from 0 to 90 degrees (is this percent?)"),
             Self::Aspect if value == FLAT || (0.0..=360.0).contains(&value) => None,
             Self::Aspect => Some("a compass azimuth from 0 to 360 degrees, or -1 where the ground is flat"),
+            Self::Canopy(place) if value.fract() == 0.0 && (0.0..=CANOPY[place].0).contains(&value) => None,
+            Self::Canopy(place) => Some(CANOPY[place].1),
         }
     }
 }
@@ -244,6 +266,16 @@ impl GivenLayers {
         Some(Relief::Gradient(east.into_iter().zip(north).map(|(east, north)| [east, north]).collect()))
     }
 
+    /// Puts the trees that files give in place of others.
+    pub fn plant(&self, trees: &mut CanopyLayers) {
+        for (layer, numbers) in self.canopy.iter().zip(&mut trees.0) {
+            if let Some(layer) = layer {
+                let given = layer.numbers(self.frame.cell_count()).expect("it was checked");
+                *numbers = given.into_iter().map(|number| number as u16).collect();
+            }
+        }
+    }
+
     /// Says whether files give the fuel, and whether they give the relief.
     pub fn gives(&self) -> (bool, bool) {
         (self.fuel.is_some(), self.elevation.is_some() || self.gradient.is_some())
@@ -264,6 +296,7 @@ impl GivenLayers {
             |layer: &PackedLayer| layer.numbers(cells).is_some_and(|numbers| numbers.iter().all(|n| n.is_finite()));
         self.fuel.as_ref().is_none_or(fuel_fits)
             && self.elevation.iter().chain(self.gradient.iter().flatten()).all(numbers_fit)
+            && self.canopy.iter().flatten().all(numbers_fit)
     }
 
     /// Returns the same with fuel that no raster gives.
@@ -274,7 +307,16 @@ impl GivenLayers {
     /// Creates layers of fuel alone, such as an image gives.
     pub(super) fn from_fuel(frame: FieldFrame, fuel: &[u8]) -> Self {
         let fuel = Some(PackedLayer::from_bytes(fuel));
-        Self { frame, west_m: 0.0, south_m: 0.0, crs: None, fuel, elevation: None, gradient: None }
+        Self {
+            frame,
+            west_m: 0.0,
+            south_m: 0.0,
+            crs: None,
+            fuel,
+            elevation: None,
+            gradient: None,
+            canopy: [const { None }; 4],
+        }
     }
 }
 

@@ -228,18 +228,28 @@ impl WrittenScenario<'_> {
     /// Reads the files of a landscape, and gives the field their frame.
     fn load_landscape(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
         let mut reader = LayerReader::default();
+        let mut files = Vec::new();
         if let Some(settings) = &scenario.fire.rothermel {
-            for (kind, key, file) in [
-                (LayerKind::Fuel, "fuel_map", &settings.fuel_map),
-                (LayerKind::Elevation, "elevation", &settings.elevation),
-                (LayerKind::Slope, "slope", &settings.slope),
-                (LayerKind::Aspect, "aspect", &settings.aspect),
-            ] {
-                let path = FieldPath::parse("fire.rothermel").join(PathStep::key(key));
-                if let Some(file) = file {
-                    let read = reader.read(kind, &self.file(&path, file));
-                    read.map_err(|message| self.rule(&path, message))?;
-                }
+            files.extend([
+                (LayerKind::Fuel, "fire.rothermel.fuel_map", &settings.fuel_map),
+                (LayerKind::Elevation, "fire.rothermel.elevation", &settings.elevation),
+                (LayerKind::Slope, "fire.rothermel.slope", &settings.slope),
+                (LayerKind::Aspect, "fire.rothermel.aspect", &settings.aspect),
+            ]);
+        }
+        if let Some(settings) = scenario.fire.crowns() {
+            files.extend([
+                (LayerKind::Canopy(0), "fire.crowns.height_map", &settings.height_map),
+                (LayerKind::Canopy(1), "fire.crowns.base_map", &settings.base_map),
+                (LayerKind::Canopy(2), "fire.crowns.density_map", &settings.density_map),
+                (LayerKind::Canopy(3), "fire.crowns.cover_map", &settings.cover_map),
+            ]);
+        }
+        for (kind, path, file) in files {
+            if let Some(file) = file {
+                let path = FieldPath::parse(path);
+                let read = reader.read(kind, &self.file(&path, file));
+                read.map_err(|message| self.rule(&path, message))?;
             }
         }
         let mut layers = reader.finish();

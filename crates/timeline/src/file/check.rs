@@ -116,6 +116,9 @@ fn check_spread(spread: &SpreadSetting, frame: FieldFrame) -> Result<(), FileErr
     require(weather.intervals().iter().all(is_weather), || "its weather is not finite".into())?;
     match spread {
         SpreadSetting::Rothermel { rules, .. } => {
+            if rules.crowns.is_some_and(|crowns| !(0.0..=5.0).contains(&crowns.foliar_moisture)) {
+                return Err(FileError::Impossible("its trees have an impossible foliar moisture".into()));
+            }
             let embers = rules.embers.map_or(Ok(()), |embers| embers.settings.check(&frame));
             embers.map_err(|OutOfRange { name, found, expected }| {
                 FileError::Impossible(format!("its embers have {name} {found}, expected {expected}"))

@@ -269,7 +269,8 @@ mod tests {
     use wildfire_fire::lone::LoneFire;
     use wildfire_fire::models::RothermelRules;
     use wildfire_fire::surface::FuelMoisture;
-    use wildfire_fire::{Landscape, Relief, Weather};
+    use wildfire_fire::surface::crown::{CrownMethod, CrownRules};
+    use wildfire_fire::{CanopyLayers, Landscape, Relief, Weather};
 
     fn tiny(events: Vec<Event>) -> Timeline {
         Timeline { setting: sample::small_setting(&[WUMPUS, TRUCK]), events, ground: Vec::new() }
@@ -580,7 +581,7 @@ mod tests {
         };
         let cells = 0..frame.cell_count();
         let relief = Relief::Elevation(cells.clone().map(height).collect());
-        let landscape = Arc::new(Landscape { frame, fuel: cells.map(fuel).collect(), relief });
+        let landscape = Arc::new(Landscape { frame, fuel: cells.map(fuel).collect(), relief, canopy: None });
         let weather = Arc::new(Weather::constant(DVec2::new(3.0, 1.0), FuelMoisture::default()));
         let rules = RothermelRules::default();
         let start = (SimTime::ZERO, Cell { col: 300, row: 450 });
@@ -597,6 +598,21 @@ mod tests {
         let mut ground: Vec<GroundEvent> = (0..frame.cell_count()).filter_map(ignition).collect();
         ground.sort_by_key(|event| event.time);
         Timeline { setting, events: Vec::new(), ground }
+    }
+
+    #[test]
+    fn trees_are_kept_and_landscapes_without_any_are_written_as_before() {
+        let mut timeline = sample::on_ground();
+        let bare = encode(&timeline).expect("it is a possible run");
+        let Some(SpreadSetting::Rothermel { landscape, rules, .. }) = &mut timeline.setting.spread else {
+            panic!("the sample burns by Rothermel's equations")
+        };
+        let layer = |least: u16| (0..landscape.fuel.len()).map(|index| least + (index % 7) as u16).collect();
+        let canopy = Some(CanopyLayers([150, 20, 9, 50].map(layer)));
+        *landscape = Arc::new(Landscape { canopy, ..Landscape::clone(landscape) });
+        rules.crowns = Some(CrownRules { method: CrownMethod::Rothermel, foliar_moisture: 0.9 });
+        let bytes = encode(&timeline).expect("it is a possible run");
+        assert!(decode(&bytes).expect("it was just written") == timeline && bytes.len() > bare.len());
     }
 
     #[test]

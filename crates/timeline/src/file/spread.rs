@@ -13,8 +13,9 @@ use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
 use wildfire_base::time::SimTime;
 use wildfire_fire::embers::{EmberSettings, Embers};
 use wildfire_fire::models::{AlexandridisRules, Density, Neighbours, RothermelRules, Vegetation};
+use wildfire_fire::surface::crown::{CrownMethod, CrownRules};
 use wildfire_fire::surface::{Combine, Curing, FuelMoisture, LengthToWidth, SurfaceOptions, WindLimit};
-use wildfire_fire::{Landscape, Relief, Weather, WeatherInterval};
+use wildfire_fire::{CanopyLayers, Landscape, Relief, Weather, WeatherInterval};
 
 const NO_LANDSCAPE: FileError = FileError::Damaged("its landscape does not fit its field");
 const NO_WORD: FileError = FileError::Damaged("a choice of its fire is unknown");
@@ -31,6 +32,16 @@ pub struct GroundSetting {
 enum SpreadRecord {
     Rothermel { landscape: LandscapeRecord, weather: Vec<IntervalRecord>, rules: RothermelRecord },
     Alexandridis { landscape: LandscapeRecord, weather: Vec<IntervalRecord>, rules: AlexandridisRecord },
+    RothermelWithTrees(Box<(LandscapeRecord, Vec<IntervalRecord>, RothermelRecord, TreeRecord)>),
+}
+
+#[derive(Serialize, Deserialize)]
+struct TreeRecord {
+    /// Place in the list of methods below.
+    method: u8,
+    foliar_moisture: f64,
+    /// Heights of trees and of the beginning of crowns, their density and cover, in LANDFIRE's units.
+    layers: [SurfaceRecord; 4],
 }
 
 #[derive(Serialize, Deserialize)]
@@ -100,6 +111,8 @@ const COMBINES: [Combine; 2] = [Combine::Plane, Combine::Flat];
 const WIND_LIMITS: [WindLimit; 3] = [WindLimit::None, WindLimit::Rothermel1972, WindLimit::Andrews2013];
 const LENGTHS_TO_WIDTHS: [LengthToWidth; 2] = [LengthToWidth::Anderson1983, LengthToWidth::Linear];
 
+const CROWN_METHODS: [CrownMethod; 2] = [CrownMethod::ScottReinhardt, CrownMethod::Rothermel];
+
 const VEGETATIONS: [Vegetation; 3] = [Vegetation::Agricultural, Vegetation::Thickets, Vegetation::Pine];
 const DENSITIES: [Density; 3] = [Density::Sparse, Density::Normal, Density::Dense];
 
@@ -114,11 +127,16 @@ fn word_at<T: Copy>(words: &[T], place: u8) -> Result<T, FileError> {
 impl From<&Setting> for GroundSetting {
     fn from(setting: &Setting) -> Self {
         let spread = setting.spread.as_ref().map(|spread| match spread {
-            SpreadSetting::Rothermel { landscape, weather, rules } => SpreadRecord::Rothermel {
-                landscape: LandscapeRecord::from(&**landscape),
-                weather: weather.intervals().iter().map(IntervalRecord::from).collect(),
-                rules: RothermelRecord::from(rules),
-            },
+            SpreadSetting::Rothermel { landscape, weather, rules } => {
+                let trees = landscape.canopy.as_ref().zip(rules.crowns);
+                let trees = trees.map(|(trees, rules)| TreeRecord::new(trees, rules, landscape.frame));
+                let (landscape, rules) = (LandscapeRecord::from(&**landscape), RothermelRecord::from(rules));
+                let weather = weather.intervals().iter().map(IntervalRecord::from).collect();
+                match trees {
+                    Some(trees) => SpreadRecord::RothermelWithTrees(Box::new((landscape, weather, rules, trees))),
+                    None => SpreadRecord::Rothermel { landscape, weather, rules },
+                }
+            }
             SpreadSetting::Alexandridis { landscape, weather, rules } => SpreadRecord::Alexandridis {
                 landscape: LandscapeRecord::from(&**landscape),
                 weather: weather.intervals().iter().map(IntervalRecord::from).collect(),
@@ -143,6 +161,15 @@ impl GroundSetting {
                 weather: Arc::new(weather_of(weather)?),
                 rules: rules.rules()?,
             }),
+            SpreadRecord::RothermelWithTrees(wood) => {
+                let (landscape, weather, rules, trees) = &**wood;
+                let canopy = Some(trees.layers(frame)?);
+                Ok(SpreadSetting::Rothermel {
+                    landscape: Arc::new(Landscape { canopy, ..landscape.landscape(frame)? }),
+                    weather: Arc::new(weather_of(weather)?),
+                    rules: RothermelRules { crowns: Some(trees.rules()?), ..rules.rules()? },
+                })
+            }
             SpreadRecord::Alexandridis { landscape, weather, rules } => Ok(SpreadSetting::Alexandridis {
                 landscape: Arc::new(landscape.landscape(frame)?),
                 weather: Arc::new(weather_of(weather)?),
@@ -195,7 +222,28 @@ impl LandscapeRecord {
                 Relief::Gradient(east.into_iter().zip(north).map(|(east, north)| [east, north]).collect())
             }
         };
-        Ok(Landscape { frame, fuel, relief })
+        Ok(Landscape { frame, fuel, relief, canopy: None })
+    }
+}
+
+impl TreeRecord {
+    fn new(trees: &CanopyLayers, rules: CrownRules, frame: FieldFrame) -> Self {
+        let cols = usize::from(frame.cols);
+        let layer = |layer: &Vec<u16>| SurfaceRecord::new(cols, layer.iter().map(|&number| f32::from(number)));
+        let CrownRules { method, foliar_moisture } = rules;
+        Self { method: place_of(&CROWN_METHODS, method), foliar_moisture, layers: trees.0.each_ref().map(layer) }
+    }
+
+    fn layers(&self, frame: FieldFrame) -> Result<CanopyLayers, FileError> {
+        let mut layers = [const { Vec::new() }; 4];
+        for (layer, record) in layers.iter_mut().zip(&self.layers) {
+            *layer = record.numbers(frame)?.into_iter().map(|number| number as u16).collect();
+        }
+        Ok(CanopyLayers(layers))
+    }
+
+    fn rules(&self) -> Result<CrownRules, FileError> {
+        Ok(CrownRules { method: word_at(&CROWN_METHODS, self.method)?, foliar_moisture: self.foliar_moisture })
     }
 }
 
@@ -232,7 +280,7 @@ fn weather_of(records: &[IntervalRecord]) -> Result<Weather, FileError> {
 }
 
 impl From<&RothermelRules> for RothermelRecord {
-    fn from(&RothermelRules { options, neighbours, wet, burn_out, embers }: &RothermelRules) -> Self {
+    fn from(&RothermelRules { options, neighbours, wet, burn_out, embers, .. }: &RothermelRules) -> Self {
         let SurfaceOptions { curing, combine, wind_limit, length_to_width } = options;
         Self {
             choices: [
@@ -296,6 +344,6 @@ impl RothermelRecord {
         let neighbours = Neighbours::try_from(self.neighbours).map_err(|_| NO_WORD)?;
         let (wet, burn_out) = (SimTime::from_nanos(self.wet_ns), self.burn_out_ns.map(SimTime::from_nanos));
         let embers = self.embers.as_ref().map(EmberRecord::embers);
-        Ok(RothermelRules { options, neighbours, wet, burn_out, embers })
+        Ok(RothermelRules { options, neighbours, wet, burn_out, embers, crowns: None })
     }
 }

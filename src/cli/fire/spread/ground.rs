@@ -34,12 +34,13 @@ impl<'a> GroundSources<'a> {
             return Err(CliError::bad_input("--fuel is missing; expected a fuel model or a raster", Some(help)));
         };
         let elevation = arguments.elevation.as_deref().map(|path| (LayerKind::Elevation, path));
+        let mut rasters: Vec<_> = elevation.into_iter().chain(arguments.canopy.rasters()).collect();
         if let Some(model) = FuelModel::by_name(name.trim()) {
-            return Ok(Self { fuel: model.number, rasters: Vec::from_iter(elevation) });
+            return Ok(Self { fuel: model.number, rasters });
         }
         let path = Path::new(name);
         if path.extension().is_some() || path.exists() {
-            let rasters = [(LayerKind::Fuel, path)].into_iter().chain(elevation).collect();
+            rasters.insert(0, (LayerKind::Fuel, path));
             return Ok(Self { fuel: 0, rasters });
         }
         let expected = no_such_fuel(name);
@@ -66,10 +67,12 @@ impl<'a> GroundSources<'a> {
         }
         let fuel = layers.as_ref().and_then(GivenLayers::fuel);
         let relief = layers.as_ref().and_then(GivenLayers::relief);
+        let canopy = arguments.canopy.trees(frame.cell_count(), layers.as_ref());
         let landscape = Landscape {
             frame,
             fuel: fuel.unwrap_or_else(|| vec![self.fuel; frame.cell_count()]),
             relief: relief.unwrap_or_else(|| Relief::Plane(arguments.slope.gradient())),
+            canopy,
         };
         let (west_m, south_m, crs) =
             layers.map_or((0.0, 0.0, None), |layers| (layers.west_m, layers.south_m, layers.crs));

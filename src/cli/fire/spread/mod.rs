@@ -2,6 +2,7 @@
 
 mod automaton;
 mod automaton_arguments;
+mod canopy;
 mod ground;
 mod report;
 mod rothermel;
@@ -12,6 +13,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use automaton_arguments::AutomatonArguments;
+use canopy::CanopyArguments;
 
 use super::options::{ChoiceArguments, MOST_SECONDS, SlopeArguments, WindStep, WindSteps, cell, moisture, wind_steps};
 use crate::cli::error::CliError;
@@ -49,6 +51,8 @@ Examples:
 --wind 0:2.22@270,4800:2.22@180 --duration 9600 --arrival arrival.asc
   wildfire fire spread --fuel fuel.tif --elevation dem.tif --wind 4@250 \
 --ignite 120,80 --ignite 300,90@600 --duration 7200 --json
+  wildfire fire spread --fuel TU5 --wind 9@270 --canopy-height ch.tif --canopy-base cbh.tif \
+--canopy-density cbd.tif --canopy-cover cc.tif --fire-type type.tif
   wildfire fire spread --model alexandridis --rows 121 --cols 121 --steps 40 --runs 1000
   wildfire fire spread --model alexandridis --p0 0.3 --wind 8@270 --areas areas.csv")]
 pub struct SpreadArguments {
@@ -91,6 +95,8 @@ pub struct SpreadArguments {
     /// Duration of the fire in seconds.
     #[arg(long, value_name = "TIME", default_value = "3600", allow_hyphen_values = true, value_parser = time_s)]
     pub duration: f64,
+    #[command(flatten)]
+    pub canopy: CanopyArguments,
     /// Neighbours that fire reaches in a straight line: 8, 16 or 32.
     #[arg(long, value_name = "N", default_value = "32", value_parser = neighbours)]
     pub neighbours: Neighbours,
@@ -204,8 +210,9 @@ impl SpreadArguments {
             }
             ModelName::Alexandridis => {
                 let rasters = [("--fuel", self.fuel.is_some()), ("--elevation", self.elevation.is_some())];
+                let trees = [("--canopy-height", self.canopy.canopy_height.is_some())];
                 let outputs = [("--arrival", self.arrival.is_some()), ("--png", self.png.is_some())];
-                ([rasters, outputs].concat(), "rothermel")
+                ([&rasters[..], &trees, &outputs].concat(), "rothermel")
             }
         };
         match given.iter().find(|(_, is_given)| *is_given) {

@@ -8,11 +8,13 @@ use super::SpreadArguments;
 use wildfire_base::document::number::{count, percent, rounded, short};
 use wildfire_base::document::{Document, Table};
 use wildfire_base::geometry::{Cell, compass};
+use wildfire_base::object::Members;
 use wildfire_base::time::SimTime;
 use wildfire_batch::PROGRAM_VERSION;
 use wildfire_fire::Landscape;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::lone::LoneFire;
+use wildfire_fire::surface::crown::FireType;
 use wildfire_fire::surface::{FuelBed, FuelMoisture, SurfaceOptions};
 
 /// What is said of a fire.
@@ -45,6 +47,9 @@ pub struct SpreadReport {
     last_arrival_s: Option<f64>,
     /// The cell that is farthest from the nearest ignition.
     farthest: Option<Farthest>,
+    /// Burned cells by the kind of fire, where there are trees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fire_types: Option<Members<&'static str, usize>>,
     /// Along the sides of cells, inner borders included.
     perimeter_m: f64,
     cpu_s: f64,
@@ -91,6 +96,7 @@ impl SpreadReport {
         fire: &mut LoneFire,
         ignitions: &[(SimTime, Cell)],
         cpu: Duration,
+        fire_types: &[f64],
     ) -> Self {
         let has_ended = fire.next_arrival().is_none();
         let fire = &*fire;
@@ -111,6 +117,8 @@ impl SpreadReport {
             .iter()
             .filter_map(|share| FuelModel::by_number(share.number))
             .filter(|model| model.burns() && !FuelBed::new(model, &arguments.moisture, options.curing).burns());
+        let by_type =
+            |kind: FireType| (kind.name(), fire_types.iter().filter(|&&found| found == f64::from(kind as u8)).count());
         Self {
             program_version: PROGRAM_VERSION,
             rows: frame.rows,
@@ -139,6 +147,7 @@ impl SpreadReport {
             reached_edge_s: reached_edge.map(SimTime::as_seconds),
             last_arrival_s: burned().map(|(_, time)| time).max().map(SimTime::as_seconds),
             farthest: farthest(fire, burned(), ignitions),
+            fire_types: (!fire_types.is_empty()).then(|| Members(FireType::ALL.map(by_type).into())),
             perimeter_m: sides.sum::<usize>() as f64 * frame.cell_m,
             cpu_s: cpu.as_secs_f64(),
             cpu_us_per_burned_cell: (burned_cells > 0).then(|| cpu.as_secs_f64() * 1e6 / burned_cells as f64),
@@ -241,11 +250,11 @@ impl From<&SpreadReport> for Document {
         let mut document = Self::new(report.title());
         document.add_list(report.conditions());
         let row = |name: &str, value: String| vec![name.to_owned(), value];
-        let mut rows = vec![
-            row("Burned cells", report.burned_cells.to_string()),
-            row("Burned ha", rounded(report.burned_ha, 2)),
-            row("Perimeter m", rounded(report.perimeter_m, 0)),
-        ];
+        let mut rows = vec![row("Burned cells", report.burned_cells.to_string())];
+        let fire_types = report.fire_types.iter().flat_map(|fire_types| &fire_types.0);
+        rows.extend(fire_types.map(|(name, cells)| row(&format!("  by {name} fire"), cells.to_string())));
+        rows.push(row("Burned ha", rounded(report.burned_ha, 2)));
+        rows.push(row("Perimeter m", rounded(report.perimeter_m, 0)));
         if let Some(farthest) = &report.farthest {
             rows.push(row("Farthest from an ignition m", rounded(farthest.distance_m, 0)));
             rows.push(row("  to azimuth", rounded(farthest.toward_deg, 0)));

@@ -27,9 +27,13 @@ const NOT_BURNED: f32 = -9999.0;
 pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     let sources = GroundSources::new(arguments)?;
     let inputs = sources.rasters.iter().map(|&(_, path)| path).collect();
-    let format = arrival_format(arguments);
+    let format = raster_format(arguments.arrival.as_deref());
     let words = Files { inputs, form: arguments.form, ..Files::default() }
-        .writing([(format, &arguments.arrival), (Format::Png, &arguments.png)])
+        .writing([
+            (format, &arguments.arrival),
+            (Format::Png, &arguments.png),
+            (raster_format(arguments.canopy.fire_type.as_deref()), &arguments.canopy.fire_type),
+        ])
         .check()?;
     let ground = sources.read(arguments)?;
     let ignitions = ignitions(arguments, &ground.landscape)?;
@@ -37,6 +41,7 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     let rules = RothermelRules {
         options: arguments.choices.options(),
         neighbours: arguments.neighbours,
+        crowns: arguments.canopy.rules(),
         ..RothermelRules::default()
     };
     let landscape = Arc::new(ground.landscape);
@@ -44,28 +49,37 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     let mut stopwatch = CpuStopwatch::start();
     fire.burn_until(SimTime::from_seconds(arguments.duration));
     let cpu = stopwatch.lap();
-    let report = SpreadReport::new(arguments, &landscape, &mut fire, &ignitions, cpu);
+    let fire_types: Vec<f64> = match &landscape.canopy {
+        Some(_) => (0..landscape.frame.cell_count())
+            .map(|index| fire.fire_type(landscape.frame.cell(index)).map_or(f64::NAN, |kind| f64::from(kind as u8)))
+            .collect(),
+        None => Vec::new(),
+    };
+    let report = SpreadReport::new(arguments, &landscape, &mut fire, &ignitions, cpu, &fire_types);
     let arrivals = || {
         let seconds = |cell| fire.arrival(cell).map_or(f64::NAN, SimTime::as_seconds);
         (0..landscape.frame.cell_count()).map(|index| seconds(landscape.frame.cell(index))).collect::<Vec<f64>>()
     };
-    let write_arrivals = |path: &Path| {
+    let write_raster = |path: &Path, values: &[f64]| {
+        let format = raster_format(Some(path));
         if format == Format::Npy {
-            return write_npy(path, &array(landscape.frame, &arrivals()));
+            return write_npy(path, &array(landscape.frame, values));
         }
-        let value = |&seconds: &f64| if seconds.is_nan() { NOT_BURNED } else { seconds as f32 };
+        let value = |&value: &f64| if value.is_nan() { NOT_BURNED } else { value as f32 };
         let raster = Raster {
             rows: landscape.frame.rows.into(),
             cols: landscape.frame.cols.into(),
             west_m: ground.west_m,
             south_m: ground.south_m,
             cell_m: landscape.frame.cell_m,
-            values: arrivals().iter().map(value).collect(),
+            values: values.iter().map(value).collect(),
             nodata: Some(NOT_BURNED),
             crs: ground.crs.clone(),
         };
         if format == Format::Tif { raster::write_geotiff(path, &raster) } else { raster::write_asc(path, &raster) }
     };
+    let write_arrivals = |path: &Path| write_raster(path, &arrivals());
+    let write_types = |path: &Path| write_raster(path, &fire_types);
     let draw = |path: &Path| {
         let lit: Vec<Cell> = ignitions.iter().map(|&(_, cell)| cell).collect();
         let map = FieldMap {
@@ -83,14 +97,18 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     };
     let printed = words.print(&arguments.form.render(&report));
     let written = output_files::write_all(
-        &[(arguments.arrival.as_deref(), &write_arrivals), (arguments.png.as_deref(), &draw)],
+        &[
+            (arguments.arrival.as_deref(), &write_arrivals),
+            (arguments.canopy.fire_type.as_deref(), &write_types),
+            (arguments.png.as_deref(), &draw),
+        ],
         quiet,
     );
     printed.and(written)
 }
 
-fn arrival_format(arguments: &SpreadArguments) -> Format {
-    let ending = arguments.arrival.as_deref().and_then(Path::extension).unwrap_or_default().to_ascii_lowercase();
+fn raster_format(path: Option<&Path>) -> Format {
+    let ending = path.and_then(Path::extension).unwrap_or_default().to_ascii_lowercase();
     match ending.to_str() {
         Some("tif" | "tiff") => Format::Tif,
         Some("npy") => Format::Npy,

@@ -7,6 +7,7 @@ use super::queue::{ArrivalQueue, NEVER};
 use super::rates::{BARRIER, Pair, Rates, Spreading, vector};
 use super::rules::RothermelRules;
 use super::template::{REACH, Template, Way};
+use crate::surface::crown::FireType;
 use crate::{Landscape, Relief, Weather};
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
 use wildfire_base::time::SimTime;
@@ -243,6 +244,13 @@ impl Front {
     fn way_of(&self, index: usize) -> &Way {
         let (way, ways) = (usize::from(self.cells.way[index]), &self.template.ways);
         if way < ways.len() { &ways[way] } else { &self.template.disc[way - ways.len()] }
+    }
+
+    /// Returns the kind of fire that a cell with trees has at a time; `None` where there are none.
+    pub fn fire_type(&mut self, cell: Cell, time: u64) -> Option<FireType> {
+        let fuel = self.cells.fuel[self.cells.index(cell)];
+        let interval = self.rates.weather().interval_at(SimTime::from_nanos(time));
+        (fuel != BARRIER).then(|| self.rates.crown_fire(interval, fuel, cell))?.map(|fire| fire.fire_type())
     }
 
     /// Returns how long a cell flames that catches fire at a time; `None` forever.

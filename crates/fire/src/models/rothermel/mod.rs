@@ -36,6 +36,7 @@ pub use rules::{Neighbours, RothermelRules};
 
 use std::sync::Arc;
 
+use crate::surface::crown::FireType;
 use crate::{Arrival, FireChange, FireEvent, FireField, FireModel, Landscape, Spread, SpreadBy, Weather};
 use front::Front;
 use sparks::Sparks;
@@ -83,6 +84,11 @@ impl Rothermel {
                 spreads[first..].sort_by_key(|spread| (spread.cell.row, spread.cell.col));
             }
         }
+    }
+
+    /// Returns the kind of fire that a cell with trees has at a time; `None` where there are none.
+    pub fn fire_type(&mut self, cell: Cell, time: SimTime) -> Option<FireType> {
+        self.front.fire_type(cell, time.as_nanos())
     }
 
     /// Takes in a change without a word on what follows from it.

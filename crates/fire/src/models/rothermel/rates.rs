@@ -8,7 +8,8 @@ use std::sync::Arc;
 use super::rules::RothermelRules;
 use super::template::Way;
 use crate::fuel::FuelModel;
-use crate::surface::{FuelBed, twenty_foot_wind, unsheltered_adjustment};
+use crate::surface::crown::{CrownConditions, CrownFire, model_10};
+use crate::surface::{FuelBed, SurfaceFire, twenty_foot_wind, unsheltered_adjustment};
 use crate::{Landscape, Relief, Weather};
 use wildfire_base::geometry::{Cell, DVec2};
 use wildfire_base::time::SimTime;
@@ -33,7 +34,11 @@ pub struct Spreading {
 impl Spreading {
     fn new(bed: &FuelBed, depth_ft: f64, wind_mps: DVec2, gradient: DVec2, rules: &RothermelRules) -> Self {
         let midflame = twenty_foot_wind(1.0) * unsheltered_adjustment(depth_ft) * wind_mps;
-        let fire = bed.behavior(midflame, gradient, &rules.options);
+        Self::from_fire(&bed.behavior(midflame, gradient, &rules.options))
+    }
+
+    fn from_fire(fire: &SurfaceFire) -> Self {
+        let gradient = fire.gradient;
         let slowness = 1.0 / (fire.rate_mps * (1.0 - fire.eccentricity));
         if !slowness.is_finite() {
             return Self { slowness: f64::INFINITY, drift: DVec2::ZERO, gradient };
@@ -128,7 +133,9 @@ pub struct Rates {
     beds: Vec<Option<Box<[FuelBed]>>>,
     /// The same on a plane.
     plane: Vec<Option<Box<[Spreading]>>>,
-    /// By a part of cell and interval, where every cell has its own gradient.
+    /// Fuel model 10 by interval, where there are crowns.
+    crown_beds: Vec<FuelBed>,
+    /// By a part of cell and interval, where every cell has its own gradient or trees.
     kept: Vec<(u64, Spreading)>,
 }
 
@@ -142,12 +149,16 @@ impl Rates {
         let models = numbers.filter_map(FuelModel::by_number).filter(|model| model.burns()).collect();
         let intervals = weather.intervals().len();
         let nothing = Spreading { slowness: f64::INFINITY, drift: DVec2::ZERO, gradient: DVec2::ZERO };
+        let has_crowns = landscape.canopy.is_some() && rules.crowns.is_some();
+        let with_crowns = weather.intervals().iter().filter(|_| has_crowns);
+        let crown_beds = with_crowns.map(|interval| model_10(&interval.moisture, rules.options.curing)).collect();
         let kept = match landscape.relief {
-            Relief::Plane(_) => 0,
+            Relief::Plane(_) if !has_crowns => 0,
             _ => (landscape.fuel.len() / CELLS_PER_KEPT).next_power_of_two().max(LEAST_KEPT),
         };
         let kept = vec![(u64::MAX, nothing); kept];
-        Self { landscape, weather, rules, models, beds: vec![None; intervals], plane: vec![None; intervals], kept }
+        let (beds, plane) = (vec![None; intervals], vec![None; intervals]);
+        Self { landscape, weather, rules, models, beds, plane, crown_beds, kept }
     }
 
     pub fn weather(&self) -> &Weather {
@@ -159,8 +170,18 @@ impl Rates {
         self.models.iter().position(|model| model.number == number).map_or(BARRIER, |fuel| fuel as u8)
     }
 
+    /// Says whether all cells of a fuel burn alike: on a plane, without trees.
     pub fn is_plane(&self) -> bool {
-        matches!(self.landscape.relief, Relief::Plane(_))
+        self.kept.is_empty()
+    }
+
+    /// Returns the fire of a cell with trees; `None` where there are none.
+    pub fn crown_fire(&mut self, interval: usize, fuel: u8, cell: Cell) -> Option<CrownFire> {
+        let model_10 = *self.crown_beds.get(interval)?;
+        let (canopy, crowns, options) = (self.landscape.canopy(cell)?, self.rules.crowns?, self.rules.options);
+        let (gradient, wind) = (self.landscape.gradient(cell), self.weather.intervals()[interval].wind_mps);
+        let ground = (self.beds(interval)[usize::from(fuel)], self.models[usize::from(fuel)].depth_ft);
+        Some(CrownConditions::in_weather(ground, model_10, canopy, wind, gradient, options, crowns).burn())
     }
 
     fn beds(&mut self, interval: usize) -> &[FuelBed] {
@@ -204,9 +225,14 @@ impl Rates {
         if known == key {
             return spreading;
         }
-        let (gradient, rules) = (self.landscape.gradient(cell()), self.rules);
-        let (wind, depth) = (self.weather.intervals()[interval].wind_mps, self.models[usize::from(fuel)].depth_ft);
-        let spreading = Spreading::new(&self.beds(interval)[usize::from(fuel)], depth, wind, gradient, &rules);
+        let (cell, rules) = (cell(), self.rules);
+        let crown = self.crown_fire(interval, fuel, cell).zip(rules.crowns);
+        let spreading = crown.map(|(fire, crowns)| Spreading::from_fire(&fire.spreading(crowns.method)));
+        let spreading = spreading.unwrap_or_else(|| {
+            let (gradient, model) = (self.landscape.gradient(cell), self.models[usize::from(fuel)]);
+            let (wind, bed) = (self.weather.intervals()[interval].wind_mps, &self.beds(interval)[usize::from(fuel)]);
+            Spreading::new(bed, model.depth_ft, wind, gradient, &rules)
+        });
         self.kept[place] = (key, spreading);
         spreading
     }

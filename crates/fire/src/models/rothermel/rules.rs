@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::embers::Embers;
 use crate::surface::SurfaceOptions;
+use crate::surface::crown::CrownRules;
 use wildfire_base::time::SimTime;
 
 /// The number of cells around one that fire reaches from it in one step.
@@ -67,12 +68,22 @@ pub struct RothermelRules {
     pub burn_out: Option<SimTime>,
     /// Embers besides the front; `None`: there are none.
     pub embers: Option<Embers>,
+    /// Fire in the crowns of the landscape's trees; `None`: there are no trees.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub crowns: Option<CrownRules>,
 }
 
 impl Default for RothermelRules {
     fn default() -> Self {
         let wet = SimTime::from_seconds(120.0);
         let burn_out = Some(SimTime::ZERO);
-        Self { options: SurfaceOptions::default(), neighbours: Neighbours::default(), wet, burn_out, embers: None }
+        Self {
+            options: SurfaceOptions::default(),
+            neighbours: Neighbours::default(),
+            wet,
+            burn_out,
+            embers: None,
+            crowns: None,
+        }
     }
 }

@@ -11,6 +11,7 @@ use wildfire_base::trajectory::SpeedLimits;
 use wildfire_base::vehicle::Dimensions;
 use wildfire_fire::embers::EmberSettings;
 use wildfire_fire::models::{AlexandridisRules, Density, Neighbours, RothermelRules, Vegetation};
+use wildfire_fire::surface::crown::CrownRules;
 use wildfire_fire::surface::{FuelMoisture, SurfaceOptions};
 use wildfire_fire::{FireRules, Landscape, Relief, WeatherInterval};
 
@@ -121,6 +122,10 @@ struct GroundObject<'a> {
     /// Numbers of fuel models, each with how many cells in turn have it, by row and column; 0 does not burn.
     fuel_runs: Vec<(u8, usize)>,
     relief: ReliefObject<'a>,
+    /// Only where there are trees: their heights and those of the beginning of crowns in tenths of metres, densities in
+    /// hundredths of kg/m3, and covers in percent, by row and column.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    trees: Option<&'a [Vec<u16>; 4]>,
     /// In order of time; each holds until the next.
     weather: Vec<WeatherObject>,
     rules: SpreadObject,
@@ -156,6 +161,9 @@ enum SpreadObject {
         burn_out_ns: Option<u64>,
         /// Null where there are none.
         embers: Option<EmbersObject>,
+        /// Only where there are trees.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        crowns: Option<CrownRules>,
     },
     Alexandridis {
         p0: f64,
@@ -272,6 +280,7 @@ impl<'a> From<&'a SpreadSetting> for GroundObject<'a> {
                 Relief::Elevation(heights) => ReliefObject::ElevationM(heights),
                 Relief::Gradient(rises) => ReliefObject::Gradient(rises),
             },
+            trees: landscape.canopy.as_ref().map(|trees| &trees.0),
             weather: spread.weather().intervals().iter().map(WeatherObject::from).collect(),
             rules: match spread {
                 SpreadSetting::Rothermel { rules, .. } => rules.into(),
@@ -289,10 +298,10 @@ impl From<&WeatherInterval> for WeatherObject {
 }
 
 impl From<&RothermelRules> for SpreadObject {
-    fn from(&RothermelRules { options, neighbours, wet, burn_out, embers }: &RothermelRules) -> Self {
+    fn from(&RothermelRules { options, neighbours, wet, burn_out, embers, crowns }: &RothermelRules) -> Self {
         let embers = embers.map(|embers| EmbersObject { seed: embers.seed, settings: embers.settings });
         let (wet_ns, burn_out_ns) = (wet.as_nanos(), burn_out.map(SimTime::as_nanos));
-        Self::Rothermel { options, neighbours, wet_ns, burn_out_ns, embers }
+        Self::Rothermel { options, neighbours, wet_ns, burn_out_ns, embers, crowns }
     }
 }
 

@@ -1,0 +1,82 @@
+//! The ellipse of a fire below trees, found without the code that the fire model has for crowns.
+//!
+//! Rates of fuel beds are those of [`wildfire_fire::surface`]. Van Wagner's criteria, the shelter of trees, and how much of
+//! the crowns burns are computed here from the papers; the wind of active crown fires is found by halving.
+
+use wildfire_base::geometry::{DVec2, DVec3, ops};
+use wildfire_fire::surface::crown::{Canopy, CrownMethod, CrownRules};
+use wildfire_fire::surface::{Ellipse, FuelBed, SurfaceOptions, WindLimit, unsheltered_adjustment};
+
+const FOOT_M: f64 = 0.3048;
+
+/// More than any wind that is looked for, m/s.
+const MOST_MPS: f64 = 1e6;
+
+/// Fuel below trees in one weather.
+pub struct Below<'a> {
+    pub ground: &'a FuelBed,
+    pub depth_ft: f64,
+    /// Fuel model 10 with the same moistures.
+    pub model_10: &'a FuelBed,
+    pub wind_10m_mps: DVec2,
+    pub gradient: DVec2,
+}
+
+/// The part of the wind above trees that is felt at the flames below them (Albini and Baughman, 1979).
+fn shelter(canopy: &Canopy, depth_ft: f64) -> f64 {
+    let feet = canopy.height_m / FOOT_M;
+    let filled = canopy.cover * (1.0 - canopy.base_m / canopy.height_m).max(0.0) / 3.0;
+    if filled < 0.05 || feet < 6.0 {
+        return unsheltered_adjustment(depth_ft);
+    }
+    0.555 / ((filled * feet).sqrt() * ops::ln((20.0 + 0.36 * feet) / (0.13 * feet)))
+}
+
+/// Returns the ellipse of a fire below these trees.
+pub fn ellipse(canopy: &Canopy, below: &Below, options: &SurfaceOptions, rules: CrownRules) -> Ellipse {
+    let speed = below.wind_10m_mps.length() / 1.15;
+    let toward = below.wind_10m_mps.normalize_or_zero();
+    let factor = shelter(canopy, below.depth_ft);
+    let surface_at = |wind: f64| below.ground.behavior(toward * wind * factor, below.gradient, options);
+    let unlimited = SurfaceOptions { wind_limit: WindLimit::None, ..*options };
+    let crown_at =
+        |wind: f64| 3.34 * below.model_10.behavior(DVec2::X * (0.4 * wind), DVec2::ZERO, &unlimited).rate_mps;
+    // kg/m2/min of crowns that burn at some rate in m/s.
+    let flow = |rate: f64| rate * 60.0 * canopy.bulk_density_kg_m3;
+
+    let surface = surface_at(speed);
+    let heat = surface.reaction_intensity_kw_m2 * surface.residence_s;
+    let kilojoules = 460.0 + 25.9 * (100.0 * rules.foliar_moisture).max(30.0);
+    let critical = ops::pow(0.010 * canopy.base_m.max(0.1) * kilojoules, 1.5);
+    if surface.rate_mps * heat < critical {
+        return surface.ellipse();
+    }
+    let crown = crown_at(speed);
+    if flow(crown) >= 3.0 {
+        let ratio = 1.0 + 0.125 * speed / 0.44704;
+        let heading = match toward {
+            DVec2::ZERO => surface.heading,
+            toward => DVec3::new(toward.x, toward.y, toward.dot(below.gradient)).normalize(),
+        };
+        let ratio = if toward == DVec2::ZERO { surface.length_to_width } else { ratio };
+        return Ellipse::new(crown, (1.0 - 1.0 / (ratio * ratio)).sqrt(), heading, below.gradient);
+    }
+    let rate = match rules.method {
+        CrownMethod::Rothermel => surface.rate_mps,
+        CrownMethod::ScottReinhardt if flow(crown_at(MOST_MPS)) < 3.0 => surface.rate_mps,
+        CrownMethod::ScottReinhardt => {
+            let (mut calm, mut windy) = (0.0, MOST_MPS);
+            loop {
+                let middle = f64::midpoint(calm, windy);
+                if middle <= calm || middle >= windy {
+                    break;
+                }
+                if flow(crown_at(middle)) < 3.0 { calm = middle } else { windy = middle }
+            }
+            let (first, last) = (critical / heat, surface_at(windy).rate_mps);
+            let burned = if last > first { ((surface.rate_mps - first) / (last - first)).clamp(0.0, 1.0) } else { 0.0 };
+            surface.rate_mps * (1.0 - burned) + crown * burned
+        }
+    };
+    Ellipse::new(rate, surface.eccentricity, surface.heading, below.gradient)
+}
