@@ -247,6 +247,7 @@ hold! {
     command_line: "docs/command-line.md", pictures below 0;
     compare_and_report: "docs/compare-and-report.md", pictures below 0;
     costs: "docs/costs.md", pictures below 0;
+    crown_fire: "docs/crown-fire.md", pictures below 0;
     curves: "docs/curves.md", pictures below 60_000;
     dispatch: "docs/dispatch.md", pictures below 0;
     fallbacks: "docs/fallbacks.md", pictures below 0;
