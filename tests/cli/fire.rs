@@ -121,6 +121,62 @@ fn long_rasters_are_read_and_what_limits_them_is_memory() {
     story.tell(&["check", "mine.toml"]).expect_code(0);
 }
 
+/// The bytes of a landscape file of FARSITE: a header of 7316 bytes with sizes and units, then the layers of each cell.
+fn landscape_file(cols: i32, rows: i32, layers: impl Fn(i32, i32) -> [i16; 8]) -> Vec<u8> {
+    let mut bytes = vec![0; 7316];
+    let mut put = |at: usize, word: &[u8]| bytes[at..at + word.len()].copy_from_slice(word);
+    put(0, &21_i32.to_le_bytes());
+    put(4, &20_i32.to_le_bytes());
+    put(4164, &cols.to_le_bytes());
+    put(4168, &rows.to_le_bytes());
+    for (at, number) in [(4180, 500_000.0), (4196, 4_000_000.0), (4208, 30.0), (4216, 30.0_f64)] {
+        put(at, &number.to_le_bytes());
+    }
+    for (at, unit) in [(4228, 2_i16), (4232, 1), (4234, 3), (4236, 3), (4238, 3)] {
+        put(at, &unit.to_le_bytes());
+    }
+    let cells = (0..rows).flat_map(|row| (0..cols).map(move |col| (row, col)));
+    bytes.extend(cells.flat_map(|(row, col)| layers(row, col)).flat_map(i16::to_le_bytes));
+    bytes
+}
+
+#[test]
+fn layers_are_taken_from_the_bands_of_one_file_and_a_rim_without_data_does_not_burn() {
+    let story = Story::begin();
+    let rim = |row: i32, col: i32| row < 2 || col == 0;
+    let layers = |row: i32, col: i32| {
+        let inside = [1200 + i16::try_from(row).expect("few rows"), 10, 180, 165, 60, 150, 12, 11];
+        if rim(row, col) { [1190, -9999, -9999, -9999, -9999, -9999, -9999, -9999] } else { inside }
+    };
+    let file = |name: &str, bytes: &[u8]| std::fs::write(story.path(name), bytes).expect("writable");
+    file("valley.lcp", &landscape_file(40, 30, layers));
+    let scenario = "wumpus = []\nunimog = []\n[field]\ncoverage = 0\n[fire]\nmodel = \"rothermel\"\n\
+         [fire.rothermel]\nfuel_map = \"valley.lcp\"\nslope = \"valley.lcp\"\naspect = \"valley.lcp\"\n\
+         [fire.crowns]\nheight_map = \"valley.lcp\"\nbase_map = \"valley.lcp\"\ndensity_map = \"valley.lcp\"\n\
+         [[ignition]]\nat_s = 0\ncells = [[20, 10]]\n";
+    story.file("valley.toml", scenario);
+    let checked = story.tell(&["check", "valley.toml"]).expect_code(0).stdout.replace("\n  ", " ");
+    for words in [
+        "fuel models from band 4 of valley.lcp (FBFM); slope from band 2 of valley.lcp (SLPD)",
+        "height of trees from band 6 of valley.lcp (CH)",
+        "bulk density of crowns from band 8 of valley.lcp (CBD)",
+        "nothing 9.08 %",
+        "Trees on 90.9 % of the cells.",
+    ] {
+        assert!(checked.contains(words), "{words}: {checked}");
+    }
+    // Heights make slopes beside a rim, so they are wanted everywhere; other gaps are named with band, row and column.
+    let spread =
+        ["fire", "spread", "--fuel", "valley.lcp", "--wind", "3@270", "--ignite", "20,10", "--duration", "600"];
+    story.tell(&[&spread[..], &["--elevation", "valley.lcp"]].concat()).expect_code(0);
+    let hole =
+        |row: i32, col: i32| if (row, col) == (5, 7) { [0, 0, 0, 165, 0, -9999, 0, 0] } else { layers(row, col) };
+    file("valley.lcp", &landscape_file(40, 30, hole));
+    let expected = "valley.lcp, band 6: row 5, column 7: found NODATA, expected a value in every cell";
+    refuse(&story, &["check", "valley.toml"], &[expected]);
+    refuse(&story, &["map", "brushfire", "valley.lcp"], &["valley.lcp"]);
+}
+
 #[test]
 fn a_fire_that_is_enclosed_is_named() {
     let story = Story::begin();

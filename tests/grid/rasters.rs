@@ -84,6 +84,75 @@ fn what_gdal_writes_is_read() {
     assert!(refused.contains("`gdal_translate in out.tif`"), "{refused}");
 }
 
+/// A stack as LANDFIRE's products have it, whose bands have names, by both orders of bands; and as a landscape file of FARSITE.
+#[test]
+fn all_bands_of_what_gdal_writes_are_read_with_their_names() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let (rows, cols, cell_m, nodata) = (90, 70, 30.0, Some(-9999.0));
+    let (west_m, south_m) = (500_000.0, 4_000_000.0);
+    let names = ["ELEV", "SLPD", "ASP", "FBFM40", "CC", "CH", "CBH", "CBD"];
+    let mut vrt = format!(
+        r#"<VRTDataset rasterXSize="{cols}" rasterYSize="{rows}"><SRS>EPSG:32611</SRS>
+        <GeoTransform>{west_m}, 30, 0, {}, 0, -30</GeoTransform>"#,
+        south_m + cell_m * rows as f64
+    );
+    let mut layers = Vec::new();
+    for (number, name) in names.into_iter().enumerate() {
+        let value = |index: usize| if index.is_multiple_of(97) { -9999.0 } else { ((index * 7 + number) % 91) as f32 };
+        let values = (0..rows * cols).map(value).collect();
+        let layer = Raster { rows, cols, west_m, south_m, cell_m, values, nodata, crs: None };
+        raster::write_asc(&folder.path().join(format!("{name}.asc")), &layer).expect("the scratch folder takes files");
+        vrt += &format!(
+            r#"<VRTRasterBand dataType="Int16" band="{}"><Description>US_240{name}</Description>
+            <NoDataValue>-9999</NoDataValue><SimpleSource><SourceFilename relativeToVRT="1">{name}.asc</SourceFilename>
+            <SourceBand>1</SourceBand></SimpleSource></VRTRasterBand>"#,
+            number + 1
+        );
+        layers.push(layer);
+    }
+    let (vrt_path, tif) = (folder.path().join("stack.vrt"), folder.path().join("stack.tif"));
+    std::fs::write(&vrt_path, vrt + "</VRTDataset>").expect("the scratch folder takes files");
+    let wrong = |path: &Path| raster::read(path).expect_err("it has eight bands").to_string();
+    for options in ["", " -co TILED=YES -co BLOCKXSIZE=32 -co BLOCKYSIZE=32"] {
+        for (order, packing) in [("PIXEL", "LZW"), ("PIXEL", "NONE"), ("BAND", "DEFLATE"), ("BAND", "LZW")] {
+            let options = format!("-co INTERLEAVE={order} -co COMPRESS={packing}{options}");
+            if translated(&vrt_path, &tif, &options).is_none() {
+                return without_gdal();
+            }
+            let bands = raster::read_bands(&tif).unwrap_or_else(|error| panic!("{options}: {error}"));
+            assert_eq!(bands.len(), 8, "{options}");
+            for ((band, layer), name) in bands.iter().zip(&layers).zip(names) {
+                assert_eq!(band.name, Some(format!("US_240{name}")), "{options}");
+                let found = &band.raster;
+                assert_eq!((found.west_m, found.south_m, found.nodata), (west_m, south_m, nodata), "{options}");
+                assert!(found.values == layer.values, "{options}, {name}: other values");
+            }
+            assert!(wrong(&tif).contains("it has 8 bands, expected one"), "{options}");
+        }
+    }
+    let lcp = folder.path().join("stack.lcp");
+    let units = "-co HEIGHT_UNIT=METERS_X_10 -co CBH_UNIT=METERS_X_10 -co CBD_UNIT=KG_PER_CUBIC_METER_X_100";
+    translated(&vrt_path, &lcp, &format!("-of LCP -co CALCULATE_STATS=NO -co LATITUDE=40 {units}"))
+        .expect("it was there");
+    let bands = raster::read_bands(&lcp).unwrap_or_else(|error| panic!("{error}"));
+    for (band, layer) in bands.iter().zip(&layers) {
+        assert_eq!((band.raster.west_m, band.raster.south_m, band.raster.cell_m), (west_m, south_m, cell_m));
+        assert!(band.raster.values == layer.values, "{:?}: other values", band.name);
+    }
+    let found: Vec<_> = bands.iter().filter_map(|band| band.name.as_deref()).collect();
+    assert_eq!(found, ["ELEV", "SLPD", "ASP", "FBFM", "CC", "CH", "CBH", "CBD"]);
+    assert!(wrong(&lcp).contains("it has 8 bands, expected one"));
+    // What is cut off or damaged ends in a sentence.
+    let bytes = std::fs::read(&lcp).expect("it was written");
+    for (at, number, expected) in [(4164, -5_i32, "0 columns"), (4164, 99, "cannot hold"), (4204, 9, "in unit 9")] {
+        let mut damaged = bytes.clone();
+        damaged[at..at + 4].copy_from_slice(&number.to_le_bytes());
+        std::fs::write(&lcp, damaged).expect("the scratch folder takes files");
+        let refused = raster::read_bands(&lcp).expect_err("it is damaged").to_string();
+        assert!(refused.contains(expected), "{refused}");
+    }
+}
+
 #[test]
 fn gdal_reads_what_was_written() {
     let folder = tempfile::tempdir().expect("a scratch folder");

@@ -82,6 +82,9 @@ pub fn describe_ground(scenario: &Scenario, terrain: &Terrain) -> Vec<String> {
     }
     if let Some(layers) = scenario.layers().filter(|layers| layers.gives() != (false, false)) {
         let system = if layers.crs.is_some() { "the coordinate system of its files" } else { "metres" };
+        if !layers.bands.is_empty() {
+            lines.push(format!("Layers: {}.", layers.bands.join("; ")));
+        }
         lines.push(format!("Its south-west corner is at ({}, {}) in {system}.", layers.west_m, layers.south_m));
     }
     lines

@@ -5,7 +5,7 @@
 //! base 64 (Josefsson, RFC 4648, 2006, section 4). 32-bit values come as differences of neighbours, the first byte of all
 //! of them before the second: heights that change little pack well so. Row 0 is the south edge.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use data_encoding::BASE64;
 use miniz_oxide::deflate::compress_to_vec;
@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use wildfire_base::geometry::{FieldFrame, compass, ops};
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::{CanopyLayers, Relief};
-use wildfire_grid::map_files::raster::{self, GeoKeys, MAX_RASTER_CELLS, MAX_RASTER_SIDE, Raster};
+use wildfire_grid::map_files::raster::{self, Band, GeoKeys, MAX_RASTER_CELLS, MAX_RASTER_SIDE, Raster};
 
 /// The effort of packing, as zlib counts it.
 const PACKING: u8 = 6;
@@ -50,6 +50,9 @@ pub struct GivenLayers {
     /// Rise over run to the east and to the north.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     gradient: Option<[PackedLayer; 2]>,
+    /// The bands that were taken from files with several, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bands: Vec<String>,
     /// Those of [`CanopyLayers`].
     #[serde(default, skip_serializing_if = "is_without_trees")]
     canopy: [Option<PackedLayer>; 4],
@@ -128,6 +131,12 @@ const CANOPY: [(f32, &str); 4] = [
 pub struct LayerReader {
     /// The first layer, whose shape and place the others must have, and its file.
     first: Option<(Raster, String)>,
+    /// The last file that was read: others of its bands may be asked for next.
+    bands: Option<(PathBuf, Vec<Band>)>,
+    /// Which bands of files with several were taken for what.
+    taken: Vec<String>,
+    /// Cells for which a file of several bands has no fuel.
+    without_fuel: Vec<bool>,
     fuel: Option<Vec<u8>>,
     elevation: Option<Vec<f32>>,
     slope: Option<Vec<f32>>,
@@ -136,27 +145,53 @@ pub struct LayerReader {
 }
 
 impl LayerReader {
-    /// Reads a layer from a file and checks it, value by value and against those that were read before.
+    /// Reads a layer from a file and checks it, value by value and against those that were read before. Of a file with several
+    /// bands the one is taken that holds this layer by its name, or by the order of LANDFIRE's products.
     ///
     /// # Errors
     /// Returns a sentence that begins with the path and names row and column, counted from 0 at the north-west corner.
     pub fn read(&mut self, kind: LayerKind, path: &Path) -> Result<(), String> {
-        let raster = raster::read(path).map_err(|error| error.to_string())?;
-        let name = path.display().to_string();
+        let mut name = path.display().to_string();
+        let bands = match self.bands.take() {
+            Some((before, bands)) if before == path => bands,
+            _ => raster::read_bands(path).map_err(|error| error.to_string())?,
+        };
+        let raster = match &bands[..] {
+            [band] => band.raster.clone(),
+            several => {
+                let number = kind.band(several).ok_or_else(|| format!("{name}: {}", kind.absent(several)))?;
+                let own = several[number].name.as_ref().map(|own| format!(" ({own})")).unwrap_or_default();
+                self.taken.push(format!("{} from band {} of {name}{own}", kind.names().1, number + 1));
+                name += &format!(", band {}", number + 1);
+                several[number].raster.clone()
+            }
+        };
+        let is_stack = bands.len() > 1;
+        self.bands = Some((path.to_owned(), bands));
         if let Some((first, other)) = &self.first {
             check_same_place(&raster, first, &name, other)?;
         }
+        // A stack may have a rim without data, where nothing grows; heights there would still make slopes beside it.
+        let is_absent = |index: usize| raster.is_nodata(raster.values[index]);
+        if is_stack && kind == LayerKind::Fuel {
+            self.without_fuel = (0..raster.values.len()).map(is_absent).collect();
+        }
+        let is_rim = |index| {
+            is_stack && kind != LayerKind::Elevation && self.without_fuel.get(index) == Some(&true) && is_absent(index)
+        };
         // In the order of the file, so that what is named is its first fault.
-        let north_first = raster.values.chunks_exact(raster.cols).rev().flatten();
-        for (place, &value) in north_first.enumerate() {
-            let expected = if raster.is_nodata(value) { Some("a value in every cell") } else { kind.expects(value) };
-            if let Some(expected) = expected {
-                let (row, col) = (place / raster.cols, place % raster.cols);
-                let found = if raster.is_nodata(value) { "NODATA".to_owned() } else { value.to_string() };
+        for (row, col) in (0..raster.rows).flat_map(|row| (0..raster.cols).map(move |col| (row, col))) {
+            let index = raster.file_row(row) * raster.cols + col;
+            let value = raster.values[index];
+            let expected = if is_absent(index) { Some("a value in every cell") } else { kind.expects(value) };
+            if let Some(expected) = expected.filter(|_| !is_rim(index)) {
+                let found = if is_absent(index) { "NODATA".to_owned() } else { value.to_string() };
                 return Err(format!("{name}: row {row}, column {col}: found {found}, expected {expected}"));
             }
         }
-        let values = raster.values.clone();
+        let nothing = if kind == LayerKind::Aspect { FLAT } else { 0.0 };
+        let values = raster.values.iter().enumerate();
+        let values: Vec<f32> = values.map(|(index, &value)| if is_rim(index) { nothing } else { value }).collect();
         match kind {
             LayerKind::Fuel => self.fuel = Some(values.iter().map(|&number| number as u8).collect()),
             LayerKind::Elevation => self.elevation = Some(values),
@@ -187,6 +222,7 @@ impl LayerReader {
             elevation: self.elevation.as_deref().map(PackedLayer::from_numbers),
             gradient,
             canopy: self.canopy.map(|layer| layer.as_deref().map(PackedLayer::from_numbers)),
+            bands: self.taken,
         })
     }
 }
@@ -221,6 +257,59 @@ fn check_same_place(raster: &Raster, first: &Raster, name: &str, other: &str) ->
 }
 
 impl LayerKind {
+    const ALL: [Self; 8] = [
+        Self::Elevation,
+        Self::Slope,
+        Self::Aspect,
+        Self::Fuel,
+        Self::Canopy(3),
+        Self::Canopy(0),
+        Self::Canopy(1),
+        Self::Canopy(2),
+    ];
+
+    /// Returns the name that LANDFIRE's products have for the layer, and words for it.
+    fn names(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Elevation => ("ELEV", "elevation"),
+            Self::Slope => ("SLPD", "slope"),
+            Self::Aspect => ("ASP", "aspect"),
+            Self::Fuel => ("FBFM", "fuel models"),
+            Self::Canopy(3) => ("CC", "cover of crowns"),
+            Self::Canopy(0) => ("CH", "height of trees"),
+            Self::Canopy(1) => ("CBH", "base height of crowns"),
+            Self::Canopy(_) => ("CBD", "bulk density of crowns"),
+        }
+    }
+
+    /// Returns the number of the band that holds this layer: by its name, such as `US_240FBFM40`, or, where no band has a
+    /// name, in the order of LANDFIRE's stacks.
+    fn band(self, bands: &[Band]) -> Option<usize> {
+        let own = self.names().0;
+        if bands.iter().all(|band| band.name.is_none()) {
+            let place = Self::ALL.iter().position(|kind| *kind == self)?;
+            return Some(place).filter(|place| [5, 8, 10].contains(&bands.len()) && *place < bands.len());
+        }
+        let is_own = |name: &str| {
+            let words = name.split(|letter: char| !letter.is_ascii_alphanumeric());
+            let mut words = words.map(|word| word.trim_matches(|letter: char| letter.is_ascii_digit()));
+            words.any(|word| word.eq_ignore_ascii_case(own))
+        };
+        bands.iter().position(|band| band.name.as_deref().is_some_and(is_own))
+    }
+
+    /// Says that no band holds this layer.
+    fn absent(self, bands: &[Band]) -> String {
+        let names: Vec<&str> = bands.iter().map(|band| band.name.as_deref().unwrap_or("without a name")).collect();
+        let (own, words) = self.names();
+        format!(
+            "none of its {} bands is known to hold the {words} ({}); expected a band named {own}, or 5, 8 or 10 bands \
+             without names in the order of LANDFIRE",
+            bands.len(),
+            names.join(", ")
+        )
+    }
+
     /// Returns what is expected instead of a value; `None` if the value is right.
     fn expects(self, value: f32) -> Option<&'static str> {
         let is_fuel =
@@ -316,6 +405,7 @@ impl GivenLayers {
             elevation: None,
             gradient: None,
             canopy: [const { None }; 4],
+            bands: Vec::new(),
         }
     }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::{MAX_RASTER_CELLS, MAX_RASTER_SIDE};
+use super::{MAX_BANDS, MAX_RASTER_CELLS, MAX_RASTER_SIDE};
 
 /// The reason why a file could not be read as a raster: a sentence that begins with its path.
 #[derive(Debug, Error)]
@@ -33,6 +33,11 @@ pub enum RasterFault {
          in.tif out.tif"
     )]
     Size { rows: u64, cols: u64 },
+    #[error(
+        "{bands} bands of {rows} rows and {cols} columns are too many; expected up to {MAX_BANDS} bands, and at most \
+         {} cells in all of them", 2 * MAX_RASTER_CELLS
+    )]
+    Bands { rows: u64, cols: u64, bands: u64 },
     #[error("the cell size is {found}; expected a side above 0 m and up to 1e9 m")]
     CellSize { found: f64 },
     #[error("cells of {x} by {y} are not square; gdalwarp -tr SIDE SIDE in.tif out.tif makes them square")]
@@ -53,8 +58,19 @@ pub enum RasterFault {
     Damaged { message: String },
     #[error("the TIFF image cannot be used: {message}")]
     Unfit { message: String },
+    #[error("the landscape file cannot be used: {message}")]
+    Landscape { message: String },
     #[error("{bytes} bytes cannot hold {rows} rows and {cols} columns: the file is cut off, or its header is wrong")]
     TooShort { bytes: usize, rows: usize, cols: usize },
     #[error("a raster of {cells} cells does not fit into the memory")]
     Memory { cells: usize },
+}
+
+impl RasterFault {
+    /// Refuses several bands where one is expected.
+    pub(super) fn one_of(bands: usize) -> Self {
+        let message =
+            format!("it has {bands} bands, expected one; gdal_translate -b NUMBER in.tif out.tif extracts one");
+        Self::Unfit { message }
+    }
 }

@@ -1,4 +1,4 @@
-//! GeoTIFF images of one band.
+//! GeoTIFF images.
 //!
 //! The pixels are read and written by the crate `tiff`; where the cells are is said by tags of their own: the size of a
 //! pixel and a tie point, or a matrix, and keys that describe the coordinate system.
@@ -17,7 +17,7 @@ use tiff::{TiffError, TiffResult};
 
 use super::tiff_chunks::{self, TiffDecoder};
 use super::tiff_header::{self, TiffSize};
-use super::{GeoKeys, MAX_RASTER_CELLS, Raster, RasterFault, check_place, with_room};
+use super::{Band, GeoKeys, MAX_RASTER_CELLS, Raster, RasterFault, check_place, with_room};
 
 const MODEL_TYPE: u16 = 1024;
 const RASTER_TYPE: u16 = 1025;
@@ -33,14 +33,27 @@ const METRE: u16 = 9001;
 const USER_DEFINED: u16 = 32_767;
 const UNDEFINED: u16 = 0;
 
+/// The layout in which each band has its own strips or tiles.
+const PLANAR: u16 = 2;
+/// The tag in which GDAL keeps what TIFF has no tag for, such as names of bands.
+const GDAL_METADATA: Tag = Tag::Unknown(42_112);
+
 /// Most bytes of a strip or a tile, decoded.
 const MAX_CHUNK: usize = 8 * MAX_RASTER_CELLS;
 
 /// Cells in a strip that is written.
 const STRIP_CELLS: usize = 1 << 16;
 
+/// Reads the only band.
 pub(super) fn parse(mut bytes: Vec<u8>) -> Result<Raster, RasterFault> {
-    let TiffSize { rows, cols } = tiff_header::check(&mut bytes)?;
+    match tiff_header::check(&mut bytes)?.bands {
+        1 => Ok(parse_bands(bytes)?.swap_remove(0).raster),
+        bands => Err(RasterFault::one_of(bands)),
+    }
+}
+
+pub(super) fn parse_bands(mut bytes: Vec<u8>) -> Result<Vec<Band>, RasterFault> {
+    let TiffSize { rows, cols, bands } = tiff_header::check(&mut bytes)?;
     let damaged_chunk = |message| RasterFault::Damaged { message };
     let mut decoder = tiff_chunks::open(&bytes, MAX_CHUNK).map_err(damaged_chunk)?.map_err(damaged)?;
     if decoder.dimensions().map_err(damaged)? != (cols as u32, rows as u32) {
@@ -52,14 +65,34 @@ pub(super) fn parse(mut bytes: Vec<u8>) -> Result<Raster, RasterFault> {
     let south_m = if place.south_first { place.edge_m } else { place.edge_m - rows as f64 * cell_m };
     check_place(place.west_m, south_m, cell_m)?;
     let nodata = nodata(&mut decoder)?;
-    let mut values = Pixels { rows, cols, absent: nodata.unwrap_or(0.0) }.read(&mut decoder)?;
-    if place.south_first {
-        for row in 0..rows / 2 {
-            let (south, north) = values.split_at_mut((rows - 1 - row) * cols);
-            south[row * cols..][..cols].swap_with_slice(&mut north[..cols]);
+    let names = band_names(&mut decoder, bands)?;
+    let all = Pixels { rows, cols, bands, absent: nodata.unwrap_or(0.0) }.read(&mut decoder)?;
+    let band = |(mut values, name): (Vec<f32>, _)| {
+        if place.south_first {
+            for row in 0..rows / 2 {
+                let (south, north) = values.split_at_mut((rows - 1 - row) * cols);
+                south[row * cols..][..cols].swap_with_slice(&mut north[..cols]);
+            }
+        }
+        let crs = crs.clone();
+        Band { name, raster: Raster { rows, cols, west_m: place.west_m, south_m, cell_m, values, nodata, crs } }
+    };
+    Ok(all.into_iter().zip(names).map(band).collect())
+}
+
+/// Returns the names of bands that GDAL has written into its list of items, in XML.
+fn band_names(decoder: &mut TiffDecoder<'_>, bands: usize) -> Result<Vec<Option<String>>, RasterFault> {
+    let mut names = vec![None; bands];
+    let Some(value) = decoder.find_tag(GDAL_METADATA).map_err(damaged)? else { return Ok(names) };
+    let text = value.into_string().map_err(damaged)?;
+    for item in text.split("<Item ").skip(1).filter(|item| item.contains("role=\"description\"")) {
+        let number = item.split_once("sample=\"").and_then(|(_, rest)| rest.split('"').next()?.parse::<usize>().ok());
+        let name = item.split_once('>').and_then(|(_, rest)| rest.split('<').next());
+        if let (Some(slot), Some(name)) = (number.and_then(|number| names.get_mut(number)), name) {
+            *slot = Some(wildfire_base::untrusted::visible_start(name));
         }
     }
-    Ok(Raster { rows, cols, west_m: place.west_m, south_m, cell_m, values, nodata, crs })
+    Ok(names)
 }
 
 fn damaged(error: TiffError) -> RasterFault {
@@ -74,13 +107,14 @@ fn unfit<T>(message: impl Into<String>) -> Result<T, RasterFault> {
 struct Pixels {
     rows: usize,
     cols: usize,
+    bands: usize,
     /// What strips and tiles hold that the file leaves out, as GDAL may.
     absent: f32,
 }
 
 impl Pixels {
-    /// Reads all strips or tiles, and turns the rows over.
-    fn read(&self, decoder: &mut TiffDecoder<'_>) -> Result<Vec<f32>, RasterFault> {
+    /// Reads all strips or tiles by band, and turns the rows over.
+    fn read(&self, decoder: &mut TiffDecoder<'_>) -> Result<Vec<Vec<f32>>, RasterFault> {
         let (width, height) = decoder.chunk_dimensions();
         let (width, height) = (width as usize, (height as usize).min(self.rows));
         if width == 0 || height == 0 || width * height > MAX_RASTER_CELLS {
@@ -95,23 +129,34 @@ impl Pixels {
             ChunkType::Tile => Tag::TileByteCounts,
         };
         let bytes = decoder.find_tag_unsigned_vec::<u64>(counts).map_err(damaged)?.unwrap_or_default();
-        let mut values = with_room(self.rows * self.cols)?;
-        values.resize(self.rows * self.cols, self.absent);
-        for chunk in (0..across * self.rows.div_ceil(height)).filter(|&chunk| bytes.get(chunk) != Some(&0)) {
-            let (north, west) = (chunk / across * height, chunk % across * width);
+        let mut bands = Vec::with_capacity(self.bands);
+        for _ in 0..self.bands {
+            let mut values = with_room(self.rows * self.cols)?;
+            values.resize(self.rows * self.cols, self.absent);
+            bands.push(values);
+        }
+        let is_planar = decoder.find_tag_unsigned::<u16>(Tag::PlanarConfiguration).map_err(damaged)? == Some(PLANAR);
+        let (planes, together) = if is_planar { (self.bands, 1) } else { (1, self.bands) };
+        let in_plane = across * self.rows.div_ceil(height);
+        for chunk in (0..planes * in_plane).filter(|&chunk| bytes.get(chunk) != Some(&0)) {
+            let (plane, number) = (chunk / in_plane, chunk % in_plane);
+            let (north, west) = (number / across * height, number % across * width);
             let cut = |error| RasterFault::Damaged { message: format!("row {north}, column {west}: {error}") };
             let samples = numbers(decoder.read_chunk(chunk as u32).map_err(cut)?)?;
             let cols = width.min(self.cols - west);
             let rows = height.min(self.rows - north);
-            if samples.len() < rows * cols {
+            if samples.len() < rows * cols * together {
                 return Err(RasterFault::Ends { row: north, col: west, rows: self.rows, cols: self.cols });
             }
-            for (offset, row) in samples.chunks_exact(cols).take(rows).enumerate() {
+            for (offset, row) in samples.chunks_exact(cols * together).take(rows).enumerate() {
                 let start = (self.rows - 1 - north - offset) * self.cols + west;
-                values[start..start + cols].copy_from_slice(row);
+                for (band, values) in bands[plane..plane + together].iter_mut().enumerate() {
+                    let own = row.iter().skip(band).step_by(together);
+                    values[start..start + cols].iter_mut().zip(own).for_each(|(value, &sample)| *value = sample);
+                }
             }
         }
-        Ok(values)
+        Ok(bands)
     }
 }
 

@@ -7,6 +7,7 @@
 mod ascii;
 mod error;
 mod geotiff;
+mod lcp;
 pub(super) mod tiff_chunks;
 pub(super) mod tiff_header;
 
@@ -23,6 +24,8 @@ use wildfire_base::whole_file::write_whole;
 pub const MAX_RASTER_SIDE: usize = 16_384;
 /// The maximum number of cells of a raster: 268 MB of values.
 pub const MAX_RASTER_CELLS: usize = 1 << 26;
+/// The maximum number of bands; those of one file have at most twice [`MAX_RASTER_CELLS`] cells together.
+pub const MAX_BANDS: u64 = 64;
 /// The maximum size of a raster file in bytes: about nine characters for each cell of the largest one.
 pub const MAX_RASTER_BYTES: u64 = 600_000_000;
 
@@ -110,9 +113,35 @@ pub fn parse(bytes: Vec<u8>) -> Result<Raster, RasterFault> {
         geotiff::parse(bytes)
     } else if ascii::is_start(&bytes) {
         ascii::parse(&bytes)
+    } else if lcp::is_start(&bytes) {
+        Err(RasterFault::one_of(lcp::parse(&bytes)?.len()))
     } else {
         Err(RasterFault::Foreign)
     }
+}
+
+/// A band of a file, with its name if it has one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Band {
+    pub name: Option<String>,
+    pub raster: Raster,
+}
+
+/// Reads all bands of a raster: a GeoTIFF, a landscape file of FARSITE (`.lcp`), or an ESRI ASCII grid.
+///
+/// # Errors
+/// Fails as [`read`] does, and if there are more than [`MAX_BANDS`] bands.
+pub fn read_bands(path: &Path) -> Result<Vec<Band>, RasterError> {
+    let bands = input_file::read(path, MAX_RASTER_BYTES).map_err(RasterFault::from).and_then(|bytes| {
+        if tiff_header::is_start(&bytes) {
+            geotiff::parse_bands(bytes)
+        } else if lcp::is_start(&bytes) {
+            lcp::parse(&bytes)
+        } else {
+            Ok(vec![Band { name: None, raster: parse(bytes)? }])
+        }
+    });
+    bands.map_err(|fault| RasterError { path: path.to_owned(), fault })
 }
 
 /// Writes an ESRI ASCII grid: every value in the fewest digits that restore it bit for bit.
@@ -136,6 +165,12 @@ fn check_size(rows: u64, cols: u64) -> Result<(), RasterFault> {
     let side_fits = |side| (1..=MAX_RASTER_SIDE as u64).contains(&side);
     let fits = side_fits(rows) && side_fits(cols) && rows * cols <= MAX_RASTER_CELLS as u64;
     if fits { Ok(()) } else { Err(RasterFault::Size { rows, cols }) }
+}
+
+/// Accepts a number of bands, all of which are held at a time.
+fn check_bands(rows: u64, cols: u64, bands: u64) -> Result<(), RasterFault> {
+    let fits = (1..=MAX_BANDS).contains(&bands) && rows * cols * bands <= 2 * MAX_RASTER_CELLS as u64;
+    if fits { Ok(()) } else { Err(RasterFault::Bands { rows, cols, bands }) }
 }
 
 /// Accepts the place and the side of cells.

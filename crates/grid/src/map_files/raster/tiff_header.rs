@@ -5,7 +5,7 @@
 //!
 //! Source: Adobe Developers Association, "TIFF Revision 6.0", 1992, section 2.
 
-use super::{RasterFault, check_size};
+use super::{RasterFault, check_bands, check_size};
 
 pub(super) const WIDTH: u16 = 256;
 pub(super) const LENGTH: u16 = 257;
@@ -40,10 +40,11 @@ pub(in crate::map_files) fn is_start(bytes: &[u8]) -> bool {
     [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|signature| bytes.starts_with(*signature))
 }
 
-/// Rows and columns of an image that a decoder may have.
+/// Rows, columns and bands of an image that a decoder may have.
 pub(super) struct TiffSize {
     pub rows: usize,
     pub cols: usize,
+    pub bands: usize,
 }
 
 /// Checks the head of the first image, and makes a palette of colours grey: colours are for showing, the numbers are what
@@ -57,11 +58,7 @@ pub(super) fn check(bytes: &mut [u8]) -> Result<TiffSize, RasterFault> {
     let (rows, cols) = (required(LENGTH, "length")?, required(WIDTH, "width")?);
     check_size(rows, cols)?;
     let bands = number(SAMPLES)?.unwrap_or(1);
-    if bands != 1 {
-        let message =
-            format!("it has {bands} bands, expected one; gdal_translate -b NUMBER in.tif out.tif extracts one");
-        return Err(RasterFault::Unfit { message });
-    }
+    check_bands(rows, cols, bands)?;
     if number(PLANAR)?.is_some_and(|planar| planar > 2) || number(ROWS_PER_STRIP)? == Some(0) {
         return Err(RasterFault::Damaged { message: "its header gives an unknown layout".into() });
     }
@@ -91,16 +88,16 @@ pub(super) fn check(bytes: &mut [u8]) -> Result<TiffSize, RasterFault> {
         );
         return Err(RasterFault::Unfit { message });
     }
-    let (rows, cols) = (rows as usize, cols as usize);
+    let (rows, cols, bands) = (rows as usize, cols as usize, bands as usize);
     let bits = number(BITS)?.unwrap_or(1).min(64) as usize;
-    if rows * (cols * bits).div_ceil(8) / MAX_RATIO > bytes.len() {
+    if rows * (cols * bands * bits).div_ceil(8) / MAX_RATIO > bytes.len() {
         return Err(RasterFault::TooShort { bytes: bytes.len(), rows, cols });
     }
     if number(PHOTOMETRIC)? == Some(PALETTE) {
         let low_byte = head.entry(bytes, PHOTOMETRIC).expect("it was found").low_byte;
         bytes[low_byte] = GREY;
     }
-    Ok(TiffSize { rows, cols })
+    Ok(TiffSize { rows, cols, bands })
 }
 
 fn cut_off() -> RasterFault {

@@ -1,0 +1,114 @@
+//! Landscape files of FARSITE (`.lcp`): a header of fixed length, then the layers of each cell together, from the north-west.
+//!
+//! Values are converted to the units of LANDFIRE's rasters: metres, degrees, percent, tenths of metres, hundredths of kg/m3.
+//!
+//! Source: Finney, "FARSITE: Fire Area Simulator - model development and evaluation", USDA Forest Service RMRS-RP-4, 1998;
+//! places of the fields: GDAL, "LCP -- FARSITE v.4 LCP Format".
+
+use wildfire_base::geometry::ops;
+
+use super::{Band, Raster, RasterFault, check_bands, check_place, check_size, with_room};
+
+const HEADER_BYTES: usize = 7316;
+/// Words that say that layers are absent or present.
+const ABSENT: i32 = 20;
+const PRESENT: i32 = 21;
+/// The value of cells without data.
+const NODATA: f32 = -9999.0;
+
+const METRES_PER_FOOT: f64 = 0.3048;
+/// Kilogrammes per cubic metre in a pound per cubic foot.
+const KG_M3_PER_LB_FT3: f64 = 16.018_463_373_960_14;
+
+/// Names of the layers in the order of the file, as LANDFIRE has them: elevation, slope, aspect, fuel; cover, height, base and
+/// bulk density of the canopy; duff and coarse wood on the ground. The first five are in each file.
+const LAYERS: [&str; 10] = ["ELEV", "SLPD", "ASP", "FBFM", "CC", "CH", "CBH", "CBD", "DUFF", "CWD"];
+const ALWAYS: usize = 5;
+const CROWNS: usize = 8;
+
+/// Returns whether a file begins as landscape files do.
+pub(super) fn is_start(bytes: &[u8]) -> bool {
+    let is_flag = |at| int(bytes, at).is_some_and(|word| word == ABSENT || word == PRESENT);
+    bytes.len() >= HEADER_BYTES && is_flag(0) && is_flag(4)
+}
+
+fn int(bytes: &[u8], at: usize) -> Option<i32> {
+    Some(i32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?))
+}
+
+fn short(bytes: &[u8], at: usize) -> i16 {
+    i16::from_le_bytes([bytes[at], bytes[at + 1]])
+}
+
+fn double(bytes: &[u8], at: usize) -> f64 {
+    f64::from_le_bytes(bytes[at..at + 8].try_into().expect("eight bytes"))
+}
+
+/// Reads all layers.
+pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Band>, RasterFault> {
+    let word = |at| int(bytes, at).expect("the header is whole");
+    let is_there = |layer: &usize| match *layer {
+        ..ALWAYS => true,
+        ALWAYS..CROWNS => word(0) == PRESENT,
+        _ => word(4) == PRESENT,
+    };
+    let layers: Vec<usize> = (0..LAYERS.len()).filter(is_there).collect();
+    let size = |at| u64::try_from(word(at)).unwrap_or(0);
+    let (cols, rows) = (size(4164), size(4168));
+    check_size(rows, cols)?;
+    check_bands(rows, cols, layers.len() as u64)?;
+    let (cols, rows) = (cols as usize, rows as usize);
+    let data = &bytes[HEADER_BYTES..];
+    if data.len() < 2 * rows * cols * layers.len() {
+        return Err(RasterFault::TooShort { bytes: bytes.len(), rows, cols });
+    }
+    let side_m = match word(4204) {
+        0 => 1.0,
+        1 => METRES_PER_FOOT,
+        2 => 1000.0,
+        unit => {
+            let message = format!("the landscape file measures its cells in unit {unit}; expected 0, 1 or 2");
+            return Err(RasterFault::Landscape { message });
+        }
+    };
+    let (x, y) = (double(bytes, 4208) * side_m, double(bytes, 4216) * side_m);
+    if (x - y).abs() > 1e-6 * x.abs() {
+        return Err(RasterFault::NotSquare { x, y });
+    }
+    let (west_m, south_m) = (double(bytes, 4180) * side_m, double(bytes, 4196) * side_m);
+    check_place(west_m, south_m, x)?;
+    let mut bands = Vec::new();
+    for (number, &layer) in layers.iter().enumerate() {
+        let (name, unit) = (LAYERS[layer], short(bytes, 4224 + 2 * layer));
+        let Some(convert) = conversion(layer, unit) else {
+            let message = format!("the landscape file gives its {name} in an unknown unit, {unit}");
+            return Err(RasterFault::Landscape { message });
+        };
+        let mut values = with_room(rows * cols)?;
+        for row in (0..rows).rev() {
+            for col in 0..cols {
+                let value = f32::from(short(data, 2 * ((row * cols + col) * layers.len() + number)));
+                values.push(if value == NODATA { NODATA } else { convert(value.into()) as f32 });
+            }
+        }
+        let raster = Raster { rows, cols, west_m, south_m, cell_m: x, values, nodata: Some(NODATA), crs: None };
+        bands.push(Band { name: Some(name.to_owned()), raster });
+    }
+    Ok(bands)
+}
+
+/// Returns what makes the units of LANDFIRE out of those of a layer; `None` if they are not known.
+fn conversion(layer: usize, unit: i16) -> Option<fn(f64) -> f64> {
+    Some(match (layer, unit) {
+        (0, 0) | (1, 0) | (2, 2) | (3, 0..=3) | (4, 1) | (5 | 6, 3) | (7, 3) | (8.., _) => |value| value,
+        (0, 1) => |feet| METRES_PER_FOOT * feet,
+        (1, 1) => |percent| ops::atan2(percent, 100.0).to_degrees(),
+        (5 | 6, 1) => |metres| 10.0 * metres,
+        (5 | 6, 2) => |feet| (10.0 * METRES_PER_FOOT * feet).round(),
+        (5 | 6, 4) => |tenths| (METRES_PER_FOOT * tenths).round(),
+        (7, 1) => |density| 100.0 * density,
+        (7, 2) => |density| (100.0 * KG_M3_PER_LB_FT3 * density).round(),
+        (7, 4) => |thousandths| (0.1 * KG_M3_PER_LB_FT3 * thousandths).round(),
+        _ => return None,
+    })
+}
