@@ -17,8 +17,10 @@ pub mod fuel;
 mod landscape;
 pub mod lone;
 pub mod models;
+pub mod nelson;
 pub mod spotting;
 pub mod surface;
+pub mod water;
 mod weather;
 
 use std::fmt;
