@@ -82,6 +82,22 @@ impl Site {
     }
 }
 
+/// Returns the moisture of fine dead fuel in the sun on gentle ground that faces south, as a fraction, in this month (from 1)
+/// and hour (0 to 23). Before 8:00 the correction is that of 8:00, from 20:00 on that of 18:00: the tables have no night.
+pub fn fine_dead_moisture(temperature_c: f64, humidity: f64, month: u32, hour: u32) -> f64 {
+    let class = |number: f64, last: f64| number.clamp(0.0, last) as usize;
+    let reference = reference_pct(class((1.8 * temperature_c + 22.0) / 20.0, 5.0), class(20.0 * humidity, 20.0));
+    let season = match month {
+        5..=7 => 0,
+        2..=4 | 8..=10 => 1,
+        _ => 2,
+    };
+    let time = (hour.clamp(8, 19) - 8) as usize / 2;
+    let correction = Site { season, shade: 0, aspect: 2, slope: 0, time, elevation: 1 }.correction_pct();
+    let [reference, correction] = [reference, correction].map(|pct| pct.expect("the classes are within the tables"));
+    f64::from(reference + correction) / 100.0
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -92,6 +108,10 @@ mod tests {
         let site = Site { season: 0, shade: 0, aspect: 2, slope: 0, time: 3, elevation: 1 };
         let corrections = [site, Site { shade: 1, ..site }, Site { season: 2, ..site }].map(Site::correction_pct);
         assert_eq!((reference_pct(3, 4), corrections), (Some(3), [Some(0), Some(3), Some(2)]));
+        // 80 F and 20 % on that meadow; and by night in December, when the air is cold and moist.
+        let found =
+            [(26.7, 0.2, 7, 14), (-30.0, 1.0, 12, 23)].map(|(c, h, month, at)| fine_dead_moisture(c, h, month, at));
+        assert_eq!(found, [0.03, 0.19]);
         let beyond = [Site { season: 3, ..site }, Site { slope: 2, ..site }, Site { time: 6, elevation: 3, ..site }];
         assert_eq!((beyond.map(Site::correction_pct), reference_pct(6, 0)), ([None; 3], None));
     }

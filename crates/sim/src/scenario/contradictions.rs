@@ -20,7 +20,7 @@ const SLOPE_DEG: &str = "fire.rothermel.slope_deg";
 const STEEPNESS: &str = "each sets the slope of the ground";
 
 /// Values of which a file gives one, and why; `*` stands for any number in a list. A change of one replaces the other.
-const EITHER: [(&[&str], &[&str], &str); 11] = [
+const EITHER: [(&[&str], &[&str], &str); 14] = [
     (&["planner.*.module"], &["planner.*.command"], "each says what plans"),
     (&["policy.*.module"], &["policy.*.command"], "each says what decides"),
     (&["field.pieces"], &["field.coverage"], "each sets the number of bushes"),
@@ -36,6 +36,9 @@ const EITHER: [(&[&str], &[&str], &str); 11] = [
         "each sets the uncertainty of the weather",
     ),
     (&["weather.samples"], &["weather.moisture"], "one of its rows holds for the whole run"),
+    (&["weather.file"], &["wind", "wind_file"], "each sets the changes of the wind"),
+    (&["weather.file"], &["weather.samples"], "each sets the weather of a run"),
+    (&["weather.dead_moisture"], &["weather.moisture"], "each sets the moisture of dead fuel"),
 ];
 
 /// Values that files beside them decide, and why. A change of a file replaces them; a change of them is refused, as it
@@ -61,7 +64,10 @@ const DECIDED: [(&[&str], &[&str], &str); 5] = [
 ];
 
 /// Values that need another one beside them.
-const NEEDS: [(&str, &str); 5] = [
+const NEEDS: [(&str, &str); 8] = [
+    ("weather.dead_moisture", "weather.file"),
+    ("weather.start_h", "weather.file"),
+    ("weather.latitude_deg", "weather.file"),
     ("field.map_tolerance", "field.map"),
     ("field.map_invert", "field.map"),
     (SLOPE, ASPECT),

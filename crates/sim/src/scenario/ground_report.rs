@@ -2,7 +2,7 @@
 //! would burn, and what looks odd.
 
 use super::field::percent;
-use super::weather::describe_wind;
+use super::weather::{DeadMoisture, describe_wind};
 use super::{FireModelName, LandscapeSettings, Scenario, Terrain};
 use wildfire_base::geometry::{DVec2, ops};
 use wildfire_fire::fuel::FuelModel;
@@ -138,6 +138,15 @@ pub fn describe_weather(scenario: &Scenario) -> Vec<String> {
         lines.push(format!("Moisture: {}.", describe_moisture(&settings.moisture)));
     }
     let Some(settings) = &scenario.weather else { return lines };
+    if let Some(file) = &settings.file {
+        let dead = match settings.dead_moisture {
+            DeadMoisture::Fixed => "is not changed",
+            DeadMoisture::Tables => "follows it by Rothermel's tables",
+            DeadMoisture::Nelson => "follows it by Nelson's sticks",
+        };
+        let (file, start_h) = (file.display(), settings.start_h);
+        lines.push(format!("The wind is that of `{file}`, from its hour {start_h} on; dead-fuel moisture {dead}."));
+    }
     for change in settings.moisture.iter().take(SHOWN_CHANGES) {
         let moisture =
             FuelMoisture { d1: change.d1, d10: change.d10, d100: change.d100, herb: change.herb, woody: change.woody };

@@ -15,11 +15,14 @@ use super::path::{FieldPath, FoundSpan, PathStep};
 use super::program::{Unusable, UnusableFile};
 use super::source::{MAX_MAP_BYTES, ScenarioText, first_too_deep, too_deep_message, unreadable};
 use super::starts::Starting;
+use super::weather::DeadMoisture;
 use super::weather_csv::{read_samples, read_wind};
+use super::weather_stream::WeatherStream;
 use super::wording::{self, KeyOrValue};
 use super::{Field, GivenField, IgnitionCells, Scenario};
 use wildfire_base::geometry::FieldFrame;
 use wildfire_base::input_file;
+use wildfire_fire::surface::FuelMoisture;
 use wildfire_grid::map_files;
 use wildfire_planning::PlannerName;
 
@@ -293,6 +296,18 @@ impl WrittenScenario<'_> {
         {
             let path = FieldPath::parse("weather.samples");
             settings.rows = read_samples(&self.file(&path, file)).map_err(|message| self.rule(&path, message))?;
+        }
+        let usual = scenario.fire.rothermel.as_ref().map_or_else(FuelMoisture::default, |settings| settings.moisture);
+        if let Some(settings) = &mut scenario.weather
+            && let Some(file) = &settings.file
+        {
+            let path = FieldPath::parse("weather.file");
+            let stream = WeatherStream::read(&self.file(&path, file)).map_err(|message| self.rule(&path, message))?;
+            scenario.wind = stream.winds(settings.start_h).map_err(|message| self.rule(&path, message))?;
+            if settings.dead_moisture != DeadMoisture::Fixed {
+                let moisture = stream.moistures(settings, &usual).map_err(|message| self.rule(&path, message))?;
+                settings.moisture = moisture;
+            }
         }
         Ok(())
     }

@@ -32,6 +32,19 @@ pub struct WeatherSettings {
     /// Changes of the moisture, in order of time; until the first one it is that of `[fire.rothermel]`.
     #[serde(deserialize_with = "list_of_at_most::<100_000, _, _>", skip_serializing_if = "Vec::is_empty")]
     pub moisture: Vec<MoistureChange>,
+    /// A weather stream by the hour that sets the wind, and the moisture of dead fuel if `dead_moisture` says so: a CSV file,
+    /// FW21, or `.wxs` as FARSITE reads it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<PathBuf>,
+    /// How the moisture of dead fuel follows from the stream.
+    #[serde(skip_serializing_if = "DeadMoisture::is_fixed")]
+    pub dead_moisture: DeadMoisture,
+    /// Hours from the first row of the stream to the start of the run; sticks take the weather of those before it.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub start_h: f64,
+    /// Latitude, for the sun over a stream that has cloud cover and no radiation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub latitude_deg: Option<f64>,
     /// Standard deviation of the wind's speed: one draw for a run is added to all speeds, which stay at 0 or above.
     pub speed_sd_mps: f64,
     /// Standard deviation of the wind's direction: one draw for a run turns all directions.
@@ -47,6 +60,31 @@ pub struct WeatherSettings {
     #[serde(deserialize_with = "list_of_at_most::<100_000, _, _>", skip_serializing_if = "Vec::is_empty")]
     #[schemars(skip)]
     pub rows: Vec<WeatherSample>,
+}
+
+/// Ways in which the moisture of dead fuel follows from a weather stream.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DeadMoisture {
+    /// It does not: it stays that of `[fire.rothermel]`.
+    #[default]
+    Fixed,
+    /// Rothermel's tables for fine dead fuel; one percent more for 10 hours, two for 100.
+    Tables,
+    /// Nelson's sticks of 1, 10 and 100 hours.
+    Nelson,
+}
+
+impl DeadMoisture {
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+    fn is_fixed(&self) -> bool {
+        *self == Self::Fixed
+    }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
 }
 
 /// Moisture from a time on.
@@ -68,7 +106,10 @@ impl MoistureChange {
     }
 }
 
-ranges! { WeatherSettings { speed_sd_mps: 0.0..=50.0, toward_sd_deg: 0.0..=360.0, moisture_sd: 0.0..=0.5; moisture } }
+ranges! { WeatherSettings {
+    start_h: 0.0..=100_000.0, latitude_deg: -90.0..=90.0, speed_sd_mps: 0.0..=50.0, toward_sd_deg: 0.0..=360.0,
+    moisture_sd: 0.0..=0.5; moisture
+} }
 ranges! { MoistureChange { at_s: 0.0..=1e6 } and |own, frame| own.moisture().check(frame) }
 
 impl WeatherSettings {

@@ -83,35 +83,48 @@ pub(super) fn read_samples(path: &Path) -> Result<Vec<WeatherSample>, String> {
     table.rows.iter().map(sample).collect()
 }
 
+/// Reads the text of a file of weather.
+pub(super) fn read_text(path: &Path) -> Result<String, String> {
+    input_file::read_text(path, MAX_BYTES).map_err(|error| format!("{}: {error}", path.display()))
+}
+
 /// Returns the angle in [0, 360), counter-clockwise from east, to which a wind from an azimuth blows.
-fn house_angle(from_deg: f64) -> f64 {
+pub(super) fn house_angle(from_deg: f64) -> f64 {
     (270.0 - from_deg).rem_euclid(360.0)
 }
 
 /// A file, line by line.
-struct CsvTable {
-    name: String,
-    names: Vec<String>,
-    rows: Vec<CsvRow>,
+pub(super) struct CsvTable {
+    pub name: String,
+    pub names: Vec<String>,
+    pub rows: Vec<CsvRow>,
 }
 
-struct CsvRow {
-    line: usize,
+pub(super) struct CsvRow {
+    pub line: usize,
     cells: Vec<String>,
 }
 
 impl CsvTable {
-    fn read(path: &Path) -> Result<Self, String> {
+    pub fn read(path: &Path) -> Result<Self, String> {
         let name = path.display().to_string();
-        let text = input_file::read_text(path, MAX_BYTES).map_err(|error| format!("{name}: {error}"))?;
+        let text = read_text(path)?;
         let cells = |line: &str| line.split(',').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
         let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
         let (_, first) =
             lines.next().ok_or_else(|| format!("{name}: it is empty; expected a line of names and rows"))?;
         let names = cells(first);
+        Self::from_rows(name, names, lines.map(|(index, line)| (index + 1, cells(line))))
+    }
+
+    /// Creates the table of the rows with these lines and cells.
+    pub fn from_rows(
+        name: String,
+        names: Vec<String>,
+        lines: impl Iterator<Item = (usize, Vec<String>)>,
+    ) -> Result<Self, String> {
         let mut rows = Vec::new();
-        for (index, line) in lines {
-            let (line, cells) = (index + 1, cells(line));
+        for (line, cells) in lines {
             if cells.len() != names.len() {
                 let (found, expected) = (cells.len(), names.len());
                 return Err(format!(
@@ -130,11 +143,11 @@ impl CsvTable {
         }
     }
 
-    fn column(&self, name: &str) -> Option<usize> {
+    pub fn column(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|found| found == name)
     }
 
-    fn required(&self, name: &str) -> Result<usize, String> {
+    pub fn required(&self, name: &str) -> Result<usize, String> {
         let missing =
             || format!("{}: line 1: no column `{name}`; it has {}", self.name, visible_start(&self.names.join(",")));
         self.column(name).ok_or_else(missing)
@@ -152,7 +165,7 @@ impl CsvTable {
         Ok(Some(columns))
     }
 
-    fn number(&self, row: &CsvRow, column: usize, least: f64, most: f64) -> Result<f64, String> {
+    pub fn number(&self, row: &CsvRow, column: usize, least: f64, most: f64) -> Result<f64, String> {
         let number = row.cells[column].parse::<f64>().ok().filter(|number| (least..=most).contains(number));
         // The sign of a zero says nothing.
         number
@@ -160,7 +173,11 @@ impl CsvTable {
             .ok_or_else(|| self.wrong(row, column, &format!("a number from {least} to {most}")))
     }
 
-    fn wrong(&self, row: &CsvRow, column: usize, expected: &str) -> String {
+    pub fn cell<'a>(&self, row: &'a CsvRow, column: usize) -> &'a str {
+        &row.cells[column]
+    }
+
+    pub fn wrong(&self, row: &CsvRow, column: usize, expected: &str) -> String {
         let found = visible_start(&row.cells[column]);
         format!("{}: line {}: `{}` is {found}, expected {expected}", self.name, row.line, self.names[column])
     }
