@@ -305,6 +305,11 @@ fn calculators_write_answers_behind_the_columns_of_a_table() {
     let answers: Vec<&str> = table.lines().filter_map(|line| line.rsplit(',').next()).collect();
     assert_eq!(answers, ["fine_moisture_pct", "3", "3"]);
     story.file("attacks.csv", &format!("{ATTACKS}5,1,3,head,0,120:480:20\n20,1,3,rear,1,30:60:6|40:50:6\n"));
+    let hours = "air_temperature_c,relative_humidity_fraction,solar_w_m2,rain_in_hour_cm\n3,0.2,0,0\n3,0.2,0,0\n";
+    story.file("hours.csv", hours);
+    let sticks = story.tell(&["fire", "sticks", "--csv", "hours.csv"]).expect_code(0).stdout;
+    // The sky is as warm as the air, and so are the sticks.
+    assert!(sticks.lines().nth(2).is_some_and(|row| row.split(',').nth(5) == Some("3")), "{sticks}");
     let steps = ["fire", "contain", "--csv", "attacks.csv", "--min-steps", "250", "--out", "contained.csv"];
     assert!(story.tell(&steps).expect_code(0).stderr.contains("wrote contained.csv: answers to 2 rows"));
     let contained = story.read("contained.csv");

@@ -274,6 +274,7 @@ hold! {
     stability: "docs/stability.md", pictures below 0;
     train: "docs/train.md", pictures below 40_000;
     watch: "docs/watch.md", pictures below 3_000_000;
+    weather_and_water: "docs/weather-and-water.md", pictures below 0;
     why: "docs/why.md", pictures below 0;
     words: "docs/words.md", pictures below 0;
 }

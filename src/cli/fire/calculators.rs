@@ -1,4 +1,4 @@
-//! `wildfire fire moisture`, `contain` and `spotting`: tables of questions in, the same with the answers out.
+//! `wildfire fire moisture`, `sticks`, `contain` and `spotting`: tables of questions in, the same with the answers out.
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -13,6 +13,7 @@ use crate::cli::terminal;
 use wildfire_base::input_file::is_standard_stream;
 use wildfire_fire::contain::{Attack, Outcome, Resource, Status, Tactic};
 use wildfire_fire::fine_moisture::{Site, reference_pct};
+use wildfire_fire::nelson::{Air, SIZES, Stick};
 use wildfire_fire::spotting::{Location, SPECIES, Source, SpotDistance, Spotting};
 
 /// A table that is read and one that is written.
@@ -98,6 +99,37 @@ pub fn moisture(table: &TableArguments, quiet: bool) -> Result<(), CliError> {
         let site = Site { season, shade, aspect, slope, time, elevation };
         let percent = if is_reference { reference_pct(temperature, humidity) } else { site.correction_pct() };
         Ok(percent.expect("the classes are within the tables").to_string())
+    })
+}
+
+pub const STICKS_TABLE: &str = "\
+IN.csv has a row for each hour, with the air at its end and its rain: air_temperature_c, relative_humidity_fraction, \
+solar_w_m2 and rain_in_hour_cm. OUT.csv adds, for sticks of 1, 10, 100 and 1000 hours, stick_1h_moisture (a fraction of the \
+dry weight, the median from surface to middle) and stick_1h_surface_c, and so on. The sticks begin an hour before the first \
+row, at 20 degrees and a moisture of 0.175.
+
+Example:
+  wildfire fire sticks --csv in.csv --out out.csv";
+
+pub fn sticks(table: &TableArguments, quiet: bool) -> Result<(), CliError> {
+    let read = [
+        number("air_temperature_c", -80.0..=80.0),
+        number("relative_humidity_fraction", 0.0..=1.0),
+        number("solar_w_m2", 0.0..=2000.0),
+        number("rain_in_hour_cm", 0.0..=100.0),
+    ];
+    const ADDED: &str = "stick_1h_moisture,stick_1h_surface_c,stick_10h_moisture,stick_10h_surface_c,\
+                         stick_100h_moisture,stick_100h_surface_c,stick_1000h_moisture,stick_1000h_surface_c";
+    let added = &ADDED.split(',').collect::<Vec<_>>();
+    let columns = Columns { read, row: "the weather of an hour", added };
+    let mut sticks = SIZES.map(Stick::new);
+    table.answer(columns, quiet, |_, &[temperature_c, humidity, solar_w_m2, rain_cm]| {
+        let air = Air { temperature_c, humidity: humidity.max(0.01), solar_w_m2, rain_cm };
+        let answers = sticks.each_mut().map(|stick| {
+            stick.advance_hour(&air);
+            format!("{},{}", stick.median_moisture(), stick.surface_temperature_c())
+        });
+        Ok(answers.join(","))
     })
 }
 

@@ -15,7 +15,7 @@ use std::process::ExitCode;
 use clap::Subcommand;
 
 use behavior::BehaviorArguments;
-use calculators::{ContainArguments, MOISTURE_TABLE, SPOTTING_TABLE, TableArguments};
+use calculators::{ContainArguments, MOISTURE_TABLE, SPOTTING_TABLE, STICKS_TABLE, TableArguments};
 use crown::CROWN_TABLE;
 use spread::SpreadArguments;
 
@@ -33,6 +33,9 @@ pub enum FireCommand {
     /// Look up the moisture of fine dead fuel in Rothermel's tables.
     #[command(after_help = MOISTURE_TABLE)]
     Moisture(TableArguments),
+    /// Compute the moisture of dead sticks hour by hour, by Nelson's model.
+    #[command(after_help = STICKS_TABLE)]
+    Sticks(TableArguments),
     /// Compute when crews contain a fire and how large it is then, by Fried and Fried's model.
     Contain(ContainArguments),
     /// Compute how far firebrands light spot fires, by Albini's models.
@@ -46,6 +49,7 @@ pub fn run(command: &FireCommand, quiet: bool) -> Result<ExitCode, CliError> {
         FireCommand::Spread(arguments) => spread::run(arguments, quiet)?,
         FireCommand::Crown(arguments) => crown::run(arguments, quiet)?,
         FireCommand::Moisture(arguments) => calculators::moisture(arguments, quiet)?,
+        FireCommand::Sticks(arguments) => calculators::sticks(arguments, quiet)?,
         FireCommand::Contain(arguments) => calculators::contain(arguments, quiet)?,
         FireCommand::Spotting(arguments) => calculators::spotting(arguments, quiet)?,
     }
