@@ -449,10 +449,10 @@ fn sticks_are_near_those_of_nfdrs4() {
     let Some(table) = Numbers::answered("nelson.csv.gz", "sticks") else { return };
     // By class: half of the hours, 95 of a hundred, and all are within these.
     for (class, bounds) in [
-        ("1h", [3e-5, 4e-3, 1.3e-2]),
-        ("10h", [8e-4, 1.4e-2, 3.3e-2]),
-        ("100h", [8e-4, 4.5e-3, 5e-3]),
-        ("1000h", [3e-4, 1.2e-3, 1.4e-3]),
+        ("1h", [4e-5, 1.2e-3, 2e-2]),
+        ("10h", [1e-3, 5.5e-3, 1.3e-2]),
+        ("100h", [6e-3, 1e-2, 1.5e-2]),
+        ("1000h", [3.2e-3, 6e-3, 8e-3]),
     ] {
         let mut warmth = Worst::default();
         let mut found: Vec<f64> = Vec::new();
@@ -465,7 +465,11 @@ fn sticks_are_near_those_of_nfdrs4() {
         warmth.expect(&format!("NFDRS4, {class}"), &[("surface, degrees", 1e-8)]);
         found.sort_by(f64::total_cmp);
         let quantiles = [0.5, 0.95, 1.0].map(|share| found[((found.len() - 1) as f64 * share) as usize]);
-        println!("| NFDRS4, {class} | moisture, half, 95 %, all | {} | {quantiles:.1e?} |", found.len());
+        let [median, most, all] = quantiles;
+        println!(
+            "| NFDRS4, {class} | moisture | {} | {all:.1e}, 95 %: {most:.1e}, median: {median:.1e} |",
+            found.len()
+        );
         assert!(quantiles.iter().zip(bounds).all(|(found, bound)| *found <= bound), "{class}: {quantiles:?}");
     }
 }

@@ -8,7 +8,10 @@
 //! The surface exchanges heat with air and sky and water with the air; within the stick, water moves by diffusion of vapour
 //! and of bound water. NFDRS4 computes the same temperatures of the surface. Its humidity at the surface is not published:
 //! here the sorption takes place at the mean of the temperatures of air and surface, which is nearest to its answers
-//! (`docs/weather-and-water.md` says how near). Capillary flow of free water and dew are left out.
+//! (`docs/weather-and-water.md` says how near). Capillary flow of free water and the water of
+//! dew are left out; rain and the hour after it follow NFDRS4's answers.
+
+use std::f64::consts::PI;
 
 use wildfire_base::geometry::ops;
 
@@ -32,9 +35,8 @@ const KELVIN: f64 = 273.2;
 /// Gas constant, cal/(mol K).
 const GAS: f64 = 1.987;
 
-/// Rain of a storm, cm, after which a stick takes up less; and the share that it then takes up.
-const STORM_CM: f64 = 0.06;
-const STORM_SHARE: f64 = 0.15;
+/// The share of the rain's water that a stick takes up while the air becomes drier, as at the end of a storm.
+const END_OF_STORM: f64 = 0.15;
 
 /// A class of dead fuel: a stick, and the steps that its water and its diffusivities need.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +44,7 @@ pub struct StickSize {
     pub radius_cm: f64,
     /// Conductance of the surface for water where the stick takes it up; where it dries: 0.06 cm/h.
     pub adsorption_cm_h: f64,
-    /// Moisture that rain adds to the surface, per hour.
+    /// The most moisture that rain adds to the surface, per hour.
     pub rain_uptake: f64,
     pub steps: u32,
     /// Times an hour that the diffusivities are computed.
@@ -74,7 +76,6 @@ pub struct Stick {
     /// Transfer of heat to the air, cal/(cm2 h K).
     to_air: f64,
     air: Air,
-    storm_cm: f64,
     moisture: [f64; NODES],
     temperature_c: [f64; NODES],
     diffusivity: [f64; NODES],
@@ -88,7 +89,6 @@ impl Stick {
             size,
             to_air: 0.2195 + 0.0526 / (r * r * r.sqrt()),
             air: Air { temperature_c: 20.0, humidity: 0.2, solar_w_m2: 0.0, rain_cm: 0.0 },
-            storm_cm: 0.0,
             moisture: [0.175; NODES],
             temperature_c: [20.0; NODES],
             diffusivity: [diffusivity(20.0, 0.175); NODES],
@@ -99,11 +99,8 @@ impl Stick {
     pub fn advance_hour(&mut self, to: &Air) {
         let StickSize { steps, updates, .. } = self.size;
         let from = self.air;
-        if to.rain_cm == 0.0 {
-            self.storm_cm = 0.0;
-        }
-        let uptake = self.size.rain_uptake * if self.storm_cm < STORM_CM { 1.0 } else { STORM_SHARE };
-        self.storm_cm += to.rain_cm;
+        let share = if to.humidity < from.humidity { END_OF_STORM } else { 1.0 };
+        let uptake = share * self.size.rain_uptake * (1.0 - ops::exp(-100.0 * to.rain_cm / PI));
         let step_h = 1.0 / f64::from(steps);
         let mut updated = 1;
         // Both ends of the hour have a step, as in NFDRS4.
@@ -116,7 +113,7 @@ impl Stick {
                 solar_w_m2: between(from.solar_w_m2, to.solar_w_m2),
                 rain_cm: to.rain_cm,
             };
-            self.exchange(&air, uptake * step_h);
+            self.exchange(&air, uptake * step_h, from.rain_cm > 0.0);
             self.diffuse(step_h);
             if f64::from(updated) / f64::from(updates) - share < 0.5 * step_h {
                 for (node, value) in self.diffusivity.iter_mut().enumerate() {
@@ -143,13 +140,15 @@ impl Stick {
         self.temperature_c[0]
     }
 
-    /// Sets temperature and moisture of the surface.
-    fn exchange(&mut self, air: &Air, rain_uptake: f64) {
+    /// Sets temperature and moisture of the surface. Where dew falls in the hour after rain, its moisture stays.
+    fn exchange(&mut self, air: &Air, rain_uptake: f64, is_after_rain: bool) {
         let surface_c = self.balanced_temperature_c(air);
         self.temperature_c[0] = surface_c;
         let [surface, inner] = [self.moisture[0], self.moisture[1]];
         self.moisture[0] = if air.rain_cm > 0.0 {
             surface + rain_uptake
+        } else if is_after_rain && air.humidity * saturation(air.temperature_c) > saturation(surface_c) {
+            surface
         } else {
             let vapour = air.humidity * saturation(air.temperature_c)
                 + PSYCHROMETRIC * AIR_PRESSURE * (air.temperature_c - surface_c);
