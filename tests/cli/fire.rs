@@ -160,8 +160,8 @@ fn layers_are_taken_from_the_bands_of_one_file_and_a_rim_without_data_does_not_b
         "fuel models from band 4 of valley.lcp (FBFM); slope from band 2 of valley.lcp (SLPD)",
         "height of trees from band 6 of valley.lcp (CH)",
         "bulk density of crowns from band 8 of valley.lcp (CBD)",
-        "nothing 9.08 %",
-        "Trees on 90.9 % of the cells.",
+        "nothing 9 %",
+        "Trees on 91 % of the cells.",
     ] {
         assert!(checked.contains(words), "{words}: {checked}");
     }
