@@ -71,6 +71,7 @@ pub mod search_recorder;
 pub mod smooth_steering;
 #[cfg(test)]
 mod test_fields;
+pub mod together;
 mod traffic;
 pub mod walk;
 

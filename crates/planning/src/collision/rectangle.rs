@@ -7,7 +7,7 @@ use wildfire_base::geometry::{FieldFrame, OrientedRect};
 
 /// A body's outline, with its direction as a unit vector.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Rectangle {
+pub(crate) struct Rectangle {
     pub centre: DVec2,
     /// The unit vector along the length.
     pub axis: DVec2,
