@@ -47,6 +47,7 @@ mod scenarios;
 mod shell;
 mod show;
 mod terminal;
+mod together;
 mod why;
 
 use std::env;

@@ -21,6 +21,7 @@ use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::plan::goal_count;
 use crate::cli::report::FormArguments;
+use crate::cli::together::{self, Rules};
 use wildfire_base::document::number::count;
 use wildfire_batch::{
     Attempt, DriveError, DriveFailure, DriveProblems, DriveQuery, Question, attempts, shortened_field,
@@ -42,14 +43,27 @@ Examples:
   wildfire judge field.json paths.csv
   wildfire judge field_*.json paths.csv --against prm-rs,hybrid-astar
   wildfire judge paths.csv --scenario dense --seed 7 --cells 50
-  wildfire judge --recording run.wildfire --csv drives.csv")]
+  wildfire judge --recording run.wildfire --csv drives.csv
+  wildfire judge --together instance.yaml solution.yaml")]
 pub struct JudgeArguments {
     /// Field files, then the table of paths; without field files, the paths are on the scenario's field for the seed.
-    #[arg(value_name = "FIELD.json|PATHS.csv", required_unless_present = "recording")]
+    #[arg(value_name = "FIELD.json|PATHS.csv", required_unless_present_any = ["recording", "together"])]
     pub files: Vec<PathBuf>,
     /// Judge the drives of a recorded run, each as a path towards its goal.
     #[arg(long, value_name = "RUN", conflicts_with_all = ["files", "goals", "cells"])]
     pub recording: Option<PathBuf>,
+    /// Judge a solution of many vehicles that `wildfire plan --together` or a program of the CL-MAPF benchmark wrote.
+    #[arg(
+        help_heading = "Many vehicles", long, num_args = 2, value_names = ["INSTANCE.yaml", "SOLUTION.yaml"],
+        conflicts_with_all = [
+            "files", "recording", "against", "seed", "goals", "cells", "scenario", "overrides", "commands", "modules",
+            "trust", "memory", "csv",
+        ]
+    )]
+    pub together: Vec<PathBuf>,
+    /// Rules of what touches what [default: exact].
+    #[arg(help_heading = "Many vehicles", long, requires = "together", value_enum)]
+    pub mode: Option<Rules>,
     /// Planner to compare with, given the same goals; several names with commas or repeated.
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub against: Vec<PlannerName>,
@@ -80,6 +94,9 @@ pub struct JudgeArguments {
 }
 
 pub fn run(arguments: &JudgeArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
+    if !arguments.together.is_empty() {
+        return together::judge(&arguments.together, arguments.mode.unwrap_or_default(), arguments.form);
+    }
     let mut inputs: Vec<&Path> = arguments.files.iter().chain(&arguments.recording).map(PathBuf::as_path).collect();
     inputs.push(Path::new(&arguments.scenario));
     let files = Files { inputs, form: arguments.form, ..Files::default() };

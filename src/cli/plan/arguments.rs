@@ -9,6 +9,7 @@ use crate::cli::args::{MemoryArguments, PaperArguments, ProgramArguments, parse_
 use crate::cli::batch::{SeedsArgument, parse_seeds};
 use crate::cli::numbers;
 use crate::cli::report::FormArguments;
+use crate::cli::together::TogetherArguments;
 use wildfire_batch::DriveProblems;
 use wildfire_planning::{PlannerName, TruckPlannerKind};
 use wildfire_sim::scenario::MAX_GOALS;
@@ -21,7 +22,8 @@ Examples:
   wildfire plan field_*.json --planner hybrid-astar --csv drives.csv
   wildfire plan field.json --set unimog.hybrid.shortcuts=0 --paths paths.csv
   wildfire plan --seeds 1..30 --set field.coverage=0.05,0.10 --planner all --out bench
-  wildfire plan report bench --pdf";
+  wildfire plan report bench --pdf
+  wildfire plan --together instances --mode benchmark --csv together.csv";
 
 #[derive(Debug, Args)]
 #[command(
@@ -76,6 +78,8 @@ pub struct PlanArguments {
     /// Draw field and paths; several fields go to separate files, FILE-FIELD.png.
     #[arg(help_heading = "Output", long, value_name = "FILE.png")]
     pub png: Option<PathBuf>,
+    #[command(flatten)]
+    pub together: TogetherArguments,
 }
 
 /// Commands on what was planned before.

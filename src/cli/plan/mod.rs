@@ -22,6 +22,7 @@ use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::terminal;
+use crate::cli::together;
 use wildfire_base::input_file::is_standard_stream;
 use wildfire_batch::{
     Attempt, DriveQuery, DriveTable, PlannerSummary, Question, ask_all, asked_planners, expect_known_planners,
@@ -33,6 +34,10 @@ use wildfire_sim::scenario::{LoadedScenario, Problem};
 pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     if let Some(PlanCommand::Report(report)) = &arguments.command {
         return benchmark::report(report, context.quiet);
+    }
+    if !arguments.together.together.is_empty() {
+        let output = (arguments.problems.seed, arguments.form, &arguments.csv);
+        return together::run(&arguments.together, output, context);
     }
     if benchmark::is_meant(arguments)? {
         return benchmark::run(arguments, context);

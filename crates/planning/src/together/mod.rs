@@ -13,6 +13,10 @@
 //!
 //! World frame: metres, x to the right, y up, the origin in the map's corner; headings counter-clockwise.
 
+pub mod files;
+pub mod judge;
+#[cfg(test)]
+mod laws;
 mod repair;
 mod route;
 mod world;

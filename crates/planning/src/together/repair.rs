@@ -82,9 +82,8 @@ impl fmt::Display for Unsolved {
             Self::NoDrive { vehicle } => {
                 write!(f, "no drive of {vehicle} past the obstacles was found, even without the other vehicles")
             }
-            Self::Conflicts { pairs } => {
-                write!(f, "{pairs} pairs of vehicles still conflict after all rounds of repair")
-            }
+            Self::Conflicts { pairs: 1 } => write!(f, "1 pair of vehicles still conflicts after all rounds"),
+            Self::Conflicts { pairs } => write!(f, "{pairs} pairs of vehicles still conflict after all rounds"),
             Self::Stopped => write!(f, "the limit on CPU time ended the search"),
         }
     }

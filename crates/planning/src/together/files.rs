@@ -1,0 +1,225 @@
+//! Instances and solutions in the benchmark's YAML.
+//!
+//! Its yaw is clockwise: a vehicle faces (cos yaw, -sin yaw), so headings change their sign here. A file is read by events
+//! into a small tree, whose size is bounded by the file's: aliases, which could make more of it, are refused.
+
+use std::fmt::Write as _;
+use std::ops::RangeInclusive;
+
+use glam::DVec2;
+use saphyr_parser::{Event, Parser};
+use thiserror::Error;
+
+use super::judge::Schedule;
+use super::{Instance, Route, Vehicle};
+use wildfire_base::geometry::Pose;
+use wildfire_base::untrusted::visible_start;
+
+/// Most bytes of a file.
+pub const MOST_BYTES: u64 = 32 << 20;
+const MOST_VEHICLES: usize = 500;
+const MOST_OBSTACLES: usize = 2000;
+const SIDE_M: RangeInclusive<f64> = 1.0..=2000.0;
+/// Most states of all vehicles of a solution.
+const MOST_STATES: usize = 200_000;
+/// Lists and mappings inside each other.
+const DEEPEST: usize = 8;
+
+/// A fault of a file: a sentence to follow its path.
+#[derive(Debug, Error, PartialEq)]
+#[error("line {line}: {message}")]
+pub struct FileFault {
+    pub line: usize,
+    pub message: String,
+}
+
+/// A value with the line that it begins in.
+struct Value {
+    line: usize,
+    content: Content,
+}
+
+enum Content {
+    Word(String),
+    List(Vec<Value>),
+    /// Keys with their values, in their order.
+    Mapping(Vec<(String, Value)>),
+}
+
+impl Value {
+    fn parse(text: &str) -> Result<Self, FileFault> {
+        let fault = |line: usize, message: &str| FileFault { line, message: message.to_owned() };
+        // Values that are open, each with the key that waits for its value.
+        let mut open: Vec<(Self, Option<String>)> = Vec::new();
+        for event in Parser::new_from_str(text) {
+            let (event, span) = event.map_err(|error| fault(error.marker().line(), error.info()))?;
+            let line = span.start.line();
+            let mut done = match event {
+                Event::MappingStart(..) => {
+                    open.push((Self { line, content: Content::Mapping(Vec::new()) }, None));
+                    None
+                }
+                Event::SequenceStart(..) => {
+                    open.push((Self { line, content: Content::List(Vec::new()) }, None));
+                    None
+                }
+                Event::Scalar(word, ..) => Some(Self { line, content: Content::Word(word.into_owned()) }),
+                Event::MappingEnd | Event::SequenceEnd => open.pop().map(|(value, _)| value),
+                Event::Alias(_) => return Err(fault(line, "aliases are not read here; expected plain values")),
+                _ => None,
+            };
+            if open.len() > DEEPEST {
+                return Err(fault(line, "lists and mappings are nested too deep for an instance or a solution"));
+            }
+            if let Some(value) = done.take() {
+                match open.last_mut() {
+                    None => return Ok(value),
+                    Some((Self { content: Content::List(items), .. }, _)) => items.push(value),
+                    Some((Self { content: Content::Mapping(members), .. }, key)) => match (key.take(), value.content) {
+                        (Some(key), content) => members.push((key, Self { line: value.line, content })),
+                        (None, Content::Word(word)) => *key = Some(word),
+                        (None, _) => return Err(fault(line, "a key is a list or a mapping; expected a word")),
+                    },
+                    Some((Self { content: Content::Word(_), .. }, _)) => unreachable!("words are never open"),
+                }
+            }
+        }
+        Err(fault(1, "the file is empty; expected an instance or a solution"))
+    }
+
+    fn unlike(&self, name: &str, expected: &str) -> FileFault {
+        let found = match &self.content {
+            Content::Word(word) if word.is_empty() => "empty".to_owned(),
+            Content::Word(word) => visible_start(word),
+            Content::List(items) => format!("a list of {}", items.len()),
+            Content::Mapping(_) => "a mapping".to_owned(),
+        };
+        FileFault { line: self.line, message: format!("`{name}` is {found}; expected {expected}") }
+    }
+
+    fn member(&self, key: &str) -> Result<&Self, FileFault> {
+        let Content::Mapping(members) = &self.content else {
+            let message = format!("expected a mapping with `{key}`");
+            return Err(FileFault { line: self.line, message });
+        };
+        let found = members.iter().find(|(name, _)| name == key).map(|(_, value)| value);
+        found.ok_or_else(|| FileFault { line: self.line, message: format!("there is no `{key}` here") })
+    }
+
+    fn list(&self, name: &str, most: usize) -> Result<&[Self], FileFault> {
+        match &self.content {
+            Content::List(items) if items.len() <= most => Ok(items),
+            // A key without a value.
+            Content::Word(word) if word.is_empty() => Ok(&[]),
+            _ => Err(self.unlike(name, &format!("a list of at most {most}"))),
+        }
+    }
+
+    fn number(&self, name: &str, range: &RangeInclusive<f64>) -> Result<f64, FileFault> {
+        let word = if let Content::Word(word) = &self.content { word.as_str() } else { "" };
+        let number = word.parse().ok().filter(|number| range.contains(number));
+        number.ok_or_else(|| self.unlike(name, &format!("a number from {} to {}", range.start(), range.end())))
+    }
+
+    fn numbers<const N: usize>(&self, name: &str, range: &RangeInclusive<f64>) -> Result<[f64; N], FileFault> {
+        let mut numbers = [0.0; N];
+        match self.list(name, N)? {
+            items if items.len() == N => {
+                for (number, item) in numbers.iter_mut().zip(items) {
+                    *number = item.number(name, range)?;
+                }
+                Ok(numbers)
+            }
+            _ => Err(self.unlike(name, &format!("a list of {N} numbers"))),
+        }
+    }
+}
+
+/// Any number of a file: places are checked against the map by whoever uses them.
+const ANY: RangeInclusive<f64> = -1e6..=1e6;
+
+/// Reads an instance: `agents` with `name`, `start` and `goal`, and `map` with `dimensions` and `obstacles`.
+pub fn read_instance(text: &str) -> Result<Instance, FileFault> {
+    let file = Value::parse(text)?;
+    let map = file.member("map")?;
+    let [width_m, height_m] = map.member("dimensions")?.numbers("dimensions", &SIDE_M)?;
+    let mut obstacles = Vec::new();
+    for obstacle in map.member("obstacles")?.list("obstacles", MOST_OBSTACLES)? {
+        let [x, y] = obstacle.numbers("obstacles", &ANY)?;
+        // Instances without obstacles list one outside the map.
+        if (x, y) != (-1.0, -1.0) {
+            obstacles.push(DVec2::new(x, y));
+        }
+    }
+    let agents = file.member("agents")?;
+    let mut vehicles: Vec<Vehicle> = Vec::new();
+    for agent in agents.list("agents", MOST_VEHICLES)? {
+        let pose = |key: &str| -> Result<Pose, FileFault> {
+            let value = agent.member(key)?;
+            let [x, y, yaw] = value.numbers(key, &ANY)?;
+            if !(0.0..=width_m).contains(&x) || !(0.0..=height_m).contains(&y) {
+                return Err(value.unlike(key, "a place on the map"));
+            }
+            Ok(Pose::new(x, y, -yaw))
+        };
+        let name = agent.member("name")?;
+        let Content::Word(word) = &name.content else { return Err(name.unlike("name", "a word")) };
+        let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "_-.".contains(letter);
+        if word.is_empty() || word.len() > 60 || !word.chars().all(is_plain) {
+            return Err(name.unlike("name", "at most 60 letters, digits, and `_`, `-` or `.`"));
+        }
+        if vehicles.iter().any(|vehicle| vehicle.name == *word) {
+            return Err(name.unlike("name", "another name for each vehicle"));
+        }
+        vehicles.push(Vehicle { name: word.clone(), start: pose("start")?, goal: pose("goal")? });
+    }
+    if vehicles.is_empty() {
+        return Err(agents.unlike("agents", "at least one vehicle"));
+    }
+    Ok(Instance { size_m: DVec2::new(width_m, height_m), obstacles, vehicles })
+}
+
+/// Reads a solution: `schedule` with a list of `x`, `y`, `yaw` and `t` for every vehicle; `t` counts 0, 1, 2, ...
+pub fn read_solution(text: &str) -> Result<Vec<Schedule>, FileFault> {
+    let file = Value::parse(text)?;
+    let schedule = file.member("schedule")?;
+    let Content::Mapping(members) = &schedule.content else {
+        return Err(schedule.unlike("schedule", "a list of states for each vehicle"));
+    };
+    let mut left = MOST_STATES;
+    let mut schedules = Vec::new();
+    for (name, states) in members {
+        let mut poses = Vec::new();
+        for (step, state) in states.list(name, left)?.iter().enumerate() {
+            let number = |key: &str| state.member(key)?.number(key, &ANY);
+            let time = state.member("t")?;
+            if time.number("t", &ANY)? != step as f64 {
+                return Err(time.unlike("t", &format!("{step}, since steps count 0, 1, 2 and so on")));
+            }
+            poses.push(Pose::new(number("x")?, number("y")?, -number("yaw")?));
+        }
+        left -= poses.len();
+        schedules.push(Schedule { name: name.clone(), poses });
+    }
+    Ok(schedules)
+}
+
+/// Writes a solution as the benchmark's program does, with all digits; the runtime is in seconds.
+pub fn write_solution(instance: &Instance, routes: &[Route], cpu_s: f64) -> String {
+    let flowtimes = || routes.iter().map(Route::flowtime_m);
+    let cost: f64 = routes.iter().map(Route::cost).sum();
+    let (makespan, flowtime) = (flowtimes().fold(0.0, f64::max), flowtimes().sum::<f64>());
+    let mut text = format!(
+        "statistics:\n  cost: {cost}\n  makespan: {makespan}\n  flowtime: {flowtime}\n  runtime: {cpu_s}\nschedule:\n"
+    );
+    for (vehicle, route) in instance.vehicles.iter().zip(routes) {
+        text += &format!("  {}:\n", vehicle.name);
+        for (step, pose) in route.poses().enumerate() {
+            // 0 without a sign.
+            let yaw = 0.0 - pose.heading;
+            writeln!(text, "    - x: {}\n      y: {}\n      yaw: {yaw}\n      t: {step}", pose.x, pose.y)
+                .expect("strings take all text");
+        }
+    }
+    text
+}

@@ -1,0 +1,241 @@
+//! `wildfire plan --together` and `wildfire judge --together`: many vehicles that plan at once, on instances of the CL-MAPF
+//! benchmark.
+
+mod report;
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+use clap::{Args, ValueEnum};
+
+use report::{Checked, Outcome, Row, TogetherReport, VerdictReport};
+
+use crate::cli::context::CommandContext;
+use crate::cli::error::{CliError, exit};
+use crate::cli::numbers;
+use crate::cli::output_files::{self, Files, Format};
+use crate::cli::report::FormArguments;
+use wildfire_base::input_file;
+use wildfire_base::time::cpu::CpuStopwatch;
+use wildfire_base::whole_file::write_whole;
+use wildfire_planning::together::files::{FileFault, MOST_BYTES, read_instance, read_solution, write_solution};
+use wildfire_planning::together::{Instance, Method, Mode, PlanTogether, plan};
+
+/// Rounds of repair after which an instance counts as unsolved; the limit on CPU time is usually reached before.
+const ROUNDS: u32 = 5000;
+/// Folders inside each other that are searched for instances.
+const DEEPEST: usize = 8;
+
+/// The options of `wildfire plan --together`.
+#[derive(Debug, Args)]
+pub struct TogetherArguments {
+    /// Plan paths of many car-like vehicles at once instead: instances of the CL-MAPF benchmark, or folders of them.
+    #[arg(
+        help_heading = "Many vehicles", long, value_name = "FILE.yaml|DIR", num_args = 1..,
+        conflicts_with_all = [
+            "fields", "goals", "cells", "planners", "scenario", "overrides", "seeds", "jobs", "report", "commands", "modules",
+            "trust", "repeat", "memory", "paths", "ompl", "png",
+        ]
+    )]
+    pub together: Vec<PathBuf>,
+    /// Rules of what touches what [default: exact].
+    #[arg(help_heading = "Many vehicles", long, requires = "together", value_enum)]
+    pub mode: Option<Rules>,
+    /// What to do about conflicts that planning one vehicle after the other leaves [default: repair].
+    #[arg(help_heading = "Many vehicles", long, requires = "together", value_enum)]
+    pub method: Option<Means>,
+    /// Number of attempts for each vehicle to make paths shorter once they are free [default: 0].
+    #[arg(help_heading = "Many vehicles", long, requires = "together", value_name = "N", value_parser = polish)]
+    pub polish: Option<u32>,
+    /// CPU seconds for an instance, after which it counts as unsolved or, with free paths, is polished no further
+    /// [default: 20].
+    #[arg(help_heading = "Many vehicles", long, requires = "together", value_name = "SECONDS", value_parser = limit_s)]
+    pub limit_s: Option<f64>,
+    /// Write each solution into this folder, under its instance's path, as the benchmark's program does.
+    #[arg(help_heading = "Many vehicles", long, requires = "together", value_name = "DIR")]
+    pub yaml: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Rules {
+    /// The benchmark's own rules: circles, at whole steps only
+    Benchmark,
+    /// Rectangles and discs, at all times
+    #[default]
+    Exact,
+}
+
+impl From<Rules> for Mode {
+    fn from(rules: Rules) -> Self {
+        match rules {
+            Rules::Benchmark => Self::Benchmark,
+            Rules::Exact => Self::Exact,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Means {
+    /// Start again in another random order
+    Prioritised,
+    /// Replan the vehicles around a conflict, and keep what is better
+    #[default]
+    Repair,
+}
+
+impl From<Means> for Method {
+    fn from(means: Means) -> Self {
+        match means {
+            Means::Prioritised => Self::Prioritised,
+            Means::Repair => Self::Repair,
+        }
+    }
+}
+
+fn polish(text: &str) -> Result<u32, String> {
+    numbers::parse_within(text, &(0..=1000), "a whole number")
+}
+
+fn limit_s(text: &str) -> Result<f64, String> {
+    numbers::parse_within(text, &(0.001..=1e6), "seconds")
+}
+
+/// Plans all instances that were named.
+pub fn run(
+    arguments: &TogetherArguments,
+    (seed, form, csv): (u64, FormArguments, &Option<PathBuf>),
+    context: &CommandContext,
+) -> Result<ExitCode, CliError> {
+    let inputs = instances(&arguments.together)?;
+    let named = inputs.iter().map(|(path, _)| path.as_path()).collect();
+    let words = Files { inputs: named, form, ..Files::default() }.writing([(Format::Csv, csv)]).check()?;
+    let settings = PlanTogether {
+        mode: arguments.mode.unwrap_or_default().into(),
+        method: arguments.method.unwrap_or_default().into(),
+        seed,
+        rounds: ROUNDS,
+        polish: arguments.polish.unwrap_or(0),
+    };
+    if let Some(folder) = &arguments.yaml {
+        expect_room_for_solutions(folder, &inputs)?;
+    }
+    // All are read before the first is planned: a fault in the last should not cost the answers for the others.
+    let read: Vec<Instance> = inputs.iter().map(|(path, _)| open_instance(path)).collect::<Result<_, _>>()?;
+    let limit = Duration::from_secs_f64(arguments.limit_s.unwrap_or(20.0));
+    let mut rows = Vec::new();
+    for ((path, place), instance) in inputs.iter().zip(&read) {
+        let mut stopwatch = CpuStopwatch::start();
+        let mut spent = Duration::ZERO;
+        let mut is_stopped = || {
+            spent += stopwatch.lap();
+            spent >= limit
+        };
+        let (found, effort) = plan(instance, &settings, &mut is_stopped);
+        is_stopped();
+        let cpu_s = spent.as_secs_f64();
+        let outcome = match found {
+            Err(reason) => Outcome::Unsolved(reason),
+            Ok(routes) => {
+                // What is checked is what is written: numbers as text.
+                let text = write_solution(instance, &routes, cpu_s);
+                if let Some(folder) = &arguments.yaml {
+                    write_into(&folder.join(place), &text)?;
+                }
+                let schedules = read_solution(&text).expect("what is written can be read");
+                Outcome::Solved(Checked::new(instance, settings.mode, &schedules))
+            }
+        };
+        rows.push(Row::new(path, instance, &settings, outcome, effort, cpu_s));
+    }
+    let report = TogetherReport { settings, limit_s: limit.as_secs_f64(), rows };
+    let printed = words.print(&form.render(&report));
+    let written = output_files::write_all(&[(csv.as_deref(), &|path| report.write(path))], context.quiet);
+    printed.and(written)?;
+    Ok(exit_code(report.rows.iter().all(Row::is_clean)))
+}
+
+/// Checks a solution, whoever found it.
+pub fn judge(files: &[PathBuf], mode: Rules, form: FormArguments) -> Result<ExitCode, CliError> {
+    let [of_instance, of_solution] = files else { unreachable!("the option takes two files") };
+    let inputs = vec![of_instance.as_path(), of_solution.as_path()];
+    let words = Files { inputs, form, ..Files::default() }.check()?;
+    let instance = open_instance(of_instance)?;
+    let schedules = parsed(of_solution, read_solution)?;
+    let report = VerdictReport::new(of_solution, mode.into(), Checked::new(&instance, mode.into(), &schedules));
+    words.print(&form.render(&report))?;
+    Ok(exit_code(report.is_clean()))
+}
+
+fn exit_code(is_clean: bool) -> ExitCode {
+    if is_clean { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) }
+}
+
+fn open_instance(path: &Path) -> Result<Instance, CliError> {
+    parsed(path, read_instance)
+}
+
+fn parsed<T>(path: &Path, read: fn(&str) -> Result<T, FileFault>) -> Result<T, CliError> {
+    let text = input_file::read_text(path, MOST_BYTES).map_err(|error| CliError::unreadable(path, &error))?;
+    read(&text).map_err(|fault| CliError::bad_input(format_args!("{}: {fault}", path.display()), None))
+}
+
+/// Lists the files that were named and those in folders, each with the path that its solution gets in a folder.
+fn instances(named: &[PathBuf]) -> Result<Vec<(PathBuf, PathBuf)>, CliError> {
+    let mut found = Vec::new();
+    for path in named {
+        if path.is_dir() {
+            let before = found.len();
+            add_folder(path, Path::new(""), 0, &mut found).map_err(|error| CliError::unreadable(path, &error))?;
+            if found.len() == before {
+                let sentence = format!("{} has no instances; expected files that end in .yaml", path.display());
+                return Err(CliError::bad_input(sentence, None));
+            }
+        } else {
+            found.push((path.clone(), path.file_name().map_or_else(|| "solution.yaml".into(), PathBuf::from)));
+        }
+    }
+    Ok(found)
+}
+
+/// Adds the instances of a folder and of those in it, by their names; links to folders are not followed.
+fn add_folder(folder: &Path, place: &Path, depth: usize, found: &mut Vec<(PathBuf, PathBuf)>) -> io::Result<()> {
+    let mut entries = fs::read_dir(folder)?.collect::<io::Result<Vec<_>>>()?;
+    entries.sort_by_key(fs::DirEntry::file_name);
+    for entry in entries {
+        let (path, place) = (entry.path(), place.join(entry.file_name()));
+        if entry.file_type()?.is_dir() {
+            if depth < DEEPEST {
+                add_folder(&path, &place, depth + 1, found)?;
+            }
+        } else if path.extension().is_some_and(|ending| ending == "yaml" || ending == "yml") {
+            found.push((path, place));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a folder in which a solution would replace an instance, or another solution.
+fn expect_room_for_solutions(folder: &Path, inputs: &[(PathBuf, PathBuf)]) -> Result<(), CliError> {
+    let mut places: Vec<&Path> = inputs.iter().map(|(_, place)| place.as_path()).collect();
+    places.sort_unstable();
+    let twice = places.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| folder.join(pair[0]));
+    let sources: BTreeSet<PathBuf> = inputs.iter().filter_map(|(path, _)| fs::canonicalize(path).ok()).collect();
+    let is_source = |place: &&&Path| fs::canonicalize(folder.join(place)).is_ok_and(|path| sources.contains(&path));
+    let (path, taken) = match (twice, places.iter().find(is_source)) {
+        (Some(path), _) => (path, "the solutions of two instances"),
+        (None, Some(place)) => (folder.join(place), "an instance and a solution"),
+        (None, None) => return Ok(()),
+    };
+    let help = Some("name another folder, or folders of instances instead of files");
+    Err(CliError::bad_input(format_args!("{} would be {taken}", path.display()), help))
+}
+
+fn write_into(path: &Path, text: &str) -> Result<(), CliError> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let written = fs::create_dir_all(folder).and_then(|()| write_whole(path, text.as_bytes()));
+    written.map_err(|error| CliError::unwritable(path, &error))
+}

@@ -1,0 +1,394 @@
+//! Reports on vehicles that plan together: a row for each instance, and the figures of all.
+
+use std::io;
+use std::path::Path;
+
+use serde::{Serialize, Serializer};
+
+use crate::cli::plan::SHOWN_ROWS;
+use wildfire_base::document::number::{count, optional, percent, rounded};
+use wildfire_base::document::{Block, Document, Table};
+use wildfire_base::object;
+use wildfire_base::untrusted::{spreadsheet_cell, visible_start};
+use wildfire_base::whole_file::WholeFile;
+use wildfire_batch::PROGRAM_VERSION;
+use wildfire_planning::together::judge::{self, Fault, Schedule};
+use wildfire_planning::together::{Effort, Instance, Method, Mode, PlanTogether, Route, Unsolved};
+
+/// Most sentences about faults of one solution.
+const SHOWN_FAULTS: usize = 20;
+
+const LEGEND: [&str; 4] = [
+    "Flowtime: metres driven by all vehicles, a wait counted as 2.118 m; x bound: over the sum of their shortest \
+     Reeds-Shepp curves without obstacles.",
+    "Makespan: the largest flowtime of a vehicle; x bound: over the longest of these curves. Rows of several instances have \
+     medians.",
+    "Blocked: a start or a goal is on an obstacle, so the instance has no solution. Solved: share of the others.",
+    "Violations: faults that an independent check found in the solutions.",
+];
+
+/// A solution as the independent check sees it.
+#[derive(Debug)]
+pub struct Checked {
+    faults: Vec<Fault>,
+    figures: Option<Figures>,
+}
+
+/// The figures of a solution whose steps can all be driven.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Figures {
+    flowtime_m: f64,
+    flowtime_over_bound: f64,
+    makespan_m: f64,
+    makespan_over_bound: f64,
+    cost: f64,
+    steps: usize,
+}
+
+impl Checked {
+    pub fn new(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> Self {
+        let (faults, routes) = judge::check(instance, mode, schedules);
+        Self { faults, figures: routes.map(|routes| Figures::new(instance, &routes)) }
+    }
+}
+
+impl Figures {
+    fn new(instance: &Instance, routes: &[Route]) -> Self {
+        let (sum_m, most_m) = instance.bounds_m();
+        let flowtimes = || routes.iter().map(Route::flowtime_m);
+        let (flowtime_m, makespan_m) = (flowtimes().sum::<f64>(), flowtimes().fold(0.0, f64::max));
+        // Vehicles that are all at their goals have a bound of 0.
+        let over = |metres: f64, bound_m: f64| if bound_m > 0.0 { metres / bound_m } else { 1.0 };
+        Self {
+            flowtime_m,
+            flowtime_over_bound: over(flowtime_m, sum_m),
+            makespan_m,
+            makespan_over_bound: over(makespan_m, most_m),
+            cost: routes.iter().map(Route::cost).sum(),
+            steps: routes.iter().map(|route| route.steps.len()).max().unwrap_or(0),
+        }
+    }
+}
+
+/// What became of an instance.
+#[derive(Debug)]
+pub enum Outcome {
+    Solved(Checked),
+    Unsolved(Unsolved),
+}
+
+/// An instance and its solution; a row of the table.
+#[derive(Debug, Serialize)]
+pub struct Row {
+    instance: String,
+    width_m: f64,
+    height_m: f64,
+    obstacles: usize,
+    vehicles: usize,
+    mode: Mode,
+    method: Method,
+    seed: u64,
+    /// `solved`, `blocked` or `unsolved`.
+    status: &'static str,
+    message: String,
+    flowtime_m: Option<f64>,
+    flowtime_over_bound: Option<f64>,
+    makespan_m: Option<f64>,
+    makespan_over_bound: Option<f64>,
+    cost: Option<f64>,
+    steps: Option<usize>,
+    violations: usize,
+    expansions: u64,
+    rounds: u32,
+    cpu_s: f64,
+}
+
+impl Row {
+    pub fn new(
+        path: &Path,
+        instance: &Instance,
+        settings: &PlanTogether,
+        outcome: Outcome,
+        effort: Effort,
+        cpu_s: f64,
+    ) -> Self {
+        let (status, message, checked) = match outcome {
+            Outcome::Solved(checked) => ("solved", checked.faults.first().map(Fault::to_string), Some(checked)),
+            Outcome::Unsolved(reason @ (Unsolved::Blocked { .. } | Unsolved::Crowded { .. })) => {
+                ("blocked", Some(reason.to_string()), None)
+            }
+            Outcome::Unsolved(reason) => ("unsolved", Some(reason.to_string()), None),
+        };
+        let figures = checked.as_ref().and_then(|checked| checked.figures);
+        Self {
+            instance: spreadsheet_cell(&path.display().to_string()).into_owned(),
+            width_m: instance.size_m.x,
+            height_m: instance.size_m.y,
+            obstacles: instance.obstacles.len(),
+            vehicles: instance.vehicles.len(),
+            mode: settings.mode,
+            method: settings.method,
+            seed: settings.seed,
+            status,
+            message: message.unwrap_or_default(),
+            flowtime_m: figures.map(|figures| figures.flowtime_m),
+            flowtime_over_bound: figures.map(|figures| figures.flowtime_over_bound),
+            makespan_m: figures.map(|figures| figures.makespan_m),
+            makespan_over_bound: figures.map(|figures| figures.makespan_over_bound),
+            cost: figures.map(|figures| figures.cost),
+            steps: figures.map(|figures| figures.steps),
+            violations: checked.map_or(0, |checked| checked.faults.len()),
+            expansions: effort.expansions,
+            rounds: effort.rounds,
+            cpu_s,
+        }
+    }
+
+    pub fn is_clean(&self) -> bool {
+        self.violations == 0
+    }
+
+    fn cells(&self) -> Vec<String> {
+        vec![
+            visible_start(Path::new(&self.instance).file_name().map_or("", |name| name.to_str().unwrap_or("?"))),
+            self.status.to_owned(),
+            self.vehicles.to_string(),
+            optional(self.flowtime_m, 1),
+            optional(self.flowtime_over_bound, 3),
+            optional(self.makespan_over_bound, 3),
+            self.violations.to_string(),
+            rounded(self.cpu_s, 3),
+        ]
+    }
+}
+
+/// All instances.
+#[derive(Debug)]
+pub struct TogetherReport {
+    pub settings: PlanTogether,
+    pub limit_s: f64,
+    pub rows: Vec<Row>,
+}
+
+/// Instances of maps of one size, without or with obstacles; or all.
+#[derive(Debug, Serialize)]
+struct Summary {
+    maps: String,
+    instances: usize,
+    blocked: usize,
+    solved: usize,
+    solved_share: Option<f64>,
+    median_flowtime_over_bound: Option<f64>,
+    median_makespan_over_bound: Option<f64>,
+    violations: usize,
+    median_cpu_s: Option<f64>,
+    max_cpu_s: Option<f64>,
+}
+
+impl Summary {
+    fn new(maps: String, rows: &[&Row]) -> Self {
+        let having = |status: &str| rows.iter().filter(|row| row.status == status).count();
+        let (blocked, solved) = (having("blocked"), having("solved"));
+        let judged = rows.len() - blocked;
+        let cpu = |row: &Row| (row.status != "blocked").then_some(row.cpu_s);
+        Self {
+            maps,
+            instances: rows.len(),
+            blocked,
+            solved,
+            solved_share: (judged > 0).then(|| solved as f64 / judged as f64),
+            median_flowtime_over_bound: median(rows, |row| row.flowtime_over_bound),
+            median_makespan_over_bound: median(rows, |row| row.makespan_over_bound),
+            violations: rows.iter().map(|row| row.violations).sum(),
+            median_cpu_s: median(rows, cpu),
+            max_cpu_s: rows.iter().filter_map(|row| cpu(row)).reduce(f64::max),
+        }
+    }
+
+    fn cells(&self) -> Vec<String> {
+        vec![
+            self.maps.clone(),
+            self.instances.to_string(),
+            self.blocked.to_string(),
+            self.solved_share.map_or(String::new(), percent),
+            optional(self.median_flowtime_over_bound, 3),
+            optional(self.median_makespan_over_bound, 3),
+            self.violations.to_string(),
+            optional(self.median_cpu_s, 3),
+            optional(self.max_cpu_s, 2),
+        ]
+    }
+}
+
+/// The middle value; of an even number, the mean of the two in the middle.
+fn median(rows: &[&Row], value: impl Fn(&Row) -> Option<f64>) -> Option<f64> {
+    let mut values: Vec<f64> = rows.iter().filter_map(|row| value(row)).collect();
+    values.sort_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    match values.len() {
+        0 => None,
+        even if even % 2 == 0 => Some(0.5 * (values[middle - 1] + values[middle])),
+        _ => Some(values[middle]),
+    }
+}
+
+impl TogetherReport {
+    /// Writes a row for each instance.
+    pub fn write(&self, path: &Path) -> io::Result<()> {
+        let mut table = csv::Writer::from_writer(WholeFile::create(path)?);
+        for row in &self.rows {
+            table.serialize(row)?;
+        }
+        table.into_inner().map_err(csv::IntoInnerError::into_error)?.finish()
+    }
+
+    fn summaries(&self) -> Vec<Summary> {
+        let key = |row: &Row| (row.width_m.to_bits(), row.height_m.to_bits(), row.obstacles > 0);
+        let mut keys: Vec<_> = self.rows.iter().map(key).collect();
+        // Positive numbers are in the order of their bits.
+        keys.sort_unstable();
+        keys.dedup();
+        let mut summaries: Vec<Summary> = keys
+            .iter()
+            .map(|own| {
+                let rows: Vec<&Row> = self.rows.iter().filter(|row| key(row) == *own).collect();
+                let kind = if own.2 { "obstacles" } else { "empty" };
+                Summary::new(format!("{} x {} m, {kind}", rows[0].width_m, rows[0].height_m), &rows)
+            })
+            .collect();
+        if summaries.len() > 1 {
+            summaries.push(Summary::new("all".to_owned(), &self.rows.iter().collect::<Vec<_>>()));
+        }
+        summaries
+    }
+}
+
+impl Serialize for TogetherReport {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let report = object!(Report {
+            program_version: PROGRAM_VERSION,
+            mode: self.settings.mode,
+            method: self.settings.method,
+            seed: self.settings.seed,
+            polish: self.settings.polish,
+            limit_s: self.limit_s,
+            rows: &self.rows,
+            summary: self.summaries(),
+        });
+        report.serialize(serializer)
+    }
+}
+
+fn mode_name(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Benchmark => "benchmark",
+        Mode::Exact => "exact",
+    }
+}
+
+impl From<&TogetherReport> for Document {
+    fn from(report: &TogetherReport) -> Self {
+        let PlanTogether { mode, method, seed, .. } = report.settings;
+        let method = match method {
+            Method::Prioritised => "prioritised",
+            Method::Repair => "repair",
+        };
+        let instances = count(report.rows.len(), "instance");
+        let title = format!("{instances} by rules {}, method {method}, seed {seed}", mode_name(mode));
+        let mut document = Self::new(title);
+        if report.rows.len() <= SHOWN_ROWS {
+            let headings = [
+                "Instance",
+                "Status",
+                "Vehicles",
+                "Flowtime\nm",
+                "Flowtime\nx bound",
+                "Makespan\nx bound",
+                "Viola-\ntions",
+                "CPU\ns",
+            ];
+            let rows = report.rows.iter().map(Row::cells).collect();
+            document.add(Table { text_columns: 2, ..Table::new(&headings, rows) });
+        }
+        let headings = [
+            "Maps",
+            "Instances",
+            "Blocked",
+            "Solved",
+            "Flowtime\nx bound",
+            "Makespan\nx bound",
+            "Viola-\ntions",
+            "CPU\nmedian s",
+            "CPU\nmax s",
+        ];
+        document.add(Table::new(&headings, report.summaries().iter().map(Summary::cells).collect()));
+        let told = report.rows.iter().filter(|row| !row.message.is_empty());
+        let sentences = told.map(|row| format!("{}: {}.", visible_start(&row.instance), row.message));
+        let mut sentences: Vec<String> = sentences.collect();
+        let more = sentences.len().saturating_sub(SHOWN_FAULTS);
+        sentences.truncate(SHOWN_FAULTS);
+        if more > 0 {
+            sentences.push(format!("{} more; --csv and --json have all.", count(more, "message")));
+        }
+        document.add_list(sentences);
+        document.with([Block::List(LEGEND.map(str::to_owned).to_vec())])
+    }
+}
+
+/// The verdict on one solution.
+#[derive(Debug)]
+pub struct VerdictReport {
+    solution: String,
+    mode: Mode,
+    checked: Checked,
+}
+
+impl VerdictReport {
+    pub fn new(solution: &Path, mode: Mode, checked: Checked) -> Self {
+        Self { solution: solution.display().to_string(), mode, checked }
+    }
+
+    pub fn is_clean(&self) -> bool {
+        self.checked.faults.is_empty()
+    }
+}
+
+impl Serialize for VerdictReport {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let report = object!(Report {
+            program_version: PROGRAM_VERSION,
+            mode: self.mode,
+            figures: &self.checked.figures,
+            violations: self.checked.faults.iter().map(Fault::to_string).collect::<Vec<_>>(),
+        });
+        report.serialize(serializer)
+    }
+}
+
+impl From<&VerdictReport> for Document {
+    fn from(report: &VerdictReport) -> Self {
+        let Checked { faults, figures } = &report.checked;
+        let mut document =
+            Self::new(format!("{} by rules {}", visible_start(&report.solution), mode_name(report.mode)));
+        let verdict =
+            if faults.is_empty() { "No violation.".to_owned() } else { count(faults.len(), "violation") + "." };
+        let mut lines = vec![verdict];
+        if let Some(figures) = figures {
+            lines.push(format!(
+                "Flowtime {} m, {} times its bound; makespan {} m, {} times its bound; cost {}; {}.",
+                rounded(figures.flowtime_m, 1),
+                rounded(figures.flowtime_over_bound, 3),
+                rounded(figures.makespan_m, 1),
+                rounded(figures.makespan_over_bound, 3),
+                rounded(figures.cost, 1),
+                count(figures.steps, "step"),
+            ));
+        }
+        document.add_list(lines);
+        let shown = faults.iter().take(SHOWN_FAULTS).map(|fault| format!("{fault}."));
+        let more = faults.len().saturating_sub(SHOWN_FAULTS);
+        let more = (more > 0).then(|| format!("{more} more; --json has all."));
+        document.add_list(shown.chain(more).collect());
+        document
+    }
+}
