@@ -21,12 +21,13 @@ use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::plan::goal_count;
 use crate::cli::report::FormArguments;
-use crate::cli::together::{self, Rules};
+use crate::cli::together::{self, mode_parser};
 use wildfire_base::document::number::count;
 use wildfire_batch::{
     Attempt, DriveError, DriveFailure, DriveProblems, DriveQuery, Question, attempts, shortened_field,
 };
 use wildfire_planning::judge::DriveFigures;
+use wildfire_planning::together::Mode;
 use wildfire_planning::{PlannerName, Planners};
 use wildfire_sim::scenario::{LoadedScenario, Problem};
 use wildfire_timeline::file::{self, FileError};
@@ -62,8 +63,8 @@ pub struct JudgeArguments {
     )]
     pub together: Vec<PathBuf>,
     /// Rules of what touches what [default: exact].
-    #[arg(help_heading = "Many vehicles", long, requires = "together", value_enum)]
-    pub mode: Option<Rules>,
+    #[arg(help_heading = "Many vehicles", long, requires = "together", value_parser = mode_parser())]
+    pub mode: Option<Mode>,
     /// Planner to compare with, given the same goals; several names with commas or repeated.
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub against: Vec<PlannerName>,
@@ -95,7 +96,7 @@ pub struct JudgeArguments {
 
 pub fn run(arguments: &JudgeArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     if !arguments.together.is_empty() {
-        return together::judge(&arguments.together, arguments.mode.unwrap_or_default(), arguments.form);
+        return together::judge(&arguments.together, arguments.mode.unwrap_or(Mode::Exact), arguments.form);
     }
     let mut inputs: Vec<&Path> = arguments.files.iter().chain(&arguments.recording).map(PathBuf::as_path).collect();
     inputs.push(Path::new(&arguments.scenario));

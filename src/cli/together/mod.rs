@@ -10,7 +10,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use report::{Checked, Outcome, Row, TogetherReport, VerdictReport};
 
@@ -42,12 +43,14 @@ pub struct TogetherArguments {
         ]
     )]
     pub together: Vec<PathBuf>,
-    /// Rules of what touches what [default: exact].
-    #[arg(help_heading = "Many vehicles", long, requires = "together", value_enum)]
-    pub mode: Option<Rules>,
-    /// What to do about conflicts that planning one vehicle after the other leaves [default: repair].
-    #[arg(help_heading = "Many vehicles", long, requires = "together", value_enum)]
-    pub method: Option<Means>,
+    /// Rules of what touches what: rectangles and discs at all times, or the benchmark's circles at whole steps [default:
+    /// exact].
+    #[arg(help_heading = "Many vehicles", long, requires = "together", value_parser = mode_parser())]
+    pub mode: Option<Mode>,
+    /// What to do about conflicts that planning one vehicle after the other leaves: start again in another order, or plan
+    /// those around a conflict again [default: repair].
+    #[arg(help_heading = "Many vehicles", long, requires = "together", value_parser = method_parser())]
+    pub method: Option<Method>,
     /// Number of attempts for each vehicle to make paths shorter once they are free [default: 0].
     #[arg(help_heading = "Many vehicles", long, requires = "together", value_name = "N", value_parser = polish)]
     pub polish: Option<u32>,
@@ -60,40 +63,15 @@ pub struct TogetherArguments {
     pub yaml: Option<PathBuf>,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Rules {
-    /// The benchmark's own rules: circles, at whole steps only
-    Benchmark,
-    /// Rectangles and discs, at all times
-    #[default]
-    Exact,
+/// Reads the name of rules: `benchmark` (the benchmark's own) or `exact`.
+pub fn mode_parser() -> impl TypedValueParser<Value = Mode> {
+    PossibleValuesParser::new(Mode::ALL.map(Mode::name))
+        .map(|name| Mode::ALL.into_iter().find(|mode| mode.name() == name).expect("one of the names"))
 }
 
-impl From<Rules> for Mode {
-    fn from(rules: Rules) -> Self {
-        match rules {
-            Rules::Benchmark => Self::Benchmark,
-            Rules::Exact => Self::Exact,
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Means {
-    /// Start again in another random order
-    Prioritised,
-    /// Replan the vehicles around a conflict, and keep what is better
-    #[default]
-    Repair,
-}
-
-impl From<Means> for Method {
-    fn from(means: Means) -> Self {
-        match means {
-            Means::Prioritised => Self::Prioritised,
-            Means::Repair => Self::Repair,
-        }
-    }
+fn method_parser() -> impl TypedValueParser<Value = Method> {
+    PossibleValuesParser::new(Method::ALL.map(Method::name))
+        .map(|name| Method::ALL.into_iter().find(|method| method.name() == name).expect("one of the names"))
 }
 
 fn polish(text: &str) -> Result<u32, String> {
@@ -114,8 +92,8 @@ pub fn run(
     let named = inputs.iter().map(|(path, _)| path.as_path()).collect();
     let words = Files { inputs: named, form, ..Files::default() }.writing([(Format::Csv, csv)]).check()?;
     let settings = PlanTogether {
-        mode: arguments.mode.unwrap_or_default().into(),
-        method: arguments.method.unwrap_or_default().into(),
+        mode: arguments.mode.unwrap_or(Mode::Exact),
+        method: arguments.method.unwrap_or(Method::Repair),
         seed,
         rounds: ROUNDS,
         polish: arguments.polish.unwrap_or(0),
@@ -159,13 +137,13 @@ pub fn run(
 }
 
 /// Checks a solution, whoever found it.
-pub fn judge(files: &[PathBuf], mode: Rules, form: FormArguments) -> Result<ExitCode, CliError> {
+pub fn judge(files: &[PathBuf], mode: Mode, form: FormArguments) -> Result<ExitCode, CliError> {
     let [of_instance, of_solution] = files else { unreachable!("the option takes two files") };
     let inputs = vec![of_instance.as_path(), of_solution.as_path()];
     let words = Files { inputs, form, ..Files::default() }.check()?;
     let instance = open_instance(of_instance)?;
     let schedules = parsed(of_solution, read_solution)?;
-    let report = VerdictReport::new(of_solution, mode.into(), Checked::new(&instance, mode.into(), &schedules));
+    let report = VerdictReport::new(of_solution, mode, Checked::new(&instance, mode, &schedules));
     words.print(&form.render(&report))?;
     Ok(exit_code(report.is_clean()))
 }

@@ -5,7 +5,6 @@ use std::path::Path;
 
 use serde::{Serialize, Serializer};
 
-use crate::cli::plan::SHOWN_ROWS;
 use wildfire_base::document::number::{count, optional, percent, rounded};
 use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::object;
@@ -131,12 +130,12 @@ impl Row {
             seed: settings.seed,
             status,
             message: message.unwrap_or_default(),
-            flowtime_m: figures.map(|figures| figures.flowtime_m),
-            flowtime_over_bound: figures.map(|figures| figures.flowtime_over_bound),
-            makespan_m: figures.map(|figures| figures.makespan_m),
-            makespan_over_bound: figures.map(|figures| figures.makespan_over_bound),
-            cost: figures.map(|figures| figures.cost),
-            steps: figures.map(|figures| figures.steps),
+            flowtime_m: figures.map(|own| own.flowtime_m),
+            flowtime_over_bound: figures.map(|own| own.flowtime_over_bound),
+            makespan_m: figures.map(|own| own.makespan_m),
+            makespan_over_bound: figures.map(|own| own.makespan_over_bound),
+            cost: figures.map(|own| own.cost),
+            steps: figures.map(|own| own.steps),
             violations: checked.map_or(0, |checked| checked.faults.len()),
             expansions: effort.expansions,
             rounds: effort.rounds,
@@ -148,17 +147,9 @@ impl Row {
         self.violations == 0
     }
 
-    fn cells(&self) -> Vec<String> {
-        vec![
-            visible_start(Path::new(&self.instance).file_name().map_or("", |name| name.to_str().unwrap_or("?"))),
-            self.status.to_owned(),
-            self.vehicles.to_string(),
-            optional(self.flowtime_m, 1),
-            optional(self.flowtime_over_bound, 3),
-            optional(self.makespan_over_bound, 3),
-            self.violations.to_string(),
-            rounded(self.cpu_s, 3),
-        ]
+    /// Returns the name of its file, for sentences.
+    fn name(&self) -> String {
+        visible_start(&Path::new(&self.instance).file_name().unwrap_or_default().to_string_lossy())
     }
 }
 
@@ -279,58 +270,25 @@ impl Serialize for TogetherReport {
     }
 }
 
-fn mode_name(mode: Mode) -> &'static str {
-    match mode {
-        Mode::Benchmark => "benchmark",
-        Mode::Exact => "exact",
-    }
+/// The first sentences, and the number of further ones.
+fn shown(mut sentences: Vec<String>) -> Vec<String> {
+    let more = sentences.len().saturating_sub(SHOWN_FAULTS);
+    sentences.truncate(SHOWN_FAULTS);
+    sentences.extend((more > 0).then(|| format!("{more} more; --json has all.")));
+    sentences
 }
 
 impl From<&TogetherReport> for Document {
     fn from(report: &TogetherReport) -> Self {
         let PlanTogether { mode, method, seed, .. } = report.settings;
-        let method = match method {
-            Method::Prioritised => "prioritised",
-            Method::Repair => "repair",
-        };
         let instances = count(report.rows.len(), "instance");
-        let title = format!("{instances} by rules {}, method {method}, seed {seed}", mode_name(mode));
+        let title = format!("{instances} by rules {}, method {}, seed {seed}", mode.name(), method.name());
         let mut document = Self::new(title);
-        if report.rows.len() <= SHOWN_ROWS {
-            let headings = [
-                "Instance",
-                "Status",
-                "Vehicles",
-                "Flowtime\nm",
-                "Flowtime\nx bound",
-                "Makespan\nx bound",
-                "Viola-\ntions",
-                "CPU\ns",
-            ];
-            let rows = report.rows.iter().map(Row::cells).collect();
-            document.add(Table { text_columns: 2, ..Table::new(&headings, rows) });
-        }
-        let headings = [
-            "Maps",
-            "Instances",
-            "Blocked",
-            "Solved",
-            "Flowtime\nx bound",
-            "Makespan\nx bound",
-            "Viola-\ntions",
-            "CPU\nmedian s",
-            "CPU\nmax s",
-        ];
+        let headings = "Maps,Instances,Blocked,Solved\n%,Flowtime\nx bound,Makespan\nx bound,Viola-\ntions,CPU\nmedian s,CPU\nmax s";
+        let headings: Vec<&str> = headings.split(',').collect();
         document.add(Table::new(&headings, report.summaries().iter().map(Summary::cells).collect()));
-        let told = report.rows.iter().filter(|row| !row.message.is_empty());
-        let sentences = told.map(|row| format!("{}: {}.", visible_start(&row.instance), row.message));
-        let mut sentences: Vec<String> = sentences.collect();
-        let more = sentences.len().saturating_sub(SHOWN_FAULTS);
-        sentences.truncate(SHOWN_FAULTS);
-        if more > 0 {
-            sentences.push(format!("{} more; --csv and --json have all.", count(more, "message")));
-        }
-        document.add_list(sentences);
+        let reasons = report.rows.iter().filter(|row| !row.message.is_empty());
+        document.add_list(shown(reasons.map(|row| format!("{}: {}.", row.name(), row.message)).collect()));
         document.with([Block::List(LEGEND.map(str::to_owned).to_vec())])
     }
 }
@@ -368,8 +326,7 @@ impl Serialize for VerdictReport {
 impl From<&VerdictReport> for Document {
     fn from(report: &VerdictReport) -> Self {
         let Checked { faults, figures } = &report.checked;
-        let mut document =
-            Self::new(format!("{} by rules {}", visible_start(&report.solution), mode_name(report.mode)));
+        let mut document = Self::new(format!("{} by rules {}", visible_start(&report.solution), report.mode.name()));
         let verdict =
             if faults.is_empty() { "No violation.".to_owned() } else { count(faults.len(), "violation") + "." };
         let mut lines = vec![verdict];
@@ -385,10 +342,7 @@ impl From<&VerdictReport> for Document {
             ));
         }
         document.add_list(lines);
-        let shown = faults.iter().take(SHOWN_FAULTS).map(|fault| format!("{fault}."));
-        let more = faults.len().saturating_sub(SHOWN_FAULTS);
-        let more = (more > 0).then(|| format!("{more} more; --json has all."));
-        document.add_list(shown.chain(more).collect());
+        document.add_list(shown(faults.iter().map(|fault| format!("{fault}.")).collect()));
         document
     }
 }

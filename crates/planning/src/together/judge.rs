@@ -71,7 +71,7 @@ impl fmt::Display for Fault {
     }
 }
 
-/// Checks a schedule for every vehicle of an instance: the first fault of every vehicle, of every vehicle with an obstacle,
+/// Checks a schedule forevery vehicle of an instance: the first fault of every vehicle, of every vehicle with an obstacle,
 /// and of every pair.
 ///
 /// Also returns the routes, in the order of the instance, if all steps can be driven.
@@ -125,7 +125,7 @@ pub fn check(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> (Vec<Fa
     (faults, (routes.len() == instance.vehicles.len()).then_some(routes))
 }
 
-/// A vehicle's steps; the last, which stands, is for ever.
+/// A vehicle's steps; the last, which stands, is forever.
 struct Track<'a> {
     name: &'a str,
     steps: Vec<Step>,

@@ -1,6 +1,8 @@
 //! Laws of planning together: what is planned passes the independent check, the same seed gives the same bits, and what
 //! cannot be solved is said in a sentence.
 
+use std::f64::consts::{PI, TAU};
+
 use rand::{Rng, RngExt};
 
 use super::files::{read_instance, read_solution, write_solution};
@@ -90,14 +92,15 @@ fn the_same_seed_gives_the_same_routes() {
     }
 }
 
+/// Two vehicles meet in a corridor, and one stands at its goal in another's way.
 #[test]
-fn vehicles_pass_each_other_in_a_corridor() {
-    let (west, east) = (Pose::new(5.0, 4.5, 0.0), Pose::new(40.0, 4.5, 0.0));
-    let back = |pose: Pose| Pose::new(pose.x, pose.y, std::f64::consts::PI);
-    let vehicles = vec![vehicle("one", west, east), vehicle("other", back(east), back(west))];
-    let instance = Instance { size_m: DVec2::new(45.0, 9.0), obstacles: Vec::new(), vehicles };
-    for mode in BOTH {
-        for method in [Method::Prioritised, Method::Repair] {
+fn vehicles_make_way_for_each_other() {
+    let at = |x: f64, heading: f64| Pose::new(x, 4.5, heading);
+    let facing = vec![vehicle("one", at(5.0, 0.0), at(40.0, 0.0)), vehicle("other", at(40.0, PI), at(5.0, PI))];
+    let parked = vec![vehicle("still", at(20.0, 0.0), at(20.0, 0.0)), vehicle("mover", at(5.0, 0.0), at(40.0, 0.0))];
+    for vehicles in [facing, parked] {
+        let instance = Instance { size_m: DVec2::new(45.0, 9.0), obstacles: Vec::new(), vehicles };
+        for (mode, method) in BOTH.into_iter().flat_map(|mode| [(mode, Method::Prioritised), (mode, Method::Repair)]) {
             let routes =
                 solve(&instance, &PlanTogether { method, ..settings(mode, 1) }).expect("there is room to pass");
             assert_eq!(judge::check(&instance, mode, &schedules(&instance, &routes)).0, []);
@@ -114,7 +117,7 @@ fn what_cannot_be_solved_is_said() {
     let blocked = reason(&with(vec![DVec2::new(22.0, 15.0)]));
     assert_eq!(blocked, "the goal of car is blocked: an obstacle or the border is too near");
     let ring = (0..16).map(|part| {
-        let (sin, cos) = ops::sin_cos(f64::from(part) * std::f64::consts::TAU / 16.0);
+        let (sin, cos) = ops::sin_cos(f64::from(part) * TAU / 16.0);
         DVec2::new(20.5 + 5.0 * cos, 15.0 + 5.0 * sin)
     });
     let enclosed = reason(&with(ring.collect()));
@@ -123,27 +126,14 @@ fn what_cannot_be_solved_is_said() {
     let crowded = reason(&Instance { vehicles: vec![alone.vehicles[0].clone(), near], ..alone.clone() });
     assert_eq!(crowded, "the goals of car and van are too near to each other");
     // Nobody can let the other pass where the map is hardly wider than a car.
-    let ends = [(5.0, 0.0), (25.0, std::f64::consts::PI)].map(|(x, heading)| Pose::new(x, 1.0, heading));
-    let goals = [(20.0, 0.0), (10.0, std::f64::consts::PI)].map(|(x, heading)| Pose::new(x, 1.0, heading));
+    let ends = [(5.0, 0.0), (25.0, PI)].map(|(x, heading)| Pose::new(x, 1.0, heading));
+    let goals = [(20.0, 0.0), (10.0, PI)].map(|(x, heading)| Pose::new(x, 1.0, heading));
     let vehicles = vec![vehicle("one", ends[0], goals[0]), vehicle("other", ends[1], goals[1])];
     let narrow = Instance { size_m: DVec2::new(30.0, 2.0), obstacles: Vec::new(), vehicles };
     let narrow = solve(&narrow, &PlanTogether { rounds: 8, ..settings(Mode::Exact, 1) }).expect_err("no room");
     assert_eq!(narrow.to_string(), "1 pair of vehicles still conflicts after all rounds");
     let stopped = plan(&alone, &settings(Mode::Exact, 1), &mut || true).0.expect_err("it was stopped");
     assert_eq!(stopped.to_string(), "the limit on CPU time ended the search");
-}
-
-#[test]
-fn a_vehicle_at_its_goal_stays_unless_others_need_the_place() {
-    let (here, start, goal) = (Pose::new(15.0, 15.0, 0.0), Pose::new(5.0, 15.0, 0.0), Pose::new(25.0, 15.0, 0.0));
-    let instance = Instance {
-        vehicles: vec![vehicle("still", here, here), vehicle("mover", start, goal)],
-        ..random_instance(1, 1, 0)
-    };
-    for mode in BOTH {
-        let routes = solve(&instance, &settings(mode, 1)).expect("there is room");
-        assert_eq!(judge::check(&instance, mode, &schedules(&instance, &routes)).0, []);
-    }
 }
 
 /// The judge, the planner's test and dense sampling of corners agree on two vehicles in a step.
@@ -190,11 +180,6 @@ fn planner_and_judge_agree_with_samples() {
         if !faults.is_empty() {
             touching += 1;
             assert!(matches!(faults[..], [Fault::Vehicles { .. }]), "{faults:?}");
-        }
-        // Where corners are within, the overlap may be less than the tolerance.
-        if sampled && faults.is_empty() {
-            touching += 1;
-            assert!(!is_planned_free);
         }
     }
     assert!(touching > 300 && free > 300, "{touching} touch, {free} are free");

@@ -35,6 +35,17 @@ pub enum Method {
     Repair,
 }
 
+impl Method {
+    pub const ALL: [Self; 2] = [Self::Prioritised, Self::Repair];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Prioritised => "prioritised",
+            Self::Repair => "repair",
+        }
+    }
+}
+
 /// A plan's settings.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanTogether {
@@ -89,7 +100,7 @@ impl fmt::Display for Unsolved {
     }
 }
 
-/// Finds a route for every vehicle. `is_stopped` can only end the search without routes, or its last part, which makes
+/// Finds a route forevery vehicle. `is_stopped` can only end the search without routes, or its last part, which makes
 /// them cheaper.
 ///
 /// # Errors
@@ -168,7 +179,7 @@ impl<'a> Team<'a> {
         match self.settings.method {
             Method::Prioritised => self.try_orders(order)?,
             Method::Repair => {
-                self.plan_anew(&order, Care { penalty_m: PENALTY_M, expansions: 1000 })?;
+                self.replan(&order, Care { penalty_m: PENALTY_M, expansions: 1000 })?;
                 self.repair()?;
             }
         }
@@ -219,7 +230,7 @@ impl<'a> Team<'a> {
     }
 
     /// Takes the routes of some vehicles away and plans them again, one after the other.
-    fn plan_anew(&mut self, vehicles: &[usize], care: Care) -> Result<(), Unsolved> {
+    fn replan(&mut self, vehicles: &[usize], care: Care) -> Result<(), Unsolved> {
         for &vehicle in vehicles {
             self.set_route(vehicle, None);
         }
@@ -293,7 +304,7 @@ impl<'a> Team<'a> {
         let mut least = usize::MAX;
         for round in 0..self.settings.rounds.div_ceil(10) {
             self.rounds = round;
-            self.plan_anew(&order, Care { penalty_m: FORBIDDEN_M, expansions: 2000 })?;
+            self.replan(&order, Care { penalty_m: FORBIDDEN_M, expansions: 2000 })?;
             if self.pairs() == 0 {
                 return Ok(());
             }
@@ -317,7 +328,7 @@ impl<'a> Team<'a> {
             let before = self.pairs();
             let stuck = f64::from(since_progress / 10);
             let care = Care { penalty_m: PENALTY_M * (1.0 + stuck), expansions: 2000 * (1 + since_progress / 20) };
-            self.try_anew(group, care, |team, _| team.pairs() <= before)?;
+            self.try_again(group, care, |team, _| team.pairs() <= before)?;
             since_progress = if self.pairs() < before { 0 } else { since_progress + 1 };
         }
         Ok(())
@@ -341,13 +352,13 @@ impl<'a> Team<'a> {
             });
             let group = self.group_around(seed.unwrap_or(0));
             let care = Care { penalty_m: FORBIDDEN_M, expansions: 1000 };
-            self.try_anew(group, care, |team, saved_m| team.pairs() == 0 && saved_m > 1e-6)?;
+            self.try_again(group, care, |team, saved_m| team.pairs() == 0 && saved_m > 1e-6)?;
         }
         Ok(())
     }
 
     /// Plans a group again in a random order, and takes it back unless it is accepted, given the metres that it saves.
-    fn try_anew(
+    fn try_again(
         &mut self,
         mut group: Vec<usize>,
         care: Care,
@@ -356,7 +367,7 @@ impl<'a> Team<'a> {
         group.shuffle(&mut self.random);
         let before_m = self.metres(&group);
         let kept: Vec<Option<Route>> = group.iter().map(|&vehicle| self.routes[vehicle].clone()).collect();
-        let planned = self.plan_anew(&group, care);
+        let planned = self.replan(&group, care);
         if planned.is_err() || !is_accepted(self, before_m - self.metres(&group)) {
             for &vehicle in &group {
                 self.set_route(vehicle, None);

@@ -155,7 +155,7 @@ pub struct Traffic {
     mode: Mode,
     vehicles: usize,
     /// For each step a place of every vehicle, see [`Motion::place`]; far away for those without a route. The last row
-    /// holds for ever.
+    /// holds forever.
     places: Vec<DVec2>,
     motions: Vec<Vec<Motion>>,
 }
@@ -228,7 +228,7 @@ impl Traffic {
         }
     }
 
-    /// Returns for every time the number of conflicts of a vehicle that stands at a pose from then on; the last holds for
+    /// Returns forevery time the number of conflicts of a vehicle that stands at a pose from then on; the last holds for
     /// ever.
     pub fn conflicts_of_standing(&self, pose: Pose) -> Vec<u32> {
         let motion = Motion::standing(pose);
