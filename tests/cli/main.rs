@@ -47,5 +47,6 @@ mod report;
 mod signals;
 mod stability;
 mod story;
+mod together;
 mod untrusted;
 mod watch_guide;

@@ -272,6 +272,7 @@ hold! {
     recording_format: "docs/recording-format.md", pictures below 0;
     scenarios: "docs/scenarios.md", pictures below 0;
     stability: "docs/stability.md", pictures below 0;
+    together: "docs/together.md", pictures below 0;
     train: "docs/train.md", pictures below 40_000;
     watch: "docs/watch.md", pictures below 3_000_000;
     weather_and_water: "docs/weather-and-water.md", pictures below 0;
