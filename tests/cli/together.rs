@@ -64,7 +64,8 @@ fn reference_instances() -> Vec<(String, Vec<u8>)> {
     let mut files = Vec::new();
     // Blocks of 512 bytes: a header with the name and, in octal digits at 124, the size; then the file.
     while let Some(header) = rest.first_chunk::<512>().filter(|header| header[0] != 0) {
-        let word = |from: usize, to: usize| String::from_utf8_lossy(&header[from..to]).trim_matches(['\0', ' ']).to_owned();
+        let word =
+            |from: usize, to: usize| String::from_utf8_lossy(&header[from..to]).trim_matches(['\0', ' ']).to_owned();
         let size = usize::from_str_radix(&word(124, 136), 8).expect("octal digits");
         files.push((word(0, 100), rest[512..512 + size].to_vec()));
         rest = &rest[512 + size.div_ceil(512) * 512..];

@@ -253,7 +253,8 @@ pub struct Search {
     pub expanded: u64,
 }
 
-pub const WEIGHT: f64 = 1.1;
+/// The weight of the estimate: routes cost at most this factor more than the cheapest of the lattice.
+const WEIGHT: f64 = 1.1;
 
 impl Search {
     /// Finds a route that costs less than the bound, the cheapest that the expansions allow for.
