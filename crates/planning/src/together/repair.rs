@@ -13,7 +13,7 @@ use rand::seq::SliceRandom;
 use serde::Serialize;
 
 use super::route::{Drive, Others, Query, Search, drives, keep, shortened, wait_along};
-use super::world::{Ground, Traffic};
+use super::world::{Ground, Motion, Traffic};
 use super::{Instance, Mode, Route};
 use wildfire_base::rng::{self, Xoshiro256PlusPlus};
 
@@ -267,7 +267,8 @@ impl<'a> Team<'a> {
     fn plan_one(&mut self, vehicle: usize, care: Care) -> Route {
         let own = &self.instance.vehicles[vehicle];
         let at_goal = self.traffic.conflicts_of_standing(own.goal);
-        let others = Others { traffic: &self.traffic, at_goal, penalty_m: care.penalty_m };
+        let may_wait_at_start = self.grounds[vehicle].allows(&Motion::standing(own.start));
+        let others = Others { traffic: &self.traffic, at_goal, may_wait_at_start, penalty_m: care.penalty_m };
         let mut best_m = f64::INFINITY;
         let mut best = None;
         for drive in &self.drives[vehicle] {

@@ -73,6 +73,8 @@ pub struct Priced {
 pub struct Others<'a> {
     pub traffic: &'a Traffic,
     pub at_goal: Vec<u32>,
+    /// Whether the vehicle may wait at its start, which the benchmark does not compare with obstacles until then.
+    pub may_wait_at_start: bool,
     pub penalty_m: f64,
 }
 
@@ -105,7 +107,8 @@ pub fn wait_along(drive: &Drive, others: &Others, bound_m: f64) -> Option<Priced
         for at in 0..=steps {
             let arrived = at + waits;
             let mut price_m = if waits == 0 && at == 0 { 0.0 } else { f64::INFINITY };
-            if waits > 0 && at < steps && prices[at] + STEP_M + ahead_m[at] < best_m {
+            let may_wait = at > 0 || others.may_wait_at_start;
+            if waits > 0 && at < steps && may_wait && prices[at] + STEP_M + ahead_m[at] < best_m {
                 let motion = Motion::standing(drive.motions[at].from);
                 price_m = prices[at] + STEP_M + others.price_m(arrived - 1, &motion);
                 waited_at[at] = true;
@@ -189,7 +192,8 @@ pub fn keep(drives: &mut Vec<Drive>, drive: Drive) {
 
 /// Shortens a route's drive by Reeds-Shepp curves between its poses, and drops its waits.
 pub fn shortened(ground: &Ground, route: Route) -> Drive {
-    let driven = route.steps.into_iter().filter(|step| step.length_m != 0.0);
+    let driven = route.steps.iter().copied().filter(|step| step.length_m != 0.0);
+    let whole = Drive::new(route.start, driven.clone());
     // Cut at half steps: more poses for curves to begin and end at.
     let halves = driven.flat_map(|step| std::iter::repeat_n(step.with_length(0.5 * step.length_m.abs()), 2));
     let mut drive = Drive::new(route.start, halves);
@@ -220,7 +224,9 @@ pub fn shortened(ground: &Ground, route: Route) -> Drive {
         segments: drive.motions.iter().map(|motion| motion.step).collect(),
     };
     let joined = Drive::new(route.start, steps_of(path.joined().segments.into_iter()));
-    if joined.motions.iter().all(|motion| ground.allows(motion)) { joined } else { drive }
+    // Other cuts have other whole steps, at which obstacles may be met that were passed between steps before.
+    let is_allowed = |drive: &Drive| drive.motions.iter().all(|motion| ground.allows(motion));
+    [joined, drive].into_iter().find(is_allowed).unwrap_or(whole)
 }
 
 /// A search for one vehicle.
