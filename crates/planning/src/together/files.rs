@@ -179,7 +179,7 @@ pub fn read_instance(text: &str) -> Result<Instance, FileFault> {
     Ok(Instance { size_m: DVec2::new(width_m, height_m), obstacles, vehicles })
 }
 
-/// Reads a solution: `schedule` with a list of `x`, `y`, `yaw` and `t` forevery vehicle; `t` counts 0, 1, 2, ...
+/// Reads a solution: `schedule` with a list of `x`, `y`, `yaw` and `t` for every vehicle; `t` counts 0, 1, 2, ...
 pub fn read_solution(text: &str) -> Result<Vec<Schedule>, FileFault> {
     let file = Value::parse(text)?;
     let schedule = file.member("schedule")?;

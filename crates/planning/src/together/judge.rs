@@ -71,7 +71,7 @@ impl fmt::Display for Fault {
     }
 }
 
-/// Checks a schedule forevery vehicle of an instance: the first fault of every vehicle, of every vehicle with an obstacle,
+/// Checks a schedule for every vehicle of an instance: the first fault of every vehicle, of every vehicle with an obstacle,
 /// and of every pair.
 ///
 /// Also returns the routes, in the order of the instance, if all steps can be driven.

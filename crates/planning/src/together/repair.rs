@@ -100,7 +100,7 @@ impl fmt::Display for Unsolved {
     }
 }
 
-/// Finds a route forevery vehicle. `is_stopped` can only end the search without routes, or its last part, which makes
+/// Finds a route for every vehicle. `is_stopped` can only end the search without routes, or its last part, which makes
 /// them cheaper.
 ///
 /// # Errors

@@ -228,8 +228,8 @@ impl Traffic {
         }
     }
 
-    /// Returns forevery time the number of conflicts of a vehicle that stands at a pose from then on; the last holds for
-    /// ever.
+    /// Returns, by time, the number of conflicts of a vehicle that stands at a pose from then on; the last holds
+    /// forever.
     pub fn conflicts_of_standing(&self, pose: Pose) -> Vec<u32> {
         let motion = Motion::standing(pose);
         let mut counts: Vec<u32> = (0..=self.horizon()).map(|at| self.conflicts(at, &motion)).collect();
