@@ -178,6 +178,28 @@ fn layers_are_taken_from_the_bands_of_one_file_and_a_rim_without_data_does_not_b
 }
 
 #[test]
+fn perimeters_by_the_hour_enclose_what_burned() {
+    let story = Story::begin();
+    let fire = ["fire", "spread", "--fuel", "GR2", "--wind", "3@270", "--duration", "2000", "--json"];
+    let more = ["--perimeters", "hours.geojson", "--every", "900"];
+    let report = object_of(&story, &[&fire[..], &more].concat());
+    let written: Value = serde_json::from_str(&story.read("hours.geojson")).expect("it is JSON");
+    let features = written["features"].as_array().expect("a list");
+    let number = |feature: &Value, name: &str| feature["properties"][name].as_f64().expect("a number");
+    let times: Vec<f64> = features.iter().map(|feature| number(feature, "time_s")).collect();
+    assert_eq!(times, [900.0, 1800.0, 2000.0]);
+    assert!(features.is_sorted_by_key(|feature| number(feature, "area_ha")));
+    let last = features.last().expect("there are three");
+    for (own, reported) in [("area_ha", "burned_ha"), ("perimeter_m", "perimeter_m")] {
+        let (own, reported) = (number(last, own), report[reported].as_f64().expect("a number"));
+        assert!((own - reported).abs() < 1e-9 * reported, "{own} and {reported}");
+    }
+    assert_eq!(last["geometry"]["type"], "MultiPolygon");
+    let often = ["fire", "spread", "--fuel", "GR2", "--perimeters", "hours.geojson", "--every", "1"];
+    refuse(&story, &often, &["--every is 1 s; expected at least 3.6 s"]);
+}
+
+#[test]
 fn a_fire_that_is_enclosed_is_named() {
     let story = Story::begin();
     let is_rim = |row: usize, col: usize| row.abs_diff(20).max(col.abs_diff(20)) == 2;

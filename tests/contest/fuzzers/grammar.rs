@@ -40,6 +40,11 @@ pub struct Written {
 /// The name of the map that a drawn scenario may name.
 pub const MAP: &str = "map.txt";
 
+/// The name of the weather stream that a drawn scenario may name, and what it says.
+pub const WEATHER: &str = "weather.csv";
+pub const WEATHER_TEXT: &str = "time,temperature_c,humidity_pct,speed_mps,from_deg,rain_mm,solar_w_m2\n\
+                                2026-07-14 12:00,29,24,5,270,0,850\n2026-07-14 13:00,20,90,9,180,4,100\n";
+
 impl Grammar {
     pub fn new() -> Self {
         let schema = serde_json::to_value(scenario::schema()).expect("a schema is JSON");
@@ -73,6 +78,9 @@ impl Grammar {
         let mut field = Table::from_iter([("cell_m".into(), Value::Float(cell_m))]);
         if map.is_some() {
             field.insert("map".into(), Value::String(MAP.into()));
+            if chance(dice, 20) {
+                field.insert("map_invert".into(), Value::Boolean(chance(dice, 50)));
+            }
         } else {
             field.insert("size_m".into(), Value::Float(size_m));
             field.insert(
@@ -102,6 +110,12 @@ impl Grammar {
             let ignition = |dice: &mut Unstructured<'_>| self.ignition(dice, items, side);
             let ignitions = (0..count).map(|_| ignition(dice)).collect();
             scenario.insert("ignition".into(), Value::Array(ignitions));
+        }
+        if chance(dice, 10) {
+            let moisture = *one_of(dice, &["fixed", "tables", "nelson"]);
+            let stream = [("file", WEATHER), ("dead_moisture", moisture)];
+            let stream = stream.map(|(key, word)| (key.to_owned(), Value::String(word.to_owned())));
+            scenario.insert("weather".into(), Value::Table(stream.into_iter().collect()));
         }
         for _ in 0..below(dice, 10) {
             self.change(dice, &mut scenario);
@@ -267,18 +281,23 @@ impl Grammar {
     }
 }
 
-/// Keys that say where a scenario takes place and for how long.
-const FRAME: [&str; 10] = [
+/// Keys that say where a scenario takes place and for how long, and those that need a file beside it.
+const FRAME: [&str; 15] = [
     "duration_s",
     "field.size_m",
     "field.cell_m",
     "field.map",
+    "field.map_invert",
     "field.pieces",
     "unimog.start.x_m",
     "unimog.start.y_m",
     "wumpus.start_m",
     "planner.rrt.module",
     "policy.rrt.module",
+    "weather.file",
+    "weather.dead_moisture",
+    "weather.start_h",
+    "weather.latitude_deg",
 ];
 
 /// Reads a number's range from the refusal of one that is too large.

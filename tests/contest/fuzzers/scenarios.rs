@@ -16,7 +16,7 @@ use wildfire::time::SimTime;
 use wildfire::timeline::{Outcome, Timeline, file};
 
 use super::fuzz::{Case, Fuzzer, Law, below, one_of, text};
-use super::grammar::{Grammar, MAP, refusal_names_its_place};
+use super::grammar::{Grammar, MAP, WEATHER, WEATHER_TEXT, refusal_names_its_place};
 
 /// The number of cases that are run where nobody asks for more.
 const CASES: u64 = 100;
@@ -111,6 +111,7 @@ fn write_scenario(case: &mut Case<'_>) -> (String, Vec<String>) {
         if let Some(map) = &written.map {
             case.write(MAP, map.as_bytes());
         }
+        case.write(WEATHER, WEATHER_TEXT.as_bytes());
         let text = toml::to_string(&written.scenario).expect("what was drawn can be written");
         let text = text.into_bytes();
         // Most of what is changed in the text is refused.

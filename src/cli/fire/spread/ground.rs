@@ -1,6 +1,7 @@
 //! The ground that a fire spreads on: from rasters, or alike everywhere.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use super::SpreadArguments;
 use crate::cli::error::CliError;
@@ -21,7 +22,7 @@ pub struct GroundSources<'a> {
 
 /// A landscape with its place in the coordinate system of its files.
 pub struct Ground {
-    pub landscape: Landscape,
+    pub landscape: Arc<Landscape>,
     pub west_m: f64,
     pub south_m: f64,
     pub crs: Option<GeoKeys>,
@@ -76,7 +77,7 @@ impl<'a> GroundSources<'a> {
         };
         let (west_m, south_m, crs) =
             layers.map_or((0.0, 0.0, None), |layers| (layers.west_m, layers.south_m, layers.crs));
-        Ok(Ground { landscape, west_m, south_m, crs })
+        Ok(Ground { landscape: Arc::new(landscape), west_m, south_m, crs })
     }
 }
 

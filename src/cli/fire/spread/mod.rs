@@ -4,6 +4,7 @@ mod automaton;
 mod automaton_arguments;
 mod canopy;
 mod ground;
+mod perimeters;
 mod report;
 mod rothermel;
 
@@ -14,6 +15,7 @@ use clap::{Args, ValueEnum};
 
 use automaton_arguments::AutomatonArguments;
 use canopy::CanopyArguments;
+use perimeters::PerimeterArguments;
 
 use super::options::{ChoiceArguments, MOST_SECONDS, SlopeArguments, WindStep, WindSteps, cell, moisture, wind_steps};
 use crate::cli::error::CliError;
@@ -53,6 +55,7 @@ Examples:
 --ignite 120,80 --ignite 300,90@600 --duration 7200 --json
   wildfire fire spread --fuel TU5 --wind 9@270 --canopy-height ch.tif --canopy-base cbh.tif \
 --canopy-density cbd.tif --canopy-cover cc.tif --fire-type type.tif
+  wildfire fire spread --fuel fuel.tif --wind 4@250 --duration 6:00:00 --perimeters hours.geojson
   wildfire fire spread --model alexandridis --rows 121 --cols 121 --steps 40 --runs 1000
   wildfire fire spread --model alexandridis --p0 0.3 --wind 8@270 --areas areas.csv")]
 pub struct SpreadArguments {
@@ -110,6 +113,8 @@ pub struct SpreadArguments {
     /// Write when each cell caught fire, in seconds, -9999 where nothing burned; the name ends in .asc, .tif or .npy.
     #[arg(help_heading = "Output", long, value_name = "FILE")]
     pub arrival: Option<PathBuf>,
+    #[command(flatten)]
+    perimeters: PerimeterArguments,
     /// Draw arrival times with contour lines.
     #[arg(help_heading = "Output", long, value_name = "FILE.png")]
     pub png: Option<PathBuf>,
@@ -212,7 +217,8 @@ impl SpreadArguments {
                 let rasters = [("--fuel", self.fuel.is_some()), ("--elevation", self.elevation.is_some())];
                 let trees = [("--canopy-height", self.canopy.canopy_height.is_some())];
                 let outputs = [("--arrival", self.arrival.is_some()), ("--png", self.png.is_some())];
-                ([&rasters[..], &trees, &outputs].concat(), "rothermel")
+                let perimeters = [("--perimeters", self.perimeters.perimeters.is_some())];
+                ([&rasters[..], &trees, &outputs, &perimeters].concat(), "rothermel")
             }
         };
         match given.iter().find(|(_, is_given)| *is_given) {

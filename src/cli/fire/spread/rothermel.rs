@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::ground::GroundSources;
 use super::report::SpreadReport;
-use super::{LitCell, SpreadArguments};
+use super::{LitCell, SpreadArguments, perimeters};
 use crate::cli::error::CliError;
 use crate::cli::output_files::{self, Files, Format};
 use wildfire_base::geometry::{Cell, FieldFrame};
@@ -28,10 +28,12 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     let sources = GroundSources::new(arguments)?;
     let inputs = sources.rasters.iter().map(|&(_, path)| path).collect();
     let format = raster_format(arguments.arrival.as_deref());
+    let times_s = arguments.perimeters.times_s(arguments.duration)?;
     let words = Files { inputs, form: arguments.form, ..Files::default() }
         .writing([
             (format, &arguments.arrival),
             (Format::Png, &arguments.png),
+            (Format::GeoJson, &arguments.perimeters.perimeters),
             (raster_format(arguments.canopy.fire_type.as_deref()), &arguments.canopy.fire_type),
         ])
         .check()?;
@@ -44,7 +46,7 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
         crowns: arguments.canopy.rules(),
         ..RothermelRules::default()
     };
-    let landscape = Arc::new(ground.landscape);
+    let landscape = Arc::clone(&ground.landscape);
     let mut fire = LoneFire::new(Arc::clone(&landscape), Arc::new(weather), rules, &ignitions);
     let mut stopwatch = CpuStopwatch::start();
     fire.burn_until(SimTime::from_seconds(arguments.duration));
@@ -80,6 +82,7 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     };
     let write_arrivals = |path: &Path| write_raster(path, &arrivals());
     let write_types = |path: &Path| write_raster(path, &fire_types);
+    let write_perimeters = |path: &Path| perimeters::write(path, &ground, &arrivals(), &times_s);
     let draw = |path: &Path| {
         let lit: Vec<Cell> = ignitions.iter().map(|&(_, cell)| cell).collect();
         let map = FieldMap {
@@ -100,6 +103,7 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
         &[
             (arguments.arrival.as_deref(), &write_arrivals),
             (arguments.canopy.fire_type.as_deref(), &write_types),
+            (arguments.perimeters.perimeters.as_deref(), &write_perimeters),
             (arguments.png.as_deref(), &draw),
         ],
         quiet,
