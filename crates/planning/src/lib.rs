@@ -55,6 +55,7 @@
 //! simulation. Avoiding other trucks ([`replan_around`], [`find_yield_pose`]) changes a path, but not the name of the stage
 //! that found it.
 
+pub mod certificate;
 pub mod collision;
 pub mod gate;
 pub mod judge;
