@@ -10,9 +10,9 @@ use crate::collision::CollisionChecker;
 use wildfire_base::geometry::{Pose, ops};
 use wildfire_base::vehicle::ReedsShepp;
 
-/// The most corners and positions that a certificate may have.
-const MOST_CORNERS: usize = 5_000;
-const MOST_POSITIONS: f64 = 50_000.0;
+/// The most corners that a certificate may have, and the most positions within its bound: they limit the time of a check.
+pub(super) const MOST_CORNERS: usize = 2_000;
+pub(super) const MOST_POSITIONS: f64 = 20_000.0;
 
 /// Two potentials may differ by this much more than the distance, in metres; all of them together by less than
 /// [`SURE_M`].
@@ -91,12 +91,12 @@ impl Certificate {
         let is_finite = |numbers: &[f64]| numbers.iter().all(|number| number.is_finite() && number.abs() < 1e6);
         range(is_finite(&self.start), "start", "numbers below a million")?;
         range(is_finite(&self.goal), "goal", "numbers below a million")?;
-        range(self.corners.len() <= MOST_CORNERS, "corners", "at most 5000")?;
+        range(self.corners.len() <= MOST_CORNERS, "corners", "at most 2000")?;
         range(self.corners.iter().all(|corner| is_finite(corner)), "corners", "numbers below a million")?;
         range(self.clearance_m >= 0.0 && self.clearance_m < 1e3, "clearance_m", "0 to 1000")?;
         range(self.bound_m > 0.0 && self.bound_m < 1e6, "bound_m", "more than 0, below a million")?;
         range(self.step_m >= 1e-4 && self.step_m <= 0.5, "step_m", "0.0001 to 0.5")?;
-        range(self.bound_m / self.step_m <= MOST_POSITIONS, "step_m", "at most 50000 positions within the bound")?;
+        range(self.bound_m / self.step_m <= MOST_POSITIONS, "step_m", "at most 20000 positions within the bound")?;
         range(self.cut > 0.0 && self.cut < 1.0, "cut", "more than 0, less than 1")?;
         let [from, to] = [self.start, self.goal].map(|[x, y, _]| DVec2::new(x, y));
         let nearest_m = self.cut.min(1.0 - self.cut) * from.distance(to);

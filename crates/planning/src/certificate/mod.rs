@@ -26,6 +26,7 @@ use wildfire_base::geometry::{Pose, ops};
 use wildfire_base::vehicle::{Dimensions, ReedsShepp};
 
 pub use check::BadCertificate;
+use check::{MOST_CORNERS, MOST_POSITIONS};
 
 /// A lower bound on the length of all paths from a start to a goal pose that keep a clearance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,7 +55,8 @@ const CHORDS: usize = 3;
 const CUTS: [f64; 19] =
     [0.05, 0.08, 0.11, 0.15, 0.2, 0.25, 0.3, 0.36, 0.43, 0.5, 0.57, 0.64, 0.7, 0.75, 0.8, 0.85, 0.89, 0.92, 0.95];
 
-/// The distances of positions on a cut, in metres: to choose the cut, and to compute its bound.
+/// The distances of positions on a cut, in metres: to choose the cut, and to compute its bound. They are larger where the
+/// positions would be too many.
 const STEPS_M: [f64; 2] = [0.1, 0.02];
 
 /// Intervals of heading are halved down to this half-width, in radians.
@@ -74,7 +76,7 @@ fn inner_radius_m(body: &Dimensions) -> f64 {
 
 impl Certificate {
     /// Computes a certificate for all paths that keep a clearance, given the length of a path or any other length beyond
-    /// which nothing is asked; `None` if the poses are too close together for a cut, or if no pose on a cut can be reached.
+    /// which nothing is asked; `None` if the poses are too close together for a cut, or the corners are too many.
     pub fn new(
         checker: &CollisionChecker,
         (start, goal): (Pose, Pose),
@@ -84,11 +86,16 @@ impl Certificate {
         let terrain = Terrain::new(checker, clearance_m);
         let (from, to) = (start.position(), goal.position());
         let span_m = from.distance(to);
+        let steps_m = STEPS_M.map(|step_m| step_m.max(reach_m / MOST_POSITIONS));
         let is_meant = reach_m.is_finite() && reach_m > span_m && clearance_m >= 0.0;
-        if !is_meant || CUTS[0] * span_m < LEAST_GAP_M || terrain.radius_m < 1.1 * STEPS_M[0] {
+        let least_gap_m = LEAST_GAP_M.max(7.0 * steps_m[0]);
+        if !is_meant || CUTS[0] * span_m < least_gap_m || terrain.radius_m < 1.1 * steps_m[0] {
             return None;
         }
         let corners = terrain.corners(from, to, reach_m);
+        if corners.len() > MOST_CORNERS {
+            return None;
+        }
         let ends = [(start, to), (goal, from)].map(|(end, other)| {
             let lengths_m = terrain.taut_lengths_m(&corners, (end.position(), other), reach_m);
             End { pose: end, corners: &corners, lengths_m }
@@ -98,9 +105,9 @@ impl Certificate {
             let cut = Cut { terrain: &terrain, ends: &ends, curves, step_m };
             cut.bound_m(from.lerp(to, share), (to - from).perp() / span_m, reach_m)
         };
-        let coarse = CUTS.map(|share| (share, bound(share, STEPS_M[0])));
+        let coarse = CUTS.map(|share| (share, bound(share, steps_m[0])));
         let (cut, _) = coarse.into_iter().max_by(|one, other| one.1.total_cmp(&other.1))?;
-        let step_m = STEPS_M[1];
+        let step_m = steps_m[1];
         let bound_m = bound(cut, step_m) - ROUNDING_M;
         let listed = corners.iter().enumerate();
         let corners = listed.map(|(k, at)| [at.x, at.y, ends[0].lengths_m[k], ends[1].lengths_m[k]]).collect();
