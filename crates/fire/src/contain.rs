@@ -39,7 +39,7 @@ pub enum Tactic {
 /// A fire and what is sent to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attack {
-    /// Of the head, at the report and from then on.
+    /// The rate of spread of the head, constant from the report on.
     pub rate_ch_h: f64,
     pub size_acre: f64,
     pub length_to_width: f64,
@@ -48,12 +48,12 @@ pub struct Attack {
     pub offset_ch: f64,
     /// At least one.
     pub resources: Vec<Resource>,
-    /// Steps of time that a containment has at least: they take a minute, or are halved until there are so many. The run
-    /// ends at four times as many.
+    /// The least number of time steps of a containment: a step takes a minute and is halved until this number is reached.
+    /// The run ends at four times this number.
     pub min_steps: u32,
 }
 
-/// How an attack ends: the line is closed, the last resource has left, the fire is larger than 1,000 acres, 18 hours have
+/// The end of an attack: the line is closed, the last resource has left, the fire is larger than 1,000 acres, 18 hours have
 /// passed since the report, or the steps ran out before that.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
@@ -70,13 +70,13 @@ impl Status {
     }
 }
 
-/// The end of an attack.
+/// The result of an attack.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
     pub status: Status,
     /// After the report, at the end of the last step.
     pub time_min: f64,
-    /// Of both flanks.
+    /// The length of line on both flanks.
     pub line_ch: f64,
     /// Within the line, and what burns outside it where it is not closed.
     pub area_acre: f64,

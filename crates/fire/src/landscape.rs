@@ -25,7 +25,7 @@ pub struct Landscape {
 pub struct CanopyLayers(pub [Vec<u16>; 4]);
 
 impl CanopyLayers {
-    /// Of the numbers, by metre, kg/m3 and part of the ground.
+    /// Stored units in a metre, a kg/m3 and the whole ground.
     const UNITS: [f64; 4] = [10.0, 10.0, 100.0, 100.0];
 
     /// Creates the same trees everywhere; their numbers are rounded to the units.

@@ -31,7 +31,7 @@ pub const SPECIES: [Species; 14] = [
     Species("loblolly pine", [2.71, 1.0], [13.5, -0.544]),
 ];
 
-/// What lifts the firebrands.
+/// The fire that lifts the firebrands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Source {
     /// Trees that burn together.
@@ -64,10 +64,10 @@ pub struct Spotting {
     pub wind_20ft_mph: f64,
 }
 
-/// How far firebrands go, and numbers on the way to that; all are zero without wind.
+/// The spotting distance and its intermediate results; all are zero without wind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SpotDistance {
-    /// Of torching trees; zero for other sources.
+    /// The flame height of torching trees; zero for other sources.
     pub flame_ft: f64,
     pub flame_duration: f64,
     pub firebrand_ft: f64,

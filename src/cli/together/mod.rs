@@ -136,7 +136,7 @@ pub fn run(
     Ok(exit_code(report.rows.iter().all(Row::is_clean)))
 }
 
-/// Checks a solution, whoever found it.
+/// Checks a solution of any program.
 pub fn judge(files: &[PathBuf], mode: Mode, form: FormArguments) -> Result<ExitCode, CliError> {
     let [of_instance, of_solution] = files else { unreachable!("the option takes two files") };
     let inputs = vec![of_instance.as_path(), of_solution.as_path()];

@@ -135,7 +135,7 @@ impl Value {
     }
 }
 
-/// Any number of a file: places are checked against the map by whoever uses them.
+/// The range of all numbers in a file; the planner and the judge check places against the map.
 const ANY: RangeInclusive<f64> = -1e6..=1e6;
 
 /// Reads an instance: `agents` with `name`, `start` and `goal`, and `map` with `dimensions` and `obstacles`.
