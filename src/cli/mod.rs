@@ -8,6 +8,7 @@ mod assignment;
 mod attain;
 mod audit;
 mod batch;
+mod certificates;
 mod cite;
 #[cfg(test)]
 mod command_lines;

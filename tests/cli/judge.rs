@@ -28,6 +28,42 @@ fn begin() -> Story {
 
 type Row = Vec<(String, String)>;
 
+#[test]
+fn certified_bounds_hold_and_those_that_were_changed_are_refused() {
+    let story = begin();
+    let plan =
+        ["plan", "mine.json", "--planner", "hybrid-astar,prm-rs", "--certify", "bounds.json", "--csv", "drives.csv"];
+    story.tell(&plan).expect_code(0);
+    for row in rows(&story, "drives.csv") {
+        let bound = value(&row, "certified_bound_m");
+        // The second goal is a disc: its drives have no bound.
+        assert_eq!(bound.is_empty(), value(&row, "goal") == "1");
+        let length_m: f64 = value(&row, "length_m").parse().expect("a length");
+        assert!(bound.is_empty() || bound.parse::<f64>().is_ok_and(|bound_m| bound_m > 0.9 * length_m), "{row:?}");
+    }
+    story.tell(&["plan", "report", "drives.csv", "--out", "drives.html"]).expect_code(0);
+    let judge = ["judge", "mine.json", "--certificate", "bounds.json", "--json"];
+    let text = story.read("bounds.json");
+    let report: Value = serde_json::from_str(&story.tell(&judge).expect_code(0).stdout).expect("one object");
+    let found = report["rows"].as_array().expect("rows");
+    assert_eq!(found.iter().map(|row| row["goal"].as_u64()).collect::<Vec<_>>(), [Some(0), Some(2)]);
+    assert!(found.iter().all(|row| row["fault"].is_null() && row["clearance_m"] == 0.01), "{report}");
+    let mut changed: Value = serde_json::from_str(&text).expect("one object");
+    let bound = &mut changed["certificates"][0]["certificate"]["bound_m"];
+    *bound = (bound.as_f64().expect("metres") + 1.0).into();
+    changed["certificates"][1]["goal"] = 0.into();
+    story.file("bounds.json", &changed.to_string());
+    let answer = story.tell(&judge[..4]).expect_code(4);
+    assert!(answer.stdout.contains("0 of 2 certificates hold"), "{}", answer.stdout);
+    assert!(answer.stdout.contains("for another start or goal"), "{}", answer.stdout);
+    assert!(widest(&answer.stdout) <= 80, "{}", answer.stdout);
+    story.file("bounds.json", &text.replace("mine", "other"));
+    refuse(&story, &judge[..4], &["bounds.json", "certificate 0", "goal 0 of the field other"]);
+    story.file("bounds.json", &text.replace("\"wildfire_certificates\":1", "\"wildfire_certificates\":2"));
+    refuse(&story, &judge[..4], &["bounds.json", "format 2"]);
+    refuse(&story, &["judge", "mine.json", "--certificate", "mine.json"], &["mine.json", "wildfire plan --certify"]);
+}
+
 fn rows(story: &Story, name: &str) -> Vec<Row> {
     let mut reader = csv::Reader::from_path(story.path(name)).expect("it was written");
     let header = reader.headers().expect("a header").clone();

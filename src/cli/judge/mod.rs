@@ -16,6 +16,7 @@ use path_table::{Fault, GivenPath, PathTable};
 use report::JudgeReport;
 
 use crate::cli::args::{MemoryArguments, ProgramArguments, parse_seed};
+use crate::cli::certificates;
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
@@ -45,19 +46,26 @@ Examples:
   wildfire judge field_*.json paths.csv --against prm-rs,hybrid-astar
   wildfire judge paths.csv --scenario dense --seed 7 --cells 50
   wildfire judge --recording run.wildfire --csv drives.csv
+  wildfire judge field_*.json --certificate bounds.json
   wildfire judge --together instance.yaml solution.yaml")]
 pub struct JudgeArguments {
     /// Field files, then the table of paths; without field files, the paths are on the scenario's field for the seed.
-    #[arg(value_name = "FIELD.json|PATHS.csv", required_unless_present_any = ["recording", "together"])]
+    #[arg(value_name = "FIELD.json|PATHS.csv", required_unless_present_any = ["recording", "together", "certificate"])]
     pub files: Vec<PathBuf>,
     /// Judge the drives of a recorded run, each as a path towards its goal.
     #[arg(long, value_name = "RUN", conflicts_with_all = ["files", "goals", "cells"])]
     pub recording: Option<PathBuf>,
+    /// Check lower bounds on the lengths of paths that `wildfire plan --certify` wrote; all files are field files then.
+    #[arg(
+        long, value_name = "FILE.json",
+        conflicts_with_all = ["recording", "against", "cells", "commands", "modules", "trust", "csv"]
+    )]
+    pub certificate: Option<PathBuf>,
     /// Judge a solution of many vehicles that `wildfire plan --together` or a program of the CL-MAPF benchmark wrote.
     #[arg(
         help_heading = "Many vehicles", long, num_args = 2, value_names = ["INSTANCE.yaml", "SOLUTION.yaml"],
         conflicts_with_all = [
-            "files", "recording", "against", "seed", "goals", "cells", "scenario", "overrides", "commands", "modules",
+            "files", "recording", "certificate", "against", "seed", "goals", "cells", "scenario", "overrides", "commands", "modules",
             "trust", "memory", "csv",
         ]
     )]
@@ -94,9 +102,25 @@ pub struct JudgeArguments {
     pub csv: Option<PathBuf>,
 }
 
+impl JudgeArguments {
+    fn problems(&self, fields: &[PathBuf], loaded: &LoadedScenario) -> Result<Vec<Problem>, CliError> {
+        let &Self { seed, goals, cells, .. } = self;
+        if goals.is_some() && !fields.is_empty() {
+            let sentence = "--goals samples goals on the scenario's field; expected no field files with it";
+            return Err(CliError::bad_input(sentence, Some("field files contain their goals")));
+        }
+        Ok(DriveProblems { fields: fields.to_vec(), goals, cells }.load(&loaded.scenario, seed)?)
+    }
+}
+
 pub fn run(arguments: &JudgeArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     if !arguments.together.is_empty() {
         return together::judge(&arguments.together, arguments.mode.unwrap_or(Mode::Exact), arguments.form);
+    }
+    if let Some(certificate) = &arguments.certificate {
+        let loaded = LoadedScenario::open(&arguments.scenario, &context.with_own_names(&arguments.overrides))?;
+        let problems = arguments.problems(&arguments.files, &loaded)?;
+        return certificates::judge(certificate, &problems, &arguments.files, arguments.form);
     }
     let mut inputs: Vec<&Path> = arguments.files.iter().chain(&arguments.recording).map(PathBuf::as_path).collect();
     inputs.push(Path::new(&arguments.scenario));
@@ -193,6 +217,7 @@ fn row_of_path((field, goal, planner): (&str, usize, &str), verdict: Option<Verd
         figures,
         failure: figures.is_none().then_some(DriveFailure::NoPath),
         violation: violation.flatten().map(Into::into),
+        certified_bound_m: None,
         message: None,
     }
 }
@@ -203,17 +228,11 @@ fn judge_table(
     asked: &Asked,
     conclude: impl Fn(&JudgeReport) -> Result<ExitCode, CliError>,
 ) -> Result<ExitCode, CliError> {
-    let &JudgeArguments { seed, goals, cells, .. } = asked.arguments;
     if paths.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")) {
         let sentence = format!("{} has the ending of a field file; expected the table of paths last", paths.display());
         return Err(CliError::bad_input(sentence, Some("wildfire judge FIELD.json PATHS.csv")));
     }
-    if goals.is_some() && !fields.is_empty() {
-        let sentence = "--goals samples goals on the scenario's field; expected no field files with it";
-        return Err(CliError::bad_input(sentence, Some("field files contain their goals")));
-    }
-    let problems = DriveProblems { fields: fields.to_vec(), goals, cells };
-    let problems = problems.load(&asked.loaded.scenario, seed)?;
+    let problems = asked.arguments.problems(fields, asked.loaded)?;
     let (judged, mut verdicts) = judge_paths(paths, &problems)?;
     let names = asked.names(&judged);
     let mut rows = Vec::new();

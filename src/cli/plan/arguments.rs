@@ -21,6 +21,7 @@ Examples:
   wildfire plan --scenario dense --seed 7 --cells 50
   wildfire plan field_*.json --planner hybrid-astar --csv drives.csv
   wildfire plan field.json --set unimog.hybrid.shortcuts=0 --paths paths.csv
+  wildfire plan field.json --planner hybrid-astar --certify bounds.json
   wildfire plan --seeds 1..30 --set field.coverage=0.05,0.10 --planner all --out bench
   wildfire plan report bench --pdf
   wildfire plan --together instances --mode benchmark --csv together.csv";
@@ -78,6 +79,10 @@ pub struct PlanArguments {
     /// Draw field and paths; several fields go to separate files, FILE-FIELD.png.
     #[arg(help_heading = "Output", long, value_name = "FILE.png")]
     pub png: Option<PathBuf>,
+    /// Write lower bounds on the lengths of all paths to goal poses, with proofs that `wildfire judge --certificate` checks,
+    /// and add the column `certified_bound_m`.
+    #[arg(help_heading = "Output", long, value_name = "FILE.json", conflicts_with_all = ["seeds", "jobs", "report"])]
+    pub certify: Option<PathBuf>,
     #[command(flatten)]
     pub together: TogetherArguments,
 }

@@ -18,6 +18,7 @@ use ompl::{OmplLog, OmplPlanner, OmplRun, Started, program_limit_s};
 use repeat::Repeat;
 use report::{PlanReport, planner_settings};
 
+use crate::cli::certificates::CertificateFile;
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
@@ -81,7 +82,8 @@ fn report<'a>(
     let all = ask()?;
     let again = if arguments.repeat { Some(ask()?) } else { None };
     let repeats = again.map(|again| planners.iter().map(|planner| Repeat::new(planner, &all, &again)).collect());
-    let drives = DriveTable::of_one_variant(all.iter().map(|attempt| attempt.query(None, 0)).collect());
+    let mut drives = DriveTable::of_one_variant(all.iter().map(|attempt| attempt.query(None, 0)).collect());
+    let certificates = arguments.certify.as_ref().map(|_| CertificateFile::new(&all, &mut drives));
     Ok(PlanReport {
         loaded,
         changes: &arguments.overrides,
@@ -92,6 +94,7 @@ fn report<'a>(
         repeats,
         summaries: PlannerSummary::all(&drives),
         drives,
+        certificates,
     })
 }
 
@@ -112,8 +115,8 @@ fn files<'a>(arguments: &'a PlanArguments, pictures: &'a [PathBuf]) -> Files<'a>
     let inputs =
         arguments.problems.fields.iter().map(PathBuf::as_path).chain([Path::new(&arguments.scenario)]).collect();
     let outputs = pictures.iter().map(|picture| (Format::Png, picture.as_path())).collect();
-    let (csv, paths, ompl) = (&arguments.csv, &arguments.paths, &arguments.ompl);
-    let tables = [(Format::Csv, csv), (Format::Csv, paths), (Format::OmplLog, ompl)];
+    let PlanArguments { csv, paths, ompl, certify, .. } = arguments;
+    let tables = [(Format::Csv, csv), (Format::Csv, paths), (Format::OmplLog, ompl), (Format::Json, certify)];
     Files { inputs, outputs, form: arguments.form }.writing(tables)
 }
 
@@ -128,6 +131,7 @@ fn write_files(
             (arguments.csv.as_deref(), &|path| report.drives.write(path)),
             (arguments.paths.as_deref(), &|path| paths_file::write_paths(path, &report.attempts)),
             (arguments.ompl.as_deref(), &|path| ompl_log(arguments, report, started).write(path)),
+            (arguments.certify.as_deref(), &|path| report.certificates.iter().try_for_each(|own| own.write(path))),
         ],
         quiet,
     );

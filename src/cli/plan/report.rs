@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Serialize, Serializer};
 
+use crate::cli::certificates::{CertificateFile, gap_sentences};
 use crate::cli::plan::repeat::Repeat;
 use wildfire_base::document::number::count;
 use wildfire_base::document::{Block, Document};
@@ -35,6 +36,8 @@ pub struct PlanReport<'a> {
     /// The attempts without their paths, in the same order.
     pub drives: DriveTable,
     pub summaries: Vec<PlannerSummary>,
+    /// Lower bounds, if they were asked for.
+    pub certificates: Option<CertificateFile>,
 }
 
 impl PlanReport<'_> {
@@ -123,6 +126,9 @@ impl From<&PlanReport<'_>> for Document {
         }
         document.add(summary_table(&report.summaries));
         let repeats = report.repeats.iter().flatten().map(Repeat::sentence);
+        if report.certificates.is_some() {
+            document.add_list(gap_sentences(&report.summaries, &report.drives));
+        }
         let failures = failure_sentences(&report.drives).into_iter();
         document.add_list(failures.chain(violation_sentences(&report.drives)).chain(repeats).collect());
         document.with([Block::List(DRIVE_LEGEND.map(str::to_owned).to_vec())])

@@ -39,7 +39,7 @@ pub struct TogetherArguments {
         help_heading = "Many vehicles", long, value_name = "FILE.yaml|DIR", num_args = 1..,
         conflicts_with_all = [
             "fields", "goals", "cells", "planners", "scenario", "overrides", "seeds", "jobs", "report", "commands", "modules",
-            "trust", "repeat", "memory", "paths", "ompl", "png",
+            "trust", "repeat", "memory", "paths", "ompl", "png", "certify",
         ]
     )]
     pub together: Vec<PathBuf>,

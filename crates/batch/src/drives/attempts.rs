@@ -47,6 +47,7 @@ impl Attempt<'_> {
             figures: drive.ok().map(|drive| drive.figures),
             failure: drive.err().copied().map(DriveFailure::Planner),
             violation: drive.ok().and_then(|drive| drive.violation.as_deref()).map(Into::into),
+            certified_bound_m: None,
             message: self.message.as_deref().map(Into::into),
         }
     }

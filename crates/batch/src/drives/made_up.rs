@@ -32,6 +32,7 @@ pub fn made_up_drives() -> DriveTable {
             }),
             figures: (!fails).then_some(figures),
             failure: fails.then_some(DriveFailure::Planner(PlanFailure::BudgetSpent)),
+            certified_bound_m: None,
             violation: (planner == 0 && index == 1).then(|| "it ends elsewhere".into()),
             message: fails.then(|| "no more".into()),
         }

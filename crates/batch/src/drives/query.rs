@@ -29,6 +29,8 @@ pub struct DriveQuery {
     pub failure: Option<DriveFailure>,
     /// The first violation that the audit found on the path.
     pub violation: Option<Box<str>>,
+    /// The certified lower bound on the length of any path to the goal; `None` if there is none, or it was not asked for.
+    pub certified_bound_m: Option<f64>,
     /// The planner's own message about a failure, which is no column.
     pub message: Option<Box<str>>,
 }
@@ -99,3 +101,9 @@ pub const DRIVE_COLUMNS: &[DriveColumn] = columns! { DriveColumn, query;
     violation: optional Text None "first violation found by the audit on the path"
         = query.violation.as_deref().map(str::to_owned);
 };
+
+/// The column of tables of drives whose goals have certificates; it is the last.
+pub const CERTIFIED_COLUMN: DriveColumn = columns! { DriveColumn, query;
+    certified_bound_m: optional Real Metres "lower bound on the length of any path, with a certificate"
+        = query.certified_bound_m;
+}[0];

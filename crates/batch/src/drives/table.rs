@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::drives::query::{DRIVE_COLUMNS, DriveFailure, DriveQuery, QueryCost};
+use crate::drives::query::{CERTIFIED_COLUMN, DRIVE_COLUMNS, DriveColumn, DriveFailure, DriveQuery, QueryCost};
 use crate::plan::{MAX_VARIANTS, Setting, Value};
 use crate::table::{Lines, TableError, TableReader};
 use wildfire_base::object::Members;
@@ -59,12 +59,18 @@ impl DriveTable {
         self.rows.iter().map(|row| &row.planner).filter(|name| seen.insert(Arc::clone(name))).cloned().collect()
     }
 
+    /// Returns the columns: that of certified bounds only if a row has one.
+    fn columns(&self) -> impl Iterator<Item = DriveColumn> {
+        let is_certified = self.rows.iter().any(|row| row.certified_bound_m.is_some());
+        DRIVE_COLUMNS.iter().copied().chain(is_certified.then_some(CERTIFIED_COLUMN))
+    }
+
     /// Returns the rows as members of JSON: the seed and the values of the variant if there are any, then the columns.
     pub fn members(&self) -> Vec<impl Serialize> {
         let member = |query: &DriveQuery| {
             let seed = query.seed.map(|seed| (SEED.to_owned(), seed.into()));
             let swept = self.keys.iter().cloned().zip(self.variants[query.variant].iter().cloned());
-            let own = DRIVE_COLUMNS.iter().map(|column| (column.name.to_owned(), (column.value)(query)));
+            let own = self.columns().map(|column| (column.name.to_owned(), (column.value)(query)));
             Members(seed.into_iter().chain(swept).chain(own).collect())
         };
         self.rows.iter().map(member).collect()
@@ -75,7 +81,7 @@ impl DriveTable {
         let has_seeds = self.rows.iter().any(|row| row.seed.is_some());
         let mut lines = Lines::default();
         let names = has_seeds.then_some(SEED).into_iter().chain(self.keys.iter().map(String::as_str));
-        let names = names.chain(DRIVE_COLUMNS.iter().map(|column| column.name));
+        let names = names.chain(self.columns().map(|column| column.name));
         names.for_each(|name| lines.add_field(&Value::Text(name.to_owned())));
         lines.end();
         for query in &self.rows {
@@ -83,7 +89,7 @@ impl DriveTable {
                 lines.add_field(&query.seed.into());
             }
             self.variants[query.variant].iter().for_each(|value| lines.add_field(value));
-            DRIVE_COLUMNS.iter().for_each(|column| lines.add_field(&(column.value)(query)));
+            self.columns().for_each(|column| lines.add_field(&(column.value)(query)));
             lines.end();
         }
         let mut file = WholeFile::create(path)?;
@@ -108,6 +114,7 @@ struct Reading<'a> {
     keys: Vec<usize>,
     /// The places of [`DRIVE_COLUMNS`]; beyond the row for one that is not there.
     columns: [usize; DRIVE_COLUMNS.len()],
+    certified: Option<usize>,
     variants: BTreeMap<Vec<String>, usize>,
     /// Different names, each kept once.
     names: BTreeSet<Arc<str>>,
@@ -129,8 +136,8 @@ impl<'a> Reading<'a> {
                 }
             }
         }
-        let seed = reader.place(SEED);
-        let is_known = |place: &usize| columns.contains(place) || seed == Some(*place);
+        let (seed, certified) = (reader.place(SEED), reader.place(CERTIFIED_COLUMN.name));
+        let is_known = |place: &usize| columns.contains(place) || [seed, certified].contains(&Some(*place));
         let keys: Vec<usize> = (0..reader.columns().len()).filter(|place| !is_known(place)).collect();
         if keys.len() > MAX_KEYS {
             return Err(unfit(path, format!("{} columns of keys; expected at most {MAX_KEYS}", keys.len())));
@@ -138,7 +145,7 @@ impl<'a> Reading<'a> {
         let names = keys.iter().map(|&place| reader.columns()[place].clone()).collect();
         let table = DriveTable { keys: names, ..DriveTable::default() };
         let (variants, names) = (BTreeMap::new(), BTreeSet::new());
-        Ok(Self { path, reader, seed, keys, columns, variants, names, text_bytes: 0, table })
+        Ok(Self { path, reader, seed, keys, columns, certified, variants, names, text_bytes: 0, table })
     }
 
     fn finish(mut self) -> Result<DriveTable, TableError> {
@@ -200,10 +207,24 @@ impl<'a> Reading<'a> {
             .transpose()?;
         let figures = (success || is_there(at("length_m"))).then(figures).transpose()?;
         let cost = is_there(at("cpu_query_s")).then(cost).transpose()?;
+        let certified = self.certified.filter(|&place| is_there(place));
+        let certified_bound_m = certified.map(|place| self.number(place)).transpose()?;
         let goal = small(at("goal"))? as usize;
         let [field, planner] = ["field", "planner"].map(at);
         let (field, planner) = (self.name(field)?, self.name(planner)?);
-        Ok(DriveQuery { seed, variant, field, goal, planner, cost, figures, failure, violation, message: None })
+        Ok(DriveQuery {
+            seed,
+            variant,
+            field,
+            goal,
+            planner,
+            cost,
+            figures,
+            failure,
+            violation,
+            certified_bound_m,
+            message: None,
+        })
     }
 
     /// Reads a number that is finite and not negative, which all figures are.

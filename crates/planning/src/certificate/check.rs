@@ -52,6 +52,11 @@ impl Certificate {
     /// The first thing that is wrong with it.
     pub fn check(&self, checker: &CollisionChecker) -> Result<(), BadCertificate> {
         self.check_numbers()?;
+        let [start, goal] = [self.start, self.goal].map(|[x, y, heading]| Pose::new(x, y, heading));
+        let curves = ReedsShepp { radius_m: checker.body().turning_radius_m };
+        if curves.length_m(start, goal) >= self.bound_m + SURE_M {
+            return Ok(());
+        }
         let bushes = Bushes::new(checker, self.clearance_m);
         if bushes.radius_m - self.step_m < SAME_M {
             return Err(BadCertificate::OutOfRange("step_m", "less than the body's inner radius and the clearance"));
@@ -97,10 +102,7 @@ impl Certificate {
         range(self.bound_m > 0.0 && self.bound_m < 1e6, "bound_m", "more than 0, below a million")?;
         range(self.step_m >= 1e-4 && self.step_m <= 0.5, "step_m", "0.0001 to 0.5")?;
         range(self.bound_m / self.step_m <= MOST_POSITIONS, "step_m", "at most 20000 positions within the bound")?;
-        range(self.cut > 0.0 && self.cut < 1.0, "cut", "more than 0, less than 1")?;
-        let [from, to] = [self.start, self.goal].map(|[x, y, _]| DVec2::new(x, y));
-        let nearest_m = self.cut.min(1.0 - self.cut) * from.distance(to);
-        range(nearest_m >= 12.0 * 0.5 * self.step_m, "cut", "six steps or more from both ends")
+        range(self.cut > 0.0 && self.cut < 1.0, "cut", "more than 0, less than 1")
     }
 
     fn check_cut(
@@ -111,6 +113,10 @@ impl Certificate {
     ) -> Result<(), BadCertificate> {
         let [start, goal] = [self.start, self.goal].map(|[x, y, heading]| Pose::new(x, y, heading));
         let line = goal.position() - start.position();
+        let nearest_m = self.cut.min(1.0 - self.cut) * line.length();
+        if nearest_m < 12.0 * 0.5 * self.step_m {
+            return Err(BadCertificate::OutOfRange("cut", "six steps or more from both ends"));
+        }
         let half_m = 0.5 * self.step_m;
         // Positions farther out are farther than the bound from both ends together.
         let outermost = (0.5 * self.bound_m / self.step_m).ceil() as i64 + 1;

@@ -76,8 +76,21 @@ fn inner_radius_m(body: &Dimensions) -> f64 {
 
 impl Certificate {
     /// Computes a certificate for all paths that keep a clearance, given the length of a path or any other length beyond
-    /// which nothing is asked; `None` if the poses are too close together for a cut, or the corners are too many.
-    pub fn new(
+    /// which nothing is asked; `None` if the poses are the same.
+    ///
+    /// Without a cut it says how long the Reeds-Shepp curve is: where that is more, the poses are too close together for a
+    /// cut, or corners are too many.
+    pub fn new(checker: &CollisionChecker, ends: (Pose, Pose), clearance_m: f64, reach_m: f64) -> Option<Self> {
+        let curve_m = ReedsShepp { radius_m: checker.body().turning_radius_m }.length_m(ends.0, ends.1);
+        let cut = Self::with_cut(checker, ends, clearance_m, reach_m);
+        let [start, goal] = [ends.0, ends.1].map(|pose| [pose.x, pose.y, pose.heading]);
+        let bound_m = curve_m - ROUNDING_M;
+        let step_m = STEPS_M[1].max(bound_m / MOST_POSITIONS);
+        let without = Self { start, goal, clearance_m, bound_m, cut: 0.5, step_m, corners: Vec::new() };
+        cut.filter(|cut| cut.bound_m > bound_m).or_else(|| (bound_m > 0.0).then_some(without))
+    }
+
+    fn with_cut(
         checker: &CollisionChecker,
         (start, goal): (Pose, Pose),
         clearance_m: f64,

@@ -1,0 +1,225 @@
+//! Certificates of `wildfire plan --certify`, and their check by `wildfire judge --certificate`: lower bounds on the length
+//! of all paths to goals.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize, Serializer};
+
+use crate::cli::error::{CliError, exit};
+use crate::cli::output_files::Files;
+use crate::cli::plan::SHOWN_ROWS;
+use crate::cli::report::FormArguments;
+use wildfire_base::document::number::{count, rounded};
+use wildfire_base::document::{Block, Document, Table};
+use wildfire_base::geometry::Pose;
+use wildfire_base::input_file;
+use wildfire_base::object;
+use wildfire_base::untrusted::visible_start;
+use wildfire_base::whole_file::write_whole;
+use wildfire_batch::{Attempt, DriveTable, PROGRAM_VERSION, PlannerSummary, shortened_field};
+use wildfire_planning::Goal;
+use wildfire_planning::certificate::Certificate;
+use wildfire_planning::collision::{ClearanceField, CollisionChecker, LEAST_CLEARANCE_M};
+use wildfire_sim::scenario::Problem;
+
+/// The format of the file.
+const FORMAT: u32 = 1;
+
+/// The most bytes of a file that is read.
+const MOST_BYTES: u64 = 200_000_000;
+
+/// The most sentences about faults.
+const SHOWN_FAULTS: usize = 10;
+
+/// A file of certificates.
+#[derive(Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct CertificateFile {
+    wildfire_certificates: u32,
+    certificates: Vec<Certified>,
+}
+
+/// A goal with its certificate.
+#[derive(Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+struct Certified {
+    field: String,
+    goal: usize,
+    certificate: Certificate,
+}
+
+impl CertificateFile {
+    /// Computes a certificate for each goal pose to which one of the attempts, which are in the order of goals, found a
+    /// valid path, and adds its bound to the rows of these attempts.
+    pub fn new(attempts: &[Attempt], drives: &mut DriveTable) -> Self {
+        let mut certificates = Vec::new();
+        let mut known: Option<(&Problem, CollisionChecker)> = None;
+        let is_one_goal =
+            |one: &Attempt, next: &Attempt| std::ptr::eq(one.problem, next.problem) && one.goal == next.goal;
+        let mut done = 0;
+        for own in attempts.chunk_by(is_one_goal) {
+            let rows = &mut drives.rows[done..done + own.len()];
+            done += own.len();
+            let lengths = rows.iter().filter_map(|row| Some(row.solved()?.length_m));
+            let problem = own[0].problem;
+            let (Some(shortest_m), Goal::Pose(goal)) = (lengths.min_by(f64::total_cmp), problem.goals[own[0].goal])
+            else {
+                continue;
+            };
+            let (_, checker) = known
+                .take_if(|(of, _)| std::ptr::eq(*of, problem))
+                .map_or_else(|| (problem, checker(problem)), |known| known);
+            let ends = (problem.start, goal);
+            if let Some(certificate) = Certificate::new(&checker, ends, LEAST_CLEARANCE_M, shortest_m) {
+                rows.iter_mut().for_each(|row| row.certified_bound_m = Some(certificate.bound_m));
+                certificates.push(Certified { field: problem.name.clone(), goal: own[0].goal, certificate });
+            }
+            known = Some((problem, checker));
+        }
+        Self { wildfire_certificates: FORMAT, certificates }
+    }
+
+    /// Writes the file.
+    pub fn write(&self, path: &Path) -> io::Result<()> {
+        write_whole(path, &serde_json::to_vec(self).expect("names and numbers are JSON"))
+    }
+
+    fn open(path: &Path) -> Result<Self, CliError> {
+        let text = input_file::read_text(path, MOST_BYTES).map_err(|error| CliError::unreadable(path, &error))?;
+        let wrong = |fault: String| {
+            let sentence = format!("{}: {fault}", path.display());
+            CliError::bad_input(sentence, Some("expected a file that `wildfire plan --certify` wrote"))
+        };
+        let read: Self = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+        match read.wildfire_certificates {
+            FORMAT => Ok(read),
+            other => Err(wrong(format!("certificates of format {other}; this program reads {FORMAT}"))),
+        }
+    }
+}
+
+fn checker(problem: &Problem) -> CollisionChecker {
+    let field = ClearanceField::new(problem.terrain.frame, &problem.terrain.occupied);
+    CollisionChecker::new(Arc::new(field), problem.truck.vehicle)
+}
+
+/// Says for each planner what its paths are longer than certified.
+pub fn gap_sentences(summaries: &[PlannerSummary], drives: &DriveTable) -> Vec<String> {
+    let sentence = |summary: &PlannerSummary| {
+        let own = drives.rows.iter().filter(|row| row.planner == summary.planner);
+        let gaps = own.filter_map(|row| Some(row.solved()?.length_m / row.certified_bound_m? - 1.0));
+        let gaps: Vec<f64> = gaps.collect();
+        let (mean, most) = (gaps.iter().sum::<f64>() / gaps.len() as f64, gaps.iter().copied().fold(0.0, f64::max));
+        let planner = visible_start(&summary.planner);
+        if gaps.is_empty() {
+            return format!("{planner}: no certified goal.");
+        }
+        let goals = count(gaps.len(), "certified goal");
+        format!(
+            "{planner}: {goals}; paths are at most {} % longer than the shortest, mean of goals; worst {} %.",
+            rounded(100.0 * mean, 2),
+            rounded(100.0 * most, 2)
+        )
+    };
+    summaries.iter().map(sentence).collect()
+}
+
+/// Checks a file of certificates on the fields of these problems.
+pub fn judge(path: &Path, problems: &[Problem], fields: &[PathBuf], form: FormArguments) -> Result<ExitCode, CliError> {
+    let inputs = fields.iter().map(PathBuf::as_path).chain([path]).collect();
+    let words = Files { inputs, form, ..Files::default() }.check()?;
+    let read = CertificateFile::open(path)?;
+    let mut known: Option<(usize, CollisionChecker)> = None;
+    let mut rows = Vec::new();
+    for (number, own) in read.certificates.into_iter().enumerate() {
+        let named = problems.iter().position(|problem| problem.name == own.field);
+        let goals = named.map(|index| (index, problems[index].goals.get(own.goal)));
+        let Some((index, Some(&goal))) = goals else {
+            let sentence = format!(
+                "{}: certificate {number} is for goal {} of the field {}, which is not among those given",
+                path.display(),
+                own.goal,
+                visible_start(&own.field)
+            );
+            return Err(CliError::bad_input(sentence, Some("name the field files that were planned on")));
+        };
+        let problem = &problems[index];
+        let checker = known.take_if(|(of, _)| *of == index).map_or_else(|| checker(problem), |(_, known)| known);
+        rows.push(Checked::new(own, (problem.start, goal), &checker));
+        known = Some((index, checker));
+    }
+    let report = CertificateReport { rows };
+    words.print(&form.render(&report))?;
+    let is_clean = report.rows.iter().all(|row| row.fault.is_none());
+    Ok(if is_clean { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
+}
+
+/// A certificate that was checked.
+#[derive(Debug, Serialize)]
+struct Checked {
+    field: String,
+    goal: usize,
+    certified_bound_m: f64,
+    clearance_m: f64,
+    corners: usize,
+    /// The reason why it proves nothing.
+    fault: Option<String>,
+}
+
+impl Checked {
+    fn new(Certified { field, goal, certificate }: Certified, ends: (Pose, Goal), checker: &CollisionChecker) -> Self {
+        let numbers = |pose: Pose| [pose.x, pose.y, pose.heading];
+        let is_meant = certificate.start == numbers(ends.0)
+            && matches!(ends.1, Goal::Pose(pose) if certificate.goal == numbers(pose));
+        let found = if is_meant {
+            certificate.check(checker).err().map(|fault| fault.to_string())
+        } else {
+            Some("it is for another start or goal than the field's".to_owned())
+        };
+        let Certificate { bound_m, clearance_m, corners, .. } = certificate;
+        Self { field, goal, certified_bound_m: bound_m, clearance_m, corners: corners.len(), fault: found }
+    }
+}
+
+/// All certificates of a file.
+struct CertificateReport {
+    rows: Vec<Checked>,
+}
+
+impl Serialize for CertificateReport {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        object!(Report { program_version: PROGRAM_VERSION, rows: &self.rows }).serialize(serializer)
+    }
+}
+
+impl From<&CertificateReport> for Document {
+    /// A row for each certificate if they are not too many, and what is wrong.
+    fn from(report: &CertificateReport) -> Self {
+        let faults: Vec<&Checked> = report.rows.iter().filter(|row| row.fault.is_some()).collect();
+        let sound = report.rows.len() - faults.len();
+        let mut document = Self::new(format!("{} of {} hold", sound, count(report.rows.len(), "certificate")));
+        if (1..=SHOWN_ROWS).contains(&report.rows.len()) {
+            let cells = |row: &Checked| {
+                let verdict = if row.fault.is_some() { "refused" } else { "holds" };
+                let numbers = [row.goal.to_string(), rounded(row.certified_bound_m, 3), rounded(row.clearance_m, 3)];
+                let [goal, bound, clearance] = numbers;
+                vec![shortened_field(&row.field), goal, bound, clearance, row.corners.to_string(), verdict.into()]
+            };
+            let headings = ["Field", "Goal", "Bound\nm", "Clear.\nm", "Cor-\nners", "Verdict"];
+            document.add(Table::new(&headings, report.rows.iter().map(cells).collect()));
+        }
+        let shown = faults.iter().take(SHOWN_FAULTS).map(|row| {
+            let fault = row.fault.as_deref().unwrap_or_default();
+            format!("Field {}, goal {}: {fault}.", shortened_field(&row.field), row.goal)
+        });
+        let hidden = faults.len().saturating_sub(SHOWN_FAULTS);
+        let more = (hidden > 0).then(|| format!("... and {}.", count(hidden, "more refused certificate")));
+        document.add_list(shown.chain(more).collect());
+        document.with([Block::Text(
+            "Bound: every path from the start to the goal that keeps the clearance is at least this long.".into(),
+        )])
+    }
+}
