@@ -248,6 +248,7 @@ hold! {
     compare_and_report: "docs/compare-and-report.md", pictures below 0;
     costs: "docs/costs.md", pictures below 0;
     crown_fire: "docs/crown-fire.md", pictures below 0;
+    initial_attack: "docs/initial-attack.md", pictures below 0;
     curves: "docs/curves.md", pictures below 60_000;
     dispatch: "docs/dispatch.md", pictures below 0;
     fallbacks: "docs/fallbacks.md", pictures below 0;

@@ -15,6 +15,7 @@ mod own_planners;
 mod pose_planners;
 mod problem_files;
 mod recordings;
+mod roads;
 mod safety;
 mod same_planner;
 mod scenario_bad_input;

@@ -25,6 +25,7 @@ mod driven;
 mod ember;
 mod field;
 mod fires;
+mod ground;
 mod leg;
 mod meeting;
 mod pace;

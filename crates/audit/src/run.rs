@@ -3,6 +3,7 @@
 use super::driven::DrivenLegs;
 use super::field::{AuditField, Outline};
 use super::fires::audit_fires;
+use super::ground::audit_ground;
 use super::leg::{MotionLimits, SampleStep, audit_leg, work_of_pose};
 use super::meeting::{Driver, audit_meetings};
 use super::spread::audit_spread;
@@ -38,6 +39,7 @@ pub fn audit_timeline(timeline: &Timeline, step: SampleStep) -> Verdict {
         let field = AuditField::new(setting.frame, &setting.obstacles(), outline);
         violations.push(driven.audit().err());
         violations.push(audit_legs(driven, &field, &motion(agent), step, &mut audited).err());
+        violations.push(audit_ground(setting, driven, agent.limits).err());
         if let Body::Truck(_) = agent.body {
             drivers.push(Driver { driven, outline });
         }
@@ -160,6 +162,7 @@ mod tests {
             blocked: Vec::new(),
             spread: None,
             water: None,
+            ground_shares: Vec::new(),
             agents: vec![truck(TRUCK, start()), truck(SECOND, Pose::new(10.0, 10.0, 0.0))],
             rules: Rules {
                 duration: seconds(100.0),

@@ -350,6 +350,7 @@ mod tests {
             bushes,
             blocked: Vec::new(),
             water: None,
+            ground_shares: Vec::new(),
             agents: vec![AgentStart {
                 id: TRUCK,
                 pose: wildfire_base::geometry::Pose::new(20.0, 20.0, 0.0),

@@ -20,7 +20,7 @@ use crate::collision::CollisionChecker;
 use wildfire_base::geometry::FieldFrame;
 use wildfire_base::ranges::SettingsTable;
 use wildfire_base::rng::{self, Xoshiro256PlusPlus};
-use wildfire_base::trajectory::SpeedLimits;
+use wildfire_base::trajectory::{GroundSpeed, SpeedLimits};
 use wildfire_base::vehicle::Dimensions;
 
 use super::TruckPlanner;
@@ -76,6 +76,8 @@ pub struct Site<'a> {
     pub cost: DriveCost,
     /// The field, and the truck's body on it.
     pub checker: &'a CollisionChecker,
+    /// Ground on which the truck is slow; `None` where it is nowhere.
+    pub ground: Option<&'a GroundSpeed>,
     /// The `settings` of the scenario's table `[planner.NAME]`, for a planner that is not built in; else null.
     pub own: &'a serde_json::Value,
     /// Returns the truck's own random stream of a name, which is the same in every run of the seed.
@@ -317,6 +319,7 @@ impl TruckPlannerKind {
             body: checker.body(),
             limits: &SpeedLimits::new(8.0, 8.0),
             cost: DriveCost::Length,
+            ground: None,
             checker,
             own: &serde_json::Value::Null,
             stream: &|name| rng::stream(seed, name),

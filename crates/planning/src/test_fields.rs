@@ -72,6 +72,7 @@ impl TestField {
             body: self.checker.body(),
             limits: &SpeedLimits::new(8.0, 8.0),
             cost: DriveCost::Length,
+            ground: None,
             checker: &self.checker,
             own: &serde_json::Value::Null,
             stream: &stream,

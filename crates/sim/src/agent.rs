@@ -6,7 +6,7 @@ use std::time::Duration;
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use crate::scenario::Scenario;
+use crate::scenario::{GroundKinds, Scenario};
 use wildfire_base::geometry::{Cell, Pose};
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::{SpeedLimits, Trajectory};
@@ -272,20 +272,22 @@ pub struct Arena<'a> {
     pub scenario: &'a Scenario,
     pub seed: u64,
     pub field: &'a Arc<ClearanceField>,
+    pub ground: &'a Option<GroundKinds>,
     pub water: &'a Option<Arc<WaterRules>>,
     pub memory: &'a MemoryMeter,
     pub planners: &'a Planners,
 }
 
-/// Adds an agent with the components of its kind, and schedules its first decision at time 0.
+/// Adds an agent with the components of its kind, and schedules its first decision: at time 0, or when it is no longer busy.
 pub fn enlist(world: &mut World, agent: Agent, limits: SpeedLimits, kind: impl Bundle) -> AgentStart {
     let start = AgentStart { id: agent.id, pose: agent.trajectory.start(), body: agent.body, limits: Some(limits) };
     let agent = Agent { answered: agent.cost.total(), ..agent };
     let built = CpuSample { time: SimTime::ZERO, agent: agent.id, cpu: agent.cost.total() };
     world.resource_mut::<CpuLog>().0.push(built);
+    let ready = agent.busy_until;
     let entity = world.spawn((agent, kind)).id();
     world.resource_mut::<Roster>().0.push(entity);
     let wake = Wake { agent: entity, revision: 0 };
-    world.resource_mut::<SimQueue>().push_for(SimTime::ZERO, AgentEvent::Decision, wake);
+    world.resource_mut::<SimQueue>().push_for(ready, AgentEvent::Decision, wake);
     start
 }

@@ -6,7 +6,7 @@ use bevy_ecs::prelude::*;
 use rand::seq::SliceRandom;
 use serde_json::Value;
 
-use crate::scenario::{self, Extinguishes, Ignition, IgnitionCells, Scenario, Terrain};
+use crate::scenario::{self, Extinguishes, GroundKinds, Ignition, IgnitionCells, Scenario, Terrain, Unimog};
 use wildfire_base::geometry::Cell;
 use wildfire_base::rng;
 use wildfire_base::time::SimTime;
@@ -65,7 +65,9 @@ pub fn fill(
     world.insert_resource(policies(scenario, seed, &terrain, &known_policies)?);
 
     let water = water_rules(scenario).map(Arc::new);
-    let arena = Arena { scenario, seed, field: &field, water: &water, memory, planners: &planners };
+    let slows = scenario.unimog.iter().any(|truck| !truck.speed_by_ground.is_empty());
+    let ground = slows.then(|| GroundKinds::new(&terrain)).flatten();
+    let arena = Arena { scenario, seed, field: &field, ground: &ground, water: &water, memory, planners: &planners };
     let mut starts = Vec::new();
     let mut grounds = WalkGrounds::new(&terrain, terrain.lightable(scenario.fire.lights_ground()));
     for (number, settings) in scenario.wumpus.iter().enumerate() {
@@ -136,6 +138,13 @@ pub fn water_rules(scenario: &Scenario) -> Option<WaterRules> {
     (!places.is_empty()).then_some(WaterRules { full_tank, fill_per_stop, reach_m, places })
 }
 
+/// Returns the shares of their speed that trucks keep by ground, if some of them are slowed.
+fn ground_shares(scenario: &Scenario) -> Vec<(AgentId, Vec<f64>)> {
+    let shares =
+        |(number, truck): (usize, &Unimog)| Some((AgentId::unimog(number as u16), truck.ground_shares()?.to_vec()));
+    scenario.unimog.iter().enumerate().filter_map(shares).collect()
+}
+
 /// Returns how fire goes over the ground of a run, where it does.
 fn spread_setting(scenario: &Scenario, seed: u64, terrain: &Terrain) -> Option<SpreadSetting> {
     let (landscape, weather) = (terrain.landscape.clone()?, Arc::new(scenario::weather(scenario, seed)));
@@ -162,6 +171,7 @@ fn setting(
         blocked: terrain.blocked.clone(),
         spread,
         water: water_rules(scenario),
+        ground_shares: ground_shares(scenario),
         agents,
         rules: Rules {
             duration: SimTime::from_seconds(scenario.duration_s),

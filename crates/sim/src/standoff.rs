@@ -57,7 +57,7 @@ impl WayOut {
         let now = fleet.now();
         let (_, truck) = fleet.trucks.one(first);
         let wanted = &truck.blocked.first()?.drive;
-        let wish = Trajectory::from_path(&wanted.path, now + truck.charge(&wanted.effort), truck.speed);
+        let wish = truck.leg(&wanted.path, now + truck.charge(&wanted.effort));
         let mut reservations = fleet.reservations();
         let in_the_way: Vec<Entity> =
             Traffic::new(&reservations, first).standing_on(&truck.body, &wish).map(|other| other.entity).collect();
@@ -110,5 +110,5 @@ fn way_aside(
         first_conflict(passing, stand, now, MARGIN_M).is_none()
     };
     let path = find_yield_pose(&traffic.with_others_standing(&truck.checker), own.leg().end(), leaves_free)?;
-    traffic.departure(&own.body, &Trajectory::from_path(&path, now, truck.speed)).ok()
+    traffic.departure(&own.body, &truck.leg(&path, now)).ok()
 }

@@ -45,6 +45,8 @@ pub enum RestReason {
     Chosen,
     /// A truck whose tank is too empty for a stop, and that finds no path to water.
     NoWater,
+    /// A truck before the time at which it is ready to set out.
+    NotReady,
 }
 
 impl fmt::Display for RestReason {
@@ -57,6 +59,7 @@ impl fmt::Display for RestReason {
             Self::NoPlan => "no plan for anything that burns",
             Self::Chosen => "its policy lets it wait",
             Self::NoWater => "no way to water",
+            Self::NotReady => "not ready yet",
         })
     }
 }

@@ -167,6 +167,9 @@ pub struct Setting {
     pub spread: Option<SpreadSetting>,
     /// The tanks of trucks; `None` where water does not matter.
     pub water: Option<WaterRules>,
+    /// The shares of their greatest speed that trucks keep on ground, by the number of its fuel model: 256 for each truck that
+    /// some ground slows, in the order of the trucks.
+    pub ground_shares: Vec<(AgentId, Vec<f64>)>,
 }
 
 impl Setting {

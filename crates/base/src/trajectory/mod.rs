@@ -3,12 +3,14 @@
 //! A trajectory is a list of pieces, each with constant curvature and constant acceleration, that begin where and
 //! when the last one ended. Nothing is stepped: [`Trajectory::pose_at`] computes.
 //!
-//! [`Trajectory::from_path`] gives a path its speeds, [`Trajectory::stopping`] cuts a motion short,
+//! [`Trajectory::from_path`] gives a path its speeds, [`Trajectory::over_ground`] those on slow ground, [`Trajectory::stopping`] cuts a motion short,
 //! [`Trajectory::after_waiting`] lets it begin later.
 
+mod ground;
 mod profile;
 mod stopping;
 
+pub use ground::GroundSpeed;
 pub use profile::SpeedLimits;
 
 use serde::{Deserialize, Serialize};

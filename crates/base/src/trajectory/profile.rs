@@ -64,7 +64,7 @@ impl SpeedLimits {
 
     /// Seconds that [`Trajectory::from_path`] takes for a path of these segments.
     pub fn drive_s(&self, segments: &[Segment]) -> f64 {
-        fastest_pieces(segments, self).iter().map(Piece::duration_s).sum()
+        fastest_pieces(Paced::on_roads(segments), self).iter().map(Piece::duration_s).sum()
     }
 }
 
@@ -74,58 +74,73 @@ impl Trajectory {
     ///
     /// Segments without length are left out.
     pub fn from_path(path: &Path, start_time: SimTime, limits: SpeedLimits) -> Self {
-        Self::new(start_time, path.start, fastest_pieces(&path.segments, &limits))
+        Self::new(start_time, path.start, fastest_pieces(Paced::on_roads(&path.segments), &limits))
+    }
+}
+
+/// A segment, and the share of its greatest speed that a body keeps on it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Paced {
+    pub segment: Segment,
+    pub share: f64,
+}
+
+impl Paced {
+    fn on_roads(segments: &[Segment]) -> impl Iterator<Item = Self> {
+        segments.iter().map(|&segment| Self { segment, share: 1.0 })
     }
 }
 
 /// Returns the pieces of the fastest drive along segments.
-fn fastest_pieces(segments: &[Segment], limits: &SpeedLimits) -> Vec<Piece> {
-    let segments: Vec<Segment> = segments.iter().copied().filter(|segment| segment.length_m != 0.0).collect();
+pub(super) fn fastest_pieces(segments: impl Iterator<Item = Paced>, limits: &SpeedLimits) -> Vec<Piece> {
+    let segments: Vec<Paced> = segments.filter(|own| own.segment.length_m != 0.0).collect();
     let mut pieces = Vec::with_capacity(segments.len());
     // The curvature for which the front wheels stand.
     let mut wheels = 0.0;
-    let goes_on = |a: &Segment, b: &Segment| {
+    let goes_on = |a: &Paced, b: &Paced| {
+        let (a, b) = (a.segment, b.segment);
         a.is_reverse() == b.is_reverse() && limits.steers_in_passing(a.curvature, b.curvature)
     };
     for stretch in segments.chunk_by(goes_on) {
-        pieces.extend(limits.turning(wheels, stretch[0].curvature));
+        pieces.extend(limits.turning(wheels, stretch[0].segment.curvature));
         let joints = joint_speeds(stretch, limits);
         for (index, ends) in joints.windows(2).enumerate() {
-            pieces.extend(drive_segment(stretch[index], fastest_on(stretch, index, limits), ends[0], ends[1], limits));
+            let fastest_mps = fastest_on(stretch, index, limits);
+            pieces.extend(drive_segment(stretch[index].segment, fastest_mps, ends[0], ends[1], limits));
         }
-        wheels = stretch[stretch.len() - 1].curvature;
+        wheels = stretch[stretch.len() - 1].segment.curvature;
     }
     pieces.extend(limits.turning(wheels, 0.0));
     pieces
 }
 
 /// The greatest speed in m/s on a segment of a stretch, which lasts until the wheels have turned for it.
-fn fastest_on(stretch: &[Segment], index: usize, limits: &SpeedLimits) -> f64 {
-    let segment = &stretch[index];
-    let fastest_mps = limits.speed_on(segment);
+fn fastest_on(stretch: &[Paced], index: usize, limits: &SpeedLimits) -> f64 {
+    let Paced { segment, share } = &stretch[index];
+    let fastest_mps = limits.speed_on(segment) * share;
     match limits.steering {
         // On the way to the first the truck stood.
         Some(steering) if index > 0 => {
-            let turning_s = steering.turning_s(stretch[index - 1].curvature, segment.curvature);
+            let turning_s = steering.turning_s(stretch[index - 1].segment.curvature, segment.curvature);
             fastest_mps.min(segment.length_m.abs() / turning_s)
         }
         _ => fastest_mps,
     }
 }
 
-/// Speeds in m/s at both ends of a stretch without a stop, and where its segments meet.
-fn joint_speeds(stretch: &[Segment], limits: &SpeedLimits) -> Vec<f64> {
+/// Speeds in m/s at both ends of a stretch, and where its segments meet.
+fn joint_speeds(stretch: &[Paced], limits: &SpeedLimits) -> Vec<f64> {
     let acceleration = limits.acceleration_mps2.unwrap_or(f64::INFINITY);
     let braking = limits.braking_mps2.unwrap_or(f64::INFINITY);
     let mut speeds = vec![0.0; stretch.len() + 1];
     let mut before = fastest_on(stretch, 0, limits);
     for joint in 1..stretch.len() {
         let behind = fastest_on(stretch, joint, limits);
-        let reached = speed_after(speeds[joint - 1], acceleration, stretch[joint - 1].length_m.abs());
+        let reached = speed_after(speeds[joint - 1], acceleration, stretch[joint - 1].segment.length_m.abs());
         speeds[joint] = before.min(behind).min(reached);
         before = behind;
     }
-    for (joint, segment) in stretch.iter().enumerate().rev() {
+    for (joint, Paced { segment, .. }) in stretch.iter().enumerate().rev() {
         speeds[joint] = speeds[joint].min(speed_after(speeds[joint + 1], braking, segment.length_m.abs()));
     }
     speeds

@@ -10,7 +10,9 @@ use crate::drives::query::{DriveFailure, DriveQuery, QueryCost};
 use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_planning::collision::{ClearanceField, CollisionChecker};
 use wildfire_planning::{MakeError, PlanFailure, PlannerName, Planners};
-use wildfire_sim::scenario::{MemoryEstimate, MemoryExceeded, MemoryLimit, PlannerContext, Problem, Programs, Unimog};
+use wildfire_sim::scenario::{
+    GroundKinds, MemoryEstimate, MemoryExceeded, MemoryLimit, PlannerContext, Problem, Programs, Unimog,
+};
 
 /// A planner's answer to one goal of a problem.
 #[derive(Debug)]
@@ -89,12 +91,22 @@ pub fn attempts<'a>(problem: &'a Problem, question: &Question<'_>) -> Result<Vec
     let checker = CollisionChecker::new(field, problem.truck.vehicle);
     let field_time = stopwatch.lap();
     let opinion = SecondOpinion::new(problem, &checker);
+    let kinds = GroundKinds::new(&problem.terrain);
     let mut by_planner = Vec::new();
     for planner in planners {
         let memory = estimate.meter(limit)?;
         let truck = Unimog { planner: planner.clone(), ..problem.truck.clone() };
         let mut stopwatch = CpuStopwatch::start();
-        let context = PlannerContext { truck: 0, seed, checker: &checker, memory: &memory, planners: makers, programs };
+        let ground = truck.ground_speed(kinds.as_ref());
+        let context = PlannerContext {
+            truck: 0,
+            seed,
+            checker: &checker,
+            ground: ground.as_ref(),
+            memory: &memory,
+            planners: makers,
+            programs,
+        };
         let no_planner = |reason| AttemptError::NoPlanner { name: planner.clone(), reason };
         let mut prepared = truck.make_planner(&context).map_err(no_planner)?;
         let build = field_time + stopwatch.lap();

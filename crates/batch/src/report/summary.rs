@@ -80,7 +80,8 @@ impl VariantReport {
     /// Creates the report of a variant without runs.
     pub fn new(title: String, scenario: &Scenario) -> Self {
         let columns = vec![Series::default(); RUN_COLUMNS.len()];
-        let tally = Tally::new(scenario.unimog.len(), scenario.wumpus.len());
+        let deadline_s = (scenario.wumpus.is_empty() && !scenario.unimog.is_empty()).then_some(scenario.duration_s);
+        let tally = Tally { deadline_s, ..Tally::new(scenario.unimog.len(), scenario.wumpus.len()) };
         let custom = scenario.planner.iter().filter(|(_, table)| table.is_external());
         let files =
             custom.map(|(name, table)| (name.to_string(), (table.works_in.clone(), table.sha256.clone()))).collect();

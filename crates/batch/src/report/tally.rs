@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use crate::execute::Status;
 use crate::report::failures::Failures;
+use crate::stats::{Interval, wilson_interval};
 use crate::table::{QueryTally, RunRecord, run_column};
 
 const PLANNER: usize = run_column("planner");
@@ -13,6 +14,7 @@ const WUMPUS_SCORE: usize = run_column("wumpus_score");
 const TRUCK_SCORE: usize = run_column("truck_score");
 const WUMPUS_STUCK_S: usize = run_column("wumpus_stuck_s");
 const TRUCK_STUCK_S: usize = run_column("truck_stuck_s");
+const ENDED_S: usize = run_column("ended_s");
 
 /// Counts and sums over the runs of a batch.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,6 +22,10 @@ pub struct Tally {
     /// The numbers of trucks and of Wumpuses in the scenario.
     pub trucks: usize,
     pub wumpuses: usize,
+    /// When runs end at the latest, in seconds, where nobody lights fires and trucks put them out.
+    pub deadline_s: Option<f64>,
+    /// The finished runs that ended before, as nothing burned any more.
+    pub fires_out: u64,
     pub done: u64,
     pub failed: u64,
     pub panicked: u64,
@@ -83,6 +89,7 @@ impl Tally {
             self.wumpus_score += number(WUMPUS_SCORE);
             self.truck_score += number(TRUCK_SCORE);
         }
+        self.fires_out += u64::from(self.deadline_s.is_some_and(|deadline_s| number(ENDED_S) < deadline_s));
         let (truck_stuck_s, wumpus_stuck_s) = (number(TRUCK_STUCK_S), number(WUMPUS_STUCK_S));
         self.stuck_runs += u64::from(truck_stuck_s > 0.0 || wumpus_stuck_s > 0.0);
         self.truck_stuck_runs += u64::from(truck_stuck_s > 0.0);
@@ -106,12 +113,12 @@ impl Tally {
 }
 
 impl Tally {
-    /// Returns a sentence each on who won, which runs failed, who was stuck, who had almost no options, and whose
+    /// Returns a sentence each on who won, which runs failed, in how many fire was out, who was stuck, who had almost no options, and whose
     /// planner was rescued or stopped by a clock.
     pub fn sentences(&self) -> Vec<String> {
         let runs = [self.champion(), Some(self.runs()), self.reason()];
         let sentences = runs.into_iter().flatten().chain(self.failure_sentences());
-        let sentences = sentences.chain([self.stuck(), self.note()].into_iter().flatten());
+        let sentences = sentences.chain([self.out(), self.stuck(), self.note()].into_iter().flatten());
         let queries = self.queries.iter().flat_map(|(planner, queries)| queries.sentences(planner));
         sentences.chain(queries).collect()
     }
@@ -137,6 +144,14 @@ impl Tally {
 
     fn reason(&self) -> Option<String> {
         self.first_failure.as_ref().map(|(seed, message)| format!("The first of these, seed {seed}: {message}"))
+    }
+
+    /// Says in how many runs all fire was out before the end, where no Wumpus lights more.
+    fn out(&self) -> Option<String> {
+        self.deadline_s?;
+        let Interval { low, high } = wilson_interval(self.fires_out, self.done)?;
+        let (out, done) = (self.fires_out, self.done);
+        Some(format!("All fires were out before the end in {out} of {done} runs (95 %: {low:.3} to {high:.3})."))
     }
 
     /// Says who got stuck, in how many of the runs, and for how long.

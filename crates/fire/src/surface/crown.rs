@@ -261,15 +261,21 @@ impl CrownConditions {
         self.ground.behavior(self.toward * (wind_20ft_mps * self.wind_factor), self.gradient, &self.options)
     }
 
-    /// Computes the surface fire, and what it would be in the crowns.
-    pub fn burn(self) -> CrownFire {
+    /// Returns the rate of a fire that runs through the crowns: it depends on the weather alone.
+    pub fn crown_rate_mps(&self) -> f64 {
         let unlimited = SurfaceOptions { wind_limit: WindLimit::None, ..self.options };
         let wind = self.toward * (CROWN_WIND_FACTOR * self.wind_20ft_mps);
-        CrownFire {
-            surface: self.surface(self.wind_20ft_mps),
-            rate_mps: RATE_FACTOR * self.model_10.behavior(wind, DVec2::ZERO, &unlimited).rate_mps,
-            conditions: self,
-        }
+        RATE_FACTOR * self.model_10.behavior(wind, DVec2::ZERO, &unlimited).rate_mps
+    }
+
+    /// Computes the surface fire, and what it would be in the crowns.
+    pub fn burn(self) -> CrownFire {
+        self.burn_at(self.crown_rate_mps())
+    }
+
+    /// Computes the same where the rate in the crowns is known.
+    pub fn burn_at(self, rate_mps: f64) -> CrownFire {
+        CrownFire { surface: self.surface(self.wind_20ft_mps), rate_mps, conditions: self }
     }
 }
 

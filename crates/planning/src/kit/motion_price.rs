@@ -108,6 +108,14 @@ impl MotionPrice {
         self.per_metre * safety.surcharge_along(from.distance(to), |share| from.lerp(to, share))
     }
 
+    /// Returns whether a place may be left out on the way to the next, which can be seen: where ground is slow, only if that
+    /// costs no more.
+    pub fn may_skip(&self, from: DVec2, place: DVec2, next: DVec2) -> bool {
+        let cost = |a: DVec2, b: DVec2| a.distance(b) + self.line_surcharge(a, b);
+        let prices_ground = self.safety.as_ref().is_some_and(|safety| safety.prices_ground);
+        !prices_ground || cost(from, next) <= cost(from, place) + cost(place, next)
+    }
+
     /// Returns the cost of consecutive segments from a pose, from standstill.
     pub fn path_cost(&self, pose: Pose, segments: &[Segment]) -> f64 {
         self.way_cost(pose, None, segments.iter().copied())

@@ -1,14 +1,17 @@
 //! Safety costs: a metre near bushes costs more than one far from them.
 //!
 //! A metre at a place costs `1 + weight * s`, where `s` in [0, 1] says how near the next bush is: 1 beside it or in it,
-//! 0 far away. `s` belongs to cells of the field; what lies outside the field, and its border, is no bush.
+//! 0 far away. `s` belongs to cells of the field; what lies outside the field, and its border, is no bush. Where the ground
+//! slows a truck to a share of its speed, a metre costs `1/share - 1` more.
 
 use glam::DVec2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::collision::ClearanceField;
 use wildfire_base::geometry::FieldFrame;
 use wildfire_base::ranges;
+use wildfire_base::trajectory::GroundSpeed;
 use wildfire_grid::brushfire::brushfire;
 use wildfire_grid::cost_map::{Form, TwoZones, cost_map};
 use wildfire_grid::{Connectivity, Grid};
@@ -105,11 +108,23 @@ impl SafetySettings {
 #[derive(Clone, Debug)]
 pub struct Safety {
     frame: FieldFrame,
-    /// `weight * s` by cell, row 0 at the south edge.
+    /// `weight * s` by cell, row 0 at the south edge, and what slow ground costs.
     surcharge: Grid<f64>,
+    pub prices_ground: bool,
 }
 
 impl Safety {
+    /// Adds the time that slow ground costs to the costs of a safety map, in metres at full speed. `None` where all places
+    /// cost the same.
+    pub fn on_ground(safety: Option<Self>, field: &ClearanceField, ground: Option<&GroundSpeed>) -> Option<Self> {
+        let Some(ground) = ground else { return safety };
+        let frame = *field.frame();
+        let even = || Grid::filled(frame.rows.into(), frame.cols.into(), 0.0);
+        let mut surcharge = safety.map_or_else(even, |safety| safety.surcharge);
+        surcharge.values_mut().iter_mut().enumerate().for_each(|(cell, cost)| *cost += 1.0 / ground.share(cell) - 1.0);
+        Some(Self { frame, surcharge, prices_ground: true })
+    }
+
     /// `None` where all places cost the same: without a map, without weight or without bushes.
     pub fn new(frame: FieldFrame, occupied: &Grid<bool>, settings: &SafetySettings) -> Option<Self> {
         let nearness = match settings.map {
@@ -128,7 +143,7 @@ impl Safety {
         };
         let mut surcharge = nearness;
         surcharge.values_mut().iter_mut().for_each(|near| *near *= settings.weight);
-        Some(Self { frame, surcharge })
+        Some(Self { frame, surcharge, prices_ground: false })
     }
 
     /// Returns what a metre at this place costs more than 1; outside the field nothing.

@@ -22,6 +22,7 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("hill", include_str!("../../scenarios/hill.toml")),
     ("river", include_str!("../../scenarios/river.toml")),
     ("landscape", include_str!("../../scenarios/landscape.toml")),
+    ("initial-attack", include_str!("../../scenarios/initial-attack.toml")),
     ("automaton", include_str!("../../scenarios/automaton.toml")),
     ("smoke", include_str!("../../scenarios/smoke.toml")),
 ];

@@ -1,6 +1,7 @@
 //! Fire trucks in a scenario: their settings, ranges, description, warnings and memory.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::fmt;
 use std::sync::Arc;
@@ -15,6 +16,7 @@ use super::agents::{
 };
 use super::check::{Check, TablePath};
 use super::goal::TruckGoal;
+use super::ground_speed::{self, GroundKinds, SpeedByGround};
 use super::program::{Program, Programs};
 use super::truck_starts::first_without_place;
 use super::{MemoryPart, Scenario};
@@ -22,7 +24,7 @@ use wildfire_base::geometry::{DVec2, FieldFrame, Pose};
 use wildfire_base::or_none;
 use wildfire_base::ranges;
 use wildfire_base::rng;
-use wildfire_base::trajectory::SpeedLimits;
+use wildfire_base::trajectory::{GroundSpeed, SpeedLimits};
 use wildfire_base::vehicle::Dimensions;
 use wildfire_planning::collision::CollisionChecker;
 use wildfire_planning::memory::MemoryMeter;
@@ -53,6 +55,12 @@ pub struct Unimog {
     pub speed_mps: f64,
     pub reverse_speed_mps: f64,
     pub limits: Limits,
+    /// The share of its speed that it keeps on the ground of a fuel, such as `NB9 = 1` for roads, and on all `other`.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub speed_by_ground: SpeedByGround,
+    /// Time at which it is ready to set out: the report of a fire takes some time, and so does manning it.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub ready_s: f64,
     /// The cost by which drives are compared: length or time.
     pub cost: DriveCost,
     pub goal: TruckGoal,
@@ -78,6 +86,8 @@ impl Default for Unimog {
             speed_mps: 8.0,
             reverse_speed_mps: 8.0,
             limits: Limits::default(),
+            speed_by_ground: SpeedByGround::new(),
+            ready_s: 0.0,
             cost: DriveCost::default(),
             goal: TruckGoal::NearestBurning,
             retarget: Retarget::Never,
@@ -100,7 +110,7 @@ impl Unimog {
     /// # Errors
     /// If nobody of its name is among the planners of the context, or it cannot be built.
     pub fn make_planner(&self, context: &PlannerContext<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> {
-        let &PlannerContext { truck, seed, checker, memory, planners, programs } = context;
+        let &PlannerContext { truck, seed, checker, ground, memory, planners, programs } = context;
         let own = programs.get(&self.planner).map(|program| Value::Object(program.settings.clone()));
         planners.make(
             &self.planner,
@@ -110,6 +120,7 @@ impl Unimog {
                 limits: &self.speed_limits(),
                 cost: self.cost,
                 checker,
+                ground,
                 own: own.as_ref().unwrap_or(&Value::Null),
                 stream: &|name: &str| rng::stream(seed, &format!("truck/{truck}/{name}")),
                 memory,
@@ -127,6 +138,7 @@ impl Unimog {
             truck: 0,
             seed,
             checker,
+            ground: None,
             memory: &MemoryMeter::unlimited(),
             planners: &Planners::default(),
             programs: &Programs::new(),
@@ -191,6 +203,10 @@ impl Unimog {
     }
 }
 
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
+}
+
 /// Describes the names of planners: the built-in ones, or any other that is known.
 fn planner_schema(generator: &mut SchemaGenerator) -> Schema {
     let built_in = TruckPlannerKind::json_schema(generator);
@@ -204,6 +220,8 @@ pub struct PlannerContext<'a> {
     pub truck: u16,
     pub seed: u64,
     pub checker: &'a CollisionChecker,
+    /// Ground on which the truck is slow.
+    pub ground: Option<&'a GroundSpeed>,
     /// Built-in planners report to it what they hold as they grow.
     pub memory: &'a MemoryMeter,
     pub planners: &'a Planners,
@@ -341,6 +359,7 @@ impl AgentList for Vec<Unimog> {
             let table = TablePath::entry(self.key(), number);
             check_planner_name(&table, &truck.planner, &scenario.planner)?;
             truck.goal.check(&table, &scenario.policy)?;
+            ground_speed::check(&table, &truck.speed_by_ground)?;
             // Each fire that begins would cost a plan, only to learn which fire is the nearest.
             if truck.goal == TruckGoal::NearestByDrive && truck.retarget == Retarget::OnEvent {
                 return table.refuse("retarget", "on-event".into(), "`never` with the goal `nearest-by-drive`".into());
@@ -395,6 +414,16 @@ impl AgentList for Vec<Unimog> {
 
     fn warn_of_field(&self, field: &ScenarioField<'_>, found: &mut Vec<String>) {
         warn_of_roadmaps(self, field, found);
+        let slowed = || first_of_their_kind(self).filter(|(_, truck)| !truck.speed_by_ground.is_empty());
+        for (number, truck) in slowed() {
+            let name = format!("`speed_by_ground` of truck {number}");
+            if field.terrain.landscape.is_none() {
+                found.push(format!("The {name} has no effect: the field has bushes and no other ground."));
+            } else if truck.planner != TruckPlannerKind::PrmPrimitives.into() {
+                let planner = TruckPlannerKind::PrmPrimitives;
+                found.push(format!("The {name} slows its drives, but only `{planner}` plans round slow ground."));
+            }
+        }
     }
 
     /// Adds up what trucks take, those of one planner together.
@@ -421,7 +450,7 @@ impl AgentList for Vec<Unimog> {
 }
 
 ranges! { Unimog {
-    speed_mps: 0.001..=1000.0, reverse_speed_mps: 0.001..=1000.0, seconds_per_expansion: 0.0..=1e6;
+    speed_mps: 0.001..=1000.0, reverse_speed_mps: 0.001..=1000.0, seconds_per_expansion: 0.0..=1e6, ready_s: 0.0..=1e6;
     start, vehicle, limits, prm, primitives, prm_rs, hybrid, lattice, safety,
 } }
 ranges! { StartPose { heading_deg: -360.0..=360.0 } }
@@ -518,7 +547,9 @@ fn warn_of_roadmaps(trucks: &[Unimog], field: &ScenarioField<'_>, found: &mut Ve
             continue;
         }
         let checker = CollisionChecker::new(Arc::clone(&field.clearance), unimog.vehicle);
+        let ground = unimog.ground_speed(GroundKinds::new(terrain).as_ref());
         let context = PlannerContext {
+            ground: ground.as_ref(),
             truck: number as u16,
             seed: SHOWN_SEED,
             checker: &checker,

@@ -158,7 +158,7 @@ impl Truck {
     /// Returns the drive with its leg, which begins as soon as the other trucks allow.
     pub fn depart(&self, drive: Drive, outset: Outset<'_>) -> Result<(Drive, Trajectory), Blocked> {
         let ready = outset.now + outset.delay + self.charge(&drive.effort);
-        let leg = Trajectory::from_path(&drive.path, ready, self.speed);
+        let leg = self.leg(&drive.path, ready);
         match outset.traffic.departure(&self.body, &leg) {
             Ok(leg) => Ok((drive, leg)),
             Err(by) => Err(Blocked { drive, by }),
@@ -177,7 +177,7 @@ impl Truck {
             return None;
         }
         let mut stopwatch = CpuStopwatch::start();
-        let leg = Trajectory::from_path(&blocked.path, SimTime::ZERO, self.speed);
+        let leg = self.leg(&blocked.path, SimTime::ZERO);
         let free_m = outset.traffic.free_m(&self.body, &leg)?;
         let (path, spent) =
             replan_around(&outset.traffic.with_others_standing(&self.checker), &blocked.path, free_m, disc);

@@ -23,8 +23,8 @@ use crate::scenario::TrafficRules;
 use crate::shared::Shared;
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
-use wildfire_base::trajectory::SpeedLimits;
-use wildfire_base::vehicle::Dimensions;
+use wildfire_base::trajectory::{GroundSpeed, SpeedLimits, Trajectory};
+use wildfire_base::vehicle::{Dimensions, Path};
 use wildfire_planning::collision::CollisionChecker;
 use wildfire_planning::reachability::Reachability;
 use wildfire_planning::registry::Charge;
@@ -56,6 +56,8 @@ impl Plugin for TruckPlugin {
 pub struct Truck {
     pub body: Dimensions,
     pub speed: SpeedLimits,
+    /// Ground on which it is slow.
+    ground: Option<GroundSpeed>,
     /// Infinite where the scenario has no rule of distance.
     reach_m: f64,
     dwell: SimTime,
@@ -91,6 +93,14 @@ impl Truck {
         self.planner = other.planner.clone();
         (self.charge, self.is_rescued, self.traffic) = (other.charge, other.is_rescued, other.traffic.clone());
         self.failed_goals.clear();
+    }
+
+    /// Returns a drive along a path as fast as its limits and the ground allow.
+    pub fn leg(&self, path: &Path, sets_out: SimTime) -> Trajectory {
+        match &self.ground {
+            None => Trajectory::from_path(path, sets_out, self.speed),
+            Some(ground) => Trajectory::over_ground(path, sets_out, self.speed, ground),
+        }
     }
 
     /// Returns the planning time charged for an effort.

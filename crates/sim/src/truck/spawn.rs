@@ -6,7 +6,7 @@ use bevy_ecs::prelude::*;
 
 use super::Truck;
 use super::tracks::Tracks;
-use crate::agent::{Agent, Arena, enlist};
+use crate::agent::{Activity, Agent, Arena, enlist};
 use crate::policies::Following;
 use crate::recorder::Recorder;
 use crate::run::{AgentCost, RunError};
@@ -17,7 +17,7 @@ use wildfire_base::time::SimTime;
 use wildfire_planning::collision::CollisionChecker;
 use wildfire_planning::reachability::Reachability;
 use wildfire_planning::{BuildReport, QueryMonitor};
-use wildfire_timeline::{AgentFact, AgentId, AgentStart, Body};
+use wildfire_timeline::{AgentFact, AgentId, AgentStart, Body, RestReason};
 
 /// Places a truck on the free pose that is nearest to its start and builds its planner.
 pub fn spawn(
@@ -39,10 +39,12 @@ pub fn spawn(
     if start != wanted {
         world.resource_mut::<Recorder>().record_agent(SimTime::ZERO, id, AgentFact::StartMoved { from: wanted });
     }
+    let ground = settings.ground_speed(arena.ground.as_ref());
     let context = PlannerContext {
         truck: number,
         seed: arena.seed,
         checker: &checker,
+        ground: ground.as_ref(),
         memory: arena.memory,
         planners: arena.planners,
         programs: &arena.scenario.planner,
@@ -63,6 +65,7 @@ pub fn spawn(
     let truck = Truck {
         body: settings.vehicle,
         speed: settings.speed_limits(),
+        ground,
         reach_m: suppression.reach_m.unwrap_or(f64::INFINITY),
         dwell: SimTime::from_seconds(suppression.dwell_s),
         extinguishes_all: suppression.extinguishes == Extinguishes::AllInReach,
@@ -85,6 +88,12 @@ pub fn spawn(
     let follows = following.policy_of(id);
     let woken_by = WokenBy::truck(following.asking(follows), settings.retarget == Retarget::OnEvent);
     let mut agent = Agent::standing(id, Body::Truck(settings.vehicle), start);
+    agent.busy_until = SimTime::from_seconds(settings.ready_s);
+    if settings.ready_s > 0.0 {
+        agent.activity = Activity::Planning;
+        let waits = AgentFact::Rested { reason: RestReason::NotReady };
+        world.resource_mut::<Recorder>().record_agent(SimTime::ZERO, id, waits);
+    }
     agent.stops_left = arena.water.as_ref().map(|water| water.full_tank);
     let BuildReport { sampling, connecting, starting, elsewhere, .. } = report;
     agent.cost = AgentCost { sampling, connecting, starting, elsewhere, ..agent.cost };

@@ -19,7 +19,6 @@ use crate::traffic::Traffic;
 use wildfire_base::geometry::Pose;
 use wildfire_base::time::SimTime;
 use wildfire_base::time::cpu::CpuStopwatch;
-use wildfire_base::trajectory::Trajectory;
 use wildfire_fire::FireField;
 use wildfire_planning::{Effort, GoalDisc};
 use wildfire_timeline::{AgentFact, AgentId};
@@ -241,7 +240,7 @@ impl Fleet<'_, '_> {
         let (reason, effort, until, tried_again) = match found {
             Ok((path, found_by)) => {
                 let ready = now + delay + truck.charge(&spent);
-                match traffic.departure(&truck.body, &Trajectory::from_path(&path, ready, truck.speed)) {
+                match traffic.departure(&truck.body, &truck.leg(&path, ready)) {
                     Ok(leg) => return Conclusion::Relocates(Relocation { place, leg, effort: spent, found_by }),
                     Err(_) => (None, spent, now, now + PATIENCE),
                 }

@@ -4,8 +4,8 @@
 
 use super::FileError;
 use crate::{
-    AgentFact, AgentStart, Body, Event, Fact, FireFact, GroundEvent, GroundFact, Rules, Setting, SpreadSetting,
-    Timeline, WaterRules,
+    AgentFact, AgentId, AgentStart, Body, Event, Fact, FireFact, GroundEvent, GroundFact, Rules, Setting,
+    SpreadSetting, Timeline, WaterRules,
 };
 use wildfire_base::geometry::{Cell, FieldFrame, Pose};
 use wildfire_base::ranges::{OutOfRange, SettingsTable};
@@ -94,6 +94,11 @@ fn check_setting(setting: &Setting) -> Result<(), FileError> {
     require(ascend, || "its blocked cells are not in the order of their indices".into())?;
     setting.spread.as_ref().map_or(Ok(()), |spread| check_spread(spread, frame))?;
     setting.water.as_ref().map_or(Ok(()), check_water)?;
+    limit("trucks that ground slows", setting.ground_shares.len(), MAX_AGENTS)?;
+    let are_shares = |(_, shares): &(AgentId, Vec<f64>)| {
+        shares.len() == 256 && shares.iter().all(|share| *share > 0.0 && *share <= 1.0)
+    };
+    require(setting.ground_shares.iter().all(are_shares), || "a truck's speeds by ground are not 256 shares".into())?;
     check_rules(&setting.rules)
 }
 

@@ -69,7 +69,7 @@ mod piece {
 }
 
 // Words are written as their places in these lists, which only grow at the end.
-const REST_REASONS: [RestReason; 7] = [
+const REST_REASONS: [RestReason; 8] = [
     RestReason::NothingLeftToLight,
     RestReason::NothingBurns,
     RestReason::NothingReachable,
@@ -77,6 +77,7 @@ const REST_REASONS: [RestReason; 7] = [
     RestReason::NoPlan,
     RestReason::Chosen,
     RestReason::NoWater,
+    RestReason::NotReady,
 ];
 const END_REASONS: [EndReason; 2] = [EndReason::Duration, EndReason::NothingLeft];
 const FAILURES: [PlanFailure; 8] = [

@@ -37,7 +37,7 @@ use thiserror::Error;
 use facts::{FactReader, FactWriter};
 use ground::{GroundRecord, GroundWriter};
 use numbers::NumberReader;
-use setting::{SettingRecord, Supplement, WaterRecord};
+use setting::{GroundSharesRecord, SettingRecord, Supplement, WaterRecord};
 use spread::GroundSetting;
 
 use super::{Timeline, WaterRules};
@@ -179,6 +179,10 @@ fn encode_payload(timeline: &Timeline) -> Vec<u8> {
     let log = (!timeline.ground.is_empty()).then(|| GroundWriter::new(&timeline.setting, &timeline.ground));
     append(&mut bytes, &log.as_ref().map(GroundWriter::record_of_all));
     append(&mut bytes, &timeline.setting.water.as_ref().map(WaterRecord::from));
+    if !timeline.setting.ground_shares.is_empty() {
+        let records: Vec<_> = timeline.setting.ground_shares.iter().map(GroundSharesRecord::from).collect();
+        append(&mut bytes, &records);
+    }
     bytes
 }
 
@@ -192,6 +196,7 @@ fn decode_payload(mut bytes: &[u8]) -> Result<Timeline, FileError> {
     let ground_setting: GroundSetting = take(&mut bytes)?;
     let log: Option<GroundRecord<'_>> = take(&mut bytes)?;
     let water: Option<WaterRecord> = take(&mut bytes)?;
+    let shares: Vec<GroundSharesRecord> = if bytes.is_empty() { Vec::new() } else { take(&mut bytes)? };
     if !bytes.is_empty() {
         return Err(FileError::Damaged("more follows than its setting and its facts"));
     }
@@ -199,6 +204,7 @@ fn decode_payload(mut bytes: &[u8]) -> Result<Timeline, FileError> {
     setting.blocked = ground_setting.blocked(setting.frame)?;
     setting.spread = ground_setting.spread(setting.frame)?;
     setting.water = water.map(WaterRules::from);
+    setting.ground_shares = shares.into_iter().map(Into::into).collect();
     let numbers = NumberReader::new(&streams.recurring_numbers, &streams.single_numbers, streams.number_references);
     let events = FactReader::new(&setting, streams.delays, streams.records, numbers).read(count)?;
     let ground = log.map_or(Ok(Vec::new()), |log| log.read(&setting))?;

@@ -122,6 +122,25 @@ impl From<WaterRecord> for WaterRules {
     }
 }
 
+/// The speeds of a truck by ground.
+#[derive(Serialize, Deserialize)]
+pub struct GroundSharesRecord {
+    truck: u16,
+    shares: Vec<f64>,
+}
+
+impl From<&(AgentId, Vec<f64>)> for GroundSharesRecord {
+    fn from((truck, shares): &(AgentId, Vec<f64>)) -> Self {
+        Self { truck: truck.number, shares: shares.clone() }
+    }
+}
+
+impl From<GroundSharesRecord> for (AgentId, Vec<f64>) {
+    fn from(GroundSharesRecord { truck, shares }: GroundSharesRecord) -> Self {
+        (AgentId::unimog(truck), shares)
+    }
+}
+
 /// The model of fire with its numbers.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 enum FireRecord {
@@ -258,6 +277,7 @@ impl SettingRecord {
             blocked: Vec::new(),
             spread: None,
             water: None,
+            ground_shares: Vec::new(),
             agents: agents.map(|(agent, limits)| agent.start(limits)).collect(),
             rules: Rules {
                 duration: SimTime::from_nanos(self.rules.duration_ns),

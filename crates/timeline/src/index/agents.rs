@@ -302,7 +302,9 @@ impl<'a> AgentReader<'a> {
             Fact::Ended { .. } => return,
         };
         self.rests_by_choice = match fact {
-            AgentFact::Rested { reason } => matches!(reason, RestReason::Chosen | RestReason::NoWater),
+            AgentFact::Rested { reason } => {
+                matches!(reason, RestReason::Chosen | RestReason::NoWater | RestReason::NotReady)
+            }
             AgentFact::OutOfReach { .. } | AgentFact::Searched { .. } | AgentFact::RelocationFailed { .. } => {
                 self.rests_by_choice
             }
@@ -310,7 +312,8 @@ impl<'a> AgentReader<'a> {
         };
         self.has_nothing_to_do = match fact {
             AgentFact::Rested { reason } => {
-                matches!(reason, RestReason::Chosen | RestReason::NothingBurns | RestReason::NoWater)
+                use RestReason::{Chosen, NoWater, NotReady, NothingBurns};
+                matches!(reason, Chosen | NothingBurns | NoWater | NotReady)
             }
             AgentFact::Relocated { .. } | AgentFact::Halted { .. } | AgentFact::Refilling { .. } => true,
             AgentFact::OutOfReach { .. } | AgentFact::Searched { .. } | AgentFact::RelocationFailed { .. } => {

@@ -10,7 +10,7 @@ use super::template::Way;
 use crate::fuel::FuelModel;
 use crate::surface::crown::{CrownConditions, CrownFire, model_10};
 use crate::surface::{FuelBed, SurfaceFire, twenty_foot_wind, unsheltered_adjustment};
-use crate::{Landscape, Relief, Weather};
+use crate::{Landscape, Relief, Weather, WeatherInterval};
 use wildfire_base::geometry::{Cell, DVec2};
 use wildfire_base::time::SimTime;
 
@@ -133,8 +133,8 @@ pub struct Rates {
     beds: Vec<Option<Box<[FuelBed]>>>,
     /// The same on a plane.
     plane: Vec<Option<Box<[Spreading]>>>,
-    /// Fuel model 10 by interval, where there are crowns.
-    crown_beds: Vec<FuelBed>,
+    /// Fuel model 10 by interval, where there are crowns, and the rate of fire in these once it is known.
+    crown_beds: Vec<(FuelBed, Option<f64>)>,
     /// By a part of cell and interval, where every cell has its own gradient or trees.
     kept: Vec<(u64, Spreading)>,
 }
@@ -151,7 +151,8 @@ impl Rates {
         let nothing = Spreading { slowness: f64::INFINITY, drift: DVec2::ZERO, gradient: DVec2::ZERO };
         let has_crowns = landscape.canopy.is_some() && rules.crowns.is_some();
         let with_crowns = weather.intervals().iter().filter(|_| has_crowns);
-        let crown_beds = with_crowns.map(|interval| model_10(&interval.moisture, rules.options.curing)).collect();
+        let ten = |interval: &WeatherInterval| (model_10(&interval.moisture, rules.options.curing), None);
+        let crown_beds = with_crowns.map(ten).collect();
         let kept = match landscape.relief {
             Relief::Plane(_) if !has_crowns => 0,
             _ => (landscape.fuel.len() / CELLS_PER_KEPT).next_power_of_two().max(LEAST_KEPT),
@@ -177,11 +178,14 @@ impl Rates {
 
     /// Returns the fire of a cell with trees; `None` where there are none.
     pub fn crown_fire(&mut self, interval: usize, fuel: u8, cell: Cell) -> Option<CrownFire> {
-        let model_10 = *self.crown_beds.get(interval)?;
+        let (model_10, rate_mps) = *self.crown_beds.get(interval)?;
         let (canopy, crowns, options) = (self.landscape.canopy(cell)?, self.rules.crowns?, self.rules.options);
         let (gradient, wind) = (self.landscape.gradient(cell), self.weather.intervals()[interval].wind_mps);
         let ground = (self.beds(interval)[usize::from(fuel)], self.models[usize::from(fuel)].depth_ft);
-        Some(CrownConditions::in_weather(ground, model_10, canopy, wind, gradient, options, crowns).burn())
+        let below = CrownConditions::in_weather(ground, model_10, canopy, wind, gradient, options, crowns);
+        let rate_mps = rate_mps.unwrap_or_else(|| below.crown_rate_mps());
+        self.crown_beds[interval].1 = Some(rate_mps);
+        Some(below.burn_at(rate_mps))
     }
 
     fn beds(&mut self, interval: usize) -> &[FuelBed] {

@@ -186,7 +186,8 @@ impl PrimitiveSpace<'_> {
         let mut next = from as usize;
         while next + 1 < query.waypoints.len()
             && (centre.distance(query.waypoints[next]) <= primitives.settings.waypoint_tolerance_m
-                || query.checker.field().line_is_free(centre, query.waypoints[next + 1], sight_m))
+                || (query.checker.field().line_is_free(centre, query.waypoints[next + 1], sight_m)
+                    && primitives.price.may_skip(centre, query.waypoints[next], query.waypoints[next + 1])))
         {
             next += 1;
         }

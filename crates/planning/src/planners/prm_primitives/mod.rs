@@ -49,8 +49,9 @@ impl PrmPrimitives {
         let mut rng = (site.stream)("prm");
         let mut watch = CpuStopwatch::start();
         let field = checker.field();
-        let safety = Safety::new(*field.frame(), field.occupied(), safety).map(Arc::new);
-        let sampled = Roadmap::sampled(checker, prm, &mut rng).priced_by(safety.clone());
+        let safety = Safety::new(*field.frame(), field.occupied(), safety);
+        let safety = Safety::on_ground(safety, field, site.ground).map(Arc::new);
+        let sampled = Roadmap::sampled(checker, prm, &mut rng).along_roads(site.ground).priced_by(safety.clone());
         let sampling = watch.lap();
         let roadmap = sampled.connected();
         let report = BuildReport {

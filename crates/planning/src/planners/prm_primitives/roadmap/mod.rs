@@ -14,6 +14,7 @@ mod tighten;
 
 pub use query::{RoadmapScratch, Route};
 
+use std::collections::BTreeMap;
 use std::num::NonZero;
 use std::sync::Arc;
 
@@ -28,12 +29,19 @@ use crate::kit::roadmap_graph::RoadmapGraph;
 use crate::kit::safety::Safety;
 use crate::planners::prm_primitives::PrmSettings;
 use space::FreeSpace;
+use wildfire_base::trajectory::GroundSpeed;
 
 /// Draws stop after this number for each wanted milestone, so that a full field cannot hold the planner up.
 const MAX_DRAWS_PER_SAMPLE: u32 = 100;
 
 /// For each neighbour wanted, this number of the nearest milestones is looked at, lest dense roadmaps try all pairs.
 const LOOKED_AT_PER_NEIGHBOUR: usize = 5;
+
+/// The side of the squares in which roads have a milestone, metres.
+const ROAD_SQUARE_M: f64 = 15.0;
+
+/// Where more than this share of a field is as fast as any, that is no road.
+const MOST_ROADS: f64 = 0.3;
 
 /// Milestones and the free straight lines between them.
 #[derive(Debug)]
@@ -67,6 +75,35 @@ impl Roadmap {
             costs: Vec::new(),
             components: 0,
         }
+    }
+
+    /// Returns the same milestones and others along roads: where a small part of the field is faster than the rest, one in
+    /// each square of this side that has such a cell.
+    #[must_use]
+    pub fn along_roads(mut self, ground: Option<&GroundSpeed>) -> Self {
+        let Some(ground) = ground else { return self };
+        let frame = *self.space.frame();
+        let cells = || (0..frame.cell_count()).map(|index| (ground.share(index), frame.cell(index)));
+        let fastest = cells().map(|(share, _)| share).fold(0.0, f64::max);
+        let roads = || cells().filter(|&(share, _)| share == fastest).map(|(_, cell)| frame.centre(cell));
+        if roads().count() as f64 > MOST_ROADS * frame.cell_count() as f64 {
+            return self;
+        }
+        let mut squares: BTreeMap<[i32; 2], (f64, DVec2)> = BTreeMap::new();
+        for place in roads().filter(|&place| self.space.point_is_free(place)) {
+            let square = (place / ROAD_SQUARE_M).floor();
+            let off_m = place.distance((square + 0.5) * ROAD_SQUARE_M);
+            let nearest = squares.entry([square.y as i32, square.x as i32]).or_insert((off_m, place));
+            if off_m < nearest.0 {
+                *nearest = (off_m, place);
+            }
+        }
+        // The search tree wants few of them in one line.
+        let aside = |number: u32| DVec2::new(radical_inverse(2, number), radical_inverse(3, number)) - 0.5;
+        let places =
+            (1..).zip(squares.into_values()).map(|(number, (_, place))| place + 0.2 * frame.cell_m * aside(number));
+        self.milestones.extend(places.filter(|&place| self.space.point_is_free(place)));
+        self
     }
 
     /// Returns the same milestones with a safety map that prices the lines between them.

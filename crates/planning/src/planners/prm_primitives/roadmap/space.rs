@@ -7,6 +7,7 @@ use glam::DVec2;
 use crate::collision::{ClearanceField, CollisionChecker};
 use crate::kit::safety::Safety;
 use crate::planners::prm_primitives::{ClearanceTo, PrmSettings};
+use wildfire_base::geometry::FieldFrame;
 
 /// About a start that is tighter than the roadmap, this number of metres may be as tight as the start.
 const TIGHT_START_M: f64 = 12.0;
@@ -55,6 +56,10 @@ impl FreeSpace {
             places.iter().map(|&next| self.price(std::mem::replace(&mut here, next), next)).sum()
         };
         self.safety.is_none() || price(shortcut) <= price(way)
+    }
+
+    pub fn frame(&self) -> &FieldFrame {
+        self.field().frame()
     }
 
     fn field(&self) -> &ClearanceField {
