@@ -123,7 +123,8 @@ fn crowd(changes: &[&str]) -> Scenario {
 #[test]
 fn trucks_that_plan_together_keep_clear_of_each_other_and_wait_less() {
     let (alone, together) = (crowd(&[]), crowd(&["traffic.plan=together"]));
-    let waiting_s = |timeline: &Timeline| Outcome::new(timeline).agents.iter().map(|agent| agent.waiting_s).sum::<f64>();
+    let waiting_s =
+        |timeline: &Timeline| Outcome::new(timeline).agents.iter().map(|agent| agent.waiting_s).sum::<f64>();
     let (mut waited_alone_s, mut waited_s) = (0.0, 0.0);
     for seed in 1..=20 {
         waited_alone_s += waiting_s(&run(&alone, seed));

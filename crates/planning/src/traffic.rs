@@ -284,6 +284,7 @@ mod tests {
     use super::*;
     use crate::test_fields::{TestField, assert_drivable, least_clearance};
     use glam::DVec2;
+    use wildfire_base::vehicle::Dimensions;
 
     #[test]
     fn a_detour_leads_round_what_stands_on_the_path_and_nowhere_through_it() {
@@ -304,6 +305,43 @@ mod tests {
         let crowded = lane.checker.with_obstacles([body.footprint(Pose::new(60.0, 7.5, 0.0))]);
         let disc = GoalDisc { centre: DVec2::new(90.0, 7.5), radius_m: 10.0 };
         assert!(replan_around(&crowded, &Path { start, ..ahead(75.0) }, 45.0, disc).0.is_none());
+    }
+
+    /// A wall across x = 60 that opens at a time, and a rule that nobody stays south of y = 50.
+    struct Gate {
+        body: Dimensions,
+        opens_s: f64,
+    }
+
+    impl KnownMotions for Gate {
+        fn leave_free(&self, from: Pose, segment: Segment, [begins_s, _]: [f64; 2]) -> bool {
+            let x = |pose: Pose| self.body.body_centre(pose).x;
+            begins_s >= self.opens_s || (x(from) < 60.0 && x(segment.end(from)) < 60.0)
+        }
+
+        fn let_stand(&self, pose: Pose, _: f64) -> bool {
+            pose.y >= 50.0
+        }
+    }
+
+    #[test]
+    fn a_path_among_moving_bodies_passes_where_they_are_gone_and_ends_where_it_may() {
+        let start = Pose::new(10.0, 48.0, 0.0);
+        let field = TestField::drawn(&["...................."; 20], start);
+        let body = *field.checker.body();
+        let path = Path { start, segments: vec![Segment { curvature: 0.0, length_m: 70.0 }] };
+        let (speed, disc) = (SpeedLimits::new(8.0, 4.0), GoalDisc { centre: DVec2::new(90.0, 50.0), radius_m: 10.0 });
+        for (departs_s, is_open) in [(0.0, false), (20.0, true)] {
+            let leg = Trajectory::from_path(&path, SimTime::from_seconds(departs_s), speed);
+            let blocked = BlockedLeg { path: &path, leg: &leg, meets_at: SimTime::from_seconds(departs_s + 5.5) };
+            let gate = Gate { body, opens_s: 25.0 };
+            let (found, effort) = plan_among(&field.checker, &gate, blocked, &speed, disc);
+            assert!(effort.local_expansions > 0);
+            assert_eq!(found.is_some(), is_open);
+            let Some(found) = found else { continue };
+            assert_drivable(&field.checker, &found, start, disc);
+            assert!(found.end().y >= 50.0 && found.length_m() < 85.0, "{found:?}");
+        }
     }
 
     #[test]
