@@ -1,5 +1,6 @@
 //! Trucks keep clear of each other: no two overlap at any time, none is stuck, and deadlocks are broken.
 
+use wildfire::audit::{SampleStep, audit_timeline};
 use wildfire::geometry::{Cell, OrientedRect, Pose};
 use wildfire::scenario::{GivenField, Ignition, IgnitionCells, Scenario, SpreadFrom, StartPose, Unimog};
 use wildfire::sim;
@@ -104,6 +105,40 @@ fn a_crowd_on_a_dense_field_never_overlaps() {
         });
     }
     assert!(waits > 10 && drops > 100, "{waits} runs with waits, {drops} drives broken off");
+}
+
+/// A small field that is crowded: six trucks between bushes, half of them with limits of acceleration.
+fn crowd(changes: &[&str]) -> Scenario {
+    let mut scenario = load("fleet", &[&["duration_s=300"], changes].concat());
+    let more = scenario.unimog.clone();
+    scenario.unimog.extend(more.into_iter().map(|truck| Unimog {
+        start: StartPose { x_m: 250.0 - truck.start.y_m, y_m: truck.start.x_m + 40.0, ..truck.start },
+        limits: Unimog::default().limits,
+        planner: wildfire::planning::TruckPlannerKind::HybridAstar.into(),
+        ..truck
+    }));
+    scenario
+}
+
+#[test]
+fn trucks_that_plan_together_keep_clear_of_each_other_and_wait_less() {
+    let (alone, together) = (crowd(&[]), crowd(&["traffic.plan=together"]));
+    let waiting_s =
+        |timeline: &Timeline| Outcome::new(timeline).agents.iter().map(|agent| agent.waiting_s).sum::<f64>();
+    let (mut waited_alone_s, mut waited_s) = (0.0, 0.0);
+    for seed in 1..=20 {
+        waited_alone_s += waiting_s(&run(&alone, seed));
+        let timeline = run(&together, seed);
+        assert_eq!(first_overlap(&timeline), None, "seed {seed}");
+        assert_eq!(audit_timeline(&timeline, SampleStep::default()).violation, None, "seed {seed}");
+        assert_eq!(Outcome::new(&timeline).truck_stuck_s, 0.0, "seed {seed}");
+        waited_s += waiting_s(&timeline);
+        if seed == 1 {
+            assert_eq!(run(&together, seed), timeline, "the same seed gives the same run");
+            assert_eq!(run(&crowd(&["traffic.plan=alone"]), seed), run(&alone, seed), "the default is to plan alone");
+        }
+    }
+    assert!(waited_s < 0.75 * waited_alone_s, "{waited_s} s instead of {waited_alone_s} s");
 }
 
 #[test]

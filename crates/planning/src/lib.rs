@@ -11,7 +11,7 @@
 //! The [`registry`] lists them by name, together with custom planners; the [`gate`] around these rejects any path that the
 //! truck could not drive, as decided by the [`judge`]. [`reachability`] decides whether the truck can reach a place at all,
 //! `smooth_steering` adapts the paths of built-in planners to wheels that turn at a limited rate, [`memory`] counts memory
-//! that grows during a run, and [`find_yield_pose`] and [`replan_around`] are for trucks that meet.
+//! that grows during a run, and [`find_yield_pose`], [`replan_around`] and [`plan_among`] are for trucks that meet.
 //!
 //! # The sequence of fallbacks
 //! A planner that finds no path relaxes its demands before it gives up, and a truck whose planner gives up has further
@@ -52,7 +52,7 @@
 //!    flood's own path, which is sure to be free.
 //!
 //! A goal that the flood does not reach is given up for the run. The first four are set here, the last three by the
-//! simulation. Avoiding other trucks ([`replan_around`], [`find_yield_pose`]) changes a path, but not the name of the stage
+//! simulation. Avoiding other trucks ([`replan_around`], [`plan_among`], [`find_yield_pose`]) changes a path, but not the name of the stage
 //! that found it.
 
 pub mod certificate;
@@ -92,7 +92,7 @@ pub use registry::{
     MakeError, MakePlanner, NameError, PlannerName, Planners, Site, TruckPlannerKind, TruckPlannerSettings,
 };
 pub use search_recorder::{SearchRecorder, Searched};
-pub use traffic::{find_yield_pose, replan_around};
+pub use traffic::{BlockedLeg, KnownMotions, find_yield_pose, plan_among, replan_around};
 pub use wildfire_base::query::{
     END_M, END_RAD, Effort, FoundBy, Goal, GoalDisc, MAX_SEARCH_EDGES, PlanFailure, SearchGraph, SearchPhase,
 };

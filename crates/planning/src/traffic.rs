@@ -1,7 +1,10 @@
-//! Paths of trucks that meet others: around a truck in the way, and aside to let another truck pass.
+//! Paths of trucks that meet others: around a truck in the way, among trucks that move, and aside to let another truck
+//! pass.
 
 use crate::collision::CollisionChecker;
 use wildfire_base::geometry::Pose;
+use wildfire_base::time::SimTime;
+use wildfire_base::trajectory::{SpeedLimits, Trajectory};
 use wildfire_base::vehicle::{Path, Segment};
 
 use super::kit::best_first::{AnalyticExpansion, Candidate, Never, Node, PoseSearch, SearchOf, SearchSpace, Step};
@@ -67,6 +70,164 @@ pub fn find_yield_pose(
     })
 }
 
+/// Other bodies whose motions are known for all time.
+pub trait KnownMotions {
+    /// Returns true if a body keeps clear of them on a segment from `from` between two times, in seconds.
+    fn leave_free(&self, from: Pose, segment: Segment, seconds: [f64; 2]) -> bool;
+
+    /// Returns true if a body that stands at a pose from a time on, in seconds, is never in their way.
+    fn let_stand(&self, pose: Pose, from_s: f64) -> bool;
+}
+
+/// A path, the motion along it, and the time at which that meets another body.
+#[derive(Clone, Copy, Debug)]
+pub struct BlockedLeg<'a> {
+    pub path: &'a Path,
+    pub leg: &'a Trajectory,
+    pub meets_at: SimTime,
+}
+
+/// A search among moving bodies leaves the blocked path this long before the meeting, if that is after its departure.
+const LEAVES: [SimTime; 2] = [SimTime::from_nanos(4_000_000_000), SimTime::from_nanos(12_000_000_000)];
+/// Nodes that each of these searches may expand: in a crowd a search with 600 fails three times as often.
+const MAX_TIMED_EXPANSIONS: u32 = 2000;
+/// The price of a change of direction, besides the time that it takes, seconds.
+const CUSP_S: f64 = 0.25;
+/// The weight of the estimate in these searches.
+const TIMED_WEIGHT: f64 = 1.3;
+
+/// Finds a path into a disc among bodies that move, in space and time, and in the order in which bodies depart
+/// (prioritised planning: M. Erdmann, T. Lozano-Perez, "On multiple moving objects", Algorithmica 2, 1987); also returns
+/// the effort.
+///
+/// The new path leaves the blocked one before the meeting, or at its start, and ends where the body may stand for good.
+/// Speeds are those of `speed`; where it limits acceleration, times are estimates, and the caller tests the drive.
+pub fn plan_among(
+    checker: &CollisionChecker,
+    others: &dyn KnownMotions,
+    blocked: BlockedLeg<'_>,
+    speed: &SpeedLimits,
+    disc: GoalDisc,
+) -> (Option<Path>, Effort) {
+    let BlockedLeg { path, leg, meets_at } = blocked;
+    let disc = disc.with_margin();
+    let mut search = PoseSearch::new(checker.body(), LATTICE, &MemoryMeter::unlimited());
+    let mut effort = Effort::default();
+    let cusp_s = lag_s(speed, speed.acceleration_mps2) + lag_s(speed, speed.braking_mps2);
+    let departs = leg.sets_out_at();
+    let times = LEAVES.into_iter().map(|before| meets_at.since(before)).filter(|&time| time > departs);
+    for leaves_at in times.chain([departs]) {
+        let metres = leg.distance_m(leaves_at);
+        let (mut kept, _) = path.split_at(metres);
+        let start = kept.end();
+        let own_m = checker.clearance(start);
+        if own_m <= 0.0 {
+            continue;
+        }
+        // From a standstill it takes longer to be as fast as the search assumes.
+        let lag_s = if metres > 0.0 { 0.0 } else { lag_s(speed, speed.acceleration_mps2) };
+        let profile = ClearanceProfile::new(CLEARANCES_M[0], [(start, own_m)]);
+        let mut space = TimedSpace { checker, profile, others, speed, disc, cusp_s };
+        search.begin(&mut space, [start], leaves_at.as_seconds() + lag_s);
+        let found = search.run(&mut space, MAX_TIMED_EXPANSIONS);
+        effort.local_expansions += search.expansions;
+        if let Ok(rest) = found {
+            kept.segments.extend(rest.segments);
+            return (Some(kept.joined()), effort);
+        }
+    }
+    (None, effort)
+}
+
+/// Returns the seconds that a body loses because it gains or loses its speed at a limited rate.
+fn lag_s(speed: &SpeedLimits, rate_mps2: Option<f64>) -> f64 {
+    rate_mps2.map_or(0.0, |rate| 0.5 * speed.forward_mps / rate)
+}
+
+/// Seconds count; a motion is tested at the time at which it is driven.
+struct TimedSpace<'a> {
+    checker: &'a CollisionChecker,
+    profile: ClearanceProfile,
+    others: &'a dyn KnownMotions,
+    speed: &'a SpeedLimits,
+    disc: GoalDisc,
+    /// The time that a change of direction takes.
+    cusp_s: f64,
+}
+
+impl TimedSpace<'_> {
+    /// Returns the time that a motion takes.
+    fn seconds(&self, motion: Segment, turns_back: bool) -> f64 {
+        motion.length_m.abs() / self.speed.speed_on(&motion) + if turns_back { self.cusp_s } else { 0.0 }
+    }
+
+    /// Returns the metres from the body's centre to the disc; not positive inside.
+    fn beyond_m(&self, pose: Pose) -> f64 {
+        self.checker.body().body_centre(pose).distance(self.disc.centre) - self.disc.radius_m
+    }
+}
+
+impl SearchSpace for TimedSpace<'_> {
+    /// The time at which it is reached, in seconds.
+    type Mark = f64;
+    /// A motion of the lattice.
+    type Own = u8;
+
+    fn has_room(&mut self, _: &mut SearchOf<Self>) -> bool {
+        true
+    }
+
+    fn weight(&self) -> f64 {
+        TIMED_WEIGHT
+    }
+
+    fn estimate(&mut self, node: &mut Node<f64>) -> Option<f64> {
+        node.cost_to_go = self.beyond_m(node.pose).max(0.0) / self.speed.forward_mps;
+        None
+    }
+
+    fn analytic_expansion(&self, _node: &Node<f64>) -> AnalyticExpansion {
+        unreachable!("no expansions are offered")
+    }
+
+    fn offer_successors(&mut self, search: &mut SearchOf<Self>, from: Candidate<u8>) {
+        let node = *search.node(from.node);
+        for (index, motion) in search.motions.into_iter().enumerate() {
+            if node.is_undone_by(motion) {
+                continue;
+            }
+            let turns_back = node.turns_back(motion.is_reverse());
+            let cost = node.cost + self.seconds(motion, turns_back) + if turns_back { CUSP_S } else { 0.0 };
+            let to_go = self.beyond_m(motion.end(node.pose)).max(0.0) / self.speed.forward_mps;
+            search.push(cost + self.weight() * to_go, cost, from.node, Step::Own(index as u8));
+        }
+    }
+
+    fn motion_is_free(&self, from: Pose, motion: Segment) -> bool {
+        self.profile.motion_is_free(self.checker, from, motion)
+    }
+
+    fn take(&mut self, search: &mut SearchOf<Self>, from: Candidate<u8>, index: u8) -> Option<u32> {
+        let motion = search.motions[usize::from(index)];
+        let node = *search.node(from.node);
+        let (start, begins_s) = (node.pose, node.mark);
+        let (pose, reverse) = (motion.end(start), motion.is_reverse());
+        let seconds = [begins_s, begins_s + self.seconds(motion, node.turns_back(reverse))];
+        if search.is_known(pose, reverse, from.cost)
+            || !self.motion_is_free(start, motion)
+            || !self.others.leave_free(start, motion, seconds)
+        {
+            return None;
+        }
+        let (parent, cost) = (from.node, from.cost);
+        let node = Node { pose, parent, motion, reverse: Some(reverse), cost, cost_to_go: 0.0, mark: seconds[1] };
+        if self.beyond_m(pose) <= 0.0 && self.others.let_stand(pose, seconds[1]) {
+            return Some(search.add(node));
+        }
+        search.reach(self, node)
+    }
+}
+
 /// Uniform cost in all directions; metres count, and changes of direction.
 struct YieldSpace<'a, F> {
     checker: &'a CollisionChecker,
@@ -123,6 +284,7 @@ mod tests {
     use super::*;
     use crate::test_fields::{TestField, assert_drivable, least_clearance};
     use glam::DVec2;
+    use wildfire_base::vehicle::Dimensions;
 
     #[test]
     fn a_detour_leads_round_what_stands_on_the_path_and_nowhere_through_it() {
@@ -143,6 +305,43 @@ mod tests {
         let crowded = lane.checker.with_obstacles([body.footprint(Pose::new(60.0, 7.5, 0.0))]);
         let disc = GoalDisc { centre: DVec2::new(90.0, 7.5), radius_m: 10.0 };
         assert!(replan_around(&crowded, &Path { start, ..ahead(75.0) }, 45.0, disc).0.is_none());
+    }
+
+    /// A wall across x = 60 that opens at a time, and a rule that nobody stays south of y = 50.
+    struct Gate {
+        body: Dimensions,
+        opens_s: f64,
+    }
+
+    impl KnownMotions for Gate {
+        fn leave_free(&self, from: Pose, segment: Segment, [begins_s, _]: [f64; 2]) -> bool {
+            let x = |pose: Pose| self.body.body_centre(pose).x;
+            begins_s >= self.opens_s || (x(from) < 60.0 && x(segment.end(from)) < 60.0)
+        }
+
+        fn let_stand(&self, pose: Pose, _: f64) -> bool {
+            pose.y >= 50.0
+        }
+    }
+
+    #[test]
+    fn a_path_among_moving_bodies_passes_where_they_are_gone_and_ends_where_it_may() {
+        let start = Pose::new(10.0, 48.0, 0.0);
+        let field = TestField::drawn(&["...................."; 20], start);
+        let body = *field.checker.body();
+        let path = Path { start, segments: vec![Segment { curvature: 0.0, length_m: 70.0 }] };
+        let (speed, disc) = (SpeedLimits::new(8.0, 4.0), GoalDisc { centre: DVec2::new(90.0, 50.0), radius_m: 10.0 });
+        for (departs_s, is_open) in [(0.0, false), (20.0, true)] {
+            let leg = Trajectory::from_path(&path, SimTime::from_seconds(departs_s), speed);
+            let blocked = BlockedLeg { path: &path, leg: &leg, meets_at: SimTime::from_seconds(departs_s + 5.5) };
+            let gate = Gate { body, opens_s: 25.0 };
+            let (found, effort) = plan_among(&field.checker, &gate, blocked, &speed, disc);
+            assert!(effort.local_expansions > 0);
+            assert_eq!(found.is_some(), is_open);
+            let Some(found) = found else { continue };
+            assert_drivable(&field.checker, &found, start, disc);
+            assert!(found.end().y >= 50.0 && found.length_m() < 85.0, "{found:?}");
+        }
     }
 
     #[test]

@@ -4,7 +4,8 @@
 //! come nearer than [`MARGIN_M`], so a truck that keeps to its own is safe whatever the others do. Only three things
 //! change a reservation, and each keeps the rule:
 //! - a truck sets out when its way is free ([`Traffic::departure`]); or it takes another goal, drives
-//!   [round](wildfire_planning::replan_around) those that stand in the way, or waits until something of the others changes;
+//!   [round](wildfire_planning::replan_around) those that stand in the way or, with `traffic.plan = "together"`,
+//!   [among](wildfire_planning::plan_among) the motions of all, or waits until something of the others changes;
 //! - a truck that drops its goal drives on to where it may stand for good ([`Traffic::stopping`]);
 //! - a truck that has nothing to do, or is blocked itself, gives way to one that could not set out otherwise
 //!   ([`standoff`](super::standoff)).
@@ -16,7 +17,9 @@ use wildfire_base::geometry::{OrientedRect, Pose};
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::{SpeedLimits, Trajectory};
 use wildfire_base::vehicle::Dimensions;
-use wildfire_planning::collision::{CollisionChecker, LEAST_CLEARANCE_M, MovingBody, first_conflict};
+use wildfire_base::vehicle::Segment;
+use wildfire_planning::KnownMotions;
+use wildfire_planning::collision::{CollisionChecker, LEAST_CLEARANCE_M, MovingBody, first_conflict, gap_between};
 use wildfire_timeline::AgentId;
 
 pub use crate::scenario::TRUCK_MARGIN_M as MARGIN_M;
@@ -26,6 +29,11 @@ const PATIENCE: SimTime = SimTime::from_nanos(20_000_000_000);
 
 /// The step in which departures are put off.
 const WAIT_STEP_S: f64 = 0.5;
+
+/// Initial waits after which a truck that plans together with others searches for a path.
+const WAITS_S: [f64; 6] = [0.0, 1.0, 2.0, 4.0, 8.0, 16.0];
+/// A longer wait has to lead this much farther.
+const GAIN_M: f64 = 1.0;
 
 /// A truck that may not stop at once tries again after this time on its way.
 const STOP_STEP_S: f64 = 0.25;
@@ -74,6 +82,11 @@ impl SweptBox {
         // A place that is not a number is near to everything.
         apart_m.is_nan() || apart_m <= SURELY_APART_M
     }
+}
+
+/// Returns a leg with an initial wait, which may be 0.
+pub fn after_waiting(leg: &Trajectory, seconds: f64) -> Trajectory {
+    if seconds > 0.0 { leg.after_waiting(seconds) } else { leg.clone() }
 }
 
 /// Returns the distance of a body's farthest point from its rear axle, metres.
@@ -165,6 +178,33 @@ impl<'a> Traffic<'a> {
         times.map(|time| leg.distance_m(time)).min_by(f64::total_cmp)
     }
 
+    /// Returns a leg that meets others, and the same after the wait of [`WAITS_S`] with which it drives farthest before it
+    /// meets one, if that is farther; each with its wait and the time of the meeting.
+    pub fn meetings(self, body: &Dimensions, leg: &Trajectory) -> Vec<(f64, Trajectory, SimTime)> {
+        let mut farthest: Vec<(f64, Trajectory, SimTime)> = Vec::new();
+        let mut most_m = f64::NEG_INFINITY;
+        for wait_s in WAITS_S {
+            let leg = after_waiting(leg, wait_s);
+            let motion = MovingBody { body, trajectory: &leg };
+            let swept = SweptBox::new(motion);
+            let near = self.others().filter(|other| other.swept.is_near(&swept));
+            let times = near.filter_map(|other| first_conflict(motion, other.moving(), leg.sets_out_at(), MARGIN_M));
+            let Some(meets_at) = times.min() else { continue };
+            let free_m = leg.distance_m(meets_at);
+            if free_m > most_m + GAIN_M {
+                most_m = free_m;
+                farthest.truncate(1);
+                farthest.push((wait_s, leg, meets_at));
+            }
+        }
+        farthest
+    }
+
+    /// Returns the motions of the others as a body meets them.
+    pub fn known_to(self, body: &'a Dimensions) -> MotionsOfOthers<'a> {
+        MotionsOfOthers { traffic: self, body }
+    }
+
     /// Returns the leg with the shortest initial wait that lets the others pass, or the truck that blocks it.
     pub fn departure(self, body: &Dimensions, leg: &Trajectory) -> Result<Trajectory, AgentId> {
         self.departure_within(PATIENCE, body, leg)
@@ -221,6 +261,39 @@ impl<'a> Traffic<'a> {
             OrientedRect { centre, half_length: half_length + wider, half_width: half_width + wider }
         });
         checker.with_obstacles(standing)
+    }
+}
+
+/// The motions of other trucks, as a body meets them.
+#[derive(Debug)]
+pub struct MotionsOfOthers<'a> {
+    traffic: Traffic<'a>,
+    body: &'a Dimensions,
+}
+
+/// Instants of a motion at which it is compared with the others. The departure tests the whole drive.
+const LOOKS: u32 = 4;
+/// Metres besides [`MARGIN_M`] that a body keeps at these instants: from others that move, and from others that stand.
+const EXTRA_M: [f64; 2] = [0.3, 0.05];
+
+impl KnownMotions for MotionsOfOthers<'_> {
+    fn leave_free(&self, from: Pose, segment: Segment, [begins_s, ends_s]: [f64; 2]) -> bool {
+        let swept = SweptBox::standing(self.body, from).widened(segment.length_m.abs() + EXTRA_M[0]);
+        self.traffic.others().filter(|other| other.swept.is_near(&swept)).all(|other| {
+            (1..=LOOKS).all(|look| {
+                let share = f64::from(look) / f64::from(LOOKS);
+                let pose = segment.pose_at(from, share * segment.length_m);
+                let time = SimTime::from_seconds(begins_s + share * (ends_s - begins_s));
+                let extra_m = EXTRA_M[usize::from(other.leg.end_time() <= time)];
+                gap_between((self.body, pose), (&other.body, other.leg.pose_at(time))) > MARGIN_M + extra_m
+            })
+        })
+    }
+
+    fn let_stand(&self, pose: Pose, from_s: f64) -> bool {
+        let stand = Trajectory::new(SimTime::from_seconds(from_s), pose, Vec::new());
+        let motion = MovingBody { body: self.body, trajectory: &stand };
+        self.traffic.first_in_conflict(motion, stand.start_time()).is_none()
     }
 }
 

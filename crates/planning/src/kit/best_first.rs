@@ -294,6 +294,11 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
         }
     }
 
+    /// Returns true if the bin of a pose is known to be reached as cheaply.
+    pub fn is_known(&self, pose: Pose, reverse: bool, cost: f64) -> bool {
+        self.closed.dominates(pose, reverse, cost)
+    }
+
     /// Keeps a node unless its bin is known to be reached as cheaply; returns its index if it is a goal.
     pub fn reach<P: SearchSpace<Mark = M, Own = S>>(&mut self, space: &mut P, node: Node<M>) -> Option<u32> {
         if space.is_goal(node.pose) {
@@ -370,7 +375,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
         let Node { pose: start, mark, .. } = self.nodes[from.node as usize];
         let (pose, reverse) = (motion.end(start), motion.is_reverse());
         // The bin is asked first, because a sweep costs much more.
-        if self.closed.dominates(pose, reverse, from.cost) || !space.motion_is_free(start, motion) {
+        if self.is_known(pose, reverse, from.cost) || !space.motion_is_free(start, motion) {
             return None;
         }
         let (parent, cost) = (from.node, from.cost);

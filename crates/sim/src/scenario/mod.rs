@@ -86,7 +86,7 @@ pub use rules::{Extinguishes, Ignition, IgnitionCells, IgnitionDensity, Score, S
 pub use source::{MAX_MAP_BYTES, MAX_SCENARIO_BYTES, ScenarioText, can_be_read_again, first_too_deep, toml_value};
 pub use terrain::{Terrain, TerrainError};
 pub use tetromino::Shape;
-pub use traffic::{Detours, TrafficRules};
+pub use traffic::{Detours, TrafficPlan, TrafficRules};
 pub use truck_starts::{TRUCK_MARGIN_M, free_start};
 pub use unimog::{Limits, PlannerContext, Rescue, Retarget, StartPose, Unimog};
 pub use warnings::{doubts_of_map, warnings_of_map};

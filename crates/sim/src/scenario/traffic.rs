@@ -12,11 +12,12 @@ pub struct TrafficRules {
     /// Number of goals considered in one decision although other trucks block them.
     pub goals: u32,
     pub detours: Detours,
+    pub plan: TrafficPlan,
 }
 
 impl Default for TrafficRules {
     fn default() -> Self {
-        Self { goals: 3, detours: Detours::First }
+        Self { goals: 3, detours: Detours::First, plan: TrafficPlan::Alone }
     }
 }
 
@@ -28,6 +29,16 @@ pub enum Detours {
     First,
     /// To each goal, before the next is considered.
     Each,
+}
+
+/// Selects how a truck plans a drive that would meet other trucks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum TrafficPlan {
+    /// Around the places where the others will stand.
+    Alone,
+    /// In space and time, among the motions of all others.
+    Together,
 }
 
 ranges! { TrafficRules { goals: 1.0..=100.0 } }

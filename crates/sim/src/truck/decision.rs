@@ -14,7 +14,7 @@ use crate::fire::Fires;
 use crate::policies::{Asking, Choice, Following, Follows, Inquiry};
 use crate::queue::AgentEvent;
 use crate::recorder::CpuLog;
-use crate::scenario::Detours;
+use crate::scenario::{Detours, TrafficPlan};
 use crate::traffic::Traffic;
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
@@ -130,14 +130,22 @@ fn depart_or_wait(
     begun: &mut Deliberation,
 ) -> Option<Conclusion> {
     let by_flood = drive.is_by_flood();
+    let may_lead_elsewhere = truck.traffic.plan == TrafficPlan::Together && !by_flood;
     match truck.depart(drive, outset) {
+        // Others pass: another path may arrive before they are gone.
+        Ok((drive, leg)) if may_lead_elsewhere && leg.sets_out_at() > leg.start_time() => {
+            let other = truck.plan_among(&drive, outset, &mut agent.cost);
+            let (drive, leg) = other.filter(|(_, other)| other.end_time() < leg.end_time()).unwrap_or((drive, leg));
+            Some(Conclusion::SetsOut(drive, leg))
+        }
         Ok((drive, leg)) => Some(Conclusion::SetsOut(drive, leg)),
         Err(blocked) if by_flood => Some(Conclusion::Waits(vec![blocked])),
         Err(blocked) => {
             // Looking for a way round is expensive: once for every truck that is in the way.
             let is_new = !begun.before.iter().any(|before| before.reason() == blocked.reason());
-            let detour = if truck.traffic.detours == Detours::Each && is_new {
-                truck.replan_around(&blocked.drive, outset, &mut agent.cost)
+            let is_worthwhile = is_new || truck.traffic.plan == TrafficPlan::Together;
+            let detour = if truck.traffic.detours == Detours::Each && is_worthwhile {
+                truck.detour(&blocked.drive, outset, &mut agent.cost)
             } else {
                 None
             };
@@ -305,11 +313,16 @@ impl Fleet<'_, '_> {
             (std::mem::take(&mut begun.blocked), begun.before.first().map(Blocked::reason), begun.delay)
         });
         let Some(first) = blocked.first() else { return Conclusion::Rests(rests) };
-        if truck.traffic.detours == Detours::First && before != Some(first.reason()) {
+        let tried = match truck.traffic.plan {
+            _ if truck.traffic.detours == Detours::Each => 0,
+            TrafficPlan::Alone => usize::from(before != Some(first.reason())),
+            TrafficPlan::Together => blocked.len(),
+        };
+        for blocked in &blocked[..tried] {
             let traffic = Traffic::new(&reservations, entity);
             let (pose, frame) = (agent.trajectory.start(), fires.frame());
             let outset = Outset { now, pose, frame, traffic, delay };
-            if let Some((drive, leg)) = truck.replan_around(&first.drive, outset, &mut agent.cost) {
+            if let Some((drive, leg)) = truck.detour(&blocked.drive, outset, &mut agent.cost) {
                 return Conclusion::SetsOut(drive, leg);
             }
         }

@@ -3,14 +3,16 @@
 use super::Truck;
 use crate::recorder::Recorder;
 use crate::run::AgentCost;
-use crate::traffic::Traffic;
+use crate::scenario::TrafficPlan;
+use crate::traffic::{Traffic, after_waiting};
 use wildfire_base::geometry::{Cell, FieldFrame, Pose};
 use wildfire_base::time::SimTime;
 use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_base::trajectory::Trajectory;
 use wildfire_base::vehicle::Path;
 use wildfire_planning::{
-    CpuSource, Effort, FoundBy, GoalDisc, Plan, PlanFailure, QueryMonitor, plan_to_nearest, replan_around,
+    BlockedLeg, CpuSource, Effort, FoundBy, GoalDisc, Plan, PlanFailure, QueryMonitor, plan_among, plan_to_nearest,
+    replan_around,
 };
 use wildfire_timeline::AgentId;
 
@@ -165,8 +167,16 @@ impl Truck {
         }
     }
 
+    /// Finds a drive to the same goal that the trucks which block it leave free.
+    pub fn detour(&mut self, blocked: &Drive, outset: Outset<'_>, cost: &mut AgentCost) -> Option<(Drive, Trajectory)> {
+        match self.traffic.plan {
+            TrafficPlan::Alone => self.replan_around(blocked, outset, cost),
+            TrafficPlan::Together => self.plan_among(blocked, outset, cost),
+        }
+    }
+
     /// Finds a drive to the same goal around the trucks that block it.
-    pub fn replan_around(
+    fn replan_around(
         &mut self,
         blocked: &Drive,
         outset: Outset<'_>,
@@ -185,6 +195,38 @@ impl Truck {
         let mut effort = blocked.effort;
         effort += spent;
         self.depart(Drive { path: path?, effort, ..blocked.clone() }, outset).ok()
+    }
+
+    /// Finds a drive to the same goal among the motions of the others, with the earliest arrival of those found.
+    pub fn plan_among(
+        &mut self,
+        blocked: &Drive,
+        outset: Outset<'_>,
+        cost: &mut AgentCost,
+    ) -> Option<(Drive, Trajectory)> {
+        let disc = self.disc(outset.frame, blocked.goal);
+        if disc.radius_m.is_infinite() {
+            return None;
+        }
+        let mut stopwatch = CpuStopwatch::start();
+        let mut effort = blocked.effort;
+        let ready = |effort: &Effort| outset.now + outset.delay + self.charge(effort);
+        let direct = self.leg(&blocked.path, ready(&effort));
+        let others = outset.traffic.known_to(&self.body);
+        let mut found = Vec::new();
+        for (wait_s, leg, meets_at) in outset.traffic.meetings(&self.body, &direct) {
+            let blocked_leg = BlockedLeg { path: &blocked.path, leg: &leg, meets_at };
+            let (path, spent) = plan_among(&self.checker, &others, blocked_leg, &self.speed, disc);
+            effort += spent;
+            found.extend(path.map(|path| (path, wait_s)));
+        }
+        cost.local_search += stopwatch.lap();
+        let legs = found.into_iter().filter_map(|(path, wait_s)| {
+            let leg = after_waiting(&self.leg(&path, ready(&effort)), wait_s);
+            let leg = outset.traffic.departure(&self.body, &leg).ok()?;
+            Some((Drive { path, effort, ..blocked.clone() }, leg))
+        });
+        legs.min_by_key(|(_, leg)| leg.end_time())
     }
 }
 
