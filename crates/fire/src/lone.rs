@@ -16,6 +16,8 @@ pub struct LoneFire {
     model: Rothermel,
     /// What is to be lit, the last first.
     ignitions: Vec<(SimTime, Cell)>,
+    /// Cells that are cleared, the last first.
+    clearings: Vec<(SimTime, Cell)>,
     /// By cell index: the cell that the fire came from; the cell itself where it was lit.
     parents: Vec<u32>,
     /// What catches fire at one instant.
@@ -47,7 +49,20 @@ impl LoneFire {
         let mut ignitions = ignitions.to_vec();
         ignitions.sort_unstable_by_key(|&(time, cell)| std::cmp::Reverse((time, frame.index(cell))));
         let parents = vec![u32::MAX; frame.cell_count()];
-        Self { fires, model: Rothermel::new(landscape, weather, rules), ignitions, parents, spreads: Vec::new() }
+        Self {
+            fires,
+            model: Rothermel::new(landscape, weather, rules),
+            ignitions,
+            clearings: Vec::new(),
+            parents,
+            spreads: Vec::new(),
+        }
+    }
+
+    /// Lets a cell be cleared at a time, so that it cannot burn from then on, if it has not caught fire before.
+    pub fn clear(&mut self, time: SimTime, cell: Cell) {
+        let place = self.clearings.partition_point(|&(other, _)| other > time);
+        self.clearings.insert(place, (time, cell));
     }
 
     /// Lets the fire burn until a time, that instant included. Times between do not matter: an hour in pieces is the same
@@ -55,10 +70,18 @@ impl LoneFire {
     pub fn burn_until(&mut self, until: SimTime) {
         loop {
             let lit = self.ignitions.last().map(|&(time, _)| time);
+            let cleared = self.clearings.last().map(|&(time, _)| time);
             let arrival = self.model.next_arrival();
-            let Some(now) = lit.into_iter().chain(arrival).min().filter(|&now| now <= until) else { return };
+            let Some(now) = lit.into_iter().chain(arrival).chain(cleared).min().filter(|&now| now <= until) else {
+                return;
+            };
             while let Some((_, cell)) = self.ignitions.pop_if(|&mut (time, _)| time == now) {
                 self.ignite(now, cell, cell);
+            }
+            while let Some((_, cell)) = self.clearings.pop_if(|&mut (time, _)| time == now) {
+                if let Some(change) = self.fires.wet(cell, SimTime::from_nanos(u64::MAX)) {
+                    self.model.apply(&self.fires, now, change);
+                }
             }
             let mut spreads = std::mem::take(&mut self.spreads);
             self.model.take_due(now, &mut spreads);
