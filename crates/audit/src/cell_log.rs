@@ -1,5 +1,7 @@
 //! What happened to cells, bushes and ground alike, in order of time and cell by cell.
 
+use std::collections::BTreeMap;
+
 use super::{Violation, ViolationKind};
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
@@ -18,8 +20,18 @@ pub struct Change {
 pub enum What {
     Ignited(Cause),
     BurnedOut,
-    Extinguished { by: AgentId },
-    Wetted { until: SimTime, by: AgentId },
+    Extinguished {
+        by: AgentId,
+    },
+    Wetted {
+        until: SimTime,
+        by: AgentId,
+    },
+    /// Line is finished, until fire crosses it.
+    Cleared {
+        until: SimTime,
+    },
+    LineLost,
 }
 
 impl Change {
@@ -38,6 +50,8 @@ impl Change {
             GroundFact::Ignited(cause) => What::Ignited(cause),
             GroundFact::Extinguished { by } => What::Extinguished { by },
             GroundFact::Wetted { until, by } => What::Wetted { until, by },
+            GroundFact::Cleared { .. } => What::Cleared { until: SimTime::MAX },
+            GroundFact::LineLost => What::LineLost,
         };
         Self { time: event.time, cell: event.cell, what }
     }
@@ -45,7 +59,7 @@ impl Change {
     fn agent(&self) -> Option<AgentId> {
         match self.what {
             What::Ignited(Cause::Lit(by)) | What::Extinguished { by } | What::Wetted { by, .. } => Some(by),
-            What::Ignited(_) | What::BurnedOut => None,
+            What::Ignited(_) | What::BurnedOut | What::Cleared { .. } | What::LineLost => None,
         }
     }
 
@@ -60,6 +74,16 @@ pub fn changes_in_order(timeline: &Timeline) -> Vec<Change> {
     changes.extend(timeline.events.iter().filter_map(Change::from_fact));
     // Both are in order of time, and the sort is stable.
     changes.sort_by_key(|change| change.time);
+    let mut lost = BTreeMap::new();
+    for change in changes.iter_mut().rev() {
+        match &mut change.what {
+            What::LineLost => drop(lost.insert((change.cell.row, change.cell.col), change.time)),
+            What::Cleared { until } => {
+                *until = lost.remove(&(change.cell.row, change.cell.col)).unwrap_or(SimTime::MAX);
+            }
+            _ => {}
+        }
+    }
     changes
 }
 
@@ -101,8 +125,8 @@ impl<'a> CellLog<'a> {
             match change.what {
                 What::Ignited(_) => is_left = false,
                 What::Extinguished { .. } => is_left = self.setting.rules.relight && change.time < time,
-                What::Wetted { until, .. } if until >= time => return false,
-                What::Wetted { .. } | What::BurnedOut => {}
+                What::Wetted { until, .. } | What::Cleared { until } if until >= time => return false,
+                What::Wetted { .. } | What::Cleared { .. } | What::LineLost | What::BurnedOut => {}
             }
         }
         is_left

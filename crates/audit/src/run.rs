@@ -160,6 +160,7 @@ mod tests {
             blocked: Vec::new(),
             spread: None,
             water: None,
+            line: None,
             agents: vec![truck(TRUCK, start()), truck(SECOND, Pose::new(10.0, 10.0, 0.0))],
             rules: Rules {
                 duration: seconds(100.0),

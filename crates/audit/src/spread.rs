@@ -134,6 +134,16 @@ impl<'a> States<'a> {
                 let due = (until < SimTime::MAX).then_some(until);
                 Err(ViolationKind::WrongBurnOut { cell, due })
             }
+            (What::Cleared { until }, state) => {
+                let is_left = state == CellState::Intact || relight && state == CellState::Extinguished;
+                if !is_left || !self.has_fuel[index] {
+                    return Err(ViolationKind::WrongLine { cell });
+                }
+                self.wet_until[index] = until;
+                Ok(state)
+            }
+            (What::LineLost, state) if self.wet_until[index] == time => Ok(state),
+            (What::LineLost, _) => Err(ViolationKind::WrongLine { cell }),
             (What::BurnedOut, CellState::Burning { .. }) => Ok(CellState::BurnedOut),
             (What::Extinguished { .. }, CellState::Burning { .. }) => Ok(CellState::Extinguished),
             (What::BurnedOut | What::Extinguished { .. }, _) => Err(ViolationKind::NotBurning { cell }),
@@ -194,8 +204,8 @@ impl<'a> Fronts<'a> {
                     CellChange::Ignited { is_source: !matches!(cause, Cause::Spread(_)) }
                 }
                 What::Extinguished { .. } => CellChange::Extinguished,
-                What::Wetted { until, .. } => CellChange::Wetted { until },
-                What::BurnedOut => continue,
+                What::Wetted { until, .. } | What::Cleared { until } => CellChange::Wetted { until },
+                What::BurnedOut | What::LineLost => continue,
             };
             history.add(index, change.time, what);
         }
@@ -350,6 +360,7 @@ mod tests {
             bushes,
             blocked: Vec::new(),
             water: None,
+            line: None,
             agents: vec![AgentStart {
                 id: TRUCK,
                 pose: wildfire_base::geometry::Pose::new(20.0, 20.0, 0.0),

@@ -75,6 +75,10 @@ pub enum FireChange {
     Dried {
         cell: Cell,
     },
+    /// A cleared cell, wet until [`SimTime::MAX`], can burn again.
+    Lost {
+        cell: Cell,
+    },
 }
 
 impl FireChange {
@@ -84,7 +88,8 @@ impl FireChange {
             | Self::Extinguished { cell }
             | Self::BurnedOut { cell }
             | Self::Wetted { cell, .. }
-            | Self::Dried { cell } => cell,
+            | Self::Dried { cell }
+            | Self::Lost { cell } => cell,
         }
     }
 }

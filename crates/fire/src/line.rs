@@ -78,7 +78,7 @@ impl Forecast {
     }
 
     /// Finds the head of the fire at a time, its point farthest from where it began, or the rear, the nearest.
-    fn end_of_fire(&self, time: f64, tactic: Tactic) -> Option<DVec2> {
+    pub fn end_of_fire(&self, time: f64, tactic: Tactic) -> Option<DVec2> {
         let cells = || (0..self.seconds.len()).filter(|&index| self.seconds[index] <= time);
         let centre = |index: usize| self.frame.centre(self.frame.cell(index));
         let first = cells().min_by(|&a, &b| self.seconds[a].total_cmp(&self.seconds[b]))?;

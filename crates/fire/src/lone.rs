@@ -79,7 +79,7 @@ impl LoneFire {
                 self.ignite(now, cell, cell);
             }
             while let Some((_, cell)) = self.clearings.pop_if(|&mut (time, _)| time == now) {
-                if let Some(change) = self.fires.wet(cell, SimTime::from_nanos(u64::MAX)) {
+                if let Some(change) = self.fires.clear(cell) {
                     self.model.apply(&self.fires, now, change);
                 }
             }

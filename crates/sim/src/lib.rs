@@ -16,6 +16,7 @@ mod episode;
 mod fire;
 mod fork;
 pub mod game;
+mod line;
 pub mod policies;
 #[cfg(not(target_family = "wasm"))]
 pub mod programs;
@@ -277,6 +278,7 @@ fn app() -> App {
         wumpus::WumpusPlugin,
         truck::TruckPlugin,
         standoff::TrafficPlugin,
+        line::LinePlugin,
         end::EndPlugin,
     ));
     app

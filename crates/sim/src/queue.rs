@@ -23,6 +23,7 @@ pub enum Rank {
     PlanningDone,
     Decision,
     Standoff,
+    Line,
     End,
 }
 
@@ -56,11 +57,34 @@ pub enum AgentEvent {
 /// A change of a cell that takes place at once, if it can.
 #[derive(Clone, Copy, Debug)]
 pub enum CellEvent {
-    Ignite { cell: Cell, cause: Cause },
-    Extinguish { cell: Cell, by: AgentId },
-    BurnOut { cell: Cell },
-    Wet { cell: Cell, until: SimTime, by: AgentId },
-    Dry { cell: Cell },
+    Ignite {
+        cell: Cell,
+        cause: Cause,
+    },
+    Extinguish {
+        cell: Cell,
+        by: AgentId,
+    },
+    BurnOut {
+        cell: Cell,
+    },
+    Wet {
+        cell: Cell,
+        until: SimTime,
+        by: AgentId,
+    },
+    Dry {
+        cell: Cell,
+    },
+    /// Crews have finished line in it.
+    Clear {
+        cell: Cell,
+        flank: u8,
+        along_mm: u32,
+    },
+    LoseLine {
+        cell: Cell,
+    },
 }
 
 /// An event that is due at a time.
@@ -72,6 +96,8 @@ pub enum Due {
     Fire(FireEvent),
     /// The scenario's ignition of this number.
     Scheduled(usize),
+    /// Crews decide where to build line.
+    Line,
     End,
 }
 
@@ -89,6 +115,7 @@ impl Due {
             Self::Agent(AgentEvent::PlanningDone, _) => Rank::PlanningDone,
             Self::Agent(AgentEvent::Decision, _) => Rank::Decision,
             Self::Agent(AgentEvent::Standoff, _) => Rank::Standoff,
+            Self::Line => Rank::Line,
             Self::End => Rank::End,
         }
     }

@@ -22,6 +22,8 @@ pub enum SimSystems {
     Truck,
     /// Trucks that block one another.
     Traffic,
+    /// Crews decide where to build line.
+    Crews,
     End,
 }
 
@@ -39,7 +41,7 @@ impl Plugin for SchedulePlugin {
                 ..ScheduleBuildSettings::default()
             });
         });
-        use SimSystems::{End, Fire, Traffic, Truck, Wake, Wumpus};
-        app.configure_sets(Pass, (Fire, Wake, Wumpus, Truck, Traffic, End).chain());
+        use SimSystems::{Crews, End, Fire, Traffic, Truck, Wake, Wumpus};
+        app.configure_sets(Pass, (Fire, Wake, Wumpus, Truck, Traffic, Crews, End).chain());
     }
 }

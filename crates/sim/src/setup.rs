@@ -19,6 +19,7 @@ use wildfire_timeline::{AgentId, AgentStart, Rules, Setting, SpreadSetting, Wate
 
 use super::agent::{Arena, Roster};
 use super::fire::{Fires, Ignitions, ScheduledIgnition};
+use super::line::FireLine;
 use super::policies::{Following, NamedPolicy, Policies, PolicySite, RuleSite, dispatch};
 use super::queue::{Due, SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
@@ -52,7 +53,10 @@ pub fn fill(
         },
     });
     world.insert_resource(ignitions(scenario, &terrain, seed));
+    let line = FireLine::new(scenario, seed, spread.as_ref());
     let mut queue = SimQueue::default();
+    line.begins().into_iter().for_each(|time| queue.push(time, Due::Line));
+    world.insert_resource(line);
     for (number, ignition) in scenario.ignition.iter().enumerate() {
         queue.push(SimTime::from_seconds(ignition.at_s), Due::Scheduled(number));
     }
@@ -162,6 +166,7 @@ fn setting(
         blocked: terrain.blocked.clone(),
         spread,
         water: water_rules(scenario),
+        line: scenario.line_rules(),
         agents,
         rules: Rules {
             duration: SimTime::from_seconds(scenario.duration_s),

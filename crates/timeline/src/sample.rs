@@ -94,6 +94,7 @@ pub fn small_setting(agents: &[AgentId]) -> Setting {
         blocked: Vec::new(),
         spread: None,
         water: None,
+        line: None,
         agents: agents.iter().map(start).collect(),
         rules: Rules {
             duration: seconds(100.0),

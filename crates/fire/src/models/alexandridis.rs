@@ -242,7 +242,10 @@ impl FireModel for Alexandridis {
                 expected.push((now + self.rules.step, arrival));
             }
             FireChange::Wetted { cell, until } => expected.push((until, FireEvent::Dry { cell })),
-            FireChange::Extinguished { .. } | FireChange::BurnedOut { .. } | FireChange::Dried { .. } => {}
+            FireChange::Extinguished { .. }
+            | FireChange::BurnedOut { .. }
+            | FireChange::Dried { .. }
+            | FireChange::Lost { .. } => {}
         }
     }
 

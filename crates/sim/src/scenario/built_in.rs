@@ -23,5 +23,6 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("river", include_str!("../../scenarios/river.toml")),
     ("landscape", include_str!("../../scenarios/landscape.toml")),
     ("automaton", include_str!("../../scenarios/automaton.toml")),
+    ("line", include_str!("../../scenarios/line.toml")),
     ("smoke", include_str!("../../scenarios/smoke.toml")),
 ];

@@ -169,7 +169,7 @@ fn check_ground_event(event: &GroundEvent, setting: &Setting) -> Result<(), File
         GroundFact::Wetted { until, .. } => {
             require(until >= event.time, || format!("{} is dry before it is wet at {}", event.cell, event.time))
         }
-        GroundFact::Extinguished { .. } => Ok(()),
+        GroundFact::Extinguished { .. } | GroundFact::Cleared { .. } | GroundFact::LineLost => Ok(()),
     }
 }
 

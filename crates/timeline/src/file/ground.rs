@@ -30,6 +30,8 @@ mod kind {
     pub const SCHEDULED: u32 = 3;
     pub const EXTINGUISHED: u32 = 4;
     pub const WETTED: u32 = 5;
+    pub const CLEARED: u32 = 6;
+    pub const LINE_LOST: u32 = 7;
 }
 
 /// The log of the ground.
@@ -124,6 +126,8 @@ impl GroundWriter {
             GroundFact::Ignited(Cause::Scheduled) => (kind::SCHEDULED, None),
             GroundFact::Extinguished { by } => (kind::EXTINGUISHED, Some(agent(by))),
             GroundFact::Wetted { by, .. } => (kind::WETTED, Some(agent(by))),
+            GroundFact::Cleared { flank, .. } => (kind::CLEARED, Some(u32::from(flank))),
+            GroundFact::LineLost => (kind::LINE_LOST, None),
         };
         append(&mut self.records, &(place - told.place));
         append(&mut self.records, &(event.time - told.time).as_nanos());
@@ -132,6 +136,9 @@ impl GroundWriter {
         other.into_iter().for_each(|number| append(&mut self.records, &number));
         if let GroundFact::Wetted { until, .. } = event.fact {
             append(&mut self.records, &(until - event.time).as_nanos());
+        }
+        if let GroundFact::Cleared { along_mm, .. } = event.fact {
+            append(&mut self.records, &along_mm);
         }
         *told = Told { place, time: event.time, index: index(event.cell) };
     }
@@ -243,6 +250,11 @@ fn take_record(records: &mut &[u8], setting: &Setting, told: Told) -> Result<(u3
             let by = agent(take(records)?)?;
             GroundFact::Wetted { until: later(time, take(records)?)?, by }
         }
+        kind::CLEARED => GroundFact::Cleared {
+            flank: u8::try_from(take::<u32>(records)?).map_err(|_| NO_SUCH_WORD)?,
+            along_mm: take(records)?,
+        },
+        kind::LINE_LOST => GroundFact::LineLost,
         _ => return Err(NO_SUCH_WORD),
     };
     Ok((place, GroundEvent { time, cell: changed, fact }))

@@ -40,7 +40,7 @@ use numbers::NumberReader;
 use setting::{SettingRecord, Supplement, WaterRecord};
 use spread::GroundSetting;
 
-use super::{Timeline, WaterRules};
+use super::{LineRules, Timeline, WaterRules};
 use wildfire_base::input_file;
 use wildfire_base::whole_file::write_whole;
 
@@ -179,6 +179,8 @@ fn encode_payload(timeline: &Timeline) -> Vec<u8> {
     let log = (!timeline.ground.is_empty()).then(|| GroundWriter::new(&timeline.setting, &timeline.ground));
     append(&mut bytes, &log.as_ref().map(GroundWriter::record_of_all));
     append(&mut bytes, &timeline.setting.water.as_ref().map(WaterRecord::from));
+    // Without crews nothing follows, as before there were any.
+    timeline.setting.line.as_ref().into_iter().for_each(|line| append(&mut bytes, line));
     bytes
 }
 
@@ -192,6 +194,7 @@ fn decode_payload(mut bytes: &[u8]) -> Result<Timeline, FileError> {
     let ground_setting: GroundSetting = take(&mut bytes)?;
     let log: Option<GroundRecord<'_>> = take(&mut bytes)?;
     let water: Option<WaterRecord> = take(&mut bytes)?;
+    let line: Option<LineRules> = if bytes.is_empty() { None } else { Some(take(&mut bytes)?) };
     if !bytes.is_empty() {
         return Err(FileError::Damaged("more follows than its setting and its facts"));
     }
@@ -199,6 +202,7 @@ fn decode_payload(mut bytes: &[u8]) -> Result<Timeline, FileError> {
     setting.blocked = ground_setting.blocked(setting.frame)?;
     setting.spread = ground_setting.spread(setting.frame)?;
     setting.water = water.map(WaterRules::from);
+    setting.line = line;
     let numbers = NumberReader::new(&streams.recurring_numbers, &streams.single_numbers, streams.number_references);
     let events = FactReader::new(&setting, streams.delays, streams.records, numbers).read(count)?;
     let ground = log.map_or(Ok(Vec::new()), |log| log.read(&setting))?;

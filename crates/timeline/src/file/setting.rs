@@ -258,6 +258,7 @@ impl SettingRecord {
             blocked: Vec::new(),
             spread: None,
             water: None,
+            line: None,
             agents: agents.map(|(agent, limits)| agent.start(limits)).collect(),
             rules: Rules {
                 duration: SimTime::from_nanos(self.rules.duration_ns),

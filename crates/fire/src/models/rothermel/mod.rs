@@ -103,6 +103,7 @@ impl Rothermel {
             }
             FireChange::Extinguished { cell } => self.front.extinguish(cell, nanos, fires.relights()),
             FireChange::Wetted { cell, until } => self.front.delay(cell, until.as_nanos()),
+            FireChange::Lost { cell } => self.front.reopen(cell, nanos),
             // Fire goes on from what has burned out, and what dries was planned for when it became wet.
             FireChange::BurnedOut { .. } | FireChange::Dried { .. } => {}
         }
@@ -139,7 +140,9 @@ impl FireModel for Rothermel {
                 let burn_out = FireEvent::BurnOut { cell, episode: fires.episode(cell) };
                 expected.extend(flaming.map(|span| (now + span, burn_out)));
             }
-            FireChange::Wetted { cell, until } => expected.push((until, FireEvent::Dry { cell })),
+            FireChange::Wetted { cell, until } if until < SimTime::MAX => {
+                expected.push((until, FireEvent::Dry { cell }));
+            }
             _ => {}
         }
         self.announce(expected);

@@ -382,6 +382,7 @@ pub(super) mod tests {
             blocked: Vec::new(),
             spread: None,
             water: None,
+            line: None,
             agents: Vec::new(),
             rules: Rules {
                 duration: seconds(100.0),
