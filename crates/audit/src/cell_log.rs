@@ -20,17 +20,9 @@ pub struct Change {
 pub enum What {
     Ignited(Cause),
     BurnedOut,
-    Extinguished {
-        by: AgentId,
-    },
-    Wetted {
-        until: SimTime,
-        by: AgentId,
-    },
-    /// Line is finished, until fire crosses it.
-    Cleared {
-        until: SimTime,
-    },
+    Extinguished { by: AgentId },
+    Wetted { until: SimTime, by: AgentId },
+    Cleared { until: SimTime },
     LineLost,
 }
 
@@ -74,13 +66,12 @@ pub fn changes_in_order(timeline: &Timeline) -> Vec<Change> {
     changes.extend(timeline.events.iter().filter_map(Change::from_fact));
     // Both are in order of time, and the sort is stable.
     changes.sort_by_key(|change| change.time);
+    // Line holds until fire crosses it, which comes later in the list.
     let mut lost = BTreeMap::new();
-    for change in changes.iter_mut().rev() {
-        match &mut change.what {
-            What::LineLost => drop(lost.insert((change.cell.row, change.cell.col), change.time)),
-            What::Cleared { until } => {
-                *until = lost.remove(&(change.cell.row, change.cell.col)).unwrap_or(SimTime::MAX);
-            }
+    for Change { time, cell, what } in changes.iter_mut().rev() {
+        match what {
+            What::LineLost => drop(lost.insert((cell.row, cell.col), *time)),
+            What::Cleared { until } => *until = lost.remove(&(cell.row, cell.col)).unwrap_or(SimTime::MAX),
             _ => {}
         }
     }

@@ -26,6 +26,7 @@ mod ember;
 mod field;
 mod fires;
 mod leg;
+mod line;
 mod meeting;
 mod pace;
 mod run;

@@ -16,8 +16,6 @@ pub struct LoneFire {
     model: Rothermel,
     /// What is to be lit, the last first.
     ignitions: Vec<(SimTime, Cell)>,
-    /// Cells that are cleared, the last first.
-    clearings: Vec<(SimTime, Cell)>,
     /// By cell index: the cell that the fire came from; the cell itself where it was lit.
     parents: Vec<u32>,
     /// What catches fire at one instant.
@@ -49,20 +47,7 @@ impl LoneFire {
         let mut ignitions = ignitions.to_vec();
         ignitions.sort_unstable_by_key(|&(time, cell)| std::cmp::Reverse((time, frame.index(cell))));
         let parents = vec![u32::MAX; frame.cell_count()];
-        Self {
-            fires,
-            model: Rothermel::new(landscape, weather, rules),
-            ignitions,
-            clearings: Vec::new(),
-            parents,
-            spreads: Vec::new(),
-        }
-    }
-
-    /// Lets a cell be cleared at a time, so that it cannot burn from then on, if it has not caught fire before.
-    pub fn clear(&mut self, time: SimTime, cell: Cell) {
-        let place = self.clearings.partition_point(|&(other, _)| other > time);
-        self.clearings.insert(place, (time, cell));
+        Self { fires, model: Rothermel::new(landscape, weather, rules), ignitions, parents, spreads: Vec::new() }
     }
 
     /// Lets the fire burn until a time, that instant included. Times between do not matter: an hour in pieces is the same
@@ -70,18 +55,10 @@ impl LoneFire {
     pub fn burn_until(&mut self, until: SimTime) {
         loop {
             let lit = self.ignitions.last().map(|&(time, _)| time);
-            let cleared = self.clearings.last().map(|&(time, _)| time);
             let arrival = self.model.next_arrival();
-            let Some(now) = lit.into_iter().chain(arrival).chain(cleared).min().filter(|&now| now <= until) else {
-                return;
-            };
+            let Some(now) = lit.into_iter().chain(arrival).min().filter(|&now| now <= until) else { return };
             while let Some((_, cell)) = self.ignitions.pop_if(|&mut (time, _)| time == now) {
                 self.ignite(now, cell, cell);
-            }
-            while let Some((_, cell)) = self.clearings.pop_if(|&mut (time, _)| time == now) {
-                if let Some(change) = self.fires.clear(cell) {
-                    self.model.apply(&self.fires, now, change);
-                }
             }
             let mut spreads = std::mem::take(&mut self.spreads);
             self.model.take_due(now, &mut spreads);
@@ -96,6 +73,13 @@ impl LoneFire {
         if let Some(change) = self.fires.ignite(cell, now, cell == from) {
             let frame = *self.fires.frame();
             self.parents[frame.index(cell)] = frame.index(from) as u32;
+            self.model.apply(&self.fires, now, change);
+        }
+    }
+
+    /// Clears a cell that has not caught fire at a time up to which the fire has burned.
+    pub fn clear(&mut self, now: SimTime, cell: Cell) {
+        if let Some(change) = self.fires.clear(cell) {
             self.model.apply(&self.fires, now, change);
         }
     }

@@ -57,34 +57,13 @@ pub enum AgentEvent {
 /// A change of a cell that takes place at once, if it can.
 #[derive(Clone, Copy, Debug)]
 pub enum CellEvent {
-    Ignite {
-        cell: Cell,
-        cause: Cause,
-    },
-    Extinguish {
-        cell: Cell,
-        by: AgentId,
-    },
-    BurnOut {
-        cell: Cell,
-    },
-    Wet {
-        cell: Cell,
-        until: SimTime,
-        by: AgentId,
-    },
-    Dry {
-        cell: Cell,
-    },
-    /// Crews have finished line in it.
-    Clear {
-        cell: Cell,
-        flank: u8,
-        along_mm: u32,
-    },
-    LoseLine {
-        cell: Cell,
-    },
+    Ignite { cell: Cell, cause: Cause },
+    Extinguish { cell: Cell, by: AgentId },
+    BurnOut { cell: Cell },
+    Wet { cell: Cell, until: SimTime, by: AgentId },
+    Dry { cell: Cell },
+    Clear { cell: Cell, flank: u8, along_mm: u32 },
+    LoseLine { cell: Cell },
 }
 
 /// An event that is due at a time.

@@ -9,7 +9,6 @@ use super::check::{Check, TablePath};
 use super::{FireModelName, Scenario};
 use wildfire_base::geometry::{DVec2, FieldFrame};
 use wildfire_base::ranges;
-use wildfire_base::ranges::number_text;
 use wildfire_base::time::SimTime;
 use wildfire_fire::contain::Tactic;
 use wildfire_fire::fuel::FuelModel;
@@ -24,70 +23,49 @@ const MAX_CREWS: usize = 1000;
 pub struct LineSettings {
     pub policy: LinePolicy,
     /// The end of the fire at which `direct` and `parallel` begin.
-    pub from: LineStart,
-    /// Distance between the front and the line, for `parallel`, metres.
+    pub from: Tactic,
+    /// Metres between the front and the line, for `parallel`.
     pub offset_m: f64,
-    /// The middle of the square that `point-protection` builds round, metres, and half of its width.
+    /// The place that `point-protection` builds round, and the distance of the line from it, metres.
     pub x_m: f64,
     pub y_m: f64,
-    pub half_m: f64,
+    pub radius_m: f64,
     pub holds: LineHolds,
-    /// With `holds = "flame"`: flame length at which line holds in half of all cases, metres.
+    /// With `holds = "flame"`: flame length at which line holds in half of all cases, and scale of the logistic function, metres.
     pub flame_half_m: f64,
-    /// Scale of the logistic function of the flame length, metres: at three of these above, 5 % of line holds.
     pub flame_scale_m: f64,
-    /// Length of line for which chance is drawn once, metres.
+    /// Metres of line for which chance is drawn once.
     pub section_m: f64,
 }
 
 impl Default for LineSettings {
     fn default() -> Self {
-        Self {
-            policy: LinePolicy::Direct,
-            from: LineStart::Rear,
-            offset_m: 20.0,
-            x_m: 0.0,
-            y_m: 0.0,
-            half_m: 50.0,
-            holds: LineHolds::Always,
-            flame_half_m: 1.2,
-            flame_scale_m: 0.3,
-            section_m: 20.0,
-        }
+        let (policy, from, holds) = (LinePolicy::Direct, Tactic::Rear, LineHolds::Always);
+        let (offset_m, x_m, y_m, radius_m) = (20.0, 0.0, 0.0, 50.0);
+        let (flame_half_m, flame_scale_m, section_m) = (1.2, 0.3, 20.0);
+        Self { policy, from, offset_m, x_m, y_m, radius_m, holds, flame_half_m, flame_scale_m, section_m }
     }
 }
 
 ranges! { LineSettings {
-    offset_m: 0.0..=10_000.0, x_m: -1e6..=1e6, y_m: -1e6..=1e6, half_m: 1.0..=100_000.0, flame_half_m: 0.0..=100.0,
+    offset_m: 0.0..=10_000.0, x_m: -1e6..=1e6, y_m: -1e6..=1e6, radius_m: 1.0..=100_000.0, flame_half_m: 0.0..=100.0,
     flame_scale_m: 0.001..=100.0, section_m: 1.0..=1e6,
 } }
 
-/// Where crews build line.
+/// Where crews build line: along the front, at `offset_m` from it, or round a place, wherever the fire is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum LinePolicy {
-    /// Along the front.
     Direct,
-    /// At a distance from the front, which is `offset_m`.
     Parallel,
-    /// Round a place, wherever the fire is.
     PointProtection,
 }
 
-/// The end of the fire at which line begins.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum LineStart {
-    Head,
-    Rear,
-}
-
-/// Decides if line stops fire.
+/// Line stops all fire, or by chance: the longer the flames of the fire that comes to it, the less often.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum LineHolds {
     Always,
-    /// By chance: the longer the flames of the fire that comes to it, the less often.
     Flame,
 }
 
@@ -96,7 +74,7 @@ pub enum LineHolds {
 #[serde(deny_unknown_fields)]
 pub struct Crew {
     /// The number of crews that this entry is.
-    #[serde(default = "one")]
+    #[serde(default = "defaults::one")]
     pub count: u32,
     /// Where they set out, metres, and when, seconds.
     pub x_m: f64,
@@ -104,7 +82,7 @@ pub struct Crew {
     #[serde(default)]
     pub at_s: f64,
     /// Speed at which they walk to where the line begins, in a straight line.
-    #[serde(default = "walking_mps")]
+    #[serde(default = "defaults::speed_mps")]
     pub speed_mps: f64,
     /// Metres of line that each builds in an hour, on both flanks together.
     pub rate_m_h: f64,
@@ -113,23 +91,19 @@ pub struct Crew {
     pub rate_by_fuel: BTreeMap<String, f64>,
 }
 
-fn one() -> u32 {
-    1
-}
+mod defaults {
+    pub fn one() -> u32 {
+        1
+    }
 
-fn walking_mps() -> f64 {
-    1.0
+    pub fn speed_mps() -> f64 {
+        1.0
+    }
 }
 
 ranges! { Crew {
     count: 0.0..=10_000.0, x_m: -1e6..=1e6, y_m: -1e6..=1e6, at_s: 0.0..=1e6, speed_mps: 0.01..=100.0, rate_m_h: 0.0..=1e6,
 } }
-
-impl LineSettings {
-    pub fn tactic(&self) -> Tactic {
-        if self.from == LineStart::Head { Tactic::Head } else { Tactic::Rear }
-    }
-}
 
 impl Crew {
     pub fn start(&self) -> DVec2 {
@@ -138,27 +112,14 @@ impl Crew {
 
     /// Returns the metres of line that all of the entry build in a second on a fuel.
     pub fn rate_mps(&self, fuel: u8) -> f64 {
-        let number = |code: &str| FuelModel::by_name(code).map(|model| model.number);
-        let of_fuel = self.rate_by_fuel.iter().find(|(code, _)| number(code) == Some(fuel));
+        let is_it = |code: &str| FuelModel::by_name(code).is_some_and(|model| model.number == fuel);
+        let of_fuel = self.rate_by_fuel.iter().find(|(code, _)| is_it(code));
         f64::from(self.count) * of_fuel.map_or(self.rate_m_h, |(_, &rate)| rate) / 3600.0
     }
 
     /// Returns the greatest of these rates.
     pub fn most_mps(&self) -> f64 {
-        let most_m_h = self.rate_by_fuel.values().copied().fold(self.rate_m_h, f64::max);
-        f64::from(self.count) * most_m_h / 3600.0
-    }
-
-    fn check(&self, entry: &TablePath, frame: &FieldFrame) -> Check {
-        entry.settings(self, frame)?;
-        for (code, &rate) in &self.rate_by_fuel {
-            if FuelModel::by_name(code).is_none() {
-                let expected = "the code of a fuel model such as `GR2`".into();
-                return entry.inner("rate_by_fuel").refuse(code, "this name".into(), expected);
-            }
-            entry.inner("rate_by_fuel").number(code, rate, 0.0..=1e6)?;
-        }
-        Ok(())
+        f64::from(self.count) * self.rate_by_fuel.values().copied().fold(self.rate_m_h, f64::max) / 3600.0
     }
 }
 
@@ -166,15 +127,22 @@ impl Scenario {
     pub(super) fn check_crews(&self, frame: &FieldFrame) -> Check {
         let top = TablePath::named("");
         top.count("crew", self.crew.len(), MAX_CREWS)?;
-        self.crew
-            .iter()
-            .enumerate()
-            .try_for_each(|(number, crew)| crew.check(&TablePath::entry("crew", number), frame))?;
+        for (number, crew) in self.crew.iter().enumerate() {
+            let entry = TablePath::entry("crew", number);
+            entry.settings(crew, frame)?;
+            for (code, &rate) in &crew.rate_by_fuel {
+                entry.inner("rate_by_fuel").number(code, rate, 0.0..=1e6)?;
+                if FuelModel::by_name(code).is_none() {
+                    let expected = "the code of a fuel model such as `GR2`".into();
+                    return entry.inner("rate_by_fuel").refuse(code, "this name".into(), expected);
+                }
+            }
+        }
         if self.crew.is_empty() || self.fire.model == FireModelName::Rothermel {
             return Ok(());
         }
-        let expected = "`fire.model = \"rothermel\"`, whose front a line stops; other fire steps over it".to_owned();
-        top.refuse("crew", number_text(self.crew.len() as f64), expected)
+        let expected = "the model `rothermel` where there are crews, as other fire steps over line".into();
+        TablePath::named("fire").refuse("model", "another one".into(), expected)
     }
 
     /// Returns what bounds the work of crews in a run, if there are any.

@@ -75,7 +75,7 @@ pub use goal::{TruckGoal, WumpusGoal};
 pub use landscape::LandscapeSettings;
 pub use layers::{GivenLayers, LayerKind, LayerReader, Weights};
 pub use learned::{HIDDEN, Learned};
-pub use line::{Crew, LineHolds, LinePolicy, LineSettings, LineStart};
+pub use line::{Crew, LineHolds, LinePolicy, LineSettings};
 pub use load::{LoadedScenario, load};
 pub use memory::{MemoryEstimate, MemoryExceeded, MemoryLimit, bytes_text};
 pub use path::{FieldPath, PathStep};
