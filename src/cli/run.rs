@@ -260,18 +260,13 @@ fn fires(outcome: &Outcome) -> String {
 
 /// Tells of the ground, where there is some that burns.
 fn ground(outcome: &Outcome) -> Option<String> {
-    let GroundOutcome { cells, burned, extinguished, spotted, burned_ha, reached_edge_s, line, .. } = outcome.ground?;
+    let GroundOutcome { cells, burned, extinguished, spotted, burned_ha, reached_edge_s, .. } = outcome.ground?;
     let embers = if spotted > 0 { format!(", {spotted} fires by embers") } else { String::new() };
     let edge = reached_edge_s.map(|edge_s| format!("; at the edge of the field after {} s", rounded(edge_s, 1)));
-    let line = line.map(|line| {
-        let [built, lost] = [line.built_m, line.lost_m].map(|length_m| rounded(length_m, 0));
-        format!(" Line: {built} m built, {lost} m lost.")
-    });
     Some(format!(
-        "Ground: {burned} of {cells} cells caught fire, with bushes {} ha; {extinguished} put out{embers}{}.{}",
+        "Ground: {burned} of {cells} cells caught fire, with bushes {} ha; {extinguished} put out{embers}{}.",
         rounded(burned_ha, 2),
-        edge.unwrap_or_default(),
-        line.unwrap_or_default()
+        edge.unwrap_or_default()
     ))
 }
 

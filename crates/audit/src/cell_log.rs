@@ -1,7 +1,5 @@
 //! What happened to cells, bushes and ground alike, in order of time and cell by cell.
 
-use std::collections::BTreeMap;
-
 use super::{Violation, ViolationKind};
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
@@ -22,8 +20,7 @@ pub enum What {
     BurnedOut,
     Extinguished { by: AgentId },
     Wetted { until: SimTime, by: AgentId },
-    Cleared { until: SimTime },
-    LineLost,
+    Cleared { holds: bool },
 }
 
 impl Change {
@@ -42,8 +39,7 @@ impl Change {
             GroundFact::Ignited(cause) => What::Ignited(cause),
             GroundFact::Extinguished { by } => What::Extinguished { by },
             GroundFact::Wetted { until, by } => What::Wetted { until, by },
-            GroundFact::Cleared { .. } => What::Cleared { until: SimTime::MAX },
-            GroundFact::LineLost => What::LineLost,
+            GroundFact::Cleared { holds, .. } => What::Cleared { holds },
         };
         Self { time: event.time, cell: event.cell, what }
     }
@@ -51,7 +47,7 @@ impl Change {
     fn agent(&self) -> Option<AgentId> {
         match self.what {
             What::Ignited(Cause::Lit(by)) | What::Extinguished { by } | What::Wetted { by, .. } => Some(by),
-            What::Ignited(_) | What::BurnedOut | What::Cleared { .. } | What::LineLost => None,
+            What::Ignited(_) | What::BurnedOut | What::Cleared { .. } => None,
         }
     }
 
@@ -66,15 +62,6 @@ pub fn changes_in_order(timeline: &Timeline) -> Vec<Change> {
     changes.extend(timeline.events.iter().filter_map(Change::from_fact));
     // Both are in order of time, and the sort is stable.
     changes.sort_by_key(|change| change.time);
-    // Line holds until fire crosses it, which comes later in the list.
-    let mut lost = BTreeMap::new();
-    for Change { time, cell, what } in changes.iter_mut().rev() {
-        match what {
-            What::LineLost => drop(lost.insert((cell.row, cell.col), *time)),
-            What::Cleared { until } => *until = lost.remove(&(cell.row, cell.col)).unwrap_or(SimTime::MAX),
-            _ => {}
-        }
-    }
     changes
 }
 
@@ -116,8 +103,9 @@ impl<'a> CellLog<'a> {
             match change.what {
                 What::Ignited(_) => is_left = false,
                 What::Extinguished { .. } => is_left = self.setting.rules.relight && change.time < time,
-                What::Wetted { until, .. } | What::Cleared { until } if until >= time => return false,
-                What::Wetted { .. } | What::Cleared { .. } | What::LineLost | What::BurnedOut => {}
+                What::Wetted { until, .. } if until >= time => return false,
+                What::Cleared { holds: true } => return false,
+                What::Wetted { .. } | What::Cleared { .. } | What::BurnedOut => {}
             }
         }
         is_left

@@ -1,5 +1,4 @@
-//! Line that crews build: no sooner than they can walk to it, no more than their rate allows, in one piece on each flank,
-//! and lost only where fire is beside it.
+//! Line that crews build: no sooner than they can walk to it, no more than their rate allows, in one piece on each flank.
 //!
 //! The bounds are wider than what crews do by some cells, as facts name cells and not places.
 
@@ -19,24 +18,12 @@ type Flank = (DVec2, DVec2, f64, f64);
 pub fn audit_line(timeline: &Timeline) -> Result<(), Violation> {
     let (setting, frame) = (&timeline.setting, timeline.setting.frame);
     let mut flanks: [Option<Flank>; 2] = [None; 2];
-    let mut has_burned = vec![false; frame.cell_count()];
     for &GroundEvent { time, cell, fact } in &timeline.ground {
-        let (place, rules) = (frame.centre(cell), setting.line.as_ref());
-        let is_kept = match fact {
-            GroundFact::Cleared { flank, along_mm } => {
-                let along_m = f64::from(along_mm) / 1000.0;
-                let flank = flanks.get_mut(usize::from(flank)).zip(rules);
-                flank.is_some_and(|(flank, rules)| follow(flank, rules, time, place, along_m, frame.cell_m))
-            }
-            GroundFact::LineLost => {
-                let steps = (-1..=1).flat_map(|cols| (-1..=1).map(move |rows| (cols, rows)));
-                let mut near = steps.filter_map(|(cols, rows)| frame.offset(cell, cols, rows));
-                rules.is_some_and(|rules| rules.can_be_lost) && near.any(|near| has_burned[frame.index(near)])
-            }
-            _ => true,
-        };
-        has_burned[frame.index(cell)] |= matches!(fact, GroundFact::Ignited(_));
-        if !is_kept {
+        let GroundFact::Cleared { flank, along_mm, holds } = fact else { continue };
+        let (place, along_m) = (frame.centre(cell), f64::from(along_mm) / 1000.0);
+        let rules = setting.line.as_ref().filter(|rules| holds || rules.can_be_lost);
+        let flank = flanks.get_mut(usize::from(flank)).zip(rules);
+        if !flank.is_some_and(|(flank, rules)| follow(flank, rules, time, place, along_m, frame.cell_m)) {
             return Err(Violation { time, agent: None, place, kind: ViolationKind::WrongLine { cell } });
         }
     }

@@ -134,16 +134,14 @@ impl<'a> States<'a> {
                 let due = (until < SimTime::MAX).then_some(until);
                 Err(ViolationKind::WrongBurnOut { cell, due })
             }
-            (What::Cleared { until }, state) => {
+            (What::Cleared { holds }, state) => {
                 let is_left = state == CellState::Intact || relight && state == CellState::Extinguished;
-                if !is_left || !self.has_fuel[index] {
+                if holds && !(is_left && self.has_fuel[index]) {
                     return Err(ViolationKind::WrongLine { cell });
                 }
-                self.wet_until[index] = until;
+                self.wet_until[index] = if holds { SimTime::MAX } else { self.wet_until[index] };
                 Ok(state)
             }
-            (What::LineLost, state) if self.wet_until[index] == time => Ok(state),
-            (What::LineLost, _) => Err(ViolationKind::WrongLine { cell }),
             (What::BurnedOut, CellState::Burning { .. }) => Ok(CellState::BurnedOut),
             (What::Extinguished { .. }, CellState::Burning { .. }) => Ok(CellState::Extinguished),
             (What::BurnedOut | What::Extinguished { .. }, _) => Err(ViolationKind::NotBurning { cell }),
@@ -204,8 +202,9 @@ impl<'a> Fronts<'a> {
                     CellChange::Ignited { is_source: !matches!(cause, Cause::Spread(_)) }
                 }
                 What::Extinguished { .. } => CellChange::Extinguished,
-                What::Wetted { until, .. } | What::Cleared { until } => CellChange::Wetted { until },
-                What::BurnedOut | What::LineLost => continue,
+                What::Wetted { until, .. } => CellChange::Wetted { until },
+                What::Cleared { holds: true } => CellChange::Wetted { until: SimTime::MAX },
+                What::BurnedOut | What::Cleared { .. } => continue,
             };
             history.add(index, change.time, what);
         }

@@ -340,21 +340,9 @@ impl FireField {
         })
     }
 
-    /// Clears a cell that is left to burn: it is as wet as can be for good. Returns `None` for others.
+    /// Clears a cell that is left to burn: it is wet for good. Returns `None` for others.
     pub fn clear(&mut self, cell: Cell) -> Option<FireChange> {
         self.wet(cell, SimTime::MAX)
-    }
-
-    pub fn is_cleared(&self, cell: Cell) -> bool {
-        self.wet_until(cell) == Some(SimTime::MAX)
-    }
-
-    /// Lets fire pass over a cleared cell again. Returns `None` for others.
-    pub fn lose(&mut self, cell: Cell) -> Option<FireChange> {
-        self.is_cleared(cell).then(|| {
-            self.wet.remove(&(self.frame.index(cell) as u32));
-            FireChange::Lost { cell }
-        })
     }
 
     fn end_burning(&mut self, cell: Cell, kind: BushStateKind) {

@@ -75,10 +75,6 @@ pub enum FireChange {
     Dried {
         cell: Cell,
     },
-    /// A cleared cell, wet until [`SimTime::MAX`], can burn again.
-    Lost {
-        cell: Cell,
-    },
 }
 
 impl FireChange {
@@ -88,8 +84,7 @@ impl FireChange {
             | Self::Extinguished { cell }
             | Self::BurnedOut { cell }
             | Self::Wetted { cell, .. }
-            | Self::Dried { cell }
-            | Self::Lost { cell } => cell,
+            | Self::Dried { cell } => cell,
         }
     }
 }

@@ -7,7 +7,7 @@
 //! them is that of the forecast. For ellipses the same tactic has a closed form: [`contain`](super::contain).
 
 use crate::contain::Tactic;
-use wildfire_base::geometry::{Cell, DVec2, FieldFrame, ops};
+use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
 
 /// Steps of a builder in a cell's width.
 const STEPS_A_CELL: f64 = 4.0;
@@ -103,7 +103,7 @@ pub struct LineTask<'a> {
 pub struct LinePoint {
     pub time_s: f64,
     pub place: DVec2,
-    /// The normal of the front, or the direction away from what is protected.
+    /// The normal of the front.
     pub outwards: DVec2,
 }
 
@@ -125,6 +125,8 @@ pub struct LineCell {
     pub time_s: f64,
     /// The length of the flank up to there.
     pub along_m: f64,
+    /// When a fire that nobody fights comes there, and in which direction.
+    pub front: Option<(f64, DVec2)>,
 }
 
 /// A builder on a front: its place there, and the outward normal.
@@ -135,75 +137,43 @@ impl LineTask<'_> {
     /// the front outruns a builder, fire gets behind the line: all that is built is given up, and both builders begin again
     /// where the line began, by then farther out.
     pub fn along_front(&self, forecast: &Forecast, tactic: Tactic, offset_m: f64) -> Line {
+        let mut line = Line::default();
         let start = forecast.end_of_fire(self.start_s, tactic);
-        let mut anchor = start.and_then(|place| forecast.on_front(place, self.start_s));
-        let mut builders = [anchor; 2];
+        let Some(mut anchor) = start.and_then(|place| forecast.on_front(place, self.start_s)) else { return line };
+        let step_s = forecast.frame.cell_m / STEPS_A_CELL / (self.most_mps / 2.0);
         let point = |time_s: f64, (front, outwards): OnFront| {
             let place = front + offset_m * outwards;
             LinePoint { time_s, place, outwards }
         };
-        self.build(forecast, anchor.map(|at| point(self.start_s, at)), |time_s, lengths_m, line| {
-            anchor = anchor.and_then(|(front, _)| forecast.on_front(front, time_s));
+        let (mut time_s, mut builders) = (self.start_s, [Some(anchor); 2]);
+        for _ in 0..STEPS_OF_A_CELL * forecast.seconds.len() {
+            // Without a rate a step is infinite.
+            if line.is_closed || builders == [None, None] || time_s + step_s > self.until_s {
+                break;
+            }
+            let mut lengths_m = [0.0; 2];
+            let Some(with_front) = forecast.on_front(anchor.0, time_s + step_s) else { break };
+            anchor = with_front;
             for (flank, side) in [(0, 1.0), (1, -1.0)] {
                 let Some(at) = builders[flank] else { continue };
-                let (next, is_outrun) = step(forecast, offset_m, at, side, time_s, lengths_m[flank]);
+                lengths_m[flank] = (self.rate_mps)(time_s, point(time_s, at).place) / 2.0 * step_s;
+                let (next, is_outrun) = step(forecast, offset_m, at, side, time_s + step_s, lengths_m[flank]);
                 if is_outrun {
-                    builders = [anchor; 2];
-                    line.flanks = [anchor; 2].map(|at| at.map(|at| point(time_s, at)).into_iter().collect());
-                    return;
+                    builders = [Some(anchor); 2];
+                    line.flanks = Default::default();
+                    break;
                 }
                 builders[flank] = next;
-                line.flanks[flank].extend(next.map(|at| point(time_s, at)));
+                line.flanks[flank].extend(next.map(|at| point(time_s + step_s, at)));
             }
+            time_s += step_s;
             if let [Some(one), Some(other)] = builders {
                 let between = point(time_s, other).place - point(time_s, one).place;
                 let is_ahead = (other.0 - one.0).dot(one.1.perp()) > 0.0;
                 line.is_closed = is_ahead && between.length() <= 1.5 * (lengths_m[0] + lengths_m[1]);
             }
-        })
-    }
-
-    /// Computes the line round a place at a distance, from the point nearest to the builders.
-    pub fn around(&self, forecast: &Forecast, centre: DVec2, radius_m: f64, from: DVec2) -> Line {
-        let first = (from - centre).try_normalize().unwrap_or(DVec2::X);
-        let mut passed_m = [0.0; 2];
-        let point = |time_s: f64, along_m: f64| {
-            let (sin, cos) = ops::sin_cos(along_m / radius_m);
-            let outwards = DVec2::new(cos, sin).rotate(first);
-            LinePoint { time_s, place: centre + radius_m * outwards, outwards }
-        };
-        self.build(forecast, Some(point(self.start_s, 0.0)), |time_s, lengths_m, line| {
-            for (flank, side) in [(0, 1.0), (1, -1.0)] {
-                passed_m[flank] += lengths_m[flank];
-                line.flanks[flank].push(point(time_s, side * passed_m[flank]));
-            }
-            line.is_closed = passed_m[0] + passed_m[1] >= std::f64::consts::TAU * radius_m;
-        })
-    }
-
-    /// Lets both flanks advance in steps of a part of a cell until the line is closed: `advance` takes the time, their
-    /// lengths, and the line to add to.
-    fn build(
-        &self,
-        forecast: &Forecast,
-        start: Option<LinePoint>,
-        mut advance: impl FnMut(f64, [f64; 2], &mut Line),
-    ) -> Line {
-        let flanks = [start, start].map(|start| start.into_iter().collect::<Vec<_>>());
-        let mut line = Line { flanks, is_closed: false };
-        let mut time_s = self.start_s;
-        let step_s = forecast.frame.cell_m / STEPS_A_CELL / (self.most_mps / 2.0);
-        for _ in 0..STEPS_OF_A_CELL * forecast.seconds.len() {
-            let [Some(one), Some(other)] = [line.flanks[0].last(), line.flanks[1].last()] else { break };
-            let rates = [one, other].map(|at| (self.rate_mps)(time_s, at.place) / 2.0);
-            time_s += step_s;
-            // Without a rate a step is infinite.
-            if !time_s.is_finite() || time_s > self.until_s || line.is_closed {
-                break;
-            }
-            advance(time_s, rates.map(|rate| rate * step_s), &mut line);
         }
-        if line.flanks.iter().all(|flank| flank.len() < 2) { Line::default() } else { line }
+        line
     }
 }
 
@@ -253,7 +223,8 @@ impl Line {
                     let cell = frame.cell_at(point.place + away_m * point.outwards)?;
                     (forecast.seconds[frame.index(cell)] > time_s).then_some(cell)
                 });
-                cells.extend(cell.map(|cell| LineCell { cell, flank, time_s, along_m }));
+                let front = forecast.at(point.place);
+                cells.extend(cell.map(|cell| LineCell { cell, flank, time_s, along_m, front }));
             }
         }
         cells.sort_by(|a, b| frame.index(a.cell).cmp(&frame.index(b.cell)).then(a.time_s.total_cmp(&b.time_s)));

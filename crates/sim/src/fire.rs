@@ -13,7 +13,6 @@ use wildfire_base::time::SimTime;
 use wildfire_fire::{FireChange, FireEvent, FireField, FireModel, Spread, SpreadBy};
 use wildfire_timeline::{Cause, FireFact, GroundEvent, GroundFact};
 
-use super::line::FireLine;
 use super::queue::{CellEvent, Due, Rank, SimClock, SimQueue};
 use super::recorder::Recorder;
 use super::schedule::{Pass, SimSystems};
@@ -119,20 +118,19 @@ fn change_cells(
     mut queue: ResMut<SimQueue>,
     mut fires: ResMut<Fires>,
     mut recorder: ResMut<Recorder>,
-    line: Res<FireLine>,
     listeners: Listeners,
 ) {
     let now = clock.0;
     let Fires { field, model } = &mut *fires;
     while let Some(Due::Cell(event)) = queue.take(now, Rank::Change) {
-        let Some(change) = change_cell(field, now, event) else { continue };
-        record(&mut recorder, now, event, field);
+        let change = change_cell(field, now, event);
+        if change.is_some() || matches!(event, CellEvent::Clear { holds: false, .. }) {
+            record(&mut recorder, now, event, field);
+        }
+        let Some(change) = change else { continue };
         let mut expected = Vec::new();
         model.follow(field, now, change, &mut expected);
         expect(&mut queue, expected);
-        for cell in line.lost_by(change, now, field) {
-            queue.push(now, Due::Cell(CellEvent::LoseLine { cell }));
-        }
         if listeners.hear_of(change, now, field, &mut queue) {
             return;
         }
@@ -149,8 +147,7 @@ fn change_cell(field: &mut FireField, now: SimTime, event: CellEvent) -> Option<
         CellEvent::BurnOut { cell } => Some(field.burn_out(cell)),
         CellEvent::Wet { cell, until, .. } => field.wet(cell, until),
         CellEvent::Dry { cell } => field.dry(cell, now),
-        CellEvent::Clear { cell, .. } => field.clear(cell),
-        CellEvent::LoseLine { cell } => field.lose(cell),
+        CellEvent::Clear { cell, holds, .. } => holds.then(|| field.clear(cell)).flatten(),
     }
 }
 
@@ -168,10 +165,9 @@ fn record(recorder: &mut Recorder, now: SimTime, event: CellEvent, field: &FireF
         CellEvent::Ignite { cell, cause } => recorder.record_ground(ground(cell, GroundFact::Ignited(cause))),
         CellEvent::Extinguish { cell, by } => recorder.record_ground(ground(cell, GroundFact::Extinguished { by })),
         CellEvent::Wet { cell, until, by } => recorder.record_ground(ground(cell, GroundFact::Wetted { until, by })),
-        CellEvent::Clear { cell, flank, along_mm } => {
-            recorder.record_ground(ground(cell, GroundFact::Cleared { flank, along_mm }));
+        CellEvent::Clear { cell, flank, along_mm, holds } => {
+            recorder.record_ground(ground(cell, GroundFact::Cleared { flank, along_mm, holds }));
         }
-        CellEvent::LoseLine { cell } => recorder.record_ground(ground(cell, GroundFact::LineLost)),
         CellEvent::BurnOut { .. } | CellEvent::Dry { .. } => {}
     }
 }

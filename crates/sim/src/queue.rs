@@ -62,8 +62,7 @@ pub enum CellEvent {
     BurnOut { cell: Cell },
     Wet { cell: Cell, until: SimTime, by: AgentId },
     Dry { cell: Cell },
-    Clear { cell: Cell, flank: u8, along_mm: u32 },
-    LoseLine { cell: Cell },
+    Clear { cell: Cell, flank: u8, along_mm: u32, holds: bool },
 }
 
 /// An event that is due at a time.

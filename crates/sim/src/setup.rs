@@ -19,13 +19,12 @@ use wildfire_timeline::{AgentId, AgentStart, Rules, Setting, SpreadSetting, Wate
 
 use super::agent::{Arena, Roster};
 use super::fire::{Fires, Ignitions, ScheduledIgnition};
-use super::line::FireLine;
 use super::policies::{Following, NamedPolicy, Policies, PolicySite, RuleSite, dispatch};
 use super::queue::{Due, SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
 use super::run::{RunCost, RunError, RunOptions};
 use super::walk_grounds::WalkGrounds;
-use super::{truck, wumpus};
+use super::{line, truck, wumpus};
 
 /// Sets up the world with everybody at the start and the first decisions due. Returns the setting for the timeline, and
 /// the cost.
@@ -53,15 +52,13 @@ pub fn fill(
         },
     });
     world.insert_resource(ignitions(scenario, &terrain, seed));
-    let line = FireLine::new(scenario, seed, spread.as_ref());
     let mut queue = SimQueue::default();
-    line.begins().into_iter().for_each(|time| queue.push(time, Due::Line));
-    world.insert_resource(line);
     for (number, ignition) in scenario.ignition.iter().enumerate() {
         queue.push(SimTime::from_seconds(ignition.at_s), Due::Scheduled(number));
     }
     queue.push(SimTime::from_seconds(scenario.duration_s), Due::End);
     world.insert_resource(queue);
+    line::order(world, scenario, seed, spread.as_ref());
     world.insert_resource(Recorder::new(memory, options.records_searches));
     world.init_resource::<SimClock>();
     world.init_resource::<CpuLog>();

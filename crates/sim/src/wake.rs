@@ -86,9 +86,7 @@ impl News {
                 (Some(Self::FireOver(cell)), fires.can_burn(cell).then_some(Self::Fuel))
             }
             FireChange::Wetted { cell, .. } => (Some(Self::Water(cell)), None),
-            FireChange::Dried { cell } | FireChange::Lost { cell } => {
-                (None, fires.can_burn(cell).then_some(Self::Fuel))
-            }
+            FireChange::Dried { cell } => (None, fires.can_burn(cell).then_some(Self::Fuel)),
         };
         first.into_iter().chain(then)
     }

@@ -118,7 +118,7 @@ impl GroundEvent {
             GroundFact::Ignited(Cause::Lit(by)) | GroundFact::Extinguished { by } | GroundFact::Wetted { by, .. } => {
                 Some(by)
             }
-            GroundFact::Ignited(_) | GroundFact::Cleared { .. } | GroundFact::LineLost => None,
+            GroundFact::Ignited(_) | GroundFact::Cleared { .. } => None,
         }
     }
 }
@@ -132,11 +132,9 @@ pub enum GroundFact {
     Extinguished { by: AgentId },
     /// A truck wets the cell, bush or ground, so that it cannot burn before `until`.
     Wetted { until: SimTime, by: AgentId },
-    /// Crews have finished the line in the cell, bush or ground, so that it cannot burn: on one of the two flanks, after
-    /// so many millimetres of line on it.
-    Cleared { flank: u8, along_mm: u32 },
-    /// Fire crosses the line in the cell, which can burn from now on.
-    LineLost,
+    /// Crews have finished line in the cell, bush or ground, so that it cannot burn: on one of the two flanks, after
+    /// so many millimetres of line on it. Line that does not hold leaves the cell as it was.
+    Cleared { flank: u8, along_mm: u32, holds: bool },
 }
 
 /// An action of an agent, or a result of its planner.

@@ -84,7 +84,7 @@ pub struct GroundOutcome {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LineOutcome {
     pub built_m: f64,
-    /// The part that fire crossed.
+    /// The part that does not hold.
     pub lost_m: f64,
 }
 

@@ -153,7 +153,7 @@ impl FlamingTimes {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LineRules {
     pub crews: Vec<CrewRules>,
-    /// Fire may cross a line, as chance decides.
+    /// Line may not hold, as chance decides.
     pub can_be_lost: bool,
 }
 

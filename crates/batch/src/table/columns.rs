@@ -306,7 +306,7 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
         = ground(row, |g| g.reached_edge_s), title("Time fire reached the border");
     line_built_m: optional Real Metres "line that crews built, if there are any"
         = ground(row, |g| g.line.map(|line| line.built_m)), title("Line built");
-    line_lost_m: optional Real Metres "the part of it that fire crossed"
+    line_lost_m: optional Real Metres "the part of it that does not hold"
         = ground(row, |g| g.line.map(|line| line.lost_m)), title("Line lost");
     truck_idle_s: optional Real Seconds
         "time in which trucks had no goal, or their policy made them wait or relocate"

@@ -242,10 +242,7 @@ impl FireModel for Alexandridis {
                 expected.push((now + self.rules.step, arrival));
             }
             FireChange::Wetted { cell, until } => expected.push((until, FireEvent::Dry { cell })),
-            FireChange::Extinguished { .. }
-            | FireChange::BurnedOut { .. }
-            | FireChange::Dried { .. }
-            | FireChange::Lost { .. } => {}
+            FireChange::Extinguished { .. } | FireChange::BurnedOut { .. } | FireChange::Dried { .. } => {}
         }
     }
 

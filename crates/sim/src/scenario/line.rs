@@ -26,10 +26,6 @@ pub struct LineSettings {
     pub from: Tactic,
     /// Metres between the front and the line, for `parallel`.
     pub offset_m: f64,
-    /// The place that `point-protection` builds round, and the distance of the line from it, metres.
-    pub x_m: f64,
-    pub y_m: f64,
-    pub radius_m: f64,
     pub holds: LineHolds,
     /// With `holds = "flame"`: flame length at which line holds in half of all cases, and scale of the logistic function, metres.
     pub flame_half_m: f64,
@@ -41,24 +37,20 @@ pub struct LineSettings {
 impl Default for LineSettings {
     fn default() -> Self {
         let (policy, from, holds) = (LinePolicy::Direct, Tactic::Rear, LineHolds::Always);
-        let (offset_m, x_m, y_m, radius_m) = (20.0, 0.0, 0.0, 50.0);
-        let (flame_half_m, flame_scale_m, section_m) = (1.2, 0.3, 20.0);
-        Self { policy, from, offset_m, x_m, y_m, radius_m, holds, flame_half_m, flame_scale_m, section_m }
+        Self { policy, from, offset_m: 20.0, holds, flame_half_m: 1.2, flame_scale_m: 0.3, section_m: 20.0 }
     }
 }
 
 ranges! { LineSettings {
-    offset_m: 0.0..=10_000.0, x_m: -1e6..=1e6, y_m: -1e6..=1e6, radius_m: 1.0..=100_000.0, flame_half_m: 0.0..=100.0,
-    flame_scale_m: 0.001..=100.0, section_m: 1.0..=1e6,
+    offset_m: 0.0..=10_000.0, flame_half_m: 0.0..=100.0, flame_scale_m: 0.001..=100.0, section_m: 1.0..=1e6,
 } }
 
-/// Where crews build line: along the front, at `offset_m` from it, or round a place, wherever the fire is.
+/// The way of the line: along the front, or at `offset_m` from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum LinePolicy {
     Direct,
     Parallel,
-    PointProtection,
 }
 
 /// Line stops all fire, or by chance: the longer the flames of the fire that comes to it, the less often.

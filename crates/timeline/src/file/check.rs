@@ -4,8 +4,8 @@
 
 use super::FileError;
 use crate::{
-    AgentFact, AgentStart, Body, CrewRules, Event, Fact, FireFact, GroundEvent, GroundFact, LineRules, Rules, Setting,
-    SpreadSetting, Timeline, WaterRules,
+    AgentFact, AgentStart, Body, Event, Fact, FireFact, GroundEvent, GroundFact, Rules, Setting, SpreadSetting,
+    Timeline, WaterRules,
 };
 use wildfire_base::geometry::{Cell, FieldFrame, Pose};
 use wildfire_base::ranges::{OutOfRange, SettingsTable};
@@ -94,17 +94,8 @@ fn check_setting(setting: &Setting) -> Result<(), FileError> {
     require(ascend, || "its blocked cells are not in the order of their indices".into())?;
     setting.spread.as_ref().map_or(Ok(()), |spread| check_spread(spread, frame))?;
     setting.water.as_ref().map_or(Ok(()), check_water)?;
-    setting.line.as_ref().map_or(Ok(()), check_line)?;
+    limit("crews", setting.line.as_ref().map_or(0, |line| line.crews.len()), MAX_AGENTS)?;
     check_rules(&setting.rules)
-}
-
-fn check_line(line: &LineRules) -> Result<(), FileError> {
-    limit("crews", line.crews.len(), MAX_AGENTS)?;
-    let is_crew = |crew: &CrewRules| {
-        let [x_m, y_m] = crew.start_m;
-        is_size(crew.walking_mps) && [x_m, y_m, crew.rate_mps].into_iter().all(f64::is_finite)
-    };
-    require(line.crews.iter().all(is_crew), || "a crew has no start, no speed or no rate".into())
 }
 
 fn check_water(water: &WaterRules) -> Result<(), FileError> {
@@ -179,7 +170,7 @@ fn check_ground_event(event: &GroundEvent, setting: &Setting) -> Result<(), File
         GroundFact::Wetted { until, .. } => {
             require(until >= event.time, || format!("{} is dry before it is wet at {}", event.cell, event.time))
         }
-        GroundFact::Extinguished { .. } | GroundFact::Cleared { .. } | GroundFact::LineLost => Ok(()),
+        GroundFact::Extinguished { .. } | GroundFact::Cleared { .. } => Ok(()),
     }
 }
 

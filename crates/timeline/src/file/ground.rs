@@ -31,7 +31,6 @@ mod kind {
     pub const EXTINGUISHED: u32 = 4;
     pub const WETTED: u32 = 5;
     pub const CLEARED: u32 = 6;
-    pub const LINE_LOST: u32 = 7;
 }
 
 /// The log of the ground.
@@ -126,8 +125,7 @@ impl GroundWriter {
             GroundFact::Ignited(Cause::Scheduled) => (kind::SCHEDULED, None),
             GroundFact::Extinguished { by } => (kind::EXTINGUISHED, Some(agent(by))),
             GroundFact::Wetted { by, .. } => (kind::WETTED, Some(agent(by))),
-            GroundFact::Cleared { flank, .. } => (kind::CLEARED, Some(u32::from(flank))),
-            GroundFact::LineLost => (kind::LINE_LOST, None),
+            GroundFact::Cleared { .. } => (kind::CLEARED, None),
         };
         append(&mut self.records, &(place - told.place));
         append(&mut self.records, &(event.time - told.time).as_nanos());
@@ -137,8 +135,8 @@ impl GroundWriter {
         if let GroundFact::Wetted { until, .. } = event.fact {
             append(&mut self.records, &(until - event.time).as_nanos());
         }
-        if let GroundFact::Cleared { along_mm, .. } = event.fact {
-            append(&mut self.records, &along_mm);
+        if let GroundFact::Cleared { flank, along_mm, holds } = event.fact {
+            append(&mut self.records, &(flank, along_mm, holds));
         }
         *told = Told { place, time: event.time, index: index(event.cell) };
     }
@@ -250,11 +248,10 @@ fn take_record(records: &mut &[u8], setting: &Setting, told: Told) -> Result<(u3
             let by = agent(take(records)?)?;
             GroundFact::Wetted { until: later(time, take(records)?)?, by }
         }
-        kind::CLEARED => GroundFact::Cleared {
-            flank: u8::try_from(take::<u32>(records)?).map_err(|_| NO_SUCH_WORD)?,
-            along_mm: take(records)?,
-        },
-        kind::LINE_LOST => GroundFact::LineLost,
+        kind::CLEARED => {
+            let (flank, along_mm, holds) = take(records)?;
+            GroundFact::Cleared { flank, along_mm, holds }
+        }
         _ => return Err(NO_SUCH_WORD),
     };
     Ok((place, GroundEvent { time, cell: changed, fact }))

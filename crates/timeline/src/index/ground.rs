@@ -5,8 +5,6 @@
 //! out follows from when it caught fire (see [`FlamingTimes`](crate::FlamingTimes)), when it dries from the fact
 //! that wetted it; so neither is a fact.
 
-use std::collections::BTreeMap;
-
 use crate::{BushState, Cause, GroundEvent, GroundFact, GroundOutcome, LineOutcome, Setting, Timeline};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
@@ -62,8 +60,6 @@ pub struct GroundIndex {
     burnings: Vec<Burning>,
     /// By cell index, then time.
     wettings: Vec<Wetting>,
-    /// Of line, by cell index.
-    cleared: Vec<Wetting>,
     line: Option<LineOutcome>,
     cells: u32,
     /// Times, ascending: of ignitions, of ignitions of what had been extinguished, of both kinds of ends.
@@ -89,8 +85,7 @@ impl GroundIndex {
             }
         }
         let mut wettings = Vec::new();
-        let mut cleared: BTreeMap<u32, Wetting> = BTreeMap::new();
-        let (mut along_mm, mut lost) = ([0; 2], 0);
+        let (mut along_mm, mut line_cells) = ([0; 2], [0.0, 0.0]);
         for event in log {
             match event.fact {
                 GroundFact::Extinguished { .. } => {
@@ -104,23 +99,19 @@ impl GroundIndex {
                 GroundFact::Wetted { until, .. } => {
                     wettings.push(Wetting { cell: event.cell, from: event.time, until });
                 }
-                GroundFact::Cleared { flank, along_mm: so_far } => {
+                GroundFact::Cleared { flank, along_mm: so_far, holds } => {
                     let along = &mut along_mm[usize::from(flank) % 2];
                     *along = so_far.max(*along);
+                    line_cells[usize::from(holds)] += 1.0;
                     let wetting = Wetting { cell: event.cell, from: event.time, until: SimTime::MAX };
-                    cleared.insert(frame.index(event.cell) as u32, wetting);
-                }
-                GroundFact::LineLost => {
-                    if let Some(cleared) = cleared.get_mut(&(frame.index(event.cell) as u32)) {
-                        (cleared.until, lost) = (event.time, lost + 1);
-                    }
+                    wettings.extend(holds.then_some(wetting));
                 }
                 GroundFact::Ignited(_) => {}
             }
         }
-        let built_m = along_mm.iter().map(|&along| f64::from(along) / 1000.0).sum();
-        // A lost cell counts as an average one.
-        let lost_m = built_m * f64::from(lost) / (cleared.len() as f64).max(1.0);
+        let built_m = along_mm.iter().map(|&along| f64::from(along) / 1000.0).sum::<f64>();
+        // A cell counts as an average one.
+        let lost_m = built_m * line_cells[0] / (line_cells[0] + line_cells[1]).max(1.0);
         let line = setting.line.as_ref().map(|_| LineOutcome { built_m, lost_m });
         // The log is in order of time, and the sort is stable.
         wettings.sort_by_key(|wetting| frame.index(wetting.cell));
@@ -147,7 +138,6 @@ impl GroundIndex {
             first,
             burnings,
             wettings,
-            cleared: cleared.into_values().collect(),
             line,
         })
     }
@@ -183,18 +173,11 @@ impl GroundIndex {
         let index = self.frame.index(cell);
         let first = self.wettings.partition_point(|wetting| self.frame.index(wetting.cell) < index);
         let of_cell = self.wettings[first..].iter().take_while(|wetting| wetting.cell == cell);
-        let cleared = self.cleared.binary_search_by_key(&index, |cleared| self.frame.index(cleared.cell)).ok();
-        let of_cell = of_cell.chain(cleared.map(|place| &self.cleared[place]));
-        let begun = of_cell.filter(|wetting| wetting.from <= time.min(self.end));
+        let begun = of_cell.take_while(|wetting| wetting.from <= time.min(self.end));
         begun.map(|wetting| wetting.until).max().filter(|&until| until > time)
     }
 
-    /// Returns the cells of line, by cell index, each until fire crosses it.
-    pub fn cleared(&self) -> &[Wetting] {
-        &self.cleared
-    }
-
-    /// Returns all wetting by trucks, by cell index and then time.
+    /// Returns all wetting by trucks, and the line of crews, until [`SimTime::MAX`], by cell index and then time.
     pub fn wettings(&self) -> &[Wetting] {
         &self.wettings
     }
@@ -341,7 +324,7 @@ mod tests {
             match event.fact {
                 GroundFact::Ignited(_) => *state = BushState::Burning { since: event.time },
                 GroundFact::Extinguished { .. } => *state = BushState::Extinguished,
-                GroundFact::Wetted { .. } | GroundFact::Cleared { .. } | GroundFact::LineLost => {}
+                GroundFact::Wetted { .. } | GroundFact::Cleared { .. } => {}
             }
         }
         for (index, state) in states.iter_mut().enumerate() {

@@ -323,16 +323,6 @@ impl Front {
         self.plan_again(index);
     }
 
-    /// Takes in that fire passes from now on over a cell that was to be closed for good.
-    pub fn reopen(&mut self, cell: Cell, now: u64) {
-        self.cells.delays.insert(self.cells.index(cell) as u32, now);
-        let left: Vec<usize> = self.cells.around(cell, REACH).filter(|&near| !self.cells.has_burned(near)).collect();
-        for near in left {
-            self.cells.state[near] &= !DUE;
-            self.plan_again(near);
-        }
-    }
-
     /// Marks the plans that ways over a cell may be part of. All of them can only become later.
     fn mark_stale_around(&mut self, cell: Cell) {
         for near in self.cells.around(cell, REACH) {

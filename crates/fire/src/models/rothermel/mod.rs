@@ -103,7 +103,6 @@ impl Rothermel {
             }
             FireChange::Extinguished { cell } => self.front.extinguish(cell, nanos, fires.relights()),
             FireChange::Wetted { cell, until } => self.front.delay(cell, until.as_nanos()),
-            FireChange::Lost { cell } => self.front.reopen(cell, nanos),
             // Fire goes on from what has burned out, and what dries was planned for when it became wet.
             FireChange::BurnedOut { .. } | FireChange::Dried { .. } => {}
         }

@@ -135,7 +135,7 @@ impl GroundData {
         burnings.cell = differences(burnings.cell);
         burnings.ignited_ms = differences(burnings.ignited_ms);
         let mut wettings = WettingTable::default();
-        for wetting in index.wettings().iter().chain(index.cleared()) {
+        for wetting in index.wettings() {
             wettings.cell.push(frame.index(wetting.cell) as i64);
             wettings.from_ms.push(millis(wetting.from));
             wettings.lasts_ms.push(millis(wetting.until) - millis(wetting.from));
