@@ -12,13 +12,8 @@ use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
 /// Steps of a builder in a cell's width.
 const STEPS_A_CELL: f64 = 4.0;
 
-/// The most steps for each cell of the field: enough for a line that passes all of them.
-const STEPS_OF_A_CELL: usize = 8;
-
-/// Halvings of a builder's step, for a thousandth of a millimetre.
+/// Halvings of a builder's step, for a thousandth of a millimetre, and steps outwards for a cell that has not burned.
 const BISECTIONS: u32 = 24;
-
-/// Steps outwards that are tried for a cell that has not burned.
 const LOOKS_OUTWARDS: u32 = 8;
 
 /// Times in seconds at which a fire comes to the centres of cells, infinite where it does not.
@@ -98,20 +93,11 @@ pub struct LineTask<'a> {
     pub until_s: f64,
 }
 
-/// A place of a builder.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LinePoint {
-    pub time_s: f64,
-    pub place: DVec2,
-    /// The normal of the front.
-    pub outwards: DVec2,
-}
-
 /// The way of the builders.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Line {
-    /// Counter-clockwise from where the line begins, and clockwise.
-    pub flanks: [Vec<LinePoint>; 2],
+    /// Times in seconds, places and normals of the front, counter-clockwise from where the line begins, and clockwise.
+    pub flanks: [Vec<(f64, DVec2, DVec2)>; 2],
     /// True if the flanks meet.
     pub is_closed: bool,
 }
@@ -141,12 +127,10 @@ impl LineTask<'_> {
         let start = forecast.end_of_fire(self.start_s, tactic);
         let Some(mut anchor) = start.and_then(|place| forecast.on_front(place, self.start_s)) else { return line };
         let step_s = forecast.frame.cell_m / STEPS_A_CELL / (self.most_mps / 2.0);
-        let point = |time_s: f64, (front, outwards): OnFront| {
-            let place = front + offset_m * outwards;
-            LinePoint { time_s, place, outwards }
-        };
+        let place = |(front, outwards): OnFront| front + offset_m * outwards;
         let (mut time_s, mut builders) = (self.start_s, [Some(anchor); 2]);
-        for _ in 0..STEPS_OF_A_CELL * forecast.seconds.len() {
+        // Enough for a line that passes all cells.
+        for _ in 0..8 * forecast.seconds.len() {
             // Without a rate a step is infinite.
             if line.is_closed || builders == [None, None] || time_s + step_s > self.until_s {
                 break;
@@ -156,7 +140,7 @@ impl LineTask<'_> {
             anchor = with_front;
             for (flank, side) in [(0, 1.0), (1, -1.0)] {
                 let Some(at) = builders[flank] else { continue };
-                lengths_m[flank] = (self.rate_mps)(time_s, point(time_s, at).place) / 2.0 * step_s;
+                lengths_m[flank] = (self.rate_mps)(time_s, place(at)) / 2.0 * step_s;
                 let (next, is_outrun) = step(forecast, offset_m, at, side, time_s + step_s, lengths_m[flank]);
                 if is_outrun {
                     builders = [Some(anchor); 2];
@@ -164,11 +148,11 @@ impl LineTask<'_> {
                     break;
                 }
                 builders[flank] = next;
-                line.flanks[flank].extend(next.map(|at| point(time_s + step_s, at)));
+                line.flanks[flank].extend(next.map(|at| (time_s + step_s, place(at), at.1)));
             }
             time_s += step_s;
             if let [Some(one), Some(other)] = builders {
-                let between = point(time_s, other).place - point(time_s, one).place;
+                let between = place(other) - place(one);
                 let is_ahead = (other.0 - one.0).dot(one.1.perp()) > 0.0;
                 line.is_closed = is_ahead && between.length() <= 1.5 * (lengths_m[0] + lengths_m[1]);
             }
@@ -203,7 +187,7 @@ fn step(
 }
 
 impl Line {
-    /// Returns the cells to clear, by cell index: from every place of a builder the first cell outwards that fire has not
+    /// Returns the cells to clear, in order of time: from every place of a builder the first cell outwards that fire has not
     /// come to by the time at which the builder is a cell ahead, which is when the cell is finished. One touches the next,
     /// at a side or at a corner, so that no front can step over them.
     pub fn cells(&self, forecast: &Forecast) -> Vec<LineCell> {
@@ -211,24 +195,25 @@ impl Line {
         let mut cells = Vec::new();
         for (flank, points) in self.flanks.iter().enumerate() {
             let (mut along_m, mut ahead) = (0.0, 0);
-            for (number, point) in points.iter().enumerate() {
-                along_m += (point.place - points[number.saturating_sub(1)].place).length();
-                let is_near = |ahead: &LinePoint| (ahead.place - point.place).length() < frame.cell_m;
-                while ahead + 1 < points.len() && (ahead < number || is_near(&points[ahead])) {
+            for (number, &(_, place, outwards)) in points.iter().enumerate() {
+                let away_m = |other: usize| (points[other].1 - place).length();
+                along_m += away_m(number.saturating_sub(1));
+                while ahead + 1 < points.len() && (ahead < number || away_m(ahead) < frame.cell_m) {
                     ahead += 1;
                 }
-                let time_s = points[ahead].time_s;
+                let time_s = points[ahead].0;
                 let cell = (0..LOOKS_OUTWARDS).find_map(|look| {
                     let away_m = f64::from(look) * frame.cell_m / STEPS_A_CELL;
-                    let cell = frame.cell_at(point.place + away_m * point.outwards)?;
+                    let cell = frame.cell_at(place + away_m * outwards)?;
                     (forecast.seconds[frame.index(cell)] > time_s).then_some(cell)
                 });
-                let front = forecast.at(point.place);
+                let front = forecast.at(place);
                 cells.extend(cell.map(|cell| LineCell { cell, flank, time_s, along_m, front }));
             }
         }
         cells.sort_by(|a, b| frame.index(a.cell).cmp(&frame.index(b.cell)).then(a.time_s.total_cmp(&b.time_s)));
         cells.dedup_by_key(|line| line.cell);
+        cells.sort_by(|a, b| a.time_s.total_cmp(&b.time_s).then(a.along_m.total_cmp(&b.along_m)));
         cells
     }
 }

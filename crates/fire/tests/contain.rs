@@ -8,11 +8,10 @@ use wildfire_base::geometry::{Cell, DVec2, FieldFrame, ops};
 use wildfire_base::rng;
 use wildfire_base::time::SimTime;
 use wildfire_fire::contain::{Attack, Resource, Status, Tactic};
-use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::line::{Forecast, LineTask};
 use wildfire_fire::lone::LoneFire;
 use wildfire_fire::models::RothermelRules;
-use wildfire_fire::surface::{FuelBed, FuelMoisture, SurfaceOptions, twenty_foot_wind, unsheltered_adjustment};
+use wildfire_fire::surface::{FuelMoisture, surface_fire};
 use wildfire_fire::{Landscape, Weather};
 
 const CHAIN_M: f64 = 20.1168;
@@ -31,10 +30,10 @@ fn compare(case: u64, cells: f64) -> Compared {
     let fuel = if rng.random_bool(0.5) { 1 } else { 101 };
     let (sin, cos) = ops::sin_cos(rng.random_range(0.0..2.0 * PI));
     let (downwind, speed) = (DVec2::new(cos, sin), rng.random_range(0.0..12.0));
-    let model = FuelModel::by_number(fuel).expect("it is a standard model");
-    let (moisture, options) = (FuelMoisture::default(), SurfaceOptions::default());
-    let midflame = twenty_foot_wind(1.0) * unsheltered_adjustment(model.depth_ft) * speed * downwind;
-    let fire = FuelBed::new(model, &moisture, options.curing).behavior(midflame, DVec2::ZERO, &options);
+    let weather = Arc::new(Weather::constant(speed * downwind, FuelMoisture::default()));
+    let (first, rules) = (Cell { col: 0, row: 0 }, RothermelRules::default());
+    let plot = Landscape::uniform(FieldFrame { cols: 1, rows: 1, cell_m: 1.0 }, fuel);
+    let fire = surface_fire(&plot, &weather, &rules.options, first, SimTime::ZERO).expect("grass burns");
     let (length_to_width, eccentricity) = (fire.length_to_width, fire.eccentricity);
     let rate_ch_h = fire.rate_mps * 3600.0 / CHAIN_M;
     let size_acre = rng.random_range(0.5..20.0_f64);
@@ -58,12 +57,8 @@ fn compare(case: u64, cells: f64) -> Compared {
     let frame = FieldFrame { cols: side, rows: side, cell_m: length_m / cells };
     let middle = frame.centre(Cell { col: side / 2, row: side / 2 });
     let origin = frame.cell_at(middle - 0.5 * eccentricity * length_m * downwind).expect("it is inside");
-    let mut fought = LoneFire::new(
-        Arc::new(Landscape::uniform(frame, fuel)),
-        Arc::new(Weather::constant(speed * downwind, moisture)),
-        RothermelRules::default(),
-        &[(SimTime::ZERO, origin)],
-    );
+    let landscape = Arc::new(Landscape::uniform(frame, fuel));
+    let mut fought = LoneFire::new(landscape, weather, rules, &[(SimTime::ZERO, origin)]);
     let mut free = fought.clone();
     free.burn_until(SimTime::from_seconds(1.4 * end_s));
     let arrivals = (0..frame.cell_count()).map(|index| free.arrival(frame.cell(index)));
@@ -77,9 +72,7 @@ fn compare(case: u64, cells: f64) -> Compared {
     // Contain gives up after 18 hours, and beyond 1000 acres.
     let task = LineTask { start_s, rate_mps: &rate_mps, most_mps, until_s: report_s + 60.0 * 1080.0 };
     let line = task.along_front(&forecast, tactic, 0.0);
-    let mut cells = line.cells(&forecast);
-    cells.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-    for line in cells {
+    for line in line.cells(&forecast) {
         let time = SimTime::from_seconds(line.time_s);
         fought.burn_until(time);
         fought.clear(time, line.cell);
@@ -97,19 +90,20 @@ fn compare(case: u64, cells: f64) -> Compared {
     }
 }
 
-/// Says how many agree, and median, 95th percentile and greatest relative difference of area where both contain the fire.
-fn figures(compared: &[Compared]) -> (usize, [f64; 3]) {
+/// Says how many agree, and where both contain the fire how many areas are within 2 %, and percentiles of their differences.
+fn figures(compared: &[Compared]) -> (usize, usize, [f64; 3]) {
     let both = compared.iter().filter(|one| one.is_contained == [true; 2]);
     let mut off: Vec<f64> = both.map(|one| (one.area_acre[1] / one.area_acre[0] - 1.0).abs()).collect();
     off.sort_by(f64::total_cmp);
     let at = |share: f64| off[((off.len() - 1) as f64 * share).round() as usize];
-    (compared.iter().filter(|one| one.is_contained[0] == one.is_contained[1]).count(), [0.5, 0.95, 1.0].map(at))
+    let agreed = compared.iter().filter(|one| one.is_contained[0] == one.is_contained[1]).count();
+    (agreed, off.partition_point(|&off| off <= 0.02), [0.5, 0.95, 1.0].map(at))
 }
 
 #[test]
 fn crews_contain_fires_as_contain_says() {
     let compared: Vec<Compared> = (0..24).map(|case| compare(case, 100.0)).collect();
-    let (agreed, [median, _, worst]) = figures(&compared);
+    let (agreed, _, [median, _, worst]) = figures(&compared);
     assert!(median < 0.01 && worst < 0.02 && agreed == 24, "{median} {worst} {agreed}");
     assert!(compared.iter().any(|one| !one.is_contained[0]), "some are lost");
 }
@@ -119,10 +113,8 @@ fn crews_contain_fires_as_contain_says() {
 fn two_hundred_cases() {
     for cells in [100.0, 200.0, 400.0] {
         let compared: Vec<Compared> = (0..200).map(|case| compare(case, cells)).collect();
-        let (agreed, off) = figures(&compared);
+        let (agreed, close, off) = figures(&compared);
         let contained = compared.iter().filter(|one| one.is_contained[0]).count();
-        let close = compared.iter().filter(|one| (one.area_acre[1] / one.area_acre[0] - 1.0).abs() <= 0.02);
-        let close = close.filter(|one| one.is_contained == [true; 2]).count();
         println!("{cells} cells: {contained} contained, {agreed} agree, {close} areas within 2 %; off by {off:.4?}");
         if std::env::var_os("WILDFIRE_REWRITE_DOCS").is_some() {
             let picture = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/pictures/contain.svg");

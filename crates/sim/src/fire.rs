@@ -13,6 +13,7 @@ use wildfire_base::time::SimTime;
 use wildfire_fire::{FireChange, FireEvent, FireField, FireModel, Spread, SpreadBy};
 use wildfire_timeline::{Cause, FireFact, GroundEvent, GroundFact};
 
+use super::line::plan_line;
 use super::queue::{CellEvent, Due, Rank, SimClock, SimQueue};
 use super::recorder::Recorder;
 use super::schedule::{Pass, SimSystems};
@@ -24,7 +25,10 @@ pub struct FirePlugin;
 
 impl Plugin for FirePlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(Pass, (burn_out, dry, spread, light_scheduled, change_cells).chain().in_set(SimSystems::Fire));
+        app.add_systems(
+            Pass,
+            (burn_out, dry, spread, light_scheduled, plan_line, change_cells).chain().in_set(SimSystems::Fire),
+        );
     }
 }
 

@@ -278,7 +278,6 @@ fn app() -> App {
         wumpus::WumpusPlugin,
         truck::TruckPlugin,
         standoff::TrafficPlugin,
-        line::LinePlugin,
         end::EndPlugin,
     ));
     app

@@ -6,7 +6,6 @@
 
 use std::sync::Arc;
 
-use bevy_app::prelude::*;
 use bevy_ecs::prelude::*;
 use rand::RngExt;
 
@@ -21,23 +20,12 @@ use wildfire_timeline::SpreadSetting;
 
 use super::fire::Fires;
 use super::queue::{CellEvent, Due, Rank, SimClock, SimQueue};
-use super::schedule::{Pass, SimSystems};
 
 /// Crews look again after this time if nothing burns.
 const LOOK_AGAIN: SimTime = SimTime::from_nanos(60_000_000_000);
 
 /// Rounds of a walk to an end of the fire that moves; it is slower than people, or they do not get there.
 const WALKS: u32 = 8;
-
-/// The plugin in which crews decide where to build line.
-#[derive(Debug)]
-pub struct LinePlugin;
-
-impl Plugin for LinePlugin {
-    fn build(&self, app: &mut App) {
-        app.add_systems(Pass, plan_line.in_set(SimSystems::Crews));
-    }
-}
 
 /// The orders of the crews of a run.
 #[derive(Resource, Clone, Debug)]
@@ -93,7 +81,8 @@ impl Orders {
         // Where crews go changes while they walk, as the fire grows.
         for _ in 0..WALKS {
             let Some(goal) = forecast.end_of_fire(first(&arrivals), from) else { return Vec::new() };
-            let arrival = |crew: &Crew| crew.at_s + (goal - crew.start()).length() / crew.speed_mps;
+            let walk_m = |crew: &Crew| (goal - DVec2::new(crew.x_m, crew.y_m)).length();
+            let arrival = |crew: &Crew| crew.at_s + walk_m(crew) / crew.speed_mps;
             arrivals = self.crews.iter().map(arrival).collect();
         }
         let landscape = self.spread.landscape();
@@ -112,7 +101,12 @@ impl Orders {
 }
 
 /// Decides where the line is when the first crew sets out, and schedules its cells.
-fn plan_line(clock: Res<SimClock>, mut queue: ResMut<SimQueue>, fires: Res<Fires>, orders: Option<Res<CrewOrders>>) {
+pub fn plan_line(
+    clock: Res<SimClock>,
+    mut queue: ResMut<SimQueue>,
+    fires: Res<Fires>,
+    orders: Option<Res<CrewOrders>>,
+) {
     let Some(orders) = orders else { return };
     while queue.take(clock.0, Rank::Line).is_some() {
         if !fires.model.is_under_way() && fires.field.burning().len() == 0 {

@@ -22,8 +22,6 @@ pub enum SimSystems {
     Truck,
     /// Trucks that block one another.
     Traffic,
-    /// Crews decide where to build line.
-    Crews,
     End,
 }
 
@@ -41,7 +39,7 @@ impl Plugin for SchedulePlugin {
                 ..ScheduleBuildSettings::default()
             });
         });
-        use SimSystems::{Crews, End, Fire, Traffic, Truck, Wake, Wumpus};
-        app.configure_sets(Pass, (Fire, Wake, Wumpus, Truck, Traffic, Crews, End).chain());
+        use SimSystems::{End, Fire, Traffic, Truck, Wake, Wumpus};
+        app.configure_sets(Pass, (Fire, Wake, Wumpus, Truck, Traffic, End).chain());
     }
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::check::{Check, TablePath};
 use super::{FireModelName, Scenario};
-use wildfire_base::geometry::{DVec2, FieldFrame};
+use wildfire_base::geometry::FieldFrame;
 use wildfire_base::ranges;
 use wildfire_base::time::SimTime;
 use wildfire_fire::contain::Tactic;
@@ -66,7 +66,6 @@ pub enum LineHolds {
 #[serde(deny_unknown_fields)]
 pub struct Crew {
     /// The number of crews that this entry is.
-    #[serde(default = "defaults::one")]
     pub count: u32,
     /// Where they set out, metres, and when, seconds.
     pub x_m: f64,
@@ -74,7 +73,6 @@ pub struct Crew {
     #[serde(default)]
     pub at_s: f64,
     /// Speed at which they walk to where the line begins, in a straight line.
-    #[serde(default = "defaults::speed_mps")]
     pub speed_mps: f64,
     /// Metres of line that each builds in an hour, on both flanks together.
     pub rate_m_h: f64,
@@ -83,25 +81,11 @@ pub struct Crew {
     pub rate_by_fuel: BTreeMap<String, f64>,
 }
 
-mod defaults {
-    pub fn one() -> u32 {
-        1
-    }
-
-    pub fn speed_mps() -> f64 {
-        1.0
-    }
-}
-
 ranges! { Crew {
     count: 0.0..=10_000.0, x_m: -1e6..=1e6, y_m: -1e6..=1e6, at_s: 0.0..=1e6, speed_mps: 0.01..=100.0, rate_m_h: 0.0..=1e6,
 } }
 
 impl Crew {
-    pub fn start(&self) -> DVec2 {
-        DVec2::new(self.x_m, self.y_m)
-    }
-
     /// Returns the metres of line that all of the entry build in a second on a fuel.
     pub fn rate_mps(&self, fuel: u8) -> f64 {
         let is_it = |code: &str| FuelModel::by_name(code).is_some_and(|model| model.number == fuel);
