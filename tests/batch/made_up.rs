@@ -29,6 +29,8 @@ fn scenario() -> Scenario {
         sight: None,
         traffic: None,
         water: None,
+        crew: Vec::new(),
+        line: None,
         ignition: Vec::new(),
         wind: Vec::new(),
         wind_file: None,
@@ -70,6 +72,7 @@ fn made_up_timeline(seed: u64) -> Timeline {
             spread: None,
             water: None,
             ground_shares: Vec::new(),
+            line: None,
             agents: vec![
                 start(wumpus, 200.0, Body::Square { size_m: 3.0 }),
                 start(truck, 50.0, Body::Truck(wildfire::vehicle::Dimensions::default())),

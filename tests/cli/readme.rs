@@ -262,6 +262,7 @@ hold! {
     judge: "docs/judge.md", pictures below 0;
     landscapes: "docs/landscapes.md", pictures below 0;
     lessons: "docs/lessons.md", pictures below 0;
+    line: "docs/line.md", pictures below 0;
     modules: "docs/modules.md", pictures below 0;
     maps_of_fire: "docs/maps-of-fire.md", pictures below 300_000;
     output_files: "docs/output-files.md", pictures below 0;

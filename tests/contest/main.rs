@@ -10,6 +10,7 @@ mod dispatch_rules;
 mod fuzzers;
 mod gate;
 mod learned;
+mod line;
 mod original;
 mod own_planners;
 mod pose_planners;

@@ -81,6 +81,8 @@ fn both_contests_spell_out_every_value_and_those_of_the_first_are_the_defaults()
         sight: None,
         traffic: None,
         water: None,
+        crew: Vec::new(),
+        line: None,
         ignition: Vec::new(),
         wind: Vec::new(),
         wind_file: None,

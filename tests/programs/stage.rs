@@ -89,6 +89,7 @@ impl Stage {
         let context = PlannerContext {
             truck: 0,
             seed,
+            ground: None,
             checker: &CollisionChecker::new(field, truck.vehicle),
             memory: &MemoryMeter::unlimited(),
             planners: &planners,

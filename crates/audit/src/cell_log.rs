@@ -20,6 +20,7 @@ pub enum What {
     BurnedOut,
     Extinguished { by: AgentId },
     Wetted { until: SimTime, by: AgentId },
+    Cleared { holds: bool },
 }
 
 impl Change {
@@ -38,6 +39,7 @@ impl Change {
             GroundFact::Ignited(cause) => What::Ignited(cause),
             GroundFact::Extinguished { by } => What::Extinguished { by },
             GroundFact::Wetted { until, by } => What::Wetted { until, by },
+            GroundFact::Cleared { holds, .. } => What::Cleared { holds },
         };
         Self { time: event.time, cell: event.cell, what }
     }
@@ -45,7 +47,7 @@ impl Change {
     fn agent(&self) -> Option<AgentId> {
         match self.what {
             What::Ignited(Cause::Lit(by)) | What::Extinguished { by } | What::Wetted { by, .. } => Some(by),
-            What::Ignited(_) | What::BurnedOut => None,
+            What::Ignited(_) | What::BurnedOut | What::Cleared { .. } => None,
         }
     }
 
@@ -102,7 +104,8 @@ impl<'a> CellLog<'a> {
                 What::Ignited(_) => is_left = false,
                 What::Extinguished { .. } => is_left = self.setting.rules.relight && change.time < time,
                 What::Wetted { until, .. } if until >= time => return false,
-                What::Wetted { .. } | What::BurnedOut => {}
+                What::Cleared { holds: true } => return false,
+                What::Wetted { .. } | What::Cleared { .. } | What::BurnedOut => {}
             }
         }
         is_left

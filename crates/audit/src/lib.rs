@@ -27,6 +27,7 @@ mod field;
 mod fires;
 mod ground;
 mod leg;
+mod line;
 mod meeting;
 mod pace;
 mod run;

@@ -5,6 +5,7 @@ use super::field::{AuditField, Outline};
 use super::fires::audit_fires;
 use super::ground::audit_ground;
 use super::leg::{MotionLimits, SampleStep, audit_leg, work_of_pose};
+use super::line::audit_line;
 use super::meeting::{Driver, audit_meetings};
 use super::spread::audit_spread;
 use super::suppression::audit_acts;
@@ -46,6 +47,7 @@ pub fn audit_timeline(timeline: &Timeline, step: SampleStep) -> Verdict {
     }
     violations.push(audit_meetings(&drivers, timeline.end_time(), step).err());
     violations.push(if setting.spread.is_some() { audit_spread(timeline) } else { audit_fires(timeline) }.err());
+    violations.push(audit_line(timeline).err());
     match audit_acts(timeline) {
         Ok(extinctions) => audited.extinctions += extinctions,
         Err(violation) => violations.push(Some(violation)),
@@ -163,6 +165,7 @@ mod tests {
             spread: None,
             water: None,
             ground_shares: Vec::new(),
+            line: None,
             agents: vec![truck(TRUCK, start()), truck(SECOND, Pose::new(10.0, 10.0, 0.0))],
             rules: Rules {
                 duration: seconds(100.0),

@@ -134,6 +134,14 @@ impl<'a> States<'a> {
                 let due = (until < SimTime::MAX).then_some(until);
                 Err(ViolationKind::WrongBurnOut { cell, due })
             }
+            (What::Cleared { holds }, state) => {
+                let is_left = state == CellState::Intact || relight && state == CellState::Extinguished;
+                if holds && !(is_left && self.has_fuel[index]) {
+                    return Err(ViolationKind::WrongLine { cell });
+                }
+                self.wet_until[index] = if holds { SimTime::MAX } else { self.wet_until[index] };
+                Ok(state)
+            }
             (What::BurnedOut, CellState::Burning { .. }) => Ok(CellState::BurnedOut),
             (What::Extinguished { .. }, CellState::Burning { .. }) => Ok(CellState::Extinguished),
             (What::BurnedOut | What::Extinguished { .. }, _) => Err(ViolationKind::NotBurning { cell }),
@@ -195,7 +203,8 @@ impl<'a> Fronts<'a> {
                 }
                 What::Extinguished { .. } => CellChange::Extinguished,
                 What::Wetted { until, .. } => CellChange::Wetted { until },
-                What::BurnedOut => continue,
+                What::Cleared { holds: true } => CellChange::Wetted { until: SimTime::MAX },
+                What::BurnedOut | What::Cleared { .. } => continue,
             };
             history.add(index, change.time, what);
         }
@@ -351,6 +360,7 @@ mod tests {
             blocked: Vec::new(),
             water: None,
             ground_shares: Vec::new(),
+            line: None,
             agents: vec![AgentStart {
                 id: TRUCK,
                 pose: wildfire_base::geometry::Pose::new(20.0, 20.0, 0.0),

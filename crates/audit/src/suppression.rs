@@ -76,6 +76,7 @@ fn act_on_ground(actors: &mut [Actor], setting: &Setting, event: &GroundEvent) -
         GroundFact::Ignited(_) => actor.light(cell, time),
         GroundFact::Extinguished { .. } => actor.extinguish(setting, cell, time),
         GroundFact::Wetted { .. } => actor.wet(setting, cell, time),
+        GroundFact::Cleared { .. } => unreachable!("line is of no agent"),
     };
     acted.map_err(|kind| Violation { time, agent: id, place, kind })?;
     Ok(matches!(fact, GroundFact::Extinguished { .. }))

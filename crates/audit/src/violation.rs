@@ -125,6 +125,10 @@ pub enum ViolationKind {
     WrongWater {
         cell: Cell,
     },
+    /// Line in a cell that cannot have any, or sooner than crews come there, or more of it than they build.
+    WrongLine {
+        cell: Cell,
+    },
     /// Water came to a cell from a truck that is not there, or not for long enough.
     WaterFromAfar {
         cell: Cell,
@@ -260,6 +264,9 @@ impl fmt::Display for ViolationKind {
             }
             Self::WrongWater { cell } => {
                 write!(f, "water comes to cell {cell}, which has nothing left to burn or is wet for another time")
+            }
+            Self::WrongLine { cell } => {
+                write!(f, "line in cell {cell} that has nothing left to burn, or that crews cannot have built by then")
             }
             Self::WaterFromAfar { cell, metres, reach_m } => {
                 write!(f, "water comes to cell {cell}, {metres:.3} m away, beyond the reach of {reach_m} m")

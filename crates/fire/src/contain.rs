@@ -11,6 +11,8 @@
 
 use std::f64::consts::PI;
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use wildfire_base::geometry::{DVec2, ops};
 
 use crate::surface::{LengthToWidth, length_to_width};
@@ -30,7 +32,8 @@ pub struct Resource {
 }
 
 /// Where the line begins.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Tactic {
     Head,
     Rear,

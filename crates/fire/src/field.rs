@@ -340,6 +340,11 @@ impl FireField {
         })
     }
 
+    /// Clears a cell that is left to burn: it is wet for good. Returns `None` for others.
+    pub fn clear(&mut self, cell: Cell) -> Option<FireChange> {
+        self.wet(cell, SimTime::MAX)
+    }
+
     fn end_burning(&mut self, cell: Cell, kind: BushStateKind) {
         let index = self.frame.index(cell);
         assert!(self.is_burning(cell), "only a burning cell stops burning");

@@ -15,6 +15,7 @@ mod field;
 pub mod fine_moisture;
 pub mod fuel;
 mod landscape;
+pub mod line;
 pub mod lone;
 pub mod models;
 pub mod nelson;

@@ -77,6 +77,13 @@ impl LoneFire {
         }
     }
 
+    /// Clears a cell that has not caught fire at a time up to which the fire has burned.
+    pub fn clear(&mut self, now: SimTime, cell: Cell) {
+        if let Some(change) = self.fires.clear(cell) {
+            self.model.apply(&self.fires, now, change);
+        }
+    }
+
     /// Returns when a cell caught fire.
     pub fn arrival(&self, cell: Cell) -> Option<SimTime> {
         self.fires.ignited_at(cell)

@@ -13,6 +13,7 @@ use wildfire_base::time::SimTime;
 use wildfire_fire::{FireChange, FireEvent, FireField, FireModel, Spread, SpreadBy};
 use wildfire_timeline::{Cause, FireFact, GroundEvent, GroundFact};
 
+use super::line::plan_line;
 use super::queue::{CellEvent, Due, Rank, SimClock, SimQueue};
 use super::recorder::Recorder;
 use super::schedule::{Pass, SimSystems};
@@ -24,7 +25,10 @@ pub struct FirePlugin;
 
 impl Plugin for FirePlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(Pass, (burn_out, dry, spread, light_scheduled, change_cells).chain().in_set(SimSystems::Fire));
+        app.add_systems(
+            Pass,
+            (burn_out, dry, spread, light_scheduled, plan_line, change_cells).chain().in_set(SimSystems::Fire),
+        );
     }
 }
 
@@ -123,8 +127,11 @@ fn change_cells(
     let now = clock.0;
     let Fires { field, model } = &mut *fires;
     while let Some(Due::Cell(event)) = queue.take(now, Rank::Change) {
-        let Some(change) = change_cell(field, now, event) else { continue };
-        record(&mut recorder, now, event, field);
+        let change = change_cell(field, now, event);
+        if change.is_some() || matches!(event, CellEvent::Clear { holds: false, .. }) {
+            record(&mut recorder, now, event, field);
+        }
+        let Some(change) = change else { continue };
         let mut expected = Vec::new();
         model.follow(field, now, change, &mut expected);
         expect(&mut queue, expected);
@@ -144,6 +151,7 @@ fn change_cell(field: &mut FireField, now: SimTime, event: CellEvent) -> Option<
         CellEvent::BurnOut { cell } => Some(field.burn_out(cell)),
         CellEvent::Wet { cell, until, .. } => field.wet(cell, until),
         CellEvent::Dry { cell } => field.dry(cell, now),
+        CellEvent::Clear { cell, holds, .. } => holds.then(|| field.clear(cell)).flatten(),
     }
 }
 
@@ -161,6 +169,9 @@ fn record(recorder: &mut Recorder, now: SimTime, event: CellEvent, field: &FireF
         CellEvent::Ignite { cell, cause } => recorder.record_ground(ground(cell, GroundFact::Ignited(cause))),
         CellEvent::Extinguish { cell, by } => recorder.record_ground(ground(cell, GroundFact::Extinguished { by })),
         CellEvent::Wet { cell, until, by } => recorder.record_ground(ground(cell, GroundFact::Wetted { until, by })),
+        CellEvent::Clear { cell, flank, along_mm, holds } => {
+            recorder.record_ground(ground(cell, GroundFact::Cleared { flank, along_mm, holds }));
+        }
         CellEvent::BurnOut { .. } | CellEvent::Dry { .. } => {}
     }
 }

@@ -6,6 +6,7 @@ use thiserror::Error;
 use super::agent::{Agent, Roster};
 use super::end::Ended;
 use super::fire::{Fires, Ignitions};
+use super::line::CrewOrders;
 use super::policies::{Choice, Decision, Following, Follows, Forced, NamedPolicy};
 use super::queue::{SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
@@ -177,6 +178,7 @@ fn copy_world(from: &World, to: &mut World) -> Result<(), NotForked> {
     copy_resource::<SimClock>(from, to);
     copy_resource::<Ended>(from, to);
     copy_resource::<Fires>(from, to);
+    from.get_resource::<CrewOrders>().into_iter().for_each(|orders| to.insert_resource(orders.clone()));
     copy_resource::<Ignitions>(from, to);
     copy_resource::<WalkPlanners>(from, to);
     copy_resource::<Recorder>(from, to);

@@ -16,6 +16,7 @@ mod episode;
 mod fire;
 mod fork;
 pub mod game;
+mod line;
 pub mod policies;
 #[cfg(not(target_family = "wasm"))]
 pub mod programs;

@@ -23,6 +23,7 @@ pub enum Rank {
     PlanningDone,
     Decision,
     Standoff,
+    Line,
     End,
 }
 
@@ -61,6 +62,7 @@ pub enum CellEvent {
     BurnOut { cell: Cell },
     Wet { cell: Cell, until: SimTime, by: AgentId },
     Dry { cell: Cell },
+    Clear { cell: Cell, flank: u8, along_mm: u32, holds: bool },
 }
 
 /// An event that is due at a time.
@@ -72,6 +74,8 @@ pub enum Due {
     Fire(FireEvent),
     /// The scenario's ignition of this number.
     Scheduled(usize),
+    /// Crews decide where to build line.
+    Line,
     End,
 }
 
@@ -89,6 +93,7 @@ impl Due {
             Self::Agent(AgentEvent::PlanningDone, _) => Rank::PlanningDone,
             Self::Agent(AgentEvent::Decision, _) => Rank::Decision,
             Self::Agent(AgentEvent::Standoff, _) => Rank::Standoff,
+            Self::Line => Rank::Line,
             Self::End => Rank::End,
         }
     }

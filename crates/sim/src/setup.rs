@@ -24,7 +24,7 @@ use super::queue::{Due, SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
 use super::run::{RunCost, RunError, RunOptions};
 use super::walk_grounds::WalkGrounds;
-use super::{truck, wumpus};
+use super::{line, truck, wumpus};
 
 /// Sets up the world with everybody at the start and the first decisions due. Returns the setting for the timeline, and
 /// the cost.
@@ -58,6 +58,7 @@ pub fn fill(
     }
     queue.push(SimTime::from_seconds(scenario.duration_s), Due::End);
     world.insert_resource(queue);
+    line::order(world, scenario, seed, spread.as_ref());
     world.insert_resource(Recorder::new(memory, options.records_searches));
     world.init_resource::<SimClock>();
     world.init_resource::<CpuLog>();
@@ -172,6 +173,7 @@ fn setting(
         spread,
         water: water_rules(scenario),
         ground_shares: ground_shares(scenario),
+        line: scenario.line_rules(),
         agents,
         rules: Rules {
             duration: SimTime::from_seconds(scenario.duration_s),

@@ -121,7 +121,7 @@ impl GroundEvent {
             GroundFact::Ignited(Cause::Lit(by)) | GroundFact::Extinguished { by } | GroundFact::Wetted { by, .. } => {
                 Some(by)
             }
-            GroundFact::Ignited(_) => None,
+            GroundFact::Ignited(_) | GroundFact::Cleared { .. } => None,
         }
     }
 }
@@ -135,6 +135,9 @@ pub enum GroundFact {
     Extinguished { by: AgentId },
     /// A truck wets the cell, bush or ground, so that it cannot burn before `until`.
     Wetted { until: SimTime, by: AgentId },
+    /// Crews have finished line in the cell, bush or ground, so that it cannot burn: on one of the two flanks, after
+    /// so many millimetres of line on it. Line that does not hold leaves the cell as it was.
+    Cleared { flank: u8, along_mm: u32, holds: bool },
 }
 
 /// An action of an agent, or a result of its planner.

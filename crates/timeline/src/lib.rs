@@ -28,10 +28,10 @@ pub use fact::{AgentFact, Cause, EndReason, Event, Fact, FireFact, GroundEvent, 
 pub use index::{
     AgentStats, Burning, BushCounts, FollowedLeg, GroundCounts, GroundIndex, RunIndex, SpreadMoment, Wetting,
 };
-pub use outcome::{AgentOutcome, FLOCK_M, GroundOutcome, Outcome, Winner};
+pub use outcome::{AgentOutcome, FLOCK_M, GroundOutcome, LineOutcome, Outcome, Winner};
 pub use progress::Activity;
 pub use replay::{AgentState, Replay, State};
-pub use setting::{AgentStart, Body, FlamingTimes, Rules, Setting, SpreadSetting};
+pub use setting::{AgentStart, Body, CrewRules, FlamingTimes, LineRules, Rules, Setting, SpreadSetting};
 pub use water::WaterRules;
 
 use wildfire_base::time::SimTime;

@@ -75,6 +75,17 @@ pub struct GroundOutcome {
     pub peak_burning: u32,
     /// The time at which a cell at the border of the field, bush or ground, first caught fire; `None` if none did.
     pub reached_edge_s: Option<f64>,
+    /// `None` without crews.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub line: Option<LineOutcome>,
+}
+
+/// The line that crews built in a run, in metres.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LineOutcome {
+    pub built_m: f64,
+    /// The part that does not hold.
+    pub lost_m: f64,
 }
 
 /// The result of one agent in numbers. Fields that do not concern its role are zero.

@@ -95,6 +95,7 @@ pub fn small_setting(agents: &[AgentId]) -> Setting {
         spread: None,
         water: None,
         ground_shares: Vec::new(),
+        line: None,
         agents: agents.iter().map(start).collect(),
         rules: Rules {
             duration: seconds(100.0),

@@ -149,6 +149,26 @@ impl FlamingTimes {
     }
 }
 
+/// The rules of line.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LineRules {
+    pub crews: Vec<CrewRules>,
+    /// Line may not hold, as chance decides.
+    pub can_be_lost: bool,
+}
+
+/// A crew, by what bounds its work.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CrewRules {
+    /// When it sets out.
+    pub at_ns: u64,
+    /// Where from, in metres in the frame of the field.
+    pub start_m: [f64; 2],
+    pub walking_mps: f64,
+    /// The most line that it builds in a second, on both flanks together.
+    pub rate_mps: f64,
+}
+
 /// The place and the agents of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
@@ -170,6 +190,8 @@ pub struct Setting {
     /// The shares of their greatest speed that trucks keep on ground, by the number of its fuel model: 256 for each truck that
     /// some ground slows, in the order of the trucks.
     pub ground_shares: Vec<(AgentId, Vec<f64>)>,
+    /// Crews that build line; `None` where there are none.
+    pub line: Option<LineRules>,
 }
 
 impl Setting {

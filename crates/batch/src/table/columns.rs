@@ -304,6 +304,10 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
         aim("lost the least area", ["lost", " of area"], "ha less");
     reached_edge_s: optional Real Seconds "time at which a border cell, bush or ground, first caught fire, if any"
         = ground(row, |g| g.reached_edge_s), title("Time fire reached the border");
+    line_built_m: optional Real Metres "line that crews built, if there are any"
+        = ground(row, |g| g.line.map(|line| line.built_m)), title("Line built");
+    line_lost_m: optional Real Metres "the part of it that does not hold"
+        = ground(row, |g| g.line.map(|line| line.lost_m)), title("Line lost");
     truck_idle_s: optional Real Seconds
         "time in which trucks had no goal, or their policy made them wait or relocate"
         = trucks(row, |a| a.idle_s), title("Truck idle time");

@@ -19,7 +19,12 @@ mod wind_adjustment;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use wildfire_base::geometry::Cell;
 use wildfire_base::ranges;
+use wildfire_base::time::SimTime;
+
+use crate::fuel::FuelModel;
+use crate::{Landscape, Weather};
 
 pub(crate) use behavior::length_to_width;
 pub use behavior::{SurfaceFire, flame_length_m};
@@ -32,6 +37,21 @@ const FOOT_M: f64 = 0.3048;
 const BTU_J: f64 = 1_055.055_852_62;
 /// Metres per second in a foot per minute.
 const FOOT_PER_MINUTE: f64 = FOOT_M / 60.0;
+
+/// Computes the surface fire of a cell at a time, under a wind that no trees shelter; `None` where nothing burns.
+pub fn surface_fire(
+    landscape: &Landscape,
+    weather: &Weather,
+    options: &SurfaceOptions,
+    cell: Cell,
+    time: SimTime,
+) -> Option<SurfaceFire> {
+    let model = FuelModel::by_number(landscape.fuel_number(cell)).filter(|model| model.burns())?;
+    let weather = weather.at(time);
+    let midflame = twenty_foot_wind(1.0) * unsheltered_adjustment(model.depth_ft) * weather.wind_mps;
+    let bed = FuelBed::new(model, &weather.moisture, options.curing);
+    Some(bed.behavior(midflame, landscape.gradient(cell), options))
+}
 
 /// Moistures of the classes of fuel, as fractions of the dry weight.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

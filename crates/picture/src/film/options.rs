@@ -92,7 +92,7 @@ pub enum Layer {
     Wavefront,
     /// What grows on the ground, and how steep it is.
     Ground,
-    /// Ground and bushes that trucks have wetted.
+    /// Ground and bushes that trucks have wetted, and line.
     Wet,
     /// What embers have lit.
     Embers,

@@ -24,5 +24,6 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("landscape", include_str!("../../scenarios/landscape.toml")),
     ("initial-attack", include_str!("../../scenarios/initial-attack.toml")),
     ("automaton", include_str!("../../scenarios/automaton.toml")),
+    ("line", include_str!("../../scenarios/line.toml")),
     ("smoke", include_str!("../../scenarios/smoke.toml")),
 ];

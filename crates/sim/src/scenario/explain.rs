@@ -38,7 +38,9 @@ pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> Document {
     for agents in scenario.kinds() {
         add(agents.title(), describe_agents(agents, loaded, &values));
     }
-    for (title, table) in [("Dispatch", "dispatch"), ("Sight", "sight"), ("Traffic", "traffic")] {
+    for (title, table) in
+        [("Dispatch", "dispatch"), ("Sight", "sight"), ("Traffic", "traffic"), ("Crews", "crew"), ("Line", "line")]
+    {
         add(title, values.of(table, &[]));
     }
     if let Some(water) = &scenario.water {

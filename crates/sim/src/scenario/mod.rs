@@ -36,6 +36,7 @@ mod json_location;
 mod landscape;
 mod layers;
 mod learned;
+mod line;
 mod load;
 mod memory;
 mod path;
@@ -76,6 +77,7 @@ pub use ground_speed::GroundKinds;
 pub use landscape::LandscapeSettings;
 pub use layers::{GivenLayers, LayerKind, LayerReader, Weights};
 pub use learned::{HIDDEN, Learned};
+pub use line::{Crew, LineHolds, LinePolicy, LineSettings};
 pub use load::{LoadedScenario, load};
 pub use memory::{MemoryEstimate, MemoryExceeded, MemoryLimit, bytes_text};
 pub use path::{FieldPath, PathStep};
@@ -187,6 +189,12 @@ pub struct Scenario {
     /// The tanks of trucks; without it water is unlimited.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub water: Option<Water>,
+    /// Crews that build line round a fire of the model `rothermel`.
+    #[serde(default, deserialize_with = "list_of_at_most::<2_000, _, _>", skip_serializing_if = "Vec::is_empty")]
+    pub crew: Vec<Crew>,
+    /// Where the crews build line; without it, along the front from the rear.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub line: Option<LineSettings>,
     /// Bushes that catch fire by themselves.
     #[serde(default, deserialize_with = "list_of_at_most::<100_000, _, _>")]
     pub ignition: Vec<Ignition>,
@@ -235,7 +243,7 @@ impl Scenario {
 
 ranges! { Scenario {
     duration_s: 0.001..=1e6;
-    fire, suppression, score, dispatch, sight, traffic, water, wind, weather, landscape, planner, policy, wumpus, unimog,
+    fire, suppression, score, dispatch, sight, traffic, water, line, crew, wind, weather, landscape, planner, policy, wumpus, unimog,
 } }
 
 impl Scenario {
@@ -262,6 +270,7 @@ impl Scenario {
         self.check_nearest_by_drive()?;
         self.learned.as_ref().map_or(Ok(()), |learned| learned.check(&top.inner("learned")))?;
         self.water.as_ref().map_or(Ok(()), |water| water.check(&top.inner("water"), &frame))?;
+        self.check_crews(&frame)?;
         check_programs("planner", &self.planner, |name| name.built_in().is_some())?;
         let is_rule = |name: &PlannerName| TruckGoal::is_built_in(name.name()) || WumpusGoal::is_built_in(name.name());
         check_programs("policy", &self.policy, is_rule)?;

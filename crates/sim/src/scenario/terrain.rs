@@ -204,6 +204,8 @@ mod tests {
             sight: None,
             traffic: None,
             water: None,
+            crew: Vec::new(),
+            line: None,
             ignition: Vec::new(),
             wind: Vec::new(),
             wind_file: None,

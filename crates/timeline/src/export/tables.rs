@@ -58,6 +58,9 @@ pub fn ground_event_words(event: &GroundEvent) -> (&'static str, String) {
         GroundFact::Ignited(cause) => ("ground-ignited", words_of(cause)),
         GroundFact::Extinguished { .. } => ("ground-extinguished", String::new()),
         GroundFact::Wetted { until, .. } => ("wetted", format!("until_s={}", seconds(until))),
+        GroundFact::Cleared { flank, along_mm, holds } => {
+            ("line-built", format!("flank={flank} along_m={} holds={holds}", f64::from(along_mm) / 1000.0))
+        }
     }
 }
 

@@ -99,6 +99,7 @@ fn check_setting(setting: &Setting) -> Result<(), FileError> {
         shares.len() == 256 && shares.iter().all(|share| *share > 0.0 && *share <= 1.0)
     };
     require(setting.ground_shares.iter().all(are_shares), || "a truck's speeds by ground are not 256 shares".into())?;
+    limit("crews", setting.line.as_ref().map_or(0, |line| line.crews.len()), MAX_AGENTS)?;
     check_rules(&setting.rules)
 }
 
@@ -174,7 +175,7 @@ fn check_ground_event(event: &GroundEvent, setting: &Setting) -> Result<(), File
         GroundFact::Wetted { until, .. } => {
             require(until >= event.time, || format!("{} is dry before it is wet at {}", event.cell, event.time))
         }
-        GroundFact::Extinguished { .. } => Ok(()),
+        GroundFact::Extinguished { .. } | GroundFact::Cleared { .. } => Ok(()),
     }
 }
 

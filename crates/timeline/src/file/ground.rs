@@ -30,6 +30,7 @@ mod kind {
     pub const SCHEDULED: u32 = 3;
     pub const EXTINGUISHED: u32 = 4;
     pub const WETTED: u32 = 5;
+    pub const CLEARED: u32 = 6;
 }
 
 /// The log of the ground.
@@ -124,6 +125,7 @@ impl GroundWriter {
             GroundFact::Ignited(Cause::Scheduled) => (kind::SCHEDULED, None),
             GroundFact::Extinguished { by } => (kind::EXTINGUISHED, Some(agent(by))),
             GroundFact::Wetted { by, .. } => (kind::WETTED, Some(agent(by))),
+            GroundFact::Cleared { .. } => (kind::CLEARED, None),
         };
         append(&mut self.records, &(place - told.place));
         append(&mut self.records, &(event.time - told.time).as_nanos());
@@ -132,6 +134,9 @@ impl GroundWriter {
         other.into_iter().for_each(|number| append(&mut self.records, &number));
         if let GroundFact::Wetted { until, .. } = event.fact {
             append(&mut self.records, &(until - event.time).as_nanos());
+        }
+        if let GroundFact::Cleared { flank, along_mm, holds } = event.fact {
+            append(&mut self.records, &(flank, along_mm, holds));
         }
         *told = Told { place, time: event.time, index: index(event.cell) };
     }
@@ -242,6 +247,10 @@ fn take_record(records: &mut &[u8], setting: &Setting, told: Told) -> Result<(u3
         kind::WETTED => {
             let by = agent(take(records)?)?;
             GroundFact::Wetted { until: later(time, take(records)?)?, by }
+        }
+        kind::CLEARED => {
+            let (flank, along_mm, holds) = take(records)?;
+            GroundFact::Cleared { flank, along_mm, holds }
         }
         _ => return Err(NO_SUCH_WORD),
     };

@@ -40,7 +40,7 @@ use numbers::NumberReader;
 use setting::{GroundSharesRecord, SettingRecord, Supplement, WaterRecord};
 use spread::GroundSetting;
 
-use super::{Timeline, WaterRules};
+use super::{LineRules, Timeline, WaterRules};
 use wildfire_base::input_file;
 use wildfire_base::whole_file::write_whole;
 
@@ -179,9 +179,11 @@ fn encode_payload(timeline: &Timeline) -> Vec<u8> {
     let log = (!timeline.ground.is_empty()).then(|| GroundWriter::new(&timeline.setting, &timeline.ground));
     append(&mut bytes, &log.as_ref().map(GroundWriter::record_of_all));
     append(&mut bytes, &timeline.setting.water.as_ref().map(WaterRecord::from));
-    if !timeline.setting.ground_shares.is_empty() {
-        let records: Vec<_> = timeline.setting.ground_shares.iter().map(GroundSharesRecord::from).collect();
-        append(&mut bytes, &records);
+    // Where no ground slows trucks and no crew builds line nothing follows, as before there were any.
+    let shares: Vec<_> = timeline.setting.ground_shares.iter().map(GroundSharesRecord::from).collect();
+    let line = &timeline.setting.line;
+    if !shares.is_empty() || line.is_some() {
+        append(&mut bytes, &(shares, line));
     }
     bytes
 }
@@ -196,7 +198,8 @@ fn decode_payload(mut bytes: &[u8]) -> Result<Timeline, FileError> {
     let ground_setting: GroundSetting = take(&mut bytes)?;
     let log: Option<GroundRecord<'_>> = take(&mut bytes)?;
     let water: Option<WaterRecord> = take(&mut bytes)?;
-    let shares: Vec<GroundSharesRecord> = if bytes.is_empty() { Vec::new() } else { take(&mut bytes)? };
+    let (shares, line): (Vec<GroundSharesRecord>, Option<LineRules>) =
+        if bytes.is_empty() { Default::default() } else { take(&mut bytes)? };
     if !bytes.is_empty() {
         return Err(FileError::Damaged("more follows than its setting and its facts"));
     }
@@ -205,6 +208,7 @@ fn decode_payload(mut bytes: &[u8]) -> Result<Timeline, FileError> {
     setting.spread = ground_setting.spread(setting.frame)?;
     setting.water = water.map(WaterRules::from);
     setting.ground_shares = shares.into_iter().map(Into::into).collect();
+    setting.line = line;
     let numbers = NumberReader::new(&streams.recurring_numbers, &streams.single_numbers, streams.number_references);
     let events = FactReader::new(&setting, streams.delays, streams.records, numbers).read(count)?;
     let ground = log.map_or(Ok(Vec::new()), |log| log.read(&setting))?;

@@ -278,6 +278,7 @@ impl SettingRecord {
             spread: None,
             water: None,
             ground_shares: Vec::new(),
+            line: None,
             agents: agents.map(|(agent, limits)| agent.start(limits)).collect(),
             rules: Rules {
                 duration: SimTime::from_nanos(self.rules.duration_ns),

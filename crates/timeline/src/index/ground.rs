@@ -5,7 +5,7 @@
 //! out follows from when it caught fire (see [`FlamingTimes`](crate::FlamingTimes)), when it dries from the fact
 //! that wetted it; so neither is a fact.
 
-use crate::{BushState, Cause, GroundEvent, GroundFact, GroundOutcome, Setting, Timeline};
+use crate::{BushState, Cause, GroundEvent, GroundFact, GroundOutcome, LineOutcome, Setting, Timeline};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
 use wildfire_fire::fuel::FuelModel;
@@ -60,6 +60,7 @@ pub struct GroundIndex {
     burnings: Vec<Burning>,
     /// By cell index, then time.
     wettings: Vec<Wetting>,
+    line: Option<LineOutcome>,
     cells: u32,
     /// Times, ascending: of ignitions, of ignitions of what had been extinguished, of both kinds of ends.
     ignited: Vec<SimTime>,
@@ -84,6 +85,7 @@ impl GroundIndex {
             }
         }
         let mut wettings = Vec::new();
+        let (mut along_mm, mut line_cells) = ([0; 2], [0.0, 0.0]);
         for event in log {
             match event.fact {
                 GroundFact::Extinguished { .. } => {
@@ -97,9 +99,20 @@ impl GroundIndex {
                 GroundFact::Wetted { until, .. } => {
                     wettings.push(Wetting { cell: event.cell, from: event.time, until });
                 }
+                GroundFact::Cleared { flank, along_mm: so_far, holds } => {
+                    let along = &mut along_mm[usize::from(flank) % 2];
+                    *along = so_far.max(*along);
+                    line_cells[usize::from(holds)] += 1.0;
+                    let wetting = Wetting { cell: event.cell, from: event.time, until: SimTime::MAX };
+                    wettings.extend(holds.then_some(wetting));
+                }
                 GroundFact::Ignited(_) => {}
             }
         }
+        let built_m = along_mm.iter().map(|&along| f64::from(along) / 1000.0).sum::<f64>();
+        // A cell counts as an average one.
+        let lost_m = built_m * line_cells[0] / (line_cells[0] + line_cells[1]).max(1.0);
+        let line = setting.line.as_ref().map(|_| LineOutcome { built_m, lost_m });
         // The log is in order of time, and the sort is stable.
         wettings.sort_by_key(|wetting| frame.index(wetting.cell));
         let times = |which: &dyn Fn(&Burning) -> Option<SimTime>| {
@@ -125,6 +138,7 @@ impl GroundIndex {
             first,
             burnings,
             wettings,
+            line,
         })
     }
 
@@ -163,7 +177,7 @@ impl GroundIndex {
         begun.map(|wetting| wetting.until).max().filter(|&until| until > time)
     }
 
-    /// Returns all wetting by trucks, by cell index and then time.
+    /// Returns all wetting by trucks, and the line of crews, until [`SimTime::MAX`], by cell index and then time.
     pub fn wettings(&self) -> &[Wetting] {
         &self.wettings
     }
@@ -220,6 +234,7 @@ impl GroundIndex {
             burned_ha: f64::from(cells_burned + bushes_burned) * self.frame.cell_m * self.frame.cell_m / 1e4,
             peak_burning: self.burning_counts().map(|(_, burning)| burning).max().unwrap_or(0),
             reached_edge_s: self.reached_edge(timeline).map(SimTime::as_seconds),
+            line: self.line,
         }
     }
 
@@ -309,7 +324,7 @@ mod tests {
             match event.fact {
                 GroundFact::Ignited(_) => *state = BushState::Burning { since: event.time },
                 GroundFact::Extinguished { .. } => *state = BushState::Extinguished,
-                GroundFact::Wetted { .. } => {}
+                GroundFact::Wetted { .. } | GroundFact::Cleared { .. } => {}
             }
         }
         for (index, state) in states.iter_mut().enumerate() {
@@ -366,6 +381,7 @@ mod tests {
             burned_ha: 12.0 * 25.0 / 1e4,
             peak_burning: 6,
             reached_edge_s: Some(40.0),
+            line: None,
         };
         assert_eq!(outcome, expected);
         assert_eq!(ground.wet_until(B, seconds(29.0)), None);

@@ -139,7 +139,9 @@ impl FireModel for Rothermel {
                 let burn_out = FireEvent::BurnOut { cell, episode: fires.episode(cell) };
                 expected.extend(flaming.map(|span| (now + span, burn_out)));
             }
-            FireChange::Wetted { cell, until } => expected.push((until, FireEvent::Dry { cell })),
+            FireChange::Wetted { cell, until } if until < SimTime::MAX => {
+                expected.push((until, FireEvent::Dry { cell }));
+            }
             _ => {}
         }
         self.announce(expected);

@@ -4,8 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::embers::{EmberSource, Embers};
-use crate::fuel::FuelModel;
-use crate::surface::{FuelBed, SurfaceOptions, twenty_foot_wind, unsheltered_adjustment};
+use crate::surface::{SurfaceOptions, surface_fire};
 use crate::{Landscape, Spread, SpreadBy, Weather};
 use wildfire_base::geometry::{Cell, DVec2};
 use wildfire_base::time::SimTime;
@@ -35,12 +34,7 @@ impl Sparks {
     /// Lets the embers fly of a cell that catches fire from a front that came along a way, or that was lit: then its front
     /// is that of the head.
     pub fn fly_from(&mut self, cell: Cell, way: Option<DVec2>, episode: u32, time: SimTime) {
-        let model = FuelModel::by_number(self.landscape.fuel_number(cell)).filter(|model| model.burns());
-        let Some(model) = model else { return };
-        let weather = self.weather.at(time);
-        let midflame = twenty_foot_wind(1.0) * unsheltered_adjustment(model.depth_ft) * weather.wind_mps;
-        let bed = FuelBed::new(model, &weather.moisture, self.options.curing);
-        let fire = bed.behavior(midflame, self.landscape.gradient(cell), &self.options);
+        let Some(fire) = surface_fire(&self.landscape, &self.weather, &self.options, cell, time) else { return };
         let rate_mps = way.map_or(fire.rate_mps, |way| fire.front_normal_rate_mps(way));
         let (intensity_kw_m, heat_kj_m2) = (fire.intensity_kw_m(rate_mps), fire.heat_kj_m2());
         let source = EmberSource { cell, episode, time, intensity_kw_m, heat_kj_m2 };

@@ -39,6 +39,8 @@ pub const BURNED_OPACITY: f64 = 0.86;
 
 pub const WET: Rgb = [40, 120, 200];
 pub const WET_OPACITY: f32 = 0.45;
+/// Line of crews, which is wet for good.
+const LINE: Rgb = [110, 66, 30];
 
 pub const EMBER: Rgb = [255, 90, 160];
 /// The time for which the flight of an ember is shown after it has lit something.
@@ -232,13 +234,14 @@ pub(super) fn draw_wet(canvas: &mut Canvas, pane: &Pane) {
     let Some(ground) = pane.view.run.index().ground() else { return };
     let is_wet = |from: SimTime, until: SimTime| from <= now && now < until;
     let mut wet: Vec<_> =
-        ground.wettings().iter().filter(|wet| is_wet(wet.from, wet.until)).map(|wet| wet.cell).collect();
+        ground.wettings().iter().filter(|wet| is_wet(wet.from, wet.until)).map(|wet| (wet.cell, wet.until)).collect();
     // By cell index, so that a cell that was wetted twice is painted once.
-    wet.dedup();
-    for cell in wet {
+    wet.dedup_by_key(|&mut (cell, _)| cell);
+    for (cell, until) in wet {
+        let (colour, opacity) = if until == SimTime::MAX { (LINE, 1.0) } else { (WET, WET_OPACITY) };
         let ((left, top), (right, bottom)) = pane.projection.cell(pane.frame(), cell);
         let [left, top, right, bottom] = [left, top, right, bottom].map(|at| at as f32);
-        canvas.fill_through(&[(left, top), (right, top), (right, bottom), (left, bottom)], WET, WET_OPACITY);
+        canvas.fill_through(&[(left, top), (right, top), (right, bottom), (left, bottom)], colour, opacity);
     }
 }
 

@@ -383,6 +383,7 @@ pub(super) mod tests {
             spread: None,
             water: None,
             ground_shares: Vec::new(),
+            line: None,
             agents: Vec::new(),
             rules: Rules {
                 duration: seconds(100.0),

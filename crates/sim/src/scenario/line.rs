@@ -1,0 +1,135 @@
+//! Crews that build line round a fire.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::check::{Check, TablePath};
+use super::{FireModelName, Scenario};
+use wildfire_base::geometry::FieldFrame;
+use wildfire_base::ranges;
+use wildfire_base::time::SimTime;
+use wildfire_fire::contain::Tactic;
+use wildfire_fire::fuel::FuelModel;
+use wildfire_timeline::{CrewRules, LineRules};
+
+/// The most crews of a scenario.
+const MAX_CREWS: usize = 1000;
+
+/// The order that all crews of a run follow together: one line on two flanks.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct LineSettings {
+    pub policy: LinePolicy,
+    /// The end of the fire at which `direct` and `parallel` begin.
+    pub from: Tactic,
+    /// Metres between the front and the line, for `parallel`.
+    pub offset_m: f64,
+    pub holds: LineHolds,
+    /// With `holds = "flame"`: flame length at which line holds in half of all cases, and scale of the logistic function, metres.
+    pub flame_half_m: f64,
+    pub flame_scale_m: f64,
+    /// Metres of line for which chance is drawn once.
+    pub section_m: f64,
+}
+
+impl Default for LineSettings {
+    fn default() -> Self {
+        let (policy, from, holds) = (LinePolicy::Direct, Tactic::Rear, LineHolds::Always);
+        Self { policy, from, offset_m: 20.0, holds, flame_half_m: 1.2, flame_scale_m: 0.3, section_m: 20.0 }
+    }
+}
+
+ranges! { LineSettings {
+    offset_m: 0.0..=10_000.0, flame_half_m: 0.0..=100.0, flame_scale_m: 0.001..=100.0, section_m: 1.0..=1e6,
+} }
+
+/// The way of the line: along the front, or at `offset_m` from it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum LinePolicy {
+    Direct,
+    Parallel,
+}
+
+/// Line stops all fire, or by chance: the longer the flames of the fire that comes to it, the less often.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum LineHolds {
+    Always,
+    Flame,
+}
+
+/// People or machines that walk to the fire and build line.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Crew {
+    /// The number of crews that this entry is.
+    pub count: u32,
+    /// Where they set out, metres, and when, seconds.
+    pub x_m: f64,
+    pub y_m: f64,
+    #[serde(default)]
+    pub at_s: f64,
+    /// Speed at which they walk to where the line begins, in a straight line.
+    pub speed_mps: f64,
+    /// Metres of line that each builds in an hour, on both flanks together.
+    pub rate_m_h: f64,
+    /// Other rates by the code of the fuel model in which they build.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub rate_by_fuel: BTreeMap<String, f64>,
+}
+
+ranges! { Crew {
+    count: 0.0..=10_000.0, x_m: -1e6..=1e6, y_m: -1e6..=1e6, at_s: 0.0..=1e6, speed_mps: 0.01..=100.0, rate_m_h: 0.0..=1e6,
+} }
+
+impl Crew {
+    /// Returns the metres of line that all of the entry build in a second on a fuel.
+    pub fn rate_mps(&self, fuel: u8) -> f64 {
+        let is_it = |code: &str| FuelModel::by_name(code).is_some_and(|model| model.number == fuel);
+        let of_fuel = self.rate_by_fuel.iter().find(|(code, _)| is_it(code));
+        f64::from(self.count) * of_fuel.map_or(self.rate_m_h, |(_, &rate)| rate) / 3600.0
+    }
+
+    /// Returns the greatest of these rates.
+    pub fn most_mps(&self) -> f64 {
+        f64::from(self.count) * self.rate_by_fuel.values().copied().fold(self.rate_m_h, f64::max) / 3600.0
+    }
+}
+
+impl Scenario {
+    pub(super) fn check_crews(&self, frame: &FieldFrame) -> Check {
+        let top = TablePath::named("");
+        top.count("crew", self.crew.len(), MAX_CREWS)?;
+        for (number, crew) in self.crew.iter().enumerate() {
+            let entry = TablePath::entry("crew", number);
+            entry.settings(crew, frame)?;
+            for (code, &rate) in &crew.rate_by_fuel {
+                entry.inner("rate_by_fuel").number(code, rate, 0.0..=1e6)?;
+                if FuelModel::by_name(code).is_none() {
+                    let expected = "the code of a fuel model such as `GR2`".into();
+                    return entry.inner("rate_by_fuel").refuse(code, "this name".into(), expected);
+                }
+            }
+        }
+        if self.crew.is_empty() || self.fire.model == FireModelName::Rothermel {
+            return Ok(());
+        }
+        let expected = "the model `rothermel` where there are crews, as other fire steps over line".into();
+        TablePath::named("fire").refuse("model", "another one".into(), expected)
+    }
+
+    /// Returns what bounds the work of crews in a run, if there are any.
+    pub fn line_rules(&self) -> Option<LineRules> {
+        let crews = self.crew.iter().map(|crew| CrewRules {
+            at_ns: SimTime::from_seconds(crew.at_s).as_nanos(),
+            start_m: [crew.x_m, crew.y_m],
+            walking_mps: crew.speed_mps,
+            rate_mps: crew.most_mps(),
+        });
+        let can_be_lost = self.line.as_ref().is_some_and(|line| line.holds == LineHolds::Flame);
+        (!self.crew.is_empty()).then(|| LineRules { crews: crews.collect(), can_be_lost })
+    }
+}
