@@ -179,6 +179,7 @@ impl Problem {
         let mut watch = CpuStopwatch::start();
         for number in 0..self.drives.len() {
             let context = PlannerContext {
+                ground: None,
                 truck: number as u16,
                 seed: 1,
                 checker: &checker,

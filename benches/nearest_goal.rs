@@ -75,6 +75,7 @@ fn ask_on_field(kind: TruckPlannerKind, seed: u64, [one, at_once, in_turn]: &mut
     let checker =
         CollisionChecker::new(Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied)), Dimensions::default());
     let context = PlannerContext {
+        ground: None,
         truck: 0,
         seed,
         checker: &checker,

@@ -62,6 +62,7 @@ fn run_field(coverage: f64, seed: u64, builds: &mut Builds, short: &mut Drives, 
     let truck = Unimog::default();
     let (memory, settings, stream) = (MemoryMeter::unlimited(), truck.planner_settings(), |_: &str| rng.clone());
     let site = Site {
+        ground: None,
         truck: 0,
         body: checker.body(),
         limits: &truck.speed_limits(),

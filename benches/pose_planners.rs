@@ -97,6 +97,7 @@ fn measure_planner(kind: TruckPlannerKind, problems: &[Problem], truck: &Unimog)
         let stream = |name: &str| rng::stream(1, &format!("bench/{name}"));
         let (memory, settings) = (MemoryMeter::unlimited(), truck.planner_settings());
         let site = Site {
+            ground: None,
             truck: 0,
             body: checker.body(),
             limits: &truck.speed_limits(),

@@ -50,6 +50,7 @@ mod unix {
             let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
             let truck = &scenario.unimog[0];
             let context = PlannerContext {
+                ground: None,
                 truck: 0,
                 seed: 1,
                 checker: &CollisionChecker::new(field, truck.vehicle),

@@ -162,6 +162,7 @@ impl Answers {
         let stream = |name: &str| rng::stream(problem.seed, &format!("bench/random-fields/{name}"));
         let (memory, settings) = (MemoryMeter::unlimited(), truck.planner_settings());
         let mut made = planner.maker().make(&Site {
+            ground: None,
             truck: 0,
             body: checker.body(),
             limits: &truck.speed_limits(),

@@ -83,6 +83,7 @@ fn planned(seed: u64) -> (CollisionChecker, Vec<Path>) {
     let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
     let checker = CollisionChecker::new(field, scenario.unimog[0].vehicle);
     let context = PlannerContext {
+        ground: None,
         truck: 0,
         seed,
         checker: &checker,

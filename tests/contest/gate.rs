@@ -252,6 +252,7 @@ impl Asked {
         let truck = Unimog { planner: name.parse().expect("a name"), ..self.problem.truck.clone() };
         let (memory, programs) = (MemoryMeter::unlimited(), Programs::new());
         let context = PlannerContext {
+            ground: None,
             truck: 0,
             seed: self.seed,
             checker: &self.checker,

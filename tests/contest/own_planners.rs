@@ -300,6 +300,7 @@ fn no_path_of_a_built_in_planner_is_refused_by_the_judge() {
             let truck = Unimog { planner: kind.into(), ..scenario.unimog[0].clone() };
             let mut planner = truck
                 .make_planner(&PlannerContext {
+                    ground: None,
                     truck: 0,
                     seed: 1,
                     checker: &checker,

@@ -59,6 +59,7 @@ impl FieldFile {
         let (truck, memory) = (Unimog::default(), MemoryMeter::unlimited());
         let (settings, stream) = (truck.planner_settings(), |name: &str| rng::stream(1, name));
         kind.maker().make(&Site {
+            ground: None,
             truck: 0,
             body: checker.body(),
             limits: &truck.speed_limits(),
