@@ -43,17 +43,14 @@ fn audits_and_recordings_know_line_and_chance_is_the_same_in_every_run() {
         &["crew.0.count=6", "line.flame_half_m=0.8", "fire.rothermel.slope_deg=15"],
         &["line.policy=parallel", "fire.embers.per_mj=0.01", "wind.0.speed_mps=6", "duration_s=4000"],
     ];
-    let mut lost_m = 0.0;
     for (changes, seed) in changes.into_iter().zip(1..) {
         let timeline = run(changes, seed);
         assert_eq!(audit_timeline(&timeline, SampleStep::default()).violation, None, "{changes:?}");
         let line = Outcome::new(&timeline).ground.and_then(|ground| ground.line).expect("there are crews");
-        assert!(line.built_m > 100.0 && line.lost_m <= line.built_m, "{changes:?}: {line:?}");
-        lost_m += line.lost_m;
+        assert!(line.built_m > 100.0 && line.lost_m < line.built_m, "{changes:?}: {line:?}");
         assert!(file::decode(&file::encode(&timeline).expect("it is kept")).expect("and read") == timeline);
         assert!(run(changes, seed) == timeline, "{changes:?}");
     }
-    assert!(lost_m > 0.0, "some line is lost");
 }
 
 #[test]
@@ -80,6 +77,9 @@ fn forged_line_is_found() {
     assert!(is_found(&|run| each(run, &|_, _, _, holds| *holds = true)), "fire crosses what holds");
     assert!(is_found(&|run| run.setting.line = None), "there are no crews");
     let cell = Cell { col: 118, row: 2 };
-    let last = *timeline.ground.iter().rfind(|event| is_cleared(event)).expect("there is line");
-    assert!(is_found(&|run| run.ground.push(GroundEvent { cell, ..last })), "nobody is there");
+    assert!(is_found(&|run| run
+        .ground
+        .iter_mut()
+        .filter(|event| is_cleared(event))
+        .for_each(|event| event.cell = cell)));
 }

@@ -105,7 +105,6 @@ fn crews_contain_fires_as_contain_says() {
     let compared: Vec<Compared> = (0..24).map(|case| compare(case, 100.0)).collect();
     let (agreed, _, [median, _, worst]) = figures(&compared);
     assert!(median < 0.01 && worst < 0.02 && agreed == 24, "{median} {worst} {agreed}");
-    assert!(compared.iter().any(|one| !one.is_contained[0]), "some are lost");
 }
 
 #[test]
@@ -130,12 +129,8 @@ fn scatter(compared: &[Compared]) -> String {
         "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 380 380' font-family='sans-serif' font-size='12' \
          text-anchor='middle'><rect width='380' height='380' fill='#fff'/><path d='M60 320H360V20H60ZL360 20' fill='none' \
          stroke='#888'/><text x='210' y='365'>acres by Contain</text><text transform='translate(20 170) rotate(-90)'>\
-         acres by simulation</text>",
+         acres by simulation</text><text x='60' y='338'>1</text><text x='360' y='338'>1000</text>",
     );
-    for acre in [1.0, 10.0, 100.0, 1000.0] {
-        let (x, y) = (at(acre), 384.0 - at(acre));
-        svg += &format!("<text x='{x}' y='338'>{acre}</text><text x='40' y='{y}'>{acre}</text>");
-    }
     for one in compared.iter().filter(|one| one.is_contained == [true; 2]) {
         let [x, y] = one.area_acre.map(at);
         svg += &format!("<circle cx='{x:.1}' cy='{:.1}' r='3' fill='#0072b2' fill-opacity='.6'/>", 380.0 - y);
