@@ -7,8 +7,6 @@ use wildfire::sim;
 use wildfire::time::SimTime;
 use wildfire::timeline::{GroundEvent, GroundFact, Outcome, Timeline, file};
 
-const ALWAYS: &str = "line.holds=always";
-
 fn run(changes: &[&str], seed: u64) -> Timeline {
     let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
     sim::run(&scenario::load("line", &changes).expect("it is right"), seed).expect("it takes place").timeline
@@ -25,8 +23,8 @@ fn is_cleared(event: &GroundEvent) -> bool {
 #[test]
 fn a_line_that_closes_contains_the_fire_and_none_changes_nothing() {
     let free = run(&["crew.0.count=0"], 1);
-    for changes in [[ALWAYS, "line.policy=parallel"], [ALWAYS, "line.from=rear"], [ALWAYS, "crew.0.count=9"]] {
-        let fought = run(&changes, 1);
+    for changes in ["line.policy=parallel", "line.from=rear", "crew.0.count=9"] {
+        let fought = run(&["line.holds=always", changes], 1);
         assert!(4 * burned(&fought) < burned(&free), "{changes:?}: {} of {}", burned(&fought), burned(&free));
         assert!(fought.end_time() < free.end_time(), "nothing is left to burn");
     }

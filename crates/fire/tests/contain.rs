@@ -23,8 +23,7 @@ struct Compared {
     area_acre: [f64; 2],
 }
 
-/// Draws a fire in uniform grass: short grass or GR1, wind, size at the report, one to three crews, tactic. The larger side of
-/// the free fire at the end has this many cells.
+/// Draws a fire in grass, crews and a tactic. The length of the free fire at the end has this many cells.
 fn compare(case: u64, cells: f64) -> Compared {
     let mut rng = rng::stream(case, "contain");
     let fuel = if rng.random_bool(0.5) { 1 } else { 101 };
@@ -38,7 +37,6 @@ fn compare(case: u64, cells: f64) -> Compared {
     let rate_ch_h = fire.rate_mps * 3600.0 / CHAIN_M;
     let size_acre = rng.random_range(0.5..20.0_f64);
     let tactic = if rng.random_bool(0.5) { Tactic::Head } else { Tactic::Rear };
-    // The head outruns what builds less than twice its rate on both flanks; from the rear less is enough.
     let least = if tactic == Tactic::Head { 2.0 } else { 1.0 };
     let crews = rng.random_range(1..=3);
     let crew = |number: i32| Resource {
