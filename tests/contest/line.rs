@@ -7,8 +7,6 @@ use wildfire::sim;
 use wildfire::time::SimTime;
 use wildfire::timeline::{GroundEvent, GroundFact, Outcome, Timeline, file};
 
-const ALWAYS: &str = "line.holds=always";
-
 fn run(changes: &[&str], seed: u64) -> Timeline {
     let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
     sim::run(&scenario::load("line", &changes).expect("it is right"), seed).expect("it takes place").timeline
@@ -25,8 +23,8 @@ fn is_cleared(event: &GroundEvent) -> bool {
 #[test]
 fn a_line_that_closes_contains_the_fire_and_none_changes_nothing() {
     let free = run(&["crew.0.count=0"], 1);
-    for changes in [[ALWAYS, "line.policy=parallel"], [ALWAYS, "line.from=rear"], [ALWAYS, "crew.0.count=9"]] {
-        let fought = run(&changes, 1);
+    for changes in ["line.policy=parallel", "line.from=rear", "crew.0.count=9"] {
+        let fought = run(&["line.holds=always", changes], 1);
         assert!(4 * burned(&fought) < burned(&free), "{changes:?}: {} of {}", burned(&fought), burned(&free));
         assert!(fought.end_time() < free.end_time(), "nothing is left to burn");
     }
@@ -43,17 +41,14 @@ fn audits_and_recordings_know_line_and_chance_is_the_same_in_every_run() {
         &["crew.0.count=6", "line.flame_half_m=0.8", "fire.rothermel.slope_deg=15"],
         &["line.policy=parallel", "fire.embers.per_mj=0.01", "wind.0.speed_mps=6", "duration_s=4000"],
     ];
-    let mut lost_m = 0.0;
     for (changes, seed) in changes.into_iter().zip(1..) {
         let timeline = run(changes, seed);
         assert_eq!(audit_timeline(&timeline, SampleStep::default()).violation, None, "{changes:?}");
         let line = Outcome::new(&timeline).ground.and_then(|ground| ground.line).expect("there are crews");
-        assert!(line.built_m > 100.0 && line.lost_m <= line.built_m, "{changes:?}: {line:?}");
-        lost_m += line.lost_m;
+        assert!(line.built_m > 100.0 && line.lost_m < line.built_m, "{changes:?}: {line:?}");
         assert!(file::decode(&file::encode(&timeline).expect("it is kept")).expect("and read") == timeline);
         assert!(run(changes, seed) == timeline, "{changes:?}");
     }
-    assert!(lost_m > 0.0, "some line is lost");
 }
 
 #[test]
@@ -80,6 +75,9 @@ fn forged_line_is_found() {
     assert!(is_found(&|run| each(run, &|_, _, _, holds| *holds = true)), "fire crosses what holds");
     assert!(is_found(&|run| run.setting.line = None), "there are no crews");
     let cell = Cell { col: 118, row: 2 };
-    let last = *timeline.ground.iter().rfind(|event| is_cleared(event)).expect("there is line");
-    assert!(is_found(&|run| run.ground.push(GroundEvent { cell, ..last })), "nobody is there");
+    assert!(is_found(&|run| run
+        .ground
+        .iter_mut()
+        .filter(|event| is_cleared(event))
+        .for_each(|event| event.cell = cell)));
 }

@@ -1,6 +1,5 @@
-//! Line that crews build: no sooner than they can walk to it, no more than their rate allows, in one piece on each flank.
-//!
-//! The bounds are wider than what crews do by some cells, as facts name cells and not places.
+//! Line that crews build: no sooner than they can walk to it, no more than their rate allows, in one piece on each flank, with
+//! bounds that are wider by some cells, as facts name cells and not places.
 
 use super::{Violation, ViolationKind};
 use wildfire_base::geometry::DVec2;

@@ -506,6 +506,7 @@ mod tests {
             (false, What::Extinguished { by }) => of_ground(GroundFact::Extinguished { by }),
             (false, What::BurnedOut) => {}
             (_, What::Wetted { until, by }) => of_ground(GroundFact::Wetted { until, by }),
+            (_, What::Cleared { .. }) => unreachable!("there are no crews"),
         }
     }
 

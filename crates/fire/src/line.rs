@@ -3,8 +3,7 @@
 //! Builders go along both flanks of the fire at once, each with half of the rate, from its head or rear to where they meet,
 //! as in Fried and Fried 1996, "Simulating wildfire containment with realistic tactics". A builder is at some distance from
 //! the front, along its normal: it moves with the front, and along it with what its rate leaves. The front is that of a
-//! forecast for cells, with times interpolated between their centres. As builders are never behind it, the front ahead of
-//! them is that of the forecast. For ellipses the same tactic has a closed form: [`contain`](super::contain).
+//! forecast for cells. For ellipses the same tactic has a closed form: [`contain`](super::contain).
 
 use crate::contain::Tactic;
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame};

