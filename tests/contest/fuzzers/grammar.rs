@@ -261,6 +261,10 @@ impl Grammar {
             let items = self.resolved(&resolved["items"]);
             match (resolved["type"].as_str(), items["type"].as_str()) {
                 // Tables whose keys are names: one of them.
+                (Some("object"), _) if resolved["additionalProperties"]["type"] == "number" => {
+                    let path = [path.as_slice(), &["other".to_owned()]].concat();
+                    found.push(Key { path, schema: resolved["additionalProperties"].clone() });
+                }
                 (Some("object"), _) if resolved["additionalProperties"].is_object() => {
                     let entry = [path.as_slice(), &["rrt".to_owned()]].concat();
                     self.keys_of(&resolved["additionalProperties"], &entry, found);
