@@ -395,7 +395,10 @@ fn pictures_are_drawn_by_commands_that_the_pages_show() {
     let others: Vec<_> = shown.iter().copied().filter(|name| !drawn(name)).collect();
     // Planners of another library, areas of fires in a test, charts of a report on thousands of runs, and a browser with the
     // page of a run.
-    assert_eq!(others, ["against-ompl.svg", "contain.svg", "distributions.png", "page.png", "states-over-time.png", "sweep.png"]);
+    assert_eq!(
+        others,
+        ["against-ompl.svg", "contain.svg", "distributions.png", "page.png", "states-over-time.png", "sweep.png"]
+    );
     let stored = fs::read_dir(root().join("assets/pictures")).expect("the pictures are there");
     let stored = stored.map(|entry| entry.expect("readable").file_name().to_string_lossy().into_owned());
     assert_eq!(stored.collect::<BTreeSet<_>>(), shown.iter().map(|name| (*name).to_owned()).collect());
