@@ -69,9 +69,8 @@ impl CertificateFile {
             else {
                 continue;
             };
-            let (_, checker) = known
-                .take_if(|(of, _)| std::ptr::eq(*of, problem))
-                .map_or_else(|| (problem, checker(problem)), |known| known);
+            let (_, checker) =
+                known.take_if(|(of, _)| std::ptr::eq(*of, problem)).unwrap_or_else(|| (problem, checker(problem)));
             let ends = (problem.start, goal);
             if let Some(certificate) = Certificate::new(&checker, ends, LEAST_CLEARANCE_M, shortest_m) {
                 rows.iter_mut().for_each(|row| row.certified_bound_m = Some(certificate.bound_m));

@@ -298,7 +298,7 @@ mod tests {
         for (name, _) in BUILT_IN.iter().filter(|(name, _)| is_asked_for(name)) {
             // The places of some lie all over their kilometres.
             let sizes = match *name {
-                "landscape" | "brigade" => &["2000"][..],
+                "landscape" | "brigade" | "initial-attack" => &["2000"][..],
                 "county" => &["10000"],
                 "duel" => &["1000", "2000"],
                 _ => &["250", "1000", "2000"],
