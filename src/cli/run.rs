@@ -260,13 +260,18 @@ fn fires(outcome: &Outcome) -> String {
 
 /// Tells of the ground, where there is some that burns.
 fn ground(outcome: &Outcome) -> Option<String> {
-    let GroundOutcome { cells, burned, extinguished, spotted, burned_ha, reached_edge_s, .. } = outcome.ground?;
+    let GroundOutcome { cells, burned, extinguished, spotted, burned_ha, reached_edge_s, line, .. } = outcome.ground?;
     let embers = if spotted > 0 { format!(", {spotted} fires by embers") } else { String::new() };
+    let built = line.map(|line| {
+        let (built_m, lost_m) = (rounded(line.built_m, 0), rounded(line.lost_m, 0));
+        format!(" Line: {built_m} m built, {lost_m} m of it lost.")
+    });
     let edge = reached_edge_s.map(|edge_s| format!("; at the edge of the field after {} s", rounded(edge_s, 1)));
     Some(format!(
-        "Ground: {burned} of {cells} cells caught fire, with bushes {} ha; {extinguished} put out{embers}{}.",
+        "Ground: {burned} of {cells} cells caught fire, with bushes {} ha; {extinguished} put out{embers}{}.{}",
         rounded(burned_ha, 2),
-        edge.unwrap_or_default()
+        edge.unwrap_or_default(),
+        built.unwrap_or_default()
     ))
 }
 

@@ -40,7 +40,7 @@ pub const BURNED_OPACITY: f64 = 0.86;
 pub const WET: Rgb = [40, 120, 200];
 pub const WET_OPACITY: f32 = 0.45;
 /// Line of crews, which is wet for good.
-const LINE: Rgb = [110, 66, 30];
+pub const LINE: Rgb = [110, 66, 30];
 
 pub const EMBER: Rgb = [255, 90, 160];
 /// The time for which the flight of an ember is shown after it has lit something.
