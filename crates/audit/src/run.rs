@@ -39,8 +39,9 @@ pub fn audit_timeline(timeline: &Timeline, step: SampleStep) -> Verdict {
         let outline = Outline::new(&agent.body);
         let field = AuditField::new(setting.frame, &setting.obstacles(), outline);
         violations.push(driven.audit().err());
-        violations.push(audit_legs(driven, &field, &motion(agent), step, &mut audited).err());
-        violations.push(audit_ground(setting, driven, agent.limits).err());
+        // Only legs of a bounded length are held against the ground.
+        let legs = audit_legs(driven, &field, &motion(agent), step, &mut audited);
+        violations.push(legs.and_then(|()| audit_ground(setting, driven, agent.limits)).err());
         if let Body::Truck(_) = agent.body {
             drivers.push(Driver { driven, outline });
         }
