@@ -672,7 +672,7 @@ class FieldPane {
             context.lineDashOffset = 14 - (((this.ns / NANOS) * 60) % 14);
             this.line(context, jet, colours.paper, width);
             context.setLineDash([]);
-            this.drawProgress(projection.at(cell), clamp((this.ns - stop.sinceNs) / run.dwell_ns, 0, 1));
+            this.drawProgress(projection.at(cell), clamp((this.ns - stop.sinceNs) / stop.lastsNs, 0, 1));
         });
     }
 

@@ -130,7 +130,8 @@ class Agent {
         this.start = { x: x / PER_METRE, y: y / PER_METRE, heading: heading / PER_RADIAN };
         this.legs = Agent.legs(data.legs);
         this.legTimes = Float64Array.from(this.legs, (leg) => leg.fromNs);
-        this.stops = { times: sums(data.stops.time_ns), cells: data.stops.cell };
+        const { time_ns, lasts_ns, cell } = data.stops;
+        this.stops = { times: sums(time_ns), lasts: lasts_ns, cells: cell };
         const { activity, failure, ...columns } = data.steps;
         this.steps = { activity, failure };
         for (const [name, differences] of Object.entries(columns)) this.steps[name] = sums(differences);
@@ -210,7 +211,9 @@ class Agent {
     // The start of its suppression, and the cell.
     stopAt(ns) {
         const index = lastAt(this.stops.times, ns);
-        return index < 0 ? null : { sinceNs: this.stops.times[index], cell: this.stops.cells[index] };
+        if (index < 0) return null;
+        const { times, lasts, cells } = this.stops;
+        return { sinceNs: times[index], lastsNs: lasts[index], cell: cells[index] };
     }
 }
 

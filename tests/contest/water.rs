@@ -4,7 +4,7 @@ use wildfire::audit::{SampleStep, audit_timeline};
 use wildfire::geometry::FieldFrame;
 use wildfire::grid::Grid;
 use wildfire::scenario::{self, GivenField, Scenario};
-use wildfire::sim;
+use wildfire::sim::{self, Simulation};
 use wildfire::time::SimTime;
 use wildfire::timeline::{AgentFact, AgentId, Fact, Outcome, RestReason, Timeline, file};
 
@@ -133,4 +133,62 @@ fn a_truck_without_a_way_to_water_rests() {
     assert_eq!(stops_by_tank(&timeline, 1), [1]);
     assert_eq!(Outcome::new(&timeline).truck_stuck_s, 0.0);
     assert_eq!(audit_timeline(&timeline, SampleStep::default()).violation, None);
+}
+
+const HEAT: [&str; 3] = ["water.effect=energy", "water.stop_l=10", "ignition=[{at_s=0,random=3}]"];
+
+#[test]
+fn stops_take_the_water_that_the_heat_demands() {
+    for (seed, policy) in POLICIES.iter().enumerate() {
+        let (seed, policy) = (seed as u64 + 1, format!("dispatch.policy={policy}"));
+        let changes = [
+            &HEAT[..],
+            &[
+                "water.stop_l=2",
+                "water.tank_l=20",
+                "suppression.extinguishes=all-in-reach",
+                "dispatch.rollouts=4",
+                &policy,
+            ],
+        ];
+        let timeline = run(&loaded("initial-attack", &changes.concat()), seed);
+        let verdict = audit_timeline(&timeline, SampleStep::default());
+        assert_eq!(verdict.violation, None, "{policy}, seed {seed}");
+        let portions = timeline.events.iter().filter_map(|event| match event.fact {
+            Fact::Agent(_, AgentFact::Suppressing { portions, .. }) => Some(portions),
+            _ => None,
+        });
+        let portions: Vec<u32> = portions.collect();
+        assert!(portions.iter().any(|&some| some > 1) && portions.iter().all(|&some| some <= 10), "{portions:?}");
+        assert_eq!(Outcome::new(&timeline).truck_stuck_s, 0.0, "{policy}, seed {seed}");
+        let bytes = file::encode(&timeline).expect("it can be recorded");
+        assert!(file::decode(&bytes).expect("and read") == timeline, "{policy}, seed {seed}");
+    }
+}
+
+#[test]
+fn a_weak_pump_leaves_what_is_too_hot_for_it() {
+    let put_out = |pump: &str| {
+        let timeline = run(&loaded("initial-attack", &[&HEAT[..], &[pump]].concat()), 2);
+        assert_eq!(audit_timeline(&timeline, SampleStep::default()).violation, None, "{pump}");
+        let outcome = Outcome::new(&timeline);
+        assert_eq!(outcome.truck_stuck_s, 0.0, "{pump}");
+        let is_too_hot = |(_, fact): (SimTime, &AgentFact)| *fact == AgentFact::Rested { reason: RestReason::TooHot };
+        let ground = outcome.ground.expect("ground burns");
+        let rests = facts_of(&timeline, AgentId::unimog(0)).any(is_too_hot);
+        (ground.extinguished, ground.burned, rests)
+    };
+    let [none, some, most] = ["water.pump_lps=0.001", "water.pump_lps=1", "water.pump_lps=50"].map(put_out);
+    assert_eq!((none.0, none.2), (0, true));
+    assert!(!most.2 && most.1 < some.1 && some.1 < none.1, "{none:?}, {some:?}, {most:?}");
+}
+
+#[test]
+fn a_fork_knows_what_fires_take() {
+    let scenario = loaded("initial-attack", &HEAT);
+    let mut parent = Simulation::new(&scenario, 4).expect("it can run");
+    parent.advance_to(SimTime::from_seconds(500.0));
+    let mut fork = parent.fork().expect("its policies are built in");
+    fork.advance_to(SimTime::MAX);
+    assert!(fork.finish().timeline == run(&scenario, 4));
 }

@@ -35,6 +35,7 @@ mod spread;
 mod suppression;
 mod tolerance;
 mod violation;
+mod water;
 
 pub use field::{AuditField, Outline, Stance, Touch};
 pub use leg::{MotionLimits, SampleStep, audit_leg};

@@ -9,6 +9,7 @@ use super::line::audit_line;
 use super::meeting::{Driver, audit_meetings};
 use super::spread::audit_spread;
 use super::suppression::audit_acts;
+use super::water::audit_water;
 use super::{Audited, Violation, ViolationKind};
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::Trajectory;
@@ -49,6 +50,7 @@ pub fn audit_timeline(timeline: &Timeline, step: SampleStep) -> Verdict {
     violations.push(audit_meetings(&drivers, timeline.end_time(), step).err());
     violations.push(if setting.spread.is_some() { audit_spread(timeline) } else { audit_fires(timeline) }.err());
     violations.push(audit_line(timeline).err());
+    violations.push(audit_water(timeline).err());
     match audit_acts(timeline) {
         Ok(extinctions) => audited.extinctions += extinctions,
         Err(violation) => violations.push(Some(violation)),

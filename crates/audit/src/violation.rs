@@ -137,6 +137,10 @@ pub enum ViolationKind {
     },
     /// A stop at a fire began, or put one out, without water in the tank for it.
     EmptyTank,
+    /// A cell went out by less water than its front takes, before it was sprayed, or though it was too hot.
+    TooLittleWater {
+        cell: Cell,
+    },
     /// A truck filled its tank this far from the nearest water, or before it stood there.
     NoWater {
         metres: f64,
@@ -272,6 +276,12 @@ impl fmt::Display for ViolationKind {
                 write!(f, "water comes to cell {cell}, {metres:.3} m away, beyond the reach of {reach_m} m")
             }
             Self::EmptyTank => write!(f, "it stops at a fire without water for it"),
+            Self::TooLittleWater { cell } => {
+                write!(
+                    f,
+                    "cell {cell} goes out by less water, or sooner, than its heat takes, or is too hot for the pump"
+                )
+            }
             Self::NoWater { metres, reach_m } => {
                 write!(
                     f,

@@ -222,6 +222,12 @@ impl FireField {
         matches!(kind, Some(BushStateKind::Burning | BushStateKind::BurnedOut)).then_some(ignited)
     }
 
+    /// Returns when a cell last caught fire, whatever became of it.
+    pub fn last_ignited(&self, cell: Cell) -> Option<SimTime> {
+        let FieldCell { episode, ignited, .. } = self.cells[self.frame.index(cell)];
+        (episode > 0).then_some(ignited)
+    }
+
     pub fn can_burn(&self, cell: Cell) -> bool {
         let can_be_lit = match self.kind(cell) {
             Some(BushStateKind::Intact) => true,

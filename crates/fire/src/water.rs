@@ -6,6 +6,9 @@
 
 use wildfire_base::geometry::ops;
 
+/// Heat of a kilogram of fuel, of all models: 8,000 Btu/lb.
+const FUEL_KJ_KG: f64 = 18_608.0;
+
 /// Kilojoules of a kilocalorie.
 pub const KJ_PER_KCAL: f64 = 4.184;
 
@@ -33,6 +36,11 @@ pub fn cooling_mm(fuel_kg_m2: f64) -> f64 {
 /// Returns the litres that put out a metre of front: flame and fuel, on the depth of the flame.
 pub fn litres_per_m(intensity_kw_m: f64, fuel_kg_m2: f64) -> f64 {
     flame_depth_m(intensity_kw_m) * (quenching_mm(intensity_kw_m) + cooling_mm(fuel_kg_m2))
+}
+
+/// Returns the fuel that gives off some heat as it flames, both by the square metre.
+pub fn fuel_kg_m2(heat_kj_m2: f64) -> f64 {
+    heat_kj_m2 / FUEL_KJ_KG
 }
 
 fn two_thirds(intensity_kw_m: f64) -> f64 {

@@ -18,6 +18,7 @@ use super::queue::{CellEvent, Due, Rank, SimClock, SimQueue};
 use super::recorder::Recorder;
 use super::schedule::{Pass, SimSystems};
 use super::wake::Listeners;
+use super::water::WaterNeeds;
 
 /// The plugin in which bushes and ground burn.
 #[derive(Debug)]
@@ -122,6 +123,7 @@ fn change_cells(
     mut queue: ResMut<SimQueue>,
     mut fires: ResMut<Fires>,
     mut recorder: ResMut<Recorder>,
+    mut needs: Option<ResMut<WaterNeeds>>,
     listeners: Listeners,
 ) {
     let now = clock.0;
@@ -132,6 +134,7 @@ fn change_cells(
             record(&mut recorder, now, event, field);
         }
         let Some(change) = change else { continue };
+        needs.iter_mut().for_each(|needs| needs.follow(event, now, field));
         let mut expected = Vec::new();
         model.follow(field, now, change, &mut expected);
         expect(&mut queue, expected);

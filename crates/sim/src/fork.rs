@@ -13,6 +13,7 @@ use super::recorder::{CpuLog, Recorder};
 use super::truck::Truck;
 use super::wake::WokenBy;
 use super::walk_grounds::WalkPlanners;
+use super::water::WaterNeeds;
 use super::wumpus::Wumpus;
 use super::{RunError, RunOptions, Simulation};
 use crate::scenario::{Program, Retarget, Scenario, ValueDifference, value_differences};
@@ -179,6 +180,7 @@ fn copy_world(from: &World, to: &mut World) -> Result<(), NotForked> {
     copy_resource::<Ended>(from, to);
     copy_resource::<Fires>(from, to);
     from.get_resource::<CrewOrders>().into_iter().for_each(|orders| to.insert_resource(orders.clone()));
+    from.get_resource::<WaterNeeds>().into_iter().for_each(|needs| to.insert_resource(needs.clone()));
     copy_resource::<Ignitions>(from, to);
     copy_resource::<WalkPlanners>(from, to);
     copy_resource::<Recorder>(from, to);

@@ -32,6 +32,7 @@ mod traffic;
 mod truck;
 mod wake;
 mod walk_grounds;
+mod water;
 mod wumpus;
 
 use bevy_app::prelude::*;

@@ -24,6 +24,7 @@ use super::queue::{Due, SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
 use super::run::{RunCost, RunError, RunOptions};
 use super::walk_grounds::WalkGrounds;
+use super::water::WaterNeeds;
 use super::{line, truck, wumpus};
 
 /// Sets up the world with everybody at the start and the first decisions due. Returns the setting for the timeline, and
@@ -59,6 +60,8 @@ pub fn fill(
     queue.push(SimTime::from_seconds(scenario.duration_s), Due::End);
     world.insert_resource(queue);
     line::order(world, scenario, seed, spread.as_ref());
+    let needs = WaterNeeds::new(water_rules(scenario).as_ref(), spread.as_ref());
+    needs.into_iter().for_each(|needs| world.insert_resource(needs));
     world.insert_resource(Recorder::new(memory, options.records_searches));
     world.init_resource::<SimClock>();
     world.init_resource::<CpuLog>();
@@ -136,7 +139,8 @@ pub fn water_rules(scenario: &Scenario) -> Option<WaterRules> {
     let water = scenario.water.as_ref()?;
     let places = water.places(scenario);
     let (full_tank, fill_per_stop, reach_m) = (water.full_tank(), water.fill_per_stop(), water.reach_m);
-    (!places.is_empty()).then_some(WaterRules { full_tank, fill_per_stop, reach_m, places })
+    let energy = water.energy();
+    (!places.is_empty()).then_some(WaterRules { full_tank, fill_per_stop, reach_m, places, energy })
 }
 
 /// Returns the shares of their speed that trucks keep by ground, if some of them are slowed.

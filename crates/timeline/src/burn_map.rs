@@ -16,7 +16,7 @@ use wildfire_base::geometry::{Cell, DVec2, FieldFrame, compass};
 use wildfire_base::time::SimTime;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::models::RothermelRules;
-use wildfire_fire::surface::crown::{CrownConditions, model_10};
+use wildfire_fire::surface::crown::spreading_fire;
 use wildfire_fire::surface::{FuelBed, SurfaceFire, flame_length_m, twenty_foot_wind, unsheltered_adjustment};
 use wildfire_fire::{Landscape, Relief, Weather};
 
@@ -114,7 +114,8 @@ impl<'a> BurnMap<'a> {
         for (index, ignition) in self.ignitions.iter().enumerate() {
             let Some((time, Cause::Spread(parent))) = *ignition else { continue };
             let cell = self.setting.frame.cell(index);
-            let direction = self.front_direction(cell, time, parent);
+            let ignited_at = |near| Some(self.ignitions[self.setting.frame.index(near)]?.0);
+            let direction = front_direction(&self.setting.frame, (cell, time, parent), ignited_at);
             behavior.direction_deg[index] = compass::azimuth_deg(direction);
             let Some(fire) = fires.at(cell, time) else { continue };
             let rate_mps = fire.front_normal_rate_mps(direction);
@@ -125,26 +126,58 @@ impl<'a> BurnMap<'a> {
         }
         Some(behavior)
     }
+}
 
-    /// Returns the horizontal direction that the front faced in a cell.
-    fn front_direction(&self, cell: Cell, time: SimTime, parent: Cell) -> DVec2 {
-        let frame = &self.setting.frame;
-        // Seconds by which the neighbour burned earlier; nothing of later ones.
-        let lead_s = |cols, rows| {
-            let neighbour = frame.offset(cell, cols, rows)?;
-            let (earlier, _) = self.ignitions[frame.index(neighbour)]?;
-            (earlier < time).then(|| (time - earlier).as_seconds())
+/// A front that comes to a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Front {
+    /// Byram's intensity.
+    pub intensity_kw_m: f64,
+    /// The heat that a square metre gives off as it flames.
+    pub heat_kj_m2: f64,
+}
+
+impl SpreadSetting {
+    /// Computes the front by which a cell caught fire at a time; that of the head where no front came. `None` where fire has no
+    /// rate. See [`front_direction`].
+    pub fn front(
+        &self,
+        (cell, time, cause): (Cell, SimTime, Cause),
+        ignited_at: impl Fn(Cell) -> Option<SimTime>,
+    ) -> Option<Front> {
+        let Self::Rothermel { landscape, weather, rules } = self else { return None };
+        let fire = spreading_fire(landscape, weather, &rules.options, rules.crowns, cell, time)?;
+        let rate_mps = match cause {
+            Cause::Spread(parent) => {
+                fire.front_normal_rate_mps(front_direction(&landscape.frame, (cell, time, parent), ignited_at))
+            }
+            Cause::Spotted(_) | Cause::Lit(_) | Cause::Scheduled => fire.rate_mps,
         };
-        // Fronts that meet come from both sides: the one that came first counts.
-        let slope = |behind: Option<f64>, ahead: Option<f64>| match (behind, ahead) {
-            (Some(behind), Some(ahead)) if ahead > behind => -ahead,
-            (Some(behind), _) => behind,
-            (None, Some(ahead)) => -ahead,
-            (None, None) => 0.0,
-        };
-        let gradient = DVec2::new(slope(lead_s(-1, 0), lead_s(1, 0)), slope(lead_s(0, -1), lead_s(0, 1)));
-        if gradient == DVec2::ZERO { frame.centre(cell) - frame.centre(parent) } else { gradient }
+        Some(Front { intensity_kw_m: fire.intensity_kw_m(rate_mps), heat_kj_m2: fire.heat_kj_m2() })
     }
+}
+
+/// Returns the horizontal direction that the front faced in a cell that it came to at a time from another; of its
+/// neighbours, those count that caught fire before.
+pub fn front_direction(
+    frame: &FieldFrame,
+    (cell, time, parent): (Cell, SimTime, Cell),
+    ignited_at: impl Fn(Cell) -> Option<SimTime>,
+) -> DVec2 {
+    // Seconds by which the neighbour burned earlier; nothing of later ones.
+    let lead_s = |cols, rows| {
+        let earlier = ignited_at(frame.offset(cell, cols, rows)?)?;
+        (earlier < time).then(|| (time - earlier).as_seconds())
+    };
+    // Fronts that meet come from both sides: the one that came first counts.
+    let slope = |behind: Option<f64>, ahead: Option<f64>| match (behind, ahead) {
+        (Some(behind), Some(ahead)) if ahead > behind => -ahead,
+        (Some(behind), _) => behind,
+        (None, Some(ahead)) => -ahead,
+        (None, None) => 0.0,
+    };
+    let gradient = DVec2::new(slope(lead_s(-1, 0), lead_s(1, 0)), slope(lead_s(0, -1), lead_s(0, 1)));
+    if gradient == DVec2::ZERO { frame.centre(cell) - frame.centre(parent) } else { gradient }
 }
 
 /// Fires of each fuel in each interval of the weather; on ground with one slope they are the same everywhere.
@@ -177,21 +210,15 @@ impl<'a> LocalFires<'a> {
         let Self { landscape, weather, rules, .. } = *self;
         let interval = weather.interval_at(time);
         let place = interval * FUELS + usize::from(landscape.fuel_number(cell));
-        let trees = rules.crowns.zip(landscape.canopy(cell));
-        let is_plane = matches!(landscape.relief, Relief::Plane(_)) && trees.is_none();
+        if rules.crowns.is_some() && landscape.canopy(cell).is_some() {
+            return spreading_fire(landscape, weather, &rules.options, rules.crowns, cell, time);
+        }
+        let is_plane = matches!(landscape.relief, Relief::Plane(_));
         if let Some(fire) = self.level[place].filter(|_| is_plane) {
             return Some(fire);
         }
         let (bed, wind) = self.beds[place].as_ref()?;
-        let gradient = landscape.gradient(cell);
-        if let Some((crowns, canopy)) = trees {
-            let ground = (*bed, FuelModel::by_number(landscape.fuel_number(cell))?.depth_ft);
-            let (weather, options) = (&weather.intervals()[interval], rules.options);
-            let (ten, wind) = (model_10(&weather.moisture, options.curing), weather.wind_mps);
-            let below = CrownConditions::in_weather(ground, ten, canopy, wind, gradient, options, crowns);
-            return Some(below.burn().spreading(crowns.method));
-        }
-        let fire = bed.behavior(*wind, gradient, &rules.options);
+        let fire = bed.behavior(*wind, landscape.gradient(cell), &rules.options);
         self.level[place] = is_plane.then_some(fire);
         Some(fire)
     }

@@ -45,6 +45,8 @@ pub enum RestReason {
     Chosen,
     /// A truck whose tank is too empty for a stop, and that finds no path to water.
     NoWater,
+    /// A truck when all that burns is too hot for its pump, or takes more water than its tank holds.
+    TooHot,
     /// A truck before the time at which it is ready to set out.
     NotReady,
 }
@@ -59,6 +61,7 @@ impl fmt::Display for RestReason {
             Self::NoPlan => "no plan for anything that burns",
             Self::Chosen => "its policy lets it wait",
             Self::NoWater => "no way to water",
+            Self::TooHot => "all that burns is too hot for its water",
             Self::NotReady => "not ready yet",
         })
     }
@@ -177,8 +180,8 @@ pub enum AgentFact {
     /// from its `end_time()` on; without pieces if the agent had not set out. A truck stops where it blocks nobody,
     /// which may be later than it could.
     Dropped { goal: Cell, trajectory: Trajectory },
-    /// A truck arrived and begins to suppress.
-    Suppressing { cell: Cell },
+    /// A truck arrived and begins to suppress, with this water: one stop's, or portions by the heat of the fire.
+    Suppressing { cell: Cell, portions: u32 },
     /// A suppression ended early because its cell stopped burning.
     SuppressionEnded { cell: Cell },
     /// The agent stands and has no option, for this reason.
@@ -288,7 +291,7 @@ impl AgentFact {
             | Self::Dropped { goal: cell, .. }
             | Self::LocalMinimum { goal: cell, .. }
             | Self::Blocked { goal: cell, .. }
-            | Self::Suppressing { cell }
+            | Self::Suppressing { cell, .. }
             | Self::SuppressionEnded { cell } => Some(cell),
             _ => None,
         }

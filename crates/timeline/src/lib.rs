@@ -22,7 +22,7 @@ mod setting;
 mod water;
 
 pub use agent_id::{AgentId, Role};
-pub use burn_map::{BurnMap, FireBehavior};
+pub use burn_map::{BurnMap, FireBehavior, Front};
 pub use cpu::{CpuHistory, CpuSample};
 pub use fact::{AgentFact, Cause, EndReason, Event, Fact, FireFact, GroundEvent, GroundFact, RestReason};
 pub use index::{
@@ -32,7 +32,7 @@ pub use outcome::{AgentOutcome, FLOCK_M, GroundOutcome, LineOutcome, Outcome, Wi
 pub use progress::Activity;
 pub use replay::{AgentState, Replay, State};
 pub use setting::{AgentStart, Body, CrewRules, FlamingTimes, LineRules, Rules, Setting, SpreadSetting};
-pub use water::WaterRules;
+pub use water::{WaterEnergy, WaterRules};
 
 use wildfire_base::time::SimTime;
 pub use wildfire_fire::{BushState, BushStateKind};

@@ -202,6 +202,12 @@ impl Setting {
             && self.bush_index(cell).is_none()
     }
 
+    /// Returns how long a stop at a fire takes that sprays some portions of water.
+    pub fn stop_time(&self, portions: u32) -> SimTime {
+        let spraying = self.water.as_ref().map_or(SimTime::ZERO, |water| water.spraying(portions));
+        self.rules.suppression_dwell + spraying
+    }
+
     /// Returns the place of a bush in [`Setting::bushes`]; `None` where nothing grows.
     pub fn bush_index(&self, cell: Cell) -> Option<usize> {
         self.bushes.binary_search_by_key(&(cell.row, cell.col), |bush| (bush.row, bush.col)).ok()

@@ -21,11 +21,13 @@ use serde::{Deserialize, Serialize};
 use super::behavior::{MILE_PER_HOUR, lift, unit};
 use super::{
     BTU_J, Curing, FOOT_M, FOOT_PER_MINUTE, FuelBed, FuelMoisture, SurfaceFire, SurfaceOptions, WindLimit,
-    flame_length_m, sheltered_adjustment, twenty_foot_wind, unsheltered_adjustment,
+    flame_length_m, sheltered_adjustment, surface_fire, twenty_foot_wind, unsheltered_adjustment,
 };
 use crate::fuel::FuelModel;
-use wildfire_base::geometry::ops;
+use crate::{Landscape, Weather, WeatherInterval};
+use wildfire_base::geometry::{Cell, ops};
 use wildfire_base::ranges;
+use wildfire_base::time::SimTime;
 
 /// The rate of a crown fire as a multiple of that of model 10, and the part of the wind at 20 ft that drives the latter
 /// (Rothermel, 1991).
@@ -277,6 +279,26 @@ impl CrownConditions {
     pub fn burn_at(self, rate_mps: f64) -> CrownFire {
         CrownFire { surface: self.surface(self.wind_20ft_mps), rate_mps, conditions: self }
     }
+}
+
+/// Computes the fire of a cell at a time as it spreads, in the crowns too where there are trees; `None` where nothing burns.
+pub fn spreading_fire(
+    landscape: &Landscape,
+    weather: &Weather,
+    options: &SurfaceOptions,
+    crowns: Option<CrownRules>,
+    cell: Cell,
+    time: SimTime,
+) -> Option<SurfaceFire> {
+    let Some((rules, canopy)) = crowns.zip(landscape.canopy(cell)) else {
+        return surface_fire(landscape, weather, options, cell, time);
+    };
+    let model = FuelModel::by_number(landscape.fuel_number(cell)).filter(|model| model.burns())?;
+    let WeatherInterval { moisture, wind_mps, .. } = weather.at(time);
+    let ground = (FuelBed::new(model, moisture, options.curing), model.depth_ft);
+    let (ten, gradient) = (model_10(moisture, options.curing), landscape.gradient(cell));
+    let below = CrownConditions::in_weather(ground, ten, canopy, *wind_mps, gradient, *options, rules);
+    Some(below.burn().spreading(rules.method))
 }
 
 /// How fast and how hot a fire is.

@@ -92,7 +92,7 @@ pub use traffic::{Detours, TrafficPlan, TrafficRules};
 pub use truck_starts::{TRUCK_MARGIN_M, free_start};
 pub use unimog::{Limits, PlannerContext, Rescue, Retarget, StartPose, Unimog};
 pub use warnings::{doubts_of_map, warnings_of_map};
-pub use water::{Water, WaterPlace};
+pub use water::{Water, WaterEffect, WaterPlace};
 pub use weather::{DeadMoisture, MoistureChange, WeatherSettings, weather};
 pub use weather_csv::WeatherSample;
 pub use wind::WindChange;
@@ -269,7 +269,7 @@ impl Scenario {
         self.check_stops()?;
         self.check_nearest_by_drive()?;
         self.learned.as_ref().map_or(Ok(()), |learned| learned.check(&top.inner("learned")))?;
-        self.water.as_ref().map_or(Ok(()), |water| water.check(&top.inner("water"), &frame))?;
+        self.water.as_ref().map_or(Ok(()), |water| water.check(&top.inner("water"), &frame, self.fire.model))?;
         self.check_crews(&frame)?;
         check_programs("planner", &self.planner, |name| name.built_in().is_some())?;
         let is_rule = |name: &PlannerName| TruckGoal::is_built_in(name.name()) || WumpusGoal::is_built_in(name.name());

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::agents::ScenarioField;
 use super::check::{Check, TablePath};
-use super::{Scenario, Unimog};
+use super::{FireModelName, Scenario, Unimog};
 use wildfire_base::geometry::{DVec2, FieldFrame, Pose};
 use wildfire_base::input_file::list_of_at_most;
 use wildfire_base::ranges;
@@ -15,23 +15,32 @@ use wildfire_base::ranges::{OutOfRange, number_text};
 use wildfire_base::time::SimTime;
 use wildfire_base::vehicle::Dimensions;
 use wildfire_planning::collision::CollisionChecker;
+use wildfire_timeline::WaterEnergy;
 
 /// The most places with water.
 const MAX_PLACES: usize = 1000;
 
-/// The tanks of trucks, and where they are filled. Defaults: a tank and a pump like those of fire trucks, and a stop
-/// that uses a twentieth of the tank.
+/// The tanks of trucks, and where they are filled. Defaults: a tank and pumps like those of fire trucks, and a stop that uses
+/// a twentieth of the tank.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Water {
     /// Capacity of a tank, litres; it is full at the start.
     pub tank_l: f64,
-    /// Water used by a stop at a fire, litres; used when the stop begins.
+    /// Water used by a stop at a fire, litres; used when the stop begins. With `energy`, of one of the portions in which the
+    /// tank is counted, at least one for each stop.
     pub stop_l: f64,
     /// Filling rate of a tank, litres per second.
     pub fill_lps: f64,
     /// Largest distance from the middle of a truck to the water, metres.
     pub reach_m: f64,
+    pub effect: WaterEffect,
+    /// With `effect = "energy"`: litres per second that a truck sprays.
+    pub pump_lps: f64,
+    /// Metres of front that its jet covers at once.
+    pub jet_m: f64,
+    /// Water applied, as a multiple of the least that suffices in theory.
+    pub applied: f64,
     /// Places with water; if empty, the starts of all trucks.
     #[serde(deserialize_with = "list_of_at_most::<2_000, _, _>")]
     pub place: Vec<WaterPlace>,
@@ -39,17 +48,36 @@ pub struct Water {
 
 impl Default for Water {
     fn default() -> Self {
-        Self { tank_l: 2000.0, stop_l: 100.0, fill_lps: 20.0, reach_m: 10.0, place: Vec::new() }
+        Self {
+            tank_l: 2000.0,
+            stop_l: 100.0,
+            fill_lps: 20.0,
+            reach_m: 10.0,
+            effect: WaterEffect::Rule,
+            pump_lps: 5.0,
+            jet_m: 5.0,
+            applied: 3.0,
+            place: Vec::new(),
+        }
     }
 }
 
 ranges! { Water {
     tank_l: 0.001..=1e6, stop_l: 0.001..=1e6, fill_lps: 0.001..=1e6, reach_m: 1.0..=1000.0,
+    pump_lps: 0.001..=1e6, jet_m: 0.01..=1000.0, applied: 1.0..=1000.0,
 } and |own, _| {
     let expected = format!("at most `tank_l`, {}", number_text(own.tank_l));
     let is_held = own.stop_l <= own.tank_l;
     if is_held { Ok(()) } else { Err(OutOfRange::new("stop_l", own.stop_l, expected)) }
 } }
+
+/// What a stop takes: the same water each time, or what the heat of the fire demands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum WaterEffect {
+    Rule,
+    Energy,
+}
 
 /// A place with water: a hydrant, a pond.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -60,7 +88,11 @@ pub struct WaterPlace {
 }
 
 impl Water {
-    pub(super) fn check(&self, table: &TablePath, frame: &FieldFrame) -> Check {
+    pub(super) fn check(&self, table: &TablePath, frame: &FieldFrame, model: FireModelName) -> Check {
+        if self.effect == WaterEffect::Energy && model != FireModelName::Rothermel {
+            let expected = "`rule`, or the model `rothermel`, as other fires have no heat".into();
+            return table.refuse("effect", "energy".into(), expected);
+        }
         table.count("place", self.place.len(), MAX_PLACES)?;
         self.place.iter().enumerate().try_for_each(|(number, place)| {
             let entry = table.inner("place").item(number);
@@ -79,6 +111,12 @@ impl Water {
         SimTime::from_seconds(self.stop_l / self.fill_lps)
     }
 
+    /// Returns what pumps give against the heat of fire, if that matters.
+    pub fn energy(&self) -> Option<WaterEnergy> {
+        let &Self { effect, stop_l, pump_lps, jet_m, applied, .. } = self;
+        (effect == WaterEffect::Energy).then_some(WaterEnergy { portion_l: stop_l, pump_lps, jet_m, applied })
+    }
+
     /// Lists where there is water, in metres in the frame of the field.
     pub fn places(&self, scenario: &Scenario) -> Vec<DVec2> {
         if self.place.is_empty() {
@@ -89,7 +127,14 @@ impl Water {
 
     pub(super) fn describe(&self) -> String {
         let fill_s = self.fill_per_stop().as_seconds() * f64::from(self.full_tank());
-        format!("A full tank is enough for {} stops; an empty one is filled in {fill_s} s.", self.full_tank())
+        let tank =
+            format!("A full tank is enough for {} stops; an empty one is filled in {fill_s} s.", self.full_tank());
+        let Some(energy) = self.energy() else { return tank };
+        let most_kw_m = energy.most_kw_m();
+        let tank = tank.replace("stops", "portions");
+        format!(
+            "{tank} Stops take as many as the heat of the fire demands; fronts above {most_kw_m:.0} kW/m are too hot."
+        )
     }
 
     /// Warns of places that no truck gets near enough to.
@@ -154,6 +199,8 @@ mod tests {
         for (change, words) in [
             ("water.stop_l=2001", "water.stop_l"),
             ("water.fill_lps=0", "water.fill_lps"),
+            ("water.effect=energy", "the model `rothermel`"),
+            ("water.applied=0.5", "water.applied"),
             ("water.place=[{x_m=-1,y_m=5}]", "water.place.0.x_m"),
             ("water.place=[{x_m=1,y_m=5},{x_m=5,y_m=500}]", "water.place.1.y_m"),
         ] {
@@ -174,6 +221,8 @@ mod tests {
         assert!(explained.contains("enough for 10 stops"), "{explained}");
         assert!(explained.contains("an empty one is filled in 50 s"), "{explained}");
         assert!(!text(&[]).contains("full tank"));
+        let hot = text(&["fire.model=rothermel", "water.effect=energy", "water.stop_l=10"]);
+        assert!(hot.contains("enough for 200 portions") && hot.contains("fronts above 2594 kW/m are too hot"), "{hot}");
         assert!(text(&["water.tank_l=1000", "unimog=[]"]).contains("The table `water` has no effect"));
         let close = "water.place=[{x_m=0,y_m=0}]";
         assert!(text(&[close, "water.reach_m=1"]).contains("no truck finds room within 1 m of (0, 0)"));

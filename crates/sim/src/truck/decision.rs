@@ -91,9 +91,6 @@ pub struct DecisionBooks<'w, 's> {
 impl Truck {
     /// Lists what a truck may go for of the burning cells that no other truck has as its goal.
     fn options(&self, agent: &Agent, unclaimed: impl Iterator<Item = Cell> + Clone) -> Vec<Cell> {
-        if agent.stops_left == Some(0) {
-            return Vec::new();
-        }
         if agent.goal.is_some() {
             // The goal may itself be one that the planner had failed on and the flood reached.
             return unclaimed.filter(|cell| agent.goal == Some(*cell) || !self.failed_goals.contains(cell)).collect();
@@ -159,7 +156,7 @@ fn depart_or_wait(
 
 impl Fleet<'_, '_> {
     /// Lists what burns and is the goal of none but some trucks.
-    fn unclaimed(&self, except: &[Entity], fires: &FireField) -> Vec<Cell> {
+    pub fn unclaimed(&self, except: &[Entity], fires: &FireField) -> Vec<Cell> {
         let claimed = self.claimed(except);
         fires.burning().filter(|cell| !claimed.contains(cell)).collect()
     }
@@ -167,7 +164,8 @@ impl Fleet<'_, '_> {
     /// Lists what a truck may go for; goals of the trucks in `askers`, including itself, count as free.
     pub fn options(&self, entity: Entity, askers: &[Entity], fires: &FireField) -> Vec<Cell> {
         let (agent, truck) = self.trucks.one(entity);
-        truck.options(agent, self.unclaimed(askers, fires).into_iter())
+        let unclaimed = self.unclaimed(askers, fires).into_iter();
+        truck.options(agent, unclaimed.filter(|&cell| self.has_water_for(agent, cell)))
     }
 
     /// Begins a decision, unless it has begun.
@@ -205,7 +203,7 @@ impl Fleet<'_, '_> {
         let conclusion = match goal {
             Some(goal) => self.try_goal(entity, goal, fires),
             None if choice == Choice::GoToNearest && !options.is_empty() => self.try_nearest(entity, &options, fires),
-            None if choice == Choice::Refill || self.is_out_of_water(entity) => Some(self.refill(entity, fires)),
+            None if choice == Choice::Refill || self.is_out_of_water(entity, fires) => Some(self.refill(entity, fires)),
             None if options.is_empty() => Some(self.stop_looking(entity, fires)),
             None => Some(Conclusion::Stays(choice.until())),
         };
@@ -301,10 +299,12 @@ impl Fleet<'_, '_> {
     /// Ends a search without options: the truck looks for a drive around those that block it, waits for them, or rests.
     pub fn stop_looking(&mut self, entity: Entity, fires: &FireField) -> Conclusion {
         let nothing_burns = self.unclaimed(&[entity], fires).is_empty();
+        let is_too_hot = self.is_too_hot(entity, fires);
         let (now, reservations) = (self.now(), self.reservations());
         let (mut agent, mut truck) = self.trucks.one_mut(entity);
         let rests = match (nothing_burns, truck.is_rescued) {
             (true, _) => RestReason::NothingBurns,
+            _ if is_too_hot => RestReason::TooHot,
             (false, true) => RestReason::NothingReachable,
             (false, false) => RestReason::NoPlan,
         };

@@ -10,9 +10,11 @@ use crate::fire::Fires;
 use crate::queue::{AgentEvent, CellEvent, Due, SimClock, SimQueue, Wake};
 use crate::recorder::Recorder;
 use crate::traffic::{Reservation, Traffic};
+use crate::water::WaterNeeds;
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::Trajectory;
+use wildfire_fire::FireField;
 use wildfire_timeline::{AgentFact, AgentId};
 
 /// The trucks among the agents.
@@ -50,6 +52,8 @@ pub struct Fleet<'w, 's> {
     pub queue: ResMut<'w, SimQueue>,
     pub recorder: ResMut<'w, Recorder>,
     pub trucks: Trucks<'w, 's>,
+    /// The water that fires take, where their heat matters.
+    pub needs: Option<Res<'w, WaterNeeds>>,
 }
 
 impl Fleet<'_, '_> {
@@ -164,7 +168,7 @@ pub fn lose_goal(mut fleet: Fleet) {
     }
 }
 
-/// A stop whose dwell ends now.
+/// A stop at a fire.
 struct Stop {
     by: AgentId,
     goal: Cell,
@@ -176,6 +180,18 @@ struct Stop {
 }
 
 impl Stop {
+    fn new(agent: &Agent, truck: &Truck, goal: Cell) -> Self {
+        let centre = truck.body.body_centre(agent.trajectory.end());
+        let &Truck { reach_m, extinguishes_all, wets, .. } = truck;
+        Self { by: agent.id, goal, centre, reach_m, extinguishes_all, wets }
+    }
+
+    /// Lists what burns in reach besides its goal, by index, if it puts that out too.
+    fn others<'a>(&'a self, fires: &'a FireField) -> impl Iterator<Item = Cell> + 'a {
+        let burning = fires.burning().filter(|_| self.extinguishes_all);
+        burning.filter(|&cell| cell != self.goal && self.is_in_reach(fires.frame(), cell))
+    }
+
     fn is_in_reach(&self, frame: &FieldFrame, cell: Cell) -> bool {
         (frame.centre(cell) - self.centre).length() <= self.reach_m
     }
@@ -197,31 +213,29 @@ pub fn end_dwell(mut fleet: Fleet, fires: Res<Fires>) {
     let now = fleet.now();
     let mut stops = Vec::new();
     while let Some(wake) = fleet.take(AgentEvent::DwellEnd) {
-        let (mut agent, truck) = fleet.trucks.one_mut(wake.agent);
+        let (mut agent, mut truck) = fleet.trucks.one_mut(wake.agent);
         if agent.revision != wake.revision {
             continue;
         }
         let goal = agent.goal.take().expect("a truck that suppresses has a goal");
         agent.activity = Activity::Idle;
         agent.reconsider(wake.agent, now, &mut fleet.queue);
-        let centre = truck.body.body_centre(agent.trajectory.end());
-        let Truck { reach_m, extinguishes_all, wets, .. } = *truck;
-        stops.push(Stop { by: agent.id, goal, centre, reach_m, extinguishes_all, wets });
+        stops.push((Stop::new(&agent, &truck, goal), truck.puts_out.take()));
     }
     let (field, frame) = (&fires.field, fires.field.frame());
-    for stop in &stops {
-        let (by, goal) = (stop.by, stop.goal);
-        let mut put_out = vec![goal];
-        if stop.extinguishes_all {
-            let others = field.burning().filter(|&cell| cell != goal && stop.is_in_reach(frame, cell));
-            put_out.extend(others);
-        }
+    for (stop, puts_out) in &stops {
+        let put_out: Vec<Cell> = match puts_out {
+            Some(cells) => {
+                cells.iter().filter(|&&(cell, time)| field.goes_on(cell, time)).map(|&(cell, _)| cell).collect()
+            }
+            None => std::iter::once(stop.goal).chain(stop.others(field)).collect(),
+        };
         for cell in put_out {
-            fleet.queue.push(now, Due::Cell(CellEvent::Extinguish { cell, by }));
+            fleet.queue.push(now, Due::Cell(CellEvent::Extinguish { cell, by: stop.by }));
         }
     }
     // What was burning when the water came is put out at best, and what is put out is wet for good.
-    for stop in &stops {
+    for (stop, _) in &stops {
         let Some(wets) = stop.wets else { continue };
         for cell in stop.cells_in_reach(frame).filter(|&cell| !field.is_burning(cell)) {
             fleet.queue.push(now, Due::Cell(CellEvent::Wet { cell, until: now + wets, by: stop.by }));
@@ -230,18 +244,29 @@ pub fn end_dwell(mut fleet: Fleet, fires: Res<Fires>) {
 }
 
 /// Lets trucks that arrived begin to suppress.
-pub fn arrive(mut fleet: Fleet) {
-    let now = fleet.now();
+pub fn arrive(mut fleet: Fleet, fires: Res<Fires>) {
+    let (now, field) = (fleet.now(), &fires.field);
     while let Some(wake) = fleet.take(AgentEvent::Arrival) {
-        let (mut agent, truck) = fleet.trucks.one_mut(wake.agent);
+        let (mut agent, mut truck) = fleet.trucks.one_mut(wake.agent);
         if agent.revision != wake.revision {
             continue;
         }
         agent.activity = Activity::Suppressing;
         let cell = agent.goal.expect("a truck drives to a goal");
-        fleet.recorder.record_agent(now, agent.id, AgentFact::Suppressing { cell });
-        agent.busy_until = now + truck.dwell;
-        agent.stops_left = agent.stops_left.map(|stops| stops.saturating_sub(1));
-        fleet.queue.push_for(now + truck.dwell, AgentEvent::DwellEnd, agent.wake(wake.agent));
+        let mut portions = 1;
+        if let (Some(needs), Some(left)) = (&fleet.needs, agent.stops_left) {
+            let stop = Stop::new(&agent, &truck, cell);
+            let mut others: Vec<Cell> = stop.others(field).collect();
+            let away = |cell: &Cell| (field.frame().centre(*cell) - stop.centre).length_squared();
+            others.sort_by(|a, b| away(a).total_cmp(&away(b)));
+            let (cells, taken) = needs.of_stop(cell, others, left);
+            truck.puts_out = Some(cells.into_iter().map(|cell| (cell, field.episode(cell))).collect());
+            portions = taken;
+        }
+        fleet.recorder.record_agent(now, agent.id, AgentFact::Suppressing { cell, portions });
+        let spraying = truck.water.as_ref().map_or(SimTime::ZERO, |water| water.spraying(portions));
+        agent.busy_until = now + truck.dwell + spraying;
+        agent.stops_left = agent.stops_left.map(|stops| stops.saturating_sub(portions));
+        fleet.queue.push_for(agent.busy_until, AgentEvent::DwellEnd, agent.wake(wake.agent));
     }
 }

@@ -174,7 +174,7 @@ impl Fleet<'_, '_> {
     fn carry_out(&mut self, entity: Entity, choice: Choice, fires: &FireField) -> Option<Conclusion> {
         let options = self.options(entity, &[entity], fires);
         match choice {
-            _ if self.is_out_of_water(entity) => Some(self.refill(entity, fires)),
+            _ if self.is_out_of_water(entity, fires) => Some(self.refill(entity, fires)),
             Choice::Go(_) | Choice::GoToNearest if choice.is_one_of(&options) => {
                 let conclusion = match choice {
                     Choice::Go(cell) => self.try_goal(entity, cell, fires),

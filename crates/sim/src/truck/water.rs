@@ -7,6 +7,8 @@ use bevy_ecs::prelude::*;
 
 use super::Fleet;
 use super::decision::Conclusion;
+use crate::agent::Agent;
+use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
 use wildfire_fire::FireField;
 use wildfire_planning::GoalDisc;
@@ -19,9 +21,38 @@ const PLACES_TRIED: usize = 3;
 const WELL_IN_REACH: f64 = 0.9;
 
 impl Fleet<'_, '_> {
-    /// Returns true if a truck has too little water for another stop.
-    pub fn is_out_of_water(&self, entity: Entity) -> bool {
-        self.trucks.one(entity).0.stops_left == Some(0)
+    /// Returns the portions of water that a burning cell takes.
+    fn portions(&self, cell: Cell) -> u32 {
+        self.needs.as_ref().map_or(1, |needs| needs.portions(cell))
+    }
+
+    /// Returns true if a truck has the water for a stop at a burning cell.
+    pub fn has_water_for(&self, agent: &Agent, cell: Cell) -> bool {
+        agent.stops_left.is_none_or(|left| self.portions(cell) <= left)
+    }
+
+    /// Returns true if a truck has too little water for another stop, and a full tank would suffice.
+    pub fn is_out_of_water(&self, entity: Entity, fires: &FireField) -> bool {
+        match self.trucks.one(entity).0.stops_left {
+            Some(0) => true,
+            Some(left) if self.needs.is_some() => {
+                self.least_portions(entity, fires).is_some_and(|least| least > left && self.is_in_tank(entity, least))
+            }
+            _ => false,
+        }
+    }
+
+    /// Returns true if not even a full tank suffices for any of the fires that a truck may go for.
+    pub fn is_too_hot(&self, entity: Entity, fires: &FireField) -> bool {
+        self.needs.is_some() && self.least_portions(entity, fires).is_some_and(|least| !self.is_in_tank(entity, least))
+    }
+
+    fn least_portions(&self, entity: Entity, fires: &FireField) -> Option<u32> {
+        self.unclaimed(&[entity], fires).into_iter().map(|cell| self.portions(cell)).min()
+    }
+
+    fn is_in_tank(&self, entity: Entity, portions: u32) -> bool {
+        self.trucks.one(entity).1.water.as_ref().is_none_or(|water| portions <= water.full_tank)
     }
 
     /// Lets a standing truck fill its tank, or sends it to the nearest water that it finds a path to.

@@ -5,7 +5,7 @@
 use super::FileError;
 use crate::{
     AgentFact, AgentId, AgentStart, Body, Event, Fact, FireFact, GroundEvent, GroundFact, Rules, Setting,
-    SpreadSetting, Timeline, WaterRules,
+    SpreadSetting, Timeline, WaterEnergy, WaterRules,
 };
 use wildfire_base::geometry::{Cell, FieldFrame, Pose};
 use wildfire_base::ranges::{OutOfRange, SettingsTable};
@@ -19,6 +19,8 @@ pub const MAX_SIDE: usize = 4096;
 /// The maximum number of cells of a field whose ground burns.
 pub const MAX_GROUND_CELLS: usize = 1000 * 1000;
 pub const MAX_AGENTS: usize = 2000;
+/// The longest time in seconds in which a pump empties a tank.
+const LONGEST_SPRAYING_S: f64 = 2e9;
 pub const MAX_FACTS: usize = 2_000_000;
 /// The maximum number of pieces of all legs together.
 pub const MAX_PIECES: usize = 2_000_000;
@@ -108,7 +110,12 @@ fn check_water(water: &WaterRules) -> Result<(), FileError> {
     let are_somewhere = !water.places.is_empty() && water.places.iter().all(|place| place.is_finite());
     require(are_somewhere, || "it has no place with water".into())?;
     let is_tank = water.full_tank > 0 && is_size(water.reach_m);
-    require(is_tank, || "its tanks hold nothing, or cannot be filled".into())
+    require(is_tank, || "its tanks hold nothing, or cannot be filled".into())?;
+    let is_pump = |WaterEnergy { portion_l, pump_lps, jet_m, applied }: WaterEnergy| {
+        let spraying_s = f64::from(water.full_tank) * portion_l / pump_lps;
+        [portion_l, pump_lps, jet_m, applied].into_iter().all(is_size) && spraying_s <= LONGEST_SPRAYING_S
+    };
+    require(water.energy.is_none_or(is_pump), || "its pumps are impossible".into())
 }
 
 fn check_spread(spread: &SpreadSetting, frame: FieldFrame) -> Result<(), FileError> {

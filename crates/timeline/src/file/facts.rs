@@ -46,6 +46,8 @@ mod kind {
     pub const HALTED: u32 = 22;
     pub const RELOCATION_FAILED: u32 = 23;
     pub const REFILLING: u32 = 24;
+    /// As `SUPPRESSING`, with several portions of water.
+    pub const SPRAYING: u32 = 25;
 }
 
 /// The ways in which a leg begins.
@@ -69,7 +71,7 @@ mod piece {
 }
 
 // Words are written as their places in these lists, which only grow at the end.
-const REST_REASONS: [RestReason; 8] = [
+const REST_REASONS: [RestReason; 9] = [
     RestReason::NothingLeftToLight,
     RestReason::NothingBurns,
     RestReason::NothingReachable,
@@ -78,6 +80,7 @@ const REST_REASONS: [RestReason; 8] = [
     RestReason::Chosen,
     RestReason::NoWater,
     RestReason::NotReady,
+    RestReason::TooHot,
 ];
 const END_REASONS: [EndReason; 2] = [EndReason::Duration, EndReason::NothingLeft];
 const FAILURES: [PlanFailure; 8] = [
@@ -215,7 +218,10 @@ impl<'a> FactWriter<'a> {
                 self.record(kind::DROPPED, &[agent, self.cell(*goal)]);
                 self.leg(agent, trajectory);
             }
-            AgentFact::Suppressing { cell } => self.record(kind::SUPPRESSING, &[agent, self.cell(*cell)]),
+            AgentFact::Suppressing { cell, portions: 1 } => self.record(kind::SUPPRESSING, &[agent, self.cell(*cell)]),
+            AgentFact::Suppressing { cell, portions } => {
+                self.record(kind::SPRAYING, &[agent, self.cell(*cell), *portions]);
+            }
             AgentFact::SuppressionEnded { cell } => self.record(kind::SUPPRESSION_ENDED, &[agent, self.cell(*cell)]),
             AgentFact::Rested { reason } => self.record(kind::RESTED, &[agent, number_of(&REST_REASONS, reason)]),
             AgentFact::LocalMinimum { goal, x_m, y_m } => {
@@ -463,7 +469,15 @@ impl<'a> FactReader<'a> {
                 AgentFact::PlanFailed { goal, reason, effort, until: self.later(charged_ns)? }
             }
             kind::DROPPED => AgentFact::Dropped { goal: self.cell()?, trajectory: self.leg(place)? },
-            kind::SUPPRESSING => AgentFact::Suppressing { cell: self.cell()? },
+            kind::SUPPRESSING => AgentFact::Suppressing { cell: self.cell()?, portions: 1 },
+            kind::SPRAYING => {
+                let (cell, portions) = (self.cell()?, self.number()?);
+                let full_tank = self.setting.water.as_ref().map_or(0, |water| water.full_tank);
+                if portions > full_tank {
+                    return Err(FileError::Impossible("a stop takes more water than a tank holds".into()));
+                }
+                AgentFact::Suppressing { cell, portions }
+            }
             kind::SUPPRESSION_ENDED => AgentFact::SuppressionEnded { cell: self.cell()? },
             kind::RESTED => AgentFact::Rested { reason: word_of(&REST_REASONS, self.number()?)? },
             kind::LOCAL_MINIMUM => {

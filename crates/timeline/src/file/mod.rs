@@ -40,7 +40,7 @@ use numbers::NumberReader;
 use setting::{GroundSharesRecord, SettingRecord, Supplement, WaterRecord};
 use spread::GroundSetting;
 
-use super::{LineRules, Timeline, WaterRules};
+use super::{LineRules, Timeline, WaterEnergy, WaterRules};
 use wildfire_base::input_file;
 use wildfire_base::whole_file::write_whole;
 
@@ -179,11 +179,13 @@ fn encode_payload(timeline: &Timeline) -> Vec<u8> {
     let log = (!timeline.ground.is_empty()).then(|| GroundWriter::new(&timeline.setting, &timeline.ground));
     append(&mut bytes, &log.as_ref().map(GroundWriter::record_of_all));
     append(&mut bytes, &timeline.setting.water.as_ref().map(WaterRecord::from));
-    // Where no ground slows trucks and no crew builds line nothing follows, as before there were any.
+    // Where no ground slows trucks, no crew builds line and water follows no heat nothing follows, as before there were any.
     let shares: Vec<_> = timeline.setting.ground_shares.iter().map(GroundSharesRecord::from).collect();
     let line = &timeline.setting.line;
-    if !shares.is_empty() || line.is_some() {
+    let energy = timeline.setting.water.as_ref().and_then(|water| water.energy);
+    if !shares.is_empty() || line.is_some() || energy.is_some() {
         append(&mut bytes, &(shares, line));
+        energy.iter().for_each(|energy| append(&mut bytes, energy));
     }
     bytes
 }
@@ -200,13 +202,14 @@ fn decode_payload(mut bytes: &[u8]) -> Result<Timeline, FileError> {
     let water: Option<WaterRecord> = take(&mut bytes)?;
     let (shares, line): (Vec<GroundSharesRecord>, Option<LineRules>) =
         if bytes.is_empty() { Default::default() } else { take(&mut bytes)? };
+    let energy: Option<WaterEnergy> = if bytes.is_empty() { None } else { Some(take(&mut bytes)?) };
     if !bytes.is_empty() {
         return Err(FileError::Damaged("more follows than its setting and its facts"));
     }
     let mut setting = setting.into_setting(&supplement)?;
     setting.blocked = ground_setting.blocked(setting.frame)?;
     setting.spread = ground_setting.spread(setting.frame)?;
-    setting.water = water.map(WaterRules::from);
+    setting.water = water.map(|water| WaterRules { energy, ..water.into() });
     setting.ground_shares = shares.into_iter().map(Into::into).collect();
     setting.line = line;
     let numbers = NumberReader::new(&streams.recurring_numbers, &streams.single_numbers, streams.number_references);
@@ -533,7 +536,8 @@ mod tests {
         let mut stray_bush = sample::by_hand();
         stray_bush.setting.bushes[3] = Cell { col: 10, row: 9 };
         let unknown_cell = tiny(vec![at(1.0, sample::ignited(Cell { col: 0, row: 0 }))]);
-        let unknown_agent = tiny(vec![at(1.0, Fact::Agent(sample::SECOND_TRUCK, AgentFact::Suppressing { cell: A }))]);
+        let unknown_agent =
+            tiny(vec![at(1.0, Fact::Agent(sample::SECOND_TRUCK, AgentFact::Suppressing { cell: A, portions: 1 }))]);
         let endless = tiny(vec![at(1.0, planned(TRUCK, A, leg(1.0, Pose::default(), 0.0, &[1.0])))]);
         let back_in_time = tiny(vec![at(9.0, planned(TRUCK, A, leg(8.0, Pose::default(), 1.0, &[1.0])))]);
         let (reason, until, effort) = (PlanFailure::GoalBlocked, SimTime::ZERO, sample::effort(1, 1));

@@ -108,7 +108,7 @@ pub struct WaterRecord {
 
 impl From<&WaterRules> for WaterRecord {
     fn from(water: &WaterRules) -> Self {
-        let WaterRules { full_tank, fill_per_stop, reach_m, places } = water;
+        let WaterRules { full_tank, fill_per_stop, reach_m, places, energy: _ } = water;
         let places = places.iter().map(DVec2::to_array).collect();
         Self { full_tank: *full_tank, fill_per_stop_ns: fill_per_stop.as_nanos(), reach_m: *reach_m, places }
     }
@@ -118,7 +118,7 @@ impl From<WaterRecord> for WaterRules {
     fn from(record: WaterRecord) -> Self {
         let WaterRecord { full_tank, fill_per_stop_ns, reach_m, places } = record;
         let places = places.into_iter().map(DVec2::from_array).collect();
-        Self { full_tank, fill_per_stop: SimTime::from_nanos(fill_per_stop_ns), reach_m, places }
+        Self { full_tank, fill_per_stop: SimTime::from_nanos(fill_per_stop_ns), reach_m, places, energy: None }
     }
 }
 

@@ -88,7 +88,7 @@ pub(super) struct AgentHistory {
     steps: Vec<Step>,
     pub legs: Vec<FollowedLeg>,
     /// The times at which it began to suppress, with the cells.
-    pub stops: Vec<(SimTime, Cell)>,
+    pub stops: Vec<(SimTime, Cell, u32)>,
     /// The times of its searches, with the places of the facts.
     pub searches: Vec<(SimTime, usize)>,
 }
@@ -303,7 +303,7 @@ impl<'a> AgentReader<'a> {
         };
         self.rests_by_choice = match fact {
             AgentFact::Rested { reason } => {
-                matches!(reason, RestReason::Chosen | RestReason::NoWater | RestReason::NotReady)
+                matches!(reason, RestReason::Chosen | RestReason::NoWater | RestReason::TooHot | RestReason::NotReady)
             }
             AgentFact::OutOfReach { .. } | AgentFact::Searched { .. } | AgentFact::RelocationFailed { .. } => {
                 self.rests_by_choice
@@ -312,8 +312,8 @@ impl<'a> AgentReader<'a> {
         };
         self.has_nothing_to_do = match fact {
             AgentFact::Rested { reason } => {
-                use RestReason::{Chosen, NoWater, NotReady, NothingBurns};
-                matches!(reason, Chosen | NothingBurns | NoWater | NotReady)
+                use RestReason::{Chosen, NoWater, NotReady, NothingBurns, TooHot};
+                matches!(reason, Chosen | NothingBurns | NoWater | TooHot | NotReady)
             }
             AgentFact::Relocated { .. } | AgentFact::Halted { .. } | AgentFact::Refilling { .. } => true,
             AgentFact::OutOfReach { .. } | AgentFact::Searched { .. } | AgentFact::RelocationFailed { .. } => {
@@ -363,7 +363,7 @@ impl<'a> AgentReader<'a> {
             AgentFact::LocalMinimum { .. } => self.outcome.local_minima += 1,
             AgentFact::Dropped { .. } => self.end_drive(now),
             AgentFact::GaveWay { .. } => self.outcome.deadlocks += 1,
-            AgentFact::Suppressing { cell } => self.history.stops.push((now, *cell)),
+            AgentFact::Suppressing { cell, portions } => self.history.stops.push((now, *cell, *portions)),
             AgentFact::Searched { .. } => self.history.searches.push((now, index)),
             AgentFact::StartMoved { .. }
             | AgentFact::SuppressionEnded { .. }

@@ -150,10 +150,11 @@ impl<'a> RunIndex<'a> {
         self.legs_between(agent, time, time).next()
     }
 
-    /// Returns the start of an agent's suppression and its cell, if the agent suppresses at that time.
-    pub fn stop_at(&self, agent: usize, time: SimTime) -> Option<(SimTime, Cell)> {
+    /// Returns the start of an agent's last suppression by that time, its cell, and how long it takes.
+    pub fn stop_at(&self, agent: usize, time: SimTime) -> Option<(SimTime, Cell, SimTime)> {
         let stops = &self.agents[agent].stops;
-        stops[..stops.partition_point(|(from, _)| *from <= time)].last().copied()
+        let stop = stops[..stops.partition_point(|(from, ..)| *from <= time)].last();
+        stop.map(|&(since, cell, portions)| (since, cell, self.timeline.setting.stop_time(portions)))
     }
 
     /// Returns the last search of an agent and phase that was recorded up to a time, with its place among the facts.

@@ -1,4 +1,4 @@
-//! Suppressing trucks: their reach, the jet of water, and the elapsed share of the dwell.
+//! Suppressing trucks: their reach, the jet of water, and the elapsed share of the stop.
 
 use std::f64::consts::TAU;
 
@@ -24,12 +24,14 @@ pub fn draw_suppressions(canvas: &mut Canvas, pane: &Pane) {
     let (run, state) = (pane.view.run, pane.view.state);
     for (index, agent) in state.agents.iter().enumerate() {
         let stop = run.index().stop_at(index, state.time).filter(|_| agent.activity == Activity::Suppressing);
-        let (Some((since, cell)), Body::Truck(body)) = (stop, pane.setting().agents[index].body) else { continue };
+        let (Some((since, cell, lasts)), Body::Truck(body)) = (stop, pane.setting().agents[index].body) else {
+            continue;
+        };
         let centre = body.body_centre(agent.pose);
         draw_reach(canvas, pane, centre);
         draw_jet(canvas, pane, centre, cell);
-        let dwell_s = pane.setting().rules.suppression_dwell.as_seconds();
-        draw_progress(canvas, pane, cell, (state.time.since(since).as_seconds() / dwell_s).clamp(0.0, 1.0));
+        let share = state.time.since(since).as_seconds() / lasts.as_seconds();
+        draw_progress(canvas, pane, cell, share.clamp(0.0, 1.0));
     }
 }
 

@@ -132,6 +132,7 @@ struct PieceTable {
 #[derive(Serialize)]
 struct StopTable {
     time_ns: Vec<i64>,
+    lasts_ns: Vec<u64>,
     cell: Vec<usize>,
 }
 
@@ -337,11 +338,12 @@ fn push_piece(table: &mut PieceTable, piece: &Piece) {
 
 fn stop_table(run: &RunView, agent: usize) -> StopTable {
     let frame = run.timeline().setting.frame;
-    let mut stops: Vec<(SimTime, Cell)> =
+    let mut stops: Vec<(SimTime, Cell, SimTime)> =
         run.index().changes_of_agent(agent).filter_map(|time| run.index().stop_at(agent, time)).collect();
     stops.dedup();
     StopTable {
         time_ns: time_differences(stops.iter().map(|stop| stop.0)),
+        lasts_ns: stops.iter().map(|stop| stop.2.as_nanos()).collect(),
         cell: stops.iter().map(|stop| frame.index(stop.1)).collect(),
     }
 }

@@ -389,7 +389,7 @@ mod tests {
             }
             let fill_per_stop = SimTime::from_seconds(2.0);
             let places = vec![DVec2::new(80.0, 62.5)];
-            sample.water = Some(WaterRules { full_tank: 2, fill_per_stop, reach_m: 10.0, places });
+            sample.water = Some(WaterRules { full_tank: 2, fill_per_stop, reach_m: 10.0, places, energy: None });
             let team = sample.team();
             let open = OpenFires::new(&team);
             let stops = routes(&open, &mut 0).remove(0).stops;

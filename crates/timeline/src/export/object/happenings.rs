@@ -79,7 +79,13 @@ enum Happened<'a> {
     /// The agent gives its goal up under way and follows this leg to a stop.
     Dropped { agent: AgentName, goal: [u16; 2], leg: Option<u32> },
     /// A truck has arrived and begins to put a cell out.
-    Suppressing { agent: AgentName, cell: [u16; 2] },
+    Suppressing {
+        agent: AgentName,
+        cell: [u16; 2],
+        /// Portions of water that the stop takes, if several.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        portions: Option<u32>,
+    },
     /// Its cell burns no more before it is done.
     SuppressionEnded { agent: AgentName, cell: [u16; 2] },
     /// The agent has nothing to do.
@@ -202,7 +208,9 @@ fn of_agent(agent: AgentName, fact: &AgentFact, leg: Option<u32>) -> Happened<'_
             Happened::PlanFailed { agent, goal, reason: Word(*reason), effort, until_ns: until.as_nanos() }
         }
         AgentFact::Dropped { goal, .. } => Happened::Dropped { agent, goal: pair(*goal), leg },
-        AgentFact::Suppressing { cell } => Happened::Suppressing { agent, cell: pair(*cell) },
+        &AgentFact::Suppressing { cell, portions } => {
+            Happened::Suppressing { agent, cell: pair(cell), portions: Some(portions).filter(|&portions| portions > 1) }
+        }
         AgentFact::SuppressionEnded { cell } => Happened::SuppressionEnded { agent, cell: pair(*cell) },
         AgentFact::Rested { reason } => Happened::Rested { agent, reason: Word(*reason) },
         &AgentFact::LocalMinimum { goal, x_m, y_m } => Happened::LocalMinimum { agent, goal: pair(goal), x_m, y_m },

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{AgentName, PoseObject};
-use crate::{AgentStart, Body, Rules, Setting, SpreadSetting, WaterRules};
+use crate::{AgentStart, Body, Rules, Setting, SpreadSetting, WaterEnergy, WaterRules};
 use wildfire_base::geometry::{Cell, DVec2};
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::SpeedLimits;
@@ -114,6 +114,9 @@ struct WaterObject {
     fill_per_stop_ns: u64,
     reach_m: f64,
     places_m: Vec<[f64; 2]>,
+    /// How much water the heat of a fire takes, if stops differ: tanks are counted in portions then.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    energy: Option<WaterEnergy>,
 }
 
 /// The ground, the weather, and how fire goes on.
@@ -266,6 +269,7 @@ impl From<&WaterRules> for WaterObject {
             fill_per_stop_ns: water.fill_per_stop.as_nanos(),
             reach_m: water.reach_m,
             places_m: water.places.iter().map(DVec2::to_array).collect(),
+            energy: water.energy,
         }
     }
 }
