@@ -302,7 +302,7 @@ class FieldPane {
         this.drawLengthBar();
         if (this.run.ground === null) return;
         if (this.shows("wind")) this.drawWind();
-        if (this.shows("intensity") && this.run.ground.intensity !== null) this.drawIntensityBar();
+        if (this.groundShades() !== null) this.drawShadesBar();
     }
 
     // The parts kept between frames: the field, layers on the ground, and the bushes by state.

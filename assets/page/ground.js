@@ -9,9 +9,9 @@ const COMPASS = ["N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "
 // The ground of a run at any time, with a pixel for each cell, the north row first.
 class Ground {
     constructor(run, data) {
-        Object.assign(this, { run, intensity: data.intensity, fire: data.colours, cells: data.cells });
+        Object.assign(this, { run, shades: data.shades, fire: data.colours, cells: data.cells });
         this.covers = this.paint(this.colourTable(data.covers));
-        this.strengths = data.intensity === null ? null : this.colourTable(data.intensity.cells);
+        for (const shades of Object.values(data.shades)) shades.byCell = this.colourTable(shades.cells);
         this.burnings = Ground.burnings(data.burnings);
         this.ignitions = Float64Array.from(this.burnings, ({ ignitedNs }) => ignitedNs);
         this.ends = Float64Array.from(this.burnings, ({ endsNs }) => endsNs).sort();
@@ -27,7 +27,7 @@ class Ground {
         this.wind = { times: Float64Array.from(data.wind.from_ms, (time) => time * MILLIS), east: data.wind.east, north: data.wind.north };
         this.sheet = this.makeSheet();
         this.picture = this.sheet.getContext("2d").createImageData(run.cols, run.rows);
-        this.reset(false);
+        this.reset(null);
     }
 
     // In order of time.
@@ -67,21 +67,21 @@ class Ground {
         picture.data[at + 3] = opacity;
     }
 
-    reset(byStrength) {
+    reset(shades) {
         this.picture.data.fill(0);
         // Burnings whose colour still changes, and how many have begun.
-        Object.assign(this, { changing: [], begun: 0, byStrength, now: 0 });
+        Object.assign(this, { changing: [], begun: 0, shown: shades, now: 0 });
     }
 
-    // Moves the picture of the fire to a time.
-    seek(ns, byStrength) {
-        if (ns < this.now || byStrength !== this.byStrength) this.reset(byStrength);
+    // Moves the picture of the fire to a time, in the colours of a layer if there is one.
+    seek(ns, shades) {
+        if (ns < this.now || shades !== this.shown) this.reset(shades);
         const until = lastAt(this.ignitions, ns) + 1;
         for (; this.begun < until; this.begun++) this.changing.push(this.burnings[this.begun]);
         const opacity = Math.round(255 * this.fire.burned_opacity);
         for (const burning of this.changing) {
-            const strength = byStrength ? this.strengths?.[burning.cell] : null;
-            this.put(this.picture, burning.cell, strength ?? this.colourOf(burning, ns), strength ? 255 : opacity);
+            const shade = shades?.byCell[burning.cell];
+            this.put(this.picture, burning.cell, shade ?? this.colourOf(burning, ns), shade ? 255 : opacity);
         }
         this.changing = this.changing.filter(({ endsNs }) => ns < endsNs + this.fire.glows_for_s * NANOS);
         this.now = ns;
@@ -122,7 +122,7 @@ Object.assign(FieldPane.prototype, {
 
     drawGroundFire() {
         const { run, ns, context, projection } = this;
-        run.ground.seek(ns, this.shows("intensity"));
+        run.ground.seek(ns, this.groundShades());
         this.layCells(context, run.ground.sheet);
         if (projection.cellSide < 1) this.drawSmallFires();
         if (this.shows("wet")) this.drawWet();
@@ -228,10 +228,16 @@ Object.assign(FieldPane.prototype, {
         });
     },
 
+    // The colours of the first layer shown by which the ground is painted; null without one.
+    groundShades() {
+        const shown = Object.entries(this.run.ground.shades).find(([layer]) => this.shows(layer));
+        return shown?.[1] ?? null;
+    },
+
     // A bar of colours with round values, at the lower right.
-    drawIntensityBar() {
+    drawShadesBar() {
         const { context, unit, colours, canvas } = this;
-        const { name, shades, ticks } = this.run.ground.intensity;
+        const { name, shades, ticks } = this.groundShades();
         const [margin, text, padding] = [10, 8, 6].map((length) => length * unit);
         const [barWidth, barHeight, mark] = [12, 110, 4].map((length) => Math.round(length * unit));
         context.font = this.font(text);

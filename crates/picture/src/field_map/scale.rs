@@ -5,6 +5,7 @@ use colorous::{INFERNO, RED_BLUE, SINEBOW, VIRIDIS};
 use crate::colours::{Rgb, blend};
 use crate::ticks::{Tick, round_step, ticks};
 use wildfire_base::geometry::ops;
+use wildfire_fire::surface::crown::FireType;
 
 /// The quantity of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,6 +28,8 @@ pub enum MapQuantity {
     ProbabilityDifference,
     /// In kW/m, more or less.
     IntensityDifference,
+    /// Numbers of [`FireType`].
+    FireType,
 }
 
 /// How colours follow from values.
@@ -40,7 +43,12 @@ enum Shades {
     Around,
     /// Blue below zero, white at zero, red above.
     Diverging,
+    /// One of [`FIRE_TYPES`].
+    Kinds,
 }
+
+/// Colours of the kinds of fire, in the order of [`FireType::ALL`].
+const FIRE_TYPES: [Rgb; 4] = [[246, 190, 80], [226, 96, 40], [150, 130, 110], [120, 20, 50]];
 
 /// The range of a map's values, a colour for each, and the values written beside them.
 #[derive(Clone, Debug)]
@@ -66,6 +74,7 @@ impl MapQuantity {
             Self::Intensity | Self::FlameLength | Self::Rate | Self::Probability => Shades::Strong,
             Self::Direction => Shades::Around,
             Self::TimeDifference | Self::ProbabilityDifference | Self::IntensityDifference => Shades::Diverging,
+            Self::FireType => Shades::Kinds,
         }
     }
 
@@ -80,12 +89,13 @@ impl MapQuantity {
             Self::TimeDifference => "later (+) or earlier (-)",
             Self::ProbabilityDifference => "difference of burn probability",
             Self::IntensityDifference => "difference of intensity, kW/m",
+            Self::FireType => "kind of fire",
         }
     }
 
     /// Returns the scale of a map with these finite values; `None` if there are none.
     ///
-    /// Directions always have the same scale, probabilities one from zero, differences one with zero in its middle.
+    /// Directions and kinds of fire always have the same scale, probabilities one from zero, differences one with zero in its middle.
     pub fn scale(self, values: impl Iterator<Item = f64>) -> Option<MapScale> {
         let mut range: Option<(f64, f64)> = None;
         for value in values.filter(|value| value.is_finite()) {
@@ -96,6 +106,7 @@ impl MapQuantity {
         let (low, high) = match self {
             Self::Probability => (0.0, round_step(high).clamp(0.1, 1.0)),
             Self::Direction => (0.0, 360.0),
+            Self::FireType => (0.0, (FIRE_TYPES.len() - 1) as f64),
             Self::ArrivalTime => (low.min(0.0), high),
             Self::Intensity => (low.max(high / SPAN).min(high), high),
             Self::FlameLength | Self::Rate => (low.min(0.0), high),
@@ -106,6 +117,10 @@ impl MapQuantity {
         let (ticks, unit) = match self {
             Self::ArrivalTime | Self::TimeDifference => time_ticks(low, high),
             Self::Direction => (compass_ticks(), ""),
+            Self::FireType => {
+                let tick = |kind: FireType| Tick { value: f64::from(kind as u8), label: kind.name().into() };
+                (FireType::ALL.map(tick).into(), "")
+            }
             Self::Intensity if is_logarithmic => (decade_ticks(low, high), ""),
             _ => (ticks(low, high, MOST_TICKS, 0.0), ""),
         };
@@ -133,6 +148,7 @@ impl MapScale {
             // The darkest part of each is left out: it hides lines and marks.
             Shades::Early => VIRIDIS.eval_continuous(1.0 - 0.97 * fraction).into_array(),
             Shades::Strong => INFERNO.eval_continuous(0.98 - 0.92 * fraction).into_array(),
+            Shades::Kinds => FIRE_TYPES[(fraction * (FIRE_TYPES.len() - 1) as f64).round() as usize],
             Shades::Around => SINEBOW.eval_continuous(fraction).into_array(),
             Shades::Diverging => {
                 let strength = (2.0 * fraction - 1.0).abs();

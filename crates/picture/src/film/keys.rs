@@ -58,6 +58,7 @@ impl Layer {
             Self::Wind => 'V',
             Self::Arrival => 'A',
             Self::Intensity => 'I',
+            Self::FireType => 'Y',
         }
     }
 }

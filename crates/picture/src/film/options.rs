@@ -102,10 +102,12 @@ pub enum Layer {
     Arrival,
     /// Burned ground in the colours of the intensity of its fire.
     Intensity,
+    /// Burned ground in the colours of the kind of its fire, where there are trees.
+    FireType,
 }
 
 impl Layer {
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Paths,
         Self::Suppression,
         Self::Spread,
@@ -124,6 +126,7 @@ impl Layer {
         Self::Wind,
         Self::Arrival,
         Self::Intensity,
+        Self::FireType,
     ];
 
     /// Returns its name on the command line and in the legend.
@@ -147,6 +150,7 @@ impl Layer {
             Self::Wind => "wind",
             Self::Arrival => "arrival",
             Self::Intensity => "intensity",
+            Self::FireType => "fire-type",
         }
     }
 
@@ -157,7 +161,8 @@ impl Layer {
 
     /// Returns whether only a run with fire on the ground has what it shows.
     pub fn needs_ground(self) -> bool {
-        matches!(self, Self::Ground | Self::Wet | Self::Embers | Self::Wind | Self::Arrival | Self::Intensity)
+        matches!(self, Self::Ground | Self::Wet | Self::Embers | Self::Wind | Self::Arrival)
+            || matches!(self, Self::Intensity | Self::FireType)
     }
 
     /// Returns whether only a run with recorded searches has what it shows.

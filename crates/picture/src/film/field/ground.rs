@@ -58,7 +58,8 @@ pub struct GroundView {
     /// What embers lit, in order of time: when, which cell, and where from.
     spotted: Vec<(SimTime, DVec2, DVec2)>,
     arrival: OnceLock<ArrivalLines>,
-    intensity: OnceLock<Option<IntensityColours>>,
+    /// By [`CellShades::LAYERS`].
+    shades: [OnceLock<Option<CellShades>>; 2],
     burnings: OnceLock<BurningTimes>,
 }
 
@@ -74,8 +75,8 @@ pub struct ArrivalLines {
     pub levels: Vec<(f64, String, Vec<ContourLine>)>,
 }
 
-/// Colours by how strongly each cell burns.
-pub struct IntensityColours {
+/// Colours by how each cell burns.
+pub struct CellShades {
     pub scale: MapScale,
     pub by_cell: Vec<Option<Rgb>>,
 }
@@ -94,7 +95,7 @@ impl GroundView {
             is_special: vec![false; frame.cell_count()],
             spotted: Vec::new(),
             arrival: OnceLock::new(),
-            intensity: OnceLock::new(),
+            shades: Default::default(),
             burnings: OnceLock::new(),
         };
         for index in 0..frame.cell_count() {
@@ -141,7 +142,7 @@ impl GroundView {
         let now = pane.view.state.time;
         let now_s = seconds(now);
         let Some(index) = pane.view.run.index().ground() else { return };
-        let intensity = self.intensity(pane);
+        let shades = self.shades(pane);
         each_pixel(canvas, pane, |cell, pixel| {
             // Nearly all cells of most frames are done with by this comparison.
             if self.ignited_s[cell] > now_s {
@@ -153,8 +154,8 @@ impl GroundView {
                 Some(fire_colour(now_s - self.ignited_s[cell], now_s - self.ends_s[cell]))
             };
             let Some(colour) = colour else { return };
-            let strength = intensity.and_then(|intensity| intensity.by_cell[cell]);
-            *pixel = opaque(strength.unwrap_or(over([pixel[0], pixel[1], pixel[2]], colour)));
+            let shade = shades.and_then(|shades| shades.by_cell[cell]);
+            *pixel = opaque(shade.unwrap_or(over([pixel[0], pixel[1], pixel[2]], colour)));
         });
         if pane.cell_side() < 1.0 {
             self.draw_small_fires(canvas, pane, index);
@@ -175,13 +176,13 @@ impl GroundView {
         }
     }
 
-    /// Returns how strongly cells burn, where that is shown.
-    pub(super) fn intensity(&self, pane: &Pane) -> Option<&IntensityColours> {
-        if !pane.shows(Layer::Intensity) {
-            return None;
-        }
-        let found = self.intensity.get_or_init(|| IntensityColours::new(pane.view.run));
-        found.as_ref()
+    /// Returns how cells burn, where that is shown.
+    pub(super) fn shades(&self, pane: &Pane) -> Option<&CellShades> {
+        let shown = CellShades::LAYERS.iter().zip(&self.shades).filter(|((layer, _), _)| pane.shows(*layer));
+        let mut found = shown.map(|(&(_, quantity), shades)| {
+            shades.get_or_init(|| CellShades::new(pane.view.run, quantity)).as_ref()
+        });
+        found.find_map(|shades| shades)
     }
 
     /// Draws the lines that the fire has reached so far, at round times.
@@ -258,13 +259,20 @@ impl BurningTimes {
     }
 }
 
-impl IntensityColours {
-    /// `None` of a run of which it is not known.
-    pub fn new(run: &RunView) -> Option<Self> {
-        let intensity = BurnMap::new(run.timeline()).behavior()?.intensity_kw_m;
-        let scale = MapQuantity::Intensity.scale(intensity.iter().copied())?;
+impl CellShades {
+    /// The layers that show them, the first of which counts.
+    pub const LAYERS: [(Layer, MapQuantity); 2] =
+        [(Layer::FireType, MapQuantity::FireType), (Layer::Intensity, MapQuantity::Intensity)];
+
+    /// `None` of a run of which it is not known; where there are no trees, all fires are of one kind.
+    pub fn new(run: &RunView, quantity: MapQuantity) -> Option<Self> {
+        let setting = &run.timeline().setting;
+        let has_trees = setting.spread.as_ref().is_some_and(|spread| spread.landscape().canopy.is_some());
+        let behavior = (has_trees || quantity != MapQuantity::FireType).then(|| BurnMap::new(run.timeline()).behavior())??;
+        let values = if quantity == MapQuantity::FireType { behavior.fire_type } else { behavior.intensity_kw_m };
+        let scale = quantity.scale(values.iter().copied())?;
         let colour = |&value: &f64| value.is_finite().then(|| scale.colour(value));
-        Some(Self { by_cell: intensity.iter().map(colour).collect(), scale })
+        Some(Self { by_cell: values.iter().map(colour).collect(), scale })
     }
 }
 

@@ -213,8 +213,8 @@ impl FieldRenderer {
         }
         if let Some(values) = &self.values {
             draw_value_bar(sheet, pane, &ValueBar::from_values(values));
-        } else if let Some(intensity) = self.landscape.as_ref().and_then(|landscape| landscape.intensity(pane)) {
-            draw_value_bar(sheet, pane, &ValueBar::from_scale(&intensity.scale));
+        } else if let Some(shades) = self.landscape.as_ref().and_then(|landscape| landscape.shades(pane)) {
+            draw_value_bar(sheet, pane, &ValueBar::from_scale(&shades.scale));
         }
         sheet
     }

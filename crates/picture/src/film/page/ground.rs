@@ -7,9 +7,9 @@ use serde::Serialize;
 use super::data::{differences, hex};
 use crate::Rgb;
 use crate::colours::{EXTINGUISHED, blend};
-use crate::film::RunView;
+use crate::film::{Layer, RunView};
 use crate::film::field::ground::{
-    ArrivalLines, BURNED_OPACITY, CHAR, EMBER, EMBERS, FLAMING, GLOWS_FOR_S, GroundView, IntensityColours, OLD,
+    ArrivalLines, BURNED_OPACITY, CHAR, CellShades, EMBER, EMBERS, FLAMING, GLOWS_FOR_S, GroundView, OLD,
     OLD_AFTER_S, WET, WET_OPACITY, YOUNG, YOUNG_FOR_S,
 };
 use wildfire_base::time::SimTime;
@@ -33,7 +33,8 @@ pub struct GroundData {
     wettings: WettingTable,
     spots: SpotTable,
     arrival: Vec<ArrivalData>,
-    intensity: Option<IntensityData>,
+    /// By the layer that shows them.
+    shades: BTreeMap<&'static str, ShadesData>,
     wind: WindTable,
     colours: FireColours,
 }
@@ -81,7 +82,7 @@ struct ArrivalData {
 }
 
 #[derive(Serialize)]
-struct IntensityData {
+struct ShadesData {
     name: String,
     /// Colours of the bar from below.
     shades: Vec<String>,
@@ -162,7 +163,7 @@ impl GroundData {
             wettings,
             spots,
             arrival: arrival_lines(run),
-            intensity: IntensityColours::new(run).map(|intensity| intensity_data(&intensity)),
+            shades: shades_data(run),
             wind,
             colours: FireColours {
                 young: YOUNG,
@@ -213,15 +214,18 @@ fn arrival_lines(run: &RunView) -> Vec<ArrivalData> {
     levels.into_iter().map(level).collect()
 }
 
-fn intensity_data(intensity: &IntensityColours) -> IntensityData {
-    let scale = &intensity.scale;
-    let shade = |row: u32| hex(scale.shade((f64::from(row) + 0.5) / f64::from(SHADES)));
-    IntensityData {
-        name: scale.name.clone(),
-        shades: (0..SHADES).map(shade).collect(),
-        ticks: scale.ticks.iter().map(|tick| (scale.fraction(tick.value), tick.label.clone())).collect(),
-        cells: CellColours::new(intensity.by_cell.iter().copied()),
-    }
+fn shades_data(run: &RunView) -> BTreeMap<&'static str, ShadesData> {
+    let data = |CellShades { scale, by_cell }: CellShades| {
+        let shade = |row: u32| hex(scale.shade((f64::from(row) + 0.5) / f64::from(SHADES)));
+        ShadesData {
+            name: scale.name.clone(),
+            shades: (0..SHADES).map(shade).collect(),
+            ticks: scale.ticks.iter().map(|tick| (scale.fraction(tick.value), tick.label.clone())).collect(),
+            cells: CellColours::new(by_cell.iter().copied()),
+        }
+    };
+    let of_layer = |(layer, quantity): (Layer, _)| Some((layer.name(), data(CellShades::new(run, quantity)?)));
+    CellShades::LAYERS.into_iter().filter_map(of_layer).collect()
 }
 
 fn millis(time: SimTime) -> i64 {
