@@ -210,10 +210,10 @@ fn bands_hold_what_rasters_of_one_quantity_hold() {
         assert!(alone.values == band.raster.values && alone.nodata == band.raster.nodata, "{name}");
         assert!(alone.range().is_some_and(|(_, most)| most > 0.0), "{name}");
     }
-    // The head's intensity, of docs/crown-fire.md, and its flames by Byram: 0.0775 I^0.46.
-    for (band, expected) in [(2, 3.37), (3, 3641.0)] {
+    // The head's intensity, as `fire behavior --wind-height 10m` has it, and its flames by Byram: 0.0775 I^0.46.
+    for (band, expected) in [(2, 2.779), (3, 2398.0)] {
         let greatest = bands[band].raster.range().expect("it burned").1;
-        assert!((greatest / expected - 1.0).abs() < 0.01, "{greatest} and {expected}");
+        assert!((greatest / expected - 1.0).abs() < 1e-3, "{greatest} and {expected}");
     }
     refuse(&story, &["fire", "spread", "--model", "alexandridis", "--bands", "a.tif"], &["--bands is an option of"]);
     refuse(&story, &["map-of", "smoke", "--arrival", "--bands", "a.tif"], &["only bushes burn"]);

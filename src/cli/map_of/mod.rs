@@ -164,25 +164,29 @@ fn of_run(
     let (run, place) = shown_run(arguments, context)?;
     let map = BurnMap::new(&run.timeline);
     let arrival_s = map.arrival_s();
-    let behavior = if quantity == RunQuantity::Arrival && arguments.files.bands.is_none() {
-        None
-    } else {
-        Some(map.behavior().ok_or_else(|| {
-            let sentence = format!("only bushes burn in {}, without a rate, so that fire has no intensity", run.title);
-            CliError::bad_input(sentence, Some("expected ground and `fire.model = \"rothermel\"`"))
-        })?)
-    };
-    if let Some(behavior) = &behavior {
-        files.write_bands(&place, run.timeline.setting.frame, (&arrival_s, behavior), context.quiet)?;
+    let setting = &run.timeline.setting;
+    let trees = setting.spread.as_ref().is_some_and(|spread| spread.landscape().canopy.is_some());
+    let is_needed = quantity != RunQuantity::Arrival || arguments.files.bands.is_some();
+    let behavior = if is_needed || trees { map.behavior() } else { None };
+    if is_needed && behavior.is_none() {
+        let sentence = format!("only bushes burn in {}, without a rate, so that fire has no intensity", run.title);
+        return Err(CliError::bad_input(sentence, Some("expected ground and `fire.model = \"rothermel\"`")));
     }
+    if let Some(behavior) = &behavior {
+        files.write_bands(&place, setting.frame, (&arrival_s, behavior), context.quiet)?;
+    }
+    let fire_types = behavior.as_ref().filter(|_| trees).map(|behavior| behavior.fire_type.clone());
     let values = match (quantity, behavior) {
         (RunQuantity::Arrival, _) | (_, None) => arrival_s,
         (RunQuantity::Intensity, Some(behavior)) => behavior.intensity_kw_m,
         (RunQuantity::FlameLength, Some(behavior)) => behavior.flame_length_m,
         (RunQuantity::Direction, Some(behavior)) => behavior.direction_deg,
     };
-    let setting = &run.timeline.setting;
     let report = RunMapReport::new(&run.title, quantity, &map, setting, &values);
+    let report = match fire_types {
+        Some(fire_types) => report.with_fire_types(&fire_types),
+        None => report,
+    };
     let title = format!("{}, seed {}", run.title, setting.seed);
     let panel = Panel {
         title,

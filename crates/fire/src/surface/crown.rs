@@ -208,6 +208,12 @@ impl FireType {
             Self::Active => "active",
         }
     }
+
+    /// Counts the cells of each type among numbers of types.
+    pub fn tally(found: &[f64]) -> Vec<(&'static str, usize)> {
+        let count = |kind: Self| found.iter().filter(|&&number| number == f64::from(kind as u8)).count();
+        Self::ALL.map(|kind| (kind.name(), count(kind))).into()
+    }
 }
 
 /// A surface fire and the trees above it.
