@@ -20,6 +20,7 @@ mod curve;
 mod demo;
 mod error;
 mod export;
+mod field_rasters;
 mod fire;
 mod fork;
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! `wildfire fire behavior`, and `wildfire fire spread` of the automaton: fires without agents.
 
 use serde_json::Value;
+use wildfire::map_files::raster;
 
 use crate::story::{Story, refuse, widest};
 
@@ -175,6 +176,47 @@ fn layers_are_taken_from_the_bands_of_one_file_and_a_rim_without_data_does_not_b
     let expected = "valley.lcp, band 6: row 5, column 7: found NODATA, expected a value in every cell";
     refuse(&story, &["check", "valley.toml"], &[expected]);
     refuse(&story, &["map", "brushfire", "valley.lcp"], &["valley.lcp"]);
+}
+
+#[test]
+fn bands_hold_what_rasters_of_one_quantity_hold() {
+    let story = Story::begin();
+    let fire = ["fire", "spread", "--fuel", "TU5", "--rows", "41", "--cols", "61", "--cell", "10", "--wind", "9@270"];
+    let trees = [
+        "--ignite",
+        "20,10",
+        "--duration",
+        "900",
+        "--canopy-height",
+        "20",
+        "--canopy-base",
+        "1.5",
+        "--canopy-density",
+        "0.05",
+        "--canopy-cover",
+        "0.6",
+    ];
+    let files = ["--arrival", "arrival.tif", "--fire-type", "type.asc", "--bands", "bands.tif"];
+    story.tell(&[&fire[..], &trees, &files].concat()).expect_code(0);
+    let run = ["map-of", "windy", "--set", "duration_s=600", "--intensity", "--asc", "intensity.asc"];
+    story.tell(&[&run[..], &["--bands", "run.tif"]].concat()).expect_code(0);
+    let [bands, of_run] =
+        ["bands.tif", "run.tif"].map(|name| raster::read_bands(&story.path(name)).expect("they were written"));
+    let names: Vec<_> = bands.iter().filter_map(|band| band.name.as_deref()).collect();
+    let types = "Fire type (0 surface, 1 passive, 2 conditional, 3 active)";
+    assert_eq!(names, ["Arrival time (s)", types, "Flame length (m)", "Fireline intensity (kW/m)"]);
+    for (band, name) in [(&bands[0], "arrival.tif"), (&bands[1], "type.asc"), (&of_run[3], "intensity.asc")] {
+        let alone = raster::read(&story.path(name)).expect("it was written");
+        assert!(alone.values == band.raster.values && alone.nodata == band.raster.nodata, "{name}");
+        assert!(alone.range().is_some_and(|(_, most)| most > 0.0), "{name}");
+    }
+    // The head's intensity, as `fire behavior --wind-height 10m` has it, and its flames by Byram: 0.0775 I^0.46.
+    for (band, expected) in [(2, 2.779), (3, 2398.0)] {
+        let greatest = bands[band].raster.range().expect("it burned").1;
+        assert!((greatest / expected - 1.0).abs() < 1e-3, "{greatest} and {expected}");
+    }
+    refuse(&story, &["fire", "spread", "--model", "alexandridis", "--bands", "a.tif"], &["--bands is an option of"]);
+    refuse(&story, &["map-of", "smoke", "--arrival", "--bands", "a.tif"], &["only bushes burn"]);
 }
 
 #[test]

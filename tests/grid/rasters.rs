@@ -180,4 +180,16 @@ fn gdal_reads_what_was_written() {
         assert_eq!(extremes, [Some(least.into()), Some(most.into())], "{found:#}");
         println!("{}: gdalinfo finds size, origin, cells, no-data value, least and greatest value", path.display());
     }
+    let bands = folder.path().join("bands.tif");
+    raster::write_geotiff_bands(&bands, &[("First (s)", &written), ("Second", &written)]).expect("it fits");
+    let found = gdalinfo(&bands).expect("it was there");
+    for (band, name) in ["First (s)", "Second"].into_iter().enumerate() {
+        let band = &found["bands"][band];
+        assert_eq!(
+            (&band["description"], &band["noDataValue"]),
+            (&Json::from(name), &Json::from(-9999.0)),
+            "{found:#}"
+        );
+        assert_eq!(band["computedMax"].as_f64(), Some(most.into()), "{found:#}");
+    }
 }

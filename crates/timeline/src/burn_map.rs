@@ -16,7 +16,7 @@ use wildfire_base::geometry::{Cell, DVec2, FieldFrame, compass};
 use wildfire_base::time::SimTime;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::models::RothermelRules;
-use wildfire_fire::surface::crown::spreading_fire;
+use wildfire_fire::surface::crown::{FireType, spreading_fire};
 use wildfire_fire::surface::{FuelBed, SurfaceFire, flame_length_m, twenty_foot_wind, unsheltered_adjustment};
 use wildfire_fire::{Landscape, Relief, Weather};
 
@@ -40,6 +40,8 @@ pub struct FireBehavior {
     pub rate_m_min: Vec<f64>,
     pub intensity_kw_m: Vec<f64>,
     pub flame_length_m: Vec<f64>,
+    /// The number of the [`FireType`] by the head of the fire there, also on cells without a front.
+    pub fire_type: Vec<f64>,
 }
 
 impl<'a> BurnMap<'a> {
@@ -107,24 +109,37 @@ impl<'a> BurnMap<'a> {
     /// ignited by an ember were not reached by a front and have no values.
     pub fn behavior(&self) -> Option<FireBehavior> {
         let SpreadSetting::Rothermel { landscape, weather, rules } = self.setting.spread.as_ref()? else { return None };
+        Some(FireBehavior::new((landscape, weather, rules), &self.ignitions))
+    }
+}
+
+impl FireBehavior {
+    /// Computes the behaviour from when and why each cell caught fire, by cell index.
+    pub fn new(
+        (landscape, weather, rules): (&Landscape, &Weather, &RothermelRules),
+        ignitions: &[Option<(SimTime, Cause)>],
+    ) -> Self {
         let mut fires = LocalFires::new(landscape, weather, rules);
-        let none = vec![f64::NAN; self.ignitions.len()];
-        let [direction_deg, rate_m_min, intensity_kw_m, flame_length] = [(); 4].map(|()| none.clone());
-        let mut behavior = FireBehavior { direction_deg, rate_m_min, intensity_kw_m, flame_length_m: flame_length };
-        for (index, ignition) in self.ignitions.iter().enumerate() {
-            let Some((time, Cause::Spread(parent))) = *ignition else { continue };
-            let cell = self.setting.frame.cell(index);
-            let ignited_at = |near| Some(self.ignitions[self.setting.frame.index(near)]?.0);
-            let direction = front_direction(&self.setting.frame, (cell, time, parent), ignited_at);
+        let none = || vec![f64::NAN; ignitions.len()];
+        let [direction_deg, rate_m_min, intensity_kw_m, flame_length, fire_type] = [(); 5].map(|()| none());
+        let mut behavior = Self { direction_deg, rate_m_min, intensity_kw_m, flame_length_m: flame_length, fire_type };
+        for (index, ignition) in ignitions.iter().enumerate() {
+            let &Some((time, cause)) = ignition else { continue };
+            let cell = landscape.frame.cell(index);
+            let fire = fires.at(cell, time);
+            behavior.fire_type[index] = fire.map_or(f64::NAN, |(_, kind)| f64::from(kind as u8));
+            let Cause::Spread(parent) = cause else { continue };
+            let ignited_at = |near| Some(ignitions[landscape.frame.index(near)]?.0);
+            let direction = front_direction(&landscape.frame, (cell, time, parent), ignited_at);
             behavior.direction_deg[index] = compass::azimuth_deg(direction);
-            let Some(fire) = fires.at(cell, time) else { continue };
+            let Some((fire, _)) = fire else { continue };
             let rate_mps = fire.front_normal_rate_mps(direction);
             let intensity = fire.intensity_kw_m(rate_mps);
             behavior.rate_m_min[index] = 60.0 * rate_mps;
             behavior.intensity_kw_m[index] = intensity;
             behavior.flame_length_m[index] = flame_length_m(intensity);
         }
-        Some(behavior)
+        behavior
     }
 }
 
@@ -146,7 +161,7 @@ impl SpreadSetting {
         ignited_at: impl Fn(Cell) -> Option<SimTime>,
     ) -> Option<Front> {
         let Self::Rothermel { landscape, weather, rules } = self else { return None };
-        let fire = spreading_fire(landscape, weather, &rules.options, rules.crowns, cell, time)?;
+        let (fire, _) = spreading_fire(landscape, weather, &rules.options, rules.crowns, cell, time)?;
         let rate_mps = match cause {
             Cause::Spread(parent) => {
                 fire.front_normal_rate_mps(front_direction(&landscape.frame, (cell, time, parent), ignited_at))
@@ -205,8 +220,8 @@ impl<'a> LocalFires<'a> {
         Self { landscape, weather, rules, beds, level }
     }
 
-    /// Returns the fire of a cell that the front reaches at a time; `None` where nothing can burn.
-    fn at(&mut self, cell: Cell, time: SimTime) -> Option<SurfaceFire> {
+    /// Returns the fire of a cell that the front reaches at a time, and its type; `None` where nothing can burn.
+    fn at(&mut self, cell: Cell, time: SimTime) -> Option<(SurfaceFire, FireType)> {
         let Self { landscape, weather, rules, .. } = *self;
         let interval = weather.interval_at(time);
         let place = interval * FUELS + usize::from(landscape.fuel_number(cell));
@@ -215,12 +230,12 @@ impl<'a> LocalFires<'a> {
         }
         let is_plane = matches!(landscape.relief, Relief::Plane(_));
         if let Some(fire) = self.level[place].filter(|_| is_plane) {
-            return Some(fire);
+            return Some((fire, FireType::Surface));
         }
         let (bed, wind) = self.beds[place].as_ref()?;
         let fire = bed.behavior(*wind, landscape.gradient(cell), &rules.options);
         self.level[place] = is_plane.then_some(fire);
-        Some(fire)
+        Some((fire, FireType::Surface))
     }
 }
 
@@ -241,7 +256,7 @@ mod tests {
         let landscape = Landscape::uniform(FRAME, 102);
         let weather = Weather::constant(DVec2::new(4.0, 0.0), FuelMoisture::default());
         let rules = RothermelRules::default();
-        let fire = LocalFires::new(&landscape, &weather, &rules).at(START, SimTime::ZERO).expect("grass burns");
+        let fire = LocalFires::new(&landscape, &weather, &rules).at(START, SimTime::ZERO).expect("grass burns").0;
         let spread = SpreadSetting::Rothermel { landscape: Arc::new(landscape), weather: Arc::new(weather), rules };
         let mut setting = sample::small_setting(&[]);
         setting.frame = FRAME;
@@ -269,6 +284,7 @@ mod tests {
         assert_eq!(map.burned(), FRAME.cell_count());
         assert_eq!(map.lit().collect::<Vec<_>>(), [START]);
         assert!(at(&behavior.intensity_kw_m, 15, 20).is_nan(), "the first cell was lit");
+        assert!(behavior.fire_type.iter().all(|&kind| kind == 0.0), "there are no trees");
         let head = fire.intensity_kw_m(fire.rate_mps);
         assert!((at(&behavior.intensity_kw_m, 50, 20) / head - 1.0).abs() < 1e-9);
         assert!((at(&behavior.direction_deg, 50, 20) - 90.0).abs() < 1e-9);

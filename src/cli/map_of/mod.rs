@@ -20,13 +20,14 @@ use crate::cli::terminal::{self, Progress};
 use wildfire_batch::{BatchQuantity, MapSource, MapsError, MapsOptions, Record, map_batches};
 use wildfire_timeline::BurnMap;
 
-use files::{FileArguments, MapFiles, MapPlace, Panel};
+use crate::cli::field_rasters::MapPlace;
+use files::{FileArguments, MapFiles, Panel};
 use report::{BatchMapReport, RunMapReport, RunQuantity};
 
 const NOTES: &str = "\
 Examples:
   wildfire map-of windy --seed 7 --arrival --png arrival.png --tif arrival.tif
-  wildfire map-of run.wildfire --intensity --asc intensity.asc
+  wildfire map-of run.wildfire --intensity --asc intensity.asc --bands fire.tif
   wildfire map-of runs/trucks --burn-probability --png probability.png
   wildfire map-of runs/trucks --burn-probability --minus runs/alone --png worth.png
   wildfire map-of runs/sweep --mean-arrival --where planner=prm-rs --npy arrival.npy
@@ -140,7 +141,7 @@ pub fn run(arguments: &MapOfArguments, context: &CommandContext) -> Result<ExitC
             arguments.form.render(&report)
         }
         None => {
-            let (report, panel) = of_run(arguments.what.of_run(), arguments, context)?;
+            let (report, panel) = of_run(arguments.what.of_run(), arguments, &files, context)?;
             files.write(&[panel], context.quiet)?;
             arguments.form.render(&report)
         }
@@ -153,6 +154,7 @@ pub fn run(arguments: &MapOfArguments, context: &CommandContext) -> Result<ExitC
 fn of_run(
     quantity: RunQuantity,
     arguments: &MapOfArguments,
+    files: &MapFiles<'_>,
     context: &CommandContext,
 ) -> Result<(RunMapReport, Panel), CliError> {
     if arguments.minus.is_some() {
@@ -161,23 +163,30 @@ fn of_run(
     }
     let (run, place) = shown_run(arguments, context)?;
     let map = BurnMap::new(&run.timeline);
-    let values = match quantity {
-        RunQuantity::Arrival => map.arrival_s(),
-        _ => {
-            let behavior = map.behavior().ok_or_else(|| {
-                let sentence =
-                    format!("only bushes burn in {}, without a rate, so that fire has no intensity", run.title);
-                CliError::bad_input(sentence, Some("expected ground and `fire.model = \"rothermel\"`"))
-            })?;
-            match quantity {
-                RunQuantity::Intensity => behavior.intensity_kw_m,
-                RunQuantity::FlameLength => behavior.flame_length_m,
-                RunQuantity::Arrival | RunQuantity::Direction => behavior.direction_deg,
-            }
-        }
-    };
+    let arrival_s = map.arrival_s();
     let setting = &run.timeline.setting;
+    let trees = setting.spread.as_ref().is_some_and(|spread| spread.landscape().canopy.is_some());
+    let is_needed = quantity != RunQuantity::Arrival || arguments.files.bands.is_some();
+    let behavior = if is_needed || trees { map.behavior() } else { None };
+    if is_needed && behavior.is_none() {
+        let sentence = format!("only bushes burn in {}, without a rate, so that fire has no intensity", run.title);
+        return Err(CliError::bad_input(sentence, Some("expected ground and `fire.model = \"rothermel\"`")));
+    }
+    if let Some(behavior) = &behavior {
+        files.write_bands(&place, setting.frame, (&arrival_s, behavior), context.quiet)?;
+    }
+    let fire_types = behavior.as_ref().filter(|_| trees).map(|behavior| behavior.fire_type.clone());
+    let values = match (quantity, behavior) {
+        (RunQuantity::Arrival, _) | (_, None) => arrival_s,
+        (RunQuantity::Intensity, Some(behavior)) => behavior.intensity_kw_m,
+        (RunQuantity::FlameLength, Some(behavior)) => behavior.flame_length_m,
+        (RunQuantity::Direction, Some(behavior)) => behavior.direction_deg,
+    };
     let report = RunMapReport::new(&run.title, quantity, &map, setting, &values);
+    let report = match fire_types {
+        Some(fire_types) => report.with_fire_types(&fire_types),
+        None => report,
+    };
     let title = format!("{}, seed {}", run.title, setting.seed);
     let panel = Panel {
         title,
@@ -202,7 +211,7 @@ fn shown_run(arguments: &MapOfArguments, context: &CommandContext) -> Result<(Sh
         let found = source.timeline(&run, &context.entrants)?;
         let (timeline, _) = found.ok_or_else(|| CliError::run_failed(format_args!("{} failed", source.title())))?;
         let run = ShownRun { title: source.title(), timeline, cpu_samples: None, verdicts: Vec::new() };
-        return Ok((run, MapPlace::new(Some(source.scenario()))));
+        return Ok((run, MapPlace::of_scenario(Some(source.scenario()))));
     }
     if !arguments.only.is_empty() {
         return Err(CliError::bad_input("--where chooses among the runs of a batch; expected the folder of one", None));
@@ -214,7 +223,7 @@ fn shown_run(arguments: &MapOfArguments, context: &CommandContext) -> Result<(Sh
             "a recording does not say where its field lies, so rasters begin at (0, 0); its scenario or batch does",
         );
     }
-    Ok((run, MapPlace::new(source.scenario())))
+    Ok((run, MapPlace::of_scenario(source.scenario())))
 }
 
 /// Maps a batch, or the difference of two.
@@ -244,7 +253,7 @@ fn over_batch(
     progress.end();
     let maps = maps?;
     let report = BatchMapReport::new(quantity, &maps);
-    Ok((report, Panel::over_batch(quantity, maps, &MapPlace::new(Some(batch.scenario())))))
+    Ok((report, Panel::over_batch(quantity, maps, &MapPlace::of_scenario(Some(batch.scenario())))))
 }
 
 fn open_batch(folder: &Path, only: &[(String, String)], context: &CommandContext) -> Result<MapSource, CliError> {

@@ -4,8 +4,10 @@ use serde::Serialize;
 
 use wildfire_base::document::number::{count, optional, rounded, two_digits};
 use wildfire_base::document::{Block, Document, Table};
+use wildfire_base::object::Members;
 use wildfire_batch::stats::Interval;
 use wildfire_batch::{BatchMaps, BatchQuantity, BatchSide, Losses, RunMean};
+use wildfire_fire::surface::crown::FireType;
 use wildfire_picture::MapQuantity;
 use wildfire_timeline::{BurnMap, Setting};
 
@@ -40,6 +42,9 @@ pub struct RunMapReport {
     burned_ha: f64,
     burned_bushes: usize,
     bushes: usize,
+    /// Burned cells by the kind of fire, where there are trees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fire_types: Option<Members<&'static str, usize>>,
     /// Cells with a value, and the least, the mean and the greatest of these.
     cells: usize,
     least: Option<f64>,
@@ -67,11 +72,17 @@ impl RunMapReport {
             burned_ha: map.burned() as f64 * hectares(setting),
             burned_bushes: map.burned_bushes(),
             bushes: setting.bushes.len(),
+            fire_types: None,
             cells: found.len(),
             least,
             mean: has_mean.then(|| found.iter().sum::<f64>() / found.len() as f64),
             most,
         }
+    }
+
+    /// Counts cells by the number of their [`FireType`].
+    pub fn with_fire_types(self, found: &[f64]) -> Self {
+        Self { fire_types: Some(Members(FireType::tally(found))), ..self }
     }
 }
 
@@ -96,6 +107,10 @@ impl From<&RunMapReport> for Document {
             report.burned_bushes,
             if report.bushes == 1 { "1 bush".to_owned() } else { format!("{} bushes", report.bushes) },
         )];
+        if let Some(Members(types)) = &report.fire_types {
+            let types: Vec<String> = types.iter().map(|(name, cells)| format!("{cells} by {name} fire")).collect();
+            lines.push(format!("Cells: {}.", types.join(", ")));
+        }
         if let (Some(least), Some(most)) = (report.least, report.most) {
             let mean = report.mean.map_or(String::new(), |mean| format!(", mean {} {}", short(mean), report.unit));
             lines.push(format!("{quantity}: {} to {} {}{mean}.", short(least), short(most), report.unit));

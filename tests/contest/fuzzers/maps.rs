@@ -120,18 +120,24 @@ pub fn landscape_files(case: &mut Case<'_>) -> Law {
     const WINDS: &[&str] = &["t_s,speed_mps,from_deg\n0,5,270\n600,8.5,180\n", "from_deg,t_s,speed_mps\r\n1,2,3\r\n"];
     const SAMPLES: &[&str] =
         &["speed_mps,from_deg\n5,270\n6,280\n", "d1,d10,d100,herb,woody,speed_mps,from_deg\n.06,.07,.08,.6,.9,5,0\n"];
+    const ROADS: &[&str] = &[
+        r#"{"type":"LineString","coordinates":[[0,5],[60,80]]}"#,
+        r#"{"type":"Feature","geometry":{"type":"MultiLineString","coordinates":[[[0,5],[60,80,1]],[]]}}"#,
+    ];
     let raster = drawn_raster(case);
     let wind = mutated(&mut case.dice, WINDS, &["t_s", ",", "1e9", "-1", "nan", "\n"]);
     let samples = mutated(&mut case.dice, SAMPLES, &["d1", ",", "1e9", "-1", "nan", "\n"]);
-    let files = [("raster", &raster), ("wind.csv", &wind), ("samples.csv", &samples)];
+    let roads = mutated(&mut case.dice, ROADS, &["[", "]", "Point", "1e9", "-1", "null", "\"crs\":"]);
+    let files = [("raster", &raster), ("wind.csv", &wind), ("samples.csv", &samples), ("roads.geojson", &roads)];
     let paths = files.map(|(name, bytes)| case.write(name, bytes).display().to_string());
-    case.input = [raster.as_slice(), &wind, &samples].concat();
+    case.input = [raster.as_slice(), &wind, &samples, &roads].concat();
     let key = *one_of(&mut case.dice, &["fuel_map", "elevation", "fuel_map"]);
     let mut changes = vec!["fire.model=rothermel".to_owned()];
-    match below(&mut case.dice, 4) {
+    match below(&mut case.dice, 5) {
         0 => changes.push(format!("fire.rothermel.{key}={}", paths[0])),
         1 => changes.push(format!("wind_file={}", paths[1])),
         2 => changes.push(format!("weather={{ samples = \"{}\" }}", paths[2])),
+        3 => changes.push(format!("landscape={{ roads_file = \"{}\" }}", paths[3])),
         _ => changes.push(format!("ignition=[{{ at_s = 1, random = 2, density = \"{}\" }}]", paths[0])),
     }
     match scenario::load("wumpus-alone", &changes) {

@@ -210,6 +210,12 @@ impl FireType {
             Self::Active => "active",
         }
     }
+
+    /// Counts the cells of each type among numbers of types.
+    pub fn tally(found: &[f64]) -> Vec<(&'static str, usize)> {
+        let count = |kind: Self| found.iter().filter(|&&number| number == f64::from(kind as u8)).count();
+        Self::ALL.map(|kind| (kind.name(), count(kind))).into()
+    }
 }
 
 /// A surface fire and the trees above it.
@@ -281,7 +287,8 @@ impl CrownConditions {
     }
 }
 
-/// Computes the fire of a cell at a time as it spreads, in the crowns too where there are trees; `None` where nothing burns.
+/// Computes the fire of a cell at a time as it spreads, in the crowns too where there are trees, and its kind; `None` where
+/// nothing burns.
 pub fn spreading_fire(
     landscape: &Landscape,
     weather: &Weather,
@@ -289,16 +296,16 @@ pub fn spreading_fire(
     crowns: Option<CrownRules>,
     cell: Cell,
     time: SimTime,
-) -> Option<SurfaceFire> {
+) -> Option<(SurfaceFire, FireType)> {
     let Some((rules, canopy)) = crowns.zip(landscape.canopy(cell)) else {
-        return surface_fire(landscape, weather, options, cell, time);
+        return Some((surface_fire(landscape, weather, options, cell, time)?, FireType::Surface));
     };
     let model = FuelModel::by_number(landscape.fuel_number(cell)).filter(|model| model.burns())?;
     let WeatherInterval { moisture, wind_mps, .. } = weather.at(time);
     let ground = (FuelBed::new(model, moisture, options.curing), model.depth_ft);
     let (ten, gradient) = (model_10(moisture, options.curing), landscape.gradient(cell));
-    let below = CrownConditions::in_weather(ground, ten, canopy, *wind_mps, gradient, *options, rules);
-    Some(below.burn().spreading(rules.method))
+    let fire = CrownConditions::in_weather(ground, ten, canopy, *wind_mps, gradient, *options, rules).burn();
+    Some((fire.spreading(rules.method), fire.fire_type()))
 }
 
 /// How fast and how hot a fire is.

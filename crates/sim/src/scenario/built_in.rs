@@ -23,6 +23,7 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("river", include_str!("../../scenarios/river.toml")),
     ("landscape", include_str!("../../scenarios/landscape.toml")),
     ("initial-attack", include_str!("../../scenarios/initial-attack.toml")),
+    ("crown", include_str!("../../scenarios/crown.toml")),
     ("automaton", include_str!("../../scenarios/automaton.toml")),
     ("line", include_str!("../../scenarios/line.toml")),
     ("smoke", include_str!("../../scenarios/smoke.toml")),

@@ -19,7 +19,7 @@ use wildfire_base::rng;
 
 /// Numbers of the fuel models of water and of bare ground.
 const WATER: u8 = 98;
-const BARE: u8 = 99;
+pub(super) const BARE: u8 = 99;
 
 /// The most entries of each list of features.
 const MAX_FEATURES: usize = 100;

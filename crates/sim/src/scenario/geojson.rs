@@ -1,27 +1,34 @@
-//! Given fields as GeoJSON: polygons, whose cells are bushes.
+//! GeoJSON: polygons, whose cells are the bushes of a given field, and lines, whose cells are roads.
 //!
 //! A cell is a bush where its centre lies in a polygon and in none of its holes, of which the even-odd rule decides. The
 //! field is the rectangle about all polygons, from its south-west corner on in whole cells. Degrees are projected about the
 //! middle of that rectangle: x = R cos(middle latitude) (longitude - middle longitude), y = R (latitude - middle latitude),
-//! which is true to a few decimetres within ten kilometres.
+//! which is true to a few decimetres within ten kilometres. A line makes a road of every cell that it crosses; degrees are
+//! refused there, as other files say where the field is.
 //!
 //! Sources: H. Butler and others, "The GeoJSON Format", RFC 7946, 2016; J. P. Snyder, "Map Projections: A Working Manual",
 //! U.S. Geological Survey Professional Paper 1395, 1987, chapter 12, "Equidistant cylindrical projection".
 
 use std::fmt;
+use std::ops::Range;
 
 use serde::de::{DeserializeSeed, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use super::error::MapFault;
+use super::layers::GivenLayers;
 use wildfire_base::geometry::{DVec2, FieldFrame, ops};
 use wildfire_grid::Grid;
+use wildfire_grid::map_files::raster::GeoKeys;
 
 /// The mean radius of the Earth in metres: H. Moritz, "Geodetic Reference System 1980", Journal of Geodesy 74, 2000.
 const EARTH_RADIUS_M: f64 = 6_371_008.8;
 
-/// The most places at which edges of polygons cross the middle lines of rows.
+/// The most places at which edges of polygons cross the middle lines of rows, and the most cells that lines cross.
 const MAX_CROSSINGS: usize = 1 << 24;
+
+/// The greatest coordinate of a line in metres, as of rasters.
+const FARTHEST_M: f64 = 1e12;
 
 /// The types of GeoJSON objects that may be at the top.
 const TYPES: [&str; 9] = [
@@ -65,13 +72,33 @@ pub(super) fn parse(text: &str, cell_m: f64, most: u16) -> Result<Result<ReadFie
     Ok(shapes.field(cell_m, most).map(|(frame, occupied)| (frame, occupied, left_out)))
 }
 
-/// Polygons as lists of rings, rings as lists of points.
+/// Reads the lines of a GeoJSON text, in metres of the landscape's files or, without any, of the field, and marks by 1 the
+/// cells that they cross. Objects of other types are passed over.
+///
+/// # Errors
+/// Fails if the text is not GeoJSON, as the JSON reader says; or returns a sentence if no line crosses the field, if
+/// coordinates are in another system, or if the lines are too long.
+pub(super) fn road_cells(
+    text: &str,
+    frame: &FieldFrame,
+    layers: Option<&GivenLayers>,
+) -> Result<Result<Vec<u8>, String>, serde_json::Error> {
+    let mut shapes = Shapes { are_lines: true, ..Shapes::default() };
+    let mut json = serde_json::Deserializer::from_str(text);
+    Member(&mut shapes).deserialize(&mut json)?;
+    json.end()?;
+    Ok(shapes.crossed(frame, layers))
+}
+
+/// Polygons as lists of rings, rings as lists of points; or lines, which are lists of points like rings.
 #[derive(Default)]
 struct Shapes {
+    /// Lines are read, not polygons.
+    are_lines: bool,
     points: Vec<DVec2>,
     ring_ends: Vec<usize>,
     polygon_ends: Vec<usize>,
-    /// The number of points and lines, of one or of several parts, which have no inside.
+    /// The number of objects of other types.
     left_out: usize,
     /// The name of the coordinate system, if the file gives one.
     crs: Option<String>,
@@ -161,8 +188,59 @@ impl Shapes {
         Ok(())
     }
 
+    /// Marks the cells that lines cross.
+    fn crossed(&self, frame: &FieldFrame, layers: Option<&GivenLayers>) -> Result<Vec<u8>, String> {
+        if self.points.is_empty() {
+            return Err("it has no line; expected a LineString or a MultiLineString".into());
+        }
+        if let Some(point) = self.points.iter().find(|point| point.abs().max_element() > FARTHEST_M) {
+            return Err(format!("a line goes through ({}, {}); expected metres up to 1e12", point.x, point.y));
+        }
+        let epsg = layers.and_then(|layers| layers.crs.as_ref()).and_then(GeoKeys::epsg);
+        let system = epsg.map_or_else(|| "metres".to_owned(), |epsg| format!("metres of EPSG:{epsg}"));
+        let (low, high) = self.bounds();
+        let name = self.crs.as_deref().unwrap_or_default();
+        let of_file = name.rsplit(':').next().and_then(|number| number.parse::<u16>().ok());
+        if DEGREES.iter().any(|known| name.ends_with(known)) {
+            return Err(format!("its coordinates are longitude and latitude; expected {system} (ogr2ogr -t_srs)"));
+        }
+        if let (Some(found), Some(expected)) = (of_file, epsg)
+            && found != expected
+        {
+            return Err(format!("it is in the coordinate system EPSG:{found}, expected EPSG:{expected}"));
+        }
+        let corner = layers.map_or(DVec2::ZERO, |layers| DVec2::new(layers.west_m, layers.south_m));
+        let mut cells = vec![0; frame.cell_count()];
+        let mut left = MAX_CROSSINGS;
+        let starts = std::iter::once(&0).chain(&self.ring_ends);
+        for piece in starts.zip(&self.ring_ends).flat_map(|(&start, &end)| self.points[start..end].windows(2)) {
+            for (row, cols) in crossed_by(frame, [piece[0], piece[1]].map(|point| (point - corner) / frame.cell_m)) {
+                left = left
+                    .checked_sub(1 + cols.len())
+                    .ok_or_else(|| format!("its lines cross more than {MAX_CROSSINGS} cells"))?;
+                cells[row * usize::from(frame.cols)..][cols].fill(1);
+            }
+        }
+        let size = high - low;
+        if !cells.contains(&1) || size.max_element() < frame.cell_m {
+            return Err(format!(
+                "its lines go from ({}, {}) to ({}, {}), expected lines longer than a cell that cross the field of \
+                 {} x {} m from ({}, {}) on, in {system} (longitude and latitude are not converted)",
+                low.x,
+                low.y,
+                high.x,
+                high.y,
+                frame.width_m(),
+                frame.height_m(),
+                corner.x,
+                corner.y
+            ));
+        }
+        Ok(cells)
+    }
+
     /// The edges of rings, each of which its last point joins to its first.
-    fn edges(&self, rings: std::ops::Range<usize>) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
+    fn edges(&self, rings: Range<usize>) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
         rings.flat_map(|ring| {
             let start = ring.checked_sub(1).map_or(0, |before| self.ring_ends[before]);
             let points = &self.points[start..self.ring_ends[ring]];
@@ -171,7 +249,26 @@ impl Shapes {
     }
 }
 
-/// Reads an object of GeoJSON, or null, and adds its polygons.
+/// Lists the rows that a straight piece crosses, and the columns in each; its ends are in cells from the south-west corner.
+/// Columns of neighbouring rows overlap, so that cells of a line meet at their sides.
+fn crossed_by(frame: &FieldFrame, [a, b]: [DVec2; 2]) -> impl Iterator<Item = (usize, Range<usize>)> + use<> {
+    let [cols, rows] = [frame.cols, frame.rows].map(f64::from);
+    let (a, b) = if a.y <= b.y { (a, b) } else { (b, a) };
+    let x_at = move |y: f64| match y {
+        y if y <= a.y => a.x,
+        y if y >= b.y => b.x,
+        y => a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y)),
+    };
+    let [first, end] = [a.y.floor(), b.y.floor() + 1.0].map(|row| row.clamp(0.0, rows) as usize);
+    (first..end).map(move |row| {
+        let (one, other) = (x_at(row as f64), x_at(row as f64 + 1.0));
+        let [west, end] =
+            [one.min(other).floor(), one.max(other).floor() + 1.0].map(|col| col.clamp(0.0, cols) as usize);
+        (row, west..end.max(west))
+    })
+}
+
+/// Reads an object of GeoJSON, or null, and adds its polygons or its lines.
 struct Member<'a>(&'a mut Shapes);
 
 impl<'de> DeserializeSeed<'de> for Member<'_> {
@@ -209,10 +306,12 @@ impl<'de> Visitor<'de> for Member<'_> {
                 }
             }
         }
-        let expected = match kind.as_str() {
-            "Polygon" => POLYGON,
-            "MultiPolygon" => POLYGON + 1,
-            "FeatureCollection" | "Feature" | "GeometryCollection" => return Ok(()),
+        let (expected, lists) = match (kind.as_str(), shapes.are_lines) {
+            ("Polygon", false) => (POLYGON, "a list of rings, each a list of points"),
+            ("MultiPolygon", false) => (POLYGON + 1, "a list of polygons, each a list of points"),
+            ("LineString", true) => (RING, "a list of points"),
+            ("MultiLineString", true) => (POLYGON, "a list of lines, each a list of points"),
+            ("FeatureCollection" | "Feature" | "GeometryCollection", _) => return Ok(()),
             _ => {
                 shapes.left_out += usize::from(TYPES.contains(&kind.as_str()));
                 shapes.points.truncate(before.0);
@@ -222,8 +321,7 @@ impl<'de> Visitor<'de> for Member<'_> {
             }
         };
         if level.is_some_and(|level| level != expected) {
-            let lists = if kind == "Polygon" { "a list of rings" } else { "a list of polygons" };
-            return Err(A::Error::custom(format!("the coordinates of a {kind} are {lists}, each a list of points")));
+            return Err(A::Error::custom(format!("the coordinates of a {kind} are {lists}")));
         }
         Ok(())
     }
@@ -395,6 +493,57 @@ mod tests {
         assert_eq!(left_out, 0, "a feature without geometry is nothing");
         assert_eq!((frame.cols, frame.rows), (6, 12));
         assert_eq!(occupied.values().iter().filter(|&&cell| cell).count(), 6 * 11);
+    }
+
+    /// The rows of a field of 5 x 4 cells of 10 m that lines cross, the north row first.
+    fn road_rows(geometries: &str) -> Result<Vec<String>, String> {
+        let text = format!(r#"{{"type": "GeometryCollection", "geometries": [{geometries}]}}"#);
+        let frame = FieldFrame { cols: 5, rows: 4, cell_m: 10.0 };
+        let cells = road_cells(&text, &frame, None).map_err(|error| error.to_string())??;
+        Ok(cells
+            .chunks(5)
+            .rev()
+            .map(|row| row.iter().map(|&road| if road == 1 { '#' } else { '.' }).collect())
+            .collect())
+    }
+
+    #[test]
+    fn cells_that_lines_cross_are_roads_which_meet_at_sides() {
+        let line = |points: &str| road_rows(&format!(r#"{{"type": "LineString", "coordinates": {points}}}"#));
+        assert_eq!(line("[[-9,5],[99,5,3]]").expect("a road"), [".....", ".....", ".....", "#####"]);
+        assert_eq!(line("[[35,35],[5,5]]").expect("a road"), ["...#.", "..##.", ".##..", "##..."]);
+        assert_eq!(line("[[2,38],[12,38],[12,-1e12]]").expect("a road"), ["##...", ".#...", ".#...", ".#..."]);
+        let both = r#"{"type": "MultiLineString", "coordinates": [[[0,5],[12,5]], [[45,0],[45,15]], []]},
+            {"type": "Polygon", "coordinates": [[[0,0],[50,0],[50,50]]]}, {"type": "Point", "coordinates": [25, 25]}"#;
+        assert_eq!(road_rows(both).expect("roads"), [".....", ".....", "....#", "##..#"]);
+        for (points, expected) in [
+            ("[[60,5],[90,5]]", "its lines go from (60, 5) to (90, 5), expected lines longer than a cell that cross"),
+            ("[[7.1,45.9],[7.3,46.1]]", "longitude and latitude are not converted"),
+            ("[[0,0],[1e13,0]]", "expected metres up to 1e12"),
+            ("[]", "it has no line"),
+            ("[[[1,2],[3,4]]]", "the coordinates of a LineString are a list of points"),
+            ("[[1],[3,4]]", "a point has two coordinates"),
+        ] {
+            let refused = line(points).expect_err(points);
+            assert!(refused.contains(expected), "{points}: {refused}");
+        }
+        let crs = |name: &str| {
+            let geometry = r#"{"type": "LineString", "coordinates": [[0,5],[50,5]]}"#;
+            let crs = format!(r#"{{"type": "name", "properties": {{"name": "{name}"}}}}"#);
+            let text = format!(r#"{{"type": "Feature", "crs": {crs}, "properties": {{}}, "geometry": {geometry}}}"#);
+            road_cells(&text, &FieldFrame { cols: 5, rows: 4, cell_m: 10.0 }, None).expect("GeoJSON")
+        };
+        assert!(crs("urn:ogc:def:crs:EPSG::32611").is_ok());
+        assert!(crs("urn:ogc:def:crs:OGC:1.3:CRS84").expect_err("degrees").contains("longitude and latitude"));
+    }
+
+    #[test]
+    fn lines_cost_at_most_a_bounded_number_of_cells() {
+        let there_and_back = "[5,-1e9],[5,1e9],".repeat(1_100);
+        let text = format!(r#"{{"type": "LineString", "coordinates": [{there_and_back}[0,0]]}}"#);
+        let frame = FieldFrame { cols: 1, rows: MOST, cell_m: 10.0 };
+        let refused = road_cells(&text, &frame, None).expect("GeoJSON");
+        assert!(refused.expect_err("it is too long").contains("cross more than 16777216 cells"));
     }
 
     #[test]

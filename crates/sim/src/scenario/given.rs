@@ -208,7 +208,7 @@ fn parse_json(text: &str, cell_m: f64) -> Result<GivenField, MapError> {
 }
 
 /// Turns an error of the JSON reader into a fault; one about a member uses the words of all other values.
-fn json_fault(text: &str, error: &serde_json::Error, path: FieldPath) -> MapError {
+pub(super) fn json_fault(text: &str, error: &serde_json::Error, path: FieldPath) -> MapError {
     let at = offset(text, error.line(), error.column());
     let message = error.to_string();
     let sentence = message.rsplit_once(" at line ").map_or(message.as_str(), |(sentence, _)| sentence);

@@ -12,9 +12,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::check::{Check, TablePath};
-use super::features::{Features, Hill, KeptFree, Patches, River, Road, check_hills, hill_elevations};
+use super::features::{BARE, Features, Hill, KeptFree, Patches, River, Road, check_hills, hill_elevations};
 use super::fuel_name::FuelName;
-use super::layers::GivenLayers;
+use super::layers::{GivenLayers, RoadCells};
 use super::path::PathStep;
 use super::{FireModelName, Scenario};
 use wildfire_base::geometry::{Cell, FieldFrame, compass, ops};
@@ -48,6 +48,9 @@ pub struct LandscapeSettings {
     pub river: Option<River>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub roads: Vec<Road>,
+    /// A GeoJSON file whose lines are roads, in metres of the landscape's rasters or, without any, of the field.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub roads_file: Option<PathBuf>,
     /// Draws ground and bushes from this seed in every run, so that only weather, ignitions and agents differ: what maps of
     /// many fires on one landscape need.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -56,6 +59,10 @@ pub struct LandscapeSettings {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(skip)]
     pub given: Option<GivenLayers>,
+    /// What the file of roads says. Loading fills it in.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(skip)]
+    pub given_roads: Option<RoadCells>,
 }
 
 impl Default for LandscapeSettings {
@@ -68,8 +75,10 @@ impl Default for LandscapeSettings {
             hills: Vec::new(),
             river: None,
             roads: Vec::new(),
+            roads_file: None,
             seed: None,
             given: None,
+            given_roads: None,
         }
     }
 }
@@ -102,6 +111,13 @@ impl LandscapeSettings {
         }
         if self.given.as_ref().is_some_and(|given| !given.is_sound()) {
             return table.refuse("given", "damaged".into(), "layers that can be unpacked and fit the field".into());
+        }
+        if self.given_roads.as_ref().is_some_and(|roads| roads.by_cell(frame).is_none()) {
+            return table.refuse(
+                "given_roads",
+                "damaged".into(),
+                "cells that can be unpacked and fit the field".into(),
+            );
         }
         self.features().check(table, frame)?;
         check_hills(&self.hills, table, frame)
@@ -143,7 +159,12 @@ pub fn cover(scenario: &Scenario, seed: u64, frame: &FieldFrame) -> Result<Optio
     let given = settings.given.as_ref().and_then(GivenLayers::fuel);
     let mut fuel = given.unwrap_or_else(|| vec![everywhere; frame.cell_count()]);
     let free = KeptFree { centres: scenario.start_centres().collect(), clearance_m: scenario.field.start_clearance_m };
-    if settings.features().lay(&mut fuel, frame, seed, &free) { Ok(Some(fuel)) } else { Err(NoRiver) }
+    if !settings.features().lay(&mut fuel, frame, seed, &free) {
+        return Err(NoRiver);
+    }
+    let roads = settings.given_roads.as_ref().and_then(|roads| roads.by_cell(frame)).unwrap_or_default();
+    fuel.iter_mut().zip(roads).filter(|&(_, road)| road == 1).for_each(|(fuel, _)| *fuel = BARE);
+    Ok(Some(fuel))
 }
 
 /// Says whether no bush can grow on a fuel: on water, roads and other ground that is known not to burn.
@@ -262,6 +283,38 @@ mod tests {
         assert_eq!(landscape.fuel_number(Cell { col: 0, row: 3 }), 101);
         assert_eq!(landscape.gradient(Cell { col: 3, row: 1 }), wildfire_base::geometry::DVec2::new(0.0, 0.5));
         assert_eq!(terrain.blocked, [0, 1, 2, 3].map(|row| Cell { col: 2, row }));
+    }
+
+    #[test]
+    fn lines_of_a_file_are_roads_in_the_coordinates_of_the_rasters() {
+        let folder = tempfile::tempdir().expect("a scratch folder");
+        let roads = |text: &str| fs::write(folder.path().join("roads.geojson"), text).expect("writable");
+        roads(r#"{"type": "LineString", "coordinates": [[1000, 2015], [1060, 2015]]}"#);
+        let text = format!(
+            "{FIRE}[fire.rothermel]\nfuel_map = \"fuel.asc\"\n[field]\ncoverage = 0\n\
+             [landscape]\nroads_file = \"roads.geojson\"\n"
+        );
+        let scenario = loaded(folder.path(), &text).expect("it is right");
+        let json = serde_json::to_string(&scenario).expect("scenarios are text and numbers");
+        let frozen: Scenario = serde_json::from_str(&json).expect("it was written so");
+        assert!(frozen == scenario && frozen.check().is_ok());
+        let terrain = Terrain::from_scenario(&frozen, 1).expect("it needs no drawing");
+        let fuel = &terrain.landscape.as_ref().expect("the ground burns").fuel;
+        assert_eq!((&fuel[6..12], fuel[0], fuel[12]), (&[BARE; 6][..], 104, 102), "the second row from the south");
+        assert!(terrain.blocked.iter().all(|cell| cell.row != 1), "it crosses the water on a bridge");
+        let told = super::super::ground_report::describe_ground(&scenario, &terrain).join(" ");
+        assert!(told.contains("Roads from roads.geojson: 6 cells, 25 %."), "{told}");
+        let broken = json.replace("\"given_roads\":\"", "\"given_roads\":\"AAAA");
+        assert!(serde_json::from_str::<Scenario>(&broken).expect("it is text").check().is_err());
+        for (wrong, expected) in [
+            (r#"{"type": "LineString", "coordinates": [[0, 15], [60, 15]]}"#, "roads.geojson: its lines go from"),
+            ("{\"type\":\n 7}", "roads.geojson:2:"),
+            ("", "roads.geojson:1:"),
+        ] {
+            roads(wrong);
+            let refused = loaded(folder.path(), &text).expect_err(wrong);
+            assert!(refused.contains(expected), "{refused}");
+        }
     }
 
     #[test]

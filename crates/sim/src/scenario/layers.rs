@@ -102,6 +102,22 @@ impl Weights {
     }
 }
 
+/// The cells of roads that a file of lines gives.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct RoadCells(PackedLayer);
+
+impl RoadCells {
+    pub(super) fn new(cells: &[u8]) -> Self {
+        Self(PackedLayer::from_bytes(cells))
+    }
+
+    /// Returns 1 for roads and 0 for all else, by cell index; `None` if they were made for a field of another size.
+    pub fn by_cell(&self, frame: &FieldFrame) -> Option<Vec<u8>> {
+        self.0.bytes(frame.cell_count())
+    }
+}
+
 /// A value for each cell, packed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]

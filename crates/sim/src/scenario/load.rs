@@ -10,7 +10,9 @@ use super::contradictions::{self, GENERATED_ONLY};
 use super::copies::Copies;
 use super::error::{Fault, ScenarioError, SourceLocation};
 use super::fuel_image::FuelImage;
-use super::layers::{LayerKind, LayerReader, Weights};
+use super::geojson;
+use super::given::json_fault;
+use super::layers::{LayerKind, LayerReader, RoadCells, Weights};
 use super::path::{FieldPath, FoundSpan, PathStep};
 use super::program::{Unusable, UnusableFile};
 use super::source::{MAX_MAP_BYTES, ScenarioText, first_too_deep, too_deep_message, unreadable};
@@ -24,13 +26,15 @@ use wildfire_base::geometry::FieldFrame;
 use wildfire_base::input_file;
 use wildfire_fire::surface::FuelMoisture;
 use wildfire_grid::map_files;
+use wildfire_grid::map_files::raster::MAX_RASTER_CELLS;
 use wildfire_planning::PlannerName;
 
 /// Values that only loading fills in: no file may have them.
-pub(super) const LOADED: [&str; 9] = [
+pub(super) const LOADED: [&str; 10] = [
     "field.given",
     "field.raster_frame",
     "landscape.given",
+    "landscape.given_roads",
     "weather.rows",
     "ignition.*.weights",
     "planner.*.sha256",
@@ -164,6 +168,7 @@ impl WrittenScenario<'_> {
         }
         self.load_landscape(&mut scenario)?;
         self.load_map(&mut scenario)?;
+        self.load_roads(&mut scenario)?;
         self.place_starts(written, &mut scenario);
         self.load_weather(&mut scenario)?;
         self.load_densities(&mut scenario)?;
@@ -270,6 +275,27 @@ impl WrittenScenario<'_> {
         field.size_m = layers.frame.width_m().max(layers.frame.height_m());
         field.raster_frame = Some(layers.frame);
         scenario.landscape.get_or_insert_default().given = Some(layers);
+        Ok(())
+    }
+
+    /// Reads the lines of roads.
+    fn load_roads(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
+        let frame = scenario.field.frame();
+        let Some(settings) = &mut scenario.landscape else { return Ok(()) };
+        // A field that is too large is refused later.
+        let Some(file) = settings.roads_file.as_ref().filter(|_| frame.cell_count() <= MAX_RASTER_CELLS) else {
+            return Ok(());
+        };
+        let path = FieldPath::parse("landscape.roads_file");
+        let file = self.file(&path, file);
+        let cannot_be_read = |error| unreadable(&file, &error).at(self.location(&path, KeyOrValue::Value));
+        let text = input_file::read_text(&file, MAX_MAP_BYTES).map_err(cannot_be_read)?;
+        let cells = geojson::road_cells(&text, &frame, settings.given.as_ref()).map_err(|error| {
+            let error = json_fault(&text, &error, FieldPath::default());
+            Fault::from(error.fault).at(SourceLocation::new(&file.display().to_string(), &text, error.span))
+        })?;
+        let cells = cells.map_err(|message| self.rule(&path, format!("{}: {message}", file.display())))?;
+        settings.given_roads = Some(RoadCells::new(&cells));
         Ok(())
     }
 

@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use super::SpreadArguments;
 use crate::cli::error::CliError;
+use crate::cli::field_rasters::MapPlace;
 use crate::cli::fire::options::no_such_fuel;
 use wildfire_base::geometry::FieldFrame;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::lone::LoneFire;
 use wildfire_fire::{Landscape, Relief};
-use wildfire_grid::map_files::raster::GeoKeys;
 use wildfire_sim::scenario::{GivenLayers, LayerKind, LayerReader, bytes_text};
 
 /// Where the ground is read from.
@@ -20,12 +20,10 @@ pub struct GroundSources<'a> {
     pub rasters: Vec<(LayerKind, &'a Path)>,
 }
 
-/// A landscape with its place in the coordinate system of its files.
+/// A landscape with its place on earth.
 pub struct Ground {
     pub landscape: Arc<Landscape>,
-    pub west_m: f64,
-    pub south_m: f64,
-    pub crs: Option<GeoKeys>,
+    pub place: MapPlace,
 }
 
 impl<'a> GroundSources<'a> {
@@ -75,15 +73,16 @@ impl<'a> GroundSources<'a> {
             relief: relief.unwrap_or_else(|| Relief::Plane(arguments.slope.gradient())),
             canopy,
         };
-        let (west_m, south_m, crs) =
-            layers.map_or((0.0, 0.0, None), |layers| (layers.west_m, layers.south_m, layers.crs));
-        Ok(Ground { landscape: Arc::new(landscape), west_m, south_m, crs })
+        let place = layers.as_ref().map_or_else(MapPlace::default, MapPlace::new);
+        Ok(Ground { landscape: Arc::new(landscape), place })
     }
 }
 
 /// Refuses a field on which a fire takes more memory than it may.
 fn check_memory(frame: &FieldFrame, arguments: &SpreadArguments) -> Result<(), CliError> {
-    let (needed, limit) = (LoneFire::most_bytes(frame), arguments.memory.unwrap_or_default());
+    // The bands are in memory in double precision and in single.
+    let bands = if arguments.bands.is_some() { 128 * frame.cell_count() as u64 } else { 0 };
+    let (needed, limit) = (LoneFire::most_bytes(frame) + bands, arguments.memory.unwrap_or_default());
     if needed <= limit.bytes {
         return Ok(());
     }

@@ -54,7 +54,7 @@ Examples:
   wildfire fire spread --fuel fuel.tif --elevation dem.tif --wind 4@250 \
 --ignite 120,80 --ignite 300,90@600 --duration 7200 --json
   wildfire fire spread --fuel TU5 --wind 9@270 --canopy-height ch.tif --canopy-base cbh.tif \
---canopy-density cbd.tif --canopy-cover cc.tif --fire-type type.tif
+--canopy-density cbd.tif --canopy-cover cc.tif --bands fire.tif
   wildfire fire spread --fuel fuel.tif --wind 4@250 --duration 6:00:00 --perimeters hours.geojson
   wildfire fire spread --model alexandridis --rows 121 --cols 121 --steps 40 --runs 1000
   wildfire fire spread --model alexandridis --p0 0.3 --wind 8@270 --areas areas.csv")]
@@ -113,6 +113,9 @@ pub struct SpreadArguments {
     /// Write when each cell caught fire, in seconds, -9999 where nothing burned; the name ends in .asc, .tif or .npy.
     #[arg(help_heading = "Output", long, value_name = "FILE")]
     pub arrival: Option<PathBuf>,
+    /// Write time, fire type, flame length and intensity of each cell as the bands of a GeoTIFF.
+    #[arg(help_heading = "Output", long, value_name = "FILE.tif")]
+    pub bands: Option<PathBuf>,
     #[command(flatten)]
     perimeters: PerimeterArguments,
     /// Draw arrival times with contour lines.
@@ -216,7 +219,8 @@ impl SpreadArguments {
             ModelName::Alexandridis => {
                 let rasters = [("--fuel", self.fuel.is_some()), ("--elevation", self.elevation.is_some())];
                 let trees = [("--canopy-height", self.canopy.canopy_height.is_some())];
-                let outputs = [("--arrival", self.arrival.is_some()), ("--png", self.png.is_some())];
+                let bands = ("--bands", self.bands.is_some());
+                let outputs = [("--arrival", self.arrival.is_some()), bands, ("--png", self.png.is_some())];
                 let perimeters = [("--perimeters", self.perimeters.perimeters.is_some())];
                 ([&rasters[..], &trees, &outputs, &perimeters].concat(), "rothermel")
             }

@@ -52,7 +52,7 @@ pub fn write(path: &Path, ground: &Ground, arrivals: &[f64], times_s: &[f64]) ->
         let polygons = polygons(frame, &burned);
         let sides: i64 = polygons.iter().flatten().map(|ring| length(ring)).sum();
         let place = |&(col, row): &Corner| {
-            [ground.west_m + frame.cell_m * col as f64, ground.south_m + frame.cell_m * row as f64]
+            [ground.place.west_m + frame.cell_m * col as f64, ground.place.south_m + frame.cell_m * row as f64]
         };
         let rings = |polygon: &Vec<Ring>| -> Vec<Vec<[f64; 2]>> {
             polygon.iter().map(|ring| ring.iter().chain(ring.first()).map(place).collect()).collect()
@@ -70,7 +70,7 @@ pub fn write(path: &Path, ground: &Ground, arrivals: &[f64], times_s: &[f64]) ->
         })
     });
     let mut collection = json!({"type": "FeatureCollection", "features": features.collect::<Vec<Value>>()});
-    if let Some(epsg) = ground.crs.as_ref().and_then(GeoKeys::epsg) {
+    if let Some(epsg) = ground.place.crs.as_ref().and_then(GeoKeys::epsg) {
         let name = format!("urn:ogc:def:crs:EPSG::{epsg}");
         collection["crs"] = json!({"type": "name", "properties": {"name": name}});
     }

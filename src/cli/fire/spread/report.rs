@@ -117,8 +117,6 @@ impl SpreadReport {
             .iter()
             .filter_map(|share| FuelModel::by_number(share.number))
             .filter(|model| model.burns() && !FuelBed::new(model, &arguments.moisture, options.curing).burns());
-        let by_type =
-            |kind: FireType| (kind.name(), fire_types.iter().filter(|&&found| found == f64::from(kind as u8)).count());
         Self {
             program_version: PROGRAM_VERSION,
             rows: frame.rows,
@@ -147,7 +145,7 @@ impl SpreadReport {
             reached_edge_s: reached_edge.map(SimTime::as_seconds),
             last_arrival_s: burned().map(|(_, time)| time).max().map(SimTime::as_seconds),
             farthest: farthest(fire, burned(), ignitions),
-            fire_types: (!fire_types.is_empty()).then(|| Members(FireType::ALL.map(by_type).into())),
+            fire_types: (!fire_types.is_empty()).then(|| Members(FireType::tally(fire_types))),
             perimeter_m: sides.sum::<usize>() as f64 * frame.cell_m,
             cpu_s: cpu.as_secs_f64(),
             cpu_us_per_burned_cell: (burned_cells > 0).then(|| cpu.as_secs_f64() * 1e6 / burned_cells as f64),

@@ -7,21 +7,19 @@ use super::ground::GroundSources;
 use super::report::SpreadReport;
 use super::{LitCell, SpreadArguments, perimeters};
 use crate::cli::error::CliError;
+use crate::cli::field_rasters::north_first;
 use crate::cli::output_files::{self, Files, Format};
-use wildfire_base::geometry::{Cell, FieldFrame};
+use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
 use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_fire::Landscape;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::lone::LoneFire;
 use wildfire_fire::models::RothermelRules;
-use wildfire_grid::Grid;
-use wildfire_grid::map_files::raster::{self, Raster};
+use wildfire_grid::map_files::raster;
 use wildfire_grid::map_files::write_npy;
 use wildfire_picture::{FieldMap, MapQuantity, draw_field_maps, ground_covers};
-
-/// The value of cells of the arrival raster that did not burn.
-const NOT_BURNED: f32 = -9999.0;
+use wildfire_timeline::{Cause, FireBehavior};
 
 /// Lets a fire spread by Rothermel's equations.
 pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
@@ -32,6 +30,7 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     let words = Files { inputs, form: arguments.form, ..Files::default() }
         .writing([
             (format, &arguments.arrival),
+            (Format::Tif, &arguments.bands),
             (Format::Png, &arguments.png),
             (Format::GeoJson, &arguments.perimeters.perimeters),
             (raster_format(arguments.canopy.fire_type.as_deref()), &arguments.canopy.fire_type),
@@ -47,7 +46,8 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
         ..RothermelRules::default()
     };
     let landscape = Arc::clone(&ground.landscape);
-    let mut fire = LoneFire::new(Arc::clone(&landscape), Arc::new(weather), rules, &ignitions);
+    let weather = Arc::new(weather);
+    let mut fire = LoneFire::new(Arc::clone(&landscape), Arc::clone(&weather), rules, &ignitions);
     let mut stopwatch = CpuStopwatch::start();
     fire.burn_until(SimTime::from_seconds(arguments.duration));
     let cpu = stopwatch.lap();
@@ -65,23 +65,23 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     let write_raster = |path: &Path, values: &[f64]| {
         let format = raster_format(Some(path));
         if format == Format::Npy {
-            return write_npy(path, &array(landscape.frame, values));
+            return write_npy(path, &north_first(landscape.frame, values));
         }
-        let value = |&value: &f64| if value.is_nan() { NOT_BURNED } else { value as f32 };
-        let raster = Raster {
-            rows: landscape.frame.rows.into(),
-            cols: landscape.frame.cols.into(),
-            west_m: ground.west_m,
-            south_m: ground.south_m,
-            cell_m: landscape.frame.cell_m,
-            values: values.iter().map(value).collect(),
-            nodata: Some(NOT_BURNED),
-            crs: ground.crs.clone(),
-        };
+        let raster = ground.place.raster(landscape.frame, values);
         if format == Format::Tif { raster::write_geotiff(path, &raster) } else { raster::write_asc(path, &raster) }
     };
     let write_arrivals = |path: &Path| write_raster(path, &arrivals());
     let write_types = |path: &Path| write_raster(path, &fire_types);
+    let write_bands = |path: &Path| {
+        let ignition = |cell| {
+            let parent = fire.parent(cell)?;
+            Some((fire.arrival(cell)?, if parent == cell { Cause::Scheduled } else { Cause::Spread(parent) }))
+        };
+        let ignitions: Vec<_> =
+            (0..landscape.frame.cell_count()).map(|index| ignition(landscape.frame.cell(index))).collect();
+        let behavior = FireBehavior::new((&landscape, &weather, &rules), &ignitions);
+        ground.place.write_bands(path, landscape.frame, &arrivals(), &behavior)
+    };
     let write_perimeters = |path: &Path| perimeters::write(path, &ground, &arrivals(), &times_s);
     let draw = |path: &Path| {
         let lit: Vec<Cell> = ignitions.iter().map(|&(_, cell)| cell).collect();
@@ -102,6 +102,7 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     let written = output_files::write_all(
         &[
             (arguments.arrival.as_deref(), &write_arrivals),
+            (arguments.bands.as_deref(), &write_bands),
             (arguments.canopy.fire_type.as_deref(), &write_types),
             (arguments.perimeters.perimeters.as_deref(), &write_perimeters),
             (arguments.png.as_deref(), &draw),
@@ -132,10 +133,4 @@ fn ignitions(arguments: &SpreadArguments, landscape: &Landscape) -> Result<Vec<(
         Err(CliError::bad_input(sentence, Some("rows count from the south, from 0")))
     };
     arguments.lit(landscape.frame)?.into_iter().map(ignition).collect()
-}
-
-/// The values with the north row first.
-fn array(frame: FieldFrame, values: &[f64]) -> Grid<f64> {
-    let rows = values.chunks_exact(frame.cols.into()).rev().flatten().copied();
-    Grid::from_values(frame.rows.into(), frame.cols.into(), rows.collect())
 }

@@ -3,7 +3,8 @@
 //! The pixels are read and written by the crate `tiff`; where the cells are is said by tags of their own: the size of a
 //! pixel and a tie point, or a matrix, and keys that describe the coordinate system.
 //!
-//! Source: Open Geospatial Consortium, "OGC GeoTIFF Standard", version 1.1, 2019; tag 42113: GDAL, "GTiff driver".
+//! Source: Open Geospatial Consortium, "OGC GeoTIFF Standard", version 1.1, 2019; tags 42112 and 42113: GDAL, "GTiff
+//! driver".
 
 use std::io::Cursor;
 
@@ -12,7 +13,7 @@ use tiff::decoder::{ChunkType, DecodingResult};
 use tiff::encoder::colortype::Gray32Float;
 use tiff::encoder::compression::DeflateLevel;
 use tiff::encoder::{Compression, TiffEncoder};
-use tiff::tags::Tag;
+use tiff::tags::{ExtraSamples, Tag};
 use tiff::{TiffError, TiffResult};
 
 use super::tiff_chunks::{self, TiffDecoder};
@@ -308,13 +309,18 @@ impl Place {
     }
 }
 
-/// Makes the bytes of an image: 32-bit values in strips, packed by deflate.
-pub(super) fn to_bytes(raster: &Raster) -> TiffResult<Vec<u8>> {
+/// Makes the bytes of an image: 32-bit values in strips, packed by deflate. All bands have the place of the first; names
+/// have no letters that are special in XML.
+pub(super) fn to_bytes(bands: &[(Option<&str>, &Raster)]) -> TiffResult<Vec<u8>> {
+    let raster = bands[0].1;
     let mut file = Cursor::new(Vec::new());
     let packed = Compression::Deflate(DeflateLevel::Balanced);
     let mut encoder = TiffEncoder::new(&mut file)?.with_compression(packed);
     let mut image = encoder.new_image::<Gray32Float>(raster.cols as u32, raster.rows as u32)?;
     image.rows_per_strip(STRIP_CELLS.div_ceil(raster.cols).min(raster.rows) as u32)?;
+    if bands.len() > 1 {
+        image.extra_samples(&vec![ExtraSamples::Unspecified; bands.len() - 1])?;
+    }
     let tags = image.encoder();
     let cell_m = raster.cell_m;
     tags.write_tag(Tag::ModelPixelScaleTag, &[cell_m, cell_m, 0.0][..])?;
@@ -337,7 +343,16 @@ pub(super) fn to_bytes(raster: &Raster) -> TiffResult<Vec<u8>> {
     if let Some(nodata) = raster.nodata {
         tags.write_tag(Tag::GdalNodata, nodata.to_string().as_str())?;
     }
-    let values: Vec<f32> = raster.values.chunks_exact(raster.cols).rev().flatten().copied().collect();
+    let names = bands.iter().enumerate().filter_map(|(band, (name, _))| Some((band, (*name)?)));
+    let items = names.map(|(band, name)| {
+        format!("<Item name=\"DESCRIPTION\" sample=\"{band}\" role=\"description\">{name}</Item>\n")
+    });
+    let items = items.collect::<String>();
+    if !items.is_empty() {
+        tags.write_tag(GDAL_METADATA, format!("<GDALMetadata>\n{items}</GDALMetadata>\n").as_str())?;
+    }
+    let rows = (0..raster.rows).rev().flat_map(|row| row * raster.cols..(row + 1) * raster.cols);
+    let values: Vec<f32> = rows.flat_map(|cell| bands.iter().map(move |(_, band)| band.values[cell])).collect();
     image.write_data(&values)?;
     Ok(file.into_inner())
 }

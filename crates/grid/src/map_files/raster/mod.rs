@@ -157,7 +157,17 @@ pub fn write_asc(path: &Path, raster: &Raster) -> io::Result<()> {
 /// # Errors
 /// Those of the disk.
 pub fn write_geotiff(path: &Path, raster: &Raster) -> io::Result<()> {
-    write_whole(path, &geotiff::to_bytes(raster).map_err(io::Error::other)?)
+    write_whole(path, &geotiff::to_bytes(&[(None, raster)]).map_err(io::Error::other)?)
+}
+
+/// Writes a GeoTIFF of several bands of the same cells, with the names by which GDAL and QGIS list them: letters that are
+/// not special in XML.
+///
+/// # Errors
+/// Those of the disk.
+pub fn write_geotiff_bands(path: &Path, bands: &[(&str, &Raster)]) -> io::Result<()> {
+    let bands: Vec<_> = bands.iter().map(|&(name, raster)| (Some(name), raster)).collect();
+    write_whole(path, &geotiff::to_bytes(&bands).map_err(io::Error::other)?)
 }
 
 /// Accepts the size that a header declares.

@@ -160,7 +160,7 @@ fn every_value_survives_being_written() {
             let text = parse(ascii::to_text(&raster).into_bytes()).expect("this program wrote it");
             assert_eq!(bits(&text), bits(&raster));
             assert_eq!(text, raster);
-            let image = parse(geotiff::to_bytes(&raster).expect("it fits")).expect("this program wrote it");
+            let image = parse(geotiff::to_bytes(&[(None, &raster)]).expect("it fits")).expect("this program wrote it");
             assert_eq!(bits(&image), bits(&raster));
             assert!(image.crs.is_some(), "it says that it is a map");
             assert_eq!(Raster { crs: None, ..image }, raster);
@@ -169,11 +169,25 @@ fn every_value_survives_being_written() {
 }
 
 #[test]
+fn bands_are_read_as_they_were_written() {
+    let (first, mut second) = (raster(300, 333), raster(300, 333));
+    second.values.reverse();
+    let bytes =
+        geotiff::to_bytes(&[(Some("Time (s)"), &first), (None, &second), (Some("b"), &first)]).expect("it fits");
+    let read = geotiff::parse_bands(bytes).expect("this program wrote it");
+    let names: Vec<_> = read.iter().map(|band| band.name.as_deref()).collect();
+    assert_eq!(names, [Some("Time (s)"), None, Some("b")]);
+    for (band, written) in read.iter().zip([&first, &second, &first]) {
+        assert_eq!(bits(&band.raster), bits(written));
+    }
+}
+
+#[test]
 fn what_is_not_a_number_is_no_data_and_survives() {
     let mut raster = raster(2, 2);
     raster.values[1] = f32::NAN;
     raster.nodata = Some(f32::NAN);
-    for written in [ascii::to_text(&raster).into_bytes(), geotiff::to_bytes(&raster).expect("it fits")] {
+    for written in [ascii::to_text(&raster).into_bytes(), geotiff::to_bytes(&[(None, &raster)]).expect("it fits")] {
         let read = parse(written).expect("this program wrote it");
         assert!(read.nodata.is_some_and(f32::is_nan) && read.is_nodata(read.value(0, 1)));
         assert_eq!((read.value(0, 0), read.value(1, 1)), (raster.value(0, 0), raster.value(1, 1)));
@@ -185,7 +199,7 @@ fn coordinate_systems_are_handed_on_and_points_become_areas() {
     let mut raster = raster(4, 5);
     let directory = vec![1, 1, 0, 4, 1024, 0, 1, 1, 1025, 0, 1, 1, 1026, 34_737, 5, 0, 3072, 0, 1, 32_610];
     raster.crs = Some(GeoKeys { directory, doubles: vec![6_378_137.0, 298.25], ascii: "UTM |".into() });
-    let bytes = geotiff::to_bytes(&raster).expect("it fits");
+    let bytes = geotiff::to_bytes(&[(None, &raster)]).expect("it fits");
     assert_eq!(parse(bytes).expect("this program wrote it"), raster);
     let keys = raster.crs.as_mut().expect("it has some");
     keys.directory[11] = 2;
@@ -387,7 +401,7 @@ fn absurd_sizes_are_refused_before_memory_is_taken() {
 fn damage_anywhere_is_a_sentence() {
     let mut small = raster(5, 4);
     small.nodata = Some(-1.0);
-    let written = geotiff::to_bytes(&small).expect("it fits");
+    let written = geotiff::to_bytes(&[(None, &small)]).expect("it fits");
     let codes = lzw(&[256, 7, 258, 259, 8, 258]);
     let by_lzw = packed(9, 5, &codes).placed().bytes(&codes);
     for file in [ascii::to_text(&small).into_bytes(), written, tiled(true), tiled(false), by_lzw] {

@@ -179,9 +179,8 @@ impl GroundView {
     /// Returns how cells burn, where that is shown.
     pub(super) fn shades(&self, pane: &Pane) -> Option<&CellShades> {
         let shown = CellShades::LAYERS.iter().zip(&self.shades).filter(|((layer, _), _)| pane.shows(*layer));
-        let mut found = shown.map(|(&(_, quantity), shades)| {
-            shades.get_or_init(|| CellShades::new(pane.view.run, quantity)).as_ref()
-        });
+        let mut found = shown
+            .map(|(&(_, quantity), shades)| shades.get_or_init(|| CellShades::new(pane.view.run, quantity)).as_ref());
         found.find_map(|shades| shades)
     }
 
@@ -268,7 +267,8 @@ impl CellShades {
     pub fn new(run: &RunView, quantity: MapQuantity) -> Option<Self> {
         let setting = &run.timeline().setting;
         let has_trees = setting.spread.as_ref().is_some_and(|spread| spread.landscape().canopy.is_some());
-        let behavior = (has_trees || quantity != MapQuantity::FireType).then(|| BurnMap::new(run.timeline()).behavior())??;
+        let behavior =
+            (has_trees || quantity != MapQuantity::FireType).then(|| BurnMap::new(run.timeline()).behavior())??;
         let values = if quantity == MapQuantity::FireType { behavior.fire_type } else { behavior.intensity_kw_m };
         let scale = quantity.scale(values.iter().copied())?;
         let colour = |&value: &f64| value.is_finite().then(|| scale.colour(value));

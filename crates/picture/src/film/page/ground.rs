@@ -7,11 +7,11 @@ use serde::Serialize;
 use super::data::{differences, hex};
 use crate::Rgb;
 use crate::colours::{EXTINGUISHED, blend};
-use crate::film::{Layer, RunView};
 use crate::film::field::ground::{
-    ArrivalLines, BURNED_OPACITY, CHAR, CellShades, EMBER, EMBERS, FLAMING, GLOWS_FOR_S, GroundView, OLD,
-    OLD_AFTER_S, WET, WET_OPACITY, YOUNG, YOUNG_FOR_S,
+    ArrivalLines, BURNED_OPACITY, CHAR, CellShades, EMBER, EMBERS, FLAMING, GLOWS_FOR_S, GroundView, OLD, OLD_AFTER_S,
+    WET, WET_OPACITY, YOUNG, YOUNG_FOR_S,
 };
+use crate::film::{Layer, RunView};
 use wildfire_base::time::SimTime;
 
 /// A page has a number for each cell of ground, and a browser a pixel: more would be too much for either.

@@ -318,6 +318,32 @@ pub struct WettingObject {
     by: AgentName,
 }
 
+/// A cell, bush or ground, in which crews finished line.
+#[derive(Serialize, JsonSchema)]
+pub struct LineObject {
+    cell: [u16; 2],
+    built_ns: u64,
+    /// Which of the two flanks the line is on, 0 or 1.
+    flank: u8,
+    /// The length of line on this flank up to the cell.
+    along_m: f64,
+    /// Whether the cell cannot burn from then on; line that does not hold leaves it as it was.
+    holds: bool,
+}
+
+/// Lists the line that crews built, in order of time.
+pub fn line(index: &RunIndex<'_>) -> Vec<LineObject> {
+    let log = index.timeline().ground.iter().take_while(|event| event.time <= index.end_time());
+    let line = log.filter_map(|event| match event.fact {
+        GroundFact::Cleared { flank, along_mm, holds } => {
+            let (cell, built_ns, along_m) = (pair(event.cell), event.time.as_nanos(), f64::from(along_mm) / 1000.0);
+            Some(LineObject { cell, built_ns, flank, along_m, holds })
+        }
+        _ => None,
+    });
+    line.collect()
+}
+
 /// Lists what trucks wetted, in order of time.
 pub fn wettings(index: &RunIndex<'_>) -> Vec<WettingObject> {
     let log = index.timeline().ground.iter().take_while(|event| event.time <= index.end_time());

@@ -18,7 +18,7 @@ use serde::ser::Error;
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value as Json};
 
-use happenings::{EventObject, FireObject, WettingObject, fires, wettings};
+use happenings::{EventObject, FireObject, LineObject, WettingObject, fires, line, wettings};
 use legs::{LegObject, LegTable};
 use setting::SettingObject;
 
@@ -62,7 +62,7 @@ struct RunObject<'a> {
     #[schemars(with = "WinnerName")]
     winner: Winner,
     setting: SettingObject<'a>,
-    /// Events of agents and bushes, in order of time. Events of ground are among the fires and wettings.
+    /// Events of agents and bushes, in order of time. Events of ground are among the fires, the wettings and the line.
     #[schemars(with = "Vec<EventObject<'static>>")]
     events: Events<'a>,
     /// The paths that agents followed, agent by agent, each in order of time.
@@ -72,6 +72,8 @@ struct RunObject<'a> {
     fires: Vec<FireObject>,
     /// Cells that trucks wetted so that they could not burn for a while, in order of time.
     wettings: Vec<WettingObject>,
+    /// Cells of line that crews built, in order of time.
+    line: Vec<LineObject>,
     /// The outcome in numbers, as in the tables of batches.
     outcome: OutcomeObject<'a>,
 }
@@ -91,6 +93,7 @@ impl<'a> RunObject<'a> {
             legs: Legs { timeline, legs },
             fires: fires(index),
             wettings: wettings(index),
+            line: line(index),
             outcome: OutcomeObject(index.outcome()),
         }
     }
@@ -238,7 +241,7 @@ impl JsonSchema for OutcomeObject<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sample;
+    use crate::{GroundFact, sample};
     use wildfire_base::time::SimTime;
 
     fn object(timeline: &Timeline) -> Json {
@@ -298,6 +301,19 @@ mod tests {
             let burning = fires.iter().filter(|fire| fire["ground"] == false && fire["ended_ns"].is_null()).count();
             assert_eq!(burning, outcome.burning as usize);
         }
+    }
+
+    #[test]
+    fn line_that_crews_built_is_listed() {
+        let mut timeline = sample::on_ground();
+        let mut cleared = *timeline.ground.last().expect("ground burns");
+        cleared.fact = GroundFact::Cleared { flank: 1, along_mm: 12_500, holds: true };
+        timeline.ground.push(cleared);
+        let (cell, built_ns) = (pair(cleared.cell), cleared.time.as_nanos());
+        let line = serde_json::json!([{
+            "cell": cell, "built_ns": built_ns, "flank": 1, "along_m": 12.5, "holds": true
+        }]);
+        assert_eq!(object(&timeline)["line"], line);
     }
 
     #[test]
