@@ -129,7 +129,7 @@ impl FireBehavior {
             let fire = fires.at(cell, time);
             behavior.fire_type[index] = fire.map_or(f64::NAN, |(_, kind)| f64::from(kind as u8));
             let Cause::Spread(parent) = cause else { continue };
-            let direction = front_direction(&landscape.frame, ignitions, (cell, time, parent));
+            let direction = Self::front_direction(&landscape.frame, ignitions, (cell, time, parent));
             behavior.direction_deg[index] = compass::azimuth_deg(direction);
             let Some((fire, _)) = fire else { continue };
             let rate_mps = fire.front_normal_rate_mps(direction);
@@ -140,29 +140,29 @@ impl FireBehavior {
         }
         behavior
     }
-}
 
-/// Returns the horizontal direction that the front faced in a cell that fire reached at a time from its parent.
-fn front_direction(
-    frame: &FieldFrame,
-    ignitions: &[Option<(SimTime, Cause)>],
-    (cell, time, parent): (Cell, SimTime, Cell),
-) -> DVec2 {
-    // Seconds by which the neighbour burned earlier; nothing of later ones.
-    let lead_s = |cols, rows| {
-        let neighbour = frame.offset(cell, cols, rows)?;
-        let (earlier, _) = ignitions[frame.index(neighbour)]?;
-        (earlier < time).then(|| (time - earlier).as_seconds())
-    };
-    // Fronts that meet come from both sides: the one that came first counts.
-    let slope = |behind: Option<f64>, ahead: Option<f64>| match (behind, ahead) {
-        (Some(behind), Some(ahead)) if ahead > behind => -ahead,
-        (Some(behind), _) => behind,
-        (None, Some(ahead)) => -ahead,
-        (None, None) => 0.0,
-    };
-    let gradient = DVec2::new(slope(lead_s(-1, 0), lead_s(1, 0)), slope(lead_s(0, -1), lead_s(0, 1)));
-    if gradient == DVec2::ZERO { frame.centre(cell) - frame.centre(parent) } else { gradient }
+    /// Returns the horizontal direction that the front faced in a cell that fire reached at a time from its parent.
+    fn front_direction(
+        frame: &FieldFrame,
+        ignitions: &[Option<(SimTime, Cause)>],
+        (cell, time, parent): (Cell, SimTime, Cell),
+    ) -> DVec2 {
+        // Seconds by which the neighbour burned earlier; nothing of later ones.
+        let lead_s = |cols, rows| {
+            let neighbour = frame.offset(cell, cols, rows)?;
+            let (earlier, _) = ignitions[frame.index(neighbour)]?;
+            (earlier < time).then(|| (time - earlier).as_seconds())
+        };
+        // Fronts that meet come from both sides: the one that came first counts.
+        let slope = |behind: Option<f64>, ahead: Option<f64>| match (behind, ahead) {
+            (Some(behind), Some(ahead)) if ahead > behind => -ahead,
+            (Some(behind), _) => behind,
+            (None, Some(ahead)) => -ahead,
+            (None, None) => 0.0,
+        };
+        let gradient = DVec2::new(slope(lead_s(-1, 0), lead_s(1, 0)), slope(lead_s(0, -1), lead_s(0, 1)));
+        if gradient == DVec2::ZERO { frame.centre(cell) - frame.centre(parent) } else { gradient }
+    }
 }
 
 /// Fires of each fuel in each interval of the weather; on ground with one slope they are the same everywhere.

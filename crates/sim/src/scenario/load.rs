@@ -12,7 +12,7 @@ use super::error::{Fault, ScenarioError, SourceLocation};
 use super::fuel_image::FuelImage;
 use super::geojson;
 use super::given::json_fault;
-use super::layers::{LayerKind, LayerReader, RoadCells, Weights};
+use super::layers::{LayerKind, LayerReader, PackedLayer, Weights};
 use super::path::{FieldPath, FoundSpan, PathStep};
 use super::program::{Unusable, UnusableFile};
 use super::source::{MAX_MAP_BYTES, ScenarioText, first_too_deep, too_deep_message, unreadable};
@@ -295,7 +295,7 @@ impl WrittenScenario<'_> {
             Fault::from(error.fault).at(SourceLocation::new(&file.display().to_string(), &text, error.span))
         })?;
         let cells = cells.map_err(|message| self.rule(&path, format!("{}: {message}", file.display())))?;
-        settings.given_roads = Some(RoadCells::new(&cells));
+        settings.given_roads = Some(PackedLayer::from_bytes(&cells));
         Ok(())
     }
 
