@@ -282,10 +282,9 @@ impl WrittenScenario<'_> {
     fn load_roads(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
         let frame = scenario.field.frame();
         let Some(settings) = &mut scenario.landscape else { return Ok(()) };
-        // A field that is too large is refused later.
-        let Some(file) = settings.roads_file.as_ref().filter(|_| frame.cell_count() <= MAX_RASTER_CELLS) else {
-            return Ok(());
-        };
+        // A field of an impossible size is refused later.
+        let has_size = (1..=MAX_RASTER_CELLS).contains(&frame.cell_count());
+        let Some(file) = settings.roads_file.as_ref().filter(|_| has_size) else { return Ok(()) };
         let path = FieldPath::parse("landscape.roads_file");
         let file = self.file(&path, file);
         let cannot_be_read = |error| unreadable(&file, &error).at(self.location(&path, KeyOrValue::Value));
