@@ -20,7 +20,6 @@ mod curve;
 mod demo;
 mod error;
 mod export;
-mod field_rasters;
 mod fire;
 mod fork;
 #[cfg(test)]

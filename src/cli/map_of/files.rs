@@ -7,15 +7,19 @@ use std::rc::Rc;
 use clap::Args;
 
 use crate::cli::error::CliError;
-use crate::cli::field_rasters::{MapPlace, north_first};
 use crate::cli::output_files::{Format, Output, write_all};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::input_file::is_standard_stream;
 use wildfire_batch::{BatchMaps, BatchQuantity};
-use wildfire_grid::map_files::raster::{write_asc, write_geotiff};
+use wildfire_grid::Grid;
+use wildfire_grid::map_files::raster::{GeoKeys, Raster, write_asc, write_geotiff, write_geotiff_bands};
 use wildfire_grid::map_files::write_npy;
 use wildfire_picture::{FieldMap, MapQuantity, bush_covers, draw_field_maps, ground_covers};
+use wildfire_sim::scenario::{GivenLayers, Scenario};
 use wildfire_timeline::{FireBehavior, Setting, SpreadSetting};
+
+/// The value of a raster's cells that have none.
+const NODATA: f32 = -9999.0;
 
 /// The files that are asked for.
 #[derive(Debug, Args)]
@@ -30,12 +34,7 @@ pub struct FileArguments {
     #[arg(help_heading = "Output", long, value_name = "FILE.npy")]
     npy: Option<PathBuf>,
     /// Write time, fire type, flame length and intensity of one run as the bands of a GeoTIFF.
-    #[arg(
-        help_heading = "Output",
-        long,
-        value_name = "FILE.tif",
-        conflicts_with_all = ["burn_probability", "mean_arrival", "mean_intensity"]
-    )]
+    #[arg(help_heading = "Output", long, value_name = "FILE.tif", conflicts_with_all = ["burn_probability", "mean_arrival", "mean_intensity"])]
     pub bands: Option<PathBuf>,
     /// Draw the map.
     #[arg(help_heading = "Output", long, value_name = "FILE.png")]
@@ -61,12 +60,49 @@ pub struct Panel {
     pub place: MapPlace,
 }
 
+/// The place of the field on earth, as the files of its landscape have it: its south-west corner in metres, and in which
+/// coordinate system these are.
+#[derive(Clone, Debug, Default)]
+pub struct MapPlace {
+    pub west_m: f64,
+    pub south_m: f64,
+    pub crs: Option<GeoKeys>,
+}
+
+impl MapPlace {
+    /// The origin of coordinates, without a name of their system, where no file says more.
+    pub fn new(scenario: Option<&Scenario>) -> Self {
+        scenario.and_then(Scenario::layers).map_or_else(Self::default, Self::from_layers)
+    }
+
+    pub fn from_layers(layers: &GivenLayers) -> Self {
+        Self { west_m: layers.west_m, south_m: layers.south_m, crs: layers.crs.clone() }
+    }
+
+    /// Writes arrival times and fire behaviour as the bands of one GeoTIFF.
+    pub fn write_bands(
+        &self,
+        path: &Path,
+        frame: FieldFrame,
+        arrival_s: &[f64],
+        behavior: &FireBehavior,
+    ) -> io::Result<()> {
+        let bands = [
+            ("Arrival time (s)", arrival_s),
+            ("Fire type (0 surface, 1 passive, 2 conditional, 3 active)", &behavior.fire_type),
+            ("Flame length (m)", &behavior.flame_length_m),
+            ("Fireline intensity (kW/m)", &behavior.intensity_kw_m),
+        ];
+        let rasters = bands.map(|(name, values)| (name, raster(self, frame, values)));
+        write_geotiff_bands(path, &rasters.each_ref().map(|(name, raster)| (*name, raster)))
+    }
+}
+
 /// Where the map is to be written.
 pub struct MapFiles<'a> {
     asc: Option<&'a Path>,
     tif: Option<&'a Path>,
     npy: Option<&'a Path>,
-    bands: Option<&'a Path>,
     png: Option<&'a Path>,
     heading: &'a str,
     endings: &'static [&'static str],
@@ -161,7 +197,6 @@ impl<'a> MapFiles<'a> {
             asc: arguments.asc.as_deref(),
             tif: arguments.tif.as_deref(),
             npy: arguments.npy.as_deref(),
-            bands: arguments.bands.as_deref(),
             png: arguments.png.as_deref(),
             heading: arguments.title.as_deref().unwrap_or_default(),
             endings: if has_difference { &["", "-lower", "-upper"] } else { &[""] },
@@ -174,9 +209,7 @@ impl<'a> MapFiles<'a> {
         let rasters = rasters.into_iter().filter_map(|(format, path)| Some((format, path?)));
         let rasters =
             rasters.flat_map(|(format, path)| self.endings.iter().map(move |end| (format, with_end(path, end))));
-        let more = [(Format::Tif, self.bands), (Format::Png, self.png)];
-        let more = more.into_iter().filter_map(|(format, path)| Some((format, path?.to_owned())));
-        rasters.chain(more).collect()
+        rasters.chain(self.png.map(|path| (Format::Png, path.to_owned()))).collect()
     }
 
     /// Writes the last map to rasters and arrays, and draws all of them.
@@ -184,28 +217,17 @@ impl<'a> MapFiles<'a> {
         let last = panels.last().expect("there is a map");
         for (end, values) in &last.values {
             let frame = last.setting.frame;
-            let raster = || last.place.raster(frame, values);
+            let raster = || raster(&last.place, frame, values);
             let paths = [self.asc, self.tif, self.npy].map(|path| path.map(|path| with_end(path, end)));
             let [asc, tif, npy] = paths.each_ref().map(Option::as_deref);
             let outputs: [Output<'_>; 3] = [
                 (asc, &|path| write_asc(path, &raster())),
                 (tif, &|path| write_geotiff(path, &raster())),
-                (npy, &|path| write_npy(path, &north_first(frame, values))),
+                (npy, &|path| write_npy(path, &array(frame, values))),
             ];
             write_all(&outputs, quiet)?;
         }
         write_all(&[(self.png, &|path| self.draw(panels, path))], quiet)
-    }
-
-    /// Writes arrival times and fire behaviour of one run.
-    pub fn write_bands(
-        &self,
-        place: &MapPlace,
-        frame: FieldFrame,
-        (arrival_s, behavior): (&[f64], &FireBehavior),
-        quiet: bool,
-    ) -> Result<(), CliError> {
-        write_all(&[(self.bands, &|path| place.write_bands(path, frame, arrival_s, behavior))], quiet)
     }
 
     fn draw(&self, panels: &[Panel], path: &Path) -> io::Result<()> {
@@ -243,4 +265,26 @@ fn with_end(path: &Path, end: &str) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let ending = path.extension().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!("{stem}{end}.{ending}"))
+}
+
+/// Returns values by cell index, NaN where there is none, as a raster.
+pub fn raster(place: &MapPlace, frame: FieldFrame, values: &[f64]) -> Raster {
+    #[expect(clippy::cast_possible_truncation, reason = "rasters hold single precision")]
+    let value = |&value: &f64| if value.is_nan() { NODATA } else { value as f32 };
+    Raster {
+        rows: frame.rows.into(),
+        cols: frame.cols.into(),
+        west_m: place.west_m,
+        south_m: place.south_m,
+        cell_m: frame.cell_m,
+        values: values.iter().map(value).collect(),
+        nodata: Some(NODATA),
+        crs: place.crs.clone(),
+    }
+}
+
+/// The values with the north row first.
+pub fn array(frame: FieldFrame, values: &[f64]) -> Grid<f64> {
+    let rows = values.chunks_exact(frame.cols.into()).rev().flatten().copied();
+    Grid::from_values(frame.rows.into(), frame.cols.into(), rows.collect())
 }

@@ -13,15 +13,17 @@ use crate::cli::args::{MemoryArguments, ProgramArguments, jobs_or_all, parse_job
 use crate::cli::compare::parse_where;
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
-use crate::cli::output_files::{Files, Format};
+use crate::cli::output_files::{Files, Format, write_all};
 use crate::cli::report::FormArguments;
 use crate::cli::show::{Searches, ShownRun, source_of_runs};
 use crate::cli::terminal::{self, Progress};
+use wildfire_base::object::Members;
 use wildfire_batch::{BatchQuantity, MapSource, MapsError, MapsOptions, Record, map_batches};
+use wildfire_fire::surface::crown::FireType;
 use wildfire_timeline::BurnMap;
 
-use crate::cli::field_rasters::MapPlace;
 use files::{FileArguments, MapFiles, Panel};
+pub use files::{MapPlace, array, raster};
 use report::{BatchMapReport, RunMapReport, RunQuantity};
 
 const NOTES: &str = "\
@@ -133,7 +135,8 @@ pub fn run(arguments: &MapOfArguments, context: &CommandContext) -> Result<ExitC
     let files = MapFiles::new(&arguments.files, arguments.minus.is_some());
     let every = files.every_path();
     let outputs = every.iter().map(|(format, path)| (*format, path.as_path())).collect::<Vec<(Format, &Path)>>();
-    let words = Files { outputs, form: arguments.form, ..Files::default() }.check()?;
+    let files_of_all = Files { outputs, form: arguments.form, ..Files::default() };
+    let words = files_of_all.writing([(Format::Tif, &arguments.files.bands)]).check()?;
     let printed = match arguments.what.of_batch() {
         Some(quantity) => {
             let (report, panels) = over_batch(quantity, arguments, context)?;
@@ -141,7 +144,7 @@ pub fn run(arguments: &MapOfArguments, context: &CommandContext) -> Result<ExitC
             arguments.form.render(&report)
         }
         None => {
-            let (report, panel) = of_run(arguments.what.of_run(), arguments, &files, context)?;
+            let (report, panel) = of_run(arguments.what.of_run(), arguments, context)?;
             files.write(&[panel], context.quiet)?;
             arguments.form.render(&report)
         }
@@ -154,7 +157,6 @@ pub fn run(arguments: &MapOfArguments, context: &CommandContext) -> Result<ExitC
 fn of_run(
     quantity: RunQuantity,
     arguments: &MapOfArguments,
-    files: &MapFiles<'_>,
     context: &CommandContext,
 ) -> Result<(RunMapReport, Panel), CliError> {
     if arguments.minus.is_some() {
@@ -173,20 +175,18 @@ fn of_run(
         return Err(CliError::bad_input(sentence, Some("expected ground and `fire.model = \"rothermel\"`")));
     }
     if let Some(behavior) = &behavior {
-        files.write_bands(&place, setting.frame, (&arrival_s, behavior), context.quiet)?;
+        let write = |path: &Path| place.write_bands(path, setting.frame, &arrival_s, behavior);
+        write_all(&[(arguments.files.bands.as_deref(), &write)], context.quiet)?;
     }
-    let fire_types = behavior.as_ref().filter(|_| trees).map(|behavior| behavior.fire_type.clone());
+    let fire_types = behavior.as_ref().filter(|_| trees).map(|it| Members(FireType::tally(&it.fire_type)));
     let values = match (quantity, behavior) {
         (RunQuantity::Arrival, _) | (_, None) => arrival_s,
         (RunQuantity::Intensity, Some(behavior)) => behavior.intensity_kw_m,
         (RunQuantity::FlameLength, Some(behavior)) => behavior.flame_length_m,
         (RunQuantity::Direction, Some(behavior)) => behavior.direction_deg,
     };
-    let report = RunMapReport::new(&run.title, quantity, &map, setting, &values);
-    let report = match fire_types {
-        Some(fire_types) => report.with_fire_types(&fire_types),
-        None => report,
-    };
+    let mut report = RunMapReport::new(&run.title, quantity, &map, setting, &values);
+    report.fire_types = fire_types;
     let title = format!("{}, seed {}", run.title, setting.seed);
     let panel = Panel {
         title,
@@ -211,7 +211,7 @@ fn shown_run(arguments: &MapOfArguments, context: &CommandContext) -> Result<(Sh
         let found = source.timeline(&run, &context.entrants)?;
         let (timeline, _) = found.ok_or_else(|| CliError::run_failed(format_args!("{} failed", source.title())))?;
         let run = ShownRun { title: source.title(), timeline, cpu_samples: None, verdicts: Vec::new() };
-        return Ok((run, MapPlace::of_scenario(Some(source.scenario()))));
+        return Ok((run, MapPlace::new(Some(source.scenario()))));
     }
     if !arguments.only.is_empty() {
         return Err(CliError::bad_input("--where chooses among the runs of a batch; expected the folder of one", None));
@@ -223,7 +223,7 @@ fn shown_run(arguments: &MapOfArguments, context: &CommandContext) -> Result<(Sh
             "a recording does not say where its field lies, so rasters begin at (0, 0); its scenario or batch does",
         );
     }
-    Ok((run, MapPlace::of_scenario(source.scenario())))
+    Ok((run, MapPlace::new(source.scenario())))
 }
 
 /// Maps a batch, or the difference of two.
@@ -253,7 +253,7 @@ fn over_batch(
     progress.end();
     let maps = maps?;
     let report = BatchMapReport::new(quantity, &maps);
-    Ok((report, Panel::over_batch(quantity, maps, &MapPlace::of_scenario(Some(batch.scenario())))))
+    Ok((report, Panel::over_batch(quantity, maps, &MapPlace::new(Some(batch.scenario())))))
 }
 
 fn open_batch(folder: &Path, only: &[(String, String)], context: &CommandContext) -> Result<MapSource, CliError> {

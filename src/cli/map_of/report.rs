@@ -7,7 +7,6 @@ use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::object::Members;
 use wildfire_batch::stats::Interval;
 use wildfire_batch::{BatchMaps, BatchQuantity, BatchSide, Losses, RunMean};
-use wildfire_fire::surface::crown::FireType;
 use wildfire_picture::MapQuantity;
 use wildfire_timeline::{BurnMap, Setting};
 
@@ -44,7 +43,7 @@ pub struct RunMapReport {
     bushes: usize,
     /// Burned cells by the kind of fire, where there are trees.
     #[serde(skip_serializing_if = "Option::is_none")]
-    fire_types: Option<Members<&'static str, usize>>,
+    pub fire_types: Option<Members<&'static str, usize>>,
     /// Cells with a value, and the least, the mean and the greatest of these.
     cells: usize,
     least: Option<f64>,
@@ -78,11 +77,6 @@ impl RunMapReport {
             mean: has_mean.then(|| found.iter().sum::<f64>() / found.len() as f64),
             most,
         }
-    }
-
-    /// Counts cells by the number of their [`FireType`].
-    pub fn with_fire_types(self, found: &[f64]) -> Self {
-        Self { fire_types: Some(Members(FireType::tally(found))), ..self }
     }
 }
 

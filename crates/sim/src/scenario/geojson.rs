@@ -27,9 +27,6 @@ const EARTH_RADIUS_M: f64 = 6_371_008.8;
 /// The most places at which edges of polygons cross the middle lines of rows, and the most cells that lines cross.
 const MAX_CROSSINGS: usize = 1 << 24;
 
-/// The greatest coordinate of a line in metres, as of rasters.
-const FARTHEST_M: f64 = 1e12;
-
 /// The types of GeoJSON objects that may be at the top.
 const TYPES: [&str; 9] = [
     "FeatureCollection",
@@ -193,7 +190,7 @@ impl Shapes {
         if self.points.is_empty() {
             return Err("it has no line; expected a LineString or a MultiLineString".into());
         }
-        if let Some(point) = self.points.iter().find(|point| point.abs().max_element() > FARTHEST_M) {
+        if let Some(point) = self.points.iter().find(|point| point.abs().max_element() > 1e12) {
             return Err(format!("a line goes through ({}, {}); expected metres up to 1e12", point.x, point.y));
         }
         let epsg = layers.and_then(|layers| layers.crs.as_ref()).and_then(GeoKeys::epsg);
@@ -527,14 +524,21 @@ mod tests {
             let refused = line(points).expect_err(points);
             assert!(refused.contains(expected), "{points}: {refused}");
         }
-        let crs = |name: &str| {
-            let geometry = r#"{"type": "LineString", "coordinates": [[0,5],[50,5]]}"#;
-            let crs = format!(r#"{{"type": "name", "properties": {{"name": "{name}"}}}}"#);
-            let text = format!(r#"{{"type": "Feature", "crs": {crs}, "properties": {{}}, "geometry": {geometry}}}"#);
-            road_cells(&text, &FieldFrame { cols: 5, rows: 4, cell_m: 10.0 }, None).expect("GeoJSON")
-        };
-        assert!(crs("urn:ogc:def:crs:EPSG::32611").is_ok());
-        assert!(crs("urn:ogc:def:crs:OGC:1.3:CRS84").expect_err("degrees").contains("longitude and latitude"));
+        let frame = FieldFrame { cols: 5, rows: 4, cell_m: 10.0 };
+        let mut layers = GivenLayers::from_fuel(frame, &[99; 20]);
+        let directory = vec![1, 1, 0, 1, 3072, 0, 1, 32_611];
+        layers.crs = Some(GeoKeys { directory, ..GeoKeys::default() });
+        for (name, expected) in [
+            ("urn:ogc:def:crs:EPSG::32611", None),
+            ("EPSG:32612", Some("it is in the coordinate system EPSG:32612, expected EPSG:32611")),
+            ("urn:ogc:def:crs:OGC:1.3:CRS84", Some("longitude and latitude; expected metres of EPSG:32611")),
+        ] {
+            let crs = format!(r#""crs": {{"properties": {{"name": "{name}"}}}}"#);
+            let text = format!(r#"{{"type": "LineString", {crs}, "coordinates": [[0,5],[50,5]]}}"#);
+            let found = road_cells(&text, &frame, Some(&layers)).expect("GeoJSON");
+            assert_eq!(found.is_ok(), expected.is_none(), "{name}");
+            assert!(found.err().unwrap_or_default().contains(expected.unwrap_or_default()), "{name}");
+        }
     }
 
     #[test]

@@ -83,7 +83,8 @@ pub fn describe_ground(scenario: &Scenario, terrain: &Terrain) -> Vec<String> {
     if let Some(settings) = &scenario.landscape
         && let (Some(file), Some(roads)) = (&settings.roads_file, &settings.given_roads)
     {
-        let roads = roads.by_cell(&landscape.frame).map_or(0, |cells| cells.iter().filter(|&&road| road == 1).count());
+        let roads =
+            roads.bytes(landscape.fuel.len()).map_or(0, |cells| cells.iter().filter(|&&road| road == 1).count());
         lines.push(format!("Roads from {}: {roads} cells, {} %.", file.display(), percent(roads as f64 / cells)));
     }
     if let Some(layers) = scenario.layers().filter(|layers| layers.gives() != (false, false)) {

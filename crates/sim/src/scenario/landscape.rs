@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::check::{Check, TablePath};
 use super::features::{BARE, Features, Hill, KeptFree, Patches, River, Road, check_hills, hill_elevations};
 use super::fuel_name::FuelName;
-use super::layers::{GivenLayers, RoadCells};
+use super::layers::{GivenLayers, PackedLayer};
 use super::path::PathStep;
 use super::{FireModelName, Scenario};
 use wildfire_base::geometry::{Cell, FieldFrame, compass, ops};
@@ -59,10 +59,10 @@ pub struct LandscapeSettings {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(skip)]
     pub given: Option<GivenLayers>,
-    /// What the file of roads says. Loading fills it in.
+    /// 1 for the cells of roads of a file, 0 for others. Loading fills it in.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(skip)]
-    pub given_roads: Option<RoadCells>,
+    pub given_roads: Option<PackedLayer>,
 }
 
 impl Default for LandscapeSettings {
@@ -112,7 +112,7 @@ impl LandscapeSettings {
         if self.given.as_ref().is_some_and(|given| !given.is_sound()) {
             return table.refuse("given", "damaged".into(), "layers that can be unpacked and fit the field".into());
         }
-        if self.given_roads.as_ref().is_some_and(|roads| roads.by_cell(frame).is_none()) {
+        if self.given_roads.as_ref().is_some_and(|roads| roads.bytes(frame.cell_count()).is_none()) {
             return table.refuse(
                 "given_roads",
                 "damaged".into(),
@@ -162,7 +162,7 @@ pub fn cover(scenario: &Scenario, seed: u64, frame: &FieldFrame) -> Result<Optio
     if !settings.features().lay(&mut fuel, frame, seed, &free) {
         return Err(NoRiver);
     }
-    let roads = settings.given_roads.as_ref().and_then(|roads| roads.by_cell(frame)).unwrap_or_default();
+    let roads = settings.given_roads.as_ref().and_then(|roads| roads.bytes(frame.cell_count())).unwrap_or_default();
     fuel.iter_mut().zip(roads).filter(|&(_, road)| road == 1).for_each(|(fuel, _)| *fuel = BARE);
     Ok(Some(fuel))
 }

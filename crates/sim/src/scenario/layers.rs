@@ -102,26 +102,10 @@ impl Weights {
     }
 }
 
-/// The cells of roads that a file of lines gives.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
-pub struct RoadCells(PackedLayer);
-
-impl RoadCells {
-    pub(super) fn new(cells: &[u8]) -> Self {
-        Self(PackedLayer::from_bytes(cells))
-    }
-
-    /// Returns 1 for roads and 0 for all else, by cell index; `None` if they were made for a field of another size.
-    pub fn by_cell(&self, frame: &FieldFrame) -> Option<Vec<u8>> {
-        self.0.bytes(frame.cell_count())
-    }
-}
-
 /// A value for each cell, packed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
-struct PackedLayer(String);
+pub struct PackedLayer(String);
 
 /// What a layer holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -427,7 +411,7 @@ impl GivenLayers {
 }
 
 impl PackedLayer {
-    fn from_bytes(bytes: &[u8]) -> Self {
+    pub(super) fn from_bytes(bytes: &[u8]) -> Self {
         Self(BASE64.encode(&compress_to_vec(bytes, PACKING)))
     }
 
@@ -446,7 +430,7 @@ impl PackedLayer {
         Self::from_bytes(&bytes)
     }
 
-    fn bytes(&self, expected: usize) -> Option<Vec<u8>> {
+    pub(super) fn bytes(&self, expected: usize) -> Option<Vec<u8>> {
         let bytes = decompress_to_vec_with_limit(&BASE64.decode(self.0.as_bytes()).ok()?, expected).ok()?;
         (bytes.len() == expected).then_some(bytes)
     }

@@ -12,7 +12,7 @@ use super::error::{Fault, ScenarioError, SourceLocation};
 use super::fuel_image::FuelImage;
 use super::geojson;
 use super::given::json_fault;
-use super::layers::{LayerKind, LayerReader, RoadCells, Weights};
+use super::layers::{LayerKind, LayerReader, PackedLayer, Weights};
 use super::path::{FieldPath, FoundSpan, PathStep};
 use super::program::{Unusable, UnusableFile};
 use super::source::{MAX_MAP_BYTES, ScenarioText, first_too_deep, too_deep_message, unreadable};
@@ -282,10 +282,9 @@ impl WrittenScenario<'_> {
     fn load_roads(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
         let frame = scenario.field.frame();
         let Some(settings) = &mut scenario.landscape else { return Ok(()) };
-        // A field that is too large is refused later.
-        let Some(file) = settings.roads_file.as_ref().filter(|_| frame.cell_count() <= MAX_RASTER_CELLS) else {
-            return Ok(());
-        };
+        // A field of an impossible size is refused later.
+        let has_size = (1..=MAX_RASTER_CELLS).contains(&frame.cell_count());
+        let Some(file) = settings.roads_file.as_ref().filter(|_| has_size) else { return Ok(()) };
         let path = FieldPath::parse("landscape.roads_file");
         let file = self.file(&path, file);
         let cannot_be_read = |error| unreadable(&file, &error).at(self.location(&path, KeyOrValue::Value));
@@ -295,7 +294,7 @@ impl WrittenScenario<'_> {
             Fault::from(error.fault).at(SourceLocation::new(&file.display().to_string(), &text, error.span))
         })?;
         let cells = cells.map_err(|message| self.rule(&path, format!("{}: {message}", file.display())))?;
-        settings.given_roads = Some(RoadCells::new(&cells));
+        settings.given_roads = Some(PackedLayer::from_bytes(&cells));
         Ok(())
     }
 

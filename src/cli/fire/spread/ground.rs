@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use super::SpreadArguments;
 use crate::cli::error::CliError;
-use crate::cli::field_rasters::MapPlace;
 use crate::cli::fire::options::no_such_fuel;
+use crate::cli::map_of::MapPlace;
 use wildfire_base::geometry::FieldFrame;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::lone::LoneFire;
@@ -73,7 +73,7 @@ impl<'a> GroundSources<'a> {
             relief: relief.unwrap_or_else(|| Relief::Plane(arguments.slope.gradient())),
             canopy,
         };
-        let place = layers.as_ref().map_or_else(MapPlace::default, MapPlace::new);
+        let place = layers.as_ref().map_or_else(MapPlace::default, MapPlace::from_layers);
         Ok(Ground { landscape: Arc::new(landscape), place })
     }
 }

@@ -7,7 +7,7 @@ use super::ground::GroundSources;
 use super::report::SpreadReport;
 use super::{LitCell, SpreadArguments, perimeters};
 use crate::cli::error::CliError;
-use crate::cli::field_rasters::north_first;
+use crate::cli::map_of;
 use crate::cli::output_files::{self, Files, Format};
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
@@ -65,9 +65,9 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     let write_raster = |path: &Path, values: &[f64]| {
         let format = raster_format(Some(path));
         if format == Format::Npy {
-            return write_npy(path, &north_first(landscape.frame, values));
+            return write_npy(path, &map_of::array(landscape.frame, values));
         }
-        let raster = ground.place.raster(landscape.frame, values);
+        let raster = map_of::raster(&ground.place, landscape.frame, values);
         if format == Format::Tif { raster::write_geotiff(path, &raster) } else { raster::write_asc(path, &raster) }
     };
     let write_arrivals = |path: &Path| write_raster(path, &arrivals());
