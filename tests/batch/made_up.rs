@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use wildfire::batch::{Batch, BatchError, BatchPlan, OutputFolder, Record, RunScenario, VariantReport, is_measured};
 use wildfire::geometry::{Cell, FieldFrame, Pose};
-use wildfire::scenario::{Field, Fire, Programs, Scenario, Score, Suppression, Unimog, Wumpus};
+use wildfire::scenario::Scenario;
 use wildfire::sim::{AgentCost, FailureMessages, Run, RunCost, RunError};
 use wildfire::time::SimTime;
 use wildfire::timeline::{
@@ -15,30 +15,7 @@ use wildfire::timeline::{
 };
 
 fn scenario() -> Scenario {
-    Scenario {
-        name: "made-up".into(),
-        duration_s: 100.0,
-        field: Field::default(),
-        fire: Fire::default(),
-        suppression: Suppression::default(),
-        score: Score::default(),
-        wumpus: vec![Wumpus::default()],
-        unimog: vec![Unimog::default()],
-        dispatch: None,
-        learned: None,
-        sight: None,
-        traffic: None,
-        water: None,
-        crew: Vec::new(),
-        line: None,
-        ignition: Vec::new(),
-        wind: Vec::new(),
-        wind_file: None,
-        weather: None,
-        landscape: None,
-        planner: Programs::new(),
-        policy: Programs::new(),
-    }
+    Scenario { name: "made-up".into(), duration_s: 100.0, ..Scenario::default() }
 }
 
 pub fn plan(seeds: &str, record: Record) -> BatchPlan {

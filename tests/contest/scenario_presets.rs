@@ -4,10 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use wildfire::scenario::{
-    self, BUILT_IN, Field, Fire, LoadedScenario, MemoryLimit, Programs, Scenario, Score, SpreadFrom, Suppression,
-    Terrain, Unimog, Wumpus,
-};
+use wildfire::scenario::{self, BUILT_IN, LoadedScenario, MemoryLimit, Scenario, SpreadFrom, Terrain};
 use wildfire::sim;
 use wildfire::timeline::Outcome;
 
@@ -67,30 +64,7 @@ fn both_contests_spell_out_every_value_and_those_of_the_first_are_the_defaults()
         let unsaid: Vec<_> = loaded.values().into_iter().filter(|(path, _)| !loaded.is_given(path)).collect();
         assert_eq!(unsaid, [("ignition".to_owned(), "[]".to_owned())]);
     }
-    let defaults = Scenario {
-        name: "contest-1".into(),
-        duration_s: 3600.0,
-        field: Field::default(),
-        fire: Fire::default(),
-        suppression: Suppression::default(),
-        score: Score::default(),
-        wumpus: vec![Wumpus::default()],
-        unimog: vec![Unimog::default()],
-        dispatch: None,
-        learned: None,
-        sight: None,
-        traffic: None,
-        water: None,
-        crew: Vec::new(),
-        line: None,
-        ignition: Vec::new(),
-        wind: Vec::new(),
-        wind_file: None,
-        weather: None,
-        landscape: None,
-        planner: Programs::new(),
-        policy: Programs::new(),
-    };
+    let defaults = Scenario { name: "contest-1".into(), ..Scenario::default() };
     assert_eq!(first.scenario, defaults);
 }
 

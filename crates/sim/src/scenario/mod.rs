@@ -218,6 +218,13 @@ pub struct Scenario {
     pub policy: Programs,
 }
 
+impl Default for Scenario {
+    /// Returns the scenario of an empty file.
+    fn default() -> Self {
+        serde_json::from_str("{}").expect("every key has a default")
+    }
+}
+
 impl Scenario {
     /// Returns this scenario with everything of another that may change in the middle of a run: how trucks plan, and how
     /// agents decide.

@@ -187,33 +187,10 @@ impl PieceLayout {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{Field, Fire, GivenField, Programs, Score, Suppression, Unimog, Wumpus};
+    use crate::scenario::{Field, GivenField, Unimog};
 
     fn scenario(field: Field) -> Scenario {
-        Scenario {
-            name: "test".into(),
-            duration_s: 3600.0,
-            field,
-            fire: Fire::default(),
-            suppression: Suppression::default(),
-            score: Score::default(),
-            wumpus: vec![Wumpus::default()],
-            unimog: vec![Unimog::default()],
-            dispatch: None,
-            learned: None,
-            sight: None,
-            traffic: None,
-            water: None,
-            crew: Vec::new(),
-            line: None,
-            ignition: Vec::new(),
-            wind: Vec::new(),
-            wind_file: None,
-            weather: None,
-            landscape: None,
-            planner: Programs::new(),
-            policy: Programs::new(),
-        }
+        Scenario { name: "test".into(), field, ..Scenario::default() }
     }
 
     fn bare(cells: u16) -> PieceLayout {
