@@ -89,7 +89,7 @@ impl MapQuantity {
             Self::TimeDifference => "later (+) or earlier (-)",
             Self::ProbabilityDifference => "difference of burn probability",
             Self::IntensityDifference => "difference of intensity, kW/m",
-            Self::FireType => "kind of fire",
+            Self::FireType => "fire type",
         }
     }
 
