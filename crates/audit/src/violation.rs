@@ -279,7 +279,7 @@ impl fmt::Display for ViolationKind {
             Self::TooLittleWater { cell } => {
                 write!(
                     f,
-                    "cell {cell} goes out by less water, or sooner, than its heat takes, or is too hot for the pump"
+                    "cell {cell} goes out with less water or sooner than its heat requires, or is too hot for the pump"
                 )
             }
             Self::NoWater { metres, reach_m } => {
