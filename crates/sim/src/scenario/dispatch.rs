@@ -137,13 +137,16 @@ pub struct Sight {
     pub field: SightOfField,
     /// Sight radius from the middle of a truck's body; only for `field = "radius"`.
     pub radius_m: f64,
+    /// With `field = "radius"`, seconds after which somebody else reports a burning cell; without it nobody does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub report_s: Option<f64>,
     /// True if trucks see the Wumpuses, as far as they see the field; following an arsonist ends the contest.
     pub wumpuses: bool,
 }
 
 impl Default for Sight {
     fn default() -> Self {
-        Self { field: SightOfField::Everything, radius_m: 100.0, wumpuses: false }
+        Self { field: SightOfField::Everything, radius_m: 100.0, report_s: None, wumpuses: false }
     }
 }
 
@@ -159,7 +162,7 @@ pub enum SightOfField {
     Radius,
 }
 
-ranges! { Sight { radius_m: 0.0..=1e6 } }
+ranges! { Sight { radius_m: 0.0..=1e6, report_s: 0.0..=1e6 } }
 
 /// Warns of values that do nothing.
 pub(super) fn warn_of_team(scenario: &Scenario, found: &mut Vec<String>) {

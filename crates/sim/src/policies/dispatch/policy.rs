@@ -87,7 +87,7 @@ impl Policy for DispatchPolicy {
                 (None, Some(place), _) => Choice::Move(place),
                 // What it went for is not worth it any more.
                 (None, None, Some(_)) => Choice::Move(truck.place),
-                (None, None, None) => Choice::Wait,
+                (None, None, None) => known.next_report().map_or(Choice::Wait, Choice::WaitUntil),
             };
             Some((id, choice))
         };
@@ -169,6 +169,23 @@ impl<'a> Known<'a> {
             || self.eyes.iter().any(|eye| (place - *eye).length_squared() <= radius_m * radius_m)
     }
 
+    /// Returns when a burning cell is reported.
+    fn reported_at(&self, cell: Cell) -> Option<SimTime> {
+        let Some(BushState::Burning { since }) = self.fires.state(cell) else { return None };
+        self.site.sight.report_s.map(|report_s| since + SimTime::from_seconds(report_s))
+    }
+
+    /// Returns whether the state of a cell is seen, or reported.
+    fn knows(&self, cell: Cell) -> bool {
+        self.sees(self.site.frame.centre(cell)) || self.reported_at(cell).is_some_and(|time| time <= self.now)
+    }
+
+    /// Returns the time of the next report of a fire that is not known yet.
+    fn next_report(&self) -> Option<SimTime> {
+        let unknown = self.fires.burning().filter(|&cell| !self.knows(cell));
+        unknown.filter_map(|cell| self.reported_at(cell)).min()
+    }
+
     fn team(&self, asked: &[AgentId]) -> Team<'_> {
         let TeamSite { end, frame, rules, sight, water, trucks, .. } = self.site;
         let wumpuses = self.agents.iter().filter(|agent| sight.wumpuses && agent.id.role.lights());
@@ -223,7 +240,7 @@ impl<'a> Known<'a> {
             let spreads = rules.spread.filter(|_| rules.caught_spreads || self.fires.was_lit(cell));
             let spreads_at = spreads.map(|(_, delay)| since + delay).filter(|&time| time > self.now);
             let spreads_at = spreads_at.unwrap_or(SimTime::MAX);
-            (self.sees(place) && !stops.contains(&cell)).then_some(Fire { cell, place, since, burns_out, spreads_at })
+            (self.knows(cell) && !stops.contains(&cell)).then_some(Fire { cell, place, since, burns_out, spreads_at })
         };
         self.fires.burning().filter_map(fire).collect()
     }
@@ -238,7 +255,7 @@ impl Intact for Known<'_> {
             SightOfField::Everything => self.fires.can_burn(cell),
             SightOfField::Burning => !self.fires.is_burning(cell),
             // Of what is out of sight there is the map.
-            SightOfField::Radius => !self.sees(self.site.frame.centre(cell)) || self.fires.can_burn(cell),
+            SightOfField::Radius => !self.knows(cell) || self.fires.can_burn(cell),
         }
     }
 
@@ -327,7 +344,7 @@ mod tests {
     #[test]
     fn a_team_knows_what_it_sees_and_nothing_else() {
         let shown = |field, radius_m, wumpuses| {
-            let (_, recording, _) = choose(Sight { field, radius_m, wumpuses }, |_| vec![NEAR, FAR]);
+            let (_, recording, _) = choose(Sight { field, radius_m, wumpuses, report_s: None }, |_| vec![NEAR, FAR]);
             let shown = recording.0.lock().expect("nobody panicked");
             shown[0].clone()
         };
@@ -339,6 +356,17 @@ mod tests {
         assert_eq!(shown(Radius, 50.0, true), (vec![NEAR], vec![false, true, true], 0));
         assert_eq!(shown(Radius, 75.0, true).2, 1);
         assert_eq!(shown(Radius, 0.0, false).0, []);
+    }
+
+    #[test]
+    fn fires_out_of_sight_are_known_when_they_are_reported() {
+        let with = |report_s| Sight { field: SightOfField::Radius, radius_m: 0.0, report_s, wumpuses: false };
+        let choices = |report_s| choose(with(report_s), |_| vec![NEAR, FAR]).0.into_iter().map(|(_, choice)| choice);
+        // They began five seconds ago.
+        assert!(choices(Some(5.0)).eq([Choice::Go(NEAR), Choice::Wait]));
+        let later = Choice::WaitUntil(SimTime::from_seconds(21.0));
+        assert!(choices(Some(6.0)).eq([later, later]));
+        assert!(choices(None).eq([Choice::Wait, Choice::Wait]));
     }
 
     #[test]
