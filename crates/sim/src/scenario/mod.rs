@@ -219,9 +219,9 @@ pub struct Scenario {
 }
 
 impl Default for Scenario {
-    /// Returns the scenario of an empty file.
+    /// Returns the contest of one Wumpus and one truck with all defaults.
     fn default() -> Self {
-        serde_json::from_str("{}").expect("every key has a default")
+        serde_json::from_str(r#"{"wumpus": [{}], "unimog": [{}]}"#).expect("all other keys have defaults")
     }
 }
 
