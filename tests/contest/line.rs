@@ -31,15 +31,19 @@ fn a_line_that_closes_contains_the_fire_and_none_changes_nothing() {
     assert_eq!(run(&["crew.0.rate_m_h=0"], 1).ground, free.ground);
     let is_wrong = |change: &str| scenario::load("line", &[change.to_owned()]).is_err();
     assert!(["fire.model=radius", "crew.0.rate_by_fuel.GR22=3", "crew.0.speed_mps=0"].into_iter().all(is_wrong));
+    assert!(["line.policy=point-protection", "line.protect=[{x_m=9,y_m=9,radius_m=9}]"].into_iter().all(is_wrong));
 }
 
 #[test]
 fn audits_and_recordings_know_line_and_chance_is_the_same_in_every_run() {
-    let changes: [&[&str]; 4] = [
+    let places =
+        "line.protect=[{x_m=500,y_m=400,radius_m=30},{x_m=250,y_m=250,radius_m=25},{x_m=590,y_m=590,radius_m=20}]";
+    let changes: [&[&str]; 5] = [
         &["line.policy=parallel", "line.flame_half_m=0.6"],
         &["line.from=head", "crew.0.count=9", "fire.rothermel.neighbours=8"],
         &["crew.0.count=6", "line.flame_half_m=0.8", "fire.rothermel.slope_deg=15"],
         &["line.policy=parallel", "fire.embers.per_mj=0.01", "wind.0.speed_mps=6", "duration_s=4000"],
+        &["line.policy=point-protection", places, "line.flame_half_m=0.8", "crew.0.count=12"],
     ];
     for (changes, seed) in changes.into_iter().zip(1..) {
         let timeline = run(changes, seed);

@@ -4,18 +4,19 @@
 //! embers than those that will fly. The line follows from that at once ([`wildfire_fire::line`]), and its cells become
 //! unburnable one by one as they are finished. What burns by then, as the forecast was wrong, stays a gap.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
 use rand::RngExt;
 
-use crate::scenario::{Crew, LineHolds, LinePolicy, LineSettings, Scenario};
+use crate::scenario::{Crew, LineHolds, LinePolicy, LineSettings, ProtectedPlace, Scenario};
 use wildfire_base::geometry::{DVec2, ops};
 use wildfire_base::rng;
 use wildfire_base::time::SimTime;
 use wildfire_fire::line::{Forecast, LineCell, LineTask};
 use wildfire_fire::surface::{flame_length_m, surface_fire};
-use wildfire_fire::{FireChange, FireEvent};
+use wildfire_fire::{FireChange, FireEvent, FireField};
 use wildfire_timeline::SpreadSetting;
 
 use super::fire::Fires;
@@ -35,6 +36,13 @@ struct Orders {
     spread: SpreadSetting,
     until: SimTime,
     seed: u64,
+}
+
+/// A line to build through points, on two flanks from one place.
+struct Planned {
+    flanks: [Vec<DVec2>; 2],
+    /// Nobody begins it later than this.
+    latest_s: f64,
 }
 
 /// Gives crews their orders, and lets the first one set out.
@@ -70,9 +78,23 @@ impl Orders {
         rng::stream(self.seed, &format!("line/{}/{section}", line.flank)).random::<f64>() < chance
     }
 
-    /// Computes when which cell is finished; nothing if the fire has no end to begin at.
-    fn cells(&self, forecast: &Forecast) -> Vec<LineCell> {
-        let LineSettings { policy, from, offset_m, .. } = self.settings;
+    /// Computes when which cell is finished.
+    fn cells(&self, forecast: &Forecast, fires: &FireField, now_s: f64) -> Vec<LineCell> {
+        let LineSettings { policy, offset_m, ref protect, .. } = self.settings;
+        match policy {
+            LinePolicy::Direct => self.along_front(forecast, 0.0),
+            LinePolicy::Parallel => self.along_front(forecast, offset_m),
+            LinePolicy::PointProtection => {
+                let mut lines: Vec<Planned> = protect.iter().filter_map(|place| round(forecast, place)).collect();
+                lines.sort_by(|one, other| one.latest_s.total_cmp(&other.latest_s));
+                self.along_points(forecast, fires, now_s, &lines)
+            }
+        }
+    }
+
+    /// Computes the line beside the front; nothing if the fire has no end to begin at.
+    fn along_front(&self, forecast: &Forecast, offset_m: f64) -> Vec<LineCell> {
+        let from = self.settings.from;
         let mut arrivals: Vec<f64> = self.crews.iter().map(|crew| crew.at_s).collect();
         let first = |arrivals: &[f64]| arrivals.iter().copied().fold(f64::INFINITY, f64::min);
         // Where crews go changes while they walk, as the fire grows, but is slower than they are.
@@ -82,19 +104,68 @@ impl Orders {
             let arrival = |crew: &Crew| crew.at_s + walk_m(crew) / crew.speed_mps;
             arrivals = self.crews.iter().map(arrival).collect();
         }
-        let landscape = self.spread.landscape();
-        let rate_mps = |time_s: f64, place: DVec2| {
-            let fuel = landscape.frame.cell_at(place).map_or(0, |cell| landscape.fuel_number(cell));
-            let crews = self.crews.iter().zip(&arrivals).filter(|&(_, &arrival_s)| arrival_s <= time_s);
-            crews.map(|(crew, _)| crew.rate_mps(fuel)).sum()
-        };
-        let most_mps = self.crews.iter().map(Crew::most_mps).sum();
-        let (start_s, until_s) = (first(&arrivals), self.until.as_seconds());
-        let offset_m = if policy == LinePolicy::Parallel { offset_m } else { 0.0 };
-        LineTask { start_s, rate_mps: &rate_mps, most_mps, until_s }
-            .along_front(forecast, from, offset_m)
-            .cells(forecast)
+        let rate_mps = |time_s: f64, place: DVec2| self.rate_mps(&arrivals, time_s, place);
+        self.task(first(&arrivals), &rate_mps).along_front(forecast, from, offset_m).cells(forecast)
     }
+
+    /// Computes lines that crews build one after the other. Who would come after a line's end goes to the next at once.
+    fn along_points(&self, forecast: &Forecast, fires: &FireField, now_s: f64, lines: &[Planned]) -> Vec<LineCell> {
+        let frame = &forecast.frame;
+        let burns = |place| frame.cell_at(place).is_some_and(|cell| fires.kind(cell).is_some());
+        let set_out = |crew: &Crew| (crew.at_s.max(now_s), DVec2::new(crew.x_m, crew.y_m));
+        // When crews are free, and where.
+        let mut crews: Vec<(f64, DVec2)> = self.crews.iter().map(set_out).collect();
+        let mut cells = Vec::new();
+        for (number, Planned { flanks: [one, other], latest_s }) in lines.iter().enumerate() {
+            let walk_s = |place: DVec2, crew: &Crew| (one[0] - place).length() / crew.speed_mps;
+            let arrival = |(&(free_s, place), crew): (&(f64, DVec2), &Crew)| free_s + walk_s(place, crew);
+            let arrivals: Vec<f64> = crews.iter().zip(&self.crews).map(arrival).collect();
+            let builders = arrivals.iter().zip(&self.crews).filter(|(_, crew)| crew.most_mps() > 0.0);
+            let start_s = builders.fold(f64::INFINITY, |first, (&arrival_s, _)| first.min(arrival_s));
+            if start_s >= *latest_s {
+                continue;
+            }
+            let rate_mps = |time_s, place| if burns(place) { self.rate_mps(&arrivals, time_s, place) } else { 0.0 };
+            let line = self.task(start_s, &rate_mps).along_points([one, other], frame);
+            let ends = line.flanks.iter().filter_map(|flank| flank.last());
+            let Some(&(end_s, end, _)) = ends.max_by(|one, other| one.0.total_cmp(&other.0)) else { continue };
+            let builders = crews.iter_mut().zip(&arrivals).filter(|(_, arrival_s)| **arrival_s <= end_s);
+            builders.for_each(|(crew, _)| *crew = (end_s, end));
+            let of_line = |cell: LineCell| LineCell { flank: cell.flank + 2 * number, ..cell };
+            cells.extend(line.cells(forecast).into_iter().map(of_line));
+        }
+        cells
+    }
+
+    /// Returns the length of line that those who have arrived by a time build in a second.
+    fn rate_mps(&self, arrivals: &[f64], time_s: f64, place: DVec2) -> f64 {
+        let landscape = self.spread.landscape();
+        let fuel = landscape.frame.cell_at(place).map_or(0, |cell| landscape.fuel_number(cell));
+        let crews = self.crews.iter().zip(arrivals).filter(|&(_, &arrival_s)| arrival_s <= time_s);
+        crews.map(|(crew, _)| crew.rate_mps(fuel)).sum()
+    }
+
+    fn task<'a>(&self, start_s: f64, rate_mps: &'a dyn Fn(f64, DVec2) -> f64) -> LineTask<'a> {
+        let most_mps = self.crews.iter().map(Crew::most_mps).sum();
+        LineTask { start_s, rate_mps, most_mps, until_s: self.until.as_seconds() }
+    }
+}
+
+/// Plans a line round a place from where the fire comes first, to both sides; `None` where it never comes.
+fn round(forecast: &Forecast, place: &ProtectedPlace) -> Option<Planned> {
+    let frame = &forecast.frame;
+    let half = (PI * place.radius_m / frame.cell_m).ceil().max(4.0) as usize;
+    let corner = |number: usize| {
+        let (sin, cos) = ops::sin_cos(PI * number as f64 / half as f64);
+        DVec2::new(place.x_m, place.y_m) + place.radius_m * DVec2::new(cos, sin)
+    };
+    let comes_s =
+        |number: usize| frame.cell_at(corner(number)).map_or(f64::INFINITY, |cell| forecast.seconds[frame.index(cell)]);
+    let first = (0..2 * half).min_by(|&one, &other| comes_s(one).total_cmp(&comes_s(other)))?;
+    let flanks =
+        [(first..=first + half).map(corner).collect(), (first + half..=first + 2 * half).rev().map(corner).collect()];
+    let latest_s = comes_s(first);
+    latest_s.is_finite().then_some(Planned { flanks, latest_s })
 }
 
 /// Decides where the line is when the first crew sets out, and schedules its cells.
@@ -110,8 +181,13 @@ pub fn plan_line(
             queue.push(clock.0 + LOOK_AGAIN, Due::Line);
             continue;
         }
-        for line in orders.0.cells(&forecast(&fires, &queue, orders.0.until, orders.0.seed)) {
+        let forecast = forecast(&fires, &queue, orders.0.until, orders.0.seed);
+        for line in orders.0.cells(&forecast, &fires.field, clock.0.as_seconds()) {
             let (along_mm, holds) = ((1000.0 * line.along_m).round() as u32, orders.0.holds(&line));
+            // What has burned by then is a gap, not line that is lost.
+            if !holds && forecast.seconds[forecast.frame.index(line.cell)] <= line.time_s {
+                continue;
+            }
             let clear = CellEvent::Clear { cell: line.cell, flank: line.flank as u8, along_mm, holds };
             queue.push(SimTime::from_seconds(line.time_s).max(clock.0), Due::Cell(clear));
         }
@@ -141,4 +217,50 @@ fn forecast(fires: &Fires, queue: &SimQueue, until: SimTime, seed: u64) -> Forec
     let frame = *field.frame();
     let arrivals = (0..frame.cell_count()).map(|index| field.ignited_at(frame.cell(index)));
     Forecast { frame, seconds: arrivals.map(|time| time.map_or(f64::INFINITY, SimTime::as_seconds)).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::scenario;
+    use wildfire_timeline::{GroundEvent, GroundFact, Timeline};
+
+    fn run(changes: &[&str]) -> Timeline {
+        let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
+        crate::run(&scenario::load("line", &changes).expect("it is right"), 1).expect("it takes place").timeline
+    }
+
+    /// Counts the cells that burn within 35 m of a place.
+    fn burned_at(timeline: &Timeline, (x_m, y_m): (f64, f64)) -> usize {
+        let near = |event: &&GroundEvent| {
+            let away = timeline.setting.frame.centre(event.cell) - wildfire_base::geometry::DVec2::new(x_m, y_m);
+            matches!(event.fact, GroundFact::Ignited(_)) && away.length() < 35.0
+        };
+        timeline.ground.iter().filter(near).count()
+    }
+
+    fn flanks_of(timeline: &Timeline) -> Vec<u8> {
+        let flank = |event: &GroundEvent| match event.fact {
+            GroundFact::Cleared { flank, .. } => Some(flank),
+            _ => None,
+        };
+        timeline.ground.iter().filter_map(flank).collect()
+    }
+
+    #[test]
+    fn places_are_protected_in_the_order_in_which_the_fire_comes_and_others_are_left() {
+        let places = [(560.0, 530.0), (380.0, 330.0), (20.0, 580.0)];
+        let protect =
+            "line.protect=[{x_m=560,y_m=530,radius_m=40},{x_m=380,y_m=330,radius_m=40},{x_m=20,y_m=580,radius_m=15}]";
+        let free = run(&["crew.0.count=0"]);
+        let [later, first, never] = places.map(|place| burned_at(&free, place));
+        assert!(later > 0 && first > 0 && never == 0, "{later} {first} {never}");
+        let policy = ["line.policy=point-protection", "line.holds=always", protect];
+        let fought = run(&[&policy[..], &["crew.0.count=12"]].concat());
+        assert_eq!(places.map(|place| burned_at(&fought, place)), [0; 3]);
+        let flanks = flanks_of(&fought);
+        let [second, end] = [flanks.iter().position(|&flank| flank > 1), flanks.iter().rposition(|&flank| flank < 2)];
+        assert!(second > end && end > Some(50) && flanks.iter().max() == Some(&3), "{flanks:?}");
+        let late = flanks_of(&run(&[&policy[..], &["crew.0.at_s=9000"]].concat()));
+        assert!(!late.is_empty() && late.iter().all(|&flank| flank > 1), "fire is at the first place: {late:?}");
+    }
 }

@@ -8,13 +8,17 @@ use serde::{Deserialize, Serialize};
 use super::check::{Check, TablePath};
 use super::{FireModelName, MAX_AGENTS, Scenario};
 use wildfire_base::geometry::FieldFrame;
+use wildfire_base::input_file::list_of_at_most;
 use wildfire_base::ranges;
 use wildfire_base::time::SimTime;
 use wildfire_fire::contain::Tactic;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_timeline::{CrewRules, LineRules};
 
-/// The order that all crews of a run follow together: one line on two flanks.
+/// The most places to protect.
+const MAX_PLACES: usize = 100;
+
+/// The order that all crews of a run follow together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LineSettings {
@@ -23,6 +27,9 @@ pub struct LineSettings {
     pub from: Tactic,
     /// Metres between the front and the line, for `parallel`.
     pub offset_m: f64,
+    /// The places that `point-protection` builds line round.
+    #[serde(deserialize_with = "list_of_at_most::<2_000, _, _>", skip_serializing_if = "Vec::is_empty")]
+    pub protect: Vec<ProtectedPlace>,
     pub holds: LineHolds,
     /// With `holds = "flame"`: flame length at which line holds in half of all cases, and scale of the logistic function, metres.
     pub flame_half_m: f64,
@@ -34,20 +41,34 @@ pub struct LineSettings {
 impl Default for LineSettings {
     fn default() -> Self {
         let (policy, from, holds) = (LinePolicy::Direct, Tactic::Rear, LineHolds::Always);
-        Self { policy, from, offset_m: 20.0, holds, flame_half_m: 1.2, flame_scale_m: 0.3, section_m: 20.0 }
+        let protect = Vec::new();
+        Self { policy, from, offset_m: 20.0, protect, holds, flame_half_m: 1.2, flame_scale_m: 0.3, section_m: 20.0 }
     }
 }
 
 ranges! { LineSettings {
-    offset_m: 0.0..=10_000.0, flame_half_m: 0.0..=100.0, flame_scale_m: 0.001..=100.0, section_m: 1.0..=1e6,
+    offset_m: 0.0..=10_000.0, flame_half_m: 0.0..=100.0, flame_scale_m: 0.001..=100.0, section_m: 1.0..=1e6; protect,
 } }
 
-/// The way of the line: along the front, or at `offset_m` from it.
+/// A place that fire is to be kept from: a house, a mast.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ProtectedPlace {
+    pub x_m: f64,
+    pub y_m: f64,
+    /// The radius of the line round it.
+    pub radius_m: f64,
+}
+
+ranges! { ProtectedPlace { radius_m: 1.0..=10_000.0 } }
+
+/// The way of the line: along the front, at `offset_m` from it, or round the places in `protect`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum LinePolicy {
     Direct,
     Parallel,
+    PointProtection,
 }
 
 /// Line stops all fire, or by chance: the longer the flames of the fire that comes to it, the less often.
@@ -98,7 +119,19 @@ impl Crew {
 
 impl Scenario {
     pub(super) fn check_crews(&self, frame: &FieldFrame) -> Check {
-        let top = TablePath::named("");
+        let (top, table) = (TablePath::named(""), TablePath::named("line"));
+        if let Some(line) = &self.line {
+            table.count("protect", line.protect.len(), MAX_PLACES)?;
+            for (number, place) in line.protect.iter().enumerate() {
+                let entry = table.inner("protect").item(number);
+                entry.number("x_m", place.x_m, 0.0..=frame.width_m())?;
+                entry.number("y_m", place.y_m, 0.0..=frame.height_m())?;
+            }
+            if line.protect.is_empty() == (line.policy == LinePolicy::PointProtection) {
+                let found = format!("{} places", line.protect.len());
+                return table.refuse("protect", found, "places with the policy `point-protection` only".into());
+            }
+        }
         top.count("crew", self.crew.len(), MAX_AGENTS)?;
         for (number, crew) in self.crew.iter().enumerate() {
             let entry = TablePath::entry("crew", number);

@@ -77,7 +77,7 @@ pub use ground_speed::GroundKinds;
 pub use landscape::LandscapeSettings;
 pub use layers::{GivenLayers, LayerKind, LayerReader, Weights};
 pub use learned::{HIDDEN, Learned};
-pub use line::{Crew, LineHolds, LinePolicy, LineSettings};
+pub use line::{Crew, LineHolds, LinePolicy, LineSettings, ProtectedPlace};
 pub use load::{LoadedScenario, load};
 pub use memory::{MemoryEstimate, MemoryExceeded, MemoryLimit, bytes_text};
 pub use path::{FieldPath, PathStep};
