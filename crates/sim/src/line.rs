@@ -1,8 +1,9 @@
 //! Crews that build line: where, from a forecast of the fire, and where it does not hold.
 //!
 //! When the first crew sets out, the fire is forecast from its state by its own model, as if nobody fought it, with other
-//! embers than those that will fly. The line follows from that at once ([`wildfire_fire::line`]), and its cells become
-//! unburnable one by one as they are finished. What burns by then, as the forecast was wrong, stays a gap.
+//! embers than those that will fly; a custom policy is shown that forecast and answers points. The line follows from that at
+//! once ([`wildfire_fire::line`]), and its cells become unburnable one by one as they are finished. What burns by then, as the
+//! forecast was wrong, stays a gap.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -14,12 +15,14 @@ use crate::scenario::{Crew, LineHolds, LinePolicy, LineSettings, ProtectedPlace,
 use wildfire_base::geometry::{DVec2, ops};
 use wildfire_base::rng;
 use wildfire_base::time::SimTime;
-use wildfire_fire::line::{Forecast, LineCell, LineTask};
+use wildfire_fire::line::{Forecast, LineCell, LineTask, places_along};
 use wildfire_fire::surface::{flame_length_m, surface_fire};
 use wildfire_fire::{FireChange, FireEvent, FireField};
 use wildfire_timeline::SpreadSetting;
 
+use super::agent::Agent;
 use super::fire::Fires;
+use super::policies::{AgentView, Following, LineSight, Observation};
 use super::queue::{CellEvent, Due, Rank, SimClock, SimQueue};
 
 /// Crews look again after this time if nothing burns.
@@ -79,17 +82,24 @@ impl Orders {
     }
 
     /// Computes when which cell is finished.
-    fn cells(&self, forecast: &Forecast, fires: &FireField, now_s: f64) -> Vec<LineCell> {
-        let LineSettings { policy, offset_m, ref protect, .. } = self.settings;
-        match policy {
-            LinePolicy::Direct => self.along_front(forecast, 0.0),
-            LinePolicy::Parallel => self.along_front(forecast, offset_m),
+    fn cells(&self, forecast: &Forecast, seen: &Observation<'_>, following: &mut Following) -> Vec<LineCell> {
+        let LineSettings { policy, offset_m, protect, .. } = &self.settings;
+        let lines = match policy {
+            LinePolicy::Direct => return self.along_front(forecast, 0.0),
+            LinePolicy::Parallel => return self.along_front(forecast, *offset_m),
             LinePolicy::PointProtection => {
                 let mut lines: Vec<Planned> = protect.iter().filter_map(|place| round(forecast, place)).collect();
                 lines.sort_by(|one, other| one.latest_s.total_cmp(&other.latest_s));
-                self.along_points(forecast, fires, now_s, &lines)
+                lines
             }
-        }
+            LinePolicy::Policy(_) => {
+                let wind_mps = self.spread.weather().at(seen.now).wind_mps;
+                let points = following.ask_for_line(seen, &LineSight { crews: &self.crews, wind_mps, forecast });
+                let flanks = [from_fuel(points, seen.fires), Vec::new()];
+                vec![Planned { flanks, latest_s: f64::INFINITY }]
+            }
+        };
+        self.along_points(forecast, seen, &lines)
     }
 
     /// Computes the line beside the front; nothing if the fire has no end to begin at.
@@ -109,15 +119,15 @@ impl Orders {
     }
 
     /// Computes lines that crews build one after the other. Who would come after a line's end goes to the next at once.
-    fn along_points(&self, forecast: &Forecast, fires: &FireField, now_s: f64, lines: &[Planned]) -> Vec<LineCell> {
-        let frame = &forecast.frame;
-        let burns = |place| frame.cell_at(place).is_some_and(|cell| fires.kind(cell).is_some());
+    fn along_points(&self, forecast: &Forecast, seen: &Observation<'_>, lines: &[Planned]) -> Vec<LineCell> {
+        let (frame, now_s) = (&forecast.frame, seen.now.as_seconds());
         let set_out = |crew: &Crew| (crew.at_s.max(now_s), DVec2::new(crew.x_m, crew.y_m));
         // When crews are free, and where.
         let mut crews: Vec<(f64, DVec2)> = self.crews.iter().map(set_out).collect();
         let mut cells = Vec::new();
         for (number, Planned { flanks: [one, other], latest_s }) in lines.iter().enumerate() {
-            let walk_s = |place: DVec2, crew: &Crew| (one[0] - place).length() / crew.speed_mps;
+            let Some(&begin) = one.first() else { continue };
+            let walk_s = |place: DVec2, crew: &Crew| (begin - place).length() / crew.speed_mps;
             let arrival = |(&(free_s, place), crew): (&(f64, DVec2), &Crew)| free_s + walk_s(place, crew);
             let arrivals: Vec<f64> = crews.iter().zip(&self.crews).map(arrival).collect();
             let builders = arrivals.iter().zip(&self.crews).filter(|(_, crew)| crew.most_mps() > 0.0);
@@ -125,7 +135,8 @@ impl Orders {
             if start_s >= *latest_s {
                 continue;
             }
-            let rate_mps = |time_s, place| if burns(place) { self.rate_mps(&arrivals, time_s, place) } else { 0.0 };
+            let rate_mps =
+                |time_s, place| if has_fuel(seen.fires, place) { self.rate_mps(&arrivals, time_s, place) } else { 0.0 };
             let line = self.task(start_s, &rate_mps).along_points([one, other], frame);
             let ends = line.flanks.iter().filter_map(|flank| flank.last());
             let Some(&(end_s, end, _)) = ends.max_by(|one, other| one.0.total_cmp(&other.0)) else { continue };
@@ -168,12 +179,26 @@ fn round(forecast: &Forecast, place: &ProtectedPlace) -> Option<Planned> {
     latest_s.is_finite().then_some(Planned { flanks, latest_s })
 }
 
+fn has_fuel(fires: &FireField, place: DVec2) -> bool {
+    fires.frame().cell_at(place).is_some_and(|cell| fires.kind(cell).is_some())
+}
+
+/// Leaves out the beginning of a polyline that is on ground without fuel, such as a road from which it starts.
+fn from_fuel(points: Vec<DVec2>, fires: &FireField) -> Vec<DVec2> {
+    let (frame, burns) = (fires.frame(), |place: &DVec2| has_fuel(fires, *place));
+    let on_leg = |leg: usize| places_along(&points[leg..points.len().min(leg + 2)], frame.cell_m / 4.0).find(burns);
+    let begin = (0..points.len()).find_map(|leg| Some((leg, on_leg(leg)?)));
+    begin.map_or(Vec::new(), |(leg, place)| [&[place], &points[leg + 1..]].concat())
+}
+
 /// Decides where the line is when the first crew sets out, and schedules its cells.
 pub fn plan_line(
     clock: Res<SimClock>,
     mut queue: ResMut<SimQueue>,
     fires: Res<Fires>,
     orders: Option<Res<CrewOrders>>,
+    mut following: ResMut<Following>,
+    agents: Query<&Agent>,
 ) {
     let Some(orders) = orders else { return };
     while queue.take(clock.0, Rank::Line).is_some() {
@@ -182,7 +207,11 @@ pub fn plan_line(
             continue;
         }
         let forecast = forecast(&fires, &queue, orders.0.until, orders.0.seed);
-        for line in orders.0.cells(&forecast, &fires.field, clock.0.as_seconds()) {
+        let mut agents: Vec<AgentView> = agents.iter().map(|agent| agent.view(clock.0)).collect();
+        agents.sort_by_key(|agent| agent.id);
+        let nobody = |_| Vec::new();
+        let seen = Observation { now: clock.0, fires: &fires.field, agents: &agents, options_of: &nobody };
+        for line in orders.0.cells(&forecast, &seen, &mut following) {
             let (along_mm, holds) = ((1000.0 * line.along_m).round() as u32, orders.0.holds(&line));
             // What has burned by then is a gap, not line that is lost.
             if !holds && forecast.seconds[forecast.frame.index(line.cell)] <= line.time_s {
@@ -217,50 +246,4 @@ fn forecast(fires: &Fires, queue: &SimQueue, until: SimTime, seed: u64) -> Forec
     let frame = *field.frame();
     let arrivals = (0..frame.cell_count()).map(|index| field.ignited_at(frame.cell(index)));
     Forecast { frame, seconds: arrivals.map(|time| time.map_or(f64::INFINITY, SimTime::as_seconds)).collect() }
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::scenario;
-    use wildfire_timeline::{GroundEvent, GroundFact, Timeline};
-
-    fn run(changes: &[&str]) -> Timeline {
-        let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
-        crate::run(&scenario::load("line", &changes).expect("it is right"), 1).expect("it takes place").timeline
-    }
-
-    /// Counts the cells that burn within 35 m of a place.
-    fn burned_at(timeline: &Timeline, (x_m, y_m): (f64, f64)) -> usize {
-        let near = |event: &&GroundEvent| {
-            let away = timeline.setting.frame.centre(event.cell) - wildfire_base::geometry::DVec2::new(x_m, y_m);
-            matches!(event.fact, GroundFact::Ignited(_)) && away.length() < 35.0
-        };
-        timeline.ground.iter().filter(near).count()
-    }
-
-    fn flanks_of(timeline: &Timeline) -> Vec<u8> {
-        let flank = |event: &GroundEvent| match event.fact {
-            GroundFact::Cleared { flank, .. } => Some(flank),
-            _ => None,
-        };
-        timeline.ground.iter().filter_map(flank).collect()
-    }
-
-    #[test]
-    fn places_are_protected_in_the_order_in_which_the_fire_comes_and_others_are_left() {
-        let places = [(560.0, 530.0), (380.0, 330.0), (20.0, 580.0)];
-        let protect =
-            "line.protect=[{x_m=560,y_m=530,radius_m=40},{x_m=380,y_m=330,radius_m=40},{x_m=20,y_m=580,radius_m=15}]";
-        let free = run(&["crew.0.count=0"]);
-        let [later, first, never] = places.map(|place| burned_at(&free, place));
-        assert!(later > 0 && first > 0 && never == 0, "{later} {first} {never}");
-        let policy = ["line.policy=point-protection", "line.holds=always", protect];
-        let fought = run(&[&policy[..], &["crew.0.count=12"]].concat());
-        assert_eq!(places.map(|place| burned_at(&fought, place)), [0; 3]);
-        let flanks = flanks_of(&fought);
-        let [second, end] = [flanks.iter().position(|&flank| flank > 1), flanks.iter().rposition(|&flank| flank < 2)];
-        assert!(second > end && end > Some(50) && flanks.iter().max() == Some(&3), "{flanks:?}");
-        let late = flanks_of(&run(&[&policy[..], &["crew.0.at_s=9000"]].concat()));
-        assert!(!late.is_empty() && late.iter().all(|&flank| flank > 1), "fire is at the first place: {late:?}");
-    }
 }

@@ -6,13 +6,14 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::check::{Check, TablePath};
-use super::{FireModelName, MAX_AGENTS, Scenario};
+use super::{FireModelName, LinePolicy, MAX_AGENTS, Scenario};
 use wildfire_base::geometry::FieldFrame;
 use wildfire_base::input_file::list_of_at_most;
 use wildfire_base::ranges;
 use wildfire_base::time::SimTime;
 use wildfire_fire::contain::Tactic;
 use wildfire_fire::fuel::FuelModel;
+use wildfire_planning::PlannerName;
 use wildfire_timeline::{CrewRules, LineRules};
 
 /// The most places to protect.
@@ -60,16 +61,7 @@ pub struct ProtectedPlace {
     pub radius_m: f64,
 }
 
-ranges! { ProtectedPlace { radius_m: 1.0..=10_000.0 } }
-
-/// The way of the line: along the front, at `offset_m` from it, or round the places in `protect`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum LinePolicy {
-    Direct,
-    Parallel,
-    PointProtection,
-}
+ranges! { ProtectedPlace { x_m: -1e6..=1e6, y_m: -1e6..=1e6, radius_m: 1.0..=10_000.0 } }
 
 /// Line stops all fire, or by chance: the longer the flames of the fire that comes to it, the less often.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -121,12 +113,8 @@ impl Scenario {
     pub(super) fn check_crews(&self, frame: &FieldFrame) -> Check {
         let (top, table) = (TablePath::named(""), TablePath::named("line"));
         if let Some(line) = &self.line {
+            line.policy.check(&table, "policy", &self.policy)?;
             table.count("protect", line.protect.len(), MAX_PLACES)?;
-            for (number, place) in line.protect.iter().enumerate() {
-                let entry = table.inner("protect").item(number);
-                entry.number("x_m", place.x_m, 0.0..=frame.width_m())?;
-                entry.number("y_m", place.y_m, 0.0..=frame.height_m())?;
-            }
             if line.protect.is_empty() == (line.policy == LinePolicy::PointProtection) {
                 let found = format!("{} places", line.protect.len());
                 return table.refuse("protect", found, "places with the policy `point-protection` only".into());
@@ -149,6 +137,14 @@ impl Scenario {
         }
         let expected = "the model `rothermel` where there are crews, as other fire steps over line".into();
         TablePath::named("fire").refuse("model", "another one".into(), expected)
+    }
+
+    /// Returns the policy of the crews, if there are any and it is not built in.
+    pub fn own_line_policy(&self) -> Option<&PlannerName> {
+        match &self.line.as_ref().filter(|_| !self.crew.is_empty())?.policy {
+            LinePolicy::Policy(name) => Some(name),
+            _ => None,
+        }
     }
 
     /// Returns what bounds the work of crews in a run, if there are any.
