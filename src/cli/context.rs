@@ -51,9 +51,8 @@ impl CommandContext {
         let modules = modules.iter().map(|own| (&own.name, "module", serde_json::json!(own.file)));
         let programs = commands.chain(modules).flat_map(|(name, key, value)| {
             // A program may be a policy too, unless a built-in one has its name.
-            let kinds = ["planner", "policy"].into_iter();
-            let kinds = kinds.filter(|&kind| kind == "planner" || !is_built_in_policy(name.name()));
-            kinds.map(move |kind| format!("{kind}.\"{name}\".{key}={value}")).collect::<Vec<_>>()
+            let kinds = if is_built_in_policy(name.name()) { &["planner"][..] } else { &["planner", "policy"] };
+            kinds.iter().map(move |kind| format!("{kind}.\"{name}\".{key}={value}")).collect::<Vec<_>>()
         });
         own_names(&self.entrants).chain(programs).chain(changes.iter().cloned()).collect()
     }

@@ -149,6 +149,11 @@ fn a_policy_of_ones_own_encloses_the_fire_between_line_and_a_road_and_no_line_is
     let mut ground = fought.ground.iter().filter(|event| !is_cleared(event));
     assert!(ground.all(|event| within(fought.setting.frame.centre(event.cell))) && burned(&fought) > 300);
     assert_eq!(audit_timeline(&fought, SampleStep::default()).violation, None);
+    let mut hasty = fought.clone();
+    let built = hasty.ground.iter_mut().filter(|event| is_cleared(event));
+    built.for_each(|event| event.time = SimTime::from_seconds(0.95 * event.time.as_seconds()));
+    hasty.ground.sort_by_key(|event| event.time);
+    assert!(audit_timeline(&hasty, SampleStep::default()).violation.is_some(), "nobody builds so fast");
     let last = fought.ground.iter().rfind(|event| is_cleared(event)).expect("line was built");
     assert!((100.0..115.0).contains(&fought.setting.frame.centre(last.cell).x), "it ends at the road: {last:?}");
     for (points, words) in [

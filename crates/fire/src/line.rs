@@ -168,8 +168,8 @@ impl LineTask<'_> {
         let build = |points: &[DVec2]| {
             let mut time_s = self.start_s;
             let mut built: Vec<(f64, DVec2, DVec2)> = Vec::new();
-            // As many as along a front at most.
-            for place in places_along(points, frame.cell_m / STEPS_A_CELL).take(8 * frame.cell_count()) {
+            // Enough for line in all cells.
+            for place in places_along(points, frame.cell_m / STEPS_A_CELL).take(4 * frame.cell_count()) {
                 let rate_mps = share * (self.rate_mps)(time_s, place);
                 if rate_mps <= 0.0 {
                     break;
@@ -258,16 +258,15 @@ impl Line {
 mod tests {
     use super::*;
 
-    const FRAME: FieldFrame = FieldFrame { cols: 40, rows: 40, cell_m: 5.0 };
-
     #[test]
     fn line_goes_through_points_at_the_rate_of_its_builders_and_ends_where_nobody_builds() {
-        let forecast = Forecast { frame: FRAME, seconds: vec![0.0; FRAME.cell_count()] };
+        let frame = FieldFrame { cols: 40, rows: 40, cell_m: 5.0 };
+        let forecast = Forecast { frame, seconds: vec![0.0; frame.cell_count()] };
         let corners = [(12.0, 12.0), (150.0, 40.0), (150.0, 120.0), (30.0, 180.0)].map(|(x, y)| DVec2::new(x, y));
         let length_m: f64 = corners.windows(2).map(|ends| (ends[1] - ends[0]).length()).sum();
         let build = |until_s: f64, rate_mps: &dyn Fn(f64, DVec2) -> f64, other: &[DVec2]| {
             let task = LineTask { start_s: 100.0, rate_mps, most_mps: 0.5, until_s };
-            task.along_points([&corners, other], &FRAME)
+            task.along_points([&corners, other], &frame)
         };
         let line = build(1e6, &|_, _| 0.5, &[]);
         let &(end_s, end, _) = line.flanks[0].last().expect("it is built");

@@ -165,7 +165,8 @@ impl Orders {
 /// Plans a line round a place from where the fire comes first, to both sides; `None` where it never comes.
 fn round(forecast: &Forecast, place: &ProtectedPlace) -> Option<Planned> {
     let frame = &forecast.frame;
-    let half = (PI * place.radius_m / frame.cell_m).ceil().max(4.0) as usize;
+    // Bounded, as cells may be tiny.
+    let half = (PI * place.radius_m / frame.cell_m).ceil().clamp(4.0, 20_000.0) as usize;
     let corner = |number: usize| {
         let (sin, cos) = ops::sin_cos(PI * number as f64 / half as f64);
         DVec2::new(place.x_m, place.y_m) + place.radius_m * DVec2::new(cos, sin)
