@@ -1,4 +1,5 @@
-//! Python policies in a run: functions from an environment's observation to an action.
+//! Python policies in a run: functions from an environment's observation to an action, and from what crews know to points
+//! of line.
 //!
 //! `None` lets an agent wait. After an exception or an invalid action the agent waits too, and the failure is counted; the
 //! first exception of a run is printed.
@@ -6,18 +7,22 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use numpy::{Element, PyArray1, PyArrayMethods};
+use numpy::{AllowTypeChange, Element, PyArray1, PyArrayLike2, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyMapping};
+use pyo3::types::{PyBytes, PyDict, PyMapping};
 use rand::Rng;
-use wildfire::geometry::Cell;
+use wildfire::geometry::{Cell, DVec2};
 use wildfire::planning::{MakeError, PlanFailure};
+use wildfire::programs::protocol::question;
 use wildfire::scenario::Scenario;
-use wildfire::sim::policies::{AskReport, Choice, Observation, Policies, Policy, PolicyNameError, PolicySite};
+use wildfire::sim::policies::{
+    AskReport, Choice, LineSight, Observation, Policies, Policy, PolicyNameError, PolicySite,
+};
 use wildfire::time::SimTime;
 use wildfire::timeline::AgentId;
 
-use crate::interruption::Interruption;
+use crate::arrays::described;
+use crate::interruption::{Interruption, is_an_end};
 use crate::observation::{AGENT_NUMBERS, CANDIDATE_NUMBERS, Layout, OwnArrays, SharedArrays, Sight};
 use crate::planner::{SEED_BITS, cpu_limit_s, settle, words};
 
@@ -167,6 +172,12 @@ impl Policy for PythonPolicy {
         vec![(agent, answer.unwrap_or_else(|| self.layout.waiting(seen.now)))]
     }
 
+    fn line(&mut self, seen: &Observation<'_>, line: &LineSight<'_>) -> Vec<DVec2> {
+        let points =
+            (!self.interruption.is_set()).then(|| Python::try_attach(|py| self.ask_for_line(py, seen, line))).flatten();
+        points.flatten().unwrap_or_default()
+    }
+
     fn take_report(&mut self) -> AskReport {
         std::mem::take(&mut self.report)
     }
@@ -181,18 +192,7 @@ impl PythonPolicy {
             let (observation, candidates) = self.shown(py, seen, agent, &options)?;
             Ok((self.act.bind(py).call1((observation,))?, candidates))
         });
-        let (answer, candidates) = match answered {
-            Ok(Ok(answered)) => answered,
-            Err(words) => {
-                self.report.failure = Some((PlanFailure::TimedOut, words));
-                return waiting;
-            }
-            Ok(Err(exception)) => {
-                self.report.failure = Some((PlanFailure::Crashed, words(py, &exception)));
-                settle(py, exception, &self.interruption, &self.has_printed);
-                return waiting;
-            }
-        };
+        let Some((answer, candidates)) = self.answer(py, answered) else { return waiting };
         if answer.is_none() {
             return waiting;
         }
@@ -207,6 +207,37 @@ impl PythonPolicy {
             self.report.illegal = Some(format!("{agent} cannot do action {action}"));
             waiting
         })
+    }
+
+    /// Asks where crews build line, by the question that programs get.
+    fn ask_for_line(&mut self, py: Python<'_>, seen: &Observation<'_>, line: &LineSight<'_>) -> Option<Vec<DVec2>> {
+        let about = || format!("the policy `{}`, asked where crews build line,", self.name);
+        let answered = self.interruption.watched(py, about, Some(self.limit_s), || {
+            let text = PyBytes::new(py, &question(1, seen, &[], Some(line)));
+            let answer = self.act.bind(py).call1((py.import("json")?.call_method1("loads", (text,))?,))?;
+            match answer.extract::<PyArrayLike2<'_, f64, AllowTypeChange>>() {
+                Ok(points) if points.as_array().ncols() == 2 => {
+                    Ok(Ok(points.as_array().rows().into_iter().map(|row| DVec2::new(row[0], row[1])).collect()))
+                }
+                Err(exception) if is_an_end(py, &exception) => Err(exception),
+                _ => Ok(Err(format!("answered with {}; expected points of shape (n, 2)", described(&answer)))),
+            }
+        });
+        let points = self.answer(py, answered)?;
+        points.map_err(|words| self.report.failure = Some((PlanFailure::BadAnswer, words))).ok()
+    }
+
+    /// Returns what was answered, or takes notes on why nothing was.
+    fn answer<T>(&mut self, py: Python<'_>, answered: Result<PyResult<T>, String>) -> Option<T> {
+        match answered {
+            Ok(Ok(answered)) => return Some(answered),
+            Err(words) => self.report.failure = Some((PlanFailure::TimedOut, words)),
+            Ok(Err(exception)) => {
+                self.report.failure = Some((PlanFailure::Crashed, words(py, &exception)));
+                settle(py, exception, &self.interruption, &self.has_printed);
+            }
+        }
+        None
     }
 
     /// Makes the arrays of an environment's observation.

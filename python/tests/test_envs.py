@@ -128,6 +128,24 @@ def test_who_fails_to_answer_waits(capfd):
         wf.run(scenario, 1, policies={"mine": end})
 
 
+def test_crews_build_line_where_a_policy_says():
+    asked = []
+
+    def act(seen):
+        asked.append(seen["line"])
+        return np.array([[60, 60], [300, 60], [300, 300]])
+
+    scenario = wf.scenario("line", {"line.policy": "mine", "duration_s": 3000})
+    run = wf.run(scenario, 1, policies={"mine": act})
+    assert len(asked) == 1 and asked[0]["crews"][0]["count"] == 4 and asked[0]["square_m"] == 10
+    times = np.array(asked[0]["forecast_s"], dtype=float)
+    assert times.shape == (60, 60) and np.nanmin(times) == 300
+    assert run.outcome["line_built_m"] > 400 and run.outcome["policy_failed_bad_answer"] == 0
+    for answer in ([], None, [[1, 2, 3]], [[1, 2], [3, float("nan")]]):
+        idle = wf.run(scenario, 1, policies={"mine": lambda _, answer=answer: answer})
+        assert idle.outcome["policy_failed_bad_answer"] == 1 and idle.outcome["line_built_m"] == 0
+
+
 def test_a_policy_is_made_once_in_every_run():
     made = []
 

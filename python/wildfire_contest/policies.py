@@ -13,7 +13,8 @@ class Policy:
     ----------
     act : callable
         Maps an observation, as in `wildfire_contest.envs.TruckEnv`, to an action. If both trucks and Wumpuses follow the
-                policy, it decides for both; ``observation["agents"][:, 7]`` is 1 for the agent whose turn it is.
+                policy, it decides for both; ``observation["agents"][:, 7]`` is 1 for the agent whose turn it is. For crews
+                it maps a dictionary with the key ``line`` to points of line in metres.
     actions, k, wait_s
         As for `TruckEnv`.
     per_run : bool

@@ -9,7 +9,7 @@ use wildfire_batch::{BatchPlan, own_names};
 use wildfire_planning::{PlannerName, Planners};
 #[cfg(unix)]
 use wildfire_sim::programs::{ProgramPool, Trust};
-use wildfire_sim::scenario::{MemoryLimit, Scenario, TruckGoal, UsedProgram, WumpusGoal, doubts_of_map};
+use wildfire_sim::scenario::{MemoryLimit, Scenario, UsedProgram, doubts_of_map, is_built_in_policy};
 use wildfire_sim::{Entrants, RunOptions};
 
 /// What commands have besides their arguments.
@@ -50,8 +50,9 @@ impl CommandContext {
         let commands = commands.iter().map(|own| (&own.name, "command", serde_json::json!(own.words)));
         let modules = modules.iter().map(|own| (&own.name, "module", serde_json::json!(own.file)));
         let programs = commands.chain(modules).flat_map(|(name, key, value)| {
-            let kinds = ["planner", "policy"].into_iter().filter(|&kind| kind == "planner" || may_be_policy(name));
-            kinds.map(move |kind| format!("{kind}.\"{name}\".{key}={value}")).collect::<Vec<_>>()
+            // A program may be a policy too, unless a built-in one has its name.
+            let kinds = if is_built_in_policy(name.name()) { &["planner"][..] } else { &["planner", "policy"] };
+            kinds.iter().map(move |kind| format!("{kind}.\"{name}\".{key}={value}")).collect::<Vec<_>>()
         });
         own_names(&self.entrants).chain(programs).chain(changes.iter().cloned()).collect()
     }
@@ -126,9 +127,4 @@ impl CommandContext {
             }
         }
     }
-}
-
-/// Says whether a program of this name may be a policy too: a built-in one has no such name.
-fn may_be_policy(name: &PlannerName) -> bool {
-    !TruckGoal::is_built_in(name.name()) && !WumpusGoal::is_built_in(name.name())
 }

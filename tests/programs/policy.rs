@@ -133,3 +133,23 @@ fn program_of_the_command_line_may_be_a_policy() {
     let plan = std::fs::read_to_string(shell.path("out/plan.json")).expect("it was written");
     assert!(plan.contains("own.sh") && !plan.contains("\"policy\":"), "{plan}");
 }
+
+#[test]
+fn program_says_where_crews_build_and_without_an_answer_they_build_nothing() {
+    let line = |points: &str| format!("echo \"{{\\\"type\\\":\\\"line\\\",\\\"id\\\":$id,\\\"points\\\":{points}}}\"");
+    for (body, column, builds) in [
+        (&line("[[60,60],[300,60],[300,300]]")[..], "policy_failed_bad_answer", true),
+        (&line("[]"), "policy_failed_bad_answer", false),
+        (&answer(""), "policy_failed_bad_answer", false),
+        ("exit 1", "policy_failed_crashed", false),
+    ] {
+        let shell = Shell::new();
+        let check = "case $line in *'\"line\":{\"crews\":[{\"count\":4,'*'\"square_m\":10.0,'*) ;; *) exit 2;; esac";
+        shell.file("own.sh", &script(&format!("{check}\n{body}")));
+        let own = ["line", "--set", "line.policy=own", "--command", "own=sh own.sh", "--set", "duration_s=3000"];
+        let said = whole_result(&shell, &own);
+        assert!(said["policy_asked"] == 1 && said[column] == u64::from(!builds), "{said}");
+        assert!((said["line_built_m"].as_f64() > Some(400.0)) == builds, "{said}");
+        shell.expect_nobody();
+    }
+}

@@ -10,43 +10,57 @@ use wildfire_timeline::{CrewRules, GroundEvent, GroundFact, LineRules, Timeline}
 const BESIDE: f64 = 3.0;
 const CELLS_A_WIDTH: f64 = 3.0;
 
-/// A flank as it was followed so far: its first and last cell, its length and the number of its cells.
-type Flank = (DVec2, DVec2, f64, f64);
+/// A flank as it was followed so far.
+#[derive(Clone, Copy)]
+struct Flank {
+    first: DVec2,
+    /// The length up to the first cell, as what burned before it is a gap.
+    first_m: f64,
+    last: DVec2,
+    along_m: f64,
+    cells: f64,
+}
 
 /// Holds the line of a run against the rules of its crews; returns the first violation.
 pub fn audit_line(timeline: &Timeline) -> Result<(), Violation> {
     let (setting, frame) = (&timeline.setting, timeline.setting.frame);
-    let mut flanks: [Option<Flank>; 2] = [None; 2];
+    let mut flanks = Vec::new();
     for &GroundEvent { time, cell, fact } in &timeline.ground {
         let GroundFact::Cleared { flank, along_mm, holds } = fact else { continue };
-        let (place, along_m) = (frame.centre(cell), f64::from(along_mm) / 1000.0);
+        let (place, number, along_m) = (frame.centre(cell), usize::from(flank), f64::from(along_mm) / 1000.0);
         let rules = setting.line.as_ref().filter(|rules| holds || rules.can_be_lost);
-        let flank = flanks.get_mut(usize::from(flank)).zip(rules);
-        if !flank.is_some_and(|(flank, rules)| follow(flank, rules, time, place, along_m, frame.cell_m)) {
+        flanks.resize(flanks.len().max(number + 1), None);
+        let built = Flank { first: place, first_m: along_m, last: place, along_m, cells: 0.0 };
+        if !rules.is_some_and(|rules| follow(&mut flanks, number, built, rules, time, frame.cell_m)) {
             return Err(Violation { time, agent: None, place, kind: ViolationKind::WrongLine { cell } });
         }
     }
     Ok(())
 }
 
-/// Takes in a finished cell; returns false if crews cannot have built it by then.
+/// Takes in a finished cell, at which a flank would begin if it had not; returns false if crews cannot have built it by then.
 fn follow(
-    flank: &mut Option<Flank>,
+    flanks: &mut [Option<Flank>],
+    number: usize,
+    built: Flank,
     rules: &LineRules,
     time: SimTime,
-    place: DVec2,
-    along_m: f64,
     cell_m: f64,
 ) -> bool {
-    let (first, last, before_m, cells) = flank.unwrap_or((place, place, 0.0, 0.0));
+    let Flank { last: place, along_m, .. } = built;
+    let Flank { first, first_m, last, along_m: before_m, cells } =
+        flanks[number].unwrap_or(Flank { along_m: 0.0, ..built });
+    flanks[number] = Some(Flank { first, first_m, cells: cells + 1.0, ..built });
+    let built_m = |flanks: &[Option<Flank>]| flanks.iter().flatten().map(|flank| flank.along_m).sum::<f64>();
     let beside_m = BESIDE * cell_m;
-    *flank = Some((first, place, along_m, cells + 1.0));
+    // Crews get on while they build: up to the first cell, and along lines before this one, which has two flanks.
+    let on_way_m = beside_m + first_m + built_m(&flanks[..number / 2 * 2]);
     let work_m = |crew: &CrewRules| {
-        let walk_s = ((first - DVec2::from(crew.start_m)).length() - beside_m).max(0.0) / crew.walking_mps;
+        let walk_s = ((first - DVec2::from(crew.start_m)).length() - on_way_m).max(0.0) / crew.walking_mps;
         crew.rate_mps * (time.as_seconds() - SimTime::from_nanos(crew.at_ns).as_seconds() - walk_s).max(0.0)
     };
-    // Each flank gets half of the rate.
-    along_m <= 0.5 * rules.crews.iter().map(work_m).sum::<f64>() + 0.001
+    // The rate is that of all flanks together.
+    built_m(flanks) <= rules.crews.iter().map(work_m).sum::<f64>() + 0.001
         && along_m >= before_m
         && (place - last).length() <= along_m - before_m + 2.0 * beside_m
         && (place - first).length() <= along_m + 2.0 * beside_m

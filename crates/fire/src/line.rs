@@ -3,7 +3,8 @@
 //! Builders go along both flanks of the fire at once, each with half of the rate, from its head or rear to where they meet,
 //! as in Fried and Fried 1996, "Simulating wildfire containment with realistic tactics". A builder is at some distance from
 //! the front, along its normal: it moves with the front, and along it with what its rate leaves. The front is that of a
-//! forecast for cells. For ellipses the same tactic has a closed form: [`contain`](super::contain).
+//! forecast for cells. For ellipses the same tactic has a closed form: [`contain`](super::contain). Line may also go through
+//! given points, wherever the front is.
 
 use crate::contain::Tactic;
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
@@ -95,9 +96,10 @@ pub struct LineTask<'a> {
 /// The way of the builders.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Line {
-    /// Times in seconds, places and normals of the front, counter-clockwise from where the line begins, and clockwise.
+    /// Times in seconds, places and normals of the front, counter-clockwise from where the line begins, and clockwise. Line
+    /// through given points has normals of length zero.
     pub flanks: [Vec<(f64, DVec2, DVec2)>; 2],
-    /// True if the flanks meet.
+    /// True if the flanks meet at a front.
     pub is_closed: bool,
 }
 
@@ -158,6 +160,40 @@ impl LineTask<'_> {
         }
         line
     }
+
+    /// Computes the line along two polylines at once, each with half of the rate, or along one with all of it if the other is
+    /// empty. A flank ends where nobody builds.
+    pub fn along_points(&self, flanks: [&[DVec2]; 2], frame: &FieldFrame) -> Line {
+        let share = 1.0 / flanks.iter().filter(|points| !points.is_empty()).count() as f64;
+        let build = |points: &[DVec2]| {
+            let mut time_s = self.start_s;
+            let mut built: Vec<(f64, DVec2, DVec2)> = Vec::new();
+            // Enough for line in all cells.
+            for place in places_along(points, frame.cell_m / STEPS_A_CELL).take(4 * frame.cell_count()) {
+                let rate_mps = share * (self.rate_mps)(time_s, place);
+                if rate_mps <= 0.0 {
+                    break;
+                }
+                time_s += built.last().map_or(0.0, |&(_, before, _)| (place - before).length()) / rate_mps;
+                if time_s > self.until_s {
+                    break;
+                }
+                built.push((time_s, place, DVec2::ZERO));
+            }
+            built
+        };
+        Line { flanks: flanks.map(build), is_closed: false }
+    }
+}
+
+/// Lists places along a polyline, its corners among them, that are at most `step_m` apart.
+pub fn places_along(points: &[DVec2], step_m: f64) -> impl Iterator<Item = DVec2> {
+    let between = move |ends: &[DVec2]| {
+        let (from, way) = (ends[0], ends[1] - ends[0]);
+        let steps = (way.length() / step_m).ceil() as u32;
+        (1..=steps).map(move |step| from + f64::from(step) / f64::from(steps) * way)
+    };
+    points.first().copied().into_iter().chain(points.windows(2).flat_map(between))
 }
 
 /// Moves a builder with the front to a time, and along it so far that its own way has a length; `None` where the front ends,
@@ -187,8 +223,9 @@ fn step(
 
 impl Line {
     /// Returns the cells to clear, in order of time: from every place of a builder the first cell outwards that fire has not
-    /// come to by the time at which the builder is a cell ahead, which is when the cell is finished. One touches the next,
-    /// at a side or at a corner, so that no front can step over them.
+    /// come to by the time at which the builder is a cell ahead, which is when the cell is finished; of line through given
+    /// points the cell there, burned or not. One touches the next, at a side or at a corner, so that no front can step over
+    /// them.
     pub fn cells(&self, forecast: &Forecast) -> Vec<LineCell> {
         let frame = &forecast.frame;
         let mut cells = Vec::new();
@@ -204,7 +241,7 @@ impl Line {
                 let cell = (0..LOOKS_OUTWARDS).find_map(|look| {
                     let away_m = f64::from(look) * frame.cell_m / STEPS_A_CELL;
                     let cell = frame.cell_at(place + away_m * outwards)?;
-                    (forecast.seconds[frame.index(cell)] > time_s).then_some(cell)
+                    (outwards == DVec2::ZERO || forecast.seconds[frame.index(cell)] > time_s).then_some(cell)
                 });
                 let front = forecast.at(place);
                 cells.extend(cell.map(|cell| LineCell { cell, flank, time_s, along_m, front }));
@@ -214,5 +251,39 @@ impl Line {
         cells.dedup_by_key(|line| line.cell);
         cells.sort_by(|a, b| a.time_s.total_cmp(&b.time_s).then(a.along_m.total_cmp(&b.along_m)));
         cells
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn line_goes_through_points_at_the_rate_of_its_builders_and_ends_where_nobody_builds() {
+        let frame = FieldFrame { cols: 40, rows: 40, cell_m: 5.0 };
+        let forecast = Forecast { frame, seconds: vec![0.0; frame.cell_count()] };
+        let corners = [(12.0, 12.0), (150.0, 40.0), (150.0, 120.0), (30.0, 180.0)].map(|(x, y)| DVec2::new(x, y));
+        let length_m: f64 = corners.windows(2).map(|ends| (ends[1] - ends[0]).length()).sum();
+        let build = |until_s: f64, rate_mps: &dyn Fn(f64, DVec2) -> f64, other: &[DVec2]| {
+            let task = LineTask { start_s: 100.0, rate_mps, most_mps: 0.5, until_s };
+            task.along_points([&corners, other], &frame)
+        };
+        let line = build(1e6, &|_, _| 0.5, &[]);
+        let &(end_s, end, _) = line.flanks[0].last().expect("it is built");
+        assert!((end_s - 100.0 - length_m / 0.5).abs() < 1e-6 && end == corners[3], "{end_s} {end}");
+        let cells = line.cells(&forecast);
+        let gap = |pair: &[LineCell]| {
+            let [one, other] = [pair[0].cell, pair[1].cell];
+            one.col.abs_diff(other.col).max(one.row.abs_diff(other.row))
+        };
+        assert!(cells.windows(2).all(|pair| gap(pair) == 1), "each cell touches the next");
+        assert!(cells.windows(2).all(|pair| pair[0].time_s <= pair[1].time_s && pair[0].along_m < pair[1].along_m));
+        assert!((cells.last().expect("it has cells").along_m - length_m).abs() < 5.0, "burned ground is no gap yet");
+        let both = build(1e6, &|_, _| 0.5, &corners);
+        assert!((both.flanks[1].last().expect("it is built").0 - 100.0 - length_m / 0.25).abs() < 1e-6);
+        let road = build(1e6, &|_, place| if place.y > 100.0 { 0.0 } else { 0.5 }, &[]);
+        assert!((95.0..=100.0).contains(&road.flanks[0].last().expect("it is built").1.y));
+        assert!(build(150.0, &|_, _| 0.5, &[]).flanks[0].last().expect("it is built").0 <= 150.0);
+        assert_eq!(build(1e6, &|_, _| 0.0, &[]), Line::default());
     }
 }

@@ -1,24 +1,28 @@
 //! Crews that build line: where, from a forecast of the fire, and where it does not hold.
 //!
 //! When the first crew sets out, the fire is forecast from its state by its own model, as if nobody fought it, with other
-//! embers than those that will fly. The line follows from that at once ([`wildfire_fire::line`]), and its cells become
-//! unburnable one by one as they are finished. What burns by then, as the forecast was wrong, stays a gap.
+//! embers than those that will fly; a custom policy is shown that forecast and answers points. The line follows from that at
+//! once ([`wildfire_fire::line`]), and its cells become unburnable one by one as they are finished. What burns by then, as the
+//! forecast was wrong, stays a gap.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
 use rand::RngExt;
 
-use crate::scenario::{Crew, LineHolds, LinePolicy, LineSettings, Scenario};
+use crate::scenario::{Crew, LineHolds, LinePolicy, LineSettings, ProtectedPlace, Scenario};
 use wildfire_base::geometry::{DVec2, ops};
 use wildfire_base::rng;
 use wildfire_base::time::SimTime;
-use wildfire_fire::line::{Forecast, LineCell, LineTask};
+use wildfire_fire::line::{Forecast, LineCell, LineTask, places_along};
 use wildfire_fire::surface::{flame_length_m, surface_fire};
-use wildfire_fire::{FireChange, FireEvent};
+use wildfire_fire::{FireChange, FireEvent, FireField};
 use wildfire_timeline::SpreadSetting;
 
+use super::agent::Agent;
 use super::fire::Fires;
+use super::policies::{AgentView, Following, LineSight, Observation};
 use super::queue::{CellEvent, Due, Rank, SimClock, SimQueue};
 
 /// Crews look again after this time if nothing burns.
@@ -35,6 +39,13 @@ struct Orders {
     spread: SpreadSetting,
     until: SimTime,
     seed: u64,
+}
+
+/// A line to build through points, on two flanks from one place.
+struct Planned {
+    flanks: [Vec<DVec2>; 2],
+    /// Nobody begins it later than this.
+    latest_s: f64,
 }
 
 /// Gives crews their orders, and lets the first one set out.
@@ -70,9 +81,30 @@ impl Orders {
         rng::stream(self.seed, &format!("line/{}/{section}", line.flank)).random::<f64>() < chance
     }
 
-    /// Computes when which cell is finished; nothing if the fire has no end to begin at.
-    fn cells(&self, forecast: &Forecast) -> Vec<LineCell> {
-        let LineSettings { policy, from, offset_m, .. } = self.settings;
+    /// Computes when which cell is finished.
+    fn cells(&self, forecast: &Forecast, seen: &Observation<'_>, following: &mut Following) -> Vec<LineCell> {
+        let LineSettings { policy, offset_m, protect, .. } = &self.settings;
+        let lines = match policy {
+            LinePolicy::Direct => return self.along_front(forecast, 0.0),
+            LinePolicy::Parallel => return self.along_front(forecast, *offset_m),
+            LinePolicy::PointProtection => {
+                let mut lines: Vec<Planned> = protect.iter().filter_map(|place| round(forecast, place)).collect();
+                lines.sort_by(|one, other| one.latest_s.total_cmp(&other.latest_s));
+                lines
+            }
+            LinePolicy::Policy(_) => {
+                let wind_mps = self.spread.weather().at(seen.now).wind_mps;
+                let points = following.ask_for_line(seen, &LineSight { crews: &self.crews, wind_mps, forecast });
+                let flanks = [from_fuel(points, seen.fires), Vec::new()];
+                vec![Planned { flanks, latest_s: f64::INFINITY }]
+            }
+        };
+        self.along_points(forecast, seen, &lines)
+    }
+
+    /// Computes the line beside the front; nothing if the fire has no end to begin at.
+    fn along_front(&self, forecast: &Forecast, offset_m: f64) -> Vec<LineCell> {
+        let from = self.settings.from;
         let mut arrivals: Vec<f64> = self.crews.iter().map(|crew| crew.at_s).collect();
         let first = |arrivals: &[f64]| arrivals.iter().copied().fold(f64::INFINITY, f64::min);
         // Where crews go changes while they walk, as the fire grows, but is slower than they are.
@@ -82,19 +114,82 @@ impl Orders {
             let arrival = |crew: &Crew| crew.at_s + walk_m(crew) / crew.speed_mps;
             arrivals = self.crews.iter().map(arrival).collect();
         }
-        let landscape = self.spread.landscape();
-        let rate_mps = |time_s: f64, place: DVec2| {
-            let fuel = landscape.frame.cell_at(place).map_or(0, |cell| landscape.fuel_number(cell));
-            let crews = self.crews.iter().zip(&arrivals).filter(|&(_, &arrival_s)| arrival_s <= time_s);
-            crews.map(|(crew, _)| crew.rate_mps(fuel)).sum()
-        };
-        let most_mps = self.crews.iter().map(Crew::most_mps).sum();
-        let (start_s, until_s) = (first(&arrivals), self.until.as_seconds());
-        let offset_m = if policy == LinePolicy::Parallel { offset_m } else { 0.0 };
-        LineTask { start_s, rate_mps: &rate_mps, most_mps, until_s }
-            .along_front(forecast, from, offset_m)
-            .cells(forecast)
+        let rate_mps = |time_s: f64, place: DVec2| self.rate_mps(&arrivals, time_s, place);
+        self.task(first(&arrivals), &rate_mps).along_front(forecast, from, offset_m).cells(forecast)
     }
+
+    /// Computes lines that crews build one after the other. Who would come after a line's end goes to the next at once.
+    fn along_points(&self, forecast: &Forecast, seen: &Observation<'_>, lines: &[Planned]) -> Vec<LineCell> {
+        let (frame, now_s) = (&forecast.frame, seen.now.as_seconds());
+        let set_out = |crew: &Crew| (crew.at_s.max(now_s), DVec2::new(crew.x_m, crew.y_m));
+        // When crews are free, and where.
+        let mut crews: Vec<(f64, DVec2)> = self.crews.iter().map(set_out).collect();
+        let mut cells = Vec::new();
+        for (number, Planned { flanks: [one, other], latest_s }) in lines.iter().enumerate() {
+            let Some(&begin) = one.first() else { continue };
+            let walk_s = |place: DVec2, crew: &Crew| (begin - place).length() / crew.speed_mps;
+            let arrival = |(&(free_s, place), crew): (&(f64, DVec2), &Crew)| free_s + walk_s(place, crew);
+            let arrivals: Vec<f64> = crews.iter().zip(&self.crews).map(arrival).collect();
+            let builders = arrivals.iter().zip(&self.crews).filter(|(_, crew)| crew.most_mps() > 0.0);
+            let start_s = builders.fold(f64::INFINITY, |first, (&arrival_s, _)| first.min(arrival_s));
+            if start_s >= *latest_s {
+                continue;
+            }
+            let rate_mps =
+                |time_s, place| if has_fuel(seen.fires, place) { self.rate_mps(&arrivals, time_s, place) } else { 0.0 };
+            let line = self.task(start_s, &rate_mps).along_points([one, other], frame);
+            let ends = line.flanks.iter().filter_map(|flank| flank.last());
+            let Some(&(end_s, end, _)) = ends.max_by(|one, other| one.0.total_cmp(&other.0)) else { continue };
+            let builders = crews.iter_mut().zip(&arrivals).filter(|(_, arrival_s)| **arrival_s <= end_s);
+            builders.for_each(|(crew, _)| *crew = (end_s, end));
+            let of_line = |cell: LineCell| LineCell { flank: cell.flank + 2 * number, ..cell };
+            cells.extend(line.cells(forecast).into_iter().map(of_line));
+        }
+        cells
+    }
+
+    /// Returns the length of line that those who have arrived by a time build in a second.
+    fn rate_mps(&self, arrivals: &[f64], time_s: f64, place: DVec2) -> f64 {
+        let landscape = self.spread.landscape();
+        let fuel = landscape.frame.cell_at(place).map_or(0, |cell| landscape.fuel_number(cell));
+        let crews = self.crews.iter().zip(arrivals).filter(|&(_, &arrival_s)| arrival_s <= time_s);
+        crews.map(|(crew, _)| crew.rate_mps(fuel)).sum()
+    }
+
+    fn task<'a>(&self, start_s: f64, rate_mps: &'a dyn Fn(f64, DVec2) -> f64) -> LineTask<'a> {
+        let most_mps = self.crews.iter().map(Crew::most_mps).sum();
+        LineTask { start_s, rate_mps, most_mps, until_s: self.until.as_seconds() }
+    }
+}
+
+/// Plans a line round a place from where the fire comes first, to both sides; `None` where it never comes.
+fn round(forecast: &Forecast, place: &ProtectedPlace) -> Option<Planned> {
+    let frame = &forecast.frame;
+    // Bounded, as cells may be tiny.
+    let half = (PI * place.radius_m / frame.cell_m).ceil().clamp(4.0, 20_000.0) as usize;
+    let corner = |number: usize| {
+        let (sin, cos) = ops::sin_cos(PI * number as f64 / half as f64);
+        DVec2::new(place.x_m, place.y_m) + place.radius_m * DVec2::new(cos, sin)
+    };
+    let comes_s =
+        |number: usize| frame.cell_at(corner(number)).map_or(f64::INFINITY, |cell| forecast.seconds[frame.index(cell)]);
+    let first = (0..2 * half).min_by(|&one, &other| comes_s(one).total_cmp(&comes_s(other)))?;
+    let flanks =
+        [(first..=first + half).map(corner).collect(), (first + half..=first + 2 * half).rev().map(corner).collect()];
+    let latest_s = comes_s(first);
+    latest_s.is_finite().then_some(Planned { flanks, latest_s })
+}
+
+fn has_fuel(fires: &FireField, place: DVec2) -> bool {
+    fires.frame().cell_at(place).is_some_and(|cell| fires.kind(cell).is_some())
+}
+
+/// Leaves out the beginning of a polyline that is on ground without fuel, such as a road from which it starts.
+fn from_fuel(points: Vec<DVec2>, fires: &FireField) -> Vec<DVec2> {
+    let (frame, burns) = (fires.frame(), |place: &DVec2| has_fuel(fires, *place));
+    let on_leg = |leg: usize| places_along(&points[leg..points.len().min(leg + 2)], frame.cell_m / 4.0).find(burns);
+    let begin = (0..points.len()).find_map(|leg| Some((leg, on_leg(leg)?)));
+    begin.map_or(Vec::new(), |(leg, place)| [&[place], &points[leg + 1..]].concat())
 }
 
 /// Decides where the line is when the first crew sets out, and schedules its cells.
@@ -103,6 +198,8 @@ pub fn plan_line(
     mut queue: ResMut<SimQueue>,
     fires: Res<Fires>,
     orders: Option<Res<CrewOrders>>,
+    mut following: ResMut<Following>,
+    agents: Query<&Agent>,
 ) {
     let Some(orders) = orders else { return };
     while queue.take(clock.0, Rank::Line).is_some() {
@@ -110,8 +207,17 @@ pub fn plan_line(
             queue.push(clock.0 + LOOK_AGAIN, Due::Line);
             continue;
         }
-        for line in orders.0.cells(&forecast(&fires, &queue, orders.0.until, orders.0.seed)) {
+        let forecast = forecast(&fires, &queue, orders.0.until, orders.0.seed);
+        let mut agents: Vec<AgentView> = agents.iter().map(|agent| agent.view(clock.0)).collect();
+        agents.sort_by_key(|agent| agent.id);
+        let nobody = |_| Vec::new();
+        let seen = Observation { now: clock.0, fires: &fires.field, agents: &agents, options_of: &nobody };
+        for line in orders.0.cells(&forecast, &seen, &mut following) {
             let (along_mm, holds) = ((1000.0 * line.along_m).round() as u32, orders.0.holds(&line));
+            // What has burned by then is a gap, not line that is lost.
+            if !holds && forecast.seconds[forecast.frame.index(line.cell)] <= line.time_s {
+                continue;
+            }
             let clear = CellEvent::Clear { cell: line.cell, flank: line.flank as u8, along_mm, holds };
             queue.push(SimTime::from_seconds(line.time_s).max(clock.0), Due::Cell(clear));
         }

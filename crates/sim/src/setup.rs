@@ -84,21 +84,24 @@ pub fn fill(
     Ok((setting(scenario, seed, &terrain, starts, spread), cost))
 }
 
-/// Makes the policies of a run: one for all agents of a name.
+/// Makes the policies of a run: one for all agents of a name, and for crews that follow it.
 fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies) -> Result<Following, RunError> {
     let wumpuses = scenario.wumpus.iter().map(|wumpus| NamedPolicy::from(&wumpus.goal));
     let trucks = scenario.unimog.iter().map(|truck| NamedPolicy::from(&truck.goal));
     let ids = (0..).map(AgentId::wumpus).zip(wumpuses).chain((0..).map(AgentId::unimog).zip(trucks));
-    let (agents, named): (Vec<AgentId>, Vec<NamedPolicy>) = ids.unzip();
+    let (agents, mut named): (Vec<AgentId>, Vec<NamedPolicy>) = ids.unzip();
+    // Crews come after the agents.
+    named.extend(scenario.own_line_policy().map(NamedPolicy::Own));
     let lightable = terrain.lightable(scenario.fire.lights_ground());
     let spread_m = scenario.fire.spread_radius_m;
     let rule_site =
         RuleSite { frame: &terrain.frame, lightable: &lightable, spread_m, seed, learned: scenario.learned.as_ref() };
     let mut following = Following::default();
     let of_team = dispatch::policy_of(scenario, terrain, water_rules(scenario));
-    let is_dispatched = |agent: &usize| of_team.is_some() && agents[*agent].role.suppresses();
+    let is_dispatched =
+        |agent: &usize| of_team.is_some() && agents.get(*agent).is_some_and(|agent| agent.role.suppresses());
     for (first, policy) in named.iter().enumerate() {
-        let is_meant = |agent: &usize| named[*agent] == *policy && !is_dispatched(agent);
+        let is_meant = |agent: &usize| named.get(*agent) == Some(policy) && !is_dispatched(agent);
         if !is_meant(&first) || (0..first).any(|agent| is_meant(&agent)) {
             continue;
         }
@@ -122,6 +125,9 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies)
                 let mut stopwatch = CpuStopwatch::start();
                 let made = known.make(&site).map_err(|reason| RunError::NoPolicy { name: name.clone(), reason })?;
                 following.add_own(&plays, name, made, stopwatch.lap());
+                if is_meant(&agents.len()) {
+                    following.lead_crews();
+                }
                 continue;
             }
         };

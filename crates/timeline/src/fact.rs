@@ -138,8 +138,9 @@ pub enum GroundFact {
     Extinguished { by: AgentId },
     /// A truck wets the cell, bush or ground, so that it cannot burn before `until`.
     Wetted { until: SimTime, by: AgentId },
-    /// Crews have finished line in the cell, bush or ground, so that it cannot burn. `along_mm` is the
-    /// length of line up to it, on one of the two flanks. Line that does not hold leaves the cell as it was.
+    /// Crews have finished line in the cell, bush or ground, so that it cannot burn. `along_mm` is the length of line up to
+    /// it, on one of two flanks: 0 and 1 of the first planned line, 2 and 3 of the next. Line that does not hold leaves the
+    /// cell as it was.
     Cleared { flank: u8, along_mm: u32, holds: bool },
 }
 

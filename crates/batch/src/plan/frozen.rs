@@ -273,7 +273,8 @@ impl BatchPlan {
                 WumpusGoal::Policy(name) => Some(("policy", name)),
                 _ => None,
             });
-            let missing = planners.chain(trucks).chain(wumpuses).find(|&(kind, name)| match kind {
+            let crews = scenario.own_line_policy().map(|name| ("policy", name));
+            let missing = planners.chain(trucks).chain(wumpuses).chain(crews).find(|&(kind, name)| match kind {
                 "planner" => !entrants.planners.knows(name) && !is_program(&scenario.planner, name),
                 _ => !entrants.policies.own_names().any(|own| own == name) && !is_program(&scenario.policy, name),
             });

@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use bevy_ecs::prelude::*;
 
-use super::{AgentView, AskReport, Asking, Choice, Observation, OptionsOf, Policy};
+use super::{AgentView, AskReport, Asking, Choice, LineSight, Observation, OptionsOf, Policy};
 use crate::run::{FailureMessages, PolicyTally};
-use wildfire_base::geometry::Cell;
+use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
 use wildfire_base::time::SimTime;
 use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_fire::FireField;
@@ -155,6 +155,8 @@ pub struct Decision {
 pub struct Following {
     policies: Vec<Followed>,
     of_agents: Vec<(AgentId, Follows)>,
+    /// The policy that says where crews build line, if it is not built in.
+    crews: Option<Follows>,
     pub question: Option<Question>,
     /// Choices from outside that have not been carried out.
     pub answer: Vec<(AgentId, Choice)>,
@@ -181,6 +183,11 @@ impl Following {
         self.policies.last_mut().expect("it was just added").own = Some(name.clone());
     }
 
+    /// Lets the policy that was added last say where crews build line.
+    pub fn lead_crews(&mut self) {
+        self.crews = self.policies.len().checked_sub(1).map(Follows);
+    }
+
     /// Returns a copy in which everybody follows a copy of the same policy.
     ///
     /// # Errors
@@ -195,6 +202,7 @@ impl Following {
         Ok(Self {
             policies: self.policies.iter().map(copy).collect::<Result<_, _>>()?,
             of_agents: self.of_agents.clone(),
+            crews: self.crews,
             question: self.question.clone(),
             answer: self.answer.clone(),
             team_cpu: self.team_cpu,
@@ -254,6 +262,24 @@ impl Following {
         self.policies[policy.0].policy.charge()
     }
 
+    /// Asks the policy of the crews where they build line; a bad answer has no points.
+    pub fn ask_for_line(&mut self, seen: &Observation<'_>, line: &LineSight<'_>) -> Vec<DVec2> {
+        let Some(Follows(number)) = self.crews else { return Vec::new() };
+        let Followed { policy, own } = &mut self.policies[number];
+        let mut stopwatch = CpuStopwatch::start();
+        let mut points = policy.line(seen, line);
+        let mut report = policy.take_report();
+        self.own.add_cpu(stopwatch.lap(), report.elsewhere);
+        if let Err(words) = check_line(&points, seen.fires.frame()) {
+            points.clear();
+            report.failure = report.failure.or(Some((PlanFailure::BadAnswer, words)));
+        }
+        if let Some(name) = own {
+            self.own.add(name, seen.now, report);
+        }
+        points
+    }
+
     /// Asks a policy, or takes the answer from outside. If the answer comes later, nothing is returned and the question
     /// is kept.
     pub fn ask(
@@ -310,6 +336,24 @@ impl Following {
         }
         choices.into_iter().filter_map(|(id, choice)| Some((entity_of(id)?, choice))).collect()
     }
+}
+
+/// The most points of a line that a policy answers.
+pub const MOST_LINE_POINTS: usize = 10_000;
+
+/// Refuses points that are no line on the field, in words.
+fn check_line(points: &[DVec2], frame: &FieldFrame) -> Result<(), String> {
+    if !(2..=MOST_LINE_POINTS).contains(&points.len()) {
+        let count = points.len();
+        return Err(format!(
+            "no line of {count} points can be built; expected 2 to {MOST_LINE_POINTS}; crews build none"
+        ));
+    }
+    let (width_m, height_m) = (frame.width_m(), frame.height_m());
+    let is_outside = |point: &&DVec2| !((0.0..=width_m).contains(&point.x) && (0.0..=height_m).contains(&point.y));
+    points.iter().find(is_outside).map_or(Ok(()), |DVec2 { x, y }| {
+        Err(format!("({x}, {y}) is not on the field of {width_m} x {height_m} m; crews build no line"))
+    })
 }
 
 /// Gives an agent another choice. A truck that was to go to the same cell swaps with it.

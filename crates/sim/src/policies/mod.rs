@@ -5,7 +5,7 @@
 //! rest is asked again, or for nobody: then the world stands still until the choices are
 //! [given](crate::Simulation::answer). Planning and driving are not its business; when an agent fails to plan
 //! its way to what was chosen, the policy is asked again without that option. Rules that know one agent at a time are
-//! policies by [`OneByOne`].
+//! policies by [`OneByOne`]. A policy may also be asked, once in a run, where crews build line.
 //!
 //! Policies have names, which scenarios give their agents. [`Policies`] knows them: the built-in rules, and what
 //! whoever runs the program hands in.
@@ -25,13 +25,15 @@ use std::time::Duration;
 
 use glam::DVec2;
 
+use crate::scenario::Crew;
 use wildfire_base::geometry::{Cell, Pose};
 use wildfire_base::time::SimTime;
 use wildfire_fire::FireField;
+use wildfire_fire::line::Forecast;
 use wildfire_planning::PlanFailure;
 use wildfire_timeline::{Activity, AgentId};
 
-pub use following::{Decision, Following, Follows, Forced, Inquiry, OwnAsks, Question};
+pub use following::{Decision, Following, Follows, Forced, Inquiry, MOST_LINE_POINTS, OwnAsks, Question};
 pub use largest_cluster::cluster_sizes;
 pub use registry::{BuiltIn, MakePolicy, NamedPolicy, Policies, PolicyNameError, PolicySite, RuleSite};
 
@@ -104,6 +106,16 @@ pub struct Observation<'a> {
     pub agents: &'a [AgentView],
     /// The options of the agents that are asked.
     pub options_of: &'a dyn OptionsOf<AgentId>,
+}
+
+/// What a policy may look at besides, if it is asked where crews build line.
+#[derive(Clone, Copy, Debug)]
+pub struct LineSight<'a> {
+    pub crews: &'a [Crew],
+    /// The velocity of the wind, metres a second.
+    pub wind_mps: DVec2,
+    /// When fire comes to which cell if nobody fights it.
+    pub forecast: &'a Forecast,
 }
 
 /// Lists the options of agents. A closure that lists them will do.
@@ -180,6 +192,12 @@ pub trait Policy: Send + Sync {
     /// Returns the simulated time that its last choice costs the trucks of a team which set out because of it.
     fn charge(&self) -> SimTime {
         SimTime::ZERO
+    }
+
+    /// Answers where crews build line: along these points, in metres in the frame of the field, which are crossed in order.
+    /// Without points crews build nothing, which counts as a bad answer.
+    fn line(&mut self, _seen: &Observation<'_>, _line: &LineSight<'_>) -> Vec<DVec2> {
+        Vec::new()
     }
 
     /// Takes notes on its last choice, or, before the first, of how it was made.

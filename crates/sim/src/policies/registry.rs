@@ -14,7 +14,7 @@ use super::nearest::{FarthestFromTruck, Nearest, Oldest};
 use super::nearest_intact::NearestIntact;
 use super::random_intact::RandomIntact;
 use super::{OneByOne, Policy};
-use crate::scenario::{Learned, TruckGoal, WumpusGoal};
+use crate::scenario::{Learned, TruckGoal, WumpusGoal, is_built_in_policy};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::rng::Xoshiro256PlusPlus;
 use wildfire_base::time::SimTime;
@@ -146,7 +146,7 @@ pub enum PolicyNameError {
     /// The name has another form.
     #[error("a name is 1 to 40 of `a-z 0-9 + - _ .`, a letter first")]
     Malformed,
-    /// A built-in policy of trucks or of Wumpuses has this name.
+    /// A built-in policy of trucks, of Wumpuses or of crews has this name.
     #[error("`{0}` is the name of a built-in policy")]
     BuiltIn(String),
     /// Another policy has this name.
@@ -167,7 +167,7 @@ impl Policies {
     /// If it cannot have this name.
     pub fn with(mut self, name: &str, maker: impl MakePolicy + 'static) -> Result<Self, PolicyNameError> {
         let name = PlannerName::new(name).map_err(|_| PolicyNameError::Malformed)?;
-        if TruckGoal::is_built_in(name.name()) || WumpusGoal::is_built_in(name.name()) {
+        if is_built_in_policy(name.name()) {
             return Err(PolicyNameError::BuiltIn(name.into()));
         }
         if self.own.contains_key(&name) {

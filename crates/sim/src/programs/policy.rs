@@ -5,12 +5,11 @@ use std::sync::Arc;
 
 use super::pool::Idle;
 use super::process::Trouble;
-use super::protocol::{AgentMessage, AskQuery, FromProgram, ToProgram};
-use super::respondent::Respondent;
-use crate::policies::{AskReport, Choice, Observation, Policy};
-use wildfire_base::geometry::Cell;
+use super::protocol::{FromProgram, question};
+use super::respondent::{Reply, Respondent};
+use crate::policies::{AskReport, Choice, LineSight, Observation, Policy};
+use wildfire_base::geometry::{Cell, DVec2};
 use wildfire_base::untrusted::visible_start;
-use wildfire_fire::BushState;
 use wildfire_timeline::AgentId;
 
 /// Asks a program where agents are to go. While it fails to answer, they wait.
@@ -29,25 +28,32 @@ impl ProgramPolicy {
         let report = AskReport { elsewhere: respondent.built.unwrap_or_default(), ..AskReport::default() };
         Self { respondent: Some(respondent), idle, report }
     }
+
+    /// Asks for an answer that a check lets pass, and takes notes.
+    fn ask(
+        &mut self,
+        seen: &Observation<'_>,
+        options: &[(AgentId, Vec<Cell>)],
+        line: Option<&LineSight<'_>>,
+        check: impl FnOnce(&FromProgram) -> Result<(), &'static str>,
+    ) -> Option<FromProgram> {
+        let respondent = self.respondent.as_mut().expect("it is given back when this is dropped");
+        let Reply { answer, cpu, .. } = respondent.ask(|id| question(id, seen, options, line), check);
+        self.report = AskReport { elsewhere: cpu.unwrap_or_default(), ..AskReport::default() };
+        answer.map_err(|Trouble { kind, words }| self.report.failure = Some((kind.into(), words))).ok()
+    }
 }
 
 impl Policy for ProgramPolicy {
     fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
         let options: Vec<(AgentId, Vec<Cell>)> = asked.iter().map(|&agent| (agent, seen.options(agent))).collect();
-        let respondent = self.respondent.as_mut().expect("it is given back when this is dropped");
-        let query = |id| question(id, seen, &options);
-        let reply = respondent.ask(query, |answer| match answer {
+        let answer = self.ask(seen, &options, None, |answer| match answer {
             FromProgram::Answer(_) => Ok(()),
             _ => Err("expected the type `answer`"),
         });
-        self.report = AskReport { elsewhere: reply.cpu.unwrap_or_default(), ..AskReport::default() };
-        let choices = match reply.answer {
-            Ok(FromProgram::Answer(answer)) => answer.choices,
-            Ok(_) => unreachable!("other answers are refused"),
-            Err(Trouble { kind, words }) => {
-                self.report.failure = Some((kind.into(), words));
-                Vec::new()
-            }
+        let choices = match answer {
+            Some(FromProgram::Answer(answer)) => answer.choices,
+            _ => Vec::new(),
         };
         let names: BTreeSet<String> = seen.agents.iter().map(|agent| agent.id.to_string()).collect();
         let stranger = choices.iter().find(|choice| !names.contains(&choice.agent));
@@ -58,6 +64,17 @@ impl Policy for ProgramPolicy {
             (agent, cell.map_or(Choice::Wait, |[col, row]| Choice::Go(Cell { col, row })))
         };
         options.iter().map(|&(agent, _)| chosen(agent)).collect()
+    }
+
+    fn line(&mut self, seen: &Observation<'_>, line: &LineSight<'_>) -> Vec<DVec2> {
+        let answer = self.ask(seen, &[], Some(line), |answer| match answer {
+            FromProgram::Line(_) => Ok(()),
+            _ => Err("expected the type `line`"),
+        });
+        match answer {
+            Some(FromProgram::Line(line)) => line.points.into_iter().map(DVec2::from).collect(),
+            _ => Vec::new(),
+        }
     }
 
     fn take_report(&mut self) -> AskReport {
@@ -71,43 +88,4 @@ impl Drop for ProgramPolicy {
             idle.give_back(respondent);
         }
     }
-}
-
-/// Writes the state that a policy sees, and what it is asked, as a line.
-fn question(id: u64, seen: &Observation<'_>, options: &[(AgentId, Vec<Cell>)]) -> Vec<u8> {
-    let (mut burning, mut intact, mut extinguished, mut burned_out) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    for cell in seen.fires.with_fuel() {
-        let place = [cell.col, cell.row];
-        match seen.fires.state(cell) {
-            Some(BushState::Burning { since }) => {
-                burning.push((cell.col, cell.row, seen.now.since(since).as_seconds()));
-            }
-            Some(BushState::Intact) => intact.push(place),
-            Some(BushState::Extinguished) => extinguished.push(place),
-            Some(BushState::BurnedOut) => burned_out.push(place),
-            None => {}
-        }
-    }
-    let pair = |cell: &Cell| [cell.col, cell.row];
-    let state = seen.agents.iter().map(|agent| AgentMessage {
-        agent: agent.id.to_string(),
-        pose: [agent.pose.x, agent.pose.y, agent.pose.heading],
-        activity: agent.activity.name().to_owned(),
-        goal: agent.goal.as_ref().map(pair),
-        options: options
-            .iter()
-            .find(|(asked, _)| *asked == agent.id)
-            .map(|(_, cells)| cells.iter().map(pair).collect()),
-    });
-    let ask = AskQuery {
-        id,
-        t_s: seen.now.as_seconds(),
-        agents: options.iter().map(|(agent, _)| agent.to_string()).collect(),
-        burning: &burning,
-        intact: &intact,
-        extinguished: &extinguished,
-        burned_out: &burned_out,
-        state: state.collect(),
-    };
-    ToProgram::Ask(ask).line()
 }

@@ -12,9 +12,14 @@ use serde::de::{IgnoredAny, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 
+use crate::policies::{LineSight, MOST_LINE_POINTS, Observation};
+use crate::scenario::Crew;
+use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::input_file::list_of_at_most;
+use wildfire_fire::BushState;
 use wildfire_planning::MAX_SEARCH_EDGES;
 use wildfire_planning::judge::MOST_SEGMENTS;
+use wildfire_timeline::AgentId;
 
 /// The version of the protocol, which both sides say in their first message.
 pub const VERSION: u32 = 1;
@@ -27,6 +32,9 @@ const KEPT_SEGMENTS: usize = MOST_SEGMENTS + 1;
 
 /// The most choices of an answer: as many as a scenario has agents.
 const MOST_CHOICES: usize = 10_000;
+
+/// The most squares of a forecast along a side of the field.
+const MOST_SQUARES: u16 = 100;
 
 /// The largest coordinate or heading of a pose that curves are laid through.
 const POSES: RangeInclusive<f64> = -1e6..=1e6;
@@ -46,7 +54,7 @@ pub enum ToProgram<'a> {
     Field(FieldMessage<'a>),
     /// A query: how to get from here to there?
     Plan(PlanQuery),
-    /// A query: who is to go where?
+    /// A query: who is to go where, or where do crews build line?
     Ask(AskQuery<'a>),
     /// The last message; stdin closes after it.
     End,
@@ -161,6 +169,29 @@ pub struct AskQuery<'a> {
     pub burned_out: &'a [[u16; 2]],
     /// All agents.
     pub state: Vec<AgentMessage>,
+    /// What crews know that are to build line; the answer is of the type `line` then.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub line: Option<LineMessage<'a>>,
+}
+
+/// What crews know.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct LineMessage<'a> {
+    /// The crews, as in the scenario.
+    pub crews: &'a [Crew],
+    /// The velocity of the wind to the east and to the north, metres a second.
+    pub wind_mps: [f64; 2],
+    /// Cells from west to east.
+    pub cols: u16,
+    /// Cells from south to north.
+    pub rows: u16,
+    /// The side of a cell.
+    pub cell_m: f64,
+    /// The side of a square of `forecast_s`, a whole number of cells; the last ones may be cut off by the border.
+    pub square_m: f64,
+    /// Times at which fire that nobody fights first comes to squares, null where it does not: rows from south to north, each
+    /// from west to east.
+    pub forecast_s: Vec<Vec<Option<f64>>>,
 }
 
 /// An agent at the instant of a query.
@@ -195,6 +226,8 @@ pub enum FromProgram {
     None(NoneAnswer),
     /// The answer to `ask`.
     Answer(PolicyAnswer),
+    /// The answer to `ask` with a `line`: where crews build.
+    Line(LineAnswer),
 }
 
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
@@ -278,6 +311,15 @@ pub struct PolicyAnswer {
     pub choices: Vec<ChoiceMessage>,
 }
 
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+pub struct LineAnswer {
+    /// That of the query.
+    pub id: u64,
+    /// East and north of 2 to 10,000 points, in metres from the south-west corner, in the order in which crews build.
+    #[serde(deserialize_with = "list_of_at_most::<MOST_LINE_POINTS, _, _>")]
+    pub points: Vec<[f64; 2]>,
+}
+
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 pub struct ChoiceMessage {
     /// The agent's name.
@@ -337,7 +379,8 @@ impl FromProgram {
         match self {
             Self::Path(PathAnswer { id, .. })
             | Self::None(NoneAnswer { id, .. })
-            | Self::Answer(PolicyAnswer { id, .. }) => Some(*id),
+            | Self::Answer(PolicyAnswer { id, .. })
+            | Self::Line(LineAnswer { id, .. }) => Some(*id),
             Self::Hello(_) | Self::Ready | Self::Error(_) => None,
         }
     }
@@ -358,6 +401,7 @@ impl FromProgram {
             Path,
             None,
             Answer,
+            Line,
         }
         let text = str::from_utf8(line).map_err(|_| "it is no UTF-8 text".to_owned())?;
         if !text.trim_start().starts_with('{') {
@@ -384,6 +428,7 @@ impl FromProgram {
                 check_cpu(none.cpu_s).map(|()| Self::None(none))
             }
             Kind::Answer => read(text).map(Self::Answer),
+            Kind::Line => read(text).map(Self::Line),
         }
     }
 }
@@ -449,6 +494,69 @@ pub fn schema() -> Schema {
     schema_for!(Protocol)
 }
 
+/// Writes the state that a policy sees, and what it is asked, as a line of text.
+pub fn question(
+    id: u64,
+    seen: &Observation<'_>,
+    options: &[(AgentId, Vec<Cell>)],
+    line: Option<&LineSight<'_>>,
+) -> Vec<u8> {
+    let (mut burning, mut intact, mut extinguished, mut burned_out) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for cell in seen.fires.with_fuel() {
+        let place = [cell.col, cell.row];
+        match seen.fires.state(cell) {
+            Some(BushState::Burning { since }) => {
+                burning.push((cell.col, cell.row, seen.now.since(since).as_seconds()));
+            }
+            Some(BushState::Intact) => intact.push(place),
+            Some(BushState::Extinguished) => extinguished.push(place),
+            Some(BushState::BurnedOut) => burned_out.push(place),
+            None => {}
+        }
+    }
+    let pair = |cell: &Cell| [cell.col, cell.row];
+    let state = seen.agents.iter().map(|agent| AgentMessage {
+        agent: agent.id.to_string(),
+        pose: [agent.pose.x, agent.pose.y, agent.pose.heading],
+        activity: agent.activity.name().to_owned(),
+        goal: agent.goal.as_ref().map(pair),
+        options: options
+            .iter()
+            .find(|(asked, _)| *asked == agent.id)
+            .map(|(_, cells)| cells.iter().map(pair).collect()),
+    });
+    let ask = AskQuery {
+        id,
+        t_s: seen.now.as_seconds(),
+        agents: options.iter().map(|(agent, _)| agent.to_string()).collect(),
+        burning: &burning,
+        intact: &intact,
+        extinguished: &extinguished,
+        burned_out: &burned_out,
+        state: state.collect(),
+        line: line.map(LineMessage::from),
+    };
+    ToProgram::Ask(ask).line()
+}
+
+impl<'a> From<&LineSight<'a>> for LineMessage<'a> {
+    fn from(&LineSight { crews, wind_mps, forecast }: &LineSight<'a>) -> Self {
+        let FieldFrame { cols, rows, cell_m } = forecast.frame;
+        let side = cols.max(rows).div_ceil(MOST_SQUARES);
+        let first = |row: u16, col: u16| {
+            let cells = (row..rows.min(row + side))
+                .flat_map(|row| (col..cols.min(col + side)).map(move |col| Cell { col, row }));
+            let times = cells.map(|cell| forecast.seconds[forecast.frame.index(cell)]);
+            times.min_by(f64::total_cmp).filter(|time| time.is_finite())
+        };
+        let starts = |cells: u16| (0..cells).step_by(side.into());
+        let row_of = |row| starts(cols).map(|col| first(row, col)).collect();
+        let forecast_s = starts(rows).map(row_of).collect();
+        let square_m = f64::from(side) * cell_m;
+        Self { crews, wind_mps: wind_mps.into(), cols, rows, cell_m, square_m, forecast_s }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -501,6 +609,7 @@ mod tests {
             (b"{\"type\":\"path\",\"id\":1,\"poses\":[[1,2,1e200]]}", "expected -1000000 to"),
             (b"{\"type\":\"none\",\"id\":1,\"reason\":\"tired\"}", "`reason`: unknown variant `tired`"),
             (b"{\"type\":\"answer\",\"id\":1,\"choices\":[{\"agent\":\"unimog/0\",\"cell\":[1]}]}", "choices[0].cell"),
+            (b"{\"type\":\"line\",\"id\":1,\"points\":[[1,2],[3]]}", "`points[1]`: invalid length 1"),
         ] {
             let said = FromProgram::parse(line).expect_err("it is wrong");
             assert!(said.contains(words), "{}: {said}", String::from_utf8_lossy(line));
@@ -518,7 +627,7 @@ mod tests {
     #[test]
     fn schema_names_every_message() {
         let text = schema().to_value().to_string();
-        for kind in ["hello", "field", "plan", "ask", "end", "ready", "error", "path", "none", "answer"] {
+        for kind in ["hello", "field", "plan", "ask", "end", "ready", "error", "path", "none", "answer", "line"] {
             assert!(text.contains(&format!("\"const\":\"{kind}\"")), "{kind} is missing");
         }
     }

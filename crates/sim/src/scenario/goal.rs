@@ -1,6 +1,6 @@
-//! Who chooses where agents go: names of policies, as scenarios write them.
+//! Who chooses where agents go, and where crews build: names of policies, as scenarios write them.
 //!
-//! A built-in rule is of one kind of agents; any other name is that of a policy that the scenario has a table
+//! A built-in rule is of one kind of agents, or of crews; any other name is that of a policy that the scenario has a table
 //! `[policy.NAME]` of.
 
 use std::borrow::Cow;
@@ -41,13 +41,13 @@ macro_rules! goals {
             }
 
             /// Refuses the name of a policy that has no table.
-            pub(super) fn check(&self, table: &TablePath, policies: &Programs) -> Check {
+            pub(super) fn check(&self, table: &TablePath, key: &str, policies: &Programs) -> Check {
                 let Self::Policy(name) = self else { return Ok(()) };
                 if policies.contains_key(name) {
                     return Ok(());
                 }
                 let known = Self::BUILT_IN.into_iter().chain(policies.keys().map(PlannerName::name));
-                table.refuse_name("goal", "policy", name.name(), known.map(str::to_owned).collect())
+                table.refuse_name(key, "policy", name.name(), known.map(str::to_owned).collect())
             }
         }
 
@@ -112,4 +112,20 @@ goals! {
     DensestApart, "densest-apart";
     /// The same, corrected by a small trained network that knows trucks and fires.
     Learned, "learned";
+}
+
+goals! {
+    /// Chooses where crews build line.
+    LinePolicy;
+    /// Along the front of the fire.
+    Direct, "direct";
+    /// At `offset_m` from the front.
+    Parallel, "parallel";
+    /// Round the places in `protect`.
+    PointProtection, "point-protection";
+}
+
+/// Says whether a built-in policy has this name, of whatever kind.
+pub fn is_built_in_policy(name: &str) -> bool {
+    TruckGoal::is_built_in(name) || WumpusGoal::is_built_in(name) || LinePolicy::is_built_in(name)
 }

@@ -6,15 +6,20 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::check::{Check, TablePath};
-use super::{FireModelName, MAX_AGENTS, Scenario};
+use super::{FireModelName, LinePolicy, MAX_AGENTS, Scenario};
 use wildfire_base::geometry::FieldFrame;
+use wildfire_base::input_file::list_of_at_most;
 use wildfire_base::ranges;
 use wildfire_base::time::SimTime;
 use wildfire_fire::contain::Tactic;
 use wildfire_fire::fuel::FuelModel;
+use wildfire_planning::PlannerName;
 use wildfire_timeline::{CrewRules, LineRules};
 
-/// The order that all crews of a run follow together: one line on two flanks.
+/// The most places to protect.
+const MAX_PLACES: usize = 100;
+
+/// The order that all crews of a run follow together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LineSettings {
@@ -23,6 +28,9 @@ pub struct LineSettings {
     pub from: Tactic,
     /// Metres between the front and the line, for `parallel`.
     pub offset_m: f64,
+    /// The places that `point-protection` builds line round.
+    #[serde(deserialize_with = "list_of_at_most::<2_000, _, _>", skip_serializing_if = "Vec::is_empty")]
+    pub protect: Vec<ProtectedPlace>,
     pub holds: LineHolds,
     /// With `holds = "flame"`: flame length at which line holds in half of all cases, and scale of the logistic function, metres.
     pub flame_half_m: f64,
@@ -34,21 +42,26 @@ pub struct LineSettings {
 impl Default for LineSettings {
     fn default() -> Self {
         let (policy, from, holds) = (LinePolicy::Direct, Tactic::Rear, LineHolds::Always);
-        Self { policy, from, offset_m: 20.0, holds, flame_half_m: 1.2, flame_scale_m: 0.3, section_m: 20.0 }
+        let protect = Vec::new();
+        Self { policy, from, offset_m: 20.0, protect, holds, flame_half_m: 1.2, flame_scale_m: 0.3, section_m: 20.0 }
     }
 }
 
 ranges! { LineSettings {
-    offset_m: 0.0..=10_000.0, flame_half_m: 0.0..=100.0, flame_scale_m: 0.001..=100.0, section_m: 1.0..=1e6,
+    offset_m: 0.0..=10_000.0, flame_half_m: 0.0..=100.0, flame_scale_m: 0.001..=100.0, section_m: 1.0..=1e6; protect,
 } }
 
-/// The way of the line: along the front, or at `offset_m` from it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum LinePolicy {
-    Direct,
-    Parallel,
+/// A place that fire is to be kept from: a house, a mast.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ProtectedPlace {
+    pub x_m: f64,
+    pub y_m: f64,
+    /// The radius of the line round it.
+    pub radius_m: f64,
 }
+
+ranges! { ProtectedPlace { x_m: -1e6..=1e6, y_m: -1e6..=1e6, radius_m: 1.0..=10_000.0 } }
 
 /// Line stops all fire, or by chance: the longer the flames of the fire that comes to it, the less often.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -98,7 +111,15 @@ impl Crew {
 
 impl Scenario {
     pub(super) fn check_crews(&self, frame: &FieldFrame) -> Check {
-        let top = TablePath::named("");
+        let (top, table) = (TablePath::named(""), TablePath::named("line"));
+        if let Some(line) = &self.line {
+            line.policy.check(&table, "policy", &self.policy)?;
+            table.count("protect", line.protect.len(), MAX_PLACES)?;
+            if line.protect.is_empty() == (line.policy == LinePolicy::PointProtection) {
+                let found = format!("{} places", line.protect.len());
+                return table.refuse("protect", found, "places with the policy `point-protection` only".into());
+            }
+        }
         top.count("crew", self.crew.len(), MAX_AGENTS)?;
         for (number, crew) in self.crew.iter().enumerate() {
             let entry = TablePath::entry("crew", number);
@@ -116,6 +137,14 @@ impl Scenario {
         }
         let expected = "the model `rothermel` where there are crews, as other fire steps over line".into();
         TablePath::named("fire").refuse("model", "another one".into(), expected)
+    }
+
+    /// Returns the policy of the crews, if there are any and it is not built in.
+    pub fn own_line_policy(&self) -> Option<&PlannerName> {
+        match &self.line.as_ref().filter(|_| !self.crew.is_empty())?.policy {
+            LinePolicy::Policy(name) => Some(name),
+            _ => None,
+        }
     }
 
     /// Returns what bounds the work of crews in a run, if there are any.

@@ -72,12 +72,12 @@ pub use field::{Field, MAX_COVERAGE, MapTolerance, Overlaps};
 pub use fire::{Fire, FireModelName, SpreadFrom};
 pub use fuel_name::FuelName;
 pub use given::{GivenField, MAX_CELLS_A_SIDE, MapError};
-pub use goal::{TruckGoal, WumpusGoal};
+pub use goal::{LinePolicy, TruckGoal, WumpusGoal, is_built_in_policy};
 pub use ground_speed::GroundKinds;
 pub use landscape::LandscapeSettings;
 pub use layers::{GivenLayers, LayerKind, LayerReader, Weights};
 pub use learned::{HIDDEN, Learned};
-pub use line::{Crew, LineHolds, LinePolicy, LineSettings};
+pub use line::{Crew, LineHolds, LineSettings, ProtectedPlace};
 pub use load::{LoadedScenario, load};
 pub use memory::{MemoryEstimate, MemoryExceeded, MemoryLimit, bytes_text};
 pub use path::{FieldPath, PathStep};
@@ -279,8 +279,7 @@ impl Scenario {
         self.water.as_ref().map_or(Ok(()), |water| water.check(&top.inner("water"), &frame, self.fire.model))?;
         self.check_crews(&frame)?;
         check_programs("planner", &self.planner, |name| name.built_in().is_some())?;
-        let is_rule = |name: &PlannerName| TruckGoal::is_built_in(name.name()) || WumpusGoal::is_built_in(name.name());
-        check_programs("policy", &self.policy, is_rule)?;
+        check_programs("policy", &self.policy, |name| is_built_in_policy(name.name()))?;
         for agents in self.kinds() {
             top.count(agents.key(), agents.len(), MAX_AGENTS)?;
         }

@@ -313,10 +313,11 @@ impl Scenario {
         self.used_programs().iter().any(|used| used.table.module.is_none())
     }
 
-    /// Says whether an agent follows the policy of this name.
+    /// Says whether an agent follows the policy of this name, or crews do.
     pub(super) fn has_follower(&self, policy: &PlannerName) -> bool {
         let trucks = self.unimog.iter().any(|truck| truck.goal.name() == policy.name());
-        trucks || self.wumpus.iter().any(|wumpus| wumpus.goal.name() == policy.name())
+        let crews = self.own_line_policy().is_some_and(|own| own == policy);
+        crews || trucks || self.wumpus.iter().any(|wumpus| wumpus.goal.name() == policy.name())
     }
 
     /// Takes over the hashes of registered code from another one; no file has them.

@@ -358,7 +358,7 @@ impl AgentList for Vec<Unimog> {
         numbered.try_for_each(|(number, truck)| {
             let table = TablePath::entry(self.key(), number);
             check_planner_name(&table, &truck.planner, &scenario.planner)?;
-            truck.goal.check(&table, &scenario.policy)?;
+            truck.goal.check(&table, "goal", &scenario.policy)?;
             ground_speed::check(&table, &truck.speed_by_ground)?;
             // Each fire that begins would cost a plan, only to learn which fire is the nearest.
             if truck.goal == TruckGoal::NearestByDrive && truck.retarget == Retarget::OnEvent {

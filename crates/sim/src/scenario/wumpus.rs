@@ -284,7 +284,7 @@ impl AgentList for Vec<Wumpus> {
         for (number, wumpus) in self.iter().enumerate() {
             let table = TablePath::entry(self.key(), number);
             check_wumpus(&table, wumpus, &frame)?;
-            wumpus.goal.check(&table, &scenario.policy)?;
+            wumpus.goal.check(&table, "goal", &scenario.policy)?;
             let pitch_m = wumpus.lattice_m.unwrap_or(frame.cell_m);
             let own_points = (frame.width_m() / pitch_m).max(1.0) * (frame.height_m() / pitch_m).max(1.0);
             if own_points > MAX_LATTICE_POINTS {

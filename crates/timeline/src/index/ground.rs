@@ -85,7 +85,7 @@ impl GroundIndex {
             }
         }
         let mut wettings = Vec::new();
-        let (mut along_mm, mut line_cells) = ([0; 2], [0.0, 0.0]);
+        let (mut along_mm, mut line_cells) = ([0; 256], [0.0, 0.0]);
         for event in log {
             match event.fact {
                 GroundFact::Extinguished { .. } => {
@@ -100,7 +100,7 @@ impl GroundIndex {
                     wettings.push(Wetting { cell: event.cell, from: event.time, until });
                 }
                 GroundFact::Cleared { flank, along_mm: so_far, holds } => {
-                    let along = &mut along_mm[usize::from(flank) % 2];
+                    let along = &mut along_mm[usize::from(flank)];
                     *along = so_far.max(*along);
                     line_cells[usize::from(holds)] += 1.0;
                     let wetting = Wetting { cell: event.cell, from: event.time, until: SimTime::MAX };
