@@ -114,7 +114,16 @@ fn places_are_protected_in_the_order_in_which_the_fire_comes_and_others_are_left
     assert!(!late.is_empty() && late.iter().all(|&flank| flank > 1), "fire is at the first place: {late:?}");
 }
 
-/// Lets crews build through points, as a policy of their own says.
+#[test]
+fn crews_that_are_ready_before_the_fire_build_line_too() {
+    let early = run(&["crew.0.at_s=0", "crew.0.count=12", "line.holds=always"], 1);
+    assert!(early.ground.iter().filter(|event| is_cleared(event)).count() > 10);
+    assert_eq!(audit_timeline(&early, SampleStep::default()).violation, None);
+    let free = run(&["crew.0.count=0"], 1);
+    assert!(10 * burned(&early) < burned(&free), "{} of {}", burned(&early), burned(&free));
+}
+
+/// Lets crews build through points, as a custom policy answers.
 struct Through(Vec<DVec2>);
 
 impl Policy for Through {
@@ -132,7 +141,7 @@ impl Policy for Through {
 }
 
 #[test]
-fn a_policy_of_ones_own_encloses_the_fire_between_line_and_a_road_and_no_line_is_a_bad_answer() {
+fn a_custom_policy_encloses_the_fire_between_line_and_a_road_and_no_line_is_a_bad_answer() {
     let changes = ["line.policy=own", "policy.own.command=[]", "line.holds=always", "crew.0.count=30"];
     let road = "landscape.roads=[{width_m=15,points_m=[[100,0],[100,600]]}]";
     let changes: Vec<String> = changes.into_iter().chain([road]).map(str::to_owned).collect();

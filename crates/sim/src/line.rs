@@ -85,8 +85,8 @@ impl Orders {
     fn cells(&self, forecast: &Forecast, seen: &Observation<'_>, following: &mut Following) -> Vec<LineCell> {
         let LineSettings { policy, offset_m, protect, .. } = &self.settings;
         let lines = match policy {
-            LinePolicy::Direct => return self.along_front(forecast, 0.0),
-            LinePolicy::Parallel => return self.along_front(forecast, *offset_m),
+            LinePolicy::Direct => return self.along_front(forecast, seen.now, 0.0),
+            LinePolicy::Parallel => return self.along_front(forecast, seen.now, *offset_m),
             LinePolicy::PointProtection => {
                 let mut lines: Vec<Planned> = protect.iter().filter_map(|place| round(forecast, place)).collect();
                 lines.sort_by(|one, other| one.latest_s.total_cmp(&other.latest_s));
@@ -103,15 +103,17 @@ impl Orders {
     }
 
     /// Computes the line beside the front; nothing if the fire has no end to begin at.
-    fn along_front(&self, forecast: &Forecast, offset_m: f64) -> Vec<LineCell> {
+    fn along_front(&self, forecast: &Forecast, now: SimTime, offset_m: f64) -> Vec<LineCell> {
         let from = self.settings.from;
-        let mut arrivals: Vec<f64> = self.crews.iter().map(|crew| crew.at_s).collect();
+        // Crews that were there before the fire wait for it.
+        let set_out = |crew: &Crew| crew.at_s.max(now.as_seconds());
+        let mut arrivals: Vec<f64> = self.crews.iter().map(set_out).collect();
         let first = |arrivals: &[f64]| arrivals.iter().copied().fold(f64::INFINITY, f64::min);
         // Where crews go changes while they walk, as the fire grows, but is slower than they are.
         for _ in 0..8 {
             let Some(goal) = forecast.end_of_fire(first(&arrivals), from) else { return Vec::new() };
             let walk_m = |crew: &Crew| (goal - DVec2::new(crew.x_m, crew.y_m)).length();
-            let arrival = |crew: &Crew| crew.at_s + walk_m(crew) / crew.speed_mps;
+            let arrival = |crew: &Crew| set_out(crew) + walk_m(crew) / crew.speed_mps;
             arrivals = self.crews.iter().map(arrival).collect();
         }
         let rate_mps = |time_s: f64, place: DVec2| self.rate_mps(&arrivals, time_s, place);
