@@ -364,7 +364,10 @@ mod tests {
     use crate::film::field::FieldView;
     use crate::film::field::tests::setting;
     use crate::film::{Camera, FrameRenderer, FrameRequest, Layers, Projection, ViewOptions};
-    use wildfire_timeline::{GroundEvent, Timeline, sample};
+    use std::sync::Arc;
+    use wildfire_fire::CanopyLayers;
+    use wildfire_fire::surface::crown::{Canopy, CrownMethod, CrownRules};
+    use wildfire_timeline::{GroundEvent, SpreadSetting, Timeline, sample};
 
     const SIZE: (u32, u32) = (640, 480);
 
@@ -382,12 +385,22 @@ mod tests {
     fn every_layer_of_the_ground_shows_something_there_and_nothing_elsewhere() {
         let on_ground = RunView::new(sample::on_ground(), None);
         let elsewhere = RunView::new(Timeline { setting: setting(), events: Vec::new(), ground: Vec::new() }, None);
+        let mut wooded = sample::on_ground();
+        let Some(SpreadSetting::Rothermel { landscape, rules, .. }) = &mut wooded.setting.spread else {
+            unreachable!("its ground is grass")
+        };
+        let trees = Canopy { height_m: 15.0, base_m: 0.5, bulk_density_kg_m3: 0.1, cover: 0.5 };
+        let cells = landscape.frame.cell_count();
+        Arc::make_mut(landscape).canopy = Some(CanopyLayers::uniform(&trees, cells));
+        rules.crowns = Some(CrownRules { method: CrownMethod::ScottReinhardt, foliar_moisture: 1.0 });
+        let wooded = RunView::new(wooded, None);
         for layer in ground_layers() {
             // The few cells of the sample burn one by one, without the squares of four that lines need.
             let differs = |run: &RunView, time_s: f64| {
                 frame(run, time_s, Layers::NONE.with(layer)) != frame(run, time_s, Layers::NONE)
             };
-            assert_eq!(differs(&on_ground, 45.5), layer != Layer::Arrival, "{layer:?}");
+            assert_eq!(differs(&wooded, 45.5), layer != Layer::Arrival, "{layer:?}");
+            assert_eq!(differs(&on_ground, 45.5), !matches!(layer, Layer::Arrival | Layer::FireType), "{layer:?}");
             assert!(!differs(&elsewhere, 45.5), "{layer:?} where only bushes burn");
         }
     }
