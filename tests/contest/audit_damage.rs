@@ -422,14 +422,14 @@ fn water_that_does_not_suffice_for_the_heat_is_found() {
     let heat = ["water.effect=energy", "water.stop_l=1"].map(str::to_owned);
     let timeline = run_with_seed("initial-attack", &heat, 3);
     audit(&timeline).expect("nothing is wrong yet");
-    let stops = timeline.events.iter().enumerate().filter_map(|(place, event)| match event.fact {
+    let mut stops = timeline.events.iter().enumerate().filter_map(|(place, event)| match event.fact {
         Fact::Agent(agent, AgentFact::Suppressing { portions: 2.., cell }) => Some((place, (agent, cell))),
         _ => None,
     });
     // One that puts its goal out.
     let ended = |it: (AgentId, Cell)| Fact::Agent(it.0, AgentFact::SuppressionEnded { cell: it.1 });
     let is_over = |it| timeline.events.iter().any(|event| event.fact == ended(it));
-    let (stop, _) = stops.filter(|&(_, it)| !is_over(it)).next().expect("it puts something out");
+    let (stop, _) = stops.find(|&(_, it)| !is_over(it)).expect("it puts something out");
     let with_portions = |change: &dyn Fn(u32) -> u32| {
         let mut damaged = timeline.clone();
         if let Fact::Agent(_, AgentFact::Suppressing { portions, .. }) = &mut damaged.events[stop].fact {
