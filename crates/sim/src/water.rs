@@ -15,7 +15,7 @@ use wildfire_timeline::{SpreadSetting, WaterEnergy, WaterRules};
 pub struct WaterNeeds {
     spread: SpreadSetting,
     energy: WaterEnergy,
-    /// Of the cells that burn.
+    /// By burning cell.
     litres: BTreeMap<Cell, f64>,
 }
 

@@ -172,8 +172,8 @@ impl SpreadSetting {
     }
 }
 
-/// Returns the horizontal direction that the front faced in a cell that it came to at a time from another; of its
-/// neighbours, those count that caught fire before.
+/// Returns the horizontal direction that the front faced in a cell that it reached at a time from its parent, by the neighbours
+/// that caught fire before.
 pub fn front_direction(
     frame: &FieldFrame,
     (cell, time, parent): (Cell, SimTime, Cell),

@@ -108,7 +108,7 @@ pub struct Observation<'a> {
     pub options_of: &'a dyn OptionsOf<AgentId>,
 }
 
-/// What a policy may look at besides, if it is asked where crews build line.
+/// The knowledge of a policy that is asked where crews build line.
 #[derive(Clone, Copy, Debug)]
 pub struct LineSight<'a> {
     pub crews: &'a [Crew],

@@ -169,12 +169,12 @@ pub struct AskQuery<'a> {
     pub burned_out: &'a [[u16; 2]],
     /// All agents.
     pub state: Vec<AgentMessage>,
-    /// What crews know that are to build line; the answer is of the type `line` then.
+    /// The knowledge of crews that are to build line; the answer is of the type `line` then.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub line: Option<LineMessage<'a>>,
 }
 
-/// What crews know.
+/// The knowledge of crews.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct LineMessage<'a> {
     /// The crews, as in the scenario.

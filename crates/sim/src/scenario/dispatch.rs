@@ -196,8 +196,9 @@ pub(super) fn warn_of_team(scenario: &Scenario, found: &mut Vec<String>) {
         found.push("`dispatch.idle` \"regions\" equals \"stay\" for one truck: the whole field is its region.".into());
     }
     let Some(sight) = &scenario.sight else { return };
-    if sight.field != SightOfField::Radius && sight.radius_m != Sight::default().radius_m {
-        found.push("`sight.radius_m` has no effect: only `sight.field` \"radius\" uses it.".into());
+    let of_radius = [("radius_m", sight.radius_m != Sight::default().radius_m), ("report_s", sight.report_s.is_some())];
+    for (key, _) in of_radius.iter().filter(|&&(_, is_set)| is_set && sight.field != SightOfField::Radius) {
+        found.push(format!("`sight.{key}` has no effect: only `sight.field` \"radius\" uses it."));
     }
     if sight.wumpuses && scenario.wumpus.is_empty() {
         found.push("`sight.wumpuses` has no effect: there is no Wumpus.".into());
@@ -223,6 +224,7 @@ mod tests {
             (&["dispatch.policy=auction", "dispatch.rollouts=7"], "`dispatch.rollouts` has no effect"),
             (&["dispatch.policy=auction", "unimog.retarget=on-event"], "`unimog.retarget` has no effect"),
             (&["dispatch.policy=auction", "sight.radius_m=7"], "`sight.radius_m` has no effect"),
+            (&["dispatch.policy=auction", "sight.report_s=7"], "`sight.report_s` has no effect"),
         ] {
             let text = explained(changes);
             assert!(text.contains(words), "`{words}` is not in {text}");

@@ -71,7 +71,7 @@ ranges! { Water {
     if is_held { Ok(()) } else { Err(OutOfRange::new("stop_l", own.stop_l, expected)) }
 } }
 
-/// What a stop takes: the same water each time, or what the heat of the fire demands.
+/// Selects the water of a stop: the same each time, or as much as the heat of the fire demands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum WaterEffect {

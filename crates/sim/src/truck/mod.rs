@@ -83,7 +83,7 @@ pub struct Truck {
     deliberation: Option<Deliberation>,
     /// The rules of water, if there are any.
     water: Option<Arc<WaterRules>>,
-    /// What the stop that it makes puts out, and which time each of the cells burns; where heat matters.
+    /// The cells that its present stop puts out, and the episode of each; only where heat matters.
     puts_out: Option<Vec<(Cell, u32)>>,
     /// Places that it found no way to.
     closed_posts: Vec<ClosedPost>,

@@ -179,7 +179,7 @@ fn encode_payload(timeline: &Timeline) -> Vec<u8> {
     let log = (!timeline.ground.is_empty()).then(|| GroundWriter::new(&timeline.setting, &timeline.ground));
     append(&mut bytes, &log.as_ref().map(GroundWriter::record_of_all));
     append(&mut bytes, &timeline.setting.water.as_ref().map(WaterRecord::from));
-    // Where no ground slows trucks, no crew builds line and water follows no heat nothing follows, as before there were any.
+    // Nothing follows in runs without slow ground, line and heat, so that their bytes stay as they were.
     let shares: Vec<_> = timeline.setting.ground_shares.iter().map(GroundSharesRecord::from).collect();
     let line = &timeline.setting.line;
     let energy = timeline.setting.water.as_ref().and_then(|water| water.energy);

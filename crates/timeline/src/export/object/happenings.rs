@@ -327,7 +327,7 @@ pub struct LineObject {
     flank: u8,
     /// The length of line on this flank up to the cell.
     along_m: f64,
-    /// Whether the cell cannot burn from then on; line that does not hold leaves it as it was.
+    /// True if the cell cannot burn from then on; line that does not hold leaves it as it was.
     holds: bool,
 }
 

@@ -114,7 +114,7 @@ struct WaterObject {
     fill_per_stop_ns: u64,
     reach_m: f64,
     places_m: Vec<[f64; 2]>,
-    /// How much water the heat of a fire takes, if stops differ: tanks are counted in portions then.
+    /// The water that the heat of a fire takes, if stops differ; tanks are then counted in portions.
     #[serde(skip_serializing_if = "Option::is_none")]
     energy: Option<WaterEnergy>,
 }
