@@ -216,7 +216,7 @@ pub fn plan_line(
         let seen = Observation { now: clock.0, fires: &fires.field, agents: &agents, options_of: &nobody };
         for line in orders.0.cells(&forecast, &seen, &mut following) {
             let (along_mm, holds) = ((1000.0 * line.along_m).round() as u32, orders.0.holds(&line));
-            // What has burned by then is a gap, not line that is lost.
+            // A cell that burns before it is finished is a gap, and does not count as lost line.
             if !holds && forecast.seconds[forecast.frame.index(line.cell)] <= line.time_s {
                 continue;
             }

@@ -323,7 +323,7 @@ pub struct WettingObject {
 pub struct LineObject {
     cell: [u16; 2],
     built_ns: u64,
-    /// Which of the two flanks the line is on, 0 or 1.
+    /// The flank: 0 or 1 of the first planned line, 2 or 3 of the next.
     flank: u8,
     /// The length of line on this flank up to the cell.
     along_m: f64,
