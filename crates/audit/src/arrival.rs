@@ -16,12 +16,11 @@
 //! World frame, metres; times are nanoseconds inside, as sums of them are what is compared.
 
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 
-use wildfire_base::geometry::{Cell, DVec2, FieldFrame, ops};
+use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
 use wildfire_base::time::SimTime;
 use wildfire_fire::fuel::FuelModel;
-use wildfire_fire::models::RothermelRules;
+use wildfire_fire::models::{DirectionSet, RothermelRules, sampled_cells};
 use wildfire_fire::surface::crown::model_10;
 use wildfire_fire::surface::{Ellipse, FuelBed, twenty_foot_wind, unsheltered_adjustment};
 use wildfire_fire::{Landscape, Relief, Weather};
@@ -30,9 +29,6 @@ use crate::crown::{self, Below};
 
 /// Later than any time.
 pub const NEVER: u64 = u64::MAX;
-
-/// Cells, in columns or rows, beyond which nothing concerns a cell.
-pub const REACH: i32 = 3;
 
 const NANOS: f64 = 1e9;
 
@@ -56,6 +52,10 @@ pub enum CellChange {
 #[derive(Debug)]
 pub struct FireHistory {
     relight: bool,
+    /// Cells, in columns or rows, beyond which nothing concerns a cell but a source.
+    reach: i32,
+    /// The same of sources.
+    source_reach: i32,
     /// By cell index: when it first caught fire.
     first: Vec<u64>,
     /// By cell index: whether that was from a front.
@@ -81,10 +81,12 @@ struct Known {
 
 impl FireHistory {
     /// Creates the history of cells of which none burns yet.
-    pub fn new(cells: usize, relight: bool) -> Self {
+    pub fn new(cells: usize, relight: bool, [reach, source_reach]: [i32; 2]) -> Self {
         let no = vec![false; cells];
         Self {
             relight,
+            reach,
+            source_reach,
             first: vec![NEVER; cells],
             is_source: no.clone(),
             more: BTreeMap::new(),
@@ -115,14 +117,16 @@ impl FireHistory {
     /// Marks what has a source in reach, or a cell that does not just catch fire once; after the last change.
     pub fn mark_surroundings(&mut self, frame: FieldFrame) {
         let sources = self.is_source.iter().enumerate().filter(|&(_, &is_source)| is_source).map(|(index, _)| index);
-        for near in sources.flat_map(|index| cells_in_reach(frame, frame.cell(index))) {
+        for near in sources.flat_map(|index| cells_within(self.source_reach, frame, frame.cell(index))) {
             self.is_near_source[frame.index(near)] = true;
         }
         for (&index, changes) in &self.more {
             let is_source = changes.iter().any(|(_, change)| *change == CellChange::Ignited { is_source: true });
-            for near in cells_in_reach(frame, frame.cell(index as usize)) {
+            for near in cells_within(self.reach, frame, frame.cell(index as usize)) {
                 self.is_near_more[frame.index(near)] = true;
-                self.is_near_source[frame.index(near)] |= is_source;
+            }
+            for near in cells_within(self.source_reach, frame, frame.cell(index as usize)).filter(|_| is_source) {
+                self.is_near_source[frame.index(near)] = true;
             }
         }
     }
@@ -130,6 +134,21 @@ impl FireHistory {
     /// Says whether something happened in reach of a cell besides cells that caught fire once.
     pub fn is_eventful_near(&self, index: usize) -> bool {
         self.is_near_more[index]
+    }
+
+    /// Returns when a front came to a cell that did nothing else than burn; `None` if it did not.
+    pub fn first_front(&self, index: usize) -> Option<u64> {
+        (self.first[index] != NEVER && !self.is_source[index]).then_some(self.first[index])
+    }
+
+    /// Says whether nothing happened to a cell but that a front may have come to it.
+    pub fn is_front_or_unburned(&self, index: usize) -> bool {
+        !self.has_more[index] && !self.is_source[index]
+    }
+
+    /// Iterates over the cells that may concern a cell, itself among them.
+    pub fn cells_in_reach(&self, frame: FieldFrame, cell: Cell) -> impl Iterator<Item = Cell> + use<> {
+        cells_within(self.reach, frame, cell)
     }
 
     /// The changes of a cell that does not just catch fire once.
@@ -158,9 +177,9 @@ impl FireHistory {
     }
 }
 
-/// Iterates over the cells in reach of one, itself among them.
-pub fn cells_in_reach(frame: FieldFrame, cell: Cell) -> impl Iterator<Item = Cell> {
-    let offsets = (-REACH..=REACH).flat_map(|rows| (-REACH..=REACH).map(move |cols| (cols, rows)));
+/// Iterates over the cells within so many columns and rows of one, itself among them.
+pub fn cells_within(reach: i32, frame: FieldFrame, cell: Cell) -> impl Iterator<Item = Cell> {
+    let offsets = (-reach..=reach).flat_map(move |rows| (-reach..=reach).map(move |cols| (cols, rows)));
     offsets.filter_map(move |(cols, rows)| frame.offset(cell, cols, rows))
 }
 
@@ -206,10 +225,6 @@ impl Line {
     }
 }
 
-fn divisor(a: i32, b: i32) -> i32 {
-    if b == 0 { a } else { divisor(b, a % b) }
-}
-
 /// The kinds of ground on a line to a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Lies {
@@ -235,6 +250,18 @@ pub struct Earliest {
     pub from_parent: u64,
 }
 
+/// The lines of some intervals of the weather.
+#[derive(Debug)]
+struct LineSet {
+    directions: DirectionSet,
+    /// Numbers of lines; neighbours in this list are neighbours in direction.
+    lines: Vec<usize>,
+    /// By number of a line, whether it is one of them.
+    is_taken: Vec<bool>,
+    /// By number of a line round a cell, whether it is one of them.
+    is_of_disc: Vec<bool>,
+}
+
 /// Finds arrivals on one landscape in one weather.
 #[derive(Debug)]
 pub struct Arrivals<'a> {
@@ -247,9 +274,12 @@ pub struct Arrivals<'a> {
     fuel: Vec<Option<u8>>,
     /// By cell index: whether all cells in reach have its fuel.
     is_alike: Vec<bool>,
-    /// By direction, and round the cell.
+    /// In all directions that any weather asks for, and round the cell.
     lines: Vec<Line>,
     disc: Vec<Line>,
+    /// By interval of the weather: the place of its lines among all that there are.
+    set_of: Vec<usize>,
+    sets: Vec<LineSet>,
     /// By interval of the weather and by fuel.
     beds: Vec<Vec<FuelBed>>,
     /// Fuel model 10 by interval, where there are trees.
@@ -271,17 +301,6 @@ impl<'a> Arrivals<'a> {
             .map(|number| models.iter().position(|model| model.number == number).map(|place| place as u8))
             .collect();
         let fuel: Vec<Option<u8>> = landscape.fuel.iter().map(|&number| places[usize::from(number)]).collect();
-        let offsets = || (-REACH..=REACH).flat_map(|rows| (-REACH..=REACH).map(move |cols| (cols, rows)));
-        let line = |(cols, rows)| Line::new(cols, rows, frame.cell_m);
-        let farthest = rules.neighbours.reach();
-        let is_step = |&(cols, rows): &(i32, i32)| {
-            divisor(cols.abs(), rows.abs()) == 1 && cols.abs() <= farthest && rows.abs() <= farthest
-        };
-        let mut lines: Vec<Line> = offsets().filter(is_step).map(line).collect();
-        let angle = |line: &Line| (ops::atan2(line.v.y, line.v.x) + TAU) % TAU;
-        lines.sort_by(|one, other| angle(one).total_cmp(&angle(other)));
-        let is_near = |&(cols, rows): &(i32, i32)| (1..=REACH * REACH).contains(&(cols * cols + rows * rows));
-        let disc: Vec<Line> = offsets().filter(is_near).map(line).collect();
         let beds: Vec<Vec<FuelBed>> = weather
             .intervals()
             .iter()
@@ -297,23 +316,76 @@ impl<'a> Arrivals<'a> {
             weather,
             rules,
             models,
-            is_alike: alike(frame, &fuel),
+            is_alike: Vec::new(),
             fuel,
-            lines,
-            disc,
+            lines: Vec::new(),
+            disc: Vec::new(),
+            set_of: Vec::new(),
+            sets: Vec::new(),
             beds,
             crown_beds: with_trees.map(|interval| model_10(&interval.moisture, rules.options.curing)).collect(),
             plane: Vec::new(),
             kept: Vec::new(),
         };
-        match landscape.relief {
-            Relief::Plane(gradient) if !has_trees => arrivals.plane = arrivals.on_plane(gradient),
-            _ => {
-                let kept = (frame.cell_count() / 4).next_power_of_two().max(LEAST_KEPT);
-                arrivals.kept = vec![(NEVER, Ellipse::NEVER); kept];
-            }
+        let plane = if let Relief::Plane(gradient) = landscape.relief { Some(gradient) } else { None };
+        let plane = plane.filter(|_| !has_trees);
+        if plane.is_none() {
+            let kept = (frame.cell_count() / 4).next_power_of_two().max(LEAST_KEPT);
+            arrivals.kept = vec![(NEVER, Ellipse::NEVER); kept];
+        }
+        arrivals.draw_lines(plane);
+        arrivals.is_alike = alike(frame, &arrivals.fuel, arrivals.reach()[0].max(3));
+        if let Some(gradient) = plane {
+            arrivals.plane = arrivals.on_plane(gradient);
         }
         arrivals
+    }
+
+    /// Finds the directions of each interval of the weather, and the lines to a cell along them.
+    fn draw_lines(&mut self, plane: Option<DVec2>) {
+        for interval in 0..self.beds.len() {
+            let ellipses: Vec<Ellipse> = match plane {
+                Some(gradient) => {
+                    (0..self.models.len()).map(|fuel| self.new_ellipse(interval, fuel, gradient)).collect()
+                }
+                None => sampled_cells(self.fuel.len()).map(|index| self.ellipse(interval, index)).collect(),
+            };
+            let directions = DirectionSet::new(self.rules.neighbours, &ellipses);
+            let known = self.sets.iter().position(|set| set.directions == directions);
+            self.set_of.push(known.unwrap_or(self.sets.len()));
+            if known.is_some() {
+                continue;
+            }
+            let cell_m = self.frame.cell_m;
+            let mut lines = Vec::new();
+            for &(cols, rows) in directions.steps() {
+                let known = self.lines.iter().position(|line| (line.cols, line.rows) == (-cols, -rows));
+                lines.push(known.unwrap_or(self.lines.len()));
+                if known.is_none() {
+                    self.lines.push(Line::new(-cols, -rows, cell_m));
+                }
+            }
+            let disc = directions.exact_offsets();
+            for &(cols, rows) in &disc {
+                if !self.disc.iter().any(|line| (line.cols, line.rows) == (-cols, -rows)) {
+                    self.disc.push(Line::new(-cols, -rows, cell_m));
+                }
+            }
+            let is_of_disc = self.disc.iter().map(|line| disc.contains(&(-line.cols, -line.rows))).collect();
+            let is_taken = (0..self.lines.len()).map(|line| lines.contains(&line)).collect();
+            self.sets.push(LineSet { directions, lines, is_taken, is_of_disc });
+        }
+    }
+
+    /// Returns how many columns or rows away things may concern a cell, and sources.
+    pub fn reach(&self) -> [i32; 2] {
+        let farthest = |reach: fn(&DirectionSet) -> i32| self.sets.iter().map(|set| reach(&set.directions)).max();
+        [DirectionSet::reach, DirectionSet::exact_reach].map(|reach| farthest(reach).unwrap_or(0))
+    }
+
+    /// Returns the place of the lines of the weather at a time among [`Self::sets`].
+    fn set_at(&self, time: u64) -> usize {
+        self.set_of[self.weather.interval_at(SimTime::from_nanos(time))]
     }
 
     fn on_plane(&self, gradient: DVec2) -> Vec<Vec<(Ellipse, Vec<f64>)>> {
@@ -361,6 +433,24 @@ impl<'a> Arrivals<'a> {
         self.kept[place].1
     }
 
+    pub fn frame(&self) -> FieldFrame {
+        self.frame
+    }
+
+    /// Returns the place of a cell's fuel among those of the landscape; `None` where nothing burns.
+    pub fn fuel_at(&self, index: usize) -> Option<u8> {
+        self.fuel[index]
+    }
+
+    /// Returns the ellipse of all cells of a cell's fuel from one time to another; `None` where it is not one.
+    pub fn plane_ellipse(&self, index: usize, from: SimTime, until: SimTime) -> Option<Ellipse> {
+        let interval = self.weather.interval_at(from);
+        if self.weather.interval_at(until) != interval {
+            return None;
+        }
+        Some(self.plane.get(interval)?[usize::from(self.fuel[index]?)].0)
+    }
+
     /// Returns true if a cell can burn by its fuel.
     pub fn has_fuel(&self, index: usize) -> bool {
         self.fuel[index].is_some()
@@ -384,8 +474,8 @@ impl<'a> Arrivals<'a> {
             }
         };
         // Lines over one fuel, without a delay, that may be part of a pair; by direction.
-        let mut plain: [Option<Begun>; 32] = [None; 32];
         let count = self.lines.len();
+        let mut plain: Vec<Option<Begun>> = vec![None; count];
         let all = count + if history.is_near_source[to] { self.disc.len() } else { 0 };
         for number in 0..all {
             let line = self.line(number);
@@ -415,15 +505,28 @@ impl<'a> Arrivals<'a> {
                 continue;
             }
             let is_one_fuel = lies == Lies::OneFuel;
-            let time = self.straight_arrival(cell, number, start, is_one_fuel);
-            consider(&mut earliest, time, from);
+            let set = &self.sets[self.set_at(start)];
+            let is_of_set = match number.checked_sub(count) {
+                Some(of_disc) => set.is_of_disc.get(of_disc) == Some(&true),
+                None => set.is_taken.get(number) == Some(&true),
+            };
+            if is_of_set {
+                let time = self.straight_arrival(cell, number, start, is_one_fuel);
+                consider(&mut earliest, time, from);
+            }
             let is_plain = !is_of_disc && is_one_fuel && start == lit;
             if let Some(place) = plain.get_mut(number).filter(|_| is_plain) {
                 *place = Some(Begun { line: number, index: from, time: lit });
             }
         }
-        for number in 0..count {
-            if let (Some(one), Some(other)) = (plain[number], plain[(number + 1) % count]) {
+        for set in 0..self.sets.len() {
+            for place in 0..self.sets[set].lines.len() {
+                let lines = &self.sets[set].lines;
+                let pair = [lines[place], lines[(place + 1) % lines.len()]];
+                let [Some(one), Some(other)] = pair.map(|line| plain[line]) else { continue };
+                if self.set_at(one.time.max(other.time)) != set {
+                    continue;
+                }
                 let is_of_parent = one.index == parent || other.index == parent;
                 if one.time.max(other.time) >= earliest.time && !is_of_parent {
                     continue;
@@ -450,8 +553,9 @@ impl<'a> Arrivals<'a> {
     fn on_line(&self, history: &FireHistory, cell: Cell, number: usize, before: u64, fuel: u8) -> (Lies, u64) {
         let line = self.line(number);
         let to = self.frame.index(cell);
-        let is_undisturbed = !history.is_near_more[to];
-        if is_undisturbed && self.is_alike[to] {
+        let is_far = line.cols.abs().max(line.rows.abs()) > history.reach;
+        let is_undisturbed = !history.is_near_more[to] && (!is_far || history.more.is_empty());
+        if is_undisturbed && !is_far && self.is_alike[to] {
             return (Lies::OneFuel, 0);
         }
         let opens_at = |index: usize| {
@@ -598,8 +702,8 @@ fn later(time: u64, seconds: f64) -> u64 {
 }
 
 /// Says of each cell whether all cells in reach are inside the field and have its fuel.
-fn alike(frame: FieldFrame, fuel: &[Option<u8>]) -> Vec<bool> {
-    let (cols, rows, reach) = (usize::from(frame.cols), usize::from(frame.rows), REACH as usize);
+fn alike(frame: FieldFrame, fuel: &[Option<u8>], reach: i32) -> Vec<bool> {
+    let (cols, rows, reach) = (usize::from(frame.cols), usize::from(frame.rows), reach as usize);
     // Along rows first: how many cells up to this one have its fuel.
     let is_row = |index: usize| {
         let col = index % cols;

@@ -22,11 +22,12 @@ pub struct Below<'a> {
     pub gradient: DVec2,
 }
 
-/// The part of the wind above trees that is felt at the flames below them (Albini and Baughman, 1979).
+/// The part of the wind above trees that is felt at the flames below them (Albini and Baughman, 1979). Trees that fill just
+/// five hundredths shelter, however their numbers are rounded.
 fn shelter(canopy: &Canopy, depth_ft: f64) -> f64 {
     let feet = canopy.height_m / FOOT_M;
     let filled = canopy.cover * (1.0 - canopy.base_m / canopy.height_m).max(0.0) / 3.0;
-    if filled < 0.05 || feet < 6.0 {
+    if filled < 0.05 - 1e-11 || feet < 6.0 - 1e-8 {
         return unsheltered_adjustment(depth_ft);
     }
     0.555 / ((filled * feet).sqrt() * ops::ln((20.0 + 0.36 * feet) / (0.13 * feet)))
@@ -79,4 +80,33 @@ pub fn ellipse(canopy: &Canopy, below: &Below, options: &SurfaceOptions, rules: 
         }
     };
     Ellipse::new(rate, surface.eccentricity, surface.heading, below.gradient)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_find_the_same_trees_to_shelter() {
+        let mut at_limit = 0;
+        for height in (10_u32..400).step_by(5) {
+            for base in (0..height).step_by(5) {
+                for percent in 1..=100 {
+                    let canopy = Canopy {
+                        height_m: f64::from(height) / 10.0,
+                        base_m: f64::from(base) / 10.0,
+                        bulk_density_kg_m3: 0.1,
+                        cover: f64::from(percent) / 100.0,
+                    };
+                    let [one, other] = [shelter(&canopy, 1.0), canopy.wind_adjustment(1.0)];
+                    assert!((one - other).abs() < 1e-12 * one, "{canopy:?}: {one} {other}");
+                    // By whole numbers: the part of the space that crowns fill, against 5 % of it, three times.
+                    let is_sheltered = percent * (height - base) >= 15 * height && height > 18;
+                    assert_eq!(one != unsheltered_adjustment(1.0), is_sheltered, "{canopy:?}");
+                    at_limit += usize::from(percent * (height - base) == 15 * height);
+                }
+            }
+        }
+        assert!(at_limit > 400, "{at_limit}");
+    }
 }

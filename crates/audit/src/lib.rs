@@ -20,6 +20,7 @@
 mod arrival;
 mod automaton;
 mod cell_log;
+mod characteristic;
 mod crown;
 mod driven;
 mod ember;

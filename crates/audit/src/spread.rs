@@ -5,9 +5,10 @@
 //! that, nor be spared. A truck can only make fire come later. So where trucks put out or wetted something near a cell,
 //! what was due at the cell before must have happened before.
 
-use super::arrival::{Arrivals, CellChange, FireHistory, cells_in_reach};
+use super::arrival::{Arrivals, CellChange, FireHistory};
 use super::automaton::audit_automaton;
 use super::cell_log::{CellLog, Change, What, changes_in_order};
+use super::characteristic::{self, straight_arrival};
 use super::ember::audit_embers;
 use super::violation::first_violation;
 use super::{Violation, ViolationKind};
@@ -192,7 +193,7 @@ struct Fronts<'a> {
 impl<'a> Fronts<'a> {
     fn new(setting: &'a Setting, arrivals: Arrivals<'a>, changes: &[Change], end: SimTime) -> Self {
         let frame = setting.frame;
-        let mut history = FireHistory::new(frame.cell_count(), setting.rules.relight);
+        let mut history = FireHistory::new(frame.cell_count(), setting.rules.relight, arrivals.reach());
         let mut ignitions = Vec::new();
         for change in changes {
             let index = frame.index(change.cell);
@@ -217,13 +218,32 @@ impl<'a> Fronts<'a> {
     /// Returns the first violation in time.
     fn check(mut self) -> Result<(), Violation> {
         let ignitions = std::mem::take(&mut self.ignitions);
+        let straight = self.check_straight(&ignitions);
         let mut rest = &ignitions[..];
         let cells = 0..self.setting.frame.cell_count();
-        first_violation(cells.map(|index| {
+        let stepped = cells.map(|index| {
             let count = rest.iter().take_while(|ignition| ignition.0 as usize == index).count();
             let (of_cell, others) = rest.split_at(count);
             rest = others;
             self.check_cell(index, of_cell)
+        });
+        first_violation(stepped.chain([straight]))
+    }
+
+    /// Checks a part of the ignitions against fire that runs straight, where it does.
+    fn check_straight(&self, ignitions: &[(u32, SimTime, Cause)]) -> Result<(), Violation> {
+        let frame = self.setting.frame;
+        let spread: Vec<_> = ignitions.iter().filter(|(_, _, cause)| matches!(cause, Cause::Spread(_))).collect();
+        let every = spread.len().div_ceil(characteristic::MAX_SAMPLES).max(1);
+        first_violation(spread.into_iter().step_by(every).map(|&(index, time, _)| {
+            let cell = frame.cell(index as usize);
+            match straight_arrival(&self.arrivals, &self.history, cell, time) {
+                Some(straight) if !straight.is_kept() => {
+                    let kind = ViolationKind::NotStraight { cell, due: straight.due };
+                    Err(Violation { time, agent: None, place: frame.centre(cell), kind })
+                }
+                _ => Ok(()),
+            }
         }))
     }
 
@@ -251,7 +271,8 @@ impl<'a> Fronts<'a> {
     fn check_wait(&mut self, cell: Cell, wait: Wait) -> Result<(), Violation> {
         let frame = self.setting.frame;
         let violation = |time, kind| Err(Violation { time, agent: None, place: frame.centre(cell), kind });
-        let changes = cells_in_reach(frame, cell).map(|near| self.history.changes(frame.index(near)).len() as u64);
+        let changes =
+            self.history.cells_in_reach(frame, cell).map(|near| self.history.changes(frame.index(near)).len() as u64);
         let around: u64 = if self.history.is_eventful_near(frame.index(cell)) { changes.sum() } else { 0 };
         self.looks += around;
         for disturbed in self.disturbances(cell, wait) {
@@ -293,7 +314,7 @@ impl<'a> Fronts<'a> {
         if !self.history.is_eventful_near(frame.index(cell)) {
             return Vec::new();
         }
-        let changes = cells_in_reach(frame, cell).flat_map(|near| self.history.changes(frame.index(near)));
+        let changes = self.history.cells_in_reach(frame, cell).flat_map(|near| self.history.changes(frame.index(near)));
         let disturbing = changes.filter(|(_, change)| !matches!(change, CellChange::Ignited { .. }));
         let mut times: Vec<SimTime> = disturbing.map(|&(time, _)| SimTime::from_nanos(time)).collect();
         times.retain(|&time| wait.from < time && time < wait.until);
@@ -309,6 +330,7 @@ mod tests {
 
     use rand::{Rng, RngExt};
 
+    use super::super::arrival::cells_within;
     use super::*;
     use wildfire_base::event_queue::EventQueue;
     use wildfire_base::geometry::{DVec2, FieldFrame};
@@ -316,8 +338,8 @@ mod tests {
     use wildfire_base::vehicle::Dimensions;
     use wildfire_fire::embers::{EmberSettings, Embers};
     use wildfire_fire::models::{AlexandridisRules, Neighbours, RothermelRules};
-    use wildfire_fire::surface::FuelMoisture;
     use wildfire_fire::surface::crown::{CrownMethod, CrownRules};
+    use wildfire_fire::surface::{FuelMoisture, WindLimit};
     use wildfire_fire::{
         CanopyLayers, FireChange, FireEvent, FireField, Landscape, Relief, SpreadBy, Weather, WeatherInterval,
     };
@@ -454,7 +476,7 @@ mod tests {
                 Act::Stop(number) => {
                     let burning: Vec<Cell> = fires.burning().collect();
                     let centre = burning.get(number % burning.len().max(1));
-                    for cell in centre.into_iter().flat_map(|&centre| cells_in_reach(FRAME, centre)) {
+                    for cell in centre.into_iter().flat_map(|&centre| cells_within(3, FRAME, centre)) {
                         let until = now + wet;
                         if fires.is_burning(cell) {
                             changes.push((fires.extinguish(cell), Some(What::Extinguished { by: TRUCK })));
@@ -544,6 +566,39 @@ mod tests {
                 println!("{neighbours:?} {relight}: {ignited} caught fire, {put_out} put out, {wetted} wetted");
                 assert!(ignited > 500 && put_out > 5 && wetted > 50);
                 assert_eq!(audit_spread(&timeline), Ok(()));
+            }
+        }
+    }
+
+    /// Wind in which fires are up to eight times as long as wide, turning every few seconds, with everything that goes on
+    /// as much faster.
+    fn in_a_gale(mut timeline_setting: Setting) -> Timeline {
+        const FASTER: f64 = 8.0;
+        if let Some(SpreadSetting::Rothermel { weather, rules, .. }) = &mut timeline_setting.spread {
+            let intervals = weather.intervals().iter().map(|interval| WeatherInterval {
+                from: seconds(interval.from.as_seconds() / FASTER),
+                wind_mps: 7.0 * interval.wind_mps,
+                ..*interval
+            });
+            *weather = Arc::new(Weather::new(intervals.collect()).expect("it is in order"));
+            rules.options.wind_limit = WindLimit::None;
+            rules.wet = seconds(rules.wet.as_seconds() / FASTER);
+        }
+        burn(timeline_setting, acts().into_iter().map(|(time_s, act)| (time_s / FASTER, act)).collect())
+    }
+
+    #[test]
+    fn narrow_fires_keep_the_rules_whoever_fights_them() {
+        for neighbours in [Neighbours::ThirtyTwo, Neighbours::Eight] {
+            for relief in [Relief::FLAT, Relief::Plane(DVec2::new(0.3, -0.2)), hill()] {
+                let bare = setting(relief, neighbours, true);
+                for setting in [with_trees(bare.clone(), CrownMethod::ScottReinhardt), bare] {
+                    let timeline = in_a_gale(setting);
+                    let wetted = timeline.ground.iter().filter(|event| matches!(event.fact, GroundFact::Wetted { .. }));
+                    println!("{neighbours:?}: {} facts, {} wetted", timeline.ground.len(), wetted.clone().count());
+                    assert!(timeline.ground.len() > 300 && wetted.count() > 20);
+                    assert_eq!(audit_spread(&timeline), Ok(()));
+                }
             }
         }
     }
@@ -717,7 +772,7 @@ mod tests {
     fn an_ignition_from_another_cell_is_found() {
         assert_found(20, |timeline, place, rng| {
             let GroundEvent { time, cell, fact } = timeline.ground[place];
-            let near: Vec<Cell> = cells_in_reach(FRAME, cell).filter(|&near| near != cell).collect();
+            let near: Vec<Cell> = cells_within(3, FRAME, cell).filter(|&near| near != cell).collect();
             let other = near[rng.random_range(0..near.len())];
             timeline.ground[place].fact = GroundFact::Ignited(Cause::Spread(other));
             let burned = timeline.ground.iter().any(|event| event.cell == other && event.time < time);

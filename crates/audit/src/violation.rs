@@ -116,6 +116,11 @@ pub enum ViolationKind {
         cell: Cell,
         due: Option<SimTime>,
     },
+    /// Fire came to a cell much sooner or later than straight over ground that is all alike.
+    NotStraight {
+        cell: Cell,
+        due: SimTime,
+    },
     /// A cell did not catch fire when fire came to it from the cells around.
     SparedByFront {
         cell: Cell,
@@ -262,6 +267,9 @@ impl fmt::Display for ViolationKind {
             }
             Self::WrongArrival { cell, due: None } => {
                 write!(f, "cell {cell} catches fire where none comes from the cells around it")
+            }
+            Self::NotStraight { cell, due } => {
+                write!(f, "cell {cell} catches fire far from {due}, when fire comes straight over one fuel")
             }
             Self::SparedByFront { cell, due } => {
                 write!(f, "cell {cell} does not catch fire at {} ns, when fire comes there", due.as_nanos())

@@ -6,4 +6,4 @@ mod rothermel;
 
 pub use alexandridis::{Alexandridis, AlexandridisRules, Density, Vegetation};
 pub use radius::Radius;
-pub use rothermel::{Neighbours, Rothermel, RothermelRules};
+pub use rothermel::{DirectionSet, Neighbours, Rothermel, RothermelRules, sampled_cells};

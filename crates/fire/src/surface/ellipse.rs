@@ -27,6 +27,12 @@ impl Ellipse {
     /// The ellipse on a slope with this gradient of the elevation; `heading` is a unit vector in its plane.
     pub fn new(rate_mps: f64, eccentricity: f64, heading: DVec3, gradient: DVec2) -> Self {
         let slowness = 1.0 / (rate_mps * (1.0 - eccentricity));
+        let drift = (heading.truncate() + gradient * heading.z) * (slowness * eccentricity);
+        Self::with_drift(slowness, drift, gradient)
+    }
+
+    /// The ellipse of which the slowness without drift and the drift are known, in seconds per metre.
+    pub fn with_drift(slowness: f64, drift: DVec2, gradient: DVec2) -> Self {
         if !slowness.is_finite() {
             return Self::NEVER;
         }
@@ -35,7 +41,7 @@ impl Ellipse {
             xx: square * (1.0 + gradient.x * gradient.x),
             xy: square * (gradient.x * gradient.y),
             yy: square * (1.0 + gradient.y * gradient.y),
-            drift: (heading.truncate() + gradient * heading.z) * (slowness * eccentricity),
+            drift,
             barrier_s: 0.0,
         }
     }
@@ -56,6 +62,13 @@ impl Ellipse {
     #[inline]
     pub fn product(&self, v: DVec2, w: DVec2) -> f64 {
         v.x * (self.xx * w.x + self.xy * w.y) + v.y * (self.xy * w.x + self.yy * w.y)
+    }
+
+    /// Returns how much of the time along a horizontal vector is the derivative of the time along another one, in the
+    /// direction of the first: 1 for vectors of one direction, at least 0 where two are acute.
+    pub fn acuteness(&self, u: DVec2, v: DVec2) -> f64 {
+        let along = |u: DVec2, v: DVec2| self.product(u, v) / self.product(u, u).sqrt() - self.drift_s(v);
+        (along(u, v) / self.travel_s(v)).min(along(v, u) / self.travel_s(u))
     }
 
     /// Returns the seconds that the drift takes off along a horizontal vector of metres.

@@ -6,6 +6,10 @@ use wildfire_base::geometry::ops;
 const SHELTERING_SHARE: f64 = 0.05;
 const SHELTERING_HEIGHT_FT: f64 = 6.0;
 
+/// A part by which rounding may make either smaller than it is: layers of trees are in whole percent and tenths of metres, so
+/// that much land lies at the limit to the digit.
+const ROUNDING: f64 = 1e-9;
+
 /// Returns the wind 20 ft above the vegetation for one at 10 m.
 pub fn twenty_foot_wind(at_10_m: f64) -> f64 {
     at_10_m / 1.15
@@ -20,7 +24,8 @@ pub fn unsheltered_adjustment(depth_ft: f64) -> f64 {
 /// Returns the same below trees that cover a part of the ground; `None` if they are too few or too low to shelter it.
 pub fn sheltered_adjustment(canopy_height_ft: f64, canopy_cover: f64) -> Option<f64> {
     let filled = canopy_cover / 3.0;
-    if filled < SHELTERING_SHARE || canopy_height_ft < SHELTERING_HEIGHT_FT {
+    let is_below = |value: f64, limit: f64| value < limit * (1.0 - ROUNDING);
+    if is_below(filled, SHELTERING_SHARE) || is_below(canopy_height_ft, SHELTERING_HEIGHT_FT) {
         return None;
     }
     let profile = ops::ln((20.0 + 0.36 * canopy_height_ft) / (0.13 * canopy_height_ft));

@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::directions::DirectionSet;
 use super::queue::{ArrivalQueue, NEVER};
 use super::rates::{BARRIER, Pair, Rates, Spreading, vector};
 use super::rules::RothermelRules;
-use super::template::{REACH, Template, Way};
+use super::template::{Template, Way, WaySet};
 use crate::surface::crown::FireType;
 use crate::{Landscape, Relief, Weather};
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
@@ -22,12 +23,10 @@ const STALE: u8 = 4;
 const NEAR_DELAY: u8 = 8;
 /// It is due, and the caller has been told.
 const DUE: u8 = 16;
-
-/// Cells beyond each edge of the field, so that no way leads out of the arrays.
-const MARGIN: usize = REACH as usize;
-
-/// Most neighbours of a template.
-const MOST_WAYS: usize = 32;
+/// Something near it did not catch fire from the front, so near that its time from there is exact.
+const NEAR_SOURCE: u8 = 32;
+/// What stays when a cell changes.
+const NEAR: u8 = NEAR_DELAY | NEAR_SOURCE;
 
 /// A way as it is found.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -43,24 +42,28 @@ enum Crossing {
 #[derive(Clone, Debug)]
 struct Cells {
     frame: FieldFrame,
+    /// Cells beyond each edge of the field, so that no way leads out of the arrays: the reach of ways round an ignition.
+    margin: usize,
+    /// The reach of the other ways.
+    reach: usize,
     stride: usize,
     /// The fuel that burns there, or [`BARRIER`].
     fuel: Vec<u8>,
     state: Vec<u8>,
     /// When it caught fire if it has, and when it will otherwise.
     time: Vec<u64>,
-    /// The way by which it did or will: its number in the template, or beyond those, in the disc.
-    way: Vec<u8>,
+    /// The number of the way by which it did or will.
+    way: Vec<u16>,
     /// From when on fire passes over a cell. They stay when it burns, as ways over it that begin before could not pass.
     /// Trucks make few of them.
     delays: BTreeMap<u32, u64>,
 }
 
 impl Cells {
-    fn new(landscape: &Landscape, fuel: impl Fn(u8) -> u8) -> Self {
+    fn new(landscape: &Landscape, [reach, margin]: [usize; 2], fuel: impl Fn(u8) -> u8) -> Self {
         let (cols, rows) = (usize::from(landscape.frame.cols), usize::from(landscape.frame.rows));
-        let stride = cols + 2 * MARGIN;
-        let count = stride * (rows + 2 * MARGIN);
+        let stride = cols + 2 * margin;
+        let count = stride * (rows + 2 * margin);
         u32::try_from(count).expect("sizes of fields are checked before");
         let mut fuels = vec![BARRIER; count];
         let mut number_of = [BARRIER; 256];
@@ -68,30 +71,30 @@ impl Cells {
             number_of[usize::from(number)] = fuel(number);
         }
         for (row, numbers) in landscape.fuel.chunks_exact(cols.max(1)).enumerate() {
-            let start = (row + MARGIN) * stride + MARGIN;
+            let start = (row + margin) * stride + margin;
             for (fuel, &number) in fuels[start..start + cols].iter_mut().zip(numbers) {
                 *fuel = number_of[usize::from(number)];
             }
         }
         let (state, time, way) = (vec![0; count], vec![NEVER; count], vec![0; count]);
-        Self { frame: landscape.frame, stride, fuel: fuels, state, time, way, delays: BTreeMap::new() }
+        Self { frame: landscape.frame, margin, reach, stride, fuel: fuels, state, time, way, delays: BTreeMap::new() }
     }
 
     fn index(&self, cell: Cell) -> usize {
-        (usize::from(cell.row) + MARGIN) * self.stride + usize::from(cell.col) + MARGIN
+        (usize::from(cell.row) + self.margin) * self.stride + usize::from(cell.col) + self.margin
     }
 
     fn cell(&self, index: usize) -> Cell {
-        let (row, col) = (index / self.stride - MARGIN, index % self.stride - MARGIN);
+        let (row, col) = (index / self.stride - self.margin, index % self.stride - self.margin);
         Cell { col: col as u16, row: row as u16 }
     }
 
     /// Iterates over the cells within some columns and rows of one, itself among them.
-    fn around(&self, cell: Cell, reach: i32) -> impl Iterator<Item = usize> + use<> {
-        let (frame, stride) = (self.frame, self.stride);
+    fn around(&self, cell: Cell, reach: usize) -> impl Iterator<Item = usize> + use<> {
+        let Self { frame, margin, stride, .. } = *self;
         let span = |at: u16, size: u16| {
-            let last = (usize::from(at) + reach as usize).min(usize::from(size) - 1);
-            usize::from(at).saturating_sub(reach as usize) + MARGIN..last + MARGIN + 1
+            let last = (usize::from(at) + reach).min(usize::from(size) - 1);
+            usize::from(at).saturating_sub(reach) + margin..last + margin + 1
         };
         let cols = span(cell.col, frame.cols);
         span(cell.row, frame.rows).flat_map(move |row| cols.clone().map(move |col| row * stride + col))
@@ -145,14 +148,14 @@ impl Cells {
 #[derive(Clone, Debug)]
 struct FuelTable {
     slowness: f64,
-    /// By way of the template.
-    seconds: [f64; MOST_WAYS],
-    drift: [f64; MOST_WAYS],
+    /// By way of the template, the seconds along it and those that the drift takes off.
+    along: Vec<(f64, f64)>,
 }
 
 /// The interval of the weather that the front is in.
 #[derive(Clone, Debug)]
 struct Interval {
+    number: usize,
     from: u64,
     until: u64,
     /// By fuel; empty where every cell has a slope of its own.
@@ -173,10 +176,6 @@ pub struct Front {
     rates: Rates,
     rules: RothermelRules,
     template: Template,
-    /// Of the ways of the template, in metres.
-    vectors: Vec<DVec2>,
-    /// By the first of two ways, on a plane.
-    pairs: Vec<Pair>,
     interval: Interval,
     queue: ArrivalQueue,
     /// What was due last, and when.
@@ -186,21 +185,17 @@ pub struct Front {
 
 impl Front {
     pub fn new(landscape: Arc<Landscape>, weather: Arc<Weather>, rules: RothermelRules) -> Self {
-        let rates = Rates::new(Arc::clone(&landscape), weather, rules);
-        let cells = Cells::new(&landscape, |number| rates.fuel(number));
-        let template = Template::new(rules.neighbours, cells.stride);
-        let vectors: Vec<DVec2> = template.ways.iter().map(|way| vector(way, landscape.frame.cell_m)).collect();
-        let pairs = match landscape.relief {
-            Relief::Plane(gradient) => {
-                let next = vectors.iter().cycle().skip(1);
-                vectors.iter().zip(next).map(|(&a, &b)| Pair::new(gradient, a, b)).collect()
-            }
-            _ => Vec::new(),
-        };
+        let mut rates = Rates::new(Arc::clone(&landscape), weather, rules);
+        let directions = rates.directions();
+        let farthest = |reach: fn(&DirectionSet) -> i32| directions.iter().map(reach).max().unwrap_or(0) as usize;
+        let reach = [farthest(DirectionSet::reach), farthest(DirectionSet::exact_reach)];
+        let cells = Cells::new(&landscape, reach, |number| rates.fuel(number));
+        let plane = if let Relief::Plane(gradient) = landscape.relief { Some(gradient) } else { None };
+        let template = Template::new(&directions, cells.stride, landscape.frame.cell_m, plane);
         // Of no time: it is entered with the first ignition.
-        let interval = Interval { from: NEVER, until: 0, tables: Vec::new() };
+        let interval = Interval { number: 0, from: NEVER, until: 0, tables: Vec::new() };
         let (queue, due, due_at) = (ArrivalQueue::default(), Vec::new(), 0);
-        Self { cells, rates, rules, template, vectors, pairs, interval, queue, due, due_at }
+        Self { cells, rates, rules, template, interval, queue, due, due_at }
     }
 
     /// Returns the next plan.
@@ -242,8 +237,7 @@ impl Front {
     }
 
     fn way_of(&self, index: usize) -> &Way {
-        let (way, ways) = (usize::from(self.cells.way[index]), &self.template.ways);
-        if way < ways.len() { &ways[way] } else { &self.template.disc[way - ways.len()] }
+        self.template.way(usize::from(self.cells.way[index]))
     }
 
     /// Returns the kind of fire that a cell with trees has at a time; `None` where there are none.
@@ -275,12 +269,18 @@ impl Front {
         let index = self.cells.index(cell);
         let state = self.cells.state[index];
         let is_source = state & DUE == 0 || self.due_at != now;
-        self.cells.state[index] = state & NEAR_DELAY | BURNED | if is_source { SOURCE } else { 0 };
+        self.cells.state[index] = state & NEAR | BURNED | if is_source { SOURCE } else { 0 };
         self.cells.time[index] = now;
         self.enter_interval(now);
-        if state & NEAR_DELAY != 0 {
+        if is_source {
+            self.cells.around(cell, self.cells.margin).for_each(|near| self.cells.state[near] |= NEAR_SOURCE);
+        }
+        // Ways round an ignition may lead farther than delays are marked.
+        let is_far_reaching = is_source && self.cells.margin > 2 * self.cells.reach && !self.cells.delays.is_empty();
+        if state & NEAR_DELAY != 0 || is_far_reaching {
+            let reach = if is_source { self.cells.margin } else { self.cells.reach };
             let reached: Vec<usize> =
-                self.cells.around(cell, REACH).filter(|&near| !self.cells.has_burned(near)).collect();
+                self.cells.around(cell, reach).filter(|&near| !self.cells.has_burned(near)).collect();
             for near in reached {
                 self.plan_again(near);
             }
@@ -299,7 +299,7 @@ impl Front {
     /// Takes in that a cell was put out, for good or to `relight`.
     pub fn extinguish(&mut self, cell: Cell, now: u64, relight: bool) {
         let index = self.cells.index(cell);
-        self.cells.state[index] &= NEAR_DELAY;
+        self.cells.state[index] &= NEAR;
         self.cells.time[index] = NEVER;
         if relight {
             self.delay(cell, now);
@@ -314,7 +314,7 @@ impl Front {
         let index = self.cells.index(cell);
         let delay = self.cells.delays.entry(index as u32).or_insert(0);
         *delay = until.max(*delay);
-        for near in self.cells.around(cell, 2 * REACH) {
+        for near in self.cells.around(cell, 2 * self.cells.reach) {
             self.cells.state[near] |= NEAR_DELAY;
         }
         self.mark_stale_around(cell);
@@ -325,8 +325,11 @@ impl Front {
 
     /// Marks the plans that ways over a cell may be part of. All of them can only become later.
     fn mark_stale_around(&mut self, cell: Cell) {
-        for near in self.cells.around(cell, REACH) {
-            self.cells.state[near] |= STALE;
+        for near in self.cells.around(cell, self.cells.margin) {
+            let Cell { col, row } = self.cells.cell(near);
+            let distance = usize::from(col.abs_diff(cell.col).max(row.abs_diff(cell.row)));
+            let is_reached = distance <= self.cells.reach || self.cells.state[near] & NEAR_SOURCE != 0;
+            self.cells.state[near] |= if is_reached { STALE } else { 0 };
         }
     }
 
@@ -336,16 +339,13 @@ impl Front {
         }
         let number = self.rates.weather().interval_at(SimTime::from_nanos(now));
         let (from, until) = span(&self.rates, number);
-        let vectors = &self.vectors;
+        let vectors = &self.template.vectors;
         let tables = if self.rates.is_plane() { self.rates.on_plane(number) } else { &[] };
-        let tables = tables.iter().map(|spreading| {
-            let (mut seconds, mut drift) = ([f64::INFINITY; MOST_WAYS], [0.0; MOST_WAYS]);
-            for (way, &along) in vectors.iter().enumerate() {
-                (seconds[way], drift[way]) = (spreading.seconds(along), spreading.drift_seconds(along));
-            }
-            FuelTable { slowness: spreading.slowness, seconds, drift }
+        let tables = tables.iter().map(|spreading| FuelTable {
+            slowness: spreading.slowness,
+            along: vectors.iter().map(|&v| (spreading.seconds(v), spreading.drift_seconds(v))).collect(),
         });
-        self.interval = Interval { from, until, tables: tables.collect() };
+        self.interval = Interval { number, from, until, tables: tables.collect() };
     }
 
     /// Makes it the plan of a cell if it comes before its plan so far.
@@ -353,30 +353,32 @@ impl Front {
     fn offer(&mut self, index: usize, time: u64, way: usize) {
         if time < self.cells.time[index] {
             self.cells.time[index] = time;
-            self.cells.way[index] = way as u8;
+            self.cells.way[index] = way as u16;
             self.queue.push(time, index as u32);
         }
     }
 
     /// Offers exact times to the cells near an ignition, along ways of one fuel.
     fn spread_exactly_from(&mut self, from: usize, now: u64) {
-        for number in 0..self.template.disc.len() {
-            let to = from.wrapping_add_signed(self.template.disc[number].end);
+        let disc: Vec<usize> = self.template.disc(self.interval.number).collect();
+        for number in disc {
+            let way = self.template.way(number);
+            let to = from.wrapping_add_signed(way.end);
             if self.cells.has_burned(to) || self.cells.fuel[to] == BARRIER {
                 continue;
             }
-            let way = &self.template.disc[number];
             if self.cells.crossing(from, way, self.cells.fuel[to]) == Crossing::Uniform {
                 let time = arrival_along(&mut self.rates, &self.cells, from, way, now);
-                self.offer(to, time, self.template.ways.len() + number);
+                self.offer(to, time, number);
             }
         }
     }
 
     /// Offers times to all neighbours of a cell that has just caught fire, on a plane and far from delays.
     fn spread_on_plane_from(&mut self, from: usize, now: u64) {
-        let count = self.template.ways.len();
-        for number in 0..count {
+        let count = self.way_set().ways.len();
+        for place in 0..count {
+            let number = usize::from(self.way_set().ways[place]);
             let way = &self.template.ways[number];
             let to = from.wrapping_add_signed(way.end);
             let fuel = self.cells.fuel[to];
@@ -387,11 +389,11 @@ impl Front {
             let tables = &self.interval.tables;
             let seconds = match crossing {
                 Crossing::Blocked => continue,
-                Crossing::Uniform => tables[usize::from(fuel)].seconds[number],
+                Crossing::Uniform => tables[usize::from(fuel)].along[number].0,
                 Crossing::Mixed => {
                     let crossed = way.crossed().iter();
                     let parts = crossed.map(|&(place, part)| {
-                        part * tables[usize::from(self.cells.fuel[from.wrapping_add_signed(place)])].seconds[number]
+                        part * tables[usize::from(self.cells.fuel[from.wrapping_add_signed(place)])].along[number].0
                     });
                     parts.sum()
                 }
@@ -405,22 +407,29 @@ impl Front {
             if crossing != Crossing::Uniform {
                 continue;
             }
-            let before = (number + count - 1) % count;
-            let after = (number + 1) % count;
-            for (first, second, other) in [(before, number, before), (number, after, after)] {
+            let before = (place + count - 1) % count;
+            let after = (place + 1) % count;
+            for (first_place, is_first) in [(before, false), (place, true)] {
+                let set = self.way_set();
+                let other = usize::from(set.ways[if is_first { after } else { before }]);
+                let pair = &set.pairs[first_place];
                 let other_way = &self.template.ways[other];
                 let beside = to.wrapping_add_signed(-other_way.end);
                 if !self.cells.has_burned(beside) {
                     continue;
                 }
+                let own = Beginning { index: from, way: number };
+                let other = Beginning { index: beside, way: other };
+                let [first, second] = if is_first { [own, other] } else { [other, own] };
                 let beside_time = self.cells.time[beside];
-                let (first_time, second_time) = if other == first { (beside_time, now) } else { (now, beside_time) };
-                let (pair, table) = (&self.pairs[first], &self.interval.tables[usize::from(fuel)]);
-                let later = seconds_between(first_time, second_time) - (table.drift[second] - table.drift[first]);
+                let [first_time, second_time] = if is_first { [now, beside_time] } else { [beside_time, now] };
+                let table = &self.interval.tables[usize::from(fuel)];
+                let first_drift = table.along[first.way].1;
+                let later = seconds_between(first_time, second_time) - (table.along[second.way].1 - first_drift);
                 if !pair.is_between(table.slowness, later) {
                     continue;
                 }
-                let after_first = pair.seconds(table.slowness, later) - table.drift[first];
+                let after_first = pair.seconds(table.slowness, later) - first_drift;
                 let mut time = first_time.saturating_add(nanos(after_first)).max(now);
                 let is_in_interval = beside_time >= self.interval.from && time <= self.interval.until;
                 if is_in_interval && time >= self.cells.time[to] {
@@ -430,9 +439,6 @@ impl Front {
                     continue;
                 }
                 if !is_in_interval {
-                    let [first_index, second_index] = if other == first { [beside, from] } else { [from, beside] };
-                    let first = Beginning { index: first_index, way: first };
-                    let second = Beginning { index: second_index, way: second };
                     let Some(two_point) = self.two_point_arrival(to, first, second) else { continue };
                     time = two_point;
                 }
@@ -443,8 +449,9 @@ impl Front {
 
     /// Offers times to all neighbours of a cell that has just caught fire, where slopes differ, and far from delays.
     fn spread_on_relief_from(&mut self, from: usize, now: u64) {
-        let count = self.template.ways.len();
-        for number in 0..count {
+        let count = self.way_set().ways.len();
+        for place in 0..count {
+            let number = usize::from(self.way_set().ways[place]);
             let way = &self.template.ways[number];
             let to = from.wrapping_add_signed(way.end);
             let fuel = self.cells.fuel[to];
@@ -461,7 +468,8 @@ impl Front {
                 continue;
             }
             let own = Beginning { index: from, way: number };
-            for (other, is_first) in [((number + count - 1) % count, true), ((number + 1) % count, false)] {
+            for (other_place, is_first) in [((place + count - 1) % count, true), ((place + 1) % count, false)] {
+                let other = usize::from(self.way_set().ways[other_place]);
                 let other_way = &self.template.ways[other];
                 let beside = Beginning { index: to.wrapping_add_signed(-other_way.end), way: other };
                 let is_uniform = self.cells.has_burned(beside.index)
@@ -476,14 +484,20 @@ impl Front {
         }
     }
 
+    /// The ways of the interval of the weather that the front is in.
+    #[inline]
+    fn way_set(&self) -> &WaySet {
+        self.template.set(self.interval.number)
+    }
+
     /// Returns the two-point candidate of a cell from the beginnings of two ways over its fuel only, the second the
     /// neighbour of the first counter-clockwise; `None` where the first fire does not come from between them.
     fn two_point_arrival(&mut self, to: usize, first: Beginning, second: Beginning) -> Option<u64> {
-        let Self { cells, rates, template, vectors, .. } = self;
+        let Self { cells, rates, template, .. } = self;
         let (first_time, second_time) = (cells.time[first.index], cells.time[second.index]);
         let latest = first_time.max(second_time);
         let number = rates.weather().interval_at(SimTime::from_nanos(latest));
-        let ways = [first, second].map(|one| (one.index, &template.ways[one.way], vectors[one.way]));
+        let ways = [first, second].map(|one| (one.index, &template.ways[one.way], template.vectors[one.way]));
         let is_plane = rates.is_plane();
         let here = spreading(rates, cells, number, to);
         if here.slowness == f64::INFINITY {
@@ -502,7 +516,8 @@ impl Front {
         let (first_drift, second_drift) = (here.drift_seconds(ways[0].2), here.drift_seconds(ways[1].2));
         let mut later = seconds_between(first_time, second_time) - (second_drift - first_drift);
         let pair = if is_plane {
-            self.pairs[first.way]
+            let set = template.set(number);
+            set.pairs[set.place(first.way).expect("the ways are neighbours in this interval")]
         } else {
             later += second_beyond - first_beyond;
             Pair::new(here.gradient, ways[0].2, ways[1].2)
@@ -546,7 +561,7 @@ impl Front {
         }
     }
 
-    fn best_plan(&mut self, to: usize) -> (u64, u8) {
+    fn best_plan(&mut self, to: usize) -> (u64, u16) {
         let fuel = self.cells.fuel[to];
         let mut best = (NEVER, NEVER, usize::MAX, 0);
         if fuel == BARRIER {
@@ -555,15 +570,15 @@ impl Front {
         // Among equal times that of the cell is taken that burned first: so does a front that comes to it.
         let mut consider = |time: u64, cells: &Cells, from: usize, way: usize| {
             if time != NEVER {
-                best = best.min((time, cells.time[from], from, way as u8));
+                best = best.min((time, cells.time[from], from, way as u16));
             }
         };
         let count = self.template.ways.len();
-        let mut is_plain = [false; MOST_WAYS];
-        #[expect(clippy::needless_range_loop, reason = "the numbers go on where the list of plain ways ends")]
-        for number in 0..count + self.template.disc.len() {
+        let mut plain = vec![false; count];
+        let has_disc = self.cells.state[to] & NEAR_SOURCE != 0;
+        for number in 0..if has_disc { self.template.count() } else { count } {
             let is_of_disc = number >= count;
-            let way = if is_of_disc { &self.template.disc[number - count] } else { &self.template.ways[number] };
+            let way = self.template.way(number);
             let from = to.wrapping_add_signed(-way.end);
             let needed = if is_of_disc { BURNED | SOURCE } else { BURNED };
             if self.cells.state[from] & needed != needed {
@@ -575,28 +590,34 @@ impl Front {
             }
             let lit = self.cells.time[from];
             let start = self.cells.open_from(from, way).max(lit);
-            if start == lit {
-                let time = arrival_along(&mut self.rates, &self.cells, from, way, start);
-                consider(time, &self.cells, from, number);
-                if !is_of_disc {
-                    is_plain[number] = crossing == Crossing::Uniform;
-                }
-            } else if !is_of_disc && self.flames_at(from, start) {
-                let way = &self.template.ways[number];
+            if !is_of_disc {
+                plain[number] = start == lit && crossing == Crossing::Uniform;
+            }
+            let interval = self.rates.weather().interval_at(SimTime::from_nanos(start));
+            let is_taken = self.template.contains(interval, number);
+            if is_taken && (start == lit || (!is_of_disc && self.flames_at(from, start))) {
+                let way = self.template.way(number);
                 let time = arrival_along(&mut self.rates, &self.cells, from, way, start);
                 consider(time, &self.cells, from, number);
             }
         }
-        for first in 0..count {
-            let second = (first + 1) % count;
-            if is_plain[first] && is_plain[second] {
-                let [first, second] = [first, second].map(|way| {
+        for set in 0..self.template.sets().len() {
+            for place in 0..self.template.sets()[set].ways.len() {
+                let pair = self.template.sets()[set].pair(place);
+                if !pair.iter().all(|&way| plain[way]) {
+                    continue;
+                }
+                let [first, second] = pair.map(|way| {
                     let index = to.wrapping_add_signed(-self.template.ways[way].end);
                     Beginning { index, way }
                 });
+                let later = [first, second].into_iter().max_by_key(|one| (self.cells.time[one.index], one.index));
+                let later = later.expect("there are two");
+                let lit = SimTime::from_nanos(self.cells.time[later.index]);
+                if self.template.set_number(self.rates.weather().interval_at(lit)) != set {
+                    continue;
+                }
                 if let Some(time) = self.two_point_arrival(to, first, second) {
-                    let later = [first, second].into_iter().max_by_key(|one| (self.cells.time[one.index], one.index));
-                    let later = later.expect("there are two");
                     consider(time, &self.cells, later.index, later.way);
                 }
             }

@@ -25,6 +25,7 @@
 //! eikonal equation on a triangle as Sethian and Vladimirsky, "Ordered upwind methods for static Hamilton-Jacobi
 //! equations", 2003, do, for the norm with drift that an ellipse with its focus at the origin is.
 
+mod directions;
 mod front;
 mod queue;
 mod rates;
@@ -32,6 +33,7 @@ mod rules;
 mod sparks;
 mod template;
 
+pub use directions::{DirectionSet, sampled_cells};
 pub use rules::{Neighbours, RothermelRules};
 
 use std::sync::Arc;

@@ -5,11 +5,12 @@
 
 use std::sync::Arc;
 
+use super::directions::{DirectionSet, sampled_cells};
 use super::rules::RothermelRules;
 use super::template::Way;
 use crate::fuel::FuelModel;
 use crate::surface::crown::{CrownConditions, CrownFire, model_10};
-use crate::surface::{FuelBed, SurfaceFire, twenty_foot_wind, unsheltered_adjustment};
+use crate::surface::{Ellipse, FuelBed, SurfaceFire, twenty_foot_wind, unsheltered_adjustment};
 use crate::{Landscape, Relief, Weather, WeatherInterval};
 use wildfire_base::geometry::{Cell, DVec2};
 use wildfire_base::time::SimTime;
@@ -47,6 +48,10 @@ impl Spreading {
         Self { slowness, drift, gradient }
     }
 
+    fn ellipse(&self) -> Ellipse {
+        Ellipse::with_drift(self.slowness, self.drift, self.gradient)
+    }
+
     /// Returns the seconds along a horizontal vector; infinity where nothing spreads.
     #[inline]
     pub fn seconds(&self, v: DVec2) -> f64 {
@@ -72,7 +77,7 @@ fn length_on(gradient: DVec2, v: DVec2) -> f64 {
 ///
 /// Both ways end in that cell; w is b - a, the line from a's beginning to b's turned round. Time is taken to be linear on
 /// that line, and the earliest arrival over all of its points then has a closed form.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
     /// |w|^2 on the slope.
     square: f64,
@@ -229,16 +234,42 @@ impl Rates {
         if known == key {
             return spreading;
         }
-        let (cell, rules) = (cell(), self.rules);
+        let spreading = self.cell_spreading(interval, fuel, cell());
+        self.kept[place] = (key, spreading);
+        spreading
+    }
+
+    fn cell_spreading(&mut self, interval: usize, fuel: u8, cell: Cell) -> Spreading {
+        let rules = self.rules;
         let crown = self.crown_fire(interval, fuel, cell).zip(rules.crowns);
         let spreading = crown.map(|(fire, crowns)| Spreading::from_fire(&fire.spreading(crowns.method)));
-        let spreading = spreading.unwrap_or_else(|| {
+        spreading.unwrap_or_else(|| {
             let (gradient, model) = (self.landscape.gradient(cell), self.models[usize::from(fuel)]);
             let (wind, bed) = (self.weather.intervals()[interval].wind_mps, &self.beds(interval)[usize::from(fuel)]);
             Spreading::new(bed, model.depth_ft, wind, gradient, &rules)
-        });
-        self.kept[place] = (key, spreading);
-        spreading
+        })
+    }
+
+    /// Returns the directions of every interval of the weather.
+    pub fn directions(&mut self) -> Vec<DirectionSet> {
+        (0..self.weather.intervals().len()).map(|interval| self.directions_in(interval)).collect()
+    }
+
+    fn directions_in(&mut self, interval: usize) -> DirectionSet {
+        let neighbours = self.rules.neighbours;
+        if self.is_plane() {
+            let ellipses: Vec<Ellipse> = self.on_plane(interval).iter().map(Spreading::ellipse).collect();
+            return DirectionSet::new(neighbours, &ellipses);
+        }
+        let frame = self.landscape.frame;
+        let mut ellipses = Vec::new();
+        for index in sampled_cells(frame.cell_count()) {
+            let fuel = self.fuel(self.landscape.fuel[index]);
+            if fuel != BARRIER {
+                ellipses.push(self.cell_spreading(interval, fuel, frame.cell(index)).ellipse());
+            }
+        }
+        DirectionSet::new(neighbours, &ellipses)
     }
 }
 

@@ -3,14 +3,9 @@
 //! Ways are column and row offsets without a common divisor, so that none goes on beyond another. Which cells a way
 //! crosses, and by which part of its length, follows from whole numbers and is computed once.
 
-use super::rules::Neighbours;
-
-/// The farthest way of any template, in columns or rows; also the reach of the exact start round an ignition.
-pub const REACH: i32 = 3;
-
-/// The most cells that a way crosses, and the most corners that it passes through, up to [`REACH`].
-const MOST_CROSSED: usize = 6;
-const MOST_CORNERS: usize = 2;
+use super::directions::DirectionSet;
+use super::rates::{Pair, vector};
+use wildfire_base::geometry::DVec2;
 
 /// A straight way between the centres of two cells. Places of cells are differences of indices from its beginning.
 #[derive(Clone, Debug)]
@@ -18,24 +13,15 @@ pub struct Way {
     pub cols: i32,
     pub rows: i32,
     pub end: isize,
-    crossed: [(isize, f64); MOST_CROSSED],
-    crossed_count: u8,
-    corners: [[isize; 2]; MOST_CORNERS],
-    corner_count: u8,
+    crossed: Box<[(isize, f64)]>,
+    corners: Box<[[isize; 2]]>,
 }
 
 impl Way {
     fn new((cols, rows): (i32, i32), stride: usize) -> Self {
         let place = |(col, row): (i32, i32)| row as isize * stride as isize + col as isize;
-        let mut way = Self {
-            cols,
-            rows,
-            end: place((cols, rows)),
-            crossed: [(0, 0.0); MOST_CROSSED],
-            crossed_count: 0,
-            corners: [[0; 2]; MOST_CORNERS],
-            corner_count: 0,
-        };
+        let mut crossed = Vec::new();
+        let mut corners = Vec::new();
         // Time along the way is counted in parts of `scale`; borders of columns (rows) come at odd multiples of `rows`
         // (`cols`), so that all of it is whole numbers and a corner is where two are equal.
         let (across, up) = (cols.abs().max(1), rows.abs().max(1));
@@ -46,66 +32,172 @@ impl Way {
             let (border_col, border_row) = (next_border(col, cols.abs(), up), next_border(row, rows.abs(), across));
             let until = border_col.min(border_row);
             let cell = |col: i32, row: i32| place((col * cols.signum(), row * rows.signum()));
-            way.crossed[usize::from(way.crossed_count)] = (cell(col, row), f64::from(until - at) / f64::from(scale));
-            way.crossed_count += 1;
+            crossed.push((cell(col, row), f64::from(until - at) / f64::from(scale)));
             if border_col == border_row && until < scale {
-                way.corners[usize::from(way.corner_count)] = [cell(col + 1, row), cell(col, row + 1)];
-                way.corner_count += 1;
+                corners.push([cell(col + 1, row), cell(col, row + 1)]);
             }
             col += i32::from(border_col == until);
             row += i32::from(border_row == until);
             at = until;
         }
-        way
+        Self { cols, rows, end: place((cols, rows)), crossed: crossed.into(), corners: corners.into() }
     }
 
     /// The cells that it crosses, its two ends among them, from its beginning on, with the part of its length in each.
     #[inline]
     pub fn crossed(&self) -> &[(isize, f64)] {
-        &self.crossed[..usize::from(self.crossed_count)]
+        &self.crossed
     }
 
     /// For each corner that it passes through, the two cells beside it.
     #[inline]
     pub fn corners(&self) -> &[[isize; 2]] {
-        &self.corners[..usize::from(self.corner_count)]
+        &self.corners
     }
 }
 
-/// The ways from a cell, for a grid whose rows lie `stride` apart.
+/// The ways of one set of directions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WaySet {
+    /// Numbers of ways, counter-clockwise from east, so that neighbours in this list are neighbours in direction.
+    pub ways: Vec<u16>,
+    /// By number of a way, its place in that list.
+    places: Vec<Option<u16>>,
+    /// By the place of the first of two ways, on a plane.
+    pub pairs: Vec<Pair>,
+    /// Numbers of the ways round an ignition.
+    disc: Vec<u16>,
+}
+
+impl WaySet {
+    /// Returns the place of a way in the list, if it is one of the set.
+    #[inline]
+    pub fn place(&self, way: usize) -> Option<usize> {
+        self.places.get(way).copied().flatten().map(usize::from)
+    }
+
+    /// Returns the way at a place and its neighbour counter-clockwise.
+    pub fn pair(&self, place: usize) -> [usize; 2] {
+        [place, (place + 1) % self.ways.len()].map(|place| usize::from(self.ways[place]))
+    }
+}
+
+/// The ways from a cell in each interval of the weather, for a grid whose rows lie `stride` apart.
 #[derive(Clone, Debug)]
 pub struct Template {
-    /// Counter-clockwise from east, so that neighbours in this list are neighbours in direction.
+    /// Those of all sets.
     pub ways: Vec<Way>,
-    /// Those to all cells whose centres are within three cells, whatever the number of neighbours.
-    pub disc: Vec<Way>,
+    /// Those round an ignition.
+    disc: Vec<Way>,
+    /// Of the ways, in metres.
+    pub vectors: Vec<DVec2>,
+    sets: Vec<WaySet>,
+    /// By interval of the weather.
+    set_of: Vec<u16>,
 }
 
 impl Template {
-    pub fn new(neighbours: Neighbours, stride: usize) -> Self {
-        let reach = neighbours.reach();
-        let offsets = |reach: i32| (-reach..=reach).flat_map(move |row| (-reach..=reach).map(move |col| (col, row)));
-        let mut steps: Vec<_> = offsets(reach).filter(|&(col, row)| gcd(col.abs(), row.abs()) == 1).collect();
-        // By half of the circle, then by the cross product: no angles, no ties.
-        let half = |(col, row): (i32, i32)| row < 0 || (row == 0 && col < 0);
-        steps.sort_unstable_by(|&a, &b| half(a).cmp(&half(b)).then_with(|| 0.cmp(&(a.0 * b.1 - a.1 * b.0))));
-        let within = |&(col, row): &(i32, i32)| (1..=REACH * REACH).contains(&(col * col + row * row));
-        Self {
-            ways: steps.into_iter().map(|step| Way::new(step, stride)).collect(),
-            disc: offsets(REACH).filter(within).map(|step| Way::new(step, stride)).collect(),
+    /// Creates the ways of the sets of directions of all intervals; `gradient` is that of a plane.
+    pub fn new(directions: &[DirectionSet], stride: usize, cell_m: f64, gradient: Option<DVec2>) -> Self {
+        let mut template =
+            Self { ways: Vec::new(), disc: Vec::new(), vectors: Vec::new(), sets: Vec::new(), set_of: Vec::new() };
+        for set in directions {
+            let known = directions.iter().position(|other| other == set).expect("it is one of them");
+            let number = template.set_of.get(known).copied().unwrap_or_else(|| {
+                let set = template.way_set(set, stride, cell_m, gradient);
+                template.sets.push(set);
+                template.sets.len() as u16 - 1
+            });
+            template.set_of.push(number);
         }
+        template
+    }
+
+    fn way_set(&mut self, set: &DirectionSet, stride: usize, cell_m: f64, gradient: Option<DVec2>) -> WaySet {
+        let mut numbers = Vec::new();
+        for &step in set.steps() {
+            let (number, is_new) = number_of(&mut self.ways, step, stride);
+            numbers.push(number);
+            if is_new {
+                self.vectors.push(vector(&self.ways[usize::from(number)], cell_m));
+            }
+        }
+        let disc = set.exact_offsets().into_iter().map(|step| number_of(&mut self.disc, step, stride).0).collect();
+        let mut places = vec![None; self.ways.len()];
+        for (place, &number) in numbers.iter().enumerate() {
+            places[usize::from(number)] = Some(place as u16);
+        }
+        let next = numbers.iter().cycle().skip(1);
+        let pair = |(&one, &other): (&u16, &u16)| {
+            gradient
+                .map(|gradient| Pair::new(gradient, self.vectors[usize::from(one)], self.vectors[usize::from(other)]))
+        };
+        let pairs = numbers.iter().zip(next).filter_map(pair).collect();
+        WaySet { places, pairs, disc, ways: numbers }
+    }
+
+    /// Returns the ways of an interval of the weather.
+    #[inline]
+    pub fn set(&self, interval: usize) -> &WaySet {
+        &self.sets[self.set_number(interval)]
+    }
+
+    /// Returns the place of the ways of an interval of the weather among [`Self::sets`].
+    #[inline]
+    pub fn set_number(&self, interval: usize) -> usize {
+        usize::from(self.set_of[interval])
+    }
+
+    pub fn sets(&self) -> &[WaySet] {
+        &self.sets
+    }
+
+    /// Returns the ways round an ignition in an interval of the weather, by their numbers among all.
+    pub fn disc(&self, interval: usize) -> impl Iterator<Item = usize> {
+        self.set(interval).disc.iter().map(|&of_disc| self.ways.len() + usize::from(of_disc))
+    }
+
+    /// Says whether an interval of the weather has a way, or has it round an ignition.
+    pub fn contains(&self, interval: usize, number: usize) -> bool {
+        let set = self.set(interval);
+        match number.checked_sub(self.ways.len()) {
+            Some(of_disc) => set.disc.contains(&(of_disc as u16)),
+            None => set.place(number).is_some(),
+        }
+    }
+
+    /// Returns the number of all ways, those round an ignition included.
+    pub fn count(&self) -> usize {
+        self.ways.len() + self.disc.len()
+    }
+
+    /// Returns a way by its number, those round an ignition after the others.
+    #[inline]
+    pub fn way(&self, number: usize) -> &Way {
+        self.ways.get(number).unwrap_or_else(|| &self.disc[number - self.ways.len()])
     }
 }
 
-fn gcd(a: i32, b: i32) -> i32 {
-    if b == 0 { a } else { gcd(b, a % b) }
+/// Returns the number of a way in a list, and whether it was added to it just now.
+fn number_of(ways: &mut Vec<Way>, step: (i32, i32), stride: usize) -> (u16, bool) {
+    let known = ways.iter().position(|way| (way.cols, way.rows) == step);
+    let number = known.unwrap_or(ways.len()) as u16;
+    if known.is_none() {
+        ways.push(Way::new(step, stride));
+    }
+    (number, known.is_none())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::models::Neighbours;
 
     const STRIDE: usize = 100;
+
+    fn unrefined(neighbours: Neighbours) -> Template {
+        Template::new(&[DirectionSet::new(neighbours, &[])], STRIDE, 5.0, None)
+    }
 
     fn offset(place: isize) -> (i32, i32) {
         let row = (place as f64 / STRIDE as f64).round() as i32;
@@ -115,7 +207,7 @@ mod tests {
     #[test]
     fn there_are_as_many_ways_as_neighbours_in_order_of_direction() {
         for neighbours in [Neighbours::Eight, Neighbours::Sixteen, Neighbours::ThirtyTwo] {
-            let ways = Template::new(neighbours, STRIDE).ways;
+            let ways = unrefined(neighbours).ways;
             assert_eq!(ways.len(), neighbours.count());
             for (number, way) in ways.iter().enumerate() {
                 let next = &ways[(number + 1) % ways.len()];
@@ -126,7 +218,7 @@ mod tests {
 
     #[test]
     fn crossed_cells_are_those_that_points_of_the_way_lie_in() {
-        let template = Template::new(Neighbours::ThirtyTwo, STRIDE);
+        let template = unrefined(Neighbours::ThirtyTwo);
         for way in template.ways.iter().chain(&template.disc) {
             let samples = 100_000;
             let mut parts = std::collections::BTreeMap::new();
@@ -147,7 +239,7 @@ mod tests {
 
     #[test]
     fn ways_of_odd_offsets_pass_through_a_corner() {
-        for way in Template::new(Neighbours::ThirtyTwo, STRIDE).ways {
+        for way in unrefined(Neighbours::ThirtyTwo).ways {
             let is_odd = way.cols % 2 != 0 && way.rows % 2 != 0;
             assert_eq!(way.corners().len(), usize::from(is_odd));
             for &[a, b] in way.corners() {
