@@ -86,7 +86,7 @@ fn burn(length_to_width: f64, heading_deg: f64, cells_along: f64, neighbours: Ne
         let time = fire.arrival(cell).expect("it burned").as_seconds();
         let exact = exact.ellipse().travel_s(frame.centre(cell) - frame.centre(lit));
         assert!(
-            time > exact * (1.0 - 1e-9),
+            time >= exact * (1.0 - 1e-9),
             "{length_to_width}, {heading_deg}: {cell} burns at {time} s, not at {exact} s"
         );
     }
@@ -136,8 +136,9 @@ fn fires_of_all_shapes_and_headings_are_their_ellipses() {
 #[test]
 #[ignore = "tier 2: all headings and cell sizes"]
 fn fires_of_all_shapes_and_headings_are_their_ellipses_at_all_sizes() {
-    for neighbours in [Neighbours::ThirtyTwo, Neighbours::Sixteen, Neighbours::Eight] {
-        check_sizes(&[60.0, 120.0, 300.0], 1, neighbours);
+    check_sizes(&[60.0, 120.0, 300.0], 1, Neighbours::ThirtyTwo);
+    check_sizes(&[600.0, 1200.0], 9, Neighbours::ThirtyTwo);
+    for neighbours in [Neighbours::Sixteen, Neighbours::Eight] {
+        check_sizes(&[120.0, 300.0], 5, neighbours);
     }
-    check_sizes(&[300.0, 600.0, 1200.0], 5, Neighbours::ThirtyTwo);
 }
