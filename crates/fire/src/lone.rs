@@ -108,6 +108,12 @@ impl LoneFire {
         &self.fires
     }
 
+    /// Returns when fire reached a cell, or is going to if nothing changes; `None` where it will not, or is still too far
+    /// away to say.
+    pub fn expected_arrival(&self, cell: Cell) -> Option<SimTime> {
+        self.arrival(cell).or_else(|| self.model.planned_arrival(cell))
+    }
+
     /// Returns the time of the next arrival, if any is to come.
     pub fn next_arrival(&mut self) -> Option<SimTime> {
         self.model.next_arrival()

@@ -63,9 +63,10 @@ pub fn order(world: &mut World, scenario: &Scenario, seed: u64, spread: Option<&
 }
 
 impl Orders {
-    /// Draws if line holds against the fire that is expected there. The chance falls with its flame length as a logistic
-    /// function, after Mees, Strauss and Chase, "Modeling wildland fire containment with uncertain flame length and fireline
-    /// width", 1993. What is drawn belongs to a section, so that more or smaller cells do not change it.
+    /// Draws if line holds against the fire that is expected there. The chance of a kilometre falls with the flame length
+    /// as a logistic function, after Mees, Strauss and Chase, "Modeling wildland fire containment with uncertain flame
+    /// length and fireline width", 1993; sections hold independently, so that of a shorter one is the higher. What is drawn
+    /// belongs to a section, so that more or smaller cells do not change it.
     fn holds(&self, line: &LineCell) -> bool {
         let LineSettings { holds, flame_half_m, flame_scale_m, section_m, .. } = self.settings;
         let (SpreadSetting::Rothermel { landscape, weather, rules }, Some((time_s, way)), LineHolds::Flame) =
@@ -76,7 +77,8 @@ impl Orders {
         let time = SimTime::from_seconds(time_s);
         let Some(fire) = surface_fire(landscape, weather, &rules.options, line.cell, time) else { return true };
         let flame_m = flame_length_m(fire.intensity_kw_m(fire.front_normal_rate_mps(way)));
-        let chance = 1.0 / (1.0 + ops::exp((flame_m - flame_half_m) / flame_scale_m));
+        let kilometre = 1.0 / (1.0 + ops::exp((flame_m - flame_half_m) / flame_scale_m));
+        let chance = ops::pow(kilometre, section_m / 1000.0);
         let section = (line.along_m / section_m) as u64;
         rng::stream(self.seed, &format!("line/{}/{section}", line.flank)).random::<f64>() < chance
     }

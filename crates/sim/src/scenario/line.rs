@@ -32,7 +32,8 @@ pub struct LineSettings {
     #[serde(deserialize_with = "list_of_at_most::<2_000, _, _>", skip_serializing_if = "Vec::is_empty")]
     pub protect: Vec<ProtectedPlace>,
     pub holds: LineHolds,
-    /// With `holds = "flame"`: flame length at which line holds in half of all cases, and scale of the logistic function, metres.
+    /// With `holds = "flame"`: flame length at which a kilometre of line holds in half of all cases, and scale of the logistic
+    /// function, metres.
     pub flame_half_m: f64,
     pub flame_scale_m: f64,
     /// Metres of line for which chance is drawn once.

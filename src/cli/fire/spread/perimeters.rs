@@ -1,6 +1,10 @@
-//! Perimeters of a fire after equal times, as GeoJSON: what has burned by then, along the sides of cells.
+//! Perimeters of a fire, and those after equal times as GeoJSON: where the front is by then.
+//!
+//! Fire is in the middle of a cell when it arrives there. Between the middles of two cells its time is taken to be linear, so
+//! that a perimeter is a contour line of arrival times; along the sides of cells it would be longer by up to a third, however
+//! small cells are. Where fire never comes to the next cell, the perimeter runs along the side between both.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -44,16 +48,13 @@ impl PerimeterArguments {
 }
 
 /// Writes a feature for each time at which something has burned, with the time, the area and the length of the perimeter.
-pub fn write(path: &Path, ground: &Ground, arrivals: &[f64], times_s: &[f64]) -> io::Result<()> {
+/// `expected` is when fire comes to each cell, after the end too; not a number where it does not.
+pub fn write(path: &Path, ground: &Ground, expected: &[f64], times_s: &[f64]) -> io::Result<()> {
     let frame = ground.landscape.frame;
     let features = times_s.iter().filter_map(|&time_s| {
-        let burned: Vec<bool> = arrivals.iter().map(|&arrival| arrival <= time_s).collect();
-        let cells = burned.iter().filter(|burned| **burned).count();
-        let polygons = polygons(frame, &burned);
-        let sides: i64 = polygons.iter().flatten().map(|ring| length(ring)).sum();
-        let place = |&(col, row): &Corner| {
-            [ground.place.west_m + frame.cell_m * col as f64, ground.place.south_m + frame.cell_m * row as f64]
-        };
+        let cells = expected.iter().filter(|arrival| **arrival <= time_s).count();
+        let polygons = polygons(frame, expected, time_s);
+        let place = |&[x, y]: &Point| [ground.place.west_m + frame.cell_m * x, ground.place.south_m + frame.cell_m * y];
         let rings = |polygon: &Vec<Ring>| -> Vec<Vec<[f64; 2]>> {
             polygon.iter().map(|ring| ring.iter().chain(ring.first()).map(place).collect()).collect()
         };
@@ -63,7 +64,7 @@ pub fn write(path: &Path, ground: &Ground, arrivals: &[f64], times_s: &[f64]) ->
                 "properties": {
                     "time_s": time_s,
                     "area_ha": cells as f64 * frame.cell_m * frame.cell_m / 10_000.0,
-                    "perimeter_m": sides as f64 * frame.cell_m,
+                    "perimeter_m": frame.cell_m * length(&polygons),
                 },
                 "geometry": {"type": "MultiPolygon", "coordinates": polygons.iter().map(rings).collect::<Vec<_>>()},
             })
@@ -77,70 +78,77 @@ pub fn write(path: &Path, ground: &Ground, arrivals: &[f64], times_s: &[f64]) ->
     fs::write(path, collection.to_string())
 }
 
-/// A corner of cells: column and row.
-type Corner = (i64, i64);
-/// Corners at which a border turns, the inside on the left; closed without repeating the first.
-type Ring = Vec<Corner>;
+/// Returns the length of the perimeter at a time in metres.
+pub fn perimeter_m(frame: FieldFrame, expected: &[f64], time_s: f64) -> f64 {
+    frame.cell_m * length(&polygons(frame, expected, time_s))
+}
 
-fn length(ring: &[Corner]) -> i64 {
-    let next = ring.iter().cycle().skip(1);
-    ring.iter().zip(next).map(|(a, b)| (a.0 - b.0).abs() + (a.1 - b.1).abs()).sum()
+/// A place in cells from the corner of the field: (0.5, 0.5) is the middle of the first cell.
+type Point = [f64; 2];
+/// Points at which a border turns, the inside on the left; closed without repeating the first.
+type Ring = Vec<Point>;
+
+/// The nearest to a middle, in cells, that a border comes.
+const NEAREST: f64 = 1e-6;
+
+fn length(polygons: &[Vec<Ring>]) -> f64 {
+    let side = |(a, b): (&Point, &Point)| ((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1])).sqrt();
+    polygons.iter().flatten().flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1))).map(side).sum()
 }
 
 /// Twice the area, above 0 of a ring that runs counter-clockwise.
-fn doubled_area(ring: &[Corner]) -> i64 {
+fn doubled_area(ring: &[Point]) -> f64 {
     let next = ring.iter().cycle().skip(1);
-    ring.iter().zip(next).map(|(a, b)| a.0 * b.1 - b.0 * a.1).sum()
+    ring.iter().zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum()
 }
 
-/// Returns the polygons of the cells inside: for each group of cells that touch along sides its outer ring, then its holes.
-///
-/// No ring meets itself: one that comes to a corner again, where two cells touch there only, is two.
-fn polygons(frame: FieldFrame, inside: &[bool]) -> Vec<Vec<Ring>> {
-    let groups = groups(frame, inside);
-    let group = |col: i64, row: i64| {
-        let is_on = (0..i64::from(frame.cols)).contains(&col) && (0..i64::from(frame.rows)).contains(&row);
-        if is_on { groups[(row * i64::from(frame.cols) + col) as usize] } else { None }
+/// Columns and rows to the cell beside one: east, north, west, south.
+const BESIDE: [(i64, i64); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
+
+/// Returns the polygons of the cells that fire has reached at a time: for each group of cells that touch along sides its
+/// outer ring, then its holes. No ring meets itself or another one.
+fn polygons(frame: FieldFrame, expected: &[f64], time_s: f64) -> Vec<Vec<Ring>> {
+    let inside: Vec<bool> = expected.iter().map(|&arrival| arrival <= time_s).collect();
+    let groups = groups(frame, &inside);
+    let beside = |index: usize, side: usize| {
+        let (cols, rows) = BESIDE[side];
+        frame.offset(frame.cell(index), cols as i32, rows as i32).map(|cell| frame.index(cell))
     };
-    // Sides with the inside on the left, by the corner at which they begin: where they lead, and of which group they are.
-    let mut sides: BTreeMap<Corner, Vec<(Corner, usize)>> = BTreeMap::new();
-    for (index, own) in groups.iter().enumerate() {
-        let Some(own) = *own else { continue };
-        let Cell { col, row } = frame.cell(index);
-        let (c, r) = (i64::from(col), i64::from(row));
-        for (beside, from, to) in [
-            ((c, r - 1), (c, r), (c + 1, r)),
-            ((c + 1, r), (c + 1, r), (c + 1, r + 1)),
-            ((c, r + 1), (c + 1, r + 1), (c, r + 1)),
-            ((c - 1, r), (c, r + 1), (c, r)),
-        ] {
-            if group(beside.0, beside.1).is_none() {
-                sides.entry(from).or_default().push((to, own));
-            }
-        }
+    let next_inside = |index: usize, side: usize| beside(index, side).filter(|&near| inside[near]);
+    // Between a cell inside and the one on a side of it that is not.
+    let mut crossings: BTreeSet<(usize, usize)> = BTreeSet::new();
+    for index in (0..inside.len()).filter(|&index| inside[index]) {
+        crossings.extend((0..4).filter(|&side| next_inside(index, side).is_none()).map(|side| (index, side)));
     }
+    let point = |(index, side): (usize, usize)| {
+        let Cell { col, row } = frame.cell(index);
+        let other = beside(index, side).map_or(f64::NAN, |near| expected[near]);
+        let share = (time_s - expected[index]) / (other - expected[index]);
+        let share = if other.is_finite() { share.clamp(NEAREST, 1.0 - NEAREST) } else { 0.5 };
+        let (cols, rows) = BESIDE[side];
+        [f64::from(col) + 0.5 + share * cols as f64, f64::from(row) + 0.5 + share * rows as f64]
+    };
     let mut rings: BTreeMap<usize, Vec<Ring>> = BTreeMap::new();
-    while let Some((&first, _)) = sides.first_key_value() {
-        let mut trail: Vec<Corner> = vec![first];
-        while let Some(&at) = trail.last() {
-            let Some(leaving) = sides.get_mut(&at) else { break };
-            // Where two sides lead on, the one to the left belongs to the same cell.
-            let left = trail.iter().rev().nth(1).map(|before| (at.0 - (at.1 - before.1), at.1 + (at.0 - before.0)));
-            let place = leaving.iter().position(|(to, _)| Some(*to) == left).unwrap_or(0);
-            let (to, group) = leaving.swap_remove(place);
-            if leaving.is_empty() {
-                sides.remove(&at);
-            }
-            if let Some(start) = trail.iter().position(|&corner| corner == to) {
-                rings.entry(group).or_default().push(turns(&trail[start..]));
-                trail.truncate(start + 1);
-            } else {
-                trail.push(to);
-            }
+    while let Some(&first) = crossings.first() {
+        let mut ring = Vec::new();
+        let mut at = first;
+        while crossings.remove(&at) {
+            ring.push(point(at));
+            let (index, side) = at;
+            let left = (side + 1) % 4;
+            // Cells that touch at a corner only are not joined.
+            at = match next_inside(index, left) {
+                None => (index, left),
+                Some(ahead) => match next_inside(ahead, side) {
+                    None => (ahead, side),
+                    Some(around) => (around, (side + 3) % 4),
+                },
+            };
         }
+        rings.entry(groups[first.0].expect("it is inside")).or_default().push(turns(&ring));
     }
     let mut polygons: Vec<Vec<Ring>> = rings.into_values().collect();
-    polygons.iter_mut().for_each(|rings| rings.sort_by_key(|ring| doubled_area(ring) < 0));
+    polygons.iter_mut().for_each(|rings| rings.sort_by_key(|ring| doubled_area(ring) < 0.0));
     polygons
 }
 
@@ -162,33 +170,60 @@ fn groups(frame: FieldFrame, inside: &[bool]) -> Vec<Option<usize>> {
     groups
 }
 
-/// Leaves out the corners at which a closed trail goes straight on.
-fn turns(trail: &[Corner]) -> Ring {
-    let count = trail.len();
+/// Leaves out the points at which a ring goes straight on.
+fn turns(ring: &[Point]) -> Ring {
+    let count = ring.len();
     let is_turn = |&at: &usize| {
-        let [before, own, after] = [count - 1, 0, 1].map(|step| trail[(at + step) % count]);
-        (own.0 - before.0, own.1 - before.1) != (after.0 - own.0, after.1 - own.1)
+        let [before, own, after] = [count - 1, 0, 1].map(|step| ring[(at + step) % count]);
+        let [to, from] = [[own[0] - before[0], own[1] - before[1]], [after[0] - own[0], after[1] - own[1]]];
+        to[0] * from[1] != to[1] * from[0]
     };
-    (0..count).filter(is_turn).map(|at| trail[at]).collect()
+    (0..count).filter(is_turn).map(|at| ring[at]).collect()
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
 
     /// Polygons of a drawing whose first line is the north row.
     fn of(drawing: &[&str]) -> Vec<Vec<Ring>> {
         let frame = FieldFrame { cols: drawing[0].len() as u16, rows: drawing.len() as u16, cell_m: 1.0 };
-        let inside: Vec<bool> = drawing.iter().rev().flat_map(|row| row.bytes().map(|byte| byte == b'#')).collect();
-        polygons(frame, &inside)
+        let cells = drawing.iter().rev().flat_map(|row| row.bytes());
+        let expected: Vec<f64> = cells.map(|byte| if byte == b'#' { 0.0 } else { f64::NAN }).collect();
+        polygons(frame, &expected, 1.0)
     }
 
     #[test]
-    fn a_cell_is_a_square_and_a_hole_runs_the_other_way() {
-        assert_eq!(of(&["#"]), [[[(0, 0), (1, 0), (1, 1), (0, 1)]]]);
+    fn a_cell_alone_is_cut_at_its_sides_and_a_hole_runs_the_other_way() {
+        assert_eq!(of(&["#"]), [[[[1.0, 0.5], [0.5, 1.0], [0.0, 0.5], [0.5, 0.0]]]]);
         let ring = of(&["###", "#.#", "###"]);
         assert_eq!(ring.len(), 1);
-        assert_eq!(ring[0].iter().map(|ring| doubled_area(ring)).collect::<Vec<_>>(), [18, -2]);
+        // Squares of 9 cells and of one, of which corners of an eighth of a cell are cut off.
+        assert_eq!(ring[0].iter().map(|ring| doubled_area(ring)).collect::<Vec<_>>(), [17.0, -1.0]);
+    }
+
+    #[test]
+    fn perimeters_are_those_of_ellipses_at_any_size_of_cells() {
+        // Three times as long as wide, at an angle; on cells from 1/20 to 1/160 of the length.
+        for cells in [20.0, 40.0, 160.0] {
+            let side = (1.2 * cells) as u16;
+            let frame = FieldFrame { cols: side, rows: side, cell_m: 300.0 / cells };
+            let middle = 0.5 * f64::from(side);
+            let time = |index: usize| {
+                let Cell { col, row } = frame.cell(index);
+                let (x, y) = (f64::from(col) + 0.5 - middle, f64::from(row) + 0.5 - middle);
+                let [along, across] = [0.8 * x + 0.6 * y, 3.0 * (0.8 * y - 0.6 * x)];
+                frame.cell_m * (along * along + across * across).sqrt()
+            };
+            let times: Vec<f64> = (0..frame.cell_count()).map(time).collect();
+            // Ramanujan's second approximation for half axes of 150 and 50 m.
+            let h: f64 = 100.0 * 100.0 / (200.0 * 200.0);
+            let exact = PI * 200.0 * (1.0 + 3.0 * h / (10.0 + (4.0 - 3.0 * h).sqrt()));
+            let found = perimeter_m(frame, &times, 150.0);
+            assert!((found / exact - 1.0).abs() < 0.4 / cells, "{cells}: {found} m, not {exact} m");
+        }
     }
 
     #[test]
@@ -203,18 +238,25 @@ mod tests {
             &["#####", "##.##", "#.#.#", "##.##", "#####"],
         ];
         for drawing in drawings {
-            let cells = drawing.iter().flat_map(|row| row.bytes()).filter(|&byte| byte == b'#').count() as i64;
             let polygons = of(drawing);
-            let doubled: i64 = polygons.iter().flatten().map(|ring| doubled_area(ring)).sum();
-            assert_eq!(doubled, 2 * cells, "{drawing:?}: {polygons:?}");
+            let mut points = BTreeSet::new();
             for polygon in &polygons {
-                assert!(doubled_area(&polygon[0]) > 0, "{polygon:?}");
-                assert!(polygon[1..].iter().all(|hole| doubled_area(hole) < 0), "{polygon:?}");
-                for ring in polygon {
-                    let mut corners = ring.clone();
-                    corners.sort_unstable();
-                    corners.dedup();
-                    assert_eq!(corners.len(), ring.len(), "{ring:?}");
+                assert!(doubled_area(&polygon[0]) > 0.0, "{polygon:?}");
+                assert!(polygon[1..].iter().all(|hole| doubled_area(hole) < 0.0), "{polygon:?}");
+                for point in polygon.iter().flatten() {
+                    assert!(points.insert(point.map(|x| (2.0 * x) as i64)), "{drawing:?}: {point:?} twice");
+                }
+            }
+            // By rays to the east: the middle of a cell is inside an odd number of rings, that of another an even one.
+            for (row, line) in drawing.iter().rev().enumerate() {
+                for (col, byte) in line.bytes().enumerate() {
+                    let (x, y) = (col as f64 + 0.5, row as f64 + 0.5 + 1e-3);
+                    let crossed =
+                        polygons.iter().flatten().flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)));
+                    let crossed = crossed.filter(|(a, b)| {
+                        (a[1] > y) != (b[1] > y) && a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) > x
+                    });
+                    assert_eq!(crossed.count() % 2 == 1, byte == b'#', "{drawing:?}: {col}, {row}");
                 }
             }
         }

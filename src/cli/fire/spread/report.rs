@@ -97,6 +97,7 @@ impl SpreadReport {
         ignitions: &[(SimTime, Cell)],
         cpu: Duration,
         fire_types: &[f64],
+        perimeter_m: f64,
     ) -> Self {
         let has_ended = fire.next_arrival().is_none();
         let fire = &*fire;
@@ -107,10 +108,6 @@ impl SpreadReport {
         let is_border =
             |cell: Cell| cell.col == 0 || cell.row == 0 || cell.col + 1 == frame.cols || cell.row + 1 == frame.rows;
         let reached_edge = burned().filter(|&(cell, _)| is_border(cell)).map(|(_, time)| time).min();
-        let sides = burned().map(|(cell, _)| {
-            let beside = [(1, 0), (-1, 0), (0, 1), (0, -1)].map(|(cols, rows)| frame.offset(cell, cols, rows));
-            beside.iter().filter(|beside| beside.is_none_or(|beside| fire.arrival(beside).is_none())).count()
-        });
         let options = arguments.choices.options();
         let fuels = shares(landscape);
         let too_wet = fuels
@@ -146,7 +143,7 @@ impl SpreadReport {
             last_arrival_s: burned().map(|(_, time)| time).max().map(SimTime::as_seconds),
             farthest: farthest(fire, burned(), ignitions),
             fire_types: (!fire_types.is_empty()).then(|| Members(FireType::tally(fire_types))),
-            perimeter_m: sides.sum::<usize>() as f64 * frame.cell_m,
+            perimeter_m,
             cpu_s: cpu.as_secs_f64(),
             cpu_us_per_burned_cell: (burned_cells > 0).then(|| cpu.as_secs_f64() * 1e6 / burned_cells as f64),
         }

@@ -57,7 +57,11 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
             .collect(),
         None => Vec::new(),
     };
-    let report = SpreadReport::new(arguments, &landscape, &mut fire, &ignitions, cpu, &fire_types);
+    let cells = (0..landscape.frame.cell_count()).map(|index| landscape.frame.cell(index));
+    let expected: Vec<f64> =
+        cells.map(|cell| fire.expected_arrival(cell).map_or(f64::NAN, SimTime::as_seconds)).collect();
+    let perimeter_m = perimeters::perimeter_m(landscape.frame, &expected, arguments.duration);
+    let report = SpreadReport::new(arguments, &landscape, &mut fire, &ignitions, cpu, &fire_types, perimeter_m);
     let arrivals = || {
         let seconds = |cell| fire.arrival(cell).map_or(f64::NAN, SimTime::as_seconds);
         (0..landscape.frame.cell_count()).map(|index| seconds(landscape.frame.cell(index))).collect::<Vec<f64>>()
@@ -82,7 +86,7 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
         let behavior = FireBehavior::new((&landscape, &weather, &rules), &ignitions);
         ground.place.write_bands(path, landscape.frame, &arrivals(), &behavior)
     };
-    let write_perimeters = |path: &Path| perimeters::write(path, &ground, &arrivals(), &times_s);
+    let write_perimeters = |path: &Path| perimeters::write(path, &ground, &expected, &times_s);
     let draw = |path: &Path| {
         let lit: Vec<Cell> = ignitions.iter().map(|&(_, cell)| cell).collect();
         let map = FieldMap {

@@ -212,6 +212,12 @@ impl Front {
         }
     }
 
+    /// Returns the plan of a cell that has not burned.
+    pub fn planned(&self, cell: Cell) -> Option<SimTime> {
+        let time = self.cells.awaited(self.cells.index(cell));
+        (time != NEVER).then(|| SimTime::from_nanos(time))
+    }
+
     /// Tells `spread` what catches fire by a time, and from where, by (time, cell index).
     pub fn take_due(&mut self, now: u64, mut spread: impl FnMut(Cell, Cell)) {
         self.forget_due();

@@ -67,6 +67,11 @@ impl Rothermel {
         self.next().map(|(time, _)| time)
     }
 
+    /// Returns when a front that is near comes to a cell that has not burned, by all that has.
+    pub fn planned_arrival(&self, cell: Cell) -> Option<SimTime> {
+        self.front.planned(cell)
+    }
+
     /// Returns the next arrival, and the cell that it is at.
     fn next(&mut self) -> Option<(SimTime, Cell)> {
         let front = self.front.next().map(|(time, cell)| (SimTime::from_nanos(time), cell));
