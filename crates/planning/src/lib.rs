@@ -60,6 +60,7 @@ pub mod collision;
 pub mod gate;
 pub mod judge;
 pub mod kit;
+mod last_resort;
 #[cfg(test)]
 mod laws;
 pub mod memory;

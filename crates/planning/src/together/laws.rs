@@ -174,7 +174,8 @@ fn contact_is_decided_whatever_the_gap() {
         }
     }
     let overlap = DVec2::new(5.5, 15.0 + 0.5 * WIDTH_M + OBSTACLE_M - 0.002);
-    let instance = Instance { obstacles: vec![overlap], vehicles: vec![ahead("car", 15.0)], ..random_instance(1, 1, 0) };
+    let instance =
+        Instance { obstacles: vec![overlap], vehicles: vec![ahead("car", 15.0)], ..random_instance(1, 1, 0) };
     assert!(matches!(solve(&instance, &settings(Mode::Exact, 1)), Err(Unsolved::Blocked { is_goal: false, .. })));
 }
 
