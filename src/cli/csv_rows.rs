@@ -88,18 +88,13 @@ impl CsvRows {
         }
     }
 
-    /// Returns the line that was read last, as it is in the file, without its end.
-    pub fn row(&self) -> &[u8] {
-        &self.row
-    }
-
-    /// Returns the places of the fields of that line that are this name.
+    /// Returns the places of the fields that are this name in the line that was read last.
     pub fn places(&self, name: &str) -> Vec<usize> {
         let named = self.fields().enumerate().filter(|(_, field)| *field == name.as_bytes());
         named.map(|(place, _)| place).collect()
     }
 
-    /// Returns its fields, without spaces and double quotes around them.
+    /// Returns the fields of that line, without spaces and double quotes around them.
     pub fn fields(&self) -> impl Iterator<Item = &[u8]> {
         fields(&self.row, self.separator.unwrap_or(SEPARATORS[0]))
     }
