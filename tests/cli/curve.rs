@@ -60,17 +60,17 @@ fn both_curves_are_told_with_length_word_and_segments() {
 fn words_have_the_letters_that_are_driven() {
     let story = Story::begin();
     let words = |to: &str, more: &[&str]| {
-        let found = curves(&story, &[&["--from", "0,0,0", "--to", to, "--radius", "3"], more].concat());
+        let found = curves(&story, &[&["curve", "--from", "0,0,0", "--to", to, "--radius", "3"], more].concat());
         let words = found.iter().map(|curve| curve["word"].as_str().expect("a word").to_owned());
         (words.collect::<Vec<_>>(), found.last().and_then(|curve| curve["price"]["price_m"].as_f64()))
     };
     assert_eq!(words("0,0,0", &[]).0, ["", ""]);
     assert_eq!(words("5,0,0", &[]).0, ["S+", "S"]);
     let (found, price_m) = words("3,0,180", &["--cusp-m", "20"]);
-    assert_eq!(found[2], format!("{}+", found[1].chars().map(String::from).collect::<Vec<_>>().join("+")));
+    assert!(["L+R+L+", "R+L+R+"].contains(&found[2].as_str()), "{found:?}");
     assert!((price_m.expect("it has a price") - 21.158).abs() < 0.01, "{price_m:?}");
     let answer = story.tell(&["curve", "--from", "0,0,0", "--to", "0,0,0"]).expect_code(0).stdout;
-    assert!(answer.contains("Reeds-Shepp: 0 m, no segment, no cusp"), "{answer}");
+    assert!(answer.contains("Reeds-Shepp: 0.000000 m, no segment, no cusp"), "{answer}");
 }
 
 #[test]
