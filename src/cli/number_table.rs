@@ -1,13 +1,13 @@
 //! Tables of numbers from other programs, whose columns are found by their names, in any order among others.
 
 use std::borrow::Cow;
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, ErrorKind};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::cli::csv_rows::{CsvRows, LONGEST_LINE, RowFault, fields};
+use crate::cli::csv_rows::{CsvRows, LONGEST_LINE, RowFault};
 use crate::cli::error::CliError;
 use crate::cli::numbers;
 use wildfire_base::whole_file::WholeFile;
@@ -102,7 +102,7 @@ impl<'a, const N: usize> NumberTable<'a, N> {
         if !self.advance()? {
             return Err(TableFault::Empty { expected });
         }
-        self.width = fields(self.rows.row()).count();
+        self.width = self.rows.fields().count();
         let line = self.rows.line();
         if let Some(&column) = self.columns.added.iter().find(|column| !self.rows.places(column).is_empty()) {
             return Err(TableFault::Taken { line, column });
@@ -119,12 +119,6 @@ impl<'a, const N: usize> NumberTable<'a, N> {
         Ok(())
     }
 
-    /// Writes the line that was read last, as it is in the file, with more fields behind it.
-    fn write_row(&self, table: &mut WholeFile, added: &str) -> io::Result<()> {
-        table.write_all(self.rows.row())?;
-        writeln!(table, ",{added}")
-    }
-
     /// The numbers of the next row, in the order of the columns that are read; `None` at the end of the file.
     pub fn next(&mut self) -> Result<Option<[f64; N]>, CliError> {
         self.next_numbers().map_err(|fault| refused(&self.path, fault))
@@ -139,7 +133,7 @@ impl<'a, const N: usize> NumberTable<'a, N> {
             *number = column.without.unwrap_or(f64::NAN);
         }
         let mut found = 0;
-        for (place, field) in fields(self.rows.row()).enumerate() {
+        for (place, field) in self.rows.fields().enumerate() {
             found += 1;
             if let Some(index) = self.places.iter().position(|&column| column == Some(place)) {
                 let column = &self.columns.read[index];
@@ -164,7 +158,7 @@ impl<'a, const N: usize> NumberTable<'a, N> {
     }
 
     fn field(&self, index: usize) -> &[u8] {
-        self.places[index].and_then(|place| fields(self.rows.row()).nth(place)).unwrap_or_default()
+        self.places[index].and_then(|place| self.rows.fields().nth(place)).unwrap_or_default()
     }
 
     fn advance(&mut self) -> Result<bool, TableFault> {
@@ -177,8 +171,8 @@ impl<'a, const N: usize> NumberTable<'a, N> {
     fn number(&self, field: &[u8], column: &Column) -> Result<f64, TableFault> {
         let text = std::str::from_utf8(field).ok();
         let number = match &column.content {
-            Content::Number(range) => text.and_then(numbers::parse).filter(|number| range.contains(number)),
-            Content::Class(last) => text.and_then(numbers::parse::<u8>).filter(|class| class <= last).map(f64::from),
+            Content::Number(range) => self.rows.number(field).filter(|number| range.contains(number)),
+            Content::Class(last) => self.rows.number::<u8>(field).filter(|class| class <= last).map(f64::from),
             Content::Word(words) => words.iter().position(|word| Some(*word) == text).map(|place| place as f64),
             Content::Text => Some(f64::NAN),
         };
@@ -209,11 +203,11 @@ pub fn write_answers<const N: usize>(
     let added = columns.added.join(",");
     let mut rows = NumberTable::open(input, columns)?;
     let mut table = WholeFile::create(output).map_err(unwritable)?;
-    rows.write_row(&mut table, &added).map_err(unwritable)?;
+    rows.rows.write_with(&mut table, &added).map_err(unwritable)?;
     let mut count = 0;
     while let Some(numbers) = rows.next()? {
         for answer in answer(&rows, &numbers)? {
-            rows.write_row(&mut table, &answer).map_err(unwritable)?;
+            rows.rows.write_with(&mut table, &answer).map_err(unwritable)?;
         }
         count += 1;
     }

@@ -37,8 +37,32 @@ fn lengths_and_words_stand_after_what_was_there() {
         let added: Vec<&str> = added.split(',').collect();
         assert_eq!(added[0].parse(), Ok(best.length_m), "numbers read back exactly");
         assert_eq!(added[2].parse(), Ok(forward.length_m));
-        assert_eq!([added[1], added[3]], [best.word.to_string(), forward.word.to_string()]);
+        let letters = best.driven_letters().map(|letter| letter.to_string()).collect::<String>();
+        assert_eq!([added[1], added[3]], [letters, forward.word.to_string()]);
     }
+}
+
+/// The table of a spreadsheet, whatever is between its fields, has the same answers in its own notation.
+#[test]
+fn separators_and_decimal_commas_of_spreadsheets_are_read_and_kept() {
+    let story = Story::begin();
+    let table = "x0,y0,th0,x1,y1,th1,\n0,0,0,30,10.5,-2.25,\n1e1,0,0,2,3,0.5,kept\n";
+    story.file("pairs.csv", table);
+    let expected = lengths(&story, &[]);
+    let semicolons = |table: &str| table.replace(',', ";").replace('.', ",");
+    for (head, change) in [
+        ("", &(|table: &str| table.replace(',', ";")) as &dyn Fn(&str) -> String),
+        ("", &semicolons),
+        ("\u{feff}sep=;\r\n", &semicolons),
+        ("sep=\t\n", &|table| semicolons(table).replace(';', "\t")),
+        ("", &|table| table.replace(',', "\t")),
+    ] {
+        story.file("pairs.csv", &format!("{head}{}", change(table)));
+        assert_eq!(lengths(&story, &[]), change(&expected), "{head}");
+    }
+    story.file("pairs.csv", "x0;y0;th0;x1;y1;th1\n0;0;0;1.234,5;0;0\n");
+    let refused = story.tell(&["curve", "--pairs", "pairs.csv", "--csv", "other.csv"]).expect_code(2);
+    refused.expect_complaint(&["line 2, column x1: found \"1.234,5\", expected a number"]);
 }
 
 #[test]

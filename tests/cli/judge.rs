@@ -167,6 +167,12 @@ fn a_path_of_anybodys_is_judged_with_its_figures() {
     assert!(answer.contains("paths: no path 2 times, first on field mine, goal 1."), "{answer}");
     assert!(answer.contains(" 1/3 ") && widest(&answer) <= 80, "{answer}");
 
+    // The same as a spreadsheet writes it.
+    story.file("paths.csv", &format!("sep=;\r\n{}", table.replace(',', ";").replace('.', ",")));
+    assert_eq!(story.tell(&["judge", "mine.json", "paths.csv"]).expect_code(0).stdout, answer);
+    story.file("paths.csv", &table.replace(',', "\t"));
+    assert_eq!(story.tell(&["judge", "mine.json", "paths.csv"]).expect_code(0).stdout, answer);
+
     let turning = path(&[(1.0 / 13.0, 13.0 * FRAC_PI_2)]);
     for step_m in [0.05, 0.31, 0.5] {
         let row = judged(2, &turning, step_m, 0);
@@ -200,6 +206,14 @@ fn what_breaks_a_rule_is_told_with_line_and_place() {
         "{words}"
     );
     assert!(!violation(0, &path(&[(1.0 / 12.8, 5.0)]), 0.5).contains("curvature"), "a little more is allowed");
+    let near_the_limit = (0..8).map(|step| violation(0, &path(&[(1.0 / (12.69 + 0.003 * f64::from(step)), 5.0)]), 0.5));
+    let compared = near_the_limit.filter_map(|words| {
+        let (_, found) = words.split_once("a curvature of ")?;
+        let (found, limit) = found.split_once(" 1/m; the limit is ")?;
+        Some([found, limit.split_once(' ')?.0].map(|number| number.parse::<f64>().expect("a number")))
+    });
+    let compared: Vec<[f64; 2]> = compared.collect();
+    assert!(!compared.is_empty() && compared.iter().all(|[found, limit]| found > limit), "{compared:?}");
 
     let story = begin();
     let crab: String = (0..100)

@@ -290,7 +290,7 @@ fn a_bound_tells_whether_there_is_a_shorter_way() {
 }
 
 #[test]
-fn the_cheapest_curve_is_the_first_candidate() {
+fn the_cheapest_of_the_48_words_is_the_first_candidate() {
     let prices = [
         CurvePrice::LENGTH,
         CurvePrice { reverse_factor: 1.0, cusp_m: 1.0 },
@@ -305,7 +305,7 @@ fn the_cheapest_curve_is_the_first_candidate() {
         REEDS_SHEPP.candidates(from, to, price, &mut curves);
         assert_eq!(curves.capacity(), room, "the buffer grew");
         assert!(curves.is_sorted_by_key(|priced| priced.price));
-        let cheapest = REEDS_SHEPP.cheapest(from, to, price);
+        let cheapest = REEDS_SHEPP.cheapest_word(from, to, price);
         assert!(
             (cheapest.price - curves[0].price).abs() < 1e-12,
             "{from:?} to {to:?}: {cheapest:?}, not {:?}",
@@ -339,9 +339,39 @@ fn who_may_not_reverse_drives_a_dubins_curve() {
         let cheapest = REEDS_SHEPP.cheapest(from, to, &forbidding).curve;
         let letters_forward = |word: Word| word.letters().all(|letter| letter.gear == Gear::Forward);
         assert!(letters_forward(cheapest.word), "{}", cheapest.word);
-        // Reeds and Shepp need no LRL without a cusp, so only words with a straight can agree.
-        let straight = DUBINS.curves(from, to).filter(|curve| curve.word.to_string().contains('S'));
-        let least = straight.map(|curve| curve.length_m).fold(f64::INFINITY, f64::min);
+        let least = DUBINS.length_m(from, to);
         assert!((cheapest.length_m - least).abs() < 1e-9, "{from:?} to {to:?}: {} and {least}", cheapest.length_m);
     }
+}
+
+/// However prices are, and where poses coincide, face each other or are less than two turning circles apart.
+#[test]
+fn no_other_curve_is_cheaper_than_the_cheapest() {
+    let mut rng = rng::stream(2, "curves/cheapest");
+    let mut pairs = random_pairs("curves/cheapest");
+    pairs.extend((0..4000).map(|_| (random_pose(&mut rng, 4.0 * RADIUS_M), random_pose(&mut rng, 4.0 * RADIUS_M))));
+    for heading in [0.0, FRAC_PI_2, PI, -1e-9] {
+        for x in [0.0, 1e-9, 1.0, 2.0 * RADIUS_M, 4.0 * RADIUS_M] {
+            pairs.extend([pose(x, 0.0, heading), pose(0.0, x, heading), pose(-x, 0.0, heading)].map(|to| (ORIGIN, to)));
+        }
+    }
+    let mut loops = 0;
+    for (from, to) in pairs {
+        for (reverse_factor, cusp_m) in [(1.0, 0.0), (1.0, 1.0), (1.05, 20.0), (3.0, 500.0), (0.5, 100.0), (0.0, 7.0)] {
+            let price = CurvePrice { reverse_factor, cusp_m };
+            let cheapest = REEDS_SHEPP.cheapest(from, to, &price);
+            let shortest = price.cost(&REEDS_SHEPP.shortest(from, to));
+            let backwards = reverse_factor * DUBINS.length_m(to, from);
+            let others =
+                [shortest, DUBINS.length_m(from, to), backwards, REEDS_SHEPP.cheapest_word(from, to, &price).price];
+            let least = others.into_iter().fold(f64::INFINITY, f64::min);
+            assert!(cheapest.price <= least + 1e-9, "{from:?} to {to:?}: {cheapest:?}, not {least}");
+            assert_eq!(cheapest.price, price.cost(&cheapest.curve));
+            let end = cheapest.curve.path(from).end();
+            assert!((end.position() - to.position()).length() < 1e-8, "{from:?} to {to:?} ends in {end:?}");
+            assert!(ops::wrap_angle(end.heading - to.heading).abs() < 1e-9, "{from:?} to {to:?} ends in {end:?}");
+            loops += u32::from(Word::LOOPS.contains(&cheapest.curve.word));
+        }
+    }
+    assert!(loops > 100, "{loops} loops");
 }

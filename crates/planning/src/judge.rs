@@ -147,7 +147,7 @@ impl Judge {
         let bound_m = lower_bound_m(start, goal, self.checker.body());
         DriveFigures {
             length_m,
-            lower_bound_ratio: (bound_m > 0.0).then(|| length_m / bound_m),
+            lower_bound_ratio: lower_bound_ratio(length_m, bound_m),
             min_clearance_m: self.min_clearance_m(path.samples(SPACING_M).map(|(_, pose)| pose)),
             cusps: path.cusps(),
             drive_s: Trajectory::from_path(path, SimTime::ZERO, limits).duration_s(),
@@ -172,6 +172,15 @@ pub struct DriveFigures {
     pub cusps: u32,
     /// The driving time, from standstill to standstill.
     pub drive_s: f64,
+}
+
+/// The share of a length that rounding may take from a path that is as short as any.
+const RATIO_ROUNDING: f64 = 1e-12;
+
+/// Returns a length over a lower bound, 1 where they differ by rounding only; `None` where the bound is 0.
+pub fn lower_bound_ratio(length_m: f64, bound_m: f64) -> Option<f64> {
+    let ratio = (bound_m > 0.0).then(|| length_m / bound_m)?;
+    Some(if ratio < 1.0 && ratio > 1.0 - RATIO_ROUNDING { 1.0 } else { ratio })
 }
 
 /// Returns a lower bound of the length of paths: the length of the Reeds-Shepp curve, or the distance of the body's

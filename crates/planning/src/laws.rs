@@ -3,11 +3,16 @@
 //! A planner that is added is tested here without a line more. What is particular to one planner, and how often it must
 //! succeed, is tested beside it.
 
+use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
+
 use glam::DVec2;
 
 use wildfire_base::geometry::Pose;
-use wildfire_base::vehicle::Path;
+use wildfire_base::vehicle::{Dimensions, Path, Segment};
 
+use super::collision::{ClearanceField, CollisionChecker};
+use super::judge::Judge;
 use super::registry::{OwnedSettings, TruckPlannerKind};
 use super::test_fields::{TestField, assert_drivable, drives_in_a_row, drives_to_poses, random_free_pose, shut_court};
 use super::{
@@ -16,7 +21,7 @@ use super::{
 };
 
 fn planner(kind: TruckPlannerKind, field: &TestField, seed: u64) -> Box<dyn TruckPlanner> {
-    field.make(&OwnedSettings::default(), seed, |site| kind.maker().make(site))
+    field.make(&OwnedSettings::default(), seed, |site| kind.make(site))
 }
 
 fn every_planner(law: impl FnMut(TruckPlannerKind)) {
@@ -66,6 +71,71 @@ fn a_drive_can_begin_anywhere_on_another() {
             }
         }
     });
+}
+
+/// The number of goals that a planner reaches by paths that may be driven.
+fn count_solved(kind: TruckPlannerKind, field: &TestField, goals: &[Goal]) -> usize {
+    let judge = Judge::new(field.checker.clone());
+    let mut planner = planner(kind, field, 1);
+    let plans = goals.iter().filter_map(|&goal| Some((goal, planner.plan(field.start, goal).path.ok()?)));
+    plans.map(|(goal, path)| assert_eq!(judge.check(field.start, goal, &path), Ok(()), "{kind}: {goal:?}")).count()
+}
+
+/// Field, truck and goals in other units of length are as hard as in metres.
+#[test]
+fn vehicles_of_every_size_reach_as_many_goals() {
+    let mut open = TestField::random(3, 45);
+    let goals = [(); 6].map(|()| random_free_pose(&mut open, 0.5));
+    // Two bends in a corridor of twice the width of the truck.
+    let bends = TestField::drawn(
+        &["#########", "#......##", "#.####.##", "#.#######", "#########"],
+        Pose::new(9.0, 7.5, FRAC_PI_2),
+    );
+    let robot =
+        Dimensions { length_m: 3.5, width_m: 2.4, wheelbase_m: 2.0, turning_radius_m: 3.4, ..Dimensions::default() };
+    let checker = CollisionChecker::new(
+        Arc::new(ClearanceField::new(*bends.checker.field().frame(), bends.checker.field().occupied())),
+        robot,
+    );
+    let bends = TestField { checker, start: Pose::new(7.5, 7.0, FRAC_PI_2), ..bends };
+    for (field, goals) in [(open, goals.to_vec()), (bends, vec![Pose::new(32.5, 13.0, -FRAC_PI_2)])] {
+        every_planner(|kind| {
+            let solved = [1.0, 0.05, 0.2, 0.7, 3.0, 20.0].map(|scale| {
+                let goals = goals.iter().map(|end| Goal::Pose(Pose { x: scale * end.x, y: scale * end.y, ..*end }));
+                count_solved(kind, &field.scaled(scale), &goals.collect::<Vec<_>>())
+            });
+            assert!(solved[0] > 0 && solved.iter().all(|&of_size| of_size >= solved[0]), "{kind}: {solved:?}");
+        });
+    }
+}
+
+/// A truck 1 to 2.5 cm beside a bush drives on, back, away and to such a place.
+#[test]
+fn drives_that_keep_a_centimetre_are_found() {
+    let field = |start| {
+        let mut picture = ["...................."; 20];
+        picture[10] = "....##..............";
+        TestField::drawn(&picture, start)
+    };
+    let half_m = 0.5 * Dimensions::default().width_m;
+    for gap_m in [0.0101, 0.015, 0.02, 0.025] {
+        let beside = |x: f64| Pose::new(x, 50.0 + half_m + gap_m, 0.0);
+        let far = Pose::new(80.0, 20.0, 2.0);
+        for (start, end) in [
+            (beside(22.0), beside(40.0)),
+            (beside(24.0), beside(8.0)),
+            (beside(14.0), beside(26.0)),
+            (beside(24.0), far),
+            (far, beside(24.0)),
+            (beside(28.0), Segment { curvature: 1.0 / 13.0, length_m: 18.0 }.end(beside(28.0))),
+        ] {
+            let field = field(start);
+            every_planner(|kind| {
+                let solved = count_solved(kind, &field, &[Goal::Pose(end)]);
+                assert_eq!(solved, 1, "{kind}, {gap_m} m: {start:?} to {end:?}");
+            });
+        }
+    }
 }
 
 #[test]

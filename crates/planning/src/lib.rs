@@ -41,6 +41,10 @@
 //!    stages of `hybrid-astar`; and everything that the planner `lattice` finds, which floods three lattices in turn
 //!    ([`kit::floods`]).
 //!
+//! Where a built-in planner gives up, a last resort follows (`last_resort`), at the least clearance, under the names above:
+//! single curves; for a vehicle of another size than the contest's, `hybrid-astar` on a field that is scaled to it
+//! ([`kit::vehicle_units`]); ways out of a tight start or goal.
+//!
 //! If all this fails on every goal that burns, and the scenario lets the truck be rescued (`unimog.rescue`: by default those
 //! with a built-in planner), the simulation asks [`reachability`], which floods from the truck's start:
 //!
@@ -60,6 +64,7 @@ pub mod collision;
 pub mod gate;
 pub mod judge;
 pub mod kit;
+mod last_resort;
 #[cfg(test)]
 mod laws;
 pub mod memory;

@@ -15,6 +15,7 @@ use super::kit::clearance_profile::ClearanceProfile;
 use super::kit::floods::{CLEARANCE_M, Floods};
 use super::kit::lattice::Lattice;
 use super::kit::local_search::{PrimitiveQuery, PrimitiveSearch, PrimitiveSettings};
+use super::kit::vehicle_units::VehicleUnits;
 use super::memory::MemoryMeter;
 
 /// Lattices for a search from any pose, with the expansions that each may cost.
@@ -31,13 +32,15 @@ pub struct Reachability {
     floods: Floods,
     /// One for each of the [`SEARCHES`], `None` until asked for.
     searches: [Option<PrimitiveSearch>; SEARCHES.len()],
+    /// The same in units of the vehicle, which is asked where this finds no way; `None` until then.
+    scaled: Option<Option<Box<(VehicleUnits, Self)>>>,
 }
 
 impl Reachability {
     /// Creates a query object for floods from `root`, a free pose of the truck, usually its start.
     pub fn new(checker: &CollisionChecker, memory: &MemoryMeter, root: Pose) -> Self {
         let floods = Floods::new(checker, memory, root);
-        Self { checker: checker.clone(), memory: memory.clone(), floods, searches: Default::default() }
+        Self { checker: checker.clone(), memory: memory.clone(), floods, searches: Default::default(), scaled: None }
     }
 
     pub fn root(&self) -> Pose {
@@ -46,12 +49,28 @@ impl Reachability {
 
     /// Returns whether the truck can drive from the root into a disc.
     pub fn reaches(&mut self, disc: GoalDisc) -> bool {
-        self.floods.reach(disc.with_margin())
+        let disc = disc.with_margin();
+        self.floods.reach(disc) || self.scaled().is_some_and(|(units, scaled)| scaled.floods.reach(units.disc(disc)))
     }
 
     /// Returns a path from the root into a disc, not necessarily a short one.
     pub fn path_to(&mut self, disc: GoalDisc) -> Option<Path> {
-        self.floods.path_into(disc.with_margin())
+        let (root, disc) = (self.root(), disc.with_margin());
+        self.floods.path_into(disc).or_else(|| {
+            let (units, scaled) = self.scaled()?;
+            Some(units.path_from(root, &scaled.floods.path_into(units.disc(disc))?))
+        })
+    }
+
+    /// Returns the vehicle's units with the floods in them, unless it is as long as the contest's truck.
+    fn scaled(&mut self) -> Option<&mut (VehicleUnits, Self)> {
+        let root = self.root();
+        let made = self.scaled.get_or_insert_with(|| {
+            let units = VehicleUnits::new(&self.checker)?;
+            let scaled = Self::new(&units.checker, &self.memory, units.pose(root));
+            Some(Box::new((units, scaled)))
+        });
+        made.as_deref_mut()
     }
 
     /// Finds a path from any free pose into a disc by a large search; also returns the nodes that it expanded.
@@ -74,7 +93,9 @@ impl Reachability {
                 return (Some(path.joined()), expansions);
             }
         }
-        (None, expansions)
+        let Some((units, scaled)) = self.scaled() else { return (None, expansions) };
+        let (path, more) = scaled.search(units.pose(from), units.disc(disc));
+        (path.map(|path| units.path_from(from, &path)), expansions + more)
     }
 }
 

@@ -28,6 +28,7 @@ use super::gate::Gated;
 use super::kit::drive_cost::DriveCost;
 use super::kit::local_search::PrimitiveSettings;
 use super::kit::safety::SafetySettings;
+use super::last_resort::LastResort;
 use super::memory::MemoryMeter;
 use super::planners::{hybrid_astar, lattice, prm_primitives, prm_rs};
 use super::smooth_steering::{CurvatureSmoother, SmoothSteering};
@@ -236,7 +237,7 @@ impl Planners {
     /// If nobody of this name is known, or it cannot be built.
     pub fn make(&self, name: &PlannerName, site: &Site<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> {
         if let Some(kind) = name.built_in() {
-            let planner = kind.maker().make(site);
+            let planner = kind.make(site);
             return Ok(match CurvatureSmoother::new(site.checker, site.limits) {
                 Some(smoother) => Box::new(SmoothSteering::new(planner, smoother)),
                 None => planner,
@@ -311,10 +312,15 @@ truck_planners! {
 }
 
 impl TruckPlannerKind {
+    /// Makes a planner for one truck on one field, with what all built-in planners try last.
+    pub fn make(self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
+        Box::new(LastResort::new(self.maker().make(site), site))
+    }
+
     /// Builds the planner with its default settings, for a truck that drives 8 m/s in both directions. Equal seeds give
     /// equal planners.
     pub fn build(self, checker: &CollisionChecker, seed: u64) -> Box<dyn TruckPlanner> {
-        self.maker().make(&Site {
+        self.make(&Site {
             truck: 0,
             body: checker.body(),
             limits: &SpeedLimits::new(8.0, 8.0),

@@ -56,6 +56,17 @@ impl TestField {
         Self::new(frame, &Grid::from_values(rows, cols, bushes), start, rng::stream(0, "planning/drawn"))
     }
 
+    /// The same field, with its truck, in other units of length.
+    pub fn scaled(&self, scale: f64) -> Self {
+        let frame = *self.checker.field().frame();
+        let frame = FieldFrame { cell_m: scale * frame.cell_m, ..frame };
+        let field = Arc::new(ClearanceField::new(frame, self.checker.field().occupied()));
+        let start = Pose { x: scale * self.start.x, y: scale * self.start.y, ..self.start };
+        let bushes = self.bushes.iter().map(|&centre| scale * centre).collect();
+        let checker = CollisionChecker::new(field, scaled_body(self.checker.body(), scale));
+        Self { checker, start, bushes, rng: self.rng.clone() }
+    }
+
     fn new(frame: FieldFrame, occupied: &Grid<bool>, start: Pose, rng: Xoshiro256PlusPlus) -> Self {
         let bushes = (0..frame.cell_count()).filter(|&i| occupied.values()[i]).map(|i| frame.centre(frame.cell(i)));
         let bushes = bushes.collect();
@@ -85,6 +96,17 @@ impl TestField {
     pub fn random_goal(&mut self) -> GoalDisc {
         let bush = self.rng.random_range(0..self.bushes.len());
         GoalDisc { centre: self.bushes[bush], radius_m: 10.0 }
+    }
+}
+
+fn scaled_body(body: &Dimensions, scale: f64) -> Dimensions {
+    Dimensions {
+        length_m: scale * body.length_m,
+        width_m: scale * body.width_m,
+        wheelbase_m: scale * body.wheelbase_m,
+        rear_overhang_m: scale * body.rear_overhang_m,
+        turning_radius_m: scale * body.turning_radius_m,
+        ..*body
     }
 }
 

@@ -6,8 +6,7 @@ use wildfire_base::document::number::{count, rounded, short};
 use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::geometry::Pose;
 use wildfire_base::object;
-use wildfire_base::vehicle::curve::Letters;
-use wildfire_base::vehicle::{CurvePrice, Dimensions, Dubins, Path, ReedsShepp, Segment, reeds_shepp};
+use wildfire_base::vehicle::{CurvePrice, Dimensions, Dubins, Path, ReedsShepp, Segment, dubins, reeds_shepp};
 use wildfire_batch::PROGRAM_VERSION;
 use wildfire_picture::{CurveScene, Picture, draw_curves};
 
@@ -45,9 +44,8 @@ pub struct FoundCurve {
     pub kind: &'static str,
     /// As people read it.
     pub name: &'static str,
+    /// Without letters of no length.
     pub word: String,
-    /// The number of letters of the word; those of no length are not in the path.
-    pub letters: usize,
     /// The paper's family, of Reeds-Shepp curves.
     pub family: Option<String>,
     pub length_m: f64,
@@ -78,8 +76,7 @@ fn reeds_shepp_curve(kind: &'static str, name: &'static str, curve: &reeds_shepp
     FoundCurve {
         kind,
         name,
-        word: curve.word.to_string(),
-        letters: curve.word.letters().count(),
+        word: reeds_shepp_word(curve),
         family: Some(curve.word.family().to_string()),
         length_m: curve.length_m,
         price: None,
@@ -87,13 +84,22 @@ fn reeds_shepp_curve(kind: &'static str, name: &'static str, curve: &reeds_shepp
     }
 }
 
+/// The word without letters of no length.
+pub fn reeds_shepp_word(curve: &reeds_shepp::Curve) -> String {
+    curve.driven_letters().map(|letter| letter.to_string()).collect()
+}
+
+/// The steering alone, since all letters are forward.
+pub fn dubins_word(curve: &dubins::Curve) -> String {
+    curve.driven_letters().map(|letter| letter.steering.to_string()).collect()
+}
+
 fn dubins_curve(dubins: &Dubins, start: Pose, goal: Pose) -> FoundCurve {
     let curve = dubins.shortest(start, goal);
     FoundCurve {
         kind: "dubins",
         name: "Dubins",
-        word: curve.word.to_string(),
-        letters: curve.word.letters().count(),
+        word: dubins_word(&curve),
         family: None,
         length_m: curve.length_m,
         price: None,
@@ -136,13 +142,12 @@ fn curve_blocks(found: &FoundCurve) -> Vec<Block> {
     [Block::List(lines)].into_iter().chain(has_segments.then_some(Block::Table(table))).collect()
 }
 
-/// The word and its family, or how many of its letters have no length.
+/// The word and, of Reeds-Shepp curves, its family; `no segment` between equal poses.
 fn word(found: &FoundCurve) -> String {
-    let word = &found.word;
-    match (found.letters - found.path.segments.len(), &found.family) {
-        (0, Some(family)) => format!("{word}, family {family}"),
-        (0, None) => word.clone(),
-        (letters, _) => format!("{word}, of which {} of zero length", count(letters, "letter")),
+    match &found.family {
+        _ if found.word.is_empty() => "no segment".into(),
+        Some(family) => format!("{}, family {family}", found.word),
+        None => found.word.clone(),
     }
 }
 

@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use std::ops::RangeInclusive;
 use std::path::Path as FilePath;
 
-use crate::cli::curve::report::{FoundCurve, direction};
+use crate::cli::curve::report::{FoundCurve, direction, dubins_word, reeds_shepp_word};
 use crate::cli::error::CliError;
 use crate::cli::number_table::{Column, Columns, Content, write_answers};
 use wildfire_base::geometry::Pose;
@@ -32,7 +32,8 @@ pub fn write_lengths(input: &FilePath, output: &FilePath, radius_m: f64) -> Resu
     write_answers(input, output, columns, |_, &[x0, y0, th0, x1, y1, th1]| {
         let (from, to) = (Pose::new(x0, y0, th0), Pose::new(x1, y1, th1));
         let (best, forward) = (reeds_shepp.shortest(from, to), dubins.shortest(from, to));
-        Ok(vec![format!("{},{},{},{}", best.length_m, best.word, forward.length_m, forward.word)])
+        let words = [reeds_shepp_word(&best), dubins_word(&forward)];
+        Ok(vec![format!("{},{},{},{}", best.length_m, words[0], forward.length_m, words[1])])
     })
 }
 

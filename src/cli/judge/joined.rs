@@ -6,13 +6,14 @@
 //! two turns between two poses makes. Clearance has no such slack.
 
 use wildfire_audit::{AuditField, Outline, SampleStep, Stance, ViolationKind};
+use wildfire_base::document::number::beside_limit;
 use wildfire_base::geometry::{DVec2, Pose, ops};
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::{SpeedLimits, Trajectory};
 use wildfire_base::vehicle::{Dimensions, Path, Segment};
 use wildfire_batch::missed;
 use wildfire_planning::collision::{ClearanceField, CollisionChecker};
-use wildfire_planning::judge::{DriveFigures, Judge, MOST_FIELDS_LONG};
+use wildfire_planning::judge::{DriveFigures, Judge, MOST_FIELDS_LONG, lower_bound_ratio};
 use wildfire_planning::{Goal, lower_bound_m};
 use wildfire_sim::scenario::Problem;
 use wildfire_timeline::Body;
@@ -120,13 +121,14 @@ impl<'a> PathJudge<'a> {
         let looked_at = samples().take(if is_endless { 0 } else { usize::MAX });
         let figures = DriveFigures {
             length_m,
-            lower_bound_ratio: (bound_m > 0.0).then(|| length_m / bound_m),
+            lower_bound_ratio: lower_bound_ratio(length_m, bound_m),
             min_clearance_m: self.judge.min_clearance_m(std::iter::once(start).chain(looked_at)),
             cusps: changes.count() as u32,
             drive_s: Trajectory::from_path(&path, SimTime::ZERO, self.limits).duration_s(),
         };
         if is_endless {
-            return (figures, Some(format!("it is {length_m:.2} m long; the limit is {most_m} m")));
+            let [found, limit] = beside_limit(length_m, most_m, 2);
+            return (figures, Some(format!("it is {found} m long; the limit is {limit} m")));
         }
         let begins = missed(Goal::Pose(self.problem.start), start, self.body());
         let begins = begins.map(|by| format!("line {}: it begins {by} away from the start", poses[0].line));
@@ -150,11 +152,10 @@ impl<'a> PathJudge<'a> {
             let length_m = arc.segment.length_m.abs();
             if arc.turn_rad > most * length_m + TURN_ROUNDING_RAD {
                 let found = arc.turn_rad / length_m;
+                let [found, limit] = beside_limit(found, most, 4);
                 let turn = match length_m {
                     0.0 => format!("it turns by {:.4} rad on the spot", arc.turn_rad),
-                    _ => format!(
-                        "a curvature of {found:.4} 1/m; the limit is {most:.4} 1/m (turning radius {radius_m} m)"
-                    ),
+                    _ => format!("a curvature of {found} 1/m; the limit is {limit} 1/m (turning radius {radius_m} m)"),
                 };
                 return Some(words(arc.line, along_m, arc.start, turn));
             }

@@ -11,8 +11,9 @@ use std::path::Path;
 
 use thiserror::Error;
 
-use crate::cli::csv_rows::{CsvRows, LONGEST_LINE, RowFault, fields};
+use crate::cli::csv_rows::{CsvRows, LONGEST_LINE, RowFault};
 use crate::cli::numbers;
+use wildfire_base::document::number::beside_limit;
 use wildfire_base::geometry::{Pose, ops};
 use wildfire_base::untrusted::{bytes_of_cell, visible_start};
 use wildfire_sim::scenario::Problem;
@@ -82,7 +83,10 @@ pub enum Fault {
     TooManyPlanners { line: u64 },
     #[error("line {line}, column direction: found {found:?}, expected forward or reverse")]
     Direction { line: u64, found: String },
-    #[error("line {line}: it is {metres:.3} m from the pose of line {before}; expected at most {MOST_APART_M} m")]
+    #[error(
+        "line {line}: it is {} m from the pose of line {before}; expected at most {MOST_APART_M} m",
+        beside_limit(*metres, MOST_APART_M, 3)[0]
+    )]
     Apart { line: u64, before: u64, metres: f64 },
     #[error(
         "line {line}: it is {metres:.3} m {found} the pose of line {before}, and its direction is {direction}; \
@@ -176,7 +180,7 @@ impl<'a> PathTable<'a> {
                 _ => return Err(Fault::Twice { line, column }),
             };
         }
-        let width = fields(rows.row()).count();
+        let width = rows.fields().count();
         Ok(Self { rows, problems, planners: Vec::new(), width, places, next: None, begun: BTreeSet::new() })
     }
 
@@ -221,7 +225,7 @@ impl<'a> PathTable<'a> {
         let line = self.rows.line();
         let mut cells: [&[u8]; COLUMNS.len()] = [b""; COLUMNS.len()];
         let mut found = 0;
-        for (place, cell) in fields(self.rows.row()).enumerate() {
+        for (place, cell) in self.rows.fields().enumerate() {
             found += 1;
             if let Some(index) = self.places.iter().position(|&column| column == Some(place)) {
                 cells[index] = cell;
@@ -231,7 +235,7 @@ impl<'a> PathTable<'a> {
             return Err(Fault::Ragged { line, found, expected: self.width });
         }
         let number = |index: usize| {
-            let number = std::str::from_utf8(cells[index]).ok().and_then(numbers::parse);
+            let number = self.rows.number(cells[index]);
             let refused = || Fault::Number { line, column: COLUMNS[index], found: shown(cells[index]) };
             number.filter(|number| NUMBERS.contains(number)).ok_or_else(refused)
         };
@@ -243,7 +247,7 @@ impl<'a> PathTable<'a> {
         };
         let problem = if self.places[FIELD].is_some() { problem(self.problems, line, cells[FIELD])? } else { 0 };
         let goals = self.problems[problem].goals.len();
-        let goal = std::str::from_utf8(cells[GOAL]).ok().and_then(numbers::parse).filter(|&goal| goal < goals);
+        let goal = self.rows.number(cells[GOAL]).filter(|&goal| goal < goals);
         let goal = goal.ok_or_else(|| Fault::Goal {
             line,
             found: shown(cells[GOAL]),

@@ -11,6 +11,7 @@ use wildfire_base::object;
 use wildfire_base::untrusted::{spreadsheet_cell, visible_start};
 use wildfire_base::whole_file::WholeFile;
 use wildfire_batch::PROGRAM_VERSION;
+use wildfire_planning::judge::lower_bound_ratio;
 use wildfire_planning::together::judge::{self, Fault, Schedule};
 use wildfire_planning::together::{Effort, Instance, Method, Mode, PlanTogether, Route, Unsolved};
 
@@ -57,7 +58,7 @@ impl Figures {
         let flowtimes = || routes.iter().map(Route::flowtime_m);
         let (flowtime_m, makespan_m) = (flowtimes().sum::<f64>(), flowtimes().fold(0.0, f64::max));
         // Vehicles that are all at their goals have a bound of 0.
-        let over = |metres: f64, bound_m: f64| if bound_m > 0.0 { metres / bound_m } else { 1.0 };
+        let over = |metres: f64, bound_m: f64| lower_bound_ratio(metres, bound_m).unwrap_or(1.0);
         Self {
             flowtime_m,
             flowtime_over_bound: over(flowtime_m, sum_m),

@@ -10,7 +10,17 @@ pub fn rounded(number: f64, decimals: usize) -> String {
     if is_zero { text.trim_start_matches('-').into() } else { text }
 }
 
-/// The same for a number that may not exist, which is shown as a dash.
+/// Writes a number and its limit with as few decimals as show on which side of it the number is, and no fewer than asked
+/// for.
+pub fn beside_limit(number: f64, limit: f64, decimals: usize) -> [String; 2] {
+    let order = number.partial_cmp(&limit);
+    let written = (decimals..=15).map(|decimals| [number, limit].map(|value| rounded(value, decimals)));
+    let parsed = |text: &String| text.parse::<f64>().ok();
+    let shows_order = |texts: &[String; 2]| parsed(&texts[0]).partial_cmp(&parsed(&texts[1])) == order;
+    written.into_iter().find(shows_order).unwrap_or_else(|| [number, limit].map(|value| value.to_string()))
+}
+
+/// The same as [`rounded`] for a number that may not exist, which is shown as a dash.
 pub fn optional(number: Option<f64>, decimals: usize) -> String {
     number.map_or_else(|| "-".into(), |number| rounded(number, decimals))
 }
@@ -54,6 +64,16 @@ pub fn count(number: usize, thing: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_number_beyond_its_limit_looks_so() {
+        assert_eq!(beside_limit(0.078_74, 0.078_69, 4), ["0.07874", "0.07869"]);
+        assert_eq!(beside_limit(0.1, 0.05, 2), ["0.10", "0.05"]);
+        assert_eq!(beside_limit(0.5 + 1e-6, 0.5, 3), ["0.500001", "0.500000"]);
+        assert_eq!(beside_limit(1.0, 1.0, 1), ["1.0", "1.0"]);
+        let beyond = 1.0 + f64::EPSILON;
+        assert_eq!(beside_limit(beyond, 1.0, 1), ["1.0000000000000002", "1"]);
+    }
 
     #[test]
     fn what_rounds_to_zero_has_no_sign() {

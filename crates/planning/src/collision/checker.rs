@@ -41,6 +41,8 @@ pub struct CollisionChecker {
     discs: Vec<Disc>,
     /// Of every disc.
     cover_radius: f64,
+    /// The clearance that the body keeps in any case, metres.
+    least_clearance_m: f64,
     /// Other bodies that stand on the field.
     obstacles: Vec<Rectangle>,
     /// Questions that it and its copies were asked, where somebody counts them.
@@ -69,7 +71,13 @@ impl CollisionChecker {
     /// Creates a checker for a body on a field without other bodies.
     pub fn new(field: Arc<ClearanceField>, body: Dimensions) -> Self {
         let (discs, cover_radius) = cover(&body);
-        Self { field, body, discs, cover_radius, obstacles: Vec::new(), calls: None }
+        let least_clearance_m = LEAST_CLEARANCE_M;
+        Self { field, body, discs, cover_radius, least_clearance_m, obstacles: Vec::new(), calls: None }
+    }
+
+    /// Returns a checker that keeps another clearance than [`LEAST_CLEARANCE_M`] in any case.
+    pub fn with_least_clearance(self, least_clearance_m: f64) -> Self {
+        Self { least_clearance_m, ..self }
     }
 
     /// Returns a checker with these rectangles as additional obstacles.
@@ -124,7 +132,7 @@ impl CollisionChecker {
     /// case.
     pub fn pose_is_free(&self, pose: Pose, min_clearance: f64) -> bool {
         self.count_call();
-        self.clearance_from(&self.place(pose), min_clearance.max(LEAST_CLEARANCE_M)).is_some()
+        self.clearance_from(&self.place(pose), min_clearance.max(self.least_clearance_m)).is_some()
     }
 
     /// Returns whether the body keeps at least `min_clearance` metres, and [`LEAST_CLEARANCE_M`] in any case, all along
@@ -135,7 +143,7 @@ impl CollisionChecker {
     pub fn motion_is_free(&self, start: Pose, segment: Segment, min_clearance: f64) -> bool {
         self.count_call();
         let motion = SweptMotion::new(start, segment, &self.body);
-        let (min_clearance, tolerance) = clearance_and_tolerance(min_clearance);
+        let (min_clearance, tolerance) = self.clearance_and_tolerance(min_clearance);
         sweep::holds_everywhere(motion.length_m, motion.rate, tolerance, |travelled| {
             self.excess(&motion, travelled, min_clearance)
         })
@@ -146,7 +154,7 @@ impl CollisionChecker {
     pub fn motion_prefix_free(&self, start: Pose, segment: Segment, min_clearance: f64) -> f64 {
         self.count_call();
         let motion = SweptMotion::new(start, segment, &self.body);
-        let (min_clearance, tolerance) = clearance_and_tolerance(min_clearance);
+        let (min_clearance, tolerance) = self.clearance_and_tolerance(min_clearance);
         let prefix = sweep::proven_prefix(motion.length_m, motion.rate, tolerance, |travelled| {
             self.excess(&motion, travelled, min_clearance)
         });
@@ -161,7 +169,7 @@ impl CollisionChecker {
     pub fn refused_at(&self, start: Pose, segment: Segment, min_clearance: f64) -> Option<f64> {
         self.count_call();
         let motion = SweptMotion::new(start, segment, &self.body);
-        let (min_clearance, tolerance) = clearance_and_tolerance(min_clearance);
+        let (min_clearance, tolerance) = self.clearance_and_tolerance(min_clearance);
         let mut refused = None;
         let is_free = sweep::holds_everywhere(motion.length_m, motion.rate, tolerance, |travelled| {
             let excess = self.excess(&motion, travelled, min_clearance);
@@ -191,6 +199,11 @@ impl CollisionChecker {
         let bodies = self.obstacles.iter().map(|other| (Obstacle::Body, rectangle.gap_to(other)));
         let border = (Obstacle::Border, rectangle.border_gap(frame));
         bodies.chain(bushes).fold(border, |nearest, other| if other.1 < nearest.1 { other } else { nearest })
+    }
+
+    fn clearance_and_tolerance(&self, min_clearance: f64) -> (f64, f64) {
+        let min_clearance = min_clearance.max(self.least_clearance_m);
+        (min_clearance, MOTION_TOLERANCE_M.min(0.5 * min_clearance))
     }
 
     #[inline]
@@ -257,11 +270,6 @@ fn cover(body: &Dimensions) -> (Vec<Disc>, f64) {
         Disc { offset, inner_radius: half_width.min(half_length - offset.abs()) }
     };
     ((0..count as usize).map(disc).collect(), ops::hypot(half_share, half_width))
-}
-
-fn clearance_and_tolerance(min_clearance: f64) -> (f64, f64) {
-    let min_clearance = min_clearance.max(LEAST_CLEARANCE_M);
-    (min_clearance, MOTION_TOLERANCE_M.min(0.5 * min_clearance))
 }
 
 /// A length, but no more than once round the circle, after which the same poses come again.
@@ -408,7 +416,7 @@ mod tests {
                 let curvature = [0.0, 1.0, -1.0][rng.random_range(0..3)] * rng.random_range(0.02..0.2);
                 let segment = Segment { curvature, length_m: rng.random_range(-15.0..15.0) };
                 let floor = [0.0, 0.03, 0.25, 0.75][rng.random_range(0..4)];
-                let (floor, tolerance) = clearance_and_tolerance(floor);
+                let (floor, tolerance) = checker.clearance_and_tolerance(floor);
                 let steps = (segment.length_m.abs() / 0.02).ceil().max(1.0);
                 let places = (0..=steps as u32).map(|k| segment.length_m * f64::from(k) / steps);
                 let least = places

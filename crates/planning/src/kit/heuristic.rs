@@ -123,7 +123,7 @@ impl Heuristic {
     }
 
     fn curve(&self, pose: Pose, after_reverse: Option<bool>, end: Pose) -> AnalyticExpansion {
-        let best = self.curves.cheapest(pose, end, &self.price);
+        let best = self.curves.cheapest_word(pose, end, &self.price);
         let first = best.curve.segments().next().map(|segment| segment.is_reverse());
         let turns_back = after_reverse.is_some() && first.is_some() && first != after_reverse;
         AnalyticExpansion::new(best.curve.segments(), best.price + if turns_back { self.price.cusp_m } else { 0.0 })

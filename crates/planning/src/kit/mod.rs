@@ -7,7 +7,7 @@
 //! - [`clearance_profile`] says what room a drive keeps, [`relaxation`] what is asked for in turn, [`ends`] whether there
 //!   is room at all, [`target`] where a drive may end.
 //! - [`halton`], [`sample_density`], [`milestone_tiles`] and [`roadmap_graph`] are for roadmaps; [`path_improvement`] makes
-//!   paths shorter.
+//!   paths shorter; [`vehicle_units`] scales fields for vehicles of another size.
 
 pub mod best_first;
 pub mod clearance_profile;
@@ -30,3 +30,4 @@ pub mod safety;
 pub mod sample_density;
 pub mod target;
 pub mod turn_straight;
+pub mod vehicle_units;

@@ -104,7 +104,7 @@ impl PathImprover {
 
     /// Returns the cost of the cheapest curve between the ends of a way, free or not.
     fn least_cost(&self, way: &Way) -> f64 {
-        self.curves.cheapest(way.start(), way.pose_at(way.length_m()), &self.price).price
+        self.curves.cheapest_word(way.start(), way.pose_at(way.length_m()), &self.price).price
     }
 
     /// Cuts from every knot straight to the farthest that can be reached more cheaply.
@@ -161,8 +161,8 @@ impl PathImprover {
         let bound = self.bound_between(way, (from_m, to_m), limit);
         let (from, to) = (way.pose_at(from_m), way.pose_at(to_m));
         for middle in moved(way.pose_at(middle_m), move_m) {
-            let Some(before) = self.curves.cheapest_below(from, middle, &self.price, bound) else { continue };
-            let Some(behind) = self.curves.cheapest_below(middle, to, &self.price, bound - before.price) else {
+            let Some(before) = self.curves.cheapest_word_below(from, middle, &self.price, bound) else { continue };
+            let Some(behind) = self.curves.cheapest_word_below(middle, to, &self.price, bound - before.price) else {
                 continue;
             };
             let changed = || before.curve.segments().chain(behind.curve.segments());
@@ -190,7 +190,7 @@ impl PathImprover {
         let limit = way.cost - WORTH_M;
         let bound = self.bound_between(way, (from_m, to_m), limit);
         let (from, to) = (way.pose_at(from_m), way.pose_at(to_m));
-        let Some(best) = self.curves.cheapest_below(from, to, &self.price, bound) else { return false };
+        let Some(best) = self.curves.cheapest_word_below(from, to, &self.price, bound) else { return false };
         // Most curves across a long way are blocked near where they begin: to see that takes less time than to put together
         // what the whole way would be.
         if !profile.way_is_free(&self.checker, from, best.curve.segments()) {

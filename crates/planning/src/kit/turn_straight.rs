@@ -102,6 +102,17 @@ impl TurnStraightSteering {
         best
     }
 
+    /// Returns all from a pose whose body centre is outside the disc, the cheapest first.
+    pub fn all_into(&self, pose: Pose, disc: GoalDisc) -> Vec<TurnStraight> {
+        let mut ways = Vec::new();
+        self.collect(pose, disc, None, &mut |found| {
+            ways.push(found);
+            f64::INFINITY
+        });
+        ways.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        ways
+    }
+
     /// Hands all of them to `take`, which answers with the cost from which on none needs to be worked out any more.
     fn collect(
         &self,

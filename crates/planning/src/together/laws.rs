@@ -144,6 +144,70 @@ fn what_cannot_be_solved_is_said() {
     assert_eq!(stopped.to_string(), "the limit on CPU time ended the search");
 }
 
+/// Drives of 10 m past something that touches the body, or hardly not: the drive is found and the judge agrees, whatever
+/// the gap.
+#[test]
+fn contact_is_decided_whatever_the_gap() {
+    let ahead = |name: &str, y: f64| vehicle(name, Pose::new(5.0, y, 0.0), Pose::new(15.0, y, 0.0));
+    let solved_m = |obstacles: Vec<DVec2>, vehicles: Vec<Vehicle>| {
+        let instance = Instance { size_m: DVec2::splat(30.0), obstacles, vehicles };
+        let routes = solve(&instance, &settings(Mode::Exact, 1)).expect("a drive straight ahead is free");
+        assert_eq!(judge::check(&instance, Mode::Exact, &schedules(&instance, &routes)).0, []);
+        routes.iter().map(Route::flowtime_m).fold(0.0, f64::max)
+    };
+    for gap_m in [-4e-4, 0.0, 1e-12, 1e-8, 1e-4, 1e-2] {
+        let beside = |x: f64| DVec2::new(x, 15.0 + 0.5 * WIDTH_M + OBSTACLE_M + gap_m);
+        let behind = DVec2::new(5.0 - BACK_M - OBSTACLE_M - gap_m, 15.0);
+        for obstacles in [vec![beside(5.5)], vec![beside(15.5)], vec![beside(5.5), beside(10.0)], vec![behind]] {
+            let driven_m = solved_m(obstacles, vec![ahead("car", 15.0)]);
+            assert!((driven_m - 10.0).abs() < 1e-9, "{driven_m} m, {gap_m} m from an obstacle");
+        }
+        // Where neither end is as tight, a way round leaves the margin.
+        assert!(solved_m(vec![beside(10.0)], vec![ahead("car", 15.0)]) < 12.0);
+        let pair = vec![ahead("left", 15.0 + WIDTH_M + gap_m), ahead("right", 15.0)];
+        assert!((solved_m(Vec::new(), pair) - 10.0).abs() < 1e-9, "{gap_m} m from each other");
+        if gap_m >= 0.0 {
+            let along_border = solved_m(Vec::new(), vec![ahead("car", gap_m)]);
+            assert!((along_border - 10.0).abs() < 1e-9, "{gap_m} m from the border");
+            let turn = vehicle("car", Pose::new(5.0, gap_m, 0.0), Pose::new(9.0, 4.0, 0.5 * PI));
+            assert!(solved_m(Vec::new(), vec![turn]) < 7.0, "{gap_m} m from the border");
+        }
+    }
+    let overlap = DVec2::new(5.5, 15.0 + 0.5 * WIDTH_M + OBSTACLE_M - 0.002);
+    let instance =
+        Instance { obstacles: vec![overlap], vehicles: vec![ahead("car", 15.0)], ..random_instance(1, 1, 0) };
+    assert!(matches!(solve(&instance, &settings(Mode::Exact, 1)), Err(Unsolved::Blocked { is_goal: false, .. })));
+}
+
+/// Whenever the limit is reached, hardly a node more is expanded, and routes that are given are sound.
+#[test]
+fn every_method_stops_at_its_limit() {
+    let instance = random_instance(4, 6, 30);
+    for method in [Method::Prioritised, Method::Repair] {
+        let mut stopped = 0;
+        for most_calls in 0..60 {
+            let mut calls = 0;
+            let mut is_stopped = || {
+                calls += 1;
+                calls > most_calls
+            };
+            let settings = PlanTogether { method, ..settings(Mode::Exact, 1) };
+            let (found, effort) = plan(&instance, &settings, &mut is_stopped);
+            assert!(effort.expansions <= 16 * most_calls, "{effort:?} after {most_calls} looks at the limit");
+            match found {
+                Ok(routes) => {
+                    assert_eq!(judge::check(&instance, Mode::Exact, &schedules(&instance, &routes)).0, []);
+                }
+                Err(reason) => {
+                    assert_eq!(reason, Unsolved::Stopped);
+                    stopped += 1;
+                }
+            }
+        }
+        assert!(stopped > 5, "{stopped} of 60 were stopped");
+    }
+}
+
 /// The judge, the planner's test and dense sampling of corners agree on two vehicles in a step.
 #[test]
 fn planner_and_judge_agree_with_samples() {

@@ -108,7 +108,8 @@ pub struct Route {
 impl Route {
     /// Returns the metres driven, a wait counted as [`STEP_M`].
     pub fn flowtime_m(&self) -> f64 {
-        self.steps.iter().map(|&step| step_price_m(step)).sum()
+        // The sum of no steps is -0.
+        self.steps.iter().map(|&step| step_price_m(step)).sum::<f64>() + 0.0
     }
 
     /// Returns the cost by the benchmark's factors.

@@ -15,6 +15,7 @@ use serde::Serialize;
 use super::route::{Drive, Others, Query, Search, drives, keep, shortened, wait_along};
 use super::world::{Ground, Motion, Traffic};
 use super::{Instance, Mode, Route};
+use wildfire_base::geometry::Pose;
 use wildfire_base::rng::{self, Xoshiro256PlusPlus};
 
 /// Metres of a conflict that is not allowed.
@@ -100,8 +101,8 @@ impl fmt::Display for Unsolved {
     }
 }
 
-/// Finds a route for every vehicle. `is_stopped` can only end the search without routes, or its last part, which makes
-/// them cheaper.
+/// Finds a route for every vehicle. `is_stopped`, which is asked every few expansions, can only end the search without
+/// routes, or its last part, which makes them cheaper.
 ///
 /// # Errors
 /// The reason, if there are no routes free of conflicts.
@@ -165,9 +166,10 @@ impl<'a> Team<'a> {
             for expansions in DRIVE_EXPANSIONS {
                 if found.is_empty() {
                     self.continue_unless_stopped()?;
-                    found = drives(&self.grounds[index], vehicle, &mut self.search, expansions);
+                    found = drives(&self.grounds[index], vehicle, &mut self.search, expansions, self.is_stopped);
                 }
             }
+            self.continue_unless_stopped()?;
             if found.is_empty() {
                 return Err(Unsolved::NoDrive { vehicle: vehicle.name.clone() });
             }
@@ -201,9 +203,11 @@ impl<'a> Team<'a> {
             self.grounds.push(Ground::new(self.instance, self.settings.mode, vehicle).map_err(blocked)?);
         }
         for is_goal in [false, true] {
-            let mut traffic = Traffic::new(self.settings.mode, vehicles.len());
-            for (index, vehicle) in vehicles.iter().enumerate() {
-                let start = if is_goal { vehicle.goal } else { vehicle.start };
+            let ends = vehicles.iter().map(|vehicle| if is_goal { vehicle.goal } else { vehicle.start });
+            let ends: Vec<Pose> = ends.collect();
+            self.traffic.make_room_for(&ends);
+            let mut traffic = self.traffic.clone();
+            for (index, (vehicle, &start)) in vehicles.iter().zip(&ends).enumerate() {
                 let standing = Route { start, steps: Vec::new() };
                 let mut touched = None;
                 traffic.for_each_conflict_of(&standing, |other| touched = touched.or(Some(other)));
@@ -290,8 +294,8 @@ impl<'a> Team<'a> {
                 bound_m: best_m,
                 expansions,
             };
-            if let Some(found) = self.search.find(&query) {
-                let drive = shortened(&self.grounds[vehicle], found.route.clone());
+            if let Some(found) = self.search.find(&query, self.is_stopped) {
+                let drive = shortened(&self.grounds[vehicle], found.route.clone(), self.is_stopped);
                 let shorter = wait_along(&drive, &others, found.price_m);
                 best = Some(shorter.map_or(found.route, |shorter| shorter.route));
                 keep(&mut self.drives[vehicle], drive);

@@ -22,6 +22,8 @@ const WAIT: Segment = Segment { curvature: 0.0, length_m: 0.0 };
 const MOST_DRIVES: usize = 8;
 /// Most waits along a drive.
 const MOST_WAITS: usize = 40;
+/// Expansions between two looks at the limit.
+const EXPANSIONS_A_LOOK: u32 = 16;
 /// Nodes of one search with the same bin of place, heading and step compete.
 const BIN_M: f64 = 1.0;
 const HEADING_BINS: f64 = 18.0;
@@ -154,7 +156,13 @@ pub fn wait_along(drive: &Drive, others: &Others, bound_m: f64) -> Option<Priced
 }
 
 /// Finds drives past the standing obstacles, the shortest first; none if a search of `expansions` finds no way.
-pub fn drives(ground: &Ground, vehicle: &Vehicle, search: &mut Search, expansions: u32) -> Vec<Drive> {
+pub fn drives(
+    ground: &Ground,
+    vehicle: &Vehicle,
+    search: &mut Search,
+    expansions: u32,
+    is_stopped: &mut dyn FnMut() -> bool,
+) -> Vec<Drive> {
     let mut found: Vec<Drive> = Vec::new();
     let mut curves = Vec::new();
     CURVES.candidates(vehicle.start, vehicle.goal, &CurvePrice::LENGTH, &mut curves);
@@ -171,8 +179,8 @@ pub fn drives(ground: &Ground, vehicle: &Vehicle, search: &mut Search, expansion
     if found.first().is_none_or(|drive| drive.length_m > shortest_m + 1e-6) {
         let bound_m = found.first().map_or(f64::INFINITY, |drive| drive.length_m);
         let query = Query { ground, vehicle, others: None, bound_m, expansions };
-        if let Some(priced) = search.find(&query) {
-            keep(&mut found, shortened(ground, priced.route));
+        if let Some(priced) = search.find(&query, is_stopped) {
+            keep(&mut found, shortened(ground, priced.route, is_stopped));
         }
     }
     found
@@ -190,15 +198,15 @@ pub fn keep(drives: &mut Vec<Drive>, drive: Drive) {
     drives.truncate(MOST_DRIVES);
 }
 
-/// Shortens a route's drive by Reeds-Shepp curves between its poses, and drops its waits.
-pub fn shortened(ground: &Ground, route: Route) -> Drive {
+/// Shortens a route's drive by Reeds-Shepp curves between its poses, until it is stopped, and drops its waits.
+pub fn shortened(ground: &Ground, route: Route, is_stopped: &mut dyn FnMut() -> bool) -> Drive {
     let driven = route.steps.iter().copied().filter(|step| step.length_m != 0.0);
     let whole = Drive::new(route.start, driven.clone());
     // Cut at half steps: more poses for curves to begin and end at.
     let halves = driven.flat_map(|step| std::iter::repeat_n(step.with_length(0.5 * step.length_m.abs()), 2));
     let mut drive = Drive::new(route.start, halves);
     let mut span = drive.motions.len();
-    while span >= 2 {
+    while span >= 2 && !is_stopped() {
         let mut from = 0;
         while from + span <= drive.motions.len() {
             let (start, end) = (drive.pose(from), drive.pose(from + span));
@@ -263,8 +271,8 @@ pub struct Search {
 const WEIGHT: f64 = 1.1;
 
 impl Search {
-    /// Finds a route that costs less than the bound, the cheapest that the expansions allow for.
-    pub fn find(&mut self, query: &Query) -> Option<Priced> {
+    /// Finds a route that costs less than the bound, the cheapest that the expansions allow for; none if it is stopped.
+    pub fn find(&mut self, query: &Query, is_stopped: &mut dyn FnMut() -> bool) -> Option<Priced> {
         let Query { ground, vehicle, others, bound_m, expansions } = *query;
         self.nodes.clear();
         self.open.clear();
@@ -275,7 +283,10 @@ impl Search {
         let mut best_m = bound_m;
         let mut best: Option<(u32, Vec<Segment>)> = None;
         let mut curves = Vec::new();
-        for _ in 0..expansions {
+        for expansion in 0..expansions {
+            if expansion % EXPANSIONS_A_LOOK == 0 && is_stopped() {
+                return None;
+            }
             let Some(Reverse((key, _, index))) = self.open.pop() else { break };
             if f64::from_bits(key) >= best_m {
                 break;

@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use super::judge::TOLERANCE_M;
 use super::{BACK_M, BODY, FRONT_M, Instance, Mode, OBSTACLE_M, Route, STEP_M, Vehicle, WIDTH_M};
 use crate::collision::Rectangle;
 use wildfire_base::geometry::{Pose, ops};
@@ -11,11 +12,15 @@ use wildfire_base::vehicle::Segment;
 const MARGIN_M: f64 = 0.004;
 /// The share of the margin that may be lost between the instants that are looked at.
 const SLACK: f64 = 0.75;
+/// What may be lost at least: it bounds the instants that are looked at where bodies touch. An end may overlap by as much,
+/// so that both together are what the judge takes for rounding.
+const LEAST_SLACK_M: f64 = 0.5 * TOLERANCE_M;
 /// Rear points stay this far inside the border in exact planning: an arc leaves the chord between instants an eighth of a
 /// step apart by less.
 const BORDER_M: f64 = 0.004;
-/// The instants in a step at which rear points are compared with the border.
-const BORDER_LOOKS: u32 = 8;
+/// The instants in a step at which rear points are compared with the border, and those for an end that is nearer to it: an
+/// arc leaves the chord by 0.8 mm then, which the judge takes for rounding.
+const BORDER_LOOKS: [u32; 2] = [8, 16];
 
 /// Least distance of two rear axles at whole steps in [`Mode::Benchmark`], with a margin for rounding.
 const CIRCLES_M: f64 = 4.472_135_954_999_58 + 1e-4;
@@ -60,22 +65,25 @@ pub struct Ground<'a> {
     mode: Mode,
     /// The distance from obstacles in [`Mode::Exact`].
     margin_m: f64,
+    /// The distance of rear points from the border in [`Mode::Exact`].
+    border_m: f64,
 }
 
 impl<'a> Ground<'a> {
     /// Prepares the map for one vehicle, unless it may not stand at its start or at its goal; then says whether that is
     /// the goal.
     pub fn new(instance: &'a Instance, mode: Mode, vehicle: &Vehicle) -> Result<Self, bool> {
-        let mut ground = Self { instance, mode, margin_m: MARGIN_M };
+        let mut ground = Self { instance, mode, margin_m: MARGIN_M, border_m: BORDER_M };
         for (pose, is_goal) in [(vehicle.start, false), (vehicle.goal, true)] {
             if mode == Mode::Exact {
-                // An end that is tighter than the margin lowers it.
-                let gaps =
-                    instance.obstacles.iter().map(|&centre| disc_gap(&Motion::standing(pose).body_at(0.0), centre));
-                ground.margin_m = gaps.fold(ground.margin_m, |least, gap| least.min(0.5 * gap));
+                let body = Motion::standing(pose).body_at(0.0);
+                let gaps = instance.obstacles.iter().map(|&centre| disc_gap(&body, centre));
+                ground.margin_m = gaps.map(margin_at).fold(ground.margin_m, f64::min);
+                let DVec2 { x, y } = (instance.size_m - pose.position()).min(pose.position());
+                ground.border_m = ground.border_m.min(x.min(y));
             }
             let is_tested = is_goal || mode == Mode::Exact;
-            if is_tested && (ground.margin_m <= 0.0 || !ground.allows(&Motion::standing(pose))) {
+            if is_tested && (ground.margin_m < -LEAST_SLACK_M || !ground.allows(&Motion::standing(pose))) {
                 return Err(is_goal);
             }
         }
@@ -98,10 +106,12 @@ impl<'a> Ground<'a> {
                     })
             }
             Mode::Exact => {
-                let looks = if motion.step.curvature == 0.0 { 1 } else { BORDER_LOOKS };
+                let [far, near] = BORDER_LOOKS;
+                let on_arc = if self.border_m < BORDER_M { near } else { far };
+                let looks = if motion.step.curvature == 0.0 { 1 } else { on_arc };
                 let is_inside = (1..=looks).all(|look| {
                     let share = f64::from(look) / f64::from(looks);
-                    self.is_on_map(motion.step.pose_at(motion.from, share * motion.step.length_m), BORDER_M)
+                    self.is_on_map(motion.step.pose_at(motion.from, share * motion.step.length_m), self.border_m)
                 });
                 let (place, reach_m) = (motion.place(Mode::Exact), 0.5 * REACH_M + OBSTACLE_M);
                 is_inside
@@ -128,15 +138,18 @@ fn disc_gap(body: &Rectangle, centre: DVec2) -> f64 {
     (seen - DVec2::new(body.half_length, body.half_width)).max(DVec2::ZERO).length() - OBSTACLE_M
 }
 
-/// Says whether two vehicles touch within a step.
-fn touch(one: &Motion, other: &Motion) -> bool {
-    let change_m = one.reach_m() + other.reach_m();
-    comes_near(change_m, MARGIN_M, |share| one.body_at(share).gap_to(&other.body_at(share)))
+/// Returns the margin that an end leaves: one that is tighter than [`MARGIN_M`] lowers it.
+fn margin_at(gap_m: f64) -> f64 {
+    MARGIN_M.min(if gap_m > 0.0 { 0.5 * gap_m } else { gap_m })
 }
 
 /// Says whether a gap becomes less than a margin within a step, in which it changes by no more than `change_m`: by
 /// conservative advancement, as in [`crate::collision::first_conflict`].
+///
+/// It looks at no more than `change_m / LEAST_SLACK_M` instants, and a gap that it lets pass never falls below the margin
+/// by more than [`SLACK`] of it or [`LEAST_SLACK_M`].
 fn comes_near(change_m: f64, margin_m: f64, gap_at: impl Fn(f64) -> f64) -> bool {
+    let slack_m = (SLACK * margin_m).max(LEAST_SLACK_M);
     let mut share = 0.0;
     while share < 1.0 {
         let room_m = gap_at(share) - margin_m;
@@ -144,7 +157,7 @@ fn comes_near(change_m: f64, margin_m: f64, gap_at: impl Fn(f64) -> f64) -> bool
             return true;
         }
         // Without any change the share becomes infinite.
-        share += (room_m + SLACK * margin_m) / change_m;
+        share += (room_m + slack_m) / change_m;
     }
     gap_at(1.0) < margin_m
 }
@@ -154,6 +167,8 @@ fn comes_near(change_m: f64, margin_m: f64, gap_at: impl Fn(f64) -> f64) -> bool
 pub struct Traffic {
     mode: Mode,
     vehicles: usize,
+    /// The distance of bodies in [`Mode::Exact`].
+    margin_m: f64,
     /// For each step a place of every vehicle, see [`Motion::place`]; far away for those without a route. The last row
     /// holds forever.
     places: Vec<DVec2>,
@@ -165,7 +180,22 @@ const ABSENT: DVec2 = DVec2::INFINITY;
 
 impl Traffic {
     pub fn new(mode: Mode, vehicles: usize) -> Self {
-        Self { mode, vehicles, places: vec![ABSENT; vehicles], motions: vec![Vec::new(); vehicles] }
+        let (places, motions) = (vec![ABSENT; vehicles], vec![Vec::new(); vehicles]);
+        Self { mode, vehicles, margin_m: MARGIN_M, places, motions }
+    }
+
+    /// Lowers the margin to what vehicles leave that stand at these poses together, if they do not overlap.
+    pub fn make_room_for(&mut self, poses: &[Pose]) {
+        let bodies: Vec<Rectangle> = poses.iter().map(|&pose| Motion::standing(pose).body_at(0.0)).collect();
+        let gaps = bodies.iter().enumerate().flat_map(|(at, one)| bodies[..at].iter().map(|other| one.gap_to(other)));
+        let margins = gaps.map(margin_at).filter(|&margin_m| margin_m >= -LEAST_SLACK_M);
+        self.margin_m = margins.fold(self.margin_m, f64::min);
+    }
+
+    /// Says whether two vehicles touch within a step.
+    fn touch(&self, one: &Motion, other: &Motion) -> bool {
+        let change_m = one.reach_m() + other.reach_m();
+        comes_near(change_m, self.margin_m, |share| one.body_at(share).gap_to(&other.body_at(share)))
     }
 
     /// Returns the number of steps until all stand.
@@ -203,7 +233,7 @@ impl Traffic {
         for (vehicle, other) in self.places[row..row + self.vehicles].iter().enumerate() {
             if other.distance_squared(place) < reach_m * reach_m {
                 let motions = &self.motions[vehicle];
-                if self.mode == Mode::Benchmark || touch(motion, &motions[at.min(motions.len() - 1)]) {
+                if self.mode == Mode::Benchmark || self.touch(motion, &motions[at.min(motions.len() - 1)]) {
                     meet(vehicle);
                 }
             }

@@ -61,14 +61,21 @@ impl Letter {
     }
 }
 
+/// As in `L`.
+impl fmt::Display for Steering {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Left => "L",
+            Self::Straight => "S",
+            Self::Right => "R",
+        })
+    }
+}
+
 /// As in `L+` or `R-`.
 impl fmt::Display for Letter {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let steering = match self.steering {
-            Steering::Left => 'L',
-            Steering::Straight => 'S',
-            Steering::Right => 'R',
-        };
+        let steering = self.steering;
         let gear = match self.gear {
             Gear::Forward => '+',
             Gear::Reverse => '-',

@@ -50,6 +50,11 @@ impl<W: Letters> Curve<W> {
         driven.map(|(letter, length)| letter.segment(length * self.radius_m, self.radius_m))
     }
 
+    /// The letters of the stretches of [`Self::segments`]: the word without letters of no length.
+    pub fn driven_letters(&self) -> impl Iterator<Item = Letter> + Clone {
+        self.word.letters().zip(self.lengths).filter(|&(_, length)| length > NEGLIGIBLE).map(|(letter, _)| letter)
+    }
+
     /// Number of changes between forward and reverse.
     pub fn cusps(&self) -> u32 {
         let gears = self.segments().map(|segment| segment.is_reverse());

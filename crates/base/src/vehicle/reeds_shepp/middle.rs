@@ -19,6 +19,7 @@
 //! | 8.10 | L+ R- S- R- | R = pi/2, S = d - 2 | pi/2 | i |
 //! | 8.10 backwards | L+ S+ L+ R- | S = d - 2, L = pi/2 | pi/2 | 1 |
 //! | 8.11 | L+ R- S- L- R+ | R = L = pi/2, S = w - 4 | 0 | -2 + wi |
+//! | Dubins | L+ R+ L+ | R = 2 pi - u, sin(u/2) = d/4 | u | -q + di |
 //!
 //! with d the length of D, w = sqrt(d^2 - 4) that of the inner tangent, and q = sqrt(16 - d^2). A word exists when its
 //! middle does.
@@ -26,7 +27,7 @@
 //! Source of the words and of the numbers: J. A. Reeds, L. A. Shepp, "Optimal paths for a car that goes both forwards and
 //! backwards", Pacific Journal of Mathematics 145 (2), 1990, section 8. The paper writes D in the frame of the start.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec2;
 
@@ -40,9 +41,13 @@ impl Form {
     #[inline(always)]
     pub fn ends(self) -> Ends {
         match self {
-            Self::LpSpLp | Self::LpRmLp | Self::LpRmLm | Self::LpRpLm | Self::LpRmSmLm | Self::LpSpRpLm => {
-                Ends::SameSide
-            }
+            Self::LpSpLp
+            | Self::LpRmLp
+            | Self::LpRmLm
+            | Self::LpRpLm
+            | Self::LpRmSmLm
+            | Self::LpSpRpLm
+            | Self::LpRpLp => Ends::SameSide,
             Self::LpSpRp | Self::LpRpLmRm | Self::LpRmLmRp | Self::LpRmSmRm | Self::LpSpLpRm | Self::LpRmSmLmRp => {
                 Ends::OtherSide
             }
@@ -53,7 +58,10 @@ impl Form {
     #[inline(always)]
     pub fn middle(self, view: &View) -> Option<Middle> {
         let &View { squared, distance: d, tangent: w, .. } = view;
-        let turns_on = matches!(self, Self::LpSpLp | Self::LpRmLp | Self::LpRpLmRm | Self::LpRmSmRm | Self::LpSpLpRm);
+        let turns_on = matches!(
+            self,
+            Self::LpSpLp | Self::LpRmLp | Self::LpRpLmRm | Self::LpRmSmRm | Self::LpSpLpRm | Self::LpRpLp
+        );
         let middle = |length, turn, x, y| Some(Middle { length, turn, lean: DVec2::new(x, y), turns_on });
         match self {
             Self::LpSpLp => middle(d, 0.0, 1.0, 0.0),
@@ -68,6 +76,10 @@ impl Form {
             Self::LpRpLm => {
                 let (u, q) = inner_arc(view)?;
                 middle(u, -u, q, d)
+            }
+            Self::LpRpLp => {
+                let (u, q) = inner_arc(view)?;
+                middle(TAU - u, u, -q, d)
             }
             Self::LpRpLmRm => {
                 let cos = at_most(1.0, 0.25 * (2.0 + d))?;
@@ -90,7 +102,9 @@ impl Form {
     pub fn lengths(self, middle: f64, outer: &OuterArcs) -> [f64; MAX_LETTERS] {
         let &OuterArcs { first, last, .. } = outer;
         match self {
-            Self::LpSpLp | Self::LpSpRp | Self::LpRmLp | Self::LpRmLm | Self::LpRpLm => [first, middle, last, 0.0, 0.0],
+            Self::LpSpLp | Self::LpSpRp | Self::LpRmLp | Self::LpRmLm | Self::LpRpLm | Self::LpRpLp => {
+                [first, middle, last, 0.0, 0.0]
+            }
             Self::LpRpLmRm | Self::LpRmLmRp => [first, 0.5 * middle, 0.5 * middle, last, 0.0],
             Self::LpRmSmLm | Self::LpRmSmRm => [first, FRAC_PI_2, middle - FRAC_PI_2, last, 0.0],
             Self::LpSpRpLm | Self::LpSpLpRm => [first, middle - FRAC_PI_2, FRAC_PI_2, last, 0.0],

@@ -47,7 +47,8 @@ impl ReedsShepp {
         pair.curve(&solved)
     }
 
-    /// The curve of the lowest price, of all words and not only of the shortest.
+    /// The curve of the lowest price, of all words and not only of the shortest: no dearer than the shortest curve of
+    /// Dubins, nor than one back from the goal driven in reverse.
     ///
     /// # Panics
     /// When a number of the poses is not finite, or too large to be squared.
@@ -60,10 +61,28 @@ impl ReedsShepp {
         if price.least_factor() * self.least_length_m(from, to) >= bound {
             return None;
         }
+        let pair = Pair::new(from, to, self.radius_m);
+        let best = pair.cheapest(price, bound);
+        pair.cheapest_loop(price, best.map_or(bound, |curve| curve.price)).or(best)
+    }
+
+    /// The curve of the lowest price among the 48 words, without [`Word::LOOPS`].
+    ///
+    /// # Panics
+    /// When a number of the poses is not finite, or too large to be squared.
+    pub fn cheapest_word(&self, from: Pose, to: Pose, price: &CurvePrice) -> PricedCurve {
+        self.cheapest_word_below(from, to, price, f64::INFINITY).expect("L+S+L+ leads anywhere")
+    }
+
+    /// The curve of [`Self::cheapest_word`], if its price is less than `bound`.
+    pub fn cheapest_word_below(&self, from: Pose, to: Pose, price: &CurvePrice, bound: f64) -> Option<PricedCurve> {
+        if price.least_factor() * self.least_length_m(from, to) >= bound {
+            return None;
+        }
         Pair::new(from, to, self.radius_m).cheapest(price, bound)
     }
 
-    /// Replaces what `curves` holds by the curves of all words that exist, the cheapest first; of equals, the word that comes
+    /// Replaces what `curves` holds by the curves of the 48 words that exist, the cheapest first; of equals, the word that comes
     /// first in [`Word::ALL`].
     ///
     /// Nothing is allocated when `curves` has room for all the words.

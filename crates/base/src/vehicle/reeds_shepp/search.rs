@@ -126,7 +126,7 @@ impl Pair {
         }
     }
 
-    /// The cheapest curve, if it is cheaper than `bound`.
+    /// The cheapest curve of the 48 words, if it is cheaper than `bound`.
     pub fn cheapest(&self, price: &CurvePrice, bound: f64) -> Option<PricedCurve> {
         let least_per_radius = price.least_factor() * self.radius_m;
         let shortest = self.shortest(bound / least_per_radius)?;
@@ -145,6 +145,15 @@ impl Pair {
             }
         }
         best
+    }
+
+    /// The cheapest curve of [`Word::LOOPS`], if there is one that is cheaper than `bound`.
+    pub fn cheapest_loop(&self, price: &CurvePrice, bound: f64) -> Option<PricedCurve> {
+        Word::LOOPS.into_iter().fold(None, |best: Option<PricedCurve>, word| {
+            let bound = best.map_or(bound, |curve| curve.price);
+            let solved = self.solve(word, f64::INFINITY);
+            solved.and_then(|solved| self.cheaper_than(bound, &solved, price)).or(best)
+        })
     }
 
     fn cheaper_than(&self, bound: f64, solved: &Solved, price: &CurvePrice) -> Option<PricedCurve> {

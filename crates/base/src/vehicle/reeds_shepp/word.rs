@@ -1,4 +1,4 @@
-//! The 48 words of Reeds and Shepp, and how the symmetries act on them.
+//! The 48 words of Reeds and Shepp, the four loops of Dubins, and how the symmetries act on them.
 
 use std::fmt;
 
@@ -11,6 +11,8 @@ use crate::vehicle::curve::{Gear, Letter, Letters, MAX_LETTERS, Steering};
 pub enum Family {
     /// CSC.
     Csc,
+    /// CCC, of [`Word::LOOPS`].
+    Ccc,
     /// C|C|C.
     CCuspCCuspC,
     /// C|CC.
@@ -34,6 +36,7 @@ impl fmt::Display for Family {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
             Self::Csc => "CSC",
+            Self::Ccc => "CCC",
             Self::CCuspCCuspC => "C|C|C",
             Self::CCuspCc => "C|CC",
             Self::CcCuspC => "CC|C",
@@ -46,7 +49,7 @@ impl fmt::Display for Family {
     }
 }
 
-/// The words that start forward and to the left; the other 36 are their images under reflection and time flip.
+/// The words that start forward and to the left; the other 39 are their images under reflection and time flip.
 ///
 /// A name is the word's letters, with `p` for + and `m` for -.
 #[expect(clippy::enum_variant_names, reason = "a name is a whole word, and all of them start to the left and forward")]
@@ -64,10 +67,11 @@ pub(super) enum Form {
     LpRmLp,
     LpRmLmRp,
     LpRmSmLmRp,
+    LpRpLp,
 }
 
 impl Form {
-    const ALL: [Self; 12] = [
+    const ALL: [Self; 13] = [
         Self::LpSpLp,
         Self::LpSpRp,
         Self::LpRmLm,
@@ -80,6 +84,7 @@ impl Form {
         Self::LpRmLp,
         Self::LpRmLmRp,
         Self::LpRmSmLmRp,
+        Self::LpRpLp,
     ];
 
     const fn spelling(self) -> &'static str {
@@ -96,6 +101,7 @@ impl Form {
             Self::LpRmLp => "L+R-L+",
             Self::LpRmLmRp => "L+R-L-R+",
             Self::LpRmSmLmRp => "L+R-S-L-R+",
+            Self::LpRpLp => "L+R+L+",
         }
     }
 
@@ -138,8 +144,8 @@ impl Form {
     }
 }
 
-static LETTERS: [[Letter; MAX_LETTERS]; 12] = {
-    let mut letters = [Form::LpSpLp.read_letters(); 12];
+static LETTERS: [[Letter; MAX_LETTERS]; 13] = {
+    let mut letters = [Form::LpSpLp.read_letters(); 13];
     let mut index = 0;
     while index < letters.len() {
         letters[index] = Form::ALL[index].read_letters();
@@ -148,10 +154,10 @@ static LETTERS: [[Letter; MAX_LETTERS]; 12] = {
     letters
 };
 
-/// A way between two poses by one of the 48 words.
+/// A way between two poses by one of the words.
 pub type Curve = crate::vehicle::curve::Curve<Word>;
 
-/// One of the 48 words of Reeds and Shepp, printed as in `L+S+R-`: left, straight or right, forward or in reverse.
+/// One of the 48 words of Reeds and Shepp, or of [`Word::LOOPS`], printed as in `L+S+R-`: left, straight or right, forward or in reverse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Word {
     pub(super) form: Form,
@@ -162,7 +168,7 @@ pub struct Word {
 }
 
 impl Word {
-    /// Every word once, in the order that decides between equals.
+    /// Every word of Reeds and Shepp once, in the order that decides between equals.
     pub const ALL: [Self; 48] = {
         let mut words = [Self::new(Form::LpSpLp, false, false); 48];
         let mut index = 0;
@@ -173,6 +179,15 @@ impl Word {
         words
     };
 
+    /// The words without a cusp that only Dubins needs: an inner arc of more than half a turn. With its longer part driven
+    /// the other way round, each is a shorter word with two cusps.
+    pub const LOOPS: [Self; 4] = [
+        Self::new(Form::LpRpLp, false, false),
+        Self::new(Form::LpRpLp, true, false),
+        Self::new(Form::LpRpLp, false, true),
+        Self::new(Form::LpRpLp, true, true),
+    ];
+
     pub(super) const fn new(form: Form, reflected: bool, flipped: bool) -> Self {
         Self { form, reflected, flipped }
     }
@@ -180,6 +195,7 @@ impl Word {
     pub fn family(self) -> Family {
         match self.form {
             Form::LpSpLp | Form::LpSpRp => Family::Csc,
+            Form::LpRpLp => Family::Ccc,
             Form::LpRmLp => Family::CCuspCCuspC,
             Form::LpRmLm => Family::CCuspCc,
             Form::LpRpLm => Family::CcCuspC,
@@ -194,14 +210,14 @@ impl Word {
     /// Changes between forward and reverse, when no letter is of length 0.
     pub const fn cusps(self) -> u32 {
         match self.form {
-            Form::LpSpLp | Form::LpSpRp => 0,
+            Form::LpSpLp | Form::LpSpRp | Form::LpRpLp => 0,
             Form::LpRmLm | Form::LpRpLm | Form::LpRpLmRm => 1,
             Form::LpRmSmLm | Form::LpRmSmRm | Form::LpSpRpLm | Form::LpSpLpRm => 1,
             Form::LpRmLp | Form::LpRmLmRp | Form::LpRmSmLmRp => 2,
         }
     }
 
-    /// Place of the word in [`Word::ALL`].
+    /// Place of the word in [`Word::ALL`], followed by [`Word::LOOPS`].
     pub(super) fn rank(self) -> usize {
         4 * self.form as usize + 2 * usize::from(self.flipped) + usize::from(self.reflected)
     }
@@ -252,7 +268,7 @@ mod tests {
     fn the_48_words_differ_and_know_their_place() {
         let spellings: BTreeSet<String> = Word::ALL.iter().map(Word::to_string).collect();
         assert_eq!(spellings.len(), 48);
-        for (place, word) in Word::ALL.iter().enumerate() {
+        for (place, word) in Word::ALL.iter().chain(&Word::LOOPS).enumerate() {
             assert_eq!(word.rank(), place, "{word}");
         }
         assert!(Word::ALL.is_sorted_by_key(|word| word.cusps()));
@@ -261,7 +277,7 @@ mod tests {
     /// A family's notation can be read off the letters.
     #[test]
     fn families_and_cusps_are_those_of_the_letters() {
-        for word in Word::ALL {
+        for word in Word::ALL.into_iter().chain(Word::LOOPS) {
             let mut notation = String::new();
             let mut gear = None;
             for letter in word.letters() {
@@ -278,7 +294,7 @@ mod tests {
 
     #[test]
     fn symmetries_do_to_words_what_they_do_to_letters() {
-        for word in Word::ALL {
+        for word in Word::ALL.into_iter().chain(Word::LOOPS) {
             let image = |flipped, reflected, backwards| word.under(Symmetry { flipped, reflected, backwards });
             let letters: Vec<Letter> = word.letters().collect();
             let flipped: Vec<Letter> = image(true, false, false).letters().collect();

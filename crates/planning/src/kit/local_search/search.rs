@@ -162,7 +162,7 @@ impl Primitives {
 
     /// Returns the cheapest curve between two poses on a field where all places cost the same.
     fn curve(&self, from: Pose, to: Pose) -> Curve {
-        self.curves.cheapest(from, to, &self.price.curve_price()).curve
+        self.curves.cheapest_word(from, to, &self.price.curve_price()).curve
     }
 
     fn add_way(&mut self, way: TurnStraight) -> u32 {

@@ -444,7 +444,7 @@ impl Roadmap {
         let edge = &mut self.edges[edge as usize];
         let way = *edge.way.get_or_insert_with(|| {
             let [a, b] = edge.nodes.map(|node| self.nodes[node as usize].pose);
-            self.ways.push(self.curves.cheapest(a, b, &self.price));
+            self.ways.push(self.curves.cheapest_word(a, b, &self.price));
             self.ways.len() as u32 - 1
         });
         &self.ways[way as usize]

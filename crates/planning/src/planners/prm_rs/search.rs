@@ -277,7 +277,7 @@ impl RoadmapSpace<'_> {
         }
         let here = *search.node(from.node);
         let (curves, price) = self.roadmap.curves();
-        let way = curves.cheapest(here.pose, self.roadmap.pose(to), price);
+        let way = curves.cheapest_word(here.pose, self.roadmap.pose(to), price);
         let mut segments = way.curve.segments();
         let Some(first) = segments.next().map(|segment| segment.is_reverse()) else { return };
         let last = segments.last().map_or(first, |segment| segment.is_reverse());
