@@ -153,6 +153,7 @@ pub fn describe_weather(scenario: &Scenario) -> Vec<String> {
         };
         let (file, start_h) = (file.display(), settings.start_h);
         lines.push(format!("The wind is that of `{file}`, from its hour {start_h} on; dead-fuel moisture {dead}."));
+        lines.extend(settings.notes.iter().cloned());
     }
     for change in settings.moisture.iter().take(SHOWN_CHANGES) {
         let moisture =
