@@ -301,5 +301,7 @@ mod tests {
         assert_eq!(describe_wind(5.0, 90.0), "5 m/s at 10 m toward 90 deg, that is from the south (180)");
         assert_eq!(describe_wind(2.5, -45.0), "2.5 m/s at 10 m toward -45 deg, that is from the north-west (315)");
         assert_eq!(describe_wind(0.0, 12.0), "calm");
+        let of_miles = describe_wind(10.7187 * 0.44704, 270.0 - 1.0 / 3.0);
+        assert_eq!(of_miles, "4.792 m/s at 10 m toward 269.667 deg, that is from the north (0.333)");
     }
 }

@@ -158,12 +158,13 @@ impl<'a> CsvTable<'a> {
         let lines = self.body.lines().enumerate().filter(|(_, text)| !text.trim().is_empty());
         lines.map(|(index, text)| {
             let row = CsvRow { line: self.body_line + index, text, separator: self.separator };
-            let (found, expected) = (cells(text, self.separator).count(), self.names.len());
+            let found = cells(text, self.separator).count();
+            let expected = self.names.len();
             if found == expected {
                 return Ok(row);
             }
-            let (name, line) = (&self.name, row.line);
-            Err(format!("{name}: line {line}: it has {found} cells, expected {expected} as in the first line"))
+            let place = format!("{}: line {}", self.name, row.line);
+            Err(format!("{place}: it has {found} cells, expected {expected} as in the first line"))
         })
     }
 
@@ -184,8 +185,9 @@ impl<'a> CsvTable<'a> {
     /// Words that columns are missing.
     pub fn lacks(&self, missing: &[&str]) -> String {
         let columns = if missing.len() == 1 { "column" } else { "columns" };
-        let (name, missing, found) = (&self.name, missing.join("`, `"), visible_start(&self.names.join(",")));
-        format!("{name}: line 1: no {columns} `{missing}`; it has {found}")
+        let missing = missing.join("`, `");
+        let found = visible_start(&self.names.join(","));
+        format!("{}: line 1: no {columns} `{missing}`; it has {found}", self.name)
     }
 
     /// Finds columns that are all there or not at all.

@@ -278,26 +278,26 @@ impl<'a> StreamFormat<'a> {
         let mut columns = [None; 7];
         for (quantity, column) in QUANTITIES.iter().zip(&mut columns) {
             let start = quantity.fw21.to_ascii_lowercase();
-            // `Precip` is known too.
+            // `Precip` is in use too.
             let short_start = start.trim_end_matches("itation");
-            let written = |index| rest_of(index, &start).or_else(|| rest_of(index, short_start));
-            let known = |index| {
-                let unit = written(index)?;
-                Some((index, quantity.units.iter().find(|it| it.spellings.contains(&unit.as_str()))?))
+            let unit_of = |index| rest_of(index, &start).or_else(|| rest_of(index, short_start));
+            // A column of the right name and a unit of the format comes first: others may begin alike.
+            *column = indices.clone().find_map(|index| {
+                let spelling = unit_of(index)?;
+                let unit = quantity.units.iter().find(|unit| unit.spellings.contains(&spelling.as_str()))?;
+                Some((index, unit.scale))
+            });
+            let Some(index) = indices.clone().find(|&index| column.is_none() && unit_of(index).is_some()) else {
+                continue;
             };
-            if let Some((index, unit)) = indices.clone().find_map(known) {
-                *column = Some((index, unit.scale));
-            } else if let Some(index) = indices.clone().find(|&index| written(index).is_some()) {
-                let names: Vec<&str> = quantity.units.iter().map(|unit| unit.name).collect();
-                if written(index).is_some_and(|unit| !unit.is_empty()) {
-                    let (name, column) = (&table.name, visible_start(table.names[index]));
-                    let (units, csv) = (names.join(" or "), quantity.csv);
-                    let expected = format!("expected {units}, or a CSV file with `{csv}`");
-                    return Err(format!("{name}: line 1: the unit of `{column}` is not one of FW21; {expected}"));
-                }
-                notes.push(format!("`{}` has no unit; {} is taken.", table.names[index], names[0]));
-                *column = Some((index, quantity.units[0].scale));
+            let name = visible_start(table.names[index]);
+            let units: Vec<&str> = quantity.units.iter().map(|unit| unit.name).collect();
+            if unit_of(index).is_some_and(|unit| !unit.is_empty()) {
+                let expected = format!("expected {}, or a CSV file with `{}`", units.join(" or "), quantity.csv);
+                return Err(format!("{}: line 1: the unit of `{name}` is not one of FW21; {expected}", table.name));
             }
+            notes.push(format!("`{name}` has no unit; it is taken as {}.", units[0]));
+            *column = Some((index, quantity.units[0].scale));
         }
         let column = indices.clone().find(|&index| rest_of(index, "datetime").is_some());
         let column = require(&table, column.ok_or("DateTime"), &columns, needed, |it| it.fw21)?;
@@ -305,8 +305,8 @@ impl<'a> StreamFormat<'a> {
             "" | "local" | "lst" | "iso8601" => false,
             "utc" | "gmt" | "z" => true,
             _ => {
-                let (name, column) = (&table.name, visible_start(table.names[column]));
-                return Err(format!("{name}: line 1: the zone of `{column}` is not known; expected UTC or local"));
+                let column = visible_start(table.names[column]);
+                return Err(format!("{}: line 1: the zone of `{column}` is not UTC or local", table.name));
             }
         };
         let station = indices.clone().find(|&index| bare(table.names[index]) == "stationid");
@@ -316,35 +316,34 @@ impl<'a> StreamFormat<'a> {
 
     fn wxs(path: &Path, text: &'a str) -> Result<Self, String> {
         let is_row = |line: &str| line.trim_start().starts_with(|first: char| first.is_ascii_digit());
-        let (mut is_metric, mut notes) = (None, Vec::new());
+        let mut is_metric = None;
+        let mut notes = Vec::new();
         let header = text.lines().enumerate().take_while(|(_, line)| !is_row(line));
         for (index, line) in header.clone() {
             let (key, value) = line.split_once(':').unwrap_or(("RAWS_UNITS", line));
-            let (key, value) = (key.trim().to_ascii_uppercase(), value.trim().to_ascii_lowercase());
-            match (key.as_str(), value.as_str()) {
-                ("RAWS_UNITS", "english") => is_metric = Some(false),
-                ("RAWS_UNITS", "metric") => is_metric = Some(true),
-                ("RAWS_UNITS", _) if line.contains(':') => {
+            match [key, value].map(|word| word.trim().to_ascii_lowercase()).each_ref().map(String::as_str) {
+                ["raws_units", "english"] => is_metric = Some(false),
+                ["raws_units", "metric"] => is_metric = Some(true),
+                ["raws_units", _] if line.contains(':') => {
                     let name = path.display();
                     return Err(format!("{name}: line {}: expected the units English or Metric", index + 1));
                 }
-                ("RAWS_WINDS", "gust") => notes.push("Its winds are those of gusts (RAWS_WINDS).".to_owned()),
+                ["raws_winds", "gust"] => notes.push("Its winds are those of gusts (RAWS_WINDS).".to_owned()),
                 _ => {}
             }
         }
         let table = CsvTable::with_names(path, WXS.to_vec(), None, text, header.count())?;
-        let scales = match is_metric.unwrap_or(false) {
-            true => {
-                [Scale::Times(1.0 / 3.6), Scale::Times(1.0), Scale::Times(1.0), Scale::Times(1.0), Scale::Times(1.0)]
-            }
-            false => {
-                [Scale::TwentyFootMph, Scale::Times(1.0), Scale::Fahrenheit, Scale::Times(1.0), Scale::Times(25.4)]
-            }
+        // In the order of quantities; the last two need none.
+        let [speed, temperature, rain] = match is_metric {
+            Some(true) => [Scale::Times(1.0 / 3.6), Scale::Times(1.0), Scale::Times(1.0)],
+            _ => [Scale::TwentyFootMph, Scale::Fahrenheit, Scale::Times(25.4)],
         };
-        let units =
-            if is_metric == Some(true) { "Celsius, mm, km/h at 10 m" } else { "Fahrenheit, inches, mph at 20 ft" };
-        let written = if is_metric.is_none() { "no RAWS_UNITS; English ones are taken" } else { "RAWS_UNITS" };
-        notes.push(format!("Its units are {units} ({written})."));
+        let scales = [speed, Scale::Times(1.0), temperature, Scale::Times(1.0), rain];
+        notes.push(match is_metric {
+            Some(true) => "Its units are metric: Celsius, mm, km/h at 10 m.".to_owned(),
+            Some(false) => "Its units are English: Fahrenheit, inches, mph at 20 ft.".to_owned(),
+            None => "It has no RAWS_UNITS; English units are taken: Fahrenheit, inches, mph at 20 ft.".to_owned(),
+        });
         let mut columns = QUANTITIES.each_ref().map(|it| it.wxs.map(|index| (index, Scale::Times(1.0))));
         for (column, scale) in columns.iter_mut().zip(scales) {
             *column = column.map(|(index, _)| (index, scale));
@@ -449,7 +448,7 @@ fn require(
     time.ok().filter(|_| missing.is_empty()).ok_or_else(|| table.lacks(&missing))
 }
 
-/// The hours before a run whose weather sticks remember: after a hundredth of them the thickest one has forgotten the first.
+/// The hours before a run that sticks go through; after a tenth of them the thickest one has forgotten how it began.
 const STICK_HISTORY: usize = MAX_CHANGES;
 
 /// The weather of a station around a run.
@@ -546,7 +545,8 @@ fn parse_parts(text: &str, separators: [char; 2], digits: [usize; 3], min_count:
 
 /// Reads the seconds of `+hh:mm`, `-hhmm` or `-hh`.
 fn parse_offset(text: &str) -> Option<i64> {
-    let (sign, digits) = (if text.starts_with('-') { -1 } else { 1 }, text[1..].replace(':', ""));
+    let sign = if text.starts_with('-') { -1 } else { 1 };
+    let digits = text[1..].replace(':', "");
     let [hours, minutes, _] = parse_parts(&digits, [':', ':'], [2, 2, 2], 1)?;
     (digits.len() <= 4 && hours <= 14 && minutes < 60).then(|| sign * i64::from(3600 * hours + 60 * minutes))
 }
@@ -693,7 +693,8 @@ impl<'a> WeatherStream<'a> {
         let mut moistures = Vec::with_capacity(self.rows.len());
         for (number, row) in self.rows.iter().enumerate() {
             let is_hourly = number == 0 || row.at_s - self.rows[number - 1].at_s == 3600.0;
-            let (name, line) = (&format.table.name, row.row.line);
+            let name = &format.table.name;
+            let line = row.row.line;
             if !is_hourly {
                 return Err(format!("{name}: line {line}: expected an hour after the previous row, for sticks"));
             }

@@ -150,7 +150,7 @@ fn what_no_manual_explains_is_refused_with_its_place() {
         (&[["Precipitation(in)", "Precipitation(hundredths)"]], "expected in or mm or cm"),
         (&[["RelativeHumidity(%)", "RelativeHumidity(fraction)"]], "`RelativeHumidity(fraction)`"),
         (&[["WindAzimuth(degrees)", "WindAzimuth(rad)"]], "expected degrees"),
-        (&[["DateTime", "DateTime(PST)"]], "the zone of `DateTime(PST)` is not known"),
+        (&[["DateTime", "DateTime(PST)"]], "the zone of `DateTime(PST)` is not UTC or local"),
         (&[["T13:00:00-07:00", "T20:00:00Z"]], "expected `weather.utc_offset_h`"),
         (&[["2:00:00-07:00", "9:00:00Z"], ["T13:00:00-07:00", "T20:00:00Z"]], "expected `weather.utc_offset_h`"),
         (&[["T12:00:00-07:00", "T19:00:00+00:00"], ["T13:00:00-07:00", "T20:00:00+00:00"]], "its times are UTC"),
@@ -238,7 +238,7 @@ fn what_a_run_does_not_need_may_be_missing() {
         let stream = WeatherStream::parse(&path, &text, &settings, 0.5 * HOUR).expect("it is right");
         let winds = stream.winds(start_h * HOUR).expect("what it needs is there");
         assert_eq!((winds.len(), winds[0].speed_mps), (1, 10.0));
-        assert_eq!(stream.format.notes, ["`WindAzimuth` has no unit; degrees is taken."]);
+        assert_eq!(stream.format.notes, ["`WindAzimuth` has no unit; it is taken as degrees."]);
     }
     // Calm air keeps the direction before.
     let calm = edited(CSV, &[["13:00,30,25,5,270", "13:00,30,25,0,"]]);
@@ -252,7 +252,7 @@ fn local_hours_decide_and_zones_give_them() {
         let settings = WeatherSettings { utc_offset_h, ..with(DeadMoisture::Tables) };
         read("a.fw21", text, &settings).expect("it is right").moistures.iter().map(|it| it.d1).collect::<Vec<_>>()
     };
-    // 86 F and 25 %: 3 % in Rothermel's table, and nothing more from noon to four on slopes to the south in July.
+    // 86 F and 25 %: 4 % in Rothermel's table; in the sun of July nothing is added from noon to four.
     let local = moisture(FW21, None);
     assert_eq!(local, [0.04, 0.04], "{local:?}");
     for (time, zone) in [("T19:00:00", "Z"), ("T19:00:00", "+00:00"), ("T14:00:00", "-05:00"), ("T19:00:00", "UTC")] {
