@@ -51,7 +51,7 @@ pub fn read_stream(
 ) -> Result<StreamWeather, String> {
     let text = read_text(path)?;
     let stream = WeatherStream::parse(path, &text, settings, duration_s)?;
-    let start_s = 3600.0 * settings.start_h;
+    let start_s = start_s(settings);
     let dead = match settings.dead_moisture {
         DeadMoisture::Fixed => Vec::new(),
         DeadMoisture::Tables => stream.by_tables()?,
@@ -62,6 +62,12 @@ pub fn read_stream(
         MoistureChange { at_s, d1, d10, d100, herb: usual.herb, woody: usual.woody }
     });
     Ok(StreamWeather { winds: stream.winds(start_s)?, moistures: moistures.collect(), notes: stream.format.notes })
+}
+
+/// Returns the second of the stream at which a run starts. A scenario's ranges are checked after its files are read, so
+/// numbers outside of them come this far, and no further.
+fn start_s(settings: &WeatherSettings) -> f64 {
+    3600.0 * settings.start_h.max(0.0)
 }
 
 /// What a column of a stream measures.
@@ -608,7 +614,8 @@ impl<'a> WeatherStream<'a> {
     fn parse(path: &Path, text: &'a str, settings: &WeatherSettings, duration_s: f64) -> Result<Self, String> {
         let dead = settings.dead_moisture;
         let format = StreamFormat::detect(path, text, needed_quantities(dead))?;
-        let start_s = 3600.0 * settings.start_h;
+        let start_s = start_s(settings);
+        let duration_s = duration_s.max(0.0);
         let rows = format.read_rows(start_s, duration_s, dead)?;
         let mut stream = Self { format, first: rows.partition_point(|row| row.at_s <= start_s) - 1, rows };
         stream.format.table.check_count(stream.rows.len() - stream.first)?;
@@ -630,7 +637,7 @@ impl<'a> WeatherStream<'a> {
                 self.format.notes.push("Its times have no zone and are local: `utc_offset_h` has no effect.".into());
             }
             Some(hours) => {
-                self.rows.iter_mut().for_each(|row| row.local_s += (3600.0 * hours).round() as i64);
+                self.rows.iter_mut().for_each(|row| row.local_s += (3600.0 * hours.clamp(-24.0, 24.0)).round() as i64);
                 self.format.notes.push(format!("Its times are converted to a clock {} h ahead of UTC.", short(hours)));
             }
             None if has_zone && is_utc && is_needed => {

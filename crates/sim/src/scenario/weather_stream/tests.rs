@@ -338,6 +338,10 @@ fn only_the_rows_of_the_run_are_kept_however_long_a_stream_is() {
         assert_eq!(found, [(0.0, 8.0), (1.0, 9.0), (2.0, 10.0), (3.0, 11.0), (4.0, 12.0), (5.0, 13.0)]);
         assert_eq!(stream.rows[stream.first].month(), 9);
     }
+    // Ranges are checked later.
+    let wild = WeatherSettings { start_h: -1.0, utc_offset_h: Some(1e300), ..with(DeadMoisture::Tables) };
+    let stream = WeatherStream::parse(&PathBuf::from("a.fw21"), FW21, &wild, -1e9).expect("it is right");
+    assert_eq!((stream.rows.len(), stream.by_tables().map(|rows| rows.len())), (1, Ok(1)));
     // The last row holds, wherever after it a run begins.
     for start_h in [1.5, 99_999.0] {
         let weather =
