@@ -286,7 +286,7 @@ impl Grammar {
 }
 
 /// Keys that say where a scenario takes place and for how long, and those that need a file beside it.
-const FRAME: [&str; 15] = [
+const FRAME: [&str; 16] = [
     "duration_s",
     "field.size_m",
     "field.cell_m",
@@ -302,6 +302,7 @@ const FRAME: [&str; 15] = [
     "weather.dead_moisture",
     "weather.start_h",
     "weather.latitude_deg",
+    "weather.utc_offset_h",
 ];
 
 /// Reads a number's range from the refusal of one that is too large.

@@ -64,10 +64,11 @@ const DECIDED: [(&[&str], &[&str], &str); 5] = [
 ];
 
 /// Values that need another one beside them.
-const NEEDS: [(&str, &str); 8] = [
+const NEEDS: [(&str, &str); 9] = [
     ("weather.dead_moisture", "weather.file"),
     ("weather.start_h", "weather.file"),
     ("weather.latitude_deg", "weather.file"),
+    ("weather.utc_offset_h", "weather.file"),
     ("field.map_tolerance", "field.map"),
     ("field.map_invert", "field.map"),
     (SLOPE, ASPECT),

@@ -342,6 +342,19 @@ mod tests {
     }
 
     #[test]
+    fn streams_of_weather_are_described_as_they_are_read() {
+        let folder = tempfile::tempdir().expect("a scratch folder");
+        let path = folder.path().join("station.wxs");
+        std::fs::write(&path, "RAWS: 2\n2026 7 14 1200 86 25 0 10 270 0\n2026 7 14 1300 86 25 0 11 271 0\n").unwrap();
+        let file = format!("weather.file={}", path.display());
+        let wind = "From 0 s: 5.655 m/s at 10 m toward 359 deg";
+        let notes = ["It has no RAWS_UNITS; English units are taken", "Its last row, of hour 1, holds to the end"];
+        // The run begins half an hour after the last row.
+        let changes = ["fire.model=rothermel", file.as_str(), "weather.start_h=1.5", "duration_s=7200"];
+        assert_explained("contest", &changes, &[wind, notes[0], notes[1]], &["more changes"]);
+    }
+
+    #[test]
     fn what_agents_have_in_common_is_listed_once() {
         let text = in_one_line(&explained("fleet", &["unimog.1.goal=oldest"]));
         assert_eq!((text.matches("speed_mps=8.0").count(), text.matches("goal=\"oldest\"").count()), (1, 2), "{text}");

@@ -2,7 +2,7 @@
 //! would burn, and what looks odd.
 
 use super::field::percent;
-use super::weather::{DeadMoisture, describe_wind};
+use super::weather::{DeadMoisture, describe_wind, thousandths};
 use super::{FireModelName, LandscapeSettings, Scenario, Terrain};
 use wildfire_base::geometry::{DVec2, ops};
 use wildfire_fire::fuel::FuelModel;
@@ -133,7 +133,7 @@ pub fn describe_weather(scenario: &Scenario) -> Vec<String> {
         .wind
         .iter()
         .take(SHOWN_CHANGES)
-        .map(|change| format!("From {} s: {}.", change.at_s, describe_wind(change.speed_mps, change.toward_deg)))
+        .map(|it| format!("From {} s: {}.", thousandths(it.at_s), describe_wind(it.speed_mps, it.toward_deg)))
         .collect();
     if scenario.wind.len() > SHOWN_CHANGES {
         lines.push(format!("and {} more changes of the wind.", scenario.wind.len() - SHOWN_CHANGES));
@@ -153,11 +153,12 @@ pub fn describe_weather(scenario: &Scenario) -> Vec<String> {
         };
         let (file, start_h) = (file.display(), settings.start_h);
         lines.push(format!("The wind is that of `{file}`, from its hour {start_h} on; dead-fuel moisture {dead}."));
+        lines.extend(settings.notes.iter().cloned());
     }
     for change in settings.moisture.iter().take(SHOWN_CHANGES) {
         let moisture =
             FuelMoisture { d1: change.d1, d10: change.d10, d100: change.d100, herb: change.herb, woody: change.woody };
-        lines.push(format!("Moisture from {} s: {}.", change.at_s, describe_moisture(&moisture)));
+        lines.push(format!("Moisture from {} s: {}.", thousandths(change.at_s), describe_moisture(&moisture)));
     }
     if !settings.rows.is_empty() {
         lines.push(format!(
@@ -260,7 +261,7 @@ fn warn_of_moisture(landscape: &Landscape, weather: &Weather, options: &SurfaceO
         let intervals = weather.intervals();
         let moist = (0..intervals.len()).find(|&at| fire_of(share.model, weather, at, options).rate_mps == 0.0);
         if let Some(at) = moist {
-            let since = intervals[at].from.as_seconds();
+            let since = thousandths(intervals[at].from.as_seconds());
             let code = share.model.code;
             found.push(format!(
                 "{code} does not burn from {since} s on: its moisture exceeds the moisture of extinction, and fire in \

@@ -17,9 +17,8 @@ use super::path::{FieldPath, FoundSpan, PathStep};
 use super::program::{Unusable, UnusableFile};
 use super::source::{MAX_MAP_BYTES, ScenarioText, first_too_deep, too_deep_message, unreadable};
 use super::starts::Starting;
-use super::weather::DeadMoisture;
 use super::weather_csv::{read_samples, read_wind};
-use super::weather_stream::WeatherStream;
+use super::weather_stream::read_stream;
 use super::wording::{self, KeyOrValue};
 use super::{Field, GivenField, IgnitionCells, Scenario};
 use wildfire_base::geometry::FieldFrame;
@@ -314,7 +313,8 @@ impl WrittenScenario<'_> {
     fn load_weather(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
         if let Some(file) = &scenario.wind_file {
             let path = FieldPath::parse("wind_file");
-            scenario.wind = read_wind(&self.file(&path, file)).map_err(|message| self.rule(&path, message))?;
+            let winds = read_wind(&self.file(&path, file), scenario.duration_s);
+            scenario.wind = winds.map_err(|message| self.rule(&path, message))?;
         }
         if let Some(settings) = &mut scenario.weather
             && let Some(file) = &settings.samples
@@ -327,12 +327,12 @@ impl WrittenScenario<'_> {
             && let Some(file) = &settings.file
         {
             let path = FieldPath::parse("weather.file");
-            let stream = WeatherStream::read(&self.file(&path, file)).map_err(|message| self.rule(&path, message))?;
-            scenario.wind = stream.winds(settings.start_h).map_err(|message| self.rule(&path, message))?;
-            if settings.dead_moisture != DeadMoisture::Fixed {
-                let moisture = stream.moistures(settings, &usual).map_err(|message| self.rule(&path, message))?;
-                settings.moisture = moisture;
-            }
+            let stream = read_stream(&self.file(&path, file), settings, &usual, scenario.duration_s);
+            let stream = stream.map_err(|message| self.rule(&path, message))?;
+            scenario.wind = stream.winds;
+            settings.notes = stream.notes;
+            // The other changes of the moisture exclude it.
+            settings.moisture.extend(stream.moistures);
         }
         Ok(())
     }

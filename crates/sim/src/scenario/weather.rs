@@ -45,6 +45,10 @@ pub struct WeatherSettings {
     /// Latitude, for the sun over a stream that has cloud cover and no radiation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub latitude_deg: Option<f64>,
+    /// Hours by which clocks at the station are ahead of UTC, for a stream whose times have a zone. Moisture follows the
+    /// local hour.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub utc_offset_h: Option<f64>,
     /// Standard deviation of the wind's speed: one draw for a run is added to all speeds, which stay at 0 or above.
     pub speed_sd_mps: f64,
     /// Standard deviation of the wind's direction: one draw for a run turns all directions.
@@ -60,6 +64,9 @@ pub struct WeatherSettings {
     #[serde(deserialize_with = "list_of_at_most::<100_000, _, _>", skip_serializing_if = "Vec::is_empty")]
     #[schemars(skip)]
     pub rows: Vec<WeatherSample>,
+    /// How `file` was read, in sentences; a plan of a batch does not keep them.
+    #[serde(skip)]
+    pub notes: Vec<String>,
 }
 
 /// Ways in which the moisture of dead fuel follows from a weather stream.
@@ -107,7 +114,7 @@ impl MoistureChange {
 }
 
 ranges! { WeatherSettings {
-    start_h: 0.0..=100_000.0, latitude_deg: -90.0..=90.0, speed_sd_mps: 0.0..=50.0, toward_sd_deg: 0.0..=360.0,
+    start_h: 0.0..=100_000.0, latitude_deg: -90.0..=90.0, utc_offset_h: -12.0..=14.0, speed_sd_mps: 0.0..=50.0, toward_sd_deg: 0.0..=360.0,
     moisture_sd: 0.0..=0.5; moisture
 } }
 ranges! { MoistureChange { at_s: 0.0..=1e6 } and |own, frame| own.moisture().check(frame) }
@@ -200,6 +207,11 @@ fn compass_point(azimuth_deg: f64) -> &'static str {
     POINTS[(azimuth_deg / 45.0).round() as usize % POINTS.len()]
 }
 
+/// Rounds a number for people: what is computed, as from miles per hour, has more decimals than anybody reads.
+pub(super) fn thousandths(number: f64) -> f64 {
+    (number * 1e3).round() / 1e3 + 0.0
+}
+
 /// Puts a wind into words, in the angles of scenarios and in those of maps.
 pub(super) fn describe_wind(speed_mps: f64, toward_deg: f64) -> String {
     if speed_mps == 0.0 {
@@ -207,6 +219,7 @@ pub(super) fn describe_wind(speed_mps: f64, toward_deg: f64) -> String {
     }
     let from_deg = (270.0 - toward_deg).rem_euclid(360.0);
     let point = compass_point(from_deg);
+    let [speed_mps, toward_deg, from_deg] = [speed_mps, toward_deg, from_deg].map(thousandths);
     format!("{speed_mps} m/s at 10 m toward {toward_deg} deg, that is from the {point} ({from_deg})")
 }
 
@@ -288,5 +301,7 @@ mod tests {
         assert_eq!(describe_wind(5.0, 90.0), "5 m/s at 10 m toward 90 deg, that is from the south (180)");
         assert_eq!(describe_wind(2.5, -45.0), "2.5 m/s at 10 m toward -45 deg, that is from the north-west (315)");
         assert_eq!(describe_wind(0.0, 12.0), "calm");
+        let of_miles = describe_wind(10.7187 * 0.44704, 270.0 - 1.0 / 3.0);
+        assert_eq!(of_miles, "4.792 m/s at 10 m toward 269.667 deg, that is from the north (0.333)");
     }
 }

@@ -12,8 +12,8 @@ use wildfire_base::input_file;
 use wildfire_base::untrusted::visible_start;
 use wildfire_fire::surface::FuelMoisture;
 
-/// The most bytes of a file.
-const MAX_BYTES: u64 = 4_000_000;
+/// The most bytes of a file: a century by the hour.
+const MAX_BYTES: u64 = 128_000_000;
 
 /// Weather that a run may have for all its time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -26,23 +26,31 @@ pub struct WeatherSample {
     pub moisture: Option<FuelMoisture>,
 }
 
-/// Reads changes of the wind, `t_s,speed_mps,from_deg`.
+/// Reads changes of the wind up to a second of the run, `t_s,speed_mps,from_deg`.
 ///
 /// # Errors
 /// Returns a sentence with the path and the line of what is wrong.
-pub(super) fn read_wind(path: &Path) -> Result<Vec<WindChange>, String> {
-    let table = CsvTable::read(path)?;
-    let columns = ["t_s", "speed_mps", "from_deg"].map(|name| table.required(name));
-    let [at, speed, from] = columns;
-    let (at, speed, from) = (at?, speed?, from?);
-    let mut changes: Vec<WindChange> = Vec::with_capacity(table.rows.len());
-    for row in &table.rows {
-        let at_s = table.number(row, at, 0.0, 1e6)?;
+pub(super) fn read_wind(path: &Path, end_s: f64) -> Result<Vec<WindChange>, String> {
+    let text = read_text(path)?;
+    let table = CsvTable::new(path, &text)?;
+    let [at, speed, from] = table.required(["t_s", "speed_mps", "from_deg"])?;
+    let mut changes: Vec<WindChange> = Vec::new();
+    for row in table.rows() {
+        let row = row?;
+        let at_s = table.number(&row, at, 0.0, 1e9)?;
         if let Some(before) = changes.last().filter(|before| at_s <= before.at_s) {
-            return Err(table.wrong(row, at, &format!("a time after {} s, the time of the previous row", before.at_s)));
+            return Err(table.wrong(
+                &row,
+                at,
+                &format!("a time after {} s, the time of the previous row", before.at_s),
+            ));
         }
-        let speed_mps = table.number(row, speed, 0.0, MAX_WIND_MPS)?;
-        let toward_deg = house_angle(table.number(row, from, -360.0, 360.0)?);
+        if at_s > end_s {
+            break;
+        }
+        table.check_count(changes.len() + 1)?;
+        let speed_mps = table.number(&row, speed, 0.0, MAX_WIND_MPS)?;
+        let toward_deg = house_angle(table.number(&row, from, -360.0, 360.0)?);
         changes.push(WindChange { at_s, speed_mps, toward_deg });
     }
     Ok(changes)
@@ -53,14 +61,15 @@ pub(super) fn read_wind(path: &Path) -> Result<Vec<WindChange>, String> {
 /// # Errors
 /// Returns a sentence with the path and the line of what is wrong.
 pub(super) fn read_samples(path: &Path) -> Result<Vec<WeatherSample>, String> {
-    let table = CsvTable::read(path)?;
+    let text = read_text(path)?;
+    let table = CsvTable::new(path, &text)?;
     let wind = table.together(["speed_mps", "from_deg"])?;
     let moisture = table.together(["d1", "d10", "d100", "herb", "woody"])?;
     if wind.is_none() && moisture.is_none() {
         let expected = "columns speed_mps,from_deg or d1,d10,d100,herb,woody or all of them";
         return Err(format!("{}: line 1: found {}, expected {expected}", table.name, table.names.join(",")));
     }
-    let sample = |row: &CsvRow| -> Result<WeatherSample, String> {
+    let sample = |row: &CsvRow<'_>| -> Result<WeatherSample, String> {
         let wind = match wind {
             None => None,
             Some([speed, from]) => {
@@ -80,7 +89,12 @@ pub(super) fn read_samples(path: &Path) -> Result<Vec<WeatherSample>, String> {
         };
         Ok(WeatherSample { wind, moisture })
     };
-    table.rows.iter().map(sample).collect()
+    let mut samples = Vec::new();
+    for row in table.rows() {
+        samples.push(sample(&row?)?);
+        table.check_count(samples.len())?;
+    }
+    Ok(samples)
 }
 
 /// Reads the text of a file of weather.
@@ -93,94 +107,135 @@ pub(super) fn house_angle(from_deg: f64) -> f64 {
     (270.0 - from_deg).rem_euclid(360.0)
 }
 
-/// A file, line by line.
-pub(super) struct CsvTable {
+/// A file whose rows are read one by one, as it may be long.
+pub(super) struct CsvTable<'a> {
     pub name: String,
-    pub names: Vec<String>,
-    pub rows: Vec<CsvRow>,
+    pub names: Vec<&'a str>,
+    /// `None` for any number of blanks and tabs.
+    separator: Option<char>,
+    /// The lines after the first ones.
+    body: &'a str,
+    body_line: usize,
 }
 
-pub(super) struct CsvRow {
+pub(super) struct CsvRow<'a> {
     pub line: usize,
-    cells: Vec<String>,
+    text: &'a str,
+    separator: Option<char>,
 }
 
-impl CsvTable {
-    pub fn read(path: &Path) -> Result<Self, String> {
-        let name = path.display().to_string();
-        let text = read_text(path)?;
-        let cells = |line: &str| line.split(',').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
-        let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
-        let (_, first) =
-            lines.next().ok_or_else(|| format!("{name}: it is empty; expected a line of names and rows"))?;
-        let names = cells(first);
-        Self::from_rows(name, names, lines.map(|(index, line)| (index + 1, cells(line))))
+impl<'a> CsvTable<'a> {
+    /// Creates the table of a text that begins with a line of names, separated by commas, semicolons or tabs.
+    pub fn new(path: &Path, text: &'a str) -> Result<Self, String> {
+        let (line, first) = text
+            .lines()
+            .enumerate()
+            .find(|(_, line)| !line.trim().is_empty() && !line.starts_with("sep="))
+            .ok_or_else(|| format!("{}: it is empty; expected a line of names and rows", path.display()))?;
+        let separator = [',', ';', '\t'].into_iter().find(|&sign| first.contains(sign)).unwrap_or(',');
+        Self::with_names(path, cells(first, Some(separator)).collect(), Some(separator), text, line + 1)
     }
 
-    /// Creates the table of the rows with these lines and cells.
-    pub fn from_rows(
-        name: String,
-        names: Vec<String>,
-        lines: impl Iterator<Item = (usize, Vec<String>)>,
+    /// Creates the table of the rows after a number of lines.
+    pub fn with_names(
+        path: &Path,
+        names: Vec<&'a str>,
+        separator: Option<char>,
+        text: &'a str,
+        skipped: usize,
     ) -> Result<Self, String> {
-        let mut rows = Vec::new();
-        for (line, cells) in lines {
-            if cells.len() != names.len() {
-                let (found, expected) = (cells.len(), names.len());
-                return Err(format!(
-                    "{name}: line {line}: it has {found} cells, expected {expected} as in the first line"
-                ));
-            }
-            if rows.len() == MAX_CHANGES {
-                return Err(format!("{name}: line {line}: more than {MAX_CHANGES} rows"));
-            }
-            rows.push(CsvRow { line, cells });
+        let body = text.split_inclusive('\n').skip(skipped).map(str::len).sum::<usize>();
+        let body = &text[text.len() - body..];
+        let name = path.display().to_string();
+        if body.trim().is_empty() {
+            return Err(format!("{name}: it has no row after its header"));
         }
-        if rows.is_empty() {
-            Err(format!("{name}: it has no row after its header"))
-        } else {
-            Ok(Self { name, names, rows })
-        }
+        Ok(Self { name, names, separator, body, body_line: skipped + 1 })
+    }
+
+    /// Returns the rows, or what is wrong with the first line that is none.
+    pub fn rows(&self) -> impl Iterator<Item = Result<CsvRow<'a>, String>> {
+        let lines = self.body.lines().enumerate().filter(|(_, text)| !text.trim().is_empty());
+        lines.map(|(index, text)| {
+            let row = CsvRow { line: self.body_line + index, text, separator: self.separator };
+            let found = cells(text, self.separator).count();
+            let expected = self.names.len();
+            if found == expected {
+                return Ok(row);
+            }
+            let place = format!("{}: line {}", self.name, row.line);
+            Err(format!("{place}: it has {found} cells, expected {expected} as in the first line"))
+        })
     }
 
     pub fn column(&self, name: &str) -> Option<usize> {
-        self.names.iter().position(|found| found == name)
+        self.names.iter().position(|&found| found == name)
     }
 
-    pub fn required(&self, name: &str) -> Result<usize, String> {
-        let missing =
-            || format!("{}: line 1: no column `{name}`; it has {}", self.name, visible_start(&self.names.join(",")));
-        self.column(name).ok_or_else(missing)
+    /// Finds columns, or names all that are missing.
+    pub fn required<const N: usize>(&self, names: [&str; N]) -> Result<[usize; N], String> {
+        let missing: Vec<_> = names.into_iter().filter(|name| self.column(name).is_none()).collect();
+        if missing.is_empty() {
+            Ok(names.map(|name| self.column(name).unwrap_or_default()))
+        } else {
+            Err(self.lacks(&missing))
+        }
+    }
+
+    /// Words that columns are missing.
+    pub fn lacks(&self, missing: &[&str]) -> String {
+        let columns = if missing.len() == 1 { "column" } else { "columns" };
+        let missing = missing.join("`, `");
+        let found = visible_start(&self.names.join(","));
+        format!("{}: line 1: no {columns} `{missing}`; it has {found}", self.name)
     }
 
     /// Finds columns that are all there or not at all.
     fn together<const N: usize>(&self, names: [&str; N]) -> Result<Option<[usize; N]>, String> {
-        if names.iter().all(|name| self.column(name).is_none()) {
-            return Ok(None);
-        }
-        let mut columns = [0; N];
-        for (column, name) in columns.iter_mut().zip(names) {
-            *column = self.required(name)?;
-        }
-        Ok(Some(columns))
+        if names.iter().all(|name| self.column(name).is_none()) { Ok(None) } else { self.required(names).map(Some) }
     }
 
-    pub fn number(&self, row: &CsvRow, column: usize, least: f64, most: f64) -> Result<f64, String> {
-        let number = row.cells[column].parse::<f64>().ok().filter(|number| (least..=most).contains(number));
+    /// Refuses more rows than a run keeps.
+    pub fn check_count(&self, kept: usize) -> Result<(), String> {
+        let name = &self.name;
+        if kept <= MAX_CHANGES {
+            Ok(())
+        } else {
+            Err(format!("{name}: a run would keep more than {MAX_CHANGES} rows of it"))
+        }
+    }
+
+    pub fn number(&self, row: &CsvRow<'_>, column: usize, least: f64, most: f64) -> Result<f64, String> {
+        let number = row.cell(column).parse::<f64>().ok().filter(|number| (least..=most).contains(number));
         // The sign of a zero says nothing.
         number
             .map(|number| number + 0.0)
             .ok_or_else(|| self.wrong(row, column, &format!("a number from {least} to {most}")))
     }
 
-    pub fn cell<'a>(&self, row: &'a CsvRow, column: usize) -> &'a str {
-        &row.cells[column]
-    }
-
-    pub fn wrong(&self, row: &CsvRow, column: usize, expected: &str) -> String {
-        let found = visible_start(&row.cells[column]);
+    pub fn wrong(&self, row: &CsvRow<'_>, column: usize, expected: &str) -> String {
+        let found = match row.cell(column) {
+            "" => "empty".to_owned(),
+            cell => visible_start(cell),
+        };
         format!("{}: line {}: `{}` is {found}, expected {expected}", self.name, row.line, self.names[column])
     }
+}
+
+impl<'a> CsvRow<'a> {
+    pub fn cell(&self, column: usize) -> &'a str {
+        cells(self.text, self.separator).nth(column).expect("rows have a cell for each name")
+    }
+}
+
+/// Returns the cells of a line, without the blanks and the quotes around them.
+fn cells(line: &str, separator: Option<char>) -> impl Iterator<Item = &str> {
+    let is_end = move |sign: char| separator.map_or(sign.is_whitespace(), |separator| sign == separator);
+    // Blanks in a row separate only once.
+    let line = if separator.is_none() { line.trim() } else { line };
+    line.split(is_end)
+        .map(|cell| cell.trim().trim_matches('"').trim())
+        .filter(move |cell| separator.is_some() || !cell.is_empty())
 }
 
 #[cfg(test)]
@@ -196,8 +251,9 @@ mod tests {
 
     #[test]
     fn winds_come_from_where_they_blow() {
-        let (_folder, path) = file("from_deg, t_s ,speed_mps,note\r\n270,0,2.5,west\n\n180,4800,3,south\n");
-        let changes = read_wind(&path).expect("it is right");
+        let (_folder, path) =
+            file("from_deg, t_s ,speed_mps,note\r\n270,0,2.5,west\n\n180,4800,3,south\n0,5000,4,beyond the run\n");
+        let changes = read_wind(&path, 4800.0).expect("it is right");
         let found: Vec<_> = changes.iter().map(|it| (it.at_s, it.speed_mps, it.toward_deg)).collect();
         assert_eq!(found, [(0.0, 2.5, 0.0), (4800.0, 3.0, 90.0)]);
     }
@@ -209,11 +265,13 @@ mod tests {
             ("t_s,speed_mps,from_deg\n0,fast,2\n", "line 2: `speed_mps` is fast, expected a number from 0 to 150"),
             ("t_s,speed_mps,from_deg\n0,1\n", "line 2: it has 2 cells, expected 3"),
             ("t_s,speed,from_deg\n0,1,2\n", "line 1: no column `speed_mps`; it has t_s,speed,from_deg"),
+            ("t_s,speed,from\n0,1,2\n", "line 1: no columns `speed_mps`, `from_deg`; it has t_s,speed,from"),
+            ("t_s;speed_mps;from_deg\n0;;2\n", "line 2: `speed_mps` is empty, expected a number from 0 to 150"),
             ("t_s,speed_mps,from_deg\n", "it has no row"),
             ("", "it is empty"),
         ] {
             let (_folder, path) = file(text);
-            let found = read_wind(&path).expect_err("it is wrong");
+            let found = read_wind(&path, 3600.0).expect_err("it is wrong");
             assert!(found.contains(expected) && found.contains("weather.csv: "), "{found}");
         }
     }
@@ -225,7 +283,7 @@ mod tests {
         assert_eq!(sample.wind, Some([4.0, 180.0]));
         assert_eq!(sample.moisture.map(|moisture| moisture.d100), Some(0.07));
         let (_folder, path) = file("d1,d10\n0.1,0.1\n");
-        assert!(read_samples(&path).expect_err("d100 is missing").contains("no column `d100`"));
+        assert!(read_samples(&path).expect_err("d100 is missing").contains("no columns `d100`, `herb`, `woody`"));
         let (_folder, path) = file("a,b\n0.1,0.1\n");
         assert!(read_samples(&path).expect_err("nothing is there").contains("expected columns speed_mps,from_deg or"));
         let (_folder, path) = file("d1,d10,d100,herb,woody\n0.1,0.1,0.1,60,90\n");
