@@ -291,8 +291,10 @@ function cellsWidget(root) {
             const end = path.at(-1) === board.goal ? "reaches the goal" : "gets stuck in a local minimum (!)";
             pane.note.textContent = `From S the descent ${end}. It reaches the goal from ${run.reached} of ${run.free} free cells.`;
         } else if (run.expanded === undefined) {
-            const shown = run.order.filter((at, cell) => at >= 0 && at < step && board.walls[cell] === "0").length;
-            pane.note.textContent = `Step ${step} of ${stepsOf(pane)}: ${shown} free cells have a value; the largest is ${pane.most}.`;
+            const isShown = (cell) => run.order[cell] >= 0 && run.order[cell] < step && board.walls[cell] === "0";
+            const shown = run.values.filter((_, cell) => isShown(cell));
+            const largest = shown.length ? `; the largest is ${Math.max(...shown)}` : "";
+            pane.note.textContent = `Step ${step} of ${stepsOf(pane)}: ${shown.length} free cells have a value${largest}.`;
         } else {
             const least = board.runs[0].cost;
             const excess = (100 * (run.cost / least - 1)).toFixed(1);

@@ -72,7 +72,7 @@ class Desk {
         this.emptyStage = byId("player").innerHTML;
         const option = (text, value = text) => Object.assign(element("option", text), { value });
         byId("scenario").append(...catalogue.scenarios.map(({ name }) => option(name)), option("your own text", ""));
-        byId("planner").append(option("the scenario's", ""), ...catalogue.planners.map((name) => option(name)));
+        byId("planner").append(option("default", ""), ...catalogue.planners.map((name) => option(name)));
         byId("scenario").addEventListener("change", () => this.showText());
         byId("text").addEventListener("input", () => (byId("scenario").value = ""));
         byId("setup").addEventListener("submit", (event) => {
@@ -229,7 +229,7 @@ class Desk {
         const far = (cell) => Math.hypot(run.cellCentre(cell).x - x, run.cellCentre(cell).y - y);
         this.choices = asked.options.map((cell) => ({ cell, metres: far(cell) })).sort((one, other) => one.metres - other.metres);
         const others = this.state.asked.length > 1 ? ` (${this.state.asked.length} agents are waiting for an answer)` : "";
-        byId("asks").textContent = `Where should ${asked.agent} go?${others} Click a ring, or choose.`;
+        byId("asks").textContent = `Where should ${asked.agent} go?${others} Click a ringed place, or pick one below.`;
         const option = ({ cell, metres }) => Object.assign(element("option", `${run.cellName(cell)}, ${metres.toFixed(0)} m away${this.burns(cell)}`), { value: cell });
         byId("choices").replaceChildren(...this.choices.slice(0, MOST_CHOICES).map(option));
         byId("question").hidden = false;
@@ -338,7 +338,7 @@ class Desk {
         byId("verdict").textContent = `${words[result.winner]}: ${result.saved} of ${result.bushes} bushes saved`;
         const isOfArsonist = this.game.plays.join() === "wumpus";
         byId("bound").textContent =
-            isOfArsonist || result.burned_beyond_bound === null ? "" : `A better dispatcher could have saved at most ${result.burned_beyond_bound} more bushes (upper bound).`;
+            isOfArsonist || result.burned_beyond_bound === null ? "" : `Even a perfect dispatcher could have saved at most ${result.burned_beyond_bound} more.`;
         byId("link").hidden = this.game.plays.length === 0;
         byId("result").hidden = false;
         this.showRivals();

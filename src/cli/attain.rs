@@ -18,7 +18,7 @@ use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::geometry::Cell;
 use wildfire_base::object;
 use wildfire_base::time::SimTime;
-use wildfire_batch::stats::{Interval, Series};
+use wildfire_batch::stats::{Interval, Series, UNBOUNDED};
 use wildfire_batch::{Attained, attain_all, limit_threads};
 use wildfire_sim::scenario;
 use wildfire_timeline::AgentId;
@@ -124,8 +124,12 @@ impl From<&AttainReport> for Document {
             [name.to_owned()].into_iter().chain(cells).chain([String::new(), String::new()]).collect::<Vec<_>>()
         };
         rows.push(line("Mean", &Series::mean));
-        rows.push(line("95% low", &|series| series.mean_interval().map(|interval: Interval| interval.low)));
-        rows.push(line("95% high", &|series| series.mean_interval().map(|interval: Interval| interval.high)));
+        rows.push(line("95% low", &|series| {
+            series.mean_interval_within(UNBOUNDED).map(|interval: Interval| interval.low)
+        }));
+        rows.push(line("95% high", &|series| {
+            series.mean_interval_within(UNBOUNDED).map(|interval: Interval| interval.high)
+        }));
         let headings = ["Seed", "Lost", "Attainable", "Regret", "Answers", "Runs"];
         let [(_, lost), _, (_, headroom)] = &series;
         let (mean, lost) = (headroom.mean().unwrap_or(0.0), lost.mean().unwrap_or(0.0));
@@ -165,7 +169,7 @@ impl Serialize for AttainReport {
         };
         let rows = self.rows.iter().map(row).collect::<Vec<_>>();
         let means = self.series().map(|(quantity, series)| {
-            object!(Mean { quantity, mean: series.mean(), interval: series.mean_interval() })
+            object!(Mean { quantity, mean: series.mean(), interval: series.mean_interval_within(UNBOUNDED) })
         });
         object!(Attain { scenario: &self.scenario, means, seeds: rows }).serialize(serializer)
     }

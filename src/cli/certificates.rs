@@ -199,7 +199,10 @@ impl From<&CertificateReport> for Document {
     fn from(report: &CertificateReport) -> Self {
         let faults: Vec<&Checked> = report.rows.iter().filter(|row| row.fault.is_some()).collect();
         let sound = report.rows.len() - faults.len();
-        let mut document = Self::new(format!("{} of {} hold", sound, count(report.rows.len(), "certificate")));
+        let mut document = Self::new(match report.rows.len() {
+            0 => "No certificate was checked".to_owned(),
+            all => format!("{sound} of {} hold", count(all, "certificate")),
+        });
         if (1..=SHOWN_ROWS).contains(&report.rows.len()) {
             let cells = |row: &Checked| {
                 let verdict = if row.fault.is_some() { "refused" } else { "holds" };

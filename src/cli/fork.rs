@@ -12,7 +12,8 @@ use crate::cli::numbers;
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::report::FormArguments;
 use crate::cli::run::{RunReport, check_agents, write_recording};
-use crate::cli::show::{parse_agent, source_of_runs};
+use crate::cli::show::{note_beyond_end, parse_agent, source_of_runs};
+use crate::cli::terminal;
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
 use wildfire_base::time::cpu::CpuStopwatch;
@@ -89,9 +90,8 @@ pub fn run(arguments: &ForkArguments, context: &CommandContext) -> Result<ExitCo
     if at > 0.0 {
         parent.advance_to(SimTime::from_seconds(at) - SimTime::from_nanos(1));
     }
-    if parent.has_ended() {
-        let sentence = format!("--at is {at} s; the run ends at {} s", parent.now().as_seconds());
-        return Err(CliError::bad_input(sentence, None));
+    if parent.has_ended() && !context.quiet {
+        terminal::note(&note_beyond_end("--at", SimTime::from_seconds(at), parent.now()));
     }
     let fork = if arguments.changes.is_empty() {
         parent.fork().map_err(CliError::run_failed)?

@@ -126,8 +126,8 @@ fn read_module(asked_for: Option<&Path>) -> Result<Vec<u8>, CliError> {
         MODULES.iter().map(|name| program.with_file_name(name)).find(|path| path.is_file())
     };
     let Some(path) = asked_for.map(Path::to_owned).or_else(beside) else {
-        let sentence = format!("there is no module beside the program ({}); expected --module FILE.wasm", MODULES[0]);
-        return Err(CliError::bad_input(sentence, Some("`wildfire page --help` says how it is built")));
+        let sentence = format!("{} not found next to the program; expected --module FILE.wasm", MODULES[0]);
+        return Err(CliError::bad_input(sentence, Some("`wildfire page --help` shows how to build it")));
     };
     let refuse = |reason: String| CliError::bad_input(format_args!("{}: {reason}", path.display()), None);
     let module =

@@ -51,7 +51,7 @@ pub fn run(arguments: &PlayArguments, context: &CommandContext) -> Result<ExitCo
     let seen: Vec<&RunView> = runs.iter().map(|(run, _)| run).collect();
     let config = ViewerConfig {
         options: look(&arguments.show, &seen)?,
-        start: time_within("--at", arguments.at, &seen)?,
+        start: time_within("--at", arguments.at, &seen, context.quiet),
         speed: arguments.speed,
         is_paused: arguments.paused,
         size: arguments.show.size.into(),

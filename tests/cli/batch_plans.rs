@@ -50,6 +50,37 @@ fn dry_run_says_what_would_be_run_and_writes_nothing() {
 }
 
 #[test]
+fn variant_whose_planner_does_not_start_is_named_with_the_reason_wherever_the_batch_is_shown() {
+    let story = Story::begin();
+    story.file("broken.sh", "echo hello there\n");
+    let tell = |words: &[&str], code| {
+        let answer = story.tell(words).expect_code(code);
+        answer.stdout.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let planners = ["--planner", "broken,prm-rs", "--command", "broken=sh broken.sh"];
+    let batch =
+        tell(&[&["batch", "smoke", "--seeds", "1..2", "--jobs", "1", "--out", "both"], &planners[..]].concat(), 1);
+    let answer = "2 of 4 runs finished: prm-rs saved 60 %, broken failed twice.";
+    let reason = "unimog/0 has no planner: `broken` could not be built: answered `hello there`";
+    assert!(batch.contains(answer), "{batch}");
+    assert!(batch.contains(&format!("1: 2 of 2 runs failed; the first, seed 1: {reason}")), "{batch}");
+    // The first variant has no run to watch.
+    assert!(batch.contains("--set unimog.planner=prm-rs --page seed-1.html"), "{batch}");
+    let status = tell(&["status", "both"], 0);
+    assert!(status.contains(&format!("smoke, planner broken: 2 runs failed; the first, seed 1: {reason}")), "{status}");
+    let status: serde_json::Value = serde_json::from_str(&tell(&["status", "both", "--json"], 0)).expect("JSON");
+    assert_eq!((&status["failures"][0]["failed"], &status["failures"][0]["seed"]), (&2.into(), &1.into()));
+    let compared = tell(&["compare", "both"], 0);
+    for words in ["unimog.planner: broken in A, prm-rs in B", "No pair of runs finished", "saved: no seed has a value"]
+    {
+        assert!(compared.contains(words), "{compared}");
+    }
+    assert!(!compared.contains("only measured times can differ"), "{compared}");
+    tell(&["report", "both"], 0);
+    assert!(story.read("both/report.html").contains(answer));
+}
+
+#[test]
 fn plans_that_make_no_sense_are_refused() {
     let story = Story::begin();
     story.file("plan.toml", "seeds = '1..10'\n");

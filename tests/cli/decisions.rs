@@ -34,7 +34,9 @@ fn what_cannot_be_forked_so_is_refused_with_its_name() {
     refuse(&story, &fork(&["--at", "50", "--then", "field.coverage=0.2"]), &["`field.coverage` cannot change"]);
     refuse(&story, &fork(&["--at", "50", "--then", "unimog.0.speed_mps=5"]), &["`unimog.0.speed_mps` cannot change"]);
     refuse(&story, &fork(&["--at", "50", "--then", "wumpus.speed_mps=1"]), &["`wumpus.0.speed_mps` cannot change"]);
-    refuse(&story, &fork(&["--at", "99999"]), &["the run ends at"]);
+    let late = story.tell(&fork(&["--at", "99999"])).expect_code(0);
+    assert!(late.stderr.contains("--at is 99999.000 s, but the run ends at"), "{}", late.stderr);
+    assert!(late.stdout.ends_with("as many as without the change.\n"), "{}", late.stdout);
     refuse(&story, &fork(&["--at", "50", "--answer", "unimog/7=1,1"]), &["--answer names unimog/7"]);
     refuse(&story, &fork(&["--at", "50", "--answer", "unimog/0=0,0"]), &["which it could not go for"]);
     refuse(&story, &fork(&["--at", "50", "--answer", "unimog"]), &["expected AGENT=COLUMN,ROW"]);

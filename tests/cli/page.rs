@@ -38,13 +38,14 @@ fn what_cannot_be_a_page_is_refused() {
     story.file("m.wasm", MODULE);
     story.file("text.wasm", "(module)");
     story.file("game.json", &GAME.replace("game\": 1", "game\": 7"));
+    story.file("nearest.json", &GAME.replace("wait", "go-to-nearest"));
     story.file("wrong.toml", "[fires]\n");
     // A build may have left a module beside this program, but not beside a copy of it.
     let copy = story.path("wildfire-copy");
     fs::copy(env!("CARGO_BIN_EXE_wildfire"), &copy).expect("there is room");
     let alone = Command::new(&copy).args(["page", "-o", "p.html"]).current_dir(story.path("")).output();
     let answer = Answer::of(&alone.expect("it can be started")).expect_code(2);
-    assert!(answer.stderr.contains("there is no module beside the program"), "{}", answer.stderr);
+    assert!(answer.stderr.contains("wildfire.wasm not found next to the program"), "{}", answer.stderr);
     for (words, sentence) in [
         (&["page", "-o", "p.html", "--module", "gone.wasm"][..], "gone.wasm: it cannot be read"),
         (&["page", "-o", "p.html", "--module", "text.wasm"], "text.wasm: it is no WebAssembly module"),
@@ -54,6 +55,7 @@ fn what_cannot_be_a_page_is_refused() {
         (&["page", "--game", "game.json", "-o", "p.html", "--module", "m.wasm"], "the game has format 7; expected 1"),
         (&["run", "--answers", "game.json"], "the game has format 7; expected 1"),
         (&["run", "--answers", "m.wasm"], "m.wasm"),
+        (&["run", "--answers", "nearest.json"], "answer 1 sends wumpus/0 to the nearest fire; only trucks can"),
         (&["run", "dense", "--answers", "game.json"], "cannot be used with"),
     ] {
         let answer = story.tell(words).expect_code(2);
@@ -95,6 +97,21 @@ fn lessons_are_self_contained_and_their_data_keep_the_laws() {
         assert_eq!(page.contains("class=\"quiz\""), name != "index.html", "{name}");
     }
     assert!(bytes < 1_500_000, "{bytes} bytes");
+    // The commands that the lessons name print the same numbers.
+    let traps = ["1-fronts.html", "2-astar.html"].map(|name| lesson_data(&story, name)["boards"].take());
+    let [fronts, searches] = traps.each_ref().map(|boards| {
+        let trap = boards.as_array().expect("boards").iter().find(|board| board["name"] == "U-shaped trap");
+        &trap.expect("it is there")["runs"]
+    });
+    story.file("trap.txt", include_str!("../../assets/maps/u-trap.txt"));
+    let map = |words: &[&str]| {
+        let answer = story.tell(&[&["map", words[0], "trap.txt", "--goal", "10,27", "--json"], &words[1..]].concat());
+        serde_json::from_str::<Value>(&answer.expect_code(0).stdout).expect("it is JSON")
+    };
+    let astar = map(&["astar", "--start", "10,2"]);
+    assert_eq!((&astar["expansions"], searches[1]["name"].as_str()), (&searches[1]["expanded"], Some("A*, octile")));
+    let values = fronts[3]["values"].as_array().expect("values").iter().filter_map(Value::as_u64);
+    assert_eq!(map(&["wavefront"])["maximum"].as_u64(), values.max());
     let pairs = lesson_data(&story, "6-intervals.html");
     let length = |value: &Value| value.as_array().map(Vec::len);
     assert_eq!(length(&pairs["metrics"][0]["differences"]), pairs["seeds"].as_u64().map(|seeds| seeds as usize));

@@ -96,6 +96,13 @@ pub enum GameChoice {
     Stay,
 }
 
+impl GameChoice {
+    /// Returns whether agents of a side can do this, wherever they are.
+    pub fn is_for(self, side: Side) -> bool {
+        self != Self::GoToNearest || side == Side::Unimog
+    }
+}
+
 /// How long an agent waits that nothing wakes.
 const WAIT: SimTime = SimTime::from_nanos(10_000_000_000);
 
@@ -143,6 +150,8 @@ pub enum GameError {
     Format { found: u32 },
     #[error("it does not name the side played; expected `wumpus` or `unimog`")]
     NobodyPlays,
+    #[error("answer {number} sends {agent} to the nearest fire; only trucks can go there")]
+    NotATruck { number: usize, agent: AgentId },
 }
 
 impl Game {
@@ -154,13 +163,17 @@ impl Game {
     /// Reads the JSON text of a game.
     ///
     /// # Errors
-    /// If it is none, is of another format, or nobody plays in it.
+    /// If it is none, is of another format, nobody plays in it, or an answer is none for its agent.
     pub fn from_json(text: &str) -> Result<Self, GameError> {
         let game: Self = serde_json::from_str(text)?;
         match game.wildfire_game {
-            FORMAT if game.plays.is_empty() => Err(GameError::NobodyPlays),
-            FORMAT => Ok(game),
-            found => Err(GameError::Format { found }),
+            FORMAT if game.plays.is_empty() => return Err(GameError::NobodyPlays),
+            FORMAT => {}
+            found => return Err(GameError::Format { found }),
+        }
+        match game.answers.iter().zip(1..).find(|(answer, _)| !answer.choice.is_for(answer.side)) {
+            Some((answer, number)) => Err(GameError::NotATruck { number, agent: answer.agent() }),
+            None => Ok(game),
         }
     }
 
@@ -250,11 +263,13 @@ impl Policy for Replayed {
             return vec![answer.told()];
         }
         let has = match next {
-            Some(next) => format!("the next answer is that of {} at {} s", next.agent(), next.t_ns as f64 / 1e9),
+            Some(next) => format!("the next answer is that of {} at {}", next.agent(), SimTime::from_nanos(next.t_ns)),
             None => format!("there are {} answers", self.next),
         };
         let mut first = self.unanswered.0.lock().expect("nobody panics while holding it");
-        first.get_or_insert_with(|| format!("{} is asked at {} s, and {has}", asked[0], seen.now.as_seconds()));
+        first.get_or_insert_with(|| {
+            format!("{} is asked at {} (t_ns {}), and {has}", asked[0], seen.now, seen.now.as_nanos())
+        });
         asked.iter().map(|&agent| (agent, Choice::Wait)).collect()
     }
 
@@ -267,6 +282,7 @@ impl Policy for Replayed {
 mod tests {
     use super::*;
     use crate::{RunOptions, Simulation, run_with_options};
+    use wildfire_base::geometry::DVec2;
 
     /// Plays a game by a rule of its own and returns it with its timeline.
     fn play(mut game: Game) -> (Game, wildfire_timeline::Timeline) {
@@ -326,6 +342,42 @@ mod tests {
         assert!(told.ends_with(&format!("and there are {} answers", count - 1)), "{told}");
     }
 
+    /// Gives everybody the same choice.
+    struct Always(Choice);
+
+    impl Policy for Always {
+        fn choose(&mut self, _: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+            asked.iter().map(|&agent| (agent, self.0)).collect()
+        }
+    }
+
+    #[test]
+    fn choices_that_an_agent_cannot_carry_out_are_counted_and_told() {
+        let nowhere = Cell { col: 0, row: 0 };
+        for (side, choice, words) in [
+            ("wumpus", Choice::GoToNearest, "wumpus/0 cannot go to the nearest fire; only trucks can"),
+            ("wumpus", Choice::Refill, "wumpus/0 cannot refill; it has no tank"),
+            ("wumpus", Choice::Move(DVec2::ONE), "wumpus/0 cannot be sent to (1, 1)"),
+            ("wumpus", Choice::Go(nowhere), "wumpus/0 cannot go for (0, 0)"),
+            ("wumpus", Choice::Wait, ""),
+            ("unimog", Choice::Go(nowhere), "unimog/0 cannot go for (0, 0)"),
+            ("unimog", Choice::Move(DVec2::ONE), "unimog/0 cannot be sent to (1, 1)"),
+            ("unimog", Choice::Refill, "unimog/0 cannot refill; it has no tank"),
+            ("unimog", Choice::GoToNearest, ""),
+        ] {
+            let make = move |_: &PolicySite<'_>| Ok(Box::new(Always(choice)) as Box<dyn Policy>);
+            let policies = Policies::default().with("same", make).expect("the name is free");
+            let changes =
+                ["policy.same.command=[]".to_owned(), format!("{side}.goal=same"), "duration_s=200".to_owned()];
+            let scenario = crate::scenario::load("smoke", &changes).expect("it is a scenario");
+            let options = RunOptions { policies, ..RunOptions::default() };
+            let run = run_with_options(&scenario, 1, &options).expect("it takes place");
+            let (illegal, messages) = (run.asks.unwrap_or_default().illegal, run.messages.to_string());
+            assert_eq!(illegal > 0, !words.is_empty(), "{side} {choice:?}");
+            assert!(messages.contains(words), "{messages}");
+        }
+    }
+
     #[test]
     fn what_is_no_game_is_refused() {
         for (text, words) in [
@@ -336,6 +388,11 @@ mod tests {
                 "does not name the side",
             ),
             (r#"{"wildfire_game": 1, "scenario": {"name": "smoke"}, "seed": -1, "plays": []}"#, "line 1"),
+            (
+                r#"{"wildfire_game": 1, "scenario": {"name": "smoke"}, "seed": 1, "plays": ["wumpus"], "answers":
+                [{"t_ns": 0, "side": "wumpus", "number": 0, "choice": "go-to-nearest"}]}"#,
+                "answer 1 sends wumpus/0 to the nearest fire; only trucks can",
+            ),
         ] {
             let refusal = Game::from_json(text).expect_err(text).to_string();
             assert!(refusal.contains(words), "{refusal}");

@@ -253,7 +253,7 @@ impl Making {
                 GameChoice::Go(col, row) => seen.options(agent).contains(&Cell { col, row }),
                 GameChoice::GoToNearest | GameChoice::Wait | GameChoice::Stay => true,
             };
-            asked.contains(&agent) && is_option
+            asked.contains(&agent) && is_option && (choice != GameChoice::GoToNearest || agent.role.suppresses())
         });
         match can {
             Some(true) => {}

@@ -124,7 +124,7 @@ pub fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport) ->
         }
     };
     let files = format!("Files: {}", folder.path().display());
-    let opening = Block::Text(report.opening());
+    let opening = Block::Text(report.opening(plan));
     let sentences = Block::List(sentences.into_iter().chain([files]).collect());
     // Commands are copied, so that their lines are not broken.
     let page = page_command(plan, &path, report).map(|command| Block::Verbatim(format!("Watch a run: {command}")));
@@ -136,8 +136,14 @@ pub fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport) ->
 /// Returns the command that writes a page of a run in the batch at this path, a word of the shell: of the first run that
 /// finished; `None` if none did.
 fn page_command(plan: &BatchPlan, path: &str, report: &BatchReport) -> Option<String> {
-    // Commands on a batch show its first variant.
-    let seed = report.variants.first()?.first_done?;
+    let mut finished = report.variants.iter().enumerate();
+    let (variant, seed) = finished.find_map(|(index, variant)| Some((index, variant.first_done?)))?;
+    if variant > 0 {
+        // Commands on a batch show its first variant, so a run of another one is simulated.
+        let place = plan.seeds.iter().position(|known| known == seed)? as u64;
+        let run = plan.run(variant as u64 * plan.seeds.count() + place + 1);
+        return Some(format!("wildfire render {} --page seed-{seed}.html", run.repeating_words()));
+    }
     let has_programs = || plan.variants.iter().any(|variant| variant.scenario.needs_trust());
     // A run that was not recorded is simulated again.
     let trust = if plan.record != Record::All && has_programs() { " --trust" } else { "" };

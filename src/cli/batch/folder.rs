@@ -26,9 +26,9 @@ use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::time::SimTime;
 use wildfire_base::time::wall::WallStopwatch;
 use wildfire_batch::{
-    BatchError, BatchPlan, ChosenQuantities, FieldPicture, FinishedBatch, JournalError, MissingRuns, NotableRun,
-    OutputFolder, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts, Slice, SliceState, Survey, batch_status,
-    limit_threads, notable_runs, range_words, runs_with_pages, shell_word, write_report,
+    BatchError, BatchPlan, BatchStatus, ChosenQuantities, FailedRuns, FieldPicture, FinishedBatch, JournalError,
+    MissingRuns, NotableRun, OutputFolder, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts, Slice, SliceState,
+    Survey, batch_status, limit_threads, notable_runs, range_words, runs_with_pages, shell_word, write_report,
 };
 use wildfire_picture::film::{FrameRequest, RunView, ViewOptions, still};
 
@@ -370,6 +370,7 @@ pub fn status(arguments: &StatusArguments) -> Result<ExitCode, CliError> {
         seeds: status.plan.seeds.to_string(),
         planned: status.plan.count(),
         slices: status.slices.iter().map(SliceRow::new).collect(),
+        failures: failures(&status),
         next_step: next_step(&folder, &status.slices, &arguments.lock),
     };
     terminal::print(&arguments.form.render(&report))?;
@@ -384,8 +385,32 @@ struct StatusReport {
     seeds: String,
     planned: u64,
     slices: Vec<SliceRow>,
+    /// The variants with failed runs.
+    failures: Vec<FailureRow>,
     next_step: Option<String>,
 }
+
+#[derive(Serialize)]
+struct FailureRow {
+    variant: String,
+    failed: u64,
+    /// The seed of the first failed run, and the reason.
+    seed: u64,
+    message: String,
+}
+
+fn failures(status: &BatchStatus) -> Vec<FailureRow> {
+    let row = |(&variant, failed): (&u64, &FailedRuns)| FailureRow {
+        variant: status.plan.title(&status.plan.variants[variant as usize]),
+        failed: failed.count,
+        seed: status.plan.run(failed.first).seed,
+        message: failed.message.clone(),
+    };
+    status.failures.iter().map(row).collect()
+}
+
+/// The most variants with failed runs that are listed.
+const LISTED_FAILURES: usize = 5;
 
 #[derive(Serialize)]
 struct SliceRow {
@@ -419,7 +444,7 @@ const LISTED_SLICES: usize = 60;
 
 impl From<&StatusReport> for Document {
     fn from(report: &StatusReport) -> Self {
-        let StatusReport { folder, variants, seeds, planned, slices, next_step } = report;
+        let StatusReport { folder, variants, seeds, planned, slices, failures, next_step } = report;
         // Of many slices those count that are not as they should be in the end.
         let is_listed = |slice: &&SliceRow| slices.len() <= LISTED_SLICES || slice.state != "complete";
         let row = |slice: &SliceRow| {
@@ -434,6 +459,14 @@ impl From<&StatusReport> for Document {
         let left = planned - finished - failed;
         let mut sentences =
             vec![format!("{finished} of {planned} runs finished, {failed} failed, {left} still to run.")];
+        sentences.extend(failures.iter().take(LISTED_FAILURES).map(|failure| {
+            let FailureRow { variant, failed, seed, message } = failure;
+            format!("{variant}: {} failed; the first, seed {seed}: {message}", count(*failed as usize, "run"))
+        }));
+        if failures.len() > LISTED_FAILURES {
+            let more = count(failures.len() - LISTED_FAILURES, "more variant");
+            sentences.push(format!("Runs of {more} failed too; `--json` lists all reasons."));
+        }
         if listed < slices.len() {
             let complete = slices.iter().filter(|slice| slice.state == "complete").count();
             sentences.push(format!("{complete} of {} slices are complete.", slices.len()));

@@ -11,7 +11,8 @@ use wildfire_grid::sampling::{PointGraph, PrmSettings, RrtSettings, TreeKind, gr
 use wildfire_grid::wavefront::{descend_wavefront, wavefront};
 use wildfire_grid::{Connectivity, CornerCutting, Grid, Place, Route, TieOrder};
 
-const CORNERS: CornerCutting = CornerCutting::Forbidden;
+/// As the commands of `wildfire map` do unless told otherwise, so that they print the numbers of the lessons.
+const CORNERS: CornerCutting = CornerCutting::Allowed;
 
 /// A map with a start and a goal.
 struct Board {

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::short;
 use crate::cli::error::CliError;
 use wildfire_base::time::SimTime;
-use wildfire_batch::stats::{Series, t_reach};
+use wildfire_batch::stats::{Series, UNBOUNDED, t_reach};
 use wildfire_sim::run;
 use wildfire_sim::scenario::{Scenario, load};
 use wildfire_timeline::{AgentId, Outcome, Role, RunIndex, Timeline};
@@ -72,7 +72,7 @@ pub fn pairs() -> Result<Value, CliError> {
 /// A mean with its 95 % interval.
 fn mean(values: &[f64]) -> Value {
     let series = Series::from_values(values);
-    let interval = series.mean_interval();
+    let interval = series.mean_interval_within(UNBOUNDED);
     let [low, high] = interval.map_or([None; 2], |interval| [Some(interval.low), Some(interval.high)]);
     let text = |number: Option<f64>| number.map(|number| format!("{number:.1}").replace('-', "−"));
     json!({"mean": text(series.mean()), "low": text(low), "high": text(high)})

@@ -87,7 +87,8 @@ pub fn run(arguments: &RenderArguments, context: &CommandContext) -> Result<Exit
     if arguments.page.is_some() {
         check_grounds(&runs)?;
     }
-    let (at, moments) = (time_at(arguments, &runs)?, moments(arguments, &runs)?);
+    let at = arguments.at.map(|at| time_within("--at", at, &runs, quiet));
+    let moments = moments(arguments, &runs, quiet)?;
     if let Some(path) = &arguments.out {
         scene.write_still(at.unwrap_or(RunView::last_end(&runs)), path)?;
         output_files::note_written(path, quiet);
@@ -132,15 +133,11 @@ fn run_views(arguments: &RenderArguments, context: &CommandContext) -> Result<Ve
     Ok(shown.into_iter().map(|shown| run(shown.run).into_view()).collect())
 }
 
-fn time_at(arguments: &RenderArguments, runs: &[&RunView]) -> Result<Option<SimTime>, CliError> {
-    arguments.at.map(|at| time_within("--at", at, runs)).transpose()
-}
-
-fn moments(arguments: &RenderArguments, runs: &[&RunView]) -> Result<Moments, CliError> {
-    let from = time_within("--from", arguments.from, runs)?;
-    let to = arguments.to.map_or_else(|| Ok(RunView::last_end(runs)), |to| time_within("--to", to, runs))?;
+fn moments(arguments: &RenderArguments, runs: &[&RunView], quiet: bool) -> Result<Moments, CliError> {
+    let from = time_within("--from", arguments.from, runs, quiet);
+    let to = arguments.to.map_or_else(|| RunView::last_end(runs), |to| time_within("--to", to, runs, quiet));
     if from > to {
-        let sentence = format!("--from is {}; expected at most --to, {}", from.as_seconds(), to.as_seconds());
+        let sentence = format!("--from is {from}; expected at most --to, {to}");
         return Err(CliError::bad_input(sentence, None));
     }
     let moments = Moments { from, to, speed: arguments.speed, fps: arguments.fps };

@@ -116,21 +116,23 @@ impl Shown {
     }
 }
 
-/// The time of a moment that the option `name` asks for; shares are of the longest run.
-///
-/// # Errors
-/// If it is beyond the end of the last run.
-pub fn time_within(name: &str, moment: Moment, films: &[&RunView]) -> Result<SimTime, CliError> {
+/// The time of a moment that the option `name` asks for; shares are of the longest run. One beyond the end of the last run
+/// is its end, which a note says.
+pub fn time_within(name: &str, moment: Moment, films: &[&RunView], quiet: bool) -> SimTime {
     let end = RunView::last_end(films);
     let time = match moment {
         Moment::Seconds(seconds) => SimTime::from_seconds(seconds),
         Moment::Share(share) => SimTime::from_seconds(share * end.as_seconds()).min(end),
     };
-    if time > end {
-        let sentence = format!("{name} is {}; the run ends at {} s", time.as_seconds(), end.as_seconds());
-        return Err(CliError::bad_input(sentence, None));
+    if time > end && !quiet {
+        terminal::note(&note_beyond_end(name, time, end));
     }
-    Ok(time)
+    time.min(end)
+}
+
+/// Says that the end of a run takes the place of a time beyond it.
+pub fn note_beyond_end(option: &str, time: SimTime, end: SimTime) -> String {
+    format!("{option} is {time}, but the run ends at {end}: the end is taken")
 }
 
 #[cfg(test)]

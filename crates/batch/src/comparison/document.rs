@@ -48,6 +48,9 @@ impl From<&Comparison> for Document {
             document.add_list(settings.lines(*letter, pairs));
             document.add(Block::Text(settings.conclusion(*letter)));
             document.add(Block::Text(pairing(pairs, *letter)));
+            if judged.is_empty() {
+                continue;
+            }
             document.add_list(judged.iter().map(|judged| verdict(judged, *letter)).collect());
             document.add(forest(against));
             document = document.with([differences(against), tests(against)]).with(strata(against));
@@ -57,10 +60,11 @@ impl From<&Comparison> for Document {
         }
         let missing = comparison.missing.iter();
         document.add_list(
-            missing
-                .map(|(letter, metric)| format!("{metric}: no pair of A and {letter} has it on both sides"))
-                .collect(),
+            missing.map(|(letter, metric)| format!("{metric}: no seed has a value in both A and {letter}")).collect(),
         );
+        if comparison.against_a.iter().all(|against| against.judged.is_empty()) {
+            return document;
+        }
         document.add(Block::Text(LEGEND.into()));
         if comparison.against_a.iter().any(has_strata) {
             document.add(Block::Text(STRATA_LEGEND.into()));
@@ -88,7 +92,11 @@ fn side(side: &SideSummary) -> String {
 /// Says how many pairs there are, what was left out, and what the differences are means over.
 fn pairing(pairs: &Pairs, letter: char) -> String {
     let runs = pairs.runs.len();
-    let mut text = if runs == 1 { "1 pair of runs.".into() } else { format!("{runs} pairs of runs.") };
+    let mut text = match runs {
+        0 => "No pair of runs finished, so that nothing can be compared.".into(),
+        1 => "1 pair of runs.".into(),
+        _ => format!("{runs} pairs of runs."),
+    };
     let [ours, theirs] = pairs.without_partner;
     if ours + theirs > 0 {
         text += &format!(" Left out without a partner: {ours} of A, {theirs} of {letter}.");
@@ -96,9 +104,15 @@ fn pairing(pairs: &Pairs, letter: char) -> String {
     let [only_a, only_other, both] = pairs.failed;
     if only_a + only_other + both > 0 {
         text += &format!(
-            " Left out because a run failed: {only_a} in A only, {only_other} in {letter} only, {both} in both; \
-             if runs fail where they would have gone badly, the remaining figures are too good."
+            " Left out because a run failed: {only_a} in A only, {only_other} in {letter} only, {both} in both"
         );
+        text +=
+            if runs == 0 { "." } else { "; if the hard runs are those that failed, these figures are too optimistic." };
+    }
+    if !(pairs.unfinished_strata.is_empty() || pairs.columns.is_empty()) {
+        let strata = pairs.strata.len()..pairs.strata.len() + pairs.unfinished_strata.len();
+        let words: Vec<String> = strata.map(|index| pairs.stratum_words(index)).collect();
+        text += &format!(" No pair finished where {}.", words.join(" or "));
     }
     if let several @ [_, _, ..] = &pairs.strata[..] {
         let counts = || several.iter().map(|stratum| stratum.pairs);
@@ -209,13 +223,17 @@ fn tests(against: &AgainstA) -> Table {
     Table::new(&headings, against.judged.iter().map(row).collect())
 }
 
-/// The strata of every metric in which they differ, each with its own verdict.
+/// The strata of every metric in which they say something else than the mean, each with its own verdict.
 fn strata(against: &AgainstA) -> Vec<Block> {
     let AgainstA { letter, pairs, judged, .. } = against;
     let of_metric = |judged: &JudgedContrast| {
-        let JudgedStrata { by, strata, p_adjusted, .. } = judged.by_stratum.as_ref().filter(|it| it.differ())?;
-        let p = p_words((*p_adjusted)?);
-        let heading = format!("{} by {by}: {letter} − A is not the same in all, {p}", judged.contrast.metric.name);
+        let found = judged.by_stratum.as_ref().filter(|_| judged.varies_by_stratum())?;
+        let JudgedStrata { by, strata, p_adjusted, .. } = found;
+        let how = match p_adjusted.filter(|_| found.differ()) {
+            Some(p) => format!("is not the same in all, {}", p_words(p)),
+            None => "is not significant in all".to_owned(),
+        };
+        let heading = format!("{} by {by}: {letter} − A {how}", judged.contrast.metric.name);
         let line = |(stratum, judged): &(usize, JudgedContrast)| {
             format!("{}: {}", pairs.stratum_words(*stratum), judged.sentence(*letter))
         };

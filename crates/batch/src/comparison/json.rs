@@ -68,7 +68,7 @@ fn settings(settings: &SettingsDifference, letter: char, pairs: &Pairs) -> impl 
 
 /// Returns a value for each column that the strata differ in.
 fn levels(pairs: &Pairs, stratum: usize) -> BTreeMap<&String, &String> {
-    pairs.columns.iter().zip(&pairs.strata[stratum].levels).collect()
+    pairs.columns.iter().zip(pairs.levels(stratum)).collect()
 }
 
 fn metric(judged: &JudgedContrast, letter: char, pairs: &Pairs) -> impl Serialize {

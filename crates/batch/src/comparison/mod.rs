@@ -339,6 +339,19 @@ impl JudgedContrast {
         }
     }
 
+    /// Returns whether the strata say something else than the mean over them: there is evidence that they differ, or
+    /// the difference on average is none, or another, in some.
+    pub fn varies_by_stratum(&self) -> bool {
+        let is_like_this = |of_stratum: &JudgedContrast| {
+            let has_same_sign = of_stratum.contrast.difference.signum() == self.contrast.difference.signum();
+            of_stratum.verdict == Verdict::Difference && has_same_sign
+        };
+        self.by_stratum.as_ref().is_some_and(|strata| {
+            let is_mixed = || !strata.strata.iter().all(|(_, of_stratum)| is_like_this(of_stratum));
+            strata.differ() || self.verdict == Verdict::Difference && is_mixed()
+        })
+    }
+
     /// Returns what Wilcoxon's test adds where the means do not differ for sure.
     fn by_ranks(&self, letter: char) -> String {
         let Some((ranks, p)) = self.contrast.ranks.zip(self.ranks_p_adjusted.filter(|&p| p <= LEVEL)) else {

@@ -12,11 +12,16 @@ use wildfire_base::untrusted::visible_start;
 pub struct Pairs {
     /// Indices into the tables of both sides, for runs that both finished; by seed.
     pub runs: Vec<(usize, usize)>,
+    /// Runs of both sides that have the same seed and conditions, with the index of their stratum, whether or not they
+    /// finished; by seed.
+    pub planned: Vec<(usize, usize, usize)>,
     /// The columns that vary within a side and are equal within a pair; differences are means over them.
     pub columns: Vec<String>,
     /// The combinations of their values that occur in pairs, in the order of side A's runs; at most one without
     /// columns.
     pub strata: Vec<Stratum>,
+    /// The strata that are planned and have no pair; their indices follow those of the others.
+    pub unfinished_strata: Vec<Stratum>,
     /// The index of each pair's stratum.
     pub stratum_of: Vec<usize>,
     /// Runs without a partner, on either side.
@@ -49,6 +54,7 @@ impl Pairs {
             }
             match partners.next_if(|(other, _)| other == key) {
                 Some((_, partner)) => {
+                    pairs.planned.push((*run, *partner, key.1));
                     if pairs.add((*run, first.is_done(*run)), (*partner, second.is_done(*partner))) {
                         pairs.stratum_of.push(key.1);
                     }
@@ -83,9 +89,15 @@ impl Pairs {
         listed(&self.columns.iter().map(|column| visible_start(column)).collect::<Vec<_>>())
     }
 
+    /// Returns the values of a stratum, one for each of [`Self::columns`].
+    pub fn levels(&self, index: usize) -> &[String] {
+        let unfinished = || &self.unfinished_strata[index - self.strata.len()];
+        &self.strata.get(index).unwrap_or_else(unfinished).levels
+    }
+
     /// Describes a stratum: `field.coverage 0.05, unimog.speed_mps 8`.
     pub fn stratum_words(&self, index: usize) -> String {
-        let levels = self.columns.iter().zip(&self.strata[index].levels);
+        let levels = self.columns.iter().zip(self.levels(index));
         let words: Vec<String> =
             levels.map(|(column, level)| format!("{} {}", visible_start(column), visible_start(level))).collect();
         words.join(", ")
@@ -99,11 +111,18 @@ impl Pairs {
         let mut levels_of: Vec<(usize, Vec<String>)> =
             numbers.into_iter().map(|(levels, number)| (number, levels)).collect();
         levels_of.sort_unstable();
-        for (number, levels) in levels_of.into_iter().filter(|&(number, _)| counts[number] > 0) {
+        let (paired, unpaired): (Vec<_>, Vec<_>) = levels_of.into_iter().partition(|&(number, _)| counts[number] > 0);
+        for (number, levels) in paired {
             index_of[number] = self.strata.len();
             self.strata.push(Stratum { levels, pairs: counts[number] });
         }
+        let planned: BTreeSet<usize> = self.planned.iter().map(|&(.., number)| number).collect();
+        for (number, levels) in unpaired.into_iter().filter(|(number, _)| planned.contains(number)) {
+            index_of[number] = self.strata.len() + self.unfinished_strata.len();
+            self.unfinished_strata.push(Stratum { levels, pairs: 0 });
+        }
         self.stratum_of.iter_mut().for_each(|number| *number = index_of[*number]);
+        self.planned.iter_mut().for_each(|(.., number)| *number = index_of[*number]);
     }
 }
 

@@ -1,7 +1,7 @@
 //! Differences between the settings of two sides, as possible causes of a difference of their runs.
 //!
 //! Settings are those that `plan.json` holds beside the table of runs, with every value filled in. The scenarios of
-//! runs that make pairs are compared. The settings of a side are unknown if its plan is not there, or does not go with
+//! runs that make pairs are compared, whether or not these finished. The settings of a side are unknown if its plan is not there, or does not go with
 //! its runs.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -112,7 +112,7 @@ fn shown_path(table: &RunsTable) -> String {
 }
 
 impl SettingsDifference {
-    /// Compares the settings of paired runs of both sides, each side with the settings of its table.
+    /// Compares the settings of planned pairs of runs of both sides, each side with the settings of its table.
     pub fn between(
         (first, ours): (&Side<'_>, &Result<KnownSettings, String>),
         (second, theirs): (&Side<'_>, &Result<KnownSettings, String>),
@@ -222,11 +222,11 @@ pub(super) fn seed_words(seeds: impl Iterator<Item = u64>) -> String {
     range_words(&seeds.into_iter().collect::<Vec<_>>(), "..")
 }
 
-/// Returns all values in which the scenarios of some pair differ.
+/// Returns all values in which the scenarios of some pair differ, whether or not its runs finished.
 fn differences(ours: &KnownSettings, theirs: &KnownSettings, pairs: &Pairs) -> Vec<Difference> {
     // Each pair of scenarios with the strata that it is in: by plan, these are few.
     let mut compared: BTreeMap<(usize, usize), BTreeSet<usize>> = BTreeMap::new();
-    for (&(our_run, their_run), &stratum) in pairs.runs.iter().zip(&pairs.stratum_of) {
+    for &(our_run, their_run, stratum) in &pairs.planned {
         let variants = (ours.variant_of[our_run], theirs.variant_of[their_run]);
         compared.entry(variants).or_default().insert(stratum);
     }
@@ -246,7 +246,7 @@ fn differences(ours: &KnownSettings, theirs: &KnownSettings, pairs: &Pairs) -> V
     for difference in &mut found {
         difference.strata.sort_unstable();
         difference.strata.dedup();
-        if difference.strata.len() == pairs.strata.len() {
+        if difference.strata.len() == pairs.strata.len() + pairs.unfinished_strata.len() {
             difference.strata.clear();
         }
     }

@@ -47,9 +47,9 @@ pub struct PlayedChoice {
     pub cell: Cell,
     /// By how many bushes the agent's side would have done better, by future.
     pub gains: Vec<f64>,
-    /// Their mean and its interval, over all rounds.
+    /// Their mean and its interval, over all rounds; without an interval all are equal.
     pub mean: f64,
-    pub interval: Interval,
+    pub interval: Option<Interval>,
     pub p_value: f64,
     /// The same after adjustment for all choices of the run.
     pub p_adjusted: f64,
@@ -245,8 +245,7 @@ impl Bench {
 
 impl PlayedChoice {
     fn new(cell: Cell) -> Self {
-        let nothing = Interval { low: 0.0, high: 0.0 };
-        Self { cell, gains: Vec::new(), mean: 0.0, interval: nothing, p_value: 1.0, p_adjusted: 1.0 }
+        Self { cell, gains: Vec::new(), mean: 0.0, interval: None, p_value: 1.0, p_adjusted: 1.0 }
     }
 
     /// Computes mean, interval and p-value of the gains so far, for one of the [`ROUNDS`].
@@ -254,25 +253,53 @@ impl PlayedChoice {
         let series = Series::from_values(&self.gains);
         let rounds = ROUNDS.len() as f64;
         self.mean = series.mean().unwrap_or(0.0);
-        let error = series.standard_error().unwrap_or(0.0);
         let degrees = self.gains.len() as f64 - 1.0;
+        let error = series.standard_error().filter(|&error| error > 0.0);
         let reach = t_quantile_above(0.5 * (1.0 - CONFIDENCE) / rounds, degrees);
-        self.interval = Interval::about(self.mean, reach * error);
-        self.p_value = if error > 0.0 {
-            rounds * t_two_sided(self.mean / error, degrees)
-        } else if self.mean == 0.0 {
-            1.0
-        } else {
-            // All futures agree: as likely as equal signs at best.
-            self.gains.iter().fold(rounds * 2.0, |p, _| 0.5 * p)
+        self.interval = error.map(|error| Interval::about(self.mean, reach * error));
+        self.p_value = match error {
+            Some(error) => rounds * t_two_sided(self.mean / error, degrees),
+            None if self.mean == 0.0 => 1.0,
+            None => self.p_of_equal_gains(),
         };
         self.p_value = self.p_value.min(1.0);
     }
 
+    /// Returns the probability that this many equal signs come about by chance, over all rounds.
+    fn p_of_equal_gains(&self) -> f64 {
+        self.gains.iter().fold(2.0 * ROUNDS.len() as f64, |p, _| 0.5 * p)
+    }
+
     /// Returns whether more futures can hardly change the verdict on it; significance is asked for among so many decisions.
     fn is_settled(&self, decisions: usize) -> bool {
-        let Interval { low, high } = self.interval;
         let is_significant = self.p_value * (decisions as f64) < 1.0 - CONFIDENCE;
-        is_significant || high < 0.0 || low > -NOTHING && high < NOTHING
+        is_significant
+            || match self.interval {
+                Some(Interval { low, high }) => high < 0.0 || low > -NOTHING && high < NOTHING,
+                // A few equal gains do not show that others are equal too.
+                None => self.mean < NOTHING && self.p_of_equal_gains() < 1.0 - CONFIDENCE,
+            }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_few_equal_gains_settle_nothing() {
+        let is_settled = |gains: &[f64]| {
+            let mut choice = PlayedChoice { gains: gains.to_vec(), ..PlayedChoice::new(Cell { col: 0, row: 0 }) };
+            choice.sum_up();
+            (choice.is_settled(10), choice.interval.is_some())
+        };
+        assert_eq!([is_settled(&[0.0; 4]), is_settled(&[-3.0; 4])], [(false, false); 2]);
+        // 6 / 2^7 is below 0.05; a gain has to be significant among ten decisions.
+        assert_eq!(
+            [is_settled(&[0.0; 6]), is_settled(&[0.0; 7]), is_settled(&[-3.0; 7])].map(|it| it.0),
+            [false, true, true]
+        );
+        assert_eq!([is_settled(&[3.0; 7]), is_settled(&[3.0; 11])].map(|it| it.0), [false, true]);
+        assert_eq!(is_settled(&[-3.0, -3.1, -3.0, -2.9]), (true, true));
     }
 }

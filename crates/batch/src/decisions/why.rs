@@ -1,13 +1,13 @@
 //! The report on decisions: a sentence, a table, an object.
 
 use serde::{Serialize, Serializer};
-use wildfire_base::document::number::{probability, rounded};
+use wildfire_base::document::number::{count, probability, rounded};
 use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::geometry::Cell;
 use wildfire_base::object;
 
 use super::futures::{PlayedChoice, Worth};
-use crate::stats::holm;
+use crate::stats::{Interval, holm};
 
 /// The most decisions that the table lists.
 const LISTED: usize = 20;
@@ -43,9 +43,15 @@ fn went(worth: &Worth) -> String {
 
 fn bushes(choice: &PlayedChoice) -> String {
     let size = |bushes: f64| rounded(bushes, 1);
-    let (low, high) = (choice.interval.low, choice.interval.high);
-    let (mean, low, high) = if choice.mean < 0.0 { (-choice.mean, -high, -low) } else { (choice.mean, low, high) };
-    format!("{} bushes (95 % {} to {})", size(mean), size(low), size(high))
+    let sign = if choice.mean < 0.0 { -1.0 } else { 1.0 };
+    let about = match choice.interval {
+        Some(Interval { low, high }) => {
+            let [one, other] = [sign * low, sign * high];
+            format!("95 % {} to {}", size(one.min(other)), size(one.max(other)))
+        }
+        None => format!("in each of {} futures", choice.gains.len()),
+    };
+    format!("{} bushes ({about})", size(sign * choice.mean))
 }
 
 impl WhyReport {
@@ -89,12 +95,16 @@ impl WhyReport {
                 place(better.cell)
             ));
         }
+        let were = |worths: &[&Worth], what: [&str; 2]| match worths.len() {
+            0 => format!("none was {}", what[0]),
+            1 => format!("1 was {}", what[0]),
+            several => format!("{several} were {}", what[1]),
+        };
         sentences.push(format!(
-            "Of {} decisions {} cost something and {} were better than every other choice; for the rest no choice is \
-             significantly better or worse.",
-            worths.len(),
-            mistakes.len(),
-            good.len()
+            "Of {}, {} and {}; for the others no alternative is significantly better or worse.",
+            count(worths.len(), "decision"),
+            were(&mistakes, ["a mistake", "mistakes"]),
+            were(&good, ["clearly best", "clearly best"])
         ));
         let best = worths.iter().filter_map(|worth| worth.others.first()).map(|best| best.mean.max(0.0)).sum::<f64>();
         let best = best / worths.len() as f64;
@@ -123,7 +133,10 @@ impl WhyReport {
                 verdict.to_owned(),
                 time_before(worth),
                 rounded(best.mean, 2),
-                format!("{} to {}", rounded(best.interval.low, 1), rounded(best.interval.high, 1)),
+                best.interval.map_or_else(
+                    || "-".to_owned(),
+                    |Interval { low, high }| format!("{} to {}", rounded(low, 1), rounded(high, 1)),
+                ),
                 probability(best.p_adjusted),
                 best.gains.len().to_string(),
             ]
@@ -142,7 +155,7 @@ impl From<&WhyReport> for Document {
             document.add(report.table());
             document.add(Block::Text(
                 "Gain: how many bushes more the agent's side would have saved (a truck) or burned (a Wumpus) by going \
-                 to the best other cell, the mean over futures drawn again. p is adjusted for all choices of the run \
+                 to the best other cell, averaged over resampled futures. p is adjusted for all choices of the run \
                  (Holm)."
                     .to_owned(),
             ));

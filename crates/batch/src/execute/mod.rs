@@ -27,7 +27,7 @@ pub use entries::{
 };
 pub(super) use entries::{expect_file, expect_files};
 pub use error::BatchError;
-pub use journal::{JournalError, JournalIndex};
+pub use journal::{FailedRuns, JournalError, JournalIndex};
 pub(super) use journal::{RowReader, RowStream, StreamBudget};
 pub use lock::Lock;
 pub(super) use machines::merge_machines;

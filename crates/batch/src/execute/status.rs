@@ -1,9 +1,10 @@
 //! The progress of a batch, also while other processes work on it.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::ErrorKind;
 
-use crate::execute::journal::{count_lines, open_to_read};
+use crate::execute::journal::{FailedRuns, add_failed, count_lines, open_to_read};
 use crate::execute::{BatchError, JournalError, JournalIndex, OutputFolder};
 use crate::plan::{BatchPlan, Slice};
 
@@ -12,6 +13,8 @@ use crate::plan::{BatchPlan, Slice};
 pub struct BatchStatus {
     pub plan: BatchPlan,
     pub slices: Vec<(Slice, SliceState)>,
+    /// The failed runs of each variant, by its place in the plan.
+    pub failures: BTreeMap<u64, FailedRuns>,
 }
 
 /// The progress of a slice.
@@ -35,12 +38,19 @@ pub struct SliceState {
 pub fn batch_status(folder: &OutputFolder) -> Result<BatchStatus, BatchError> {
     let plan = BatchPlan::read(folder.path())?;
     let first = folder.journals()?.first().copied().unwrap_or(Slice::WHOLE);
-    let states = first.all().map(|slice| Ok((slice, state_of(folder, slice, &plan)?)));
+    let mut failures = BTreeMap::new();
+    let states = first.all().map(|slice| Ok((slice, state_of(folder, slice, &plan, &mut failures)?)));
     let slices = states.collect::<Result<Vec<_>, JournalError>>()?;
-    Ok(BatchStatus { plan, slices })
+    Ok(BatchStatus { plan, slices, failures })
 }
 
-fn state_of(folder: &OutputFolder, slice: Slice, plan: &BatchPlan) -> Result<SliceState, JournalError> {
+/// Reads the journal of a slice, and adds its failed runs to those of others.
+fn state_of(
+    folder: &OutputFolder,
+    slice: Slice,
+    plan: &BatchPlan,
+    failures: &mut BTreeMap<u64, FailedRuns>,
+) -> Result<SliceState, JournalError> {
     let path = folder.journal(slice);
     let (file, is_running) = match open_to_read(&path, folder.keeping().lock) {
         Ok(file) => (Ok(file), false),
@@ -58,6 +68,9 @@ fn state_of(folder: &OutputFolder, slice: Slice, plan: &BatchPlan) -> Result<Sli
     };
     let index = JournalIndex::read(&path, &file, plan, slice)?;
     let (held, not_done) = index.held();
+    for (&variant, failed) in index.failures() {
+        add_failed(failures, variant, failed.clone());
+    }
     Ok(SliceState { runs: index.count(), held, not_done, repeated: index.repeated(), is_running })
 }
 

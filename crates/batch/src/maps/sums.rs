@@ -1,7 +1,7 @@
 //! Sums of runs for each cell.
 
 use crate::maps::BatchQuantity;
-use crate::stats::{Interval, PairedAnswers, Series};
+use crate::stats::{Interval, PairedAnswers, Series, UNBOUNDED};
 use wildfire_timeline::BurnMap;
 
 /// The burned cells of a run, the bushes among them, and those of these that nobody extinguished.
@@ -109,7 +109,7 @@ impl PairSums {
             }
             Self::Differences(differences) => {
                 for (index, series) in differences.iter().enumerate() {
-                    put(index, series.mean(), series.mean_interval());
+                    put(index, series.mean(), series.mean_interval_within(UNBOUNDED));
                 }
             }
         }

@@ -302,6 +302,7 @@ impl AuditReport {
             ));
         }
         sentences.push(match self.violations {
+            0 if self.runs() == 0 => "No run was checked.".into(),
             0 => "Violations: none.".into(),
             count => format!("Violations: in {count} of {} runs.", self.runs() + self.not_run),
         });

@@ -1,11 +1,11 @@
-//! Failures of planners and policies as text: a sentence for each, by reason, with the beginning of a message.
+//! Failures of planners and policies as text: a sentence for each, by reason, with a message.
 
 use std::collections::BTreeMap;
 use std::ops::AddAssign;
 
 use crate::table::{RUN_COLUMNS, RunRecord, run_column};
 use wildfire_base::document::number::percent;
-use wildfire_base::untrusted::visible_start;
+use wildfire_base::untrusted::{visible, visible_start};
 
 /// The failed queries of a planner, or failed questions to policies, over some runs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -23,7 +23,7 @@ pub struct Failures {
 struct Reason {
     name: String,
     count: u64,
-    /// The beginning of the first message, if there is one.
+    /// The first message, if there is one.
     words: Option<String>,
 }
 
@@ -31,6 +31,14 @@ struct Reason {
 fn reasons(prefix: &str) -> impl Iterator<Item = (String, usize)> {
     let columns = RUN_COLUMNS.iter().enumerate();
     columns.filter_map(move |(place, column)| Some((column.name.strip_prefix(prefix)?.replace('_', " "), place)))
+}
+
+/// The most characters of a message; those of runs are no longer.
+const LONGEST: usize = 600;
+
+/// A message fit for a line: what its end says, such as by how much a path is too close, is the reason.
+fn whole(message: &str) -> String {
+    visible(&message.chars().take(LONGEST).collect::<String>()).into_owned()
 }
 
 /// The beginning of messages about policies, before the name.
@@ -46,7 +54,7 @@ impl Failures {
     pub fn of_query(failure: Option<String>, message: Option<&str>) -> Self {
         let reason = failure.map(|name| {
             let column = reasons("truck_failed_").find(|(known, _)| *known == name);
-            let words = message.map(visible_start);
+            let words = message.map(whole);
             (column.map_or(usize::MAX, |(_, place)| place), Reason { name, count: 1, words })
         });
         Self { asked: 1, reasons: reason.into_iter().collect(), policy: None }
@@ -74,7 +82,7 @@ impl Failures {
             let (who, words) = about(&name).or_else(|| about("budget spent").filter(|_| name == "crashed")).unzip();
             let policy = who.and_then(|who: &str| who.strip_prefix(POLICY)?.split(' ').next());
             failures.policy = failures.policy.or(policy.map(visible_start));
-            let reason = Reason { name, count: number(column), words: words.map(visible_start) };
+            let reason = Reason { name, count: number(column), words: words.map(whole) };
             failures.reasons.insert(column, reason);
         }
         failures
@@ -170,6 +178,17 @@ mod tests {
         assert_eq!(found("crashed", true), Some(("policy own at 2.5", "was ended by the signal SIGKILL")));
         assert_eq!(found("timed out", false), Some(("unimog/0 at 3.0", "gave no answer within 5 s")));
         assert_eq!(found("bad answer", false), None);
+    }
+
+    #[test]
+    fn reason_of_a_failure_is_shown_to_its_end() {
+        let message = "segment 2 of 3, 26.05 m along, at (46.05, 22.50): 9 mm from the bush at cell (10, 4), the least \
+                       is 10 mm";
+        let sentence = Failures::of_query(Some("invalid path".to_owned()), Some(message)).of_planner("own");
+        let expected = format!("Failed queries of own: 1 of 1 (100.0 %): invalid path 1 ({message}).");
+        assert_eq!(sentence, Some(expected));
+        let endless = Failures::of_query(Some("crashed".to_owned()), Some(&"\u{7}".repeat(5000))).of_planner("own");
+        assert!(endless.is_some_and(|sentence| sentence.len() < 9000 && !sentence.contains('\u{7}')));
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! The first sentence about a finished batch: the winner, and how much was saved.
 
+use crate::plan::BatchPlan;
+use crate::report::html_report::Labels;
 use crate::report::summary::{BatchReport, VariantReport};
 use crate::report::tally::{Tally, sentence};
 use crate::stats::Interval;
@@ -12,11 +14,15 @@ const BURNED_HA: usize = run_column("burned_ha");
 
 impl BatchReport {
     /// Returns a sentence about the winner and how much was saved; for several variants, which saved the most and the
-    /// least. Significance is left to other sentences.
-    pub fn opening(&self) -> String {
-        match self.variants.as_slice() {
-            [one] => of_one(one),
-            several => of_several(several),
+    /// least, and which had failed runs. Significance is left to other sentences.
+    pub fn opening(&self, plan: &BatchPlan) -> String {
+        let several = match self.variants.as_slice() {
+            [one] => return of_one(one),
+            several => several,
+        };
+        match self.not_done() {
+            0 => of_several(several),
+            _ => of_several_with_failures(several, &Labels::new(plan)),
         }
     }
 }
@@ -94,7 +100,7 @@ impl Saved {
         let flipped = |Interval { low, high }| Interval { low: 1.0 - high, high: 1.0 - low };
         Some(Self {
             mean: 1.0 - variant.column(BURNED_RATIO).mean()?,
-            interval: variant.interval(BURNED_RATIO).filter(|it| it.low < it.high).map(flipped),
+            interval: variant.interval(BURNED_RATIO).map(flipped),
         })
     }
 
@@ -108,8 +114,13 @@ impl Saved {
             None => "the bushes".into(),
         };
         let (percent, interval) = self.percent();
-        let mean = if variant.tally.done > 1 { "mean" } else { "" };
-        let about: Vec<&str> = [mean, &interval].into_iter().filter(|part| !part.is_empty()).collect();
+        let (done, not_done) = (variant.tally.done, variant.tally.not_done());
+        let mean = match (not_done, done) {
+            (0, 1) => String::new(),
+            (0, _) => "mean".to_owned(),
+            _ => format!("in the {done} of {} that finished", count_of(done + not_done)),
+        };
+        let about: Vec<String> = [mean, interval].into_iter().filter(|part| !part.is_empty()).collect();
         let about = if about.is_empty() { String::new() } else { format!(" ({})", about.join("; ")) };
         format!("{percent} of {bushes}{about}")
     }
@@ -129,7 +140,7 @@ impl Saved {
 /// Says how much ground burned, of a field without bushes.
 fn burned_area(variant: &VariantReport) -> Option<String> {
     let mean = variant.column(BURNED_HA).mean()?;
-    let interval = variant.interval(BURNED_HA).filter(|it| it.low < it.high);
+    let interval = variant.interval(BURNED_HA);
     let decimals = interval.map_or_else(|| two_digits(mean).min(2), |it| two_digits(0.5 * (it.high - it.low)));
     let number = |area: f64| rounded(area, decimals);
     let about = interval.map_or_else(String::new, |Interval { low, high }| {
@@ -138,21 +149,24 @@ fn burned_area(variant: &VariantReport) -> Option<String> {
     Some(format!("{} ha burned{about}", number(mean)))
 }
 
+/// What each variant with numbers saved.
+fn saved_by_variant(variants: &[VariantReport]) -> Vec<(usize, Saved)> {
+    variants.iter().enumerate().filter_map(|(index, variant)| Some((index, Saved::new(variant)?))).collect()
+}
+
+/// Returns those that saved the most and the least; of equal ones the first. `None` without any.
+fn extremes(saved: &[(usize, Saved)]) -> Option<[&(usize, Saved); 2]> {
+    let by_mean =
+        |one: &&(usize, Saved), other: &&(usize, Saved)| one.1.mean.total_cmp(&other.1.mean).then(other.0.cmp(&one.0));
+    Some([saved.iter().max_by(by_mean)?, saved.iter().min_by(by_mean)?])
+}
+
+/// Describes variants that have finished all of their runs.
 fn of_several(variants: &[VariantReport]) -> String {
     let done: u64 = variants.iter().map(|variant| variant.tally.done).sum();
-    if done == 0 {
-        return "No run finished.".into();
-    }
     let finished = format!("{} of {} variants finished", count_of(done), variants.len());
-    let saved = variants.iter().enumerate().filter_map(|(index, variant)| Some((index, Saved::new(variant)?)));
-    let saved: Vec<(usize, Saved)> = saved.collect();
-    let by_mean = |one: &&(usize, Saved), other: &&(usize, Saved)| {
-        // Of equal ones the first.
-        one.1.mean.total_cmp(&other.1.mean).then(other.0.cmp(&one.0))
-    };
-    let (Some(best), Some(worst)) = (saved.iter().max_by(by_mean), saved.iter().min_by(by_mean)) else {
-        return finished + ".";
-    };
+    let saved = saved_by_variant(variants);
+    let Some([best, worst]) = extremes(&saved) else { return finished + "." };
     let name = |index: usize| format!("variant {} ({})", index + 1, variants[index].title);
     let (percent, interval) = best.1.percent();
     if best.1.mean == worst.1.mean {
@@ -163,6 +177,43 @@ fn of_several(variants: &[VariantReport]) -> String {
     format!("{finished}; {} saved the most bushes, {percent}{interval}, and {least}.", name(best.0))
 }
 
+/// The most variants that are named one by one.
+const MOST_NAMED: usize = 4;
+
+/// Describes variants of which some have failed runs: what those with finished runs saved, and which failed.
+fn of_several_with_failures(variants: &[VariantReport], labels: &Labels) -> String {
+    let done: u64 = variants.iter().map(|variant| variant.tally.done).sum();
+    let not_done: u64 = variants.iter().map(|variant| variant.tally.not_done()).sum();
+    if done == 0 {
+        return "No run finished.".into();
+    }
+    let all = labels.groups().concat();
+    let name = |index: usize| labels.label(index, &all);
+    let saved = saved_by_variant(variants);
+    let mut parts: Vec<String> = match extremes(&saved) {
+        Some([best, worst]) if saved.len() > MOST_NAMED => vec![
+            format!("{} saved the most bushes, {}", name(best.0), best.1.percent().0),
+            format!("{} the least, {}", name(worst.0), worst.1.percent().0),
+        ],
+        _ => saved.iter().map(|(index, saved)| format!("{} saved {}", name(*index), saved.percent().0)).collect(),
+    };
+    let failed: Vec<usize> = (0..variants.len()).filter(|&index| variants[index].tally.not_done() > 0).collect();
+    parts.extend(failed.iter().take(MOST_NAMED).map(|&index| {
+        let words = match (variants[index].tally.not_done(), variants[index].tally.done) {
+            (1, 0) => "failed".to_owned(),
+            (2, 0) => "failed twice".to_owned(),
+            (failed, 0) => format!("failed in all {}", count_of(failed)),
+            (failed, done) => format!("failed in {failed} of {}", count_of(failed + done)),
+        };
+        format!("{} {words}", name(index))
+    }));
+    if failed.len() > MOST_NAMED {
+        let more = failed.len() - MOST_NAMED;
+        parts.push(format!("{} failed too", count(more, "other variant")));
+    }
+    format!("{done} of {} finished: {}.", count_of(done + not_done), parts.join(", "))
+}
+
 fn count_of(runs: u64) -> String {
     count(usize::try_from(runs).unwrap_or(usize::MAX), "run")
 }
@@ -170,6 +221,7 @@ fn count_of(runs: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plan::{BatchRequest, Sweep};
 
     fn won(done: u64, won_by_truck: u64, won_by_wumpus: u64) -> String {
         let tally = Tally { done, contested: done, won_by_truck, won_by_wumpus, ..Tally::new(1, 1) };
@@ -194,7 +246,50 @@ mod tests {
 
     #[test]
     fn batch_without_a_finished_run_says_only_that() {
-        let report = |count| BatchReport { variants: vec![VariantReport::default(); count] };
-        assert_eq!([report(1).opening(), report(3).opening()], ["No run finished.", "No run finished."]);
+        let plan = plan("100,200,300");
+        let report = |count| BatchReport { variants: vec![failing(2); count] };
+        assert_eq!([report(1).opening(&plan), report(3).opening(&plan)], ["No run finished.", "No run finished."]);
+    }
+
+    fn plan(durations: &str) -> BatchPlan {
+        let sweep = Sweep::parse("duration_s", durations).expect("values");
+        let request = BatchRequest {
+            scenarios: vec!["smoke".into()],
+            sweeps: vec![sweep],
+            seeds: "1..3".parse().ok(),
+            ..BatchRequest::default()
+        };
+        request.resolve(false).expect("a small batch")
+    }
+
+    fn failing(runs: u64) -> VariantReport {
+        VariantReport::of_numbers(Tally { failed: runs, ..Tally::new(1, 1) }, &[])
+    }
+
+    #[test]
+    fn variants_with_failed_runs_are_named_with_their_number() {
+        let done = |done: u64, failed: u64| {
+            let tally = Tally { done, failed, ..Tally::new(1, 1) };
+            VariantReport::of_numbers(tally, &[(OBSTACLES, 40.0), (BURNED_RATIO, 0.4)])
+        };
+        let opening = |variants: Vec<VariantReport>| {
+            let durations: Vec<String> = (0..variants.len()).map(|number| (100 + number).to_string()).collect();
+            BatchReport { variants }.opening(&plan(&durations.join(",")))
+        };
+        assert_eq!(
+            opening(vec![failing(2), done(2, 0)]),
+            "2 of 4 runs finished: duration_s 101 saved 60 %, duration_s 100 failed twice."
+        );
+        assert_eq!(
+            opening(vec![done(1, 2), done(3, 0), failing(3)]),
+            "4 of 9 runs finished: duration_s 100 saved 60 %, duration_s 101 saved 60 %, duration_s 100 failed in 2 of \
+             3 runs, duration_s 102 failed in all 3 runs."
+        );
+        let many = opening((0..7).map(|_| done(2, 1)).collect());
+        assert!(many.ends_with("duration_s 103 failed in 1 of 3 runs, 3 other variants failed too."), "{many}");
+        assert_eq!(
+            opening(vec![done(3, 0); 2]),
+            "6 runs of 2 variants finished; in each, 60 % of the bushes were saved."
+        );
     }
 }

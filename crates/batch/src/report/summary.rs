@@ -88,6 +88,14 @@ impl VariantReport {
         Self { title, tally, columns, files, ..Self::default() }
     }
 
+    /// Creates a report in which all finished runs have the same numbers in some columns, by their places.
+    #[cfg(test)]
+    pub(crate) fn of_numbers(tally: Tally, numbers: &[(usize, f64)]) -> Self {
+        let mut columns = vec![Series::default(); RUN_COLUMNS.len()];
+        numbers.iter().for_each(|&(place, number)| (0..tally.done).for_each(|_| columns[place].add(number)));
+        Self { tally, columns, ..Self::default() }
+    }
+
     /// Adds the next run of the plan.
     pub fn add(&mut self, run: &RunRecord) {
         self.tables.add(run);
@@ -216,10 +224,11 @@ impl BatchReport {
         places.iter().map(table).collect()
     }
 
-    /// Returns notes on any variant, by its number.
+    /// Returns notes on any variant, by its number: first why runs failed.
     pub fn notes(&self) -> Vec<String> {
         let notes = |(index, variant): (usize, &VariantReport)| {
-            let notes = variant.tally.note().into_iter().chain(variant.tally.machine_sentences());
+            let reason = variant.tally.reason_of_failures();
+            let notes = reason.into_iter().chain(variant.tally.note()).chain(variant.tally.machine_sentences());
             notes.map(move |note| format!("{}: {note}", index + 1)).collect::<Vec<_>>()
         };
         self.variants.iter().enumerate().flat_map(notes).collect()

@@ -97,7 +97,7 @@ static CPU_TIMES: Layout = Layout {
 const LEGEND: [&str; 3] = [
     "PRM only: clearance field, sampling, map generation and roadmap search.",
     "Unimog total: these, local search and reachability.",
-    "Intervals are Student's t on a log scale, those of parts of a total on a logit scale.",
+    "Intervals are Student's t on a log scale, for shares on a logit scale; none where most numbers are 0.",
 ];
 
 /// Columns that are there only where trucks have planners that are not built in.

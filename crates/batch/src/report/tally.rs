@@ -146,6 +146,13 @@ impl Tally {
         self.first_failure.as_ref().map(|(seed, message)| format!("The first of these, seed {seed}: {message}"))
     }
 
+    /// Returns the number of failed runs with the reason of the first; `None` without any.
+    pub fn reason_of_failures(&self) -> Option<String> {
+        let (seed, message) = self.first_failure.as_ref()?;
+        let runs = self.done + self.not_done();
+        Some(format!("{} of {runs} runs failed; the first, seed {seed}: {message}", self.not_done()))
+    }
+
     /// Says in how many runs all fire was out before the end, where no Wumpus lights more.
     fn out(&self) -> Option<String> {
         self.deadline_s?;

@@ -45,7 +45,7 @@ pub use mean::{cohens_dz, estimate_mean};
 pub use power::{POWER, detectable_effect, paired_power, pairs_for_power};
 pub use quantiles::{quantile, quantile_interval};
 pub use repeated_measures::RepeatedMeasures;
-pub use series::{Series, welch_interval};
+pub use series::{Series, UNBOUNDED, welch_interval};
 pub use signed_ranks::SignedRanks;
 pub use survival::{Lifetime, SurvivalCurve, SurvivalStep};
 

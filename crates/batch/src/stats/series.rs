@@ -7,6 +7,9 @@ use crate::stats::Interval;
 use crate::stats::distributions::t_reach;
 use wildfire_base::geometry::ops;
 
+/// The range of a difference.
+pub const UNBOUNDED: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
 /// Running mean and spread of a series of numbers, in one pass and constant memory.
 ///
 /// Welford's update ("Note on a method for calculating corrected sums of squares and products", Technometrics 4,
@@ -17,7 +20,10 @@ pub struct Series {
     mean: f64,
     squares: f64,
     sum: f64,
+    smallest: f64,
     largest: f64,
+    /// How many numbers are the smallest, and how many the largest.
+    at_ends: [u64; 2],
 }
 
 impl Series {
@@ -33,7 +39,16 @@ impl Series {
         self.mean += before / self.count as f64;
         self.squares += before * (value - self.mean);
         self.sum += value;
-        self.largest = if self.count == 1 { value } else { self.largest.max(value) };
+        if self.count == 1 || value < self.smallest {
+            self.smallest = value;
+            self.at_ends[0] = 0;
+        }
+        if self.count == 1 || value > self.largest {
+            self.largest = value;
+            self.at_ends[1] = 0;
+        }
+        self.at_ends[0] += u64::from(value == self.smallest);
+        self.at_ends[1] += u64::from(value == self.largest);
     }
 
     pub fn count(&self) -> u64 {
@@ -65,24 +80,32 @@ impl Series {
         Some(self.standard_deviation()? / (self.count as f64).sqrt())
     }
 
-    /// Returns Student's 95 % confidence interval of the mean; `None` for fewer than two.
+    /// Returns Student's 95 % confidence interval of the mean; `None` for fewer than two. If all are equal its width is
+    /// zero, which is right for a frozen format only: elsewhere [`Self::mean_interval_within`] has none then.
     pub fn mean_interval(&self) -> Option<Interval> {
         let error = self.standard_error()?;
         Some(Interval::about(self.mean, t_reach((self.count - 1) as f64) * error))
     }
 
     /// Returns the 95 % confidence interval of the mean of a quantity from `least` to `most`, which never leaves that
-    /// range; `None` for fewer than two. For intervals of single means; differences have no range.
+    /// range; differences are [`UNBOUNDED`]. `None` for fewer than two, or if all are equal: a few equal numbers do not
+    /// show how much others would vary. `None` too if more than half of the numbers are an end of the range: the delta
+    /// method needs an error that is small beside the distance of the mean from that end.
     ///
     /// Student's interval on the log scale of the distance from `least`, or on the logit scale if `most` is finite too,
     /// with the standard error by the delta method (Oehlert, "A note on the delta method", The American Statistician 46,
     /// 1992). The upper end for two numbers without a finite `most` is that of Student's plain interval: on the log scale
     /// it can be 300,000 times the mean. Without a finite `least` the whole interval is the plain one.
     pub fn mean_interval_within(&self, (least, most): (f64, f64)) -> Option<Interval> {
-        let plain = self.mean_interval()?;
+        let plain = self.mean_interval().filter(|plain| plain.low < plain.high)?;
         let (reach, below, above) = (plain.high - self.mean, self.mean - least, most - self.mean);
-        // Without spread there is nothing to transform, and with numbers from outside the range nothing to keep.
-        if reach == 0.0 || below <= 0.0 || above <= 0.0 || below.is_infinite() {
+        let [at_least, at_most] = [(self.smallest, least), (self.largest, most)].map(|(value, end)| value == end);
+        let is_mostly = |is_at_end: bool, numbers: u64| is_at_end && 2 * numbers > self.count;
+        if is_mostly(at_least, self.at_ends[0]) || is_mostly(at_most, self.at_ends[1]) {
+            return None;
+        }
+        // With numbers from outside the range there is nothing to keep.
+        if below <= 0.0 || above <= 0.0 || below.is_infinite() {
             return Some(plain);
         }
         if above.is_infinite() {
@@ -163,10 +186,10 @@ mod tests {
             (&[0.0, 1.0][..], share),
             (&[0.0, 1e-9], share),
             (&[1.0, 1.0 - 1e-9], share),
-            (&[0.0, 0.0, 0.0, 0.4], share),
-            (&[1.0, 1.0, 0.7], share),
+            (&[0.0, 0.0, 0.1, 0.4], share),
+            (&[1.0, 0.9, 0.7], share),
             (&[0.0, 2000.0], positive),
-            (&[0.0, 0.0, 5.0], positive),
+            (&[0.0, 0.5, 5.0], positive),
             (&[26.0, 8000.0], (0.0, 10_000.0)),
         ] {
             let series = Series::from_values(numbers);
@@ -175,11 +198,28 @@ mod tests {
             assert!(range.0 < low && low < mean && mean < high && high <= range.1, "{numbers:?}: {low} to {high}");
             assert!(plain.low < range.0 || plain.high > range.1, "{numbers:?}");
         }
-        let constant = Series::from_values(&[0.0, 0.0]);
-        assert_eq!(constant.mean_interval_within(share), Some(Interval { low: 0.0, high: 0.0 }));
         assert_eq!(Series::from_values(&[0.3]).mean_interval_within(share), None);
         let points = Series::from_values(&[-3.0, 5.0]);
         assert_eq!(points.mean_interval_within((f64::NEG_INFINITY, f64::INFINITY)), points.mean_interval());
+    }
+
+    #[test]
+    fn numbers_that_are_equal_or_mostly_an_end_of_the_range_have_no_interval() {
+        let within = |numbers: &[f64], range| Series::from_values(numbers).mean_interval_within(range);
+        let (share, positive) = ((0.0, 1.0), (0.0, f64::INFINITY));
+        for (numbers, range) in [
+            (&[0.0, 0.0][..], share),
+            (&[0.3, 0.3, 0.3], share),
+            (&[12.0; 5], positive),
+            (&[0.0, 0.0, 0.0, 5.0], positive),
+            (&[7.0, 0.0, 0.0], positive),
+            (&[1.0, 0.7, 1.0], share),
+        ] {
+            assert_eq!(within(numbers, range), None, "{numbers:?}");
+        }
+        // Half of them is not most of them, and the smallest are not at an end.
+        assert!(within(&[0.0, 0.0, 0.2, 0.4], share).is_some() && within(&[0.1, 0.1, 0.1, 0.4], share).is_some());
+        assert_eq!((within(&[4.0; 9], UNBOUNDED), within(&[0.0, 0.0, 0.0, 1.0], UNBOUNDED).is_some()), (None, true));
     }
 
     #[test]

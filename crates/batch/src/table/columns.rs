@@ -210,7 +210,7 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     mean_response_s: optional Real Seconds "mean time from ignition to extinction, over extinguished bushes"
         = outcome(row, |o| o.mean_response_s), title("Time from ignition to extinction"), better(Lower),
         phrase("$ puts a fire out", "s later", "s sooner"),
-        aim("put fires out soonest", ["put fires out after", ""], "s sooner");
+        aim("put fires out fastest", ["put fires out after", ""], "s sooner");
     first_fire_s: optional Real Seconds "time of the first ignition of a bush" = outcome(row, |o| o.first_fire_s),
         title("First fire");
     all_out_s: optional Real Seconds "end of the last bush fire, if no bush burned at the end"
@@ -349,7 +349,7 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     cpu_unimog_total_s: optional Real CpuSeconds "CPU time: all planning of the trucks"
         = cpu(row, CpuSplit::unimog_total_s), title("CPU time of the trucks' planning"), better(Lower),
         phrase("with $ the planners use", "ms more CPU per run", "ms less CPU per run"), scaled_by(1e3),
-        aim("planned in the least CPU time", ["planned in", " of CPU time"], "ms less");
+        aim("needed the least CPU time for planning", ["planned in", " of CPU time"], "ms less");
     cpu_wumpus_s: optional Real CpuSeconds "CPU time: all planning of the Wumpuses" = cpu(row, |c| c.wumpus_s),
         title("Wumpus"), better(Lower);
     cpu_clearance_field_s: optional Real CpuSeconds "CPU time: distance field for collision checks"

@@ -74,6 +74,12 @@ impl OwnAsks {
         self.elsewhere += elsewhere;
     }
 
+    /// Adds a message about an answer that nobody could carry out.
+    fn add_illegal(&mut self, name: &PlannerName, now: SimTime, words: &str) {
+        self.tally.get_or_insert_default().illegal += 1;
+        self.messages.add_words(&format!("policy {name}"), now, &format!("{ILLEGAL}: {words}"));
+    }
+
     fn add(&mut self, name: &PlannerName, now: SimTime, report: AskReport) {
         let tally = self.tally.get_or_insert_default();
         tally.asked += 1;
@@ -87,13 +93,12 @@ impl OwnAsks {
             self.messages.add(&who, now, reason, &words);
         }
         if let Some(words) = report.illegal {
-            tally.illegal += 1;
-            self.messages.add_words(&who, now, &format!("{ILLEGAL}: {words}"));
+            self.add_illegal(name, now, &words);
         }
     }
 }
 
-/// The reason of messages about answers that are none of the options.
+/// The reason of messages about answers that an agent cannot carry out.
 pub const ILLEGAL: &str = "illegal";
 
 /// A policy, and its name if it is not built in.
@@ -300,7 +305,15 @@ impl Following {
         {
             // Others are asked when it has acted.
             choices = vec![forced];
-        } else if choices.is_empty() {
+        } else if !choices.is_empty() {
+            // The answer comes from outside.
+            let is_team = self.asking(policy) != Asking::Each;
+            if let Some(name) = &self.policies[policy.0].own
+                && let Some(words) = refuse_illegal(&mut choices, &agents, &by_name, is_team)
+            {
+                self.own.add_illegal(name, now, &words);
+            }
+        } else {
             let seen = Observation { now, fires, agents: &agents, options_of: &by_name };
             let Followed { policy, own } = &mut self.policies[policy.0];
             let mut stopwatch = CpuStopwatch::start();
@@ -310,7 +323,9 @@ impl Following {
                 // The time of a team's policy is measured with what else its decision takes.
                 let here = if policy.asking() == Asking::Each { stopwatch.lap() } else { Duration::ZERO };
                 self.own.add_cpu(here, report.elsewhere);
-                report.illegal = report.illegal.or(refuse_illegal(&mut choices, &by_name));
+                let is_team = policy.asking() != Asking::Each;
+                let illegal = refuse_illegal(&mut choices, &agents, &by_name, is_team);
+                report.illegal = report.illegal.or(illegal);
                 self.own.add(name, now, report);
             }
         }
@@ -370,17 +385,30 @@ fn force(choices: &mut Vec<(AgentId, Choice)>, (agent, choice): (AgentId, Choice
     }
 }
 
-/// Lets agents wait that were sent to what is no option of theirs; returns words about the first of them.
-fn refuse_illegal(choices: &mut [(AgentId, Choice)], options: &OptionsByName<'_>) -> Option<String> {
+/// Lets agents wait that cannot do what they were told; returns words about the first of them.
+fn refuse_illegal(
+    choices: &mut [(AgentId, Choice)],
+    agents: &[AgentView],
+    options: &OptionsByName<'_>,
+    is_team: bool,
+) -> Option<String> {
     let mut words = None;
     for (agent, choice) in choices {
-        if let Choice::Go(cell) = *choice
-            && options.entity(*agent).is_some()
-            && !options.list(*agent).contains(&cell)
-        {
-            *choice = Choice::Wait;
-            words.get_or_insert_with(|| format!("{agent} cannot go for ({}, {})", cell.col, cell.row));
-        }
+        let Some(view) = agents.iter().find(|view| view.id == *agent && options.entity(*agent).is_some()) else {
+            continue;
+        };
+        let is_truck = agent.role.suppresses();
+        let refused = match *choice {
+            Choice::Go(cell) if !options.list(*agent).contains(&cell) => format!("go for ({}, {})", cell.col, cell.row),
+            Choice::GoToNearest if !is_truck => "go to the nearest fire; only trucks can".to_owned(),
+            Choice::Move(place) if !(is_truck && is_team && place.is_finite()) => {
+                format!("be sent to ({}, {}); only trucks of a team can, to places in metres", place.x, place.y)
+            }
+            Choice::Refill if !is_truck || view.stops_left.is_none() => "refill; it has no tank".to_owned(),
+            _ => continue,
+        };
+        *choice = Choice::Wait;
+        words.get_or_insert_with(|| format!("{agent} cannot {refused}"));
     }
     words
 }

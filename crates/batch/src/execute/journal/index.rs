@@ -1,5 +1,6 @@
 //! The positions of runs in a journal.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -31,12 +32,35 @@ pub struct JournalIndex {
     not_done: u64,
     /// Runs that were held when the journal was read and that leave recordings.
     recorded: Vec<u64>,
+    /// Runs that had failed then: by variant their number, and the first of them with its message.
+    failures: BTreeMap<u64, FailedRuns>,
     /// Bytes of all whole lines.
     end: u64,
     /// True if something follows the last whole line.
     torn: bool,
     /// Lines of runs that were there before.
     repeated: u64,
+}
+
+/// Failed runs of a variant.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FailedRuns {
+    pub count: u64,
+    /// The number of the first of them, and its message.
+    pub first: u64,
+    pub message: String,
+}
+
+/// Adds failed runs to those of their variant.
+pub fn add_failed(failures: &mut BTreeMap<u64, FailedRuns>, variant: u64, failed: FailedRuns) {
+    let Some(known) = failures.get_mut(&variant) else {
+        failures.insert(variant, failed);
+        return;
+    };
+    known.count += failed.count;
+    if failed.first < known.first {
+        (known.first, known.message) = (failed.first, failed.message);
+    }
 }
 
 /// What a line of a run is to an index.
@@ -57,6 +81,7 @@ impl JournalIndex {
             held: 0,
             not_done: 0,
             recorded: Vec::new(),
+            failures: BTreeMap::new(),
             end: 0,
             torn: false,
             repeated: 0,
@@ -82,6 +107,11 @@ impl JournalIndex {
                 Place::Free(place) => {
                     index.add(place, entry.status, offset, &lines.line);
                     index.recorded.extend(entry.is_recorded(plan.record).then_some(entry.label.run));
+                    if entry.status != Status::Done {
+                        let variant = (entry.label.run - 1) / plan.seeds.count();
+                        let failed = FailedRuns { count: 1, first: entry.label.run, message: entry.message };
+                        add_failed(&mut index.failures, variant, failed);
+                    }
                 }
                 Place::Taken(first) => {
                     expect_same_row(path, first, &lines.line).map_err(damaged)?;
@@ -156,6 +186,11 @@ impl JournalIndex {
     /// Iterates over the runs with recordings that were in the journal when it was read, in order.
     pub fn recorded(&self) -> &[u64] {
         &self.recorded
+    }
+
+    /// Returns the runs that had failed when the journal was read, by variant from 0.
+    pub fn failures(&self) -> &BTreeMap<u64, FailedRuns> {
+        &self.failures
     }
 
     /// Returns the number of bytes of all complete lines, and whether something follows them.

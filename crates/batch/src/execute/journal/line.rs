@@ -27,6 +27,8 @@ impl Head {
 pub struct Entry {
     pub label: EntryLabel,
     pub status: Status,
+    #[serde(default)]
+    pub message: String,
     result: Option<EntryResult>,
 }
 

@@ -13,7 +13,7 @@ mod line;
 mod open;
 mod row_stream;
 
-pub use index::{JournalIndex, RowReader};
+pub use index::{FailedRuns, JournalIndex, RowReader, add_failed};
 pub use line::encode_row;
 pub use open::{LockedJournal, OpenJournal, open_to_read};
 pub use row_stream::{RowStream, StreamBudget, count_lines};

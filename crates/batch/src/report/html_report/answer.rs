@@ -11,7 +11,7 @@ use super::figures::main_quantity;
 use super::quantities::{BURNED_AREA, BUSHES, SAVED, aims};
 use crate::comparison::{listed, p_words};
 use crate::plan::{BatchPlan, planner_of};
-use crate::report::tally::Tally;
+use crate::report::tally::{Tally, sentence};
 use wildfire_base::document::number::{count, rounded, short, two_digits};
 use wildfire_picture::charts::Estimate;
 
@@ -36,15 +36,17 @@ impl Answer {
         let of_aims = aims(main).filter_map(|quantity| Compared::new(quantity, plan, &collected.variants));
         let mut sentences: Vec<String> = of_aims.map(|found| compared(&found)).collect();
         let tallies = variants.iter().map(|variant| &variant.tally);
-        let (done, not_done, stuck) = tallies.fold((0, 0, 0), |(done, not_done, stuck), tally| {
-            (done + tally.done, not_done + tally.not_done(), stuck + tally.stuck_runs)
-        });
-        let runs = format!("{done} of {} runs finished; {}.", done + not_done, stuck_words(stuck, done));
+        let (done, stuck) = tallies.fold((0, 0), |(done, stuck), tally| (done + tally.done, stuck + tally.stuck_runs));
+        let runs = match collected.report.not_done() {
+            0 => format!("{done} of {done} runs finished; {}.", stuck_words(stuck, done)),
+            _ if done == 0 => "No run finished.".to_owned(),
+            _ => format!("{} {}.", collected.report.opening(plan), sentence(&stuck_words(stuck, done))),
+        };
         if sentences.is_empty() {
             return Self { sentence: runs, more: Vec::new() };
         }
-        let sentence = sentences.remove(0);
-        Self { sentence, more: sentences.into_iter().chain([runs]).collect() }
+        let first = sentences.remove(0);
+        Self { sentence: first, more: sentences.into_iter().chain([runs]).collect() }
     }
 }
 
@@ -81,7 +83,7 @@ fn of_one(planner: &str, values: &Values, tally: &Tally) -> String {
     let all = if all == most { short(all) } else { format!("{} (on average)", rounded(all, 1)) };
     let decimals = decimals(&saved, 1.0);
     let mut percent = format!("{} %", rounded(100.0 * share.value, 0));
-    if let Some((low, high)) = saved.interval.filter(|(low, high)| low < high) {
+    if let Some((low, high)) = saved.interval {
         let [low, high] = [low, high].map(|end| rounded(end, decimals));
         percent += &format!(", 95 % interval {low} to {high}");
     }
@@ -105,6 +107,7 @@ fn compared(compared: &Compared) -> String {
     let (next, last) = (&others[0], &others[others.len() - 1]);
     let count = others.len() + 1;
     let kind = if compared.are_planners { "planners" } else { "variants" };
+    let kind = if count < compared.planned { format!("{kind} with finished runs") } else { kind.to_owned() };
     let of_all = if others.len() > 1 { format!("Of {count} {kind}, ") } else { String::new() };
     let over = match strata.len() {
         0 | 1 => String::new(),
@@ -142,9 +145,11 @@ fn compared(compared: &Compared) -> String {
     format!("{subject}, {difference}, {verdict} ({pairs}).{}", dependence.take(MOST_NAMED).collect::<String>())
 }
 
-/// Says where the difference from another is, if it is not the same in all strata.
+/// Says where the difference from another is, if it is not the same in all strata, or not significant in all.
 fn dependence(compared: &Compared, other: &Other) -> Option<String> {
-    let p = p_words(other.dependence()?);
+    if !other.varies_by_stratum() {
+        return None;
+    }
     let Compared { by, strata, best, .. } = compared;
     let among = |side: Ordering| {
         let names = strata.iter().enumerate().filter(|(index, _)| compared.side_in(other, *index) == side);
@@ -160,7 +165,11 @@ fn dependence(compared: &Compared, other: &Other) -> Option<String> {
         among(Ordering::Equal).map(|names| format!("no evidence of a difference at {names}")),
     ];
     let sides: Vec<String> = sides.into_iter().flatten().collect();
-    Some(format!(" The difference from {} depends on {by}, {p}: {}.", other.name, sides.join("; ")))
+    let words = match other.dependence() {
+        Some(p) => format!("The difference from {} depends on {by}, {}", other.name, p_words(p)),
+        None => format!("By {by}, compared with {}", other.name),
+    };
+    Some(format!(" {words}: {}.", sides.join("; ")))
 }
 
 /// Decimals that show the uncertainty with two digits, or the value where none is known.
@@ -176,7 +185,7 @@ fn amount(estimate: &Estimate, unit: &str, scale: f64) -> String {
 }
 
 fn interval_words(estimate: &Estimate, scale: f64, decimals: usize) -> String {
-    let Some((low, high)) = estimate.interval.filter(|(low, high)| low < high) else { return String::new() };
+    let Some((low, high)) = estimate.interval else { return String::new() };
     let [low, high] = [low, high].map(|end| rounded(scale * end, decimals));
     format!(" (95 % interval {low} to {high})")
 }

@@ -25,6 +25,8 @@ pub struct Compared {
     /// True if differences are in bushes: all have the same fields.
     is_in_bushes: bool,
     pub are_planners: bool,
+    /// How many are in the plan, whether or not a run of theirs finished.
+    pub planned: usize,
     /// The columns in which the strata differ; empty without several.
     pub by: String,
     /// Names of the strata.
@@ -48,7 +50,19 @@ pub struct Other {
 struct Group {
     name: String,
     variants: Vec<usize>,
-    mean: f64,
+    /// Stratum by stratum a number for each seed, NaN where there is none.
+    numbers: Vec<f64>,
+}
+
+impl Group {
+    /// Returns the mean over some of its places, which all groups have numbers at; without any over those of its own.
+    fn mean(&self, common: &[usize]) -> f64 {
+        let numbers: Vec<f64> = match common {
+            [] => self.numbers.iter().copied().filter(|number| number.is_finite()).collect(),
+            common => common.iter().map(|&place| self.numbers[place]).collect(),
+        };
+        Series::from_values(&numbers).mean().unwrap_or(f64::NAN)
+    }
 }
 
 impl Compared {
@@ -71,14 +85,20 @@ impl Compared {
             let variant =
                 |stratum: &String| (0..variants.len()).find(|&it| label(it) == (name.clone(), stratum.clone()));
             let of_strata: Vec<usize> = strata.iter().filter_map(variant).collect();
-            let numbers = of_strata.iter().flat_map(|&variant| numbers(variant));
-            let numbers: Vec<f64> = numbers.filter(|number| number.is_finite()).collect();
-            Some(Group { name, variants: of_strata, mean: Series::from_values(&numbers).mean()? })
+            let numbers: Vec<f64> = of_strata.iter().flat_map(|&variant| numbers(variant)).collect();
+            let has_numbers = numbers.iter().any(|number| number.is_finite());
+            has_numbers.then_some(Group { name, variants: of_strata, numbers })
         };
-        let mut groups: Vec<Group> = labels.distinct(&own).into_iter().filter_map(group).collect();
+        let names = labels.distinct(&own);
+        let planned = names.len();
+        let mut groups: Vec<Group> = names.into_iter().filter_map(group).collect();
+        // Where runs failed, means are over what all have finished, or one that fails in hard runs would lead.
+        let places = groups.iter().map(|group| group.numbers.len()).min().unwrap_or(0);
+        let is_common = |place: &usize| groups.iter().all(|group| group.numbers[*place].is_finite());
+        let common: Vec<usize> = (0..places).filter(is_common).collect();
         // Of equal ones the first in the plan.
         let sign = if is_higher_better(quantity) { -1.0 } else { 1.0 };
-        groups.sort_by(|one, other| (sign * one.mean).total_cmp(&(sign * other.mean)));
+        groups.sort_by(|one, other| (sign * one.mean(&common)).total_cmp(&(sign * other.mean(&common))));
         if groups.len() < 2 {
             return None;
         }
@@ -109,7 +129,18 @@ impl Compared {
         let others: Vec<Other> = others.collect();
         let best_mean = mean_by_seed(quantity, &best, variants)?;
         let are_planners = planners.is_some();
-        Some(Self { quantity, aim, is_in_bushes, are_planners, by, strata, best: best.name, best_mean, others })
+        Some(Self {
+            quantity,
+            aim,
+            is_in_bushes,
+            are_planners,
+            planned,
+            by,
+            strata,
+            best: best.name,
+            best_mean,
+            others,
+        })
     }
 
     /// Returns the words for a difference from the best, and the factor of the difference in them.
@@ -173,7 +204,7 @@ impl Compared {
             judged.contrast.forest_row(name.clone(), decimals, judged.verdict == Verdict::Difference)
         };
         let rows = self.others.iter().flat_map(|other| {
-            let strata = other.strata().filter(|_| other.dependence().is_some());
+            let strata = other.strata().filter(|_| other.varies_by_stratum());
             let strata = strata.map(|(index, judged)| row(&self.strata[*index], judged));
             other.judged.iter().map(|judged| row(&other.name, judged)).chain(strata)
         });
@@ -208,6 +239,11 @@ fn mean_by_seed(quantity: &'static Metric, group: &Group, variants: &[Values]) -
 }
 
 impl Other {
+    /// Returns whether the strata say something else than the mean over them.
+    pub fn varies_by_stratum(&self) -> bool {
+        self.judged.as_ref().is_some_and(JudgedContrast::varies_by_stratum)
+    }
+
     /// Returns the p-value of equal differences in all strata, if there is evidence against it.
     pub fn dependence(&self) -> Option<f64> {
         self.judged.as_ref()?.by_stratum.as_ref().filter(|strata| strata.differ())?.p_adjusted
