@@ -5,12 +5,10 @@
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
-use wildfire_base::input_file::{self, InputFile};
+use wildfire_base::input_file::{self, InputFile, TextReader};
 
 /// The most bytes of a line.
 pub const LONGEST_LINE: usize = 1 << 16;
-
-const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
 /// Why a row cannot be read.
 #[derive(Debug)]
@@ -24,7 +22,7 @@ pub enum RowFault {
 
 /// The rows of a table, of which one is kept at a time.
 pub struct CsvRows {
-    source: BufReader<InputFile>,
+    source: BufReader<TextReader<InputFile>>,
     row: Vec<u8>,
     line: u64,
 }
@@ -32,7 +30,7 @@ pub struct CsvRows {
 impl CsvRows {
     /// Opens a file, or stdin.
     pub fn open(path: &Path) -> io::Result<Self> {
-        Ok(Self { source: BufReader::new(input_file::open(path)?), row: Vec::new(), line: 0 })
+        Ok(Self { source: BufReader::new(TextReader::new(input_file::open(path)?)), row: Vec::new(), line: 0 })
     }
 
     /// Reads the next line that is not blank; says whether there is one.
@@ -46,9 +44,6 @@ impl CsvRows {
             self.line += 1;
             if self.row.len() > LONGEST_LINE {
                 return Err(RowFault::TooLong { line: self.line });
-            }
-            if self.line == 1 && self.row.starts_with(BYTE_ORDER_MARK) {
-                self.row.drain(..BYTE_ORDER_MARK.len());
             }
             self.row.truncate(self.row.trim_ascii_end().len());
             if !self.row.is_empty() {

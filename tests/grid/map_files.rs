@@ -693,7 +693,7 @@ fn what_is_no_map_file_is_refused_in_words() {
     let folder = Folder::new();
     assert!(objection_to(&folder.path("missing")).starts_with("cannot be read: "));
     assert_eq!(objection_to(folder.0.path()), "this is a folder; expected a map file");
-    let formats = "expected an image (PNG, JPEG, WebP, GIF, BMP, TIFF, PBM, PGM or PPM), rows of 0 and 1 or of . and \
+    let formats = "expected an image (PNG, JPEG, WebP, GIF, BMP, TIFF, PBM, PGM, PPM or PAM), rows of 0 and 1 or of . and \
                    #, a table or a NumPy array of 0 and 1, a Moving AI map, or the YAML file of a ROS map";
     assert_eq!(
         folder.objection(b"RIFF\0\0\0\0WAVE"),

@@ -77,7 +77,7 @@ impl Board {
     /// If the file is no file of rows, with the line.
     pub fn rows(&self, track: &Track) -> Result<Vec<ArenaRow>, ArenaError> {
         let path = self.file(track, "csv");
-        match input_file::read(&path, MOST_BYTES) {
+        match input_file::read(&path, MOST_BYTES).and_then(input_file::utf8) {
             Ok(bytes) => ArenaRow::read(&path, &bytes[..]),
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(Vec::new()),
             Err(source) => Err(ArenaError::Unreadable { path, source }),

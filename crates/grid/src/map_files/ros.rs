@@ -2,12 +2,15 @@
 //!
 //! Source: Brian Gerkey, Tony Pratkanis, "map_server", ROS wiki, sections 1.2 "Map format" and 1.2.2 "Value
 //! interpretation". A pixel of value x (0 black to 255 white) is occupied with probability p = (255 - x) / 255, or x / 255
-//! where `negate` is set.
+//! where `negate` is set. Cells of transparent pixels are unknown in the modes `trinary` and `scale`, as in Nav2's
+//! `map_server` (Steve Macenski and others, package `nav2_map_server`, `loadMapFromFile`); the mode `raw` has no alpha.
 
 use saphyr_parser::{Event, Parser};
 
 use crate::Grid;
 use crate::map_files::Fault;
+use crate::map_files::decoded::GreyImage;
+use crate::map_files::pixel::Transparency;
 use wildfire_base::untrusted::visible_start;
 
 /// Most bytes of a YAML file.
@@ -90,14 +93,23 @@ impl RosMap {
         Ok(Self { image, place: MapPlace { cell_m, origin }, negate, occupied_thresh, free_thresh, mode })
     }
 
+    /// Returns the meaning of transparent pixels.
+    pub fn transparency(&self) -> Transparency {
+        if self.mode == Mode::Raw { Transparency::Ignored } else { Transparency::Unknown }
+    }
+
     /// Finds the occupied pixels: all that are not free. `inverted` swaps light and dark.
     ///
     /// Returns how many of them are not occupied for certain: unknown, or between the two thresholds.
-    pub fn occupied(&self, grey: &Grid<u8>, inverted: bool) -> (Grid<bool>, usize) {
+    pub fn occupied(&self, image: &GreyImage, inverted: bool) -> (Grid<bool>, usize) {
+        let GreyImage { grey, is_unknown, .. } = image;
         let states: Vec<CellState> = (0..=u8::MAX).map(|value| self.state(value, inverted)).collect();
-        let state = |&value: &u8| states[usize::from(value)];
-        let unknown = grey.values().iter().filter(|value| state(value) == CellState::Unknown).count();
-        let occupied = grey.values().iter().map(|value| state(value) != CellState::Free).collect();
+        let is_unknown = |cell: usize| is_unknown.as_ref().is_some_and(|pixels| pixels.values()[cell]);
+        let cells = grey.values().iter().enumerate();
+        let cells =
+            cells.map(|(cell, &value)| if is_unknown(cell) { CellState::Unknown } else { states[usize::from(value)] });
+        let unknown = cells.clone().filter(|&state| state == CellState::Unknown).count();
+        let occupied = cells.map(|state| state != CellState::Free).collect();
         (Grid::from_values(grey.rows(), grey.cols(), occupied), unknown)
     }
 
@@ -237,7 +249,8 @@ mod tests {
 
     fn states(text: &str, values: [u8; 4]) -> ([bool; 4], usize) {
         let map = RosMap::parse(text).expect("a map");
-        let (occupied, unknown) = map.occupied(&Grid::from_values(1, 4, values.to_vec()), false);
+        let image = GreyImage { grey: Grid::from_values(1, 4, values.to_vec()), is_unknown: None, notes: Vec::new() };
+        let (occupied, unknown) = map.occupied(&image, false);
         (occupied.values().try_into().expect("four"), unknown)
     }
 
