@@ -11,7 +11,7 @@ use crate::map_files::pictures::{self, PictureFormat};
 use crate::map_files::pixel::Transparency;
 use crate::map_files::raster::tiff_header;
 use crate::map_files::ros::{self, RosMap};
-use crate::map_files::rows::without_mark;
+use crate::map_files::rows::{Comments, without_mark};
 use crate::map_files::text::Separator;
 use crate::map_files::{Fault, MAX_BYTES, MapError, carried, moving_ai, npy, png, pnm, text, tiff_image};
 use wildfire_base::input_file;
@@ -56,8 +56,13 @@ pub fn is_plain_text(bytes: &[u8]) -> bool {
     let mut start = Vec::new();
     // An end within a character does not matter here.
     _ = TextReader::new(&bytes[..bytes.len().min(BUFFER_BYTES)]).read_to_end(&mut start);
-    start.trim_ascii_start().starts_with(b"{")
-        || MapFormat::from_first_bytes(&start).is_ok_and(|format| format == MapFormat::PLAIN)
+    let has_comments = start.starts_with(b"# ") || start.windows(2).any(|pair| pair == b"\n#");
+    match MapFormat::from_first_bytes(&start) {
+        Ok(MapFormat::Sequential(SequentialFormat::Text(Comments::Everywhere))) => !has_comments,
+        Ok(MapFormat::Sequential(SequentialFormat::Text(comments))) => comments == Comments::None,
+        Ok(MapFormat::Whole(WholeFormat::Ros)) => false,
+        _ => start.trim_ascii_start().starts_with(b"{"),
+    }
 }
 
 fn finish(path: &Path, content: Content, reading: Reading) -> Result<MapFile, MapError> {
@@ -209,7 +214,9 @@ fn read_sequential(
         SequentialFormat::Table(separator) => {
             text::read_table(source, bytes, separator).map(|occupied| Content::Cells(occupied, None))
         }
-        SequentialFormat::Text => text::read_text(source, bytes).map(|occupied| Content::Cells(occupied, None)),
+        SequentialFormat::Text(comments) => {
+            text::read_text(source, bytes, comments).map(|occupied| Content::Cells(occupied, None))
+        }
     }
 }
 
@@ -235,7 +242,7 @@ enum SequentialFormat {
     MovingAi,
     Npy,
     Table(Separator),
-    Text,
+    Text(Comments),
 }
 
 /// The first bytes of files that people may take for maps.
@@ -268,8 +275,6 @@ fn boxed_kind(start: &[u8]) -> Option<&'static str> {
 }
 
 impl MapFormat {
-    const PLAIN: Self = Self::Sequential(SequentialFormat::Text);
-
     /// Tells the format from the first bytes of a file.
     fn from_first_bytes(start: &[u8]) -> Result<Self, Fault> {
         if let Some(picture) = PictureFormat::from_first_bytes(start) {
@@ -278,11 +283,14 @@ impl MapFormat {
         if let Some(found) = boxed_kind(start) {
             return Err(Fault::Foreign { found });
         }
+        let text = without_mark(start);
+        if ros::is_flow_start(text) {
+            return Ok(Self::Whole(WholeFormat::Ros));
+        }
         if let Some((_, found)) = FOREIGN.iter().find(|(signature, _)| start.starts_with(signature)) {
             return Err(Fault::Foreign { found });
         }
-        let text = without_mark(start);
-        let first_line = text.split(|&byte| byte == b'\n').next().unwrap_or_default();
+        let (comments, first_line) = Comments::of_text(text);
         Ok(if start.starts_with(png::SIGNATURE) {
             Self::Png
         } else if tiff_header::is_start(start) {
@@ -298,7 +306,7 @@ impl MapFormat {
         } else {
             match Separator::of_first_line(first_line) {
                 Some(separator) => Self::Sequential(SequentialFormat::Table(separator)),
-                None => Self::PLAIN,
+                None => Self::Sequential(SequentialFormat::Text(comments)),
             }
         })
     }

@@ -56,10 +56,23 @@ enum CellState {
 
 /// Returns whether a text is the YAML file of a ROS map: one of its lines begins with one of the keys.
 pub(super) fn is_start(start: &[u8]) -> bool {
-    start.split(|&byte| byte == b'\n').any(|line| {
-        let key = line.split(|&byte| byte == b':').next().filter(|key| key.len() < line.len());
-        key.is_some_and(|key| KEYS.iter().any(|known| key.trim_ascii_end() == known.as_bytes()))
-    })
+    start.split(|&byte| byte == b'\n').any(|line| key_of(line).is_some()) || is_flow_start(start)
+}
+
+/// Returns whether a text is such a file in braces, which JSON has too: it has the keys that no other file has together.
+pub(super) fn is_flow_start(start: &[u8]) -> bool {
+    let is_between = |byte: &u8| matches!(byte, b'\n' | b'{' | b',');
+    let keys: Vec<&str> = start.split(is_between).filter_map(key_of).collect();
+    start.contains(&b'{') && ["image", "resolution", "origin"].iter().all(|key| keys.contains(key))
+}
+
+/// Returns the key of a ROS map that a part of a text begins with.
+fn key_of(part: &[u8]) -> Option<&'static str> {
+    let key = part.split(|&byte| byte == b':').next().filter(|key| key.len() < part.len())?.trim_ascii();
+    let is_quote = |byte: &u8| matches!(byte, b'"' | b'\'');
+    let key =
+        if key.first() == key.last() && key.first().is_some_and(is_quote) { key.get(1..key.len() - 1)? } else { key };
+    KEYS.into_iter().find(|known| key == known.as_bytes())
 }
 
 impl RosMap {
@@ -73,9 +86,9 @@ impl RosMap {
             Some(_) => return Err(entries.required("mode")?.unlike(MODES)),
         };
         let negate = entries.required("negate")?;
-        let negate = match negate.word(SWITCH)? {
-            "0" | "false" | "False" => false,
-            "1" | "true" | "True" => true,
+        let negate = match negate.word(SWITCH)?.to_ascii_lowercase().as_str() {
+            "0" | "false" | "no" | "off" | "n" => false,
+            "1" | "true" | "yes" | "on" | "y" => true,
             _ => return Err(negate.unlike(SWITCH)),
         };
         let occupied_thresh = entries.share("occupied_thresh")?;
@@ -197,6 +210,10 @@ impl Entries {
                 Event::MappingStart(..) if depth == 0 => depth = 1,
                 Event::Scalar(word, ..) if depth == 1 && is_key => {
                     let line = span.start.line();
+                    if entries.iter().any(|entry| entry.key == word) {
+                        let message = format!("`{}` stands twice; expected it once", visible_start(&word));
+                        return Err(Fault::Line { line, message });
+                    }
                     entries.push(Entry { key: word.into_owned(), line, words: Some(Vec::new()), is_list: false });
                     is_key = false;
                 }
