@@ -406,7 +406,8 @@ fn report_differences(what: &str, runs: usize, found: &[String], files: &[String
         differing => format!("{differing} of {} differ from {what}", count(runs, "run")),
     };
     if !files.is_empty() {
-        verdict += &format!("; {} differ from what follows from the rows", count(files.len(), "file"));
+        let differ = if files.len() == 1 { "differs" } else { "differ" };
+        verdict += &format!("; {} {differ} from what follows from the rows", count(files.len(), "file"));
     }
     let mut lines: Vec<String> = found.iter().take(MOST_LISTED).cloned().collect();
     lines.extend((found.len() > MOST_LISTED).then(|| format!("and {} more", found.len() - MOST_LISTED)));
