@@ -10,12 +10,10 @@ use std::path::Path;
 use std::str::FromStr;
 
 use crate::cli::numbers;
-use wildfire_base::input_file::{self, InputFile};
+use wildfire_base::input_file::{self, InputFile, TextReader};
 
 /// The most bytes of a line.
 pub const LONGEST_LINE: usize = 1 << 16;
-
-const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
 /// Why a row cannot be read.
 #[derive(Debug)]
@@ -29,7 +27,7 @@ pub enum RowFault {
 
 /// The rows of a table, of which one is kept at a time.
 pub struct CsvRows {
-    source: BufReader<InputFile>,
+    source: BufReader<TextReader<InputFile>>,
     row: Vec<u8>,
     line: u64,
     /// Known from the header on.
@@ -45,7 +43,7 @@ impl CsvRows {
     /// Opens a file, or stdin.
     pub fn open(path: &Path) -> io::Result<Self> {
         Ok(Self {
-            source: BufReader::new(input_file::open(path)?),
+            source: BufReader::new(TextReader::new(input_file::open(path)?)),
             row: Vec::new(),
             line: 0,
             separator: None,
@@ -64,9 +62,6 @@ impl CsvRows {
             self.line += 1;
             if self.row.len() > LONGEST_LINE {
                 return Err(RowFault::TooLong { line: self.line });
-            }
-            if self.line == 1 && self.row.starts_with(BYTE_ORDER_MARK) {
-                self.row.drain(..BYTE_ORDER_MARK.len());
             }
             // A tab at the end may be before an empty field.
             let last = self.row.iter().rposition(|byte| !b"\r\n ".contains(byte));

@@ -103,6 +103,48 @@ fn one_changed_digit_is_found_and_named() {
 }
 
 #[test]
+fn one_changed_digit_of_a_published_ranking_is_found() {
+    let story = board();
+    story.tell(&["arena", "rank"]).expect_code(0);
+    let recompute = ["arena", "recompute", "--sample", "1%"];
+    story.tell(&recompute).expect_code(0);
+    for (file, start) in
+        [("drive.json", "\"score\""), ("drive.md", "near"), ("drive.html", "near"), ("croissant.json", "sha256")]
+    {
+        let path = format!("board/{file}");
+        let text = story.read(&path);
+        let start = text.find(start).expect("it says that");
+        let digit = start + text[start..].find(|letter: char| letter.is_ascii_digit()).expect("a number follows");
+        let mut changed = text.clone();
+        changed.replace_range(digit..=digit, if text[digit..].starts_with('7') { "8" } else { "7" });
+        story.file(&path, &changed);
+        let said = story.tell(&recompute).expect_code(4).stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(said.contains("1 file differs from what follows from the rows"), "{said}");
+        assert!(said.contains(&format!("{file}, line ")) && said.contains("; the rows give `"), "{said}");
+        story.file(&path, &text);
+    }
+    // A file of a track that nobody played.
+    story.file("board/fleet.md", "mine is first\n");
+    assert!(story.tell(&recompute).expect_code(4).stdout.contains("fleet.md, line 1: `mine is first`"));
+}
+
+#[test]
+fn names_that_differ_in_case_only_are_refused() {
+    let story = board();
+    entry(&story, "Near", "drive", "[unimog]\nplanner = \"hybrid-astar\"\n");
+    let refusal = "have one folder on macOS and Windows";
+    assert!(story.tell(&["arena", "run", "Near"]).expect_code(2).stderr.replace("\n  ", " ").contains(refusal));
+    let rows = story.read("board/drive.csv").replace("far,", "Near,");
+    story.file("board/drive.csv", &rows);
+    for command in ["rank", "recompute"] {
+        assert!(
+            story.tell(&["arena", command]).expect_code(2).stderr.replace("\n  ", " ").contains(refusal),
+            "{command}"
+        );
+    }
+}
+
+#[test]
 fn programs_are_left_out_when_a_board_is_recomputed_without_trust() {
     let story = board();
     let program = "[unimog]\nplanner = \"own\"\n[planner.own]\ncommand = [\"cat\"]\n";

@@ -160,6 +160,18 @@ fn tiff(depth: u32, samples: u32, photometric: u32, extra: &[(u16, u32)], strip:
     file
 }
 
+/// A text in UTF-16, little-endian with a mark.
+fn utf16(text: &str) -> Vec<u8> {
+    std::iter::once(0xFEFF).chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect()
+}
+
+/// A PAM image of this tuple type.
+fn pam(tuple_type: &str, depth: u8, max: u16, samples: &[u8]) -> Vec<u8> {
+    let tuple_type = if tuple_type.is_empty() { String::new() } else { format!("TUPLTYPE {tuple_type}\n") };
+    let head = format!("P7\n# made\nWIDTH {COLS}\nHEIGHT {ROWS}\nDEPTH {depth}\nMAXVAL {max}\n{tuple_type}ENDHDR\n");
+    [head.as_bytes(), samples].concat()
+}
+
 /// A NumPy array of such a type and order from the bytes of its values.
 fn npy(descr: &str, fortran_order: &str, shape: &str, values: &[u8]) -> Vec<u8> {
     let dictionary = format!("{{'descr': {descr}, 'fortran_order': {fortran_order}, 'shape': {shape}, }}\n");
@@ -201,6 +213,14 @@ fn small_map_files() -> Vec<(&'static str, Vec<u8>)> {
         ("TIFF of 1 bit, white is zero", tiff(1, 1, 0, &[], &[0x8F, 0x6F, 0x4F])),
         ("TIFF of 4 bits", tiff(4, 1, 1, &[], &[0x0F, 0xFF, 0xF0, 0x0F, 0xF0, 0xFF])),
         ("TIFF of 16 bits", tiff(16, 1, 1, &[], &wide)),
+        ("TIFF of 1 bit, lowest first", tiff(1, 1, 1, &[(266, 2)], &[0x0E, 0x09, 0x0D])),
+        // The rows 1000, 0110 and 0100 as libtiff packs them.
+        ("TIFF of modified Huffman rows", tiff(1, 1, 1, &[(259, 2)], b"\x1E\x35\x4E\x80\x35\x43\xE0")),
+        ("TIFF of Group 3", tiff(1, 1, 1, &[(259, 3)], b"\x00\x11\xE0\x01\x35\x4E\x80\x04\xD5\x0F\x80")),
+        (
+            "TIFF of Group 3 in two dimensions",
+            tiff(1, 1, 1, &[(259, 3), (292, 1)], b"\x00\x18\xF0\x00\x90\x25\x00\x19\xAA\x1F"),
+        ),
         (
             "TIFF of 8 bits, white is zero",
             tiff(8, 1, 0, &[], &by_rows.iter().map(|&cell| cell * 255).collect::<Vec<_>>()),
@@ -231,6 +251,21 @@ fn small_map_files() -> Vec<(&'static str, Vec<u8>)> {
         (
             "Moving AI, width first",
             b"type octile\r\nwidth 4\r\nheight 3\r\nmap\r\nT...\r\n.OT.\r\n.@..\r\n\r\n".to_vec(),
+        ),
+        ("table with comments", b"# walls\n1 0 0 0\n#\n0 1 1 0\n0 1 0 0\n# end\n".to_vec()),
+        ("text with comments", b"#####\n# walls: 0\n1000\n0110\n0100\n".to_vec()),
+        ("text of letters below a comment", b"# a map\n#...\n.##.\n.#..\n".to_vec()),
+        ("text in UTF-16", utf16("1000\r\n0110\r\n0100\r\n")),
+        ("table in UTF-16", utf16("1;0;0;0\n0;1;1;0\n0;1;0;0\n")),
+        ("Moving AI in UTF-16", utf16("type octile\nheight 3\nwidth 4\nmap\n@...\n.TT.\n.T..\n")),
+        ("P7", pam("GRAYSCALE", 1, 255, grey.values())),
+        ("P7 without a type", pam("", 1, 255, grey.values())),
+        ("P7 black and white", pam("BLACKANDWHITE", 1, 1, &grey.values().iter().map(|&v| v / 255).collect::<Vec<_>>())),
+        ("P7 of 16 bits", pam("GRAYSCALE", 1, 65_535, &wide)),
+        ("P7 with colours", pam("RGB", 3, 255, &rgb)),
+        (
+            "P7 with alpha",
+            pam("GRAYSCALE_ALPHA", 2, 255, &by_rows.iter().flat_map(|&cell| [0, 255 * cell]).collect::<Vec<_>>()),
         ),
         ("P1", b"P1\n# made by hand\n4 3\n1000\n0 1 1 0\n0100".to_vec()),
         ("P2", b"P2 4 3 255\n0 255 255 255 255 0 0 255\n# half\n255 0 255 255\n".to_vec()),
@@ -568,6 +603,109 @@ fn ros_map_is_read_with_its_image_and_keeps_its_place() {
 }
 
 #[test]
+fn transparent_pixels_of_ros_maps_are_unknown() {
+    let folder = Folder::new();
+    // White of alpha 0, 254 and 255, then opaque black.
+    let alphas = [(255, 0), (255, 254), (255, 255), (0, 255)];
+    let samples =
+        |of: fn(u8, u8) -> Vec<u8>| alphas.iter().flat_map(|&(grey, alpha)| of(grey, alpha)).collect::<Vec<u8>>();
+    let greys = samples(|grey, alpha| vec![grey, alpha]);
+    let colours = samples(|grey, alpha| vec![grey, grey, grey, alpha]);
+    let wide = samples(|grey, alpha| [[grey; 2], [alpha; 2]].concat());
+    let mut webp = Vec::new();
+    WebPEncoder::new_lossless(&mut webp).encode(&colours, 4, 1, ExtendedColorType::Rgba8).expect("it can be encoded");
+    let palette: &[(&[u8; 4], &[u8])] =
+        &[(b"PLTE", &[255, 255, 255, 255, 255, 255, 255, 255, 255, 0, 0, 0]), (b"tRNS", &[0, 254])];
+    let pam = b"P7\nWIDTH 4\nHEIGHT 1\nDEPTH 2\nMAXVAL 255\nTUPLTYPE GRAYSCALE_ALPHA\nENDHDR\n";
+    let images = [
+        ("grey", encoded_png(4, 1, ExtendedColorType::La8, &greys)),
+        ("colours", encoded_png(4, 1, ExtendedColorType::Rgba8, &colours)),
+        ("16 bits", encoded_png(4, 1, ExtendedColorType::La16, &wide)),
+        ("palette", png(4, 1, 2, 3, palette, &[0, 0b0001_1011])),
+        ("WebP", webp),
+        ("PAM", [&pam[..], &greys].concat()),
+    ];
+    let yaml =
+        "image: hall\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.25\n";
+    for (name, bytes) in images {
+        folder.file("hall", &bytes);
+        let read = |mode: &str| {
+            map_files::read(&folder.file("hall.yaml", format!("{yaml}mode: {mode}\n").as_bytes()), 50).expect(name)
+        };
+        for mode in ["trinary", "scale"] {
+            let map = read(mode);
+            assert_eq!(map.occupied.values(), [true, true, false, true], "{name}, {mode}");
+            assert!(map.notes[0].contains("transparent pixels are unknown"), "{name}: {:?}", map.notes);
+            assert_eq!(map.notes[1], "cells that are neither free nor occupied count as occupied (cells: 2)");
+        }
+        // The mode without alpha: white is above 100, so unknown, and black is free.
+        assert_eq!(read("raw").occupied.values(), [true, true, true, false], "{name}, raw");
+        assert!(read("raw").notes[0].contains("alpha was ignored"));
+    }
+    // Grey and colours that stand for transparency.
+    for (colour_type, key, raw) in
+        [(0, &[0u8, 255][..], &[0u8, 255, 0][..]), (2, &[0, 255, 0, 255, 0, 255], &[0, 255, 255, 255, 0, 0, 0])]
+    {
+        folder.file("hall", &png(2, 1, 8, colour_type, &[(b"tRNS", key)], raw));
+        let map = map_files::read(&folder.file("hall.yaml", yaml.as_bytes()), 50).expect("a map");
+        assert_eq!((map.occupied.values(), map.notes.len()), (&[true, true][..], 2), "colour type {colour_type}");
+    }
+}
+
+#[test]
+fn ros_map_in_any_style_of_yaml_is_the_same() {
+    let folder = Folder::new();
+    folder.file("hall.pgm", b"P5 3 1 255\n\x00\xFE\xCD");
+    let numbers = "resolution: 5.0e-2, origin: [-1, 2, 0], negate: no, occupied_thresh: 0.65, free_thresh: 0.196";
+    let flow = format!("{{image: hall.pgm, {numbers}}}\n");
+    let json = "{\"image\": \"hall.pgm\", \"resolution\": 0.05, \"origin\": [-1, 2, 0], \"negate\": 0, \
+                \"occupied_thresh\": 0.65, \"free_thresh\": 0.196}";
+    let block = numbers.replace("[-1, 2, 0]", "[-1; 2; 0]").replace(", ", "\n").replace(';', ",");
+    let texts = [
+        flow.clone(),
+        format!("# hall\n---\n{flow}"),
+        format!("--- {flow}...\n"),
+        json.to_owned(),
+        format!("\"image\": 'hall.pgm'\n{block}\n"),
+        format!("%YAML 1.2\n---\n  image: hall.pgm\n  {}\n", block.replace('\n', "\n  ")),
+    ];
+    let maps = texts.map(|text| {
+        let map = map_files::read(&folder.file("hall.yaml", text.as_bytes()), 50)
+            .unwrap_or_else(|error| panic!("{error}: {text}"));
+        (map.occupied.values().to_vec(), map.place)
+    });
+    let place = Some(MapPlace { cell_m: 0.05, origin: [-1.0, 2.0, 0.0] });
+    assert!(maps.iter().all(|map| *map == (vec![true, false, true], place)), "{maps:?}");
+    let utf16 = map_files::read(&folder.file("hall.yaml", &utf16(&flow)), 50).expect("a map");
+    assert_eq!(utf16.place, place);
+    let twice = folder.file("twice.yaml", format!("image: hall.pgm\n{block}\nresolution: 1\n").as_bytes());
+    assert_eq!(objection_to(&twice), "line 7: `resolution` stands twice; expected it once");
+    assert_eq!(
+        folder.objection(b"type octile\nheight 1\nheight 2\nwidth 1\nmap\n.\n"),
+        "line 3: `height` stands twice; expected it once"
+    );
+    assert!(folder.objection(b"{\"rows\": [\"01\"]}").starts_with("this is JSON text; "));
+}
+
+#[test]
+fn tuples_of_netpbm_that_are_no_grey_or_colours_are_refused() {
+    let folder = Folder::new();
+    let objection = |text: &str| folder.objection(text.as_bytes());
+    let head = "P7\nWIDTH 1\nHEIGHT 1\nDEPTH 4\nMAXVAL 255\n";
+    let cmyk = objection(&format!("{head}TUPLTYPE CMYK\nENDHDR\nabcd"));
+    assert!(
+        cmyk.starts_with("this kind of PAM is not supported: its tuples are of type `CMYK` and depth 4;"),
+        "{cmyk}"
+    );
+    let twice = objection(&format!("{head}WIDTH 2\nENDHDR\nabcd"));
+    assert!(twice.contains("`WIDTH 2`; expected one number each for HEIGHT, WIDTH, DEPTH, MAXVAL"), "{twice}");
+    assert!(objection("P7\nWIDTH 1\nDEPTH 1\nMAXVAL 1\nENDHDR\n\0").ends_with("its header has no HEIGHT"));
+    assert!(objection(head).ends_with("its header has no line ENDHDR"));
+    assert!(objection(&head.replace("255", "65536\nENDHDR")).ends_with("the largest value must be 1 to 65535"));
+    assert!(objection(&format!("{head}ENDHDR\nabc")).starts_with("row 0, column 0: the file ends;"));
+}
+
+#[test]
 fn tolerance_may_be_chosen_and_the_image_inverted() {
     let folder = Folder::new();
     // Grey walls on light ground.
@@ -693,7 +831,7 @@ fn what_is_no_map_file_is_refused_in_words() {
     let folder = Folder::new();
     assert!(objection_to(&folder.path("missing")).starts_with("cannot be read: "));
     assert_eq!(objection_to(folder.0.path()), "this is a folder; expected a map file");
-    let formats = "expected an image (PNG, JPEG, WebP, GIF, BMP, TIFF, PBM, PGM or PPM), rows of 0 and 1 or of . and \
+    let formats = "expected an image (PNG, JPEG, WebP, GIF, BMP, TIFF, PBM, PGM, PPM or PAM), rows of 0 and 1 or of . and \
                    #, a table or a NumPy array of 0 and 1, a Moving AI map, or the YAML file of a ROS map";
     assert_eq!(
         folder.objection(b"RIFF\0\0\0\0WAVE"),
@@ -712,7 +850,6 @@ fn what_is_no_map_file_is_refused_in_words() {
         assert_eq!(folder.objection(&boxed(brands)), format!("this is {kind}; {formats}"));
     }
     assert_eq!(folder.objection(b"\x1F\x8B\x08"), format!("this is a gzip file; {formats}"));
-    assert_eq!(folder.objection(b"\xFF\xFE0\x001\x00"), format!("this is UTF-16 text; {formats}"));
 }
 
 #[test]

@@ -291,6 +291,7 @@ fn add_to_board(arguments: &RunArguments, stage: &Stage) -> Result<ExitCode, Cli
     let entries = arguments.entries.iter().map(|path| ArenaEntry::read(path)).collect::<Result<Vec<_>, _>>()?;
     let asked = chosen(&arguments.track)?;
     let board = Board::new(&arguments.board);
+    board.expect_distinct(&entries)?;
     fs::create_dir_all(&arguments.board).map_err(|error| CliError::unwritable(&arguments.board, &error))?;
     let mut work = Vec::new();
     for entry in &entries {
@@ -398,23 +399,31 @@ fn replay(
     Ok(())
 }
 
-fn report_differences(what: &str, runs: usize, found: &[String]) -> Result<ExitCode, CliError> {
-    let verdict = match found.len() {
+/// Prints rows that differ from their runs, and published files that differ from what follows from the rows.
+fn report_differences(what: &str, runs: usize, found: &[String], files: &[String]) -> Result<ExitCode, CliError> {
+    let mut verdict = match found.len() {
         0 => format!("{}: all of {what}", count(runs, "run")),
         differing => format!("{differing} of {} differ from {what}", count(runs, "run")),
     };
+    if !files.is_empty() {
+        let differ = if files.len() == 1 { "differs" } else { "differ" };
+        verdict += &format!("; {} {differ} from what follows from the rows", count(files.len(), "file"));
+    }
     let mut lines: Vec<String> = found.iter().take(MOST_LISTED).cloned().collect();
     lines.extend((found.len() > MOST_LISTED).then(|| format!("and {} more", found.len() - MOST_LISTED)));
+    lines.extend_from_slice(files);
     let mut document = Document::new(verdict);
     document.add_list(lines);
     terminal::print(&document.to_text())?;
-    Ok(if found.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
+    Ok(if found.is_empty() && files.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
 }
 
 fn recompute(arguments: &RecomputeArguments, stage: &Stage) -> Result<ExitCode, CliError> {
     let board = Board::new(&arguments.board);
-    let (mut work, mut left_out) = (Vec::new(), Vec::new());
-    for track in chosen(&arguments.track)? {
+    let tracks = chosen(&arguments.track)?;
+    let mut work = Vec::new();
+    let mut left_out = Vec::new();
+    for track in &tracks {
         let rows = board.whole_rows(track)?;
         let step = 1.0 / arguments.sample;
         let sampled: Vec<ArenaRow> = (0..)
@@ -463,7 +472,8 @@ fn recompute(arguments: &RecomputeArguments, stage: &Stage) -> Result<ExitCode, 
         let names: Vec<&str> = left_out.iter().map(|(name, _)| &name[..]).collect();
         terminal::note(&format!("left out, because they are programs: {}; --trust plays them", names.join(", ")));
     }
-    report_differences("what the board says", runs - left, &replayed.differences)
+    let files = board.ranking_differences(&tracks)?;
+    report_differences("what the board says", runs - left, &replayed.differences, &files)
 }
 
 fn verify(arguments: &VerifyArguments, stage: &Stage) -> Result<ExitCode, CliError> {
@@ -488,7 +498,7 @@ fn verify(arguments: &VerifyArguments, stage: &Stage) -> Result<ExitCode, CliErr
         replay(stage, track, &plan, &rows.iter().collect::<Vec<_>>(), &progress, &mut replayed)?;
     }
     progress.end();
-    report_differences("the rows that were frozen", runs, &replayed.differences)
+    report_differences("the rows that were frozen", runs, &replayed.differences, &[])
 }
 
 fn submit_check(arguments: &SubmitArguments, stage: &Stage) -> Result<ExitCode, CliError> {
@@ -516,7 +526,8 @@ fn submit_check(arguments: &SubmitArguments, stage: &Stage) -> Result<ExitCode, 
         let scores: Vec<f64> = played.iter().filter_map(|played| played.row.score).collect();
         let mean = scores.iter().sum::<f64>() / scores.len().max(1) as f64;
         let failed_runs = played.len() - scores.len();
-        let [queries, asks] = failures_of(&played);
+        let queries = total(played.iter().map(|run| &run.failed_queries));
+        let asks = total(played.iter().map(|run| &run.failed_policy_queries));
         let of_planner = queries.of_planner(&planner_of(&plan.variants[0].scenario));
         let reasons: Vec<String> = of_planner.into_iter().chain(asks.of_policies()).collect();
         let effort = played.iter().map(|it| it.row.effort as f64).sum::<f64>() / played.len() as f64;
@@ -570,12 +581,11 @@ fn submit_check(arguments: &SubmitArguments, stage: &Stage) -> Result<ExitCode, 
     Ok(if is_accepted { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
 }
 
-/// The failures of some runs: those of queries, and of asks.
-fn failures_of(played: &[Played]) -> [Failures; 2] {
-    played.iter().fold(Default::default(), |[mut queries, mut asks], run| {
-        queries += run.failures[0].clone();
-        asks += run.failures[1].clone();
-        [queries, asks]
+/// The failures of all these together.
+fn total<'a>(failures: impl Iterator<Item = &'a Failures>) -> Failures {
+    failures.fold(Failures::default(), |mut total, failures| {
+        total += failures.clone();
+        total
     })
 }
 
@@ -584,8 +594,9 @@ fn total_failure(played: &[Played]) -> Option<String> {
     if played.iter().all(|run| run.row.score.is_none()) {
         return Some("every run failed".to_owned());
     }
-    let [queries, asks] =
-        failures_of(played).map(|it| Some(it.asked()).filter(|&asked| 0 < asked && asked <= it.failed()));
+    let all_failed = |it: &Failures| Some(it.asked()).filter(|&asked| 0 < asked && asked <= it.failed());
+    let queries = all_failed(&total(played.iter().map(|run| &run.failed_queries)));
+    let asks = all_failed(&total(played.iter().map(|run| &run.failed_policy_queries)));
     let queries = queries.map(|asked| format!("all {asked} queries failed"));
     queries.or_else(|| asks.map(|asked| format!("all {asked} asks of policies failed")))
 }

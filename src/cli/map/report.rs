@@ -15,6 +15,7 @@ use crate::cli::map::traces::{GraphTrace, SearchTrace};
 use wildfire_base::document::number::{count, percent, rounded};
 use wildfire_base::document::{Block, Document};
 use wildfire_base::object;
+use wildfire_base::untrusted::visible;
 use wildfire_batch::PROGRAM_VERSION;
 use wildfire_grid::brushfire::brushfire;
 use wildfire_grid::map_files::{MapFile, NEAR_TOLERANCE};
@@ -55,7 +56,7 @@ impl<'a> MapReport<'a> {
 
     /// Lists notes on the map, and the result of the walk.
     pub fn sentences(&self) -> Vec<String> {
-        let notes = self.map.notes.iter().map(|note| format!("{}: {note}.", self.path.display()));
+        let notes = self.map.notes.iter().map(|note| format!("{}: {note}.", visible(&self.path.to_string_lossy())));
         let walk = self.computed.walk.as_ref().map(Walk::sentence);
         let search = self.computed.search.as_ref().map(SearchTrace::sentence);
         let graph = self.computed.graph.as_ref().map(GraphTrace::sentence);
@@ -181,7 +182,9 @@ impl From<&MapReport<'_>> for Document {
 }
 
 fn size(report: &MapReport) -> String {
-    let (path, map) = (report.path.display(), &report.map.occupied);
+    let path = report.path.to_string_lossy();
+    let path = visible(&path);
+    let map = &report.map.occupied;
     let (cells, occupied) = (report.cells(), report.occupied_cells);
     let share = percent(occupied as f64 / cells as f64);
     let [rows, cols, cells] =

@@ -18,6 +18,7 @@ use crate::table::Better;
 use wildfire_base::document::Document;
 use wildfire_base::input_file;
 use wildfire_base::object;
+use wildfire_base::untrusted::visible;
 use wildfire_base::whole_file::write_whole;
 
 /// The folder of a board that holds its entries.
@@ -25,6 +26,9 @@ const ENTRIES_FOLDER: &str = "entries";
 
 /// The data card of a board.
 const CARD_FILE: &str = "croissant.json";
+
+/// Values of published files that tell who ranked, which nobody can compute again.
+const OF_THE_PROGRAM: [&str; 3] = ["\"program_version\": ", "\"commit\": ", "\"citeAs\": "];
 
 /// A folder with entries and their rows.
 #[derive(Clone, Debug)]
@@ -77,7 +81,7 @@ impl Board {
     /// If the file is no file of rows, with the line.
     pub fn rows(&self, track: &Track) -> Result<Vec<ArenaRow>, ArenaError> {
         let path = self.file(track, "csv");
-        match input_file::read(&path, MOST_BYTES) {
+        match input_file::read(&path, MOST_BYTES).and_then(input_file::utf8) {
             Ok(bytes) => ArenaRow::read(&path, &bytes[..]),
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(Vec::new()),
             Err(source) => Err(ArenaError::Unreadable { path, source }),
@@ -99,6 +103,9 @@ impl Board {
             let runs = seeds.iter().flat_map(|seed| conditions.iter().map(move |name| (name.as_str(), seed)));
             runs.collect::<BTreeSet<(&str, u64)>>()
         });
+        if let Some([one, other]) = same_but_for_case(by_entry.keys().copied()) {
+            return Err(ArenaError::Wrong { path: self.file(track, "csv"), message: one_folder(one, other) });
+        }
         let Some((name, runs)) = by_entry.iter().find(|(_, runs)| !lists.contains(runs)) else { return Ok(rows) };
         let strange = runs.iter().find(|run| !lists.iter().any(|list| list.contains(*run)));
         let message = match strange {
@@ -111,6 +118,22 @@ impl Board {
             ),
         };
         Err(ArenaError::Wrong { path: self.file(track, "csv"), message })
+    }
+
+    /// Checks that entries, and those that the board has, have names that differ in more than upper and lower case: some
+    /// file systems have one folder for both.
+    ///
+    /// # Errors
+    /// With two names that do not.
+    pub fn expect_distinct(&self, entries: &[ArenaEntry]) -> Result<(), ArenaError> {
+        let path = self.folder.join(ENTRIES_FOLDER);
+        let folders = fs::read_dir(&path).into_iter().flatten().flatten();
+        let there: Vec<String> = folders.map(|found| found.file_name().to_string_lossy().into_owned()).collect();
+        let names = there.iter().map(String::as_str).chain(entries.iter().map(|entry| &entry.card.name[..]));
+        match same_but_for_case(names) {
+            Some([one, other]) => Err(ArenaError::Wrong { path, message: one_folder(one, other) }),
+            None => Ok(()),
+        }
     }
 
     /// Takes an entry's rows on a track in the place of those that it had, and a copy of its files.
@@ -200,10 +223,31 @@ impl Board {
     /// # Errors
     /// If they cannot be written.
     pub fn publish(&self, board: &TrackBoard) -> Result<(), ArenaError> {
+        write(&self.published(board))
+    }
+
+    fn published(&self, board: &TrackBoard) -> [(PathBuf, String); 3] {
         let document = Document::from(board);
         let json = serde_json::to_string_pretty(board).expect("names, numbers and words are JSON") + "\n";
         let file = |ending| self.file(board.track, ending);
-        write(&[(file("json"), json), (file("md"), document.to_markdown()), (file("html"), document.to_html())])
+        [(file("json"), json), (file("md"), document.to_markdown()), (file("html"), document.to_html())]
+    }
+
+    /// Ranks tracks again, and says where published files differ from what follows from the rows: a sentence for each file.
+    ///
+    /// # Errors
+    /// As [`Self::ranked`].
+    pub fn ranking_differences(&self, tracks: &[&'static Track]) -> Result<Vec<String>, ArenaError> {
+        let mut differences = Vec::new();
+        for track in tracks {
+            let expected = match self.ranked(track)? {
+                Some(board) => self.published(&board),
+                None => ["json", "md", "html"].map(|ending| (self.file(track, ending), String::new())),
+            };
+            differences.extend(expected.iter().filter_map(difference_of_file));
+        }
+        differences.extend(difference_of_file(&self.card()?));
+        Ok(differences)
     }
 
     /// Writes `croissant.json`, the data card of all its files of rows.
@@ -211,14 +255,60 @@ impl Board {
     /// # Errors
     /// If it cannot be written, or rows cannot be read.
     pub fn publish_card(&self) -> Result<(), ArenaError> {
+        write(&[self.card()?])
+    }
+
+    fn card(&self) -> Result<(PathBuf, String), ArenaError> {
         let mut files = Vec::new();
         for track in &TRACKS {
             let rows = self.rows(track)?;
             files.extend((!rows.is_empty()).then(|| (track, ArenaRow::write(&rows))));
         }
         let card = serde_json::to_string_pretty(&data_card(&files)).expect("texts are JSON") + "\n";
-        write(&[(self.folder.join(CARD_FILE), card)])
+        Ok((self.folder.join(CARD_FILE), card))
     }
+}
+
+/// Returns two names that are the same apart from upper and lower case.
+fn same_but_for_case<'a>(names: impl Iterator<Item = &'a str>) -> Option<[&'a str; 2]> {
+    let mut known = BTreeMap::new();
+    names.into_iter().find_map(|name| {
+        let other = known.insert(name.to_lowercase(), name)?;
+        (other != name).then_some([other, name])
+    })
+}
+
+fn one_folder(one: &str, other: &str) -> String {
+    format!("the entries {one} and {other} have one folder on macOS and Windows; expected names that differ in letters")
+}
+
+/// Says where a published file differs from the text that follows from the rows; `None` if nowhere, or if there is no file.
+fn difference_of_file((path, expected): &(PathBuf, String)) -> Option<String> {
+    /// Characters of both that are shown, and those of them before the first that differs.
+    const SHOWN: usize = 50;
+    const BEFORE: usize = 20;
+    let name = path.file_name().unwrap_or_default().display();
+    let found = match input_file::read_text(path, MOST_BYTES) {
+        Ok(found) => found,
+        Err(error) if error.kind() == ErrorKind::NotFound => return None,
+        Err(error) => return Some(format!("{name}: {error}")),
+    };
+    let is_of_program = |line: &str| OF_THE_PROGRAM.iter().any(|start| line.trim_start().starts_with(start));
+    let lines = |text: &'_ str| text.split('\n').map(str::to_owned).collect::<Vec<_>>();
+    let (found, expected) = (lines(&found), lines(expected));
+    let place = (0..found.len().max(expected.len())).find(|&place| match (found.get(place), expected.get(place)) {
+        (Some(found), Some(expected)) => {
+            found.trim_end_matches('\r') != expected && !(is_of_program(found) && is_of_program(expected))
+        }
+        _ => true,
+    })?;
+    let line = |lines: &[String]| lines.get(place).cloned().unwrap_or_default();
+    let (found, expected) = (line(&found), line(&expected));
+    let same = found.chars().zip(expected.chars()).take_while(|(one, other)| one == other).count();
+    let shown = |line: &str| {
+        visible(&line.chars().skip(same.saturating_sub(BEFORE)).take(SHOWN).collect::<String>()).into_owned()
+    };
+    Some(format!("{name}, line {}: `{}`; the rows give `{}`", place + 1, shown(&found), shown(&expected)))
 }
 
 fn write(files: &[(PathBuf, String)]) -> Result<(), ArenaError> {

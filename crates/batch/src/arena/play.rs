@@ -34,8 +34,10 @@ pub struct Played {
     pub violation: Option<String>,
     /// Why it failed, or what planners and policies said about failed queries.
     pub message: String,
-    /// Failed queries of the trucks' planners, and failed asks of policies.
-    pub failures: [Failures; 2],
+    /// Failed queries of the trucks' planners.
+    pub failed_queries: Failures,
+    /// Failed queries of policies.
+    pub failed_policy_queries: Failures,
     /// True if a planner or policy could not be started or built.
     pub is_not_started: bool,
 }
@@ -90,9 +92,15 @@ fn simulated(track: &Track, run: &PlannedRun<'_>, options: &RunOptions) -> Playe
     let record = RunRecord::from_row(&row);
     let number = |column: &&str| record.number(run_column(column)).unwrap_or(0.0);
     let effort = track.effort.iter().map(|column| number(column) as u64).sum();
-    let failures = [Failures::of_queries(&record), Failures::of_asks(&record)];
     let row = ArenaRow { ..row_of(run, track.metric().number(&record), effort, hash_of_run(&record)) };
-    Played { row, violation, message: record.message().to_owned(), failures, is_not_started }
+    Played {
+        row,
+        violation,
+        message: record.message().to_owned(),
+        failed_queries: Failures::of_queries(&record),
+        failed_policy_queries: Failures::of_asks(&record),
+        is_not_started,
+    }
 }
 
 /// A query's score is the share of its path that is needed, 0 if there is none: the lower bound of the length over the length.
@@ -127,13 +135,17 @@ fn driven(run: &PlannedRun<'_>, plan: &BatchPlan, players: &Players<'_>) -> Resu
             let effort = query.cost.map_or(0, |cost| cost.expansions);
             let row = row_of(run, Some(solved.unwrap_or(0.0)), effort, hash_of_query(&query));
             let reason = query.failure.map(|failure| failure.to_string());
-            let failures = [Failures::of_query(reason, query.message.as_deref()), Failures::default()];
+            let failed_queries = Failures::of_query(reason, query.message.as_deref());
             let message = query.message.map_or(String::new(), String::from);
-            Played { row, violation: query.violation.map(String::from), message, failures, is_not_started: false }
+            let violation = query.violation.map(String::from);
+            let failed_policy_queries = Failures::default();
+            Played { row, violation, message, failed_queries, failed_policy_queries, is_not_started: false }
         }
         Err((message, is_not_started)) => {
             let row = row_of(run, None, 0, super::row::shown_hash("failed\n"));
-            Played { row, violation: None, message, failures: Default::default(), is_not_started }
+            let failed_queries = Failures::default();
+            let failed_policy_queries = Failures::default();
+            Played { row, violation: None, message, failed_queries, failed_policy_queries, is_not_started }
         }
     })
 }

@@ -9,7 +9,7 @@ use thiserror::Error;
 
 use crate::plan::Value;
 use crate::table::column::Kind;
-use wildfire_base::input_file::{self, InputFile};
+use wildfire_base::input_file::{self, InputFile, TextReader};
 use wildfire_base::untrusted::{bytes_of_cell, visible_start};
 
 /// The most bytes between the ends of two rows.
@@ -43,7 +43,7 @@ impl TableReader {
     pub fn open(path: &Path) -> Result<Self, TableError> {
         let path = path.to_owned();
         let file = match input_file::open(&path) {
-            Ok(file) => Rationed { file, left: MAX_ROW_BYTES },
+            Ok(file) => Rationed { file: TextReader::new(file), left: MAX_ROW_BYTES },
             Err(source) => return Err(TableError::Unreadable { path, source }),
         };
         let mut reader = ReaderBuilder::new().buffer_capacity(1 << 16).from_reader(file);
@@ -148,7 +148,7 @@ fn damaged(path: PathBuf, line: u64, error: &csv::Error) -> TableError {
 
 /// A file that gives a limited number of bytes at a time, so that a row without an end cannot fill the memory.
 struct Rationed {
-    file: InputFile,
+    file: TextReader<InputFile>,
     left: u64,
 }
 

@@ -5,7 +5,7 @@ use image::{ColorType, DynamicImage, GrayImage, ImageDecoder, ImageError};
 
 use crate::Grid;
 use crate::map_files::error::with_room;
-use crate::map_files::pixel::PixelLayout;
+use crate::map_files::pixel::{PixelLayout, Pixels, Transparency};
 use crate::map_files::{Fault, MAX_CELLS};
 
 /// Most bytes of the decoded pixels: 16-bit grey on every cell of the largest map.
@@ -21,6 +21,8 @@ const MAX_RATIO: u64 = 1032 * 32;
 /// An image as grey values, and what was made of it on the way, in sentences.
 pub(super) struct GreyImage {
     pub grey: Grid<u8>,
+    /// The transparent pixels, if they are [unknown](Transparency::Unknown).
+    pub is_unknown: Option<Grid<bool>>,
     pub notes: Vec<String>,
 }
 
@@ -48,25 +50,25 @@ pub(super) fn damaged(error: ImageError) -> Fault {
 }
 
 /// Decodes an image whose size and bytes were checked.
-pub(super) fn decode(decoder: impl ImageDecoder) -> Result<Grid<u8>, Fault> {
+pub(super) fn decode(
+    decoder: impl ImageDecoder,
+    transparency: Transparency,
+    notes: Vec<String>,
+) -> Result<GreyImage, Fault> {
     let ((cols, rows), colour_type) = (decoder.dimensions(), decoder.color_type());
     let decoded = decoder.total_bytes() as usize;
     let mut data = with_room(decoded)?;
     data.resize(decoded, 0);
     decoder.read_image(&mut data).map_err(damaged)?;
-    let values = grey_values(data, colour_type, cols as usize)?;
-    Ok(Grid::from_values(rows as usize, cols as usize, values))
-}
-
-/// The grey values of decoded pixels, whose samples are bytes or native 16-bit words.
-fn grey_values(data: Vec<u8>, colour_type: ColorType, cols: usize) -> Result<Vec<u8>, Fault> {
+    let (rows, cols) = (rows as usize, cols as usize);
     if colour_type == ColorType::L8 {
-        return Ok(data);
+        return Ok(GreyImage { grey: Grid::from_values(rows, cols, data), is_unknown: None, notes });
     }
-    let layout = layout_of(colour_type);
+    let layout = layout_of(colour_type, transparency);
     let bytes_per_pixel = usize::from(colour_type.bytes_per_pixel());
-    let mut values = with_room(data.len() / bytes_per_pixel)?;
+    let mut pixels = Pixels::with_room(layout, rows * cols)?;
     let mut samples = Vec::new();
+    // Samples are bytes or native 16-bit words.
     for row in data.chunks_exact(cols * bytes_per_pixel) {
         samples.clear();
         if layout.max > 255 {
@@ -74,28 +76,38 @@ fn grey_values(data: Vec<u8>, colour_type: ColorType, cols: usize) -> Result<Vec
         } else {
             samples.extend(row.iter().map(|&byte| u16::from(byte)));
         }
-        layout.append_grey(&samples, &mut values);
+        pixels.append(&samples);
     }
-    Ok(values)
+    Ok(pixels.into_image(rows, cols, notes))
 }
 
-pub(super) fn layout_of(colour_type: ColorType) -> PixelLayout {
+pub(super) fn layout_of(colour_type: ColorType, transparency: Transparency) -> PixelLayout {
     let is_wide = colour_type.bytes_per_pixel() > colour_type.channel_count();
     let max = if is_wide { u16::MAX } else { 255 };
-    PixelLayout { colour: colour_type.has_color(), alpha: colour_type.has_alpha(), max }
+    PixelLayout { colour: colour_type.has_color(), alpha: colour_type.has_alpha().then_some(transparency), max }
 }
 
 /// Turns an image as the tag of its camera or scanner says, so that it is read as programs show it; adds a note if that
 /// changes it.
-pub(super) fn turned(grey: Grid<u8>, orientation: Orientation, notes: &mut Vec<String>) -> Grid<u8> {
+pub(super) fn turned(mut image: GreyImage, orientation: Orientation) -> GreyImage {
     if orientation == Orientation::NoTransforms {
-        return grey;
+        return image;
     }
-    notes.push("the image was turned as its orientation tag says".to_owned());
-    let (cols, rows) = (grey.cols() as u32, grey.rows() as u32);
-    let pixels = GrayImage::from_raw(cols, rows, grey.values().to_vec()).expect("there is a value for every pixel");
-    let mut image = DynamicImage::ImageLuma8(pixels);
-    image.apply_orientation(orientation);
-    let (rows, cols) = (image.height() as usize, image.width() as usize);
-    Grid::from_values(rows, cols, image.into_luma8().into_raw())
+    let turn = |grid: Grid<u8>| {
+        let (cols, rows) = (grid.cols() as u32, grid.rows() as u32);
+        let pixels = GrayImage::from_raw(cols, rows, grid.values().to_vec()).expect("there is a value for every pixel");
+        let mut image = DynamicImage::ImageLuma8(pixels);
+        image.apply_orientation(orientation);
+        let (rows, cols) = (image.height() as usize, image.width() as usize);
+        Grid::from_values(rows, cols, image.into_luma8().into_raw())
+    };
+    image.notes.push("the image was turned as its orientation tag says".to_owned());
+    image.grey = turn(image.grey);
+    image.is_unknown = image.is_unknown.map(|is_unknown| {
+        let bytes = is_unknown.values().iter().map(|&pixel| u8::from(pixel)).collect();
+        let turned = turn(Grid::from_values(is_unknown.rows(), is_unknown.cols(), bytes));
+        let values = turned.values().iter().map(|&byte| byte == 1).collect();
+        Grid::from_values(turned.rows(), turned.cols(), values)
+    });
+    image
 }

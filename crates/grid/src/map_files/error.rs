@@ -29,7 +29,7 @@ pub enum Fault {
     #[error("the file is empty; expected a map")]
     Empty,
     #[error(
-        "this is {found}; expected an image (PNG, JPEG, WebP, GIF, BMP, TIFF, PBM, PGM or PPM), rows of 0 and 1 or of . and #, \
+        "this is {found}; expected an image (PNG, JPEG, WebP, GIF, BMP, TIFF, PBM, PGM, PPM or PAM), rows of 0 and 1 or of . and #, \
          a table or a NumPy array of 0 and 1, a Moving AI map, or the YAML file of a ROS map"
     )]
     Foreign { found: &'static str },

@@ -9,14 +9,14 @@ use std::io::BufRead;
 use crate::Grid;
 use crate::map_files::Fault;
 use crate::map_files::error::{check_size, shown_letter};
-use crate::map_files::rows::{BadCell, TextLines, read_rows};
+use crate::map_files::rows::{BadCell, Comments, TextLines, read_rows};
 
 /// Reads a Moving AI map and says what it made of swamp and water.
 ///
 /// `.` and `G` are free, every other letter is occupied. That holds for `S` (swamp) and `W` (water) too, which some
 /// games let units enter: a cell is free here or it is not.
 pub(super) fn read(source: impl BufRead, bytes: u64) -> Result<(Grid<bool>, Option<String>), Fault> {
-    let mut lines = TextLines::new(source);
+    let mut lines = TextLines::new(source, Comments::None);
     let size = read_header(&mut lines)?;
     let mut wet_cells = 0;
     let occupied = read_rows(&mut lines, bytes, Some(size), |line, cells| {
@@ -43,8 +43,9 @@ fn read_header<R: BufRead>(lines: &mut TextLines<R>) -> Result<(usize, usize), F
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
         match words[..] {
             ["type", _] => {}
-            ["height", number] => rows = Some(side(number).map_err(fault)?),
-            ["width", number] => cols = Some(side(number).map_err(fault)?),
+            ["height", number] if rows.is_none() => rows = Some(side(number).map_err(fault)?),
+            ["width", number] if cols.is_none() => cols = Some(side(number).map_err(fault)?),
+            [name @ ("height" | "width"), _] => return Err(fault(format!("`{name}` stands twice; expected it once"))),
             ["map"] => break,
             _ => return Err(fault("expected `type octile`, `height ROWS`, `width COLUMNS` or `map`".to_owned())),
         }

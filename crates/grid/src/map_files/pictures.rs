@@ -14,6 +14,7 @@ use image::{ImageDecoder, Limits};
 use crate::map_files::Fault;
 use crate::map_files::decoded::{GreyImage, check_decoded, damaged, decode, layout_of, turned};
 use crate::map_files::error::check_size;
+use crate::map_files::pixel::Transparency;
 use crate::map_files::{MAX_CELLS, decoded};
 
 /// Most bytes of the decoded pixels, for which decoders may take a few times as much: 8-bit grey on every cell of the
@@ -60,7 +61,7 @@ impl PictureFormat {
     }
 
     /// Reads an image.
-    pub fn read(self, bytes: &[u8]) -> Result<GreyImage, Fault> {
+    pub fn read(self, bytes: &[u8], transparency: Transparency) -> Result<GreyImage, Fault> {
         let source = Cursor::new(bytes);
         let has_several;
         let mut image = match self {
@@ -69,27 +70,32 @@ impl PictureFormat {
                 if !reaches_its_end(bytes) {
                     return Err(Fault::Image { message: "the file ends before the image does".to_owned() });
                 }
-                self.read_with(JpegDecoder::new(source).map_err(damaged)?, bytes.len())
+                self.read_with(JpegDecoder::new(source).map_err(damaged)?, bytes.len(), transparency)
             }
             Self::WebP => {
                 let decoder = WebPDecoder::new(source).map_err(damaged)?;
                 has_several = decoder.has_animation();
-                self.read_with(decoder, bytes.len())
+                self.read_with(decoder, bytes.len(), transparency)
             }
             Self::Gif => {
                 has_several = has_several_frames(bytes);
-                self.read_with(GifDecoder::new(source).map_err(damaged)?, bytes.len())
+                self.read_with(GifDecoder::new(source).map_err(damaged)?, bytes.len(), transparency)
             }
             Self::Bmp => {
                 has_several = false;
-                self.read_with(BmpDecoder::new(source).map_err(damaged)?, bytes.len())
+                self.read_with(BmpDecoder::new(source).map_err(damaged)?, bytes.len(), transparency)
             }
         }?;
         image.notes.extend(has_several.then(|| FIRST_OF_SEVERAL.to_owned()));
         Ok(image)
     }
 
-    fn read_with(self, mut decoder: impl ImageDecoder, bytes: usize) -> Result<GreyImage, Fault> {
+    fn read_with(
+        self,
+        mut decoder: impl ImageDecoder,
+        bytes: usize,
+        transparency: Transparency,
+    ) -> Result<GreyImage, Fault> {
         let (cols, rows) = decoder.dimensions();
         let size = (rows as usize, cols as usize);
         check_size(size.0, size.1)?;
@@ -101,9 +107,8 @@ impl PictureFormat {
         let colours = if colour_type.has_color() { "RGB" } else { "grey" };
         let alpha = if colour_type.has_alpha() { " with alpha" } else { "" };
         let orientation = decoder.orientation().map_err(damaged)?;
-        let mut notes = Vec::from_iter(layout_of(colour_type).note(&format!("{}, {colours}{alpha}", self.name())));
-        let grey = turned(decode(decoder)?, orientation, &mut notes);
-        Ok(GreyImage { grey, notes })
+        let note = layout_of(colour_type, transparency).note(&format!("{}, {colours}{alpha}", self.name()));
+        Ok(turned(decode(decoder, transparency, Vec::from_iter(note))?, orientation))
     }
 }
 

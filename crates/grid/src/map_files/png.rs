@@ -9,14 +9,18 @@ use crate::map_files::Fault;
 use crate::map_files::decoded::{GreyImage, MAX_DECODED, MAX_EXTRAS, check_decoded, damaged, decode, layout_of};
 use crate::map_files::error::check_size;
 use crate::map_files::pictures::FIRST_OF_SEVERAL;
-use crate::map_files::pixel::PixelLayout;
+use crate::map_files::pixel::{PixelLayout, Transparency};
 
 pub(super) const SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 /// Reads a PNG image from a file of `bytes` bytes, and says how it was converted to 8-bit grey.
 ///
 /// Neither gamma nor a colour profile is applied. Of an animation the first image is read.
-pub(super) fn read<R: BufRead + Seek>(mut source: R, bytes: u64) -> Result<GreyImage, Fault> {
+pub(super) fn read<R: BufRead + Seek>(
+    mut source: R,
+    bytes: u64,
+    transparency: Transparency,
+) -> Result<GreyImage, Fault> {
     let header = PngHeader::parse(source.fill_buf()?)?;
     let size = (header.rows, header.cols);
     check_size(header.rows, header.cols)?;
@@ -26,9 +30,9 @@ pub(super) fn read<R: BufRead + Seek>(mut source: R, bytes: u64) -> Result<GreyI
     let colour_type = decoder.color_type();
     check_decoded(decoder.total_bytes(), MAX_DECODED, bytes, size)?;
     let has_several = decoder.is_apng().map_err(damaged)?;
-    let mut notes = Vec::from_iter(header.note(colour_type));
+    let mut notes = Vec::from_iter(header.note(colour_type, transparency));
     notes.extend(has_several.then(|| FIRST_OF_SEVERAL.to_owned()));
-    Ok(GreyImage { grey: decode(decoder)?, notes })
+    decode(decoder, transparency, notes)
 }
 
 /// Reads all bytes of an image of which the first are known; no more than an image of the size in its header can have.
@@ -77,7 +81,7 @@ impl PngHeader {
         (pixels + pixels / 8).min(MAX_DECODED) + MAX_EXTRAS
     }
 
-    fn note(&self, decoded: ColorType) -> Option<String> {
+    fn note(&self, decoded: ColorType, transparency: Transparency) -> Option<String> {
         let is_palette = self.colour_type == 3;
         let max = if is_palette { 255 } else { ((1u32 << self.depth) - 1) as u16 };
         let colours = match (is_palette, decoded.has_color()) {
@@ -86,6 +90,6 @@ impl PngHeader {
             (false, false) => "grey",
         };
         let alpha = if decoded.has_alpha() { " with alpha" } else { "" };
-        PixelLayout { max, ..layout_of(decoded) }.note(&format!("{}-bit {colours}{alpha}", self.depth))
+        PixelLayout { max, ..layout_of(decoded, transparency) }.note(&format!("{}-bit {colours}{alpha}", self.depth))
     }
 }

@@ -1,39 +1,46 @@
-//! Netpbm images as grey values: bitmaps (P1, P4), grey maps (P2, P5) and pixel maps (P3, P6).
+//! Netpbm images as grey values: bitmaps (P1, P4), grey maps (P2, P5), pixel maps (P3, P6) and maps of any tuples (P7).
 //!
-//! Source: Jef Poskanzer and others, "Netpbm file formats", pages "pbm", "pgm" and "ppm".
+//! Source: Jef Poskanzer and others, "Netpbm file formats", pages "pbm", "pgm", "ppm" and "pam".
 
 use std::io;
 use std::io::{BufRead, Read};
 
-use crate::Grid;
 use crate::map_files::Fault;
 use crate::map_files::decoded::GreyImage;
-use crate::map_files::error::{check_size, shown_letter, with_room};
-use crate::map_files::pixel::PixelLayout;
+use crate::map_files::error::{check_size, shown_letter};
+use crate::map_files::pixel::{PixelLayout, Pixels, Transparency};
+use wildfire_base::untrusted::visible_start;
 
 /// A bit of a packed bitmap is the smallest pixel.
 const PIXELS_PER_BYTE: usize = 8;
 
+/// Most lines of the header of a P7, and most bytes of one.
+const MAX_HEADER_LINES: usize = 1000;
+const MAX_LINE: u64 = 1000;
+
 /// Reads a Netpbm image from a file of `bytes` bytes, and says how it was converted to 8-bit grey.
 ///
 /// The file ends with the image, apart from white space.
-pub(super) fn read(mut source: impl BufRead, bytes: u64) -> Result<GreyImage, Fault> {
-    let header = PnmHeader::read(&mut source)?;
+pub(super) fn read(mut source: impl BufRead, bytes: u64, transparency: Transparency) -> Result<GreyImage, Fault> {
+    let header = PnmHeader::read(&mut source, transparency)?;
     let PnmHeader { rows, cols, layout, .. } = header;
     let possible = usize::try_from(bytes).unwrap_or(usize::MAX).saturating_mul(PIXELS_PER_BYTE);
-    let mut values = with_room(possible.min(rows * cols))?;
+    let mut pixels = Pixels::with_room(layout, possible.min(rows * cols))?;
     let mut raster = Raster { source, header, bytes: Vec::new(), samples: Vec::new() };
     for row in 0..rows {
         raster.read_row(row)?;
-        layout.append_grey(&raster.samples, &mut values);
+        pixels.append(&raster.samples);
     }
     raster.check_end()?;
-    Ok(GreyImage { grey: Grid::from_values(rows, cols, values), notes: Vec::from_iter(header.note()) })
+    Ok(pixels.into_image(rows, cols, Vec::from_iter(layout.note(header.kind))))
 }
 
-/// Returns whether a file begins as a Netpbm image does: a P, a digit from 1 to 6, white space.
+/// Returns whether a file begins as a Netpbm image does: a P, a digit from 1 to 7, white space. Behind P7 that
+/// is a line feed: other programs have other files of this start.
 pub(super) fn is_start(start: &[u8]) -> bool {
     matches!(start, [b'P', b'1'..=b'6', next, ..] if next.is_ascii_whitespace() || *next == b'#')
+        || start.starts_with(b"P7\n")
+        || start.starts_with(b"P7\r\n")
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -48,38 +55,93 @@ struct PnmHeader {
     rows: usize,
     cols: usize,
     layout: PixelLayout,
+    kind: &'static str,
     is_bitmap: bool,
     encoding: Encoding,
 }
 
 impl PnmHeader {
-    fn read(source: &mut impl BufRead) -> Result<Self, Fault> {
+    fn read(source: &mut impl BufRead, transparency: Transparency) -> Result<Self, Fault> {
         let mut magic = [0; 2];
         source.read_exact(&mut magic)?;
         let kind = magic[1] - b'0';
+        if kind == 7 {
+            return Self::read_tuples(source, transparency);
+        }
         let is_bitmap = kind == 1 || kind == 4;
         let cols = header_number(source, "width")? as usize;
         let rows = header_number(source, "height")? as usize;
         check_size(rows, cols)?;
         let max = if is_bitmap { 1 } else { header_number(source, "largest value")? };
-        let max = u16::try_from(max).ok().filter(|&max| max > 0);
-        let max = max.ok_or_else(|| bad_header("the largest value must be 1 to 65535"))?;
+        let max = largest_value(max)?;
         let encoding = match kind {
             1..=3 => Encoding::Plain,
             4 => Encoding::Bits,
             _ => Encoding::Binary,
         };
-        let layout = PixelLayout { colour: kind == 3 || kind == 6, alpha: false, max };
-        Ok(Self { rows, cols, layout, is_bitmap, encoding })
-    }
-
-    fn note(&self) -> Option<String> {
-        let kind = match (self.is_bitmap, self.layout.colour) {
+        let layout = PixelLayout { colour: kind == 3 || kind == 6, alpha: None, max };
+        let kind = match (is_bitmap, layout.colour) {
             (true, _) => "black and white",
             (_, true) => "RGB",
             _ => "grey",
         };
-        self.layout.note(kind)
+        Ok(Self { rows, cols, layout, kind, is_bitmap, encoding })
+    }
+
+    /// Reads the lines behind P7, up to `ENDHDR`. Without a tuple type the depth decides, as in Netpbm's programs.
+    fn read_tuples(source: &mut impl BufRead, transparency: Transparency) -> Result<Self, Fault> {
+        const NUMBERS: [&str; 4] = ["HEIGHT", "WIDTH", "DEPTH", "MAXVAL"];
+        let mut numbers = [None; 4];
+        let mut tuple_type = String::new();
+        for at in 0.. {
+            let mut line = Vec::new();
+            source.by_ref().take(MAX_LINE).read_until(b'\n', &mut line)?;
+            if !line.ends_with(b"\n") || at > MAX_HEADER_LINES {
+                return Err(bad_header("its header has no line ENDHDR"));
+            }
+            let line = String::from_utf8_lossy(&line);
+            let line = line.trim();
+            let (name, value) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+            match name {
+                "ENDHDR" => break,
+                "TUPLTYPE" if tuple_type.is_empty() => value.trim().clone_into(&mut tuple_type),
+                "TUPLTYPE" => tuple_type = format!("{tuple_type} {}", value.trim()),
+                _ if name.is_empty() || name.starts_with('#') => {}
+                _ => {
+                    let number = NUMBERS.iter().position(|known| *known == name).zip(value.trim().parse::<u32>().ok());
+                    let Some((place, number)) = number.filter(|&(place, _)| numbers[place].is_none()) else {
+                        let message = format!("its header has `{}`; expected one number each for", visible_start(line));
+                        return Err(bad_header(&format!("{message} {}", NUMBERS.join(", "))));
+                    };
+                    numbers[place] = Some(number);
+                }
+            }
+        }
+        if let Some(missing) = numbers.iter().position(Option::is_none) {
+            return Err(bad_header(&format!("its header has no {}", NUMBERS[missing])));
+        }
+        let [rows, cols, depth, max] = numbers.map(Option::unwrap_or_default);
+        let max = largest_value(max)?;
+        check_size(rows as usize, cols as usize)?;
+        let (kind, colour, has_alpha) = match (tuple_type.as_str(), depth) {
+            ("BLACKANDWHITE", 1) => ("black and white", false, false),
+            ("BLACKANDWHITE_ALPHA", 2) => ("black and white with alpha", false, true),
+            ("GRAYSCALE" | "", 1) => ("grey", false, false),
+            ("GRAYSCALE_ALPHA" | "", 2) => ("grey with alpha", false, true),
+            ("RGB" | "", 3) => ("RGB", true, false),
+            ("RGB_ALPHA" | "", 4) => ("RGB with alpha", true, true),
+            (other, depth) => {
+                let reason = format!(
+                    "its tuples are of type `{}` and depth {depth}; expected BLACKANDWHITE or GRAYSCALE of depth 1, RGB \
+                     of depth 3, or one of these with _ALPHA and a depth of one more",
+                    visible_start(other)
+                );
+                return Err(Fault::Unread { format: "PAM", reason });
+            }
+        };
+        let layout = PixelLayout { colour, alpha: has_alpha.then_some(transparency), max };
+        let (rows, cols) = (rows as usize, cols as usize);
+        Ok(Self { rows, cols, layout, kind, is_bitmap: false, encoding: Encoding::Binary })
     }
 
     fn bytes_per_row(&self) -> usize {
@@ -211,6 +273,11 @@ fn header_number(source: &mut impl BufRead, name: &str) -> Result<u32, Fault> {
             Err(bad_header(&format!("the {name} must be a whole number, found {}", shown_letter(&[byte]))))
         }
     }
+}
+
+fn largest_value(max: u32) -> Result<u16, Fault> {
+    let max = u16::try_from(max).ok().filter(|&max| max > 0);
+    max.ok_or_else(|| bad_header("the largest value must be 1 to 65535"))
 }
 
 fn bad_header(message: &str) -> Fault {

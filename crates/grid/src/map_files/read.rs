@@ -8,20 +8,21 @@ use crate::map_files::decoded::GreyImage;
 use crate::map_files::error::with_room;
 use crate::map_files::map::{MapFile, Reading};
 use crate::map_files::pictures::{self, PictureFormat};
+use crate::map_files::pixel::Transparency;
 use crate::map_files::raster::tiff_header;
 use crate::map_files::ros::{self, RosMap};
-use crate::map_files::rows::without_mark;
+use crate::map_files::rows::{Comments, without_mark};
 use crate::map_files::text::Separator;
 use crate::map_files::{Fault, MAX_BYTES, MapError, carried, moving_ai, npy, png, pnm, text, tiff_image};
 use wildfire_base::input_file;
-use wildfire_base::input_file::{InputFile, is_standard_stream};
+use wildfire_base::input_file::{InputFile, TextReader, is_standard_stream, is_utf16};
 
 const BUFFER_BYTES: usize = 1 << 16;
 
 /// Reads a map; pixels of images are occupied where their grey value is at most the tolerance.
 ///
 /// The format is recognised by the content, never by the name: images (PNG, JPEG, WebP, GIF, BMP, TIFF, and Netpbm, P1 to
-/// P6); rows of 0 (free) and 1 (occupied), or of `.` and `#`; tables of the numbers 0 and 1 with commas, semicolons, spaces
+/// P7); rows of 0 (free) and 1 (occupied), or of `.` and `#`; tables of the numbers 0 and 1 with commas, semicolons, spaces
 /// or tabs between them; NumPy arrays of these; Moving AI maps, where `.` and `G` are free and everything else is occupied,
 /// swamp (`S`) and water (`W`) too; and the YAML file of a ROS map, which names its image. A picture of a map that this
 /// program drew is the map that it shows. Images that are not 8-bit grey are converted, which a note says: alpha over
@@ -31,7 +32,7 @@ const BUFFER_BYTES: usize = 1 << 16;
 /// If the file is no such map, or breaks off, or is larger than [`MAX_SIDE`](super::MAX_SIDE) or
 /// [`MAX_CELLS`](super::MAX_CELLS) allow. What a header declares is checked before any memory is taken for it.
 pub fn read(path: &Path, reading: impl Into<Reading>) -> Result<MapFile, MapError> {
-    finish(path, read_content(path)?, reading.into())
+    finish(path, read_content(path, Transparency::OverWhite)?, reading.into())
 }
 
 /// Reads a map from the bytes of a file, whose path is used in errors and to find the image of a ROS map.
@@ -40,7 +41,11 @@ pub fn read(path: &Path, reading: impl Into<Reading>) -> Result<MapFile, MapErro
 /// Fails as [`read`] does.
 pub fn read_bytes(path: &Path, bytes: Vec<u8>, reading: impl Into<Reading>) -> Result<MapFile, MapError> {
     let length = bytes.len() as u64;
-    let content = if bytes.is_empty() { Err(Fault::Empty) } else { read_file(Cursor::new(bytes), length) };
+    let content = if bytes.is_empty() {
+        Err(Fault::Empty)
+    } else {
+        read_file(Cursor::new(bytes), length, Transparency::OverWhite)
+    };
     let content = content.map_err(|fault| MapError { path: path.to_owned(), fault })?;
     finish(path, content, reading.into())
 }
@@ -48,14 +53,21 @@ pub fn read_bytes(path: &Path, bytes: Vec<u8>, reading: impl Into<Reading>) -> R
 /// Returns whether bytes, judged by their start, are neither an image nor a table nor a map of another program: rows of
 /// cells, or JSON.
 pub fn is_plain_text(bytes: &[u8]) -> bool {
-    let text = without_mark(bytes).trim_ascii_start();
-    let start = &bytes[..bytes.len().min(BUFFER_BYTES)];
-    text.starts_with(b"{") || MapFormat::from_first_bytes(start).is_ok_and(|format| format == MapFormat::PLAIN)
+    let mut start = Vec::new();
+    // An end within a character does not matter here.
+    _ = TextReader::new(&bytes[..bytes.len().min(BUFFER_BYTES)]).read_to_end(&mut start);
+    let has_comments = start.starts_with(b"# ") || start.windows(2).any(|pair| pair == b"\n#");
+    match MapFormat::from_first_bytes(&start) {
+        Ok(MapFormat::Sequential(SequentialFormat::Text(Comments::Everywhere))) => !has_comments,
+        Ok(MapFormat::Sequential(SequentialFormat::Text(comments))) => comments == Comments::None,
+        Ok(MapFormat::Whole(WholeFormat::Ros)) => false,
+        _ => start.trim_ascii_start().starts_with(b"{"),
+    }
 }
 
 fn finish(path: &Path, content: Content, reading: Reading) -> Result<MapFile, MapError> {
     match content {
-        Content::Grey(GreyImage { grey, notes }) => Ok(MapFile::from_grey(grey, notes, reading)),
+        Content::Grey(GreyImage { grey, notes, .. }) => Ok(MapFile::from_grey(grey, notes, reading)),
         Content::Cells(mut occupied, note) => {
             if reading.inverted {
                 occupied.values_mut().iter_mut().for_each(|cell| *cell = !*cell);
@@ -72,13 +84,14 @@ fn finish(path: &Path, content: Content, reading: Reading) -> Result<MapFile, Ma
 /// Reads the image of a ROS map, whose path begins in the folder of its YAML file.
 fn read_ros_map(map: &RosMap, folder: &Path, reading: Reading) -> Result<MapFile, MapError> {
     let path = folder.join(&map.image);
-    let found = match read_content(&path)? {
+    let found = match read_content(&path, map.transparency())? {
         Content::Grey(image) => Ok(image),
         Content::Cells(..) => Err("a map of cells"),
         Content::Ros(_) => Err("another YAML file"),
     };
-    let GreyImage { grey, mut notes } = found.map_err(|found| MapError { path, fault: Fault::NoImage { found } })?;
-    let (occupied, unknown) = map.occupied(&grey, reading.inverted);
+    let image = found.map_err(|found| MapError { path, fault: Fault::NoImage { found } })?;
+    let (occupied, unknown) = map.occupied(&image, reading.inverted);
+    let mut notes = image.notes;
     if unknown > 0 {
         notes.push(format!("cells that are neither free nor occupied count as occupied (cells: {unknown})"));
     }
@@ -102,13 +115,13 @@ enum Content {
     Ros(String),
 }
 
-fn read_content(path: &Path) -> Result<Content, MapError> {
+fn read_content(path: &Path, transparency: Transparency) -> Result<Content, MapError> {
     let opened = input_file::open(path).map_err(not_opened);
     let read = opened.and_then(|input| match input {
         InputFile::Regular(_, 0) => Err(Fault::Empty),
         InputFile::Regular(_, bytes) if bytes > MAX_BYTES => Err(Fault::TooLarge { bytes }),
-        InputFile::Regular(file, bytes) => read_file(BufReader::with_capacity(BUFFER_BYTES, file), bytes),
-        stream => read_stream(stream),
+        InputFile::Regular(file, bytes) => read_file(BufReader::with_capacity(BUFFER_BYTES, file), bytes, transparency),
+        stream => read_stream(stream, transparency),
     });
     read.map_err(|fault| MapError { path: path.to_owned(), fault })
 }
@@ -117,14 +130,17 @@ fn not_opened(error: std::io::Error) -> Fault {
     if error.kind() == ErrorKind::IsADirectory { Fault::Folder } else { error.into() }
 }
 
-fn read_file<R: BufRead + Seek>(mut source: R, bytes: u64) -> Result<Content, Fault> {
+fn read_file<R: BufRead + Seek>(mut source: R, bytes: u64, transparency: Transparency) -> Result<Content, Fault> {
+    if is_utf16(source.fill_buf()?) {
+        return read_stream(&mut source as &mut dyn Read, transparency);
+    }
     match MapFormat::from_first_bytes(source.fill_buf()?)? {
         MapFormat::Png => match carried::length(source.fill_buf()?) {
             Some(length) => read_carried(source, length, bytes),
-            None => png::read(source, bytes).map(Content::Grey),
+            None => png::read(source, bytes, transparency).map(Content::Grey),
         },
-        MapFormat::Whole(format) => read_whole(format, source),
-        MapFormat::Sequential(format) => read_sequential(format, source, bytes),
+        MapFormat::Whole(format) => read_whole(format, source, transparency),
+        MapFormat::Sequential(format) => read_sequential(format, source, bytes, transparency),
     }
 }
 
@@ -142,7 +158,8 @@ fn read_carried(mut source: impl Read, length: usize, bytes: u64) -> Result<Cont
 
 /// Reads an input that has no way back, a pipe, a device or stdin: its first bytes are kept, as they show the format,
 /// and those of most images are all kept.
-fn read_stream(mut stream: impl Read) -> Result<Content, Fault> {
+fn read_stream(stream: impl Read, transparency: Transparency) -> Result<Content, Fault> {
+    let mut stream = TextReader::new(stream);
     let mut start = Vec::new();
     stream.by_ref().take(BUFFER_BYTES as u64).read_to_end(&mut start)?;
     let bytes = start.len() as u64;
@@ -153,18 +170,18 @@ fn read_stream(mut stream: impl Read) -> Result<Content, Fault> {
         MapFormat::Png => {
             let image = png::read_bytes(start, stream)?;
             let bytes = image.len() as u64;
-            read_file(Cursor::new(image), bytes)
+            read_file(Cursor::new(image), bytes, transparency)
         }
-        MapFormat::Whole(format) => read_whole(format, Cursor::new(start).chain(stream)),
+        MapFormat::Whole(format) => read_whole(format, Cursor::new(start).chain(stream), transparency),
         MapFormat::Sequential(format) => {
             let rest = BufReader::with_capacity(BUFFER_BYTES, stream.take(MAX_BYTES - bytes));
-            read_sequential(format, Cursor::new(start).chain(rest), bytes)
+            read_sequential(format, Cursor::new(start).chain(rest), bytes, transparency)
         }
     }
 }
 
 /// Keeps all bytes of an input, of which there may be no more than such a file has, and reads them.
-fn read_whole(format: WholeFormat, source: impl Read) -> Result<Content, Fault> {
+fn read_whole(format: WholeFormat, source: impl Read, transparency: Transparency) -> Result<Content, Fault> {
     let most = match format {
         WholeFormat::Picture(_) | WholeFormat::Tiff => pictures::MAX_FILE,
         WholeFormat::Ros => ros::MAX_FILE,
@@ -175,16 +192,21 @@ fn read_whole(format: WholeFormat, source: impl Read) -> Result<Content, Fault> 
         return Err(Fault::GoesBeyond { most });
     }
     match format {
-        WholeFormat::Picture(format) => format.read(&bytes).map(Content::Grey),
-        WholeFormat::Tiff => tiff_image::read(&bytes).map(Content::Grey),
+        WholeFormat::Picture(format) => format.read(&bytes, transparency).map(Content::Grey),
+        WholeFormat::Tiff => tiff_image::read(&bytes, transparency).map(Content::Grey),
         WholeFormat::Ros => Ok(Content::Ros(input_file::text(bytes)?)),
     }
 }
 
 /// Reads from front to end. `bytes` is how many bytes there are at least, which says how much room to make at first.
-fn read_sequential(format: SequentialFormat, source: impl BufRead, bytes: u64) -> Result<Content, Fault> {
+fn read_sequential(
+    format: SequentialFormat,
+    source: impl BufRead,
+    bytes: u64,
+    transparency: Transparency,
+) -> Result<Content, Fault> {
     match format {
-        SequentialFormat::Pnm => pnm::read(source, bytes).map(Content::Grey),
+        SequentialFormat::Pnm => pnm::read(source, bytes, transparency).map(Content::Grey),
         SequentialFormat::MovingAi => {
             moving_ai::read(source, bytes).map(|(occupied, note)| Content::Cells(occupied, note))
         }
@@ -192,7 +214,9 @@ fn read_sequential(format: SequentialFormat, source: impl BufRead, bytes: u64) -
         SequentialFormat::Table(separator) => {
             text::read_table(source, bytes, separator).map(|occupied| Content::Cells(occupied, None))
         }
-        SequentialFormat::Text => text::read_text(source, bytes).map(|occupied| Content::Cells(occupied, None)),
+        SequentialFormat::Text(comments) => {
+            text::read_text(source, bytes, comments).map(|occupied| Content::Cells(occupied, None))
+        }
     }
 }
 
@@ -218,20 +242,17 @@ enum SequentialFormat {
     MovingAi,
     Npy,
     Table(Separator),
-    Text,
+    Text(Comments),
 }
 
 /// The first bytes of files that people may take for maps.
 const FOREIGN: &[(&[u8], &str)] = &[
     (b"RIFF", "a RIFF file that is not a WebP image"),
     (b"%PDF", "a PDF document"),
-    (b"P7\n", "a PAM image"),
     (b"<", "an SVG image or another XML document"),
     (b"{", "JSON text"),
     (b"\x1F\x8B", "a gzip file"),
     (b"PK\x03\x04", "a ZIP archive"),
-    (b"\xFF\xFE", "UTF-16 text"),
-    (b"\xFE\xFF", "UTF-16 text"),
 ];
 
 /// Names files of boxes, whose first box says what they are: photographs of telephones, and films.
@@ -254,8 +275,6 @@ fn boxed_kind(start: &[u8]) -> Option<&'static str> {
 }
 
 impl MapFormat {
-    const PLAIN: Self = Self::Sequential(SequentialFormat::Text);
-
     /// Tells the format from the first bytes of a file.
     fn from_first_bytes(start: &[u8]) -> Result<Self, Fault> {
         if let Some(picture) = PictureFormat::from_first_bytes(start) {
@@ -264,11 +283,14 @@ impl MapFormat {
         if let Some(found) = boxed_kind(start) {
             return Err(Fault::Foreign { found });
         }
+        let text = without_mark(start);
+        if ros::is_flow_start(text) {
+            return Ok(Self::Whole(WholeFormat::Ros));
+        }
         if let Some((_, found)) = FOREIGN.iter().find(|(signature, _)| start.starts_with(signature)) {
             return Err(Fault::Foreign { found });
         }
-        let text = without_mark(start);
-        let first_line = text.split(|&byte| byte == b'\n').next().unwrap_or_default();
+        let (comments, first_line) = Comments::of_text(text);
         Ok(if start.starts_with(png::SIGNATURE) {
             Self::Png
         } else if tiff_header::is_start(start) {
@@ -284,7 +306,7 @@ impl MapFormat {
         } else {
             match Separator::of_first_line(first_line) {
                 Some(separator) => Self::Sequential(SequentialFormat::Table(separator)),
-                None => Self::PLAIN,
+                None => Self::Sequential(SequentialFormat::Text(comments)),
             }
         })
     }

@@ -2,12 +2,15 @@
 //!
 //! Source: Brian Gerkey, Tony Pratkanis, "map_server", ROS wiki, sections 1.2 "Map format" and 1.2.2 "Value
 //! interpretation". A pixel of value x (0 black to 255 white) is occupied with probability p = (255 - x) / 255, or x / 255
-//! where `negate` is set.
+//! where `negate` is set. Cells of transparent pixels are unknown in the modes `trinary` and `scale`, as in Nav2's
+//! `map_server` (Steve Macenski and others, package `nav2_map_server`, `loadMapFromFile`); the mode `raw` has no alpha.
 
 use saphyr_parser::{Event, Parser};
 
 use crate::Grid;
 use crate::map_files::Fault;
+use crate::map_files::decoded::GreyImage;
+use crate::map_files::pixel::Transparency;
 use wildfire_base::untrusted::visible_start;
 
 /// Most bytes of a YAML file.
@@ -53,10 +56,23 @@ enum CellState {
 
 /// Returns whether a text is the YAML file of a ROS map: one of its lines begins with one of the keys.
 pub(super) fn is_start(start: &[u8]) -> bool {
-    start.split(|&byte| byte == b'\n').any(|line| {
-        let key = line.split(|&byte| byte == b':').next().filter(|key| key.len() < line.len());
-        key.is_some_and(|key| KEYS.iter().any(|known| key.trim_ascii_end() == known.as_bytes()))
-    })
+    start.split(|&byte| byte == b'\n').any(|line| key_of(line).is_some()) || is_flow_start(start)
+}
+
+/// Returns whether a text is such a file in braces, which JSON has too: it has the keys that no other file has together.
+pub(super) fn is_flow_start(start: &[u8]) -> bool {
+    let is_between = |byte: &u8| matches!(byte, b'\n' | b'{' | b',');
+    let keys: Vec<&str> = start.split(is_between).filter_map(key_of).collect();
+    start.contains(&b'{') && ["image", "resolution", "origin"].iter().all(|key| keys.contains(key))
+}
+
+/// Returns the key of a ROS map that a part of a text begins with.
+fn key_of(part: &[u8]) -> Option<&'static str> {
+    let key = part.split(|&byte| byte == b':').next().filter(|key| key.len() < part.len())?.trim_ascii();
+    let is_quote = |byte: &u8| matches!(byte, b'"' | b'\'');
+    let key =
+        if key.first() == key.last() && key.first().is_some_and(is_quote) { key.get(1..key.len() - 1)? } else { key };
+    KEYS.into_iter().find(|known| key == known.as_bytes())
 }
 
 impl RosMap {
@@ -70,9 +86,9 @@ impl RosMap {
             Some(_) => return Err(entries.required("mode")?.unlike(MODES)),
         };
         let negate = entries.required("negate")?;
-        let negate = match negate.word(SWITCH)? {
-            "0" | "false" | "False" => false,
-            "1" | "true" | "True" => true,
+        let negate = match negate.word(SWITCH)?.to_ascii_lowercase().as_str() {
+            "0" | "false" | "no" | "off" | "n" => false,
+            "1" | "true" | "yes" | "on" | "y" => true,
             _ => return Err(negate.unlike(SWITCH)),
         };
         let occupied_thresh = entries.share("occupied_thresh")?;
@@ -90,14 +106,23 @@ impl RosMap {
         Ok(Self { image, place: MapPlace { cell_m, origin }, negate, occupied_thresh, free_thresh, mode })
     }
 
+    /// Returns the meaning of transparent pixels.
+    pub fn transparency(&self) -> Transparency {
+        if self.mode == Mode::Raw { Transparency::Ignored } else { Transparency::Unknown }
+    }
+
     /// Finds the occupied pixels: all that are not free. `inverted` swaps light and dark.
     ///
     /// Returns how many of them are not occupied for certain: unknown, or between the two thresholds.
-    pub fn occupied(&self, grey: &Grid<u8>, inverted: bool) -> (Grid<bool>, usize) {
+    pub fn occupied(&self, image: &GreyImage, inverted: bool) -> (Grid<bool>, usize) {
+        let GreyImage { grey, is_unknown, .. } = image;
         let states: Vec<CellState> = (0..=u8::MAX).map(|value| self.state(value, inverted)).collect();
-        let state = |&value: &u8| states[usize::from(value)];
-        let unknown = grey.values().iter().filter(|value| state(value) == CellState::Unknown).count();
-        let occupied = grey.values().iter().map(|value| state(value) != CellState::Free).collect();
+        let is_unknown = |cell: usize| is_unknown.as_ref().is_some_and(|pixels| pixels.values()[cell]);
+        let cells = grey.values().iter().enumerate();
+        let cells =
+            cells.map(|(cell, &value)| if is_unknown(cell) { CellState::Unknown } else { states[usize::from(value)] });
+        let unknown = cells.clone().filter(|&state| state == CellState::Unknown).count();
+        let occupied = cells.map(|state| state != CellState::Free).collect();
         (Grid::from_values(grey.rows(), grey.cols(), occupied), unknown)
     }
 
@@ -185,6 +210,10 @@ impl Entries {
                 Event::MappingStart(..) if depth == 0 => depth = 1,
                 Event::Scalar(word, ..) if depth == 1 && is_key => {
                     let line = span.start.line();
+                    if entries.iter().any(|entry| entry.key == word) {
+                        let message = format!("`{}` stands twice; expected it once", visible_start(&word));
+                        return Err(Fault::Line { line, message });
+                    }
                     entries.push(Entry { key: word.into_owned(), line, words: Some(Vec::new()), is_list: false });
                     is_key = false;
                 }
@@ -237,7 +266,8 @@ mod tests {
 
     fn states(text: &str, values: [u8; 4]) -> ([bool; 4], usize) {
         let map = RosMap::parse(text).expect("a map");
-        let (occupied, unknown) = map.occupied(&Grid::from_values(1, 4, values.to_vec()), false);
+        let image = GreyImage { grey: Grid::from_values(1, 4, values.to_vec()), is_unknown: None, notes: Vec::new() };
+        let (occupied, unknown) = map.occupied(&image, false);
         (occupied.values().try_into().expect("four"), unknown)
     }
 

@@ -108,33 +108,81 @@ const LONGEST_LINE: usize = 16 * MAX_SIDE;
 
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
+/// The lines of a text that are comments, as `numpy.savetxt` writes headers and footers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Comments {
+    None,
+    /// Those before the first row that begin with `# `; a row of `.` and `#` has no spaces.
+    BeforeRows,
+    /// All that begin with `#`.
+    Everywhere,
+}
+
+impl Comments {
+    fn has(self, line: &[u8]) -> bool {
+        match self {
+            Self::None => false,
+            Self::BeforeRows => line.starts_with(b"# "),
+            Self::Everywhere => line.starts_with(b"#"),
+        }
+    }
+
+    /// Returns the comments of a text, and its first row.
+    pub fn of_text(text: &[u8]) -> (Self, &[u8]) {
+        let mut lines = text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
+        let of_numbers = lines.clone().find(|line| !line.starts_with(b"#")).unwrap_or_default();
+        if of_numbers.first().is_some_and(|&letter| letter.is_ascii_digit() || matches!(letter, b'+' | b'-')) {
+            return (Self::Everywhere, of_numbers);
+        }
+        let first = lines.clone().next().unwrap_or_default();
+        let comments = if Self::BeforeRows.has(first) { Self::BeforeRows } else { Self::None };
+        (comments, lines.find(|line| !comments.has(line)).unwrap_or_default())
+    }
+}
+
 /// The lines of a text, without their ends and without spaces before these.
 pub(super) struct TextLines<R> {
     source: R,
     line: Vec<u8>,
+    comments: Comments,
     /// The number of the last line that was read, from 1.
     pub number: usize,
 }
 
 impl<R: BufRead> TextLines<R> {
-    pub fn new(source: R) -> Self {
-        Self { source, line: Vec::new(), number: 0 }
+    pub fn new(source: R, comments: Comments) -> Self {
+        Self { source, line: Vec::new(), comments, number: 0 }
     }
 
-    /// Returns the next line; `None` at the end of the file.
+    /// Returns the next line that is no comment; `None` at the end of the file.
     pub fn next(&mut self) -> Result<Option<&[u8]>, Fault> {
+        while self.advance()? {
+            let start = if self.number == 1 { without_mark(&self.line).len() } else { self.line.len() };
+            let start = self.line.len() - start;
+            if self.comments.has(&self.line[start..]) {
+                continue;
+            }
+            if self.comments == Comments::BeforeRows {
+                self.comments = Comments::None;
+            }
+            return Ok(Some(self.line[start..].trim_ascii_end()));
+        }
+        Ok(None)
+    }
+
+    /// Reads the next line, if there is one.
+    fn advance(&mut self) -> Result<bool, Fault> {
         self.line.clear();
         let limit = LONGEST_LINE as u64 + 1;
         if self.source.by_ref().take(limit).read_until(b'\n', &mut self.line)? == 0 {
-            return Ok(None);
+            return Ok(false);
         }
         self.number += 1;
         if self.line.len() > LONGEST_LINE {
             let message = format!("the line is longer than {LONGEST_LINE} bytes, the limit for a row of a map");
             return Err(Fault::Line { line: self.number, message });
         }
-        let start = if self.number == 1 { without_mark(&self.line) } else { &self.line };
-        Ok(Some(start.trim_ascii_end()))
+        Ok(true)
     }
 }
 

@@ -1,14 +1,14 @@
 //! Maps as text: rows of 0 and 1 or of `.` and `#`, and tables of the numbers 0 and 1.
 //!
-//! 0 and `.` are a free cell, 1 and `#` an occupied one. Lines may end in CR LF, and the text may begin with a byte order
-//! mark.
+//! 0 and `.` are a free cell, 1 and `#` an occupied one. Lines may end in CR LF, the text may begin with a byte order
+//! mark, and some lines may be [`Comments`].
 
 use std::io::BufRead;
 
 use crate::Grid;
 use crate::map_files::Fault;
 use crate::map_files::error::shown_letter;
-use crate::map_files::rows::{BadCell, TextLines, read_rows};
+use crate::map_files::rows::{BadCell, Comments, TextLines, read_rows};
 
 pub(super) const EXPECTED: &str = "0 (free) or 1 (occupied)";
 
@@ -51,9 +51,9 @@ fn is_blank(byte: u8) -> bool {
 }
 
 /// Reads rows of cells with nothing between them: all of 0 and 1, or all of `.` and `#`.
-pub(super) fn read_text(source: impl BufRead, bytes: u64) -> Result<Grid<bool>, Fault> {
+pub(super) fn read_text(source: impl BufRead, bytes: u64, comments: Comments) -> Result<Grid<bool>, Fault> {
     let mut letters = None;
-    read_rows(&mut TextLines::new(source), bytes, None, |line, cells| {
+    read_rows(&mut TextLines::new(source, comments), bytes, None, |line, cells| {
         let letters = letters.get_or_insert_with(|| Letters::of_first_line(line));
         text_cells(line, *letters, cells)
     })
@@ -61,7 +61,8 @@ pub(super) fn read_text(source: impl BufRead, bytes: u64) -> Result<Grid<bool>, 
 
 /// Reads rows of numbers that are 0 or 1, such as `1`, `1.0` or `1e0`; spaces about the values do not matter.
 pub(super) fn read_table(source: impl BufRead, bytes: u64, separator: Separator) -> Result<Grid<bool>, Fault> {
-    read_rows(&mut TextLines::new(source), bytes, None, |line, cells| table_cells(line, separator, cells))
+    let mut lines = TextLines::new(source, Comments::Everywhere);
+    read_rows(&mut lines, bytes, None, |line, cells| table_cells(line, separator, cells))
 }
 
 /// The letters of rows of cells.

@@ -10,18 +10,17 @@ use tiff::decoder::DecodingResult;
 use tiff::tags::{CompressionMethod, PhotometricInterpretation, SampleFormat, Tag};
 use tiff::{ColorType, TiffError, TiffUnsupportedError};
 
-use crate::Grid;
 use crate::map_files::Fault;
 use crate::map_files::decoded::{GreyImage, check_decoded, turned};
-use crate::map_files::error::{check_size, with_room};
+use crate::map_files::error::check_size;
 use crate::map_files::pictures::{FIRST_OF_SEVERAL, MAX_DECODED};
-use crate::map_files::pixel::PixelLayout;
+use crate::map_files::pixel::{PixelLayout, Pixels, Transparency};
 use crate::map_files::raster::tiff_chunks;
 
 const FLOAT_OR_SIGNED: &str = "its samples are floats, or may be negative";
 
 /// Reads the first image of a TIFF file: grey of 1 to 16 bits, or RGB, with alpha or without, of 8 or 16 bits.
-pub(super) fn read(bytes: &[u8]) -> Result<GreyImage, Fault> {
+pub(super) fn read(bytes: &[u8], transparency: Transparency) -> Result<GreyImage, Fault> {
     let damaged_chunk = |message| Fault::Image { message };
     let mut decoder = tiff_chunks::open(bytes, MAX_DECODED as usize).map_err(damaged_chunk)?.map_err(damaged)?;
     let (cols, rows) = decoder.dimensions().map_err(damaged)?;
@@ -32,7 +31,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<GreyImage, Fault> {
     {
         return Err(unfit(FLOAT_OR_SIGNED));
     }
-    let samples = Samples::of(decoder.colortype().map_err(damaged)?)?;
+    let samples = Samples::of(decoder.colortype().map_err(damaged)?, transparency)?;
     let decoded = rows as u64 * samples.bytes_per_row(size.1) as u64;
     check_decoded(decoded, MAX_DECODED, bytes.len() as u64, size)?;
     if decoder.image_buffer_layout().map_err(damaged)?.planes > 1 {
@@ -42,11 +41,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<GreyImage, Fault> {
     let orientation = orientation.and_then(Orientation::from_exif).unwrap_or(Orientation::NoTransforms);
     let has_several = decoder.more_images();
 
-    let values = samples.grey_values(decoder.read_image().map_err(damaged)?, size)?;
-    let mut notes = Vec::from_iter(samples.layout.note(&samples.name()));
-    let grey = turned(Grid::from_values(size.0, size.1, values), orientation, &mut notes);
-    notes.extend(has_several.then(|| FIRST_OF_SEVERAL.to_owned()));
-    Ok(GreyImage { grey, notes })
+    let pixels = samples.pixels(decoder.read_image().map_err(damaged)?, size)?;
+    let note = samples.layout.note(&samples.name());
+    let mut image = turned(pixels.into_image(size.0, size.1, Vec::from_iter(note)), orientation);
+    image.notes.extend(has_several.then(|| FIRST_OF_SEVERAL.to_owned()));
+    Ok(image)
 }
 
 fn damaged(error: TiffError) -> Fault {
@@ -85,7 +84,7 @@ struct Samples {
 }
 
 impl Samples {
-    fn of(colour_type: ColorType) -> Result<Self, Fault> {
+    fn of(colour_type: ColorType, transparency: Transparency) -> Result<Self, Fault> {
         let (colour, alpha, bits) = match colour_type {
             ColorType::Gray(bits @ (1 | 2 | 4 | 8 | 16)) => (false, false, bits),
             ColorType::GrayA(bits @ (8 | 16)) => (false, true, bits),
@@ -98,12 +97,12 @@ impl Samples {
             _ => return Err(unfit(&format!("its pixels are {colour_type:?}"))),
         };
         let max = ((1u32 << bits) - 1) as u16;
-        Ok(Self { layout: PixelLayout { colour, alpha, max }, bits })
+        Ok(Self { layout: PixelLayout { colour, alpha: alpha.then_some(transparency), max }, bits })
     }
 
     fn name(&self) -> String {
         let colours = if self.layout.colour { "RGB" } else { "grey" };
-        let alpha = if self.layout.alpha { " with alpha" } else { "" };
+        let alpha = if self.layout.alpha.is_some() { " with alpha" } else { "" };
         format!("TIFF, {}-bit {colours}{alpha}", self.bits)
     }
 
@@ -115,28 +114,28 @@ impl Samples {
         (self.samples_per_row(cols) * usize::from(self.bits)).div_ceil(8)
     }
 
-    fn grey_values(&self, decoded: DecodingResult, (rows, cols): (usize, usize)) -> Result<Vec<u8>, Fault> {
-        let mut values = with_room(rows * cols)?;
+    fn pixels(&self, decoded: DecodingResult, (rows, cols): (usize, usize)) -> Result<Pixels, Fault> {
+        let mut pixels = Pixels::with_room(self.layout, rows * cols)?;
         match decoded {
             DecodingResult::U8(bytes) if self.bits <= 8 => {
                 let mut samples = Vec::new();
                 for row in bytes.chunks_exact(self.bytes_per_row(cols)).take(rows) {
                     samples.clear();
                     self.unpack(row, self.samples_per_row(cols), &mut samples);
-                    self.layout.append_grey(&samples, &mut values);
+                    pixels.append(&samples);
                 }
             }
             DecodingResult::U16(samples) if self.bits == 16 => {
                 let all = rows * self.samples_per_row(cols);
-                self.layout.append_grey(&samples[..all.min(samples.len())], &mut values);
+                pixels.append(&samples[..all.min(samples.len())]);
             }
             _ => return Err(unfit(FLOAT_OR_SIGNED)),
         }
-        if values.len() < rows * cols {
-            let (row, col) = (values.len() / cols, values.len() % cols);
+        if pixels.len() < rows * cols {
+            let (row, col) = (pixels.len() / cols, pixels.len() % cols);
             return Err(Fault::Ends { row, col, rows, cols });
         }
-        Ok(values)
+        Ok(pixels)
     }
 
     /// Appends the samples of a row; the leftmost of a byte are its highest bits.

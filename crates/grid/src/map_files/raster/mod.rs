@@ -9,6 +9,7 @@ mod error;
 mod geotiff;
 mod lcp;
 pub(super) mod tiff_chunks;
+mod tiff_fax;
 pub(super) mod tiff_header;
 
 use std::io;
@@ -98,7 +99,8 @@ impl Raster {
 /// [`MAX_RASTER_SIDE`], [`MAX_RASTER_CELLS`] and [`MAX_RASTER_BYTES`] allow. What a header declares is checked against
 /// these and against the bytes that there are before memory is taken for it.
 pub fn read(path: &Path) -> Result<Raster, RasterError> {
-    let raster = input_file::read(path, MAX_RASTER_BYTES).map_err(RasterFault::from).and_then(parse);
+    let bytes = input_file::read(path, MAX_RASTER_BYTES).and_then(input_file::utf8);
+    let raster = bytes.map_err(RasterFault::from).and_then(parse);
     raster.map_err(|fault| RasterError { path: path.to_owned(), fault })
 }
 
@@ -132,7 +134,8 @@ pub struct Band {
 /// # Errors
 /// Fails as [`read`] does, and if there are more than [`MAX_BANDS`] bands.
 pub fn read_bands(path: &Path) -> Result<Vec<Band>, RasterError> {
-    let bands = input_file::read(path, MAX_RASTER_BYTES).map_err(RasterFault::from).and_then(|bytes| {
+    let read = input_file::read(path, MAX_RASTER_BYTES).and_then(input_file::utf8);
+    let bands = read.map_err(RasterFault::from).and_then(|bytes| {
         if tiff_header::is_start(&bytes) {
             geotiff::parse_bands(bytes)
         } else if lcp::is_start(&bytes) {

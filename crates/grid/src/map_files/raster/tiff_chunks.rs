@@ -1,7 +1,8 @@
-//! Decompression of strips and tiles of TIFF images that use LZW or Zstandard.
+//! Decompression of strips and tiles of TIFF images that use LZW, Zstandard, or the older codes of faxes.
 //!
 //! The crate `tiff` undoes predictors and orders of bytes, but its reader of LZW refuses tiles that reach beyond the image
-//! and strips without an end code, both of which GDAL writes or reads, and its reader of Zstandard is not in Rust. So the
+//! and strips without an end code, both of which GDAL writes or reads, its reader of Zstandard is not in Rust, and it knows
+//! neither these faxes nor bytes whose lowest bit comes first. So the
 //! file is written again in memory: behind its bytes come all chunks unpacked, and the tags point to these.
 //!
 //! Sources: Adobe Developers Association, "TIFF Revision 6.0", 1992, sections 13 (LZW) and 15 (tiles); number 50000 is that
@@ -14,6 +15,7 @@ use ruzstd::decoding::StreamingDecoder;
 use tiff::TiffResult;
 use tiff::decoder::{Decoder, Limits};
 
+use super::tiff_fax::{self, Fax};
 use super::tiff_header::{
     BITS, COMPRESSION, LENGTH, PLANAR, ROWS_PER_STRIP, SAMPLES, TILE_LENGTH, TILE_WIDTH, TiffHead, WIDTH,
 };
@@ -22,7 +24,14 @@ use super::tiff_header::{
 const STRIPS: [u16; 2] = [273, 279];
 const TILES: [u16; 2] = [324, 325];
 
+/// The order of bits within bytes, and that in which the lowest bit comes first; the options of Group 3.
+const FILL_ORDER: u16 = 266;
+const LOWEST_FIRST: usize = 2;
+const T4_OPTIONS: u16 = 292;
+
 const NOT_PACKED: u32 = 1;
+const MODIFIED_HUFFMAN: u64 = 2;
+const GROUP_3: u64 = 3;
 const LZW: u64 = 5;
 const ZSTANDARD: u64 = 50_000;
 
@@ -46,7 +55,8 @@ pub(in crate::map_files) fn open(bytes: &[u8], most: usize) -> Result<TiffResult
     Ok(Decoder::new(Cursor::new(plain)).map(|decoder| decoder.with_limits(limits)))
 }
 
-/// Returns the file with unpacked chunks if they are packed by LZW or Zstandard, at most `most` bytes of them.
+/// Returns the file with unpacked chunks if they are packed in a way that is read here, at most `most` bytes of them, and
+/// with the highest bit of each byte first.
 ///
 /// `None` if there is nothing to do, or the head is damaged in a way that a decoder will name.
 ///
@@ -56,7 +66,9 @@ fn unpack(bytes: &[u8], most: usize) -> Result<Option<Vec<u8>>, String> {
     let Some(head) = TiffHead::find(bytes) else { return Ok(None) };
     let number = |tag| head.entry(bytes, tag).and_then(|entry| entry.value).map(|number| number as usize);
     let packing = number(COMPRESSION).unwrap_or_default() as u64;
-    let (Some(cols), Some(rows), true) = (number(WIDTH), number(LENGTH), [LZW, ZSTANDARD].contains(&packing)) else {
+    let is_packed = [MODIFIED_HUFFMAN, GROUP_3, LZW, ZSTANDARD].contains(&packing);
+    let is_lowest_first = number(FILL_ORDER) == Some(LOWEST_FIRST);
+    let (Some(cols), Some(rows), true) = (number(WIDTH), number(LENGTH), is_packed || is_lowest_first) else {
         return Ok(None);
     };
     let (tags, width, height) = match (number(TILE_WIDTH), number(TILE_LENGTH)) {
@@ -78,25 +90,40 @@ fn unpack(bytes: &[u8], most: usize) -> Result<Option<Vec<u8>>, String> {
         let wrong = |reason: &str| Err(format!("row {row}, column {col}: {reason}"));
         let end = offset.checked_add(count).filter(|&end| end <= bytes.len() as u64);
         let Some(end) = end else { return wrong("its cells lie beyond the end of the file") };
-        let packed = &bytes[offset as usize..end as usize];
+        let mut packed = Cow::Borrowed(&bytes[offset as usize..end as usize]);
+        if is_lowest_first {
+            packed.to_mut().iter_mut().for_each(|byte| *byte = byte.reverse_bits());
+        }
         // The last strip is shorter, tiles never are.
         let chunk_rows = if tags == STRIPS { height.min(rows - row) } else { height };
-        let needed = if packed.is_empty() { Some(0) } else { row_bytes.checked_mul(chunk_rows) };
+        let needed = match packed.len() {
+            length if length == 0 || !is_packed => Some(length),
+            _ => row_bytes.checked_mul(chunk_rows),
+        };
         let start = plain.len();
         let limit = needed.map(|needed| start.saturating_add(needed));
         let Some(limit) = limit.filter(|limit| limit - bytes.len() <= most && u32::try_from(*limit).is_ok()) else {
             return Err(format!("its cells take more than {most} bytes"));
         };
-        if packing == LZW {
-            unpack_lzw(packed, limit, &mut plain);
-        } else if !packed.is_empty() {
-            // What is missing at its end is found below.
-            let unpacked = StreamingDecoder::new(packed).map_err(|error| error.to_string()).and_then(|stream| {
-                stream.take((limit - start) as u64).read_to_end(&mut plain).map_err(|error| error.to_string())
-            });
-            if let Err(reason) = unpacked {
-                return wrong(&reason);
+        match packing {
+            _ if packed.is_empty() => {}
+            LZW => unpack_lzw(&packed, limit, &mut plain),
+            MODIFIED_HUFFMAN => tiff_fax::unpack(&packed, Fax::ModifiedHuffman, width, limit, &mut plain),
+            GROUP_3 => {
+                let options = number(T4_OPTIONS).unwrap_or_default() as u64;
+                tiff_fax::unpack(&packed, Fax::Group3 { options }, width, limit, &mut plain);
             }
+            ZSTANDARD => {
+                // What is missing at its end is found below.
+                let stream = StreamingDecoder::new(&packed[..]).map_err(|error| error.to_string());
+                let unpacked = stream.and_then(|stream| {
+                    stream.take((limit - start) as u64).read_to_end(&mut plain).map_err(|error| error.to_string())
+                });
+                if let Err(reason) = unpacked {
+                    return wrong(&reason);
+                }
+            }
+            _ => plain.extend_from_slice(&packed),
         }
         if plain.len() < limit {
             return wrong("its compressed cells end early, or are damaged");
@@ -104,7 +131,9 @@ fn unpack(bytes: &[u8], most: usize) -> Result<Option<Vec<u8>>, String> {
         starts.push(if packed.is_empty() { 0 } else { start as u32 });
         sizes.push((limit - start) as u32);
     }
-    head.put(&mut plain, COMPRESSION, &[NOT_PACKED]);
+    if is_packed {
+        head.put(&mut plain, COMPRESSION, &[NOT_PACKED]);
+    }
     head.put(&mut plain, tags[0], &starts);
     head.put(&mut plain, tags[1], &sizes);
     Ok(Some(plain))
