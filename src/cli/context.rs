@@ -9,7 +9,7 @@ use wildfire_batch::{BatchPlan, own_names};
 use wildfire_planning::{PlannerName, Planners};
 #[cfg(unix)]
 use wildfire_sim::programs::{ProgramPool, Trust};
-use wildfire_sim::scenario::{MemoryLimit, Scenario, UsedProgram, doubts_of_map, is_built_in_policy};
+use wildfire_sim::scenario::{MemoryLimit, Scenario, UsedProgram, doubts_of_files, is_built_in_policy};
 use wildfire_sim::{Entrants, RunOptions};
 
 /// What commands have besides their arguments.
@@ -62,11 +62,11 @@ impl CommandContext {
         RunOptions { records_searches, memory, ..self.entrants.clone().into() }
     }
 
-    /// Notes, once each, what of the maps of scenarios may have been misread or was left out.
+    /// Notes, once each, what of the files of scenarios may have been misread or was left out, and which ignitions light nothing.
     pub fn note_doubts<'a>(&self, scenarios: impl IntoIterator<Item = &'a Scenario>) {
         if !self.quiet {
-            let doubts: BTreeSet<&str> = scenarios.into_iter().flat_map(doubts_of_map).collect();
-            doubts.into_iter().for_each(terminal::note);
+            let doubts: BTreeSet<String> = scenarios.into_iter().flat_map(doubts_of_files).collect();
+            doubts.iter().for_each(|doubt| terminal::note(doubt));
         }
     }
 

@@ -359,7 +359,7 @@ fn notes_on_map(map: &Path, options: &MapArguments, scenario: &Scenario) -> Resu
     let read = if map_files::is_plain_text(&bytes) { None } else { Some(map_files::read_bytes(map, bytes, reading)?) };
     let mut notes = read.as_ref().map_or(Vec::new(), |read| [read.notes.clone(), read.doubts()].concat());
     if read.is_none() {
-        notes.extend(scenario::doubts_of_map(scenario).map(str::to_owned));
+        notes.extend(scenario::doubts_of_files(scenario));
     }
     if options.tolerance.is_some() && read.is_none_or(|read| read.grey.is_none()) {
         notes.push(NO_IMAGE.to_owned());

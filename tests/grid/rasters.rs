@@ -193,3 +193,293 @@ fn gdal_reads_what_was_written() {
         assert_eq!(band["computedMax"].as_f64(), Some(most.into()), "{found:#}");
     }
 }
+
+/// What is expected of a file: its numbers as GDAL reads them, or a sentence with these words.
+type Expected = Option<&'static str>;
+
+/// Files by the options of `gdal_translate` that make them, the source, the ending, and what is expected of them.
+fn files_of_gdal() -> Vec<(&'static str, String, &'static str, Expected)> {
+    let mut files = Vec::new();
+    let mut add = |source: &'static str, options: &str, expected: Expected| {
+        files.push((source, options.to_owned(), "tif", expected));
+    };
+    let kinds = ["Byte", "Int16", "UInt16", "Int32", "UInt32", "Float32", "Float64"];
+    let layouts = [
+        "",
+        "-co TILED=YES -co BLOCKXSIZE=16 -co BLOCKYSIZE=32",
+        "-co BLOCKYSIZE=7",
+        "-co BIGTIFF=YES",
+        "-co ENDIANNESS=BIG",
+        "-co INTERLEAVE=BAND",
+    ];
+    for (number, kind) in kinds.into_iter().enumerate() {
+        for (place, packing) in ["NONE", "PACKBITS", "LZW", "DEFLATE", "ZSTD"].into_iter().enumerate() {
+            let predictor = 1 + (number + place) % if place > 1 { 2 } else { 1 };
+            let layout = layouts[(number + 2 * place) % layouts.len()];
+            let options = format!("-ot {kind} -co COMPRESS={packing} -co PREDICTOR={predictor} {layout}");
+            add("plain", &options, None);
+            add("stack", &options, None);
+        }
+        add("plain", &format!("-ot {kind} -a_scale 0.25 -a_offset -3"), None);
+        add("plain", &format!("-ot {kind} -a_nodata none"), None);
+        add("plain", &format!("-ot {kind} -a_nodata 98 -a_scale 2"), None);
+        add(
+            "plain",
+            &format!("-ot {kind} -b 1 -mask 1 --config GDAL_TIFF_INTERNAL_MASK YES {}", layouts[number % 5]),
+            None,
+        );
+    }
+    for nodata in ["nan", "-inf", "1e40", "-3.4028234663852886e+38", "101"] {
+        add("plain", &format!("-ot Float32 -a_nodata {nodata}"), None);
+        add("plain", &format!("-ot Float64 -a_nodata {nodata} -a_offset 1"), None);
+    }
+    for bits in [1, 2, 4] {
+        add("small", &format!("-ot Byte -co NBITS={bits}"), None);
+        add(
+            "small",
+            &format!("-ot Byte -co NBITS={bits} -co COMPRESS=LZW -co TILED=YES -co BLOCKXSIZE=16 -co BLOCKYSIZE=16"),
+            None,
+        );
+    }
+    add("small", "-ot Byte -co NBITS=1 -co COMPRESS=CCITTFAX4", None);
+    for (options, words) in [
+        ("-ot Byte -co NBITS=3", "gdal_translate -ot Float32"),
+        ("-ot Byte -co NBITS=7", "gdal_translate -ot Float32"),
+        ("-ot UInt16 -co NBITS=12", "gdal_translate -ot Float32"),
+        ("-ot CInt16", "gdal_translate"),
+        ("-ot CFloat32", "gdal_translate"),
+        ("-ot Float32 -co NBITS=16", "gdal_translate -ot Float32"),
+        ("-ot Byte -co COMPRESS=JPEG", "gdal_translate -co COMPRESS=DEFLATE"),
+        ("-ot Byte -co COMPRESS=LZMA", "gdal_translate -co COMPRESS=DEFLATE"),
+        ("-ot Byte -co COMPRESS=LERC", "gdal_translate -co COMPRESS=DEFLATE"),
+        ("-ot Byte -co COMPRESS=LERC_ZSTD", "gdal_translate -co COMPRESS=DEFLATE"),
+        ("-ot Byte -co NBITS=1 -co COMPRESS=CCITTFAX3", "gdal_translate -co COMPRESS=DEFLATE"),
+        ("-ot Byte -co NBITS=1 -co COMPRESS=CCITTRLE", "gdal_translate -co COMPRESS=DEFLATE"),
+        ("-b 1 -mask 1 --config GDAL_TIFF_INTERNAL_MASK NO", "contains its mask; gdal_translate"),
+        ("-co PROFILE=GeoTIFF -a_scale 2", "gives its values a scale; gdal_translate"),
+        ("-co PROFILE=GeoTIFF -a_nodata 7", "gives its value for no data; gdal_translate"),
+        ("-co PROFILE=BASELINE", "gdal_translate"),
+        ("-ot Byte -b 1 -b 1 -b 1 -b 1 -co PHOTOMETRIC=CMYK", "gdal_translate"),
+        ("-ot Byte -b 1 -b 1 -b 1 -co PHOTOMETRIC=CIELAB", "gdal_translate"),
+    ] {
+        add("small", options, Some(words));
+    }
+    for options in [
+        "-co PHOTOMETRIC=MINISWHITE",
+        "-b 1 -b 1 -co ALPHA=YES",
+        "-b 1 -b 1 -co ALPHA=YES -a_nodata 3",
+        "-b 1 -b 1 -b 1 -co PHOTOMETRIC=RGB",
+        "-b 1 -b 1 -b 1 -b 1 -co PHOTOMETRIC=RGB -co ALPHA=YES",
+        "-b 1 -b 1 -b 1 -b 1 -b 1 -co ALPHA=YES",
+        "-co SPARSE_OK=TRUE -co TILED=YES -co BLOCKXSIZE=16 -co BLOCKYSIZE=16",
+        "-of COG -co BLOCKSIZE=128",
+        "-of COG -co BLOCKSIZE=128 -co COMPRESS=ZSTD",
+        "-co GEOTIFF_VERSION=1.1",
+        "-co GEOTIFF_KEYS_FLAVOR=ESRI_PE",
+        "-mo AREA_OR_POINT=Point",
+        "-a_ullr 500000 3998890 501590 4000000",
+        "-a_ullr 500000 3998890 501590 4000000 -b 1 -mask 1 --config GDAL_TIFF_INTERNAL_MASK YES",
+        "-b 1 -b 1 -mask 2 -co TILED=YES -co BLOCKXSIZE=16 -co BLOCKYSIZE=16 --config GDAL_TIFF_INTERNAL_MASK YES",
+        "-b 1 -b 1 -mask 2 -co BIGTIFF=YES -co ENDIANNESS=BIG --config GDAL_TIFF_INTERNAL_MASK YES",
+        "-b 1 -b 1 -a_nodata 1 -mask 2 --config GDAL_TIFF_INTERNAL_MASK YES",
+        "-a_nodata 0 -b 1 -b 1 -a_scale 3",
+    ] {
+        add("small", &format!("-ot Byte {options}"), None);
+    }
+    add("palette", "", None);
+    add("palette", "-co COMPRESS=LZW -co TILED=YES -co BLOCKXSIZE=16 -co BLOCKYSIZE=16", None);
+    for (system, words) in [
+        ("EPSG:32611", None),
+        ("EPSG:32733", None),
+        ("EPSG:5070", None),
+        ("EPSG:3035", None),
+        ("EPSG:2056", None),
+        ("EPSG:27700", None),
+        ("EPSG:26911+5703", None),
+        ("EPSG:32611+6360", None),
+        ("+proj=utm +zone=11 +datum=NAD83", None),
+        ("+proj=aea +lat_1=20 +lat_2=60 +lat_0=40 +lon_0=-96", None),
+        ("EPSG:2227", Some("US survey feet; gdalwarp -t_srs")),
+        ("EPSG:2222", Some("in feet; gdalwarp -t_srs")),
+        ("+proj=utm +zone=11 +units=us-ft", Some("US survey feet; gdalwarp -t_srs")),
+        ("+proj=utm +zone=11 +units=km", Some("gdalwarp -t_srs")),
+        ("EPSG:3857", Some("on the ground there; gdalwarp -t_srs EPSG:326")),
+        ("EPSG:3395", Some("gdalwarp -t_srs")),
+        ("EPSG:4087", Some("gdalwarp -t_srs")),
+        ("EPSG:6933", Some("gdalwarp -t_srs")),
+        ("+proj=merc +datum=WGS84", Some("gdalwarp -t_srs")),
+        ("+proj=eqc +datum=WGS84", Some("gdalwarp -t_srs")),
+    ] {
+        add("small", &format!("-a_srs @{system}"), words);
+    }
+    for (options, words) in [
+        ("-a_srs @EPSG:4326 -a_ullr -117 36 -116.9 35.93", "in degrees; gdalwarp -t_srs EPSG:32611"),
+        ("-a_srs @EPSG:4269 -a_ullr 17 -36 17.1 -36.07", "in degrees; gdalwarp -t_srs EPSG:32733"),
+        ("-a_ullr -117 36 -116.947 35.963", "gdalwarp -t_srs EPSG:32611 -s_srs EPSG:4326"),
+        ("-a_ullr -117 36 -116.8 35.9", "not square; gdalwarp"),
+        ("-a_ullr 500000 4000000 501000 3999000", "not square; gdalwarp"),
+        (
+            "-gcp 0 0 500000 4000000 -gcp 53 0 501590 4000000 -gcp 0 37 500000 3998890 -a_srs @EPSG:32611",
+            "gdalwarp -t_srs",
+        ),
+    ] {
+        add("small", options, Some(words));
+    }
+    add("turned", "", Some("do not run from west to east; gdalwarp"));
+    for options in [
+        "",
+        "-co FORCE_CELLSIZE=TRUE",
+        "-co DECIMAL_PRECISION=3",
+        "-co SIGNIFICANT_DIGITS=5",
+        "-ot Float32",
+        "-a_nodata -3",
+    ] {
+        files.push(("plain", format!("-of AAIGrid {options}"), "asc", None));
+    }
+    for (options, words) in [
+        ("-a_srs @EPSG:2227", "US survey feet; gdalwarp"),
+        ("-a_srs @EPSG:3857", "on the ground there; gdalwarp -t_srs EPSG:326"),
+        ("-a_srs @EPSG:4326 -a_ullr -117 36 -116.947 35.963", "in degrees; gdalwarp -t_srs EPSG:32611"),
+        ("-a_ullr -117 36 -116.947 35.963", "gdalwarp -t_srs EPSG:32611 -s_srs EPSG:4326"),
+        ("-a_scale 2", "gives its values a scale; gdal_translate"),
+        ("-a_ullr 500000 4000000 501000 3999000", "not square; gdalwarp"),
+    ] {
+        files.push(("plain", format!("-of AAIGrid {options}"), "asc", Some(words)));
+    }
+    for units in [
+        "ELEVATION_UNIT=FEET -co SLOPE_UNIT=PERCENT -co ASPECT_UNIT=GRASS_DEGREES",
+        "HEIGHT_UNIT=FEET_X_10 -co CBH_UNIT=METERS -co CBD_UNIT=POUND_PER_CUBIC_FOOT_X_1000",
+        "HEIGHT_UNIT=FEET -co CBH_UNIT=FEET -co CBD_UNIT=KG_PER_CUBIC_METER",
+        "HEIGHT_UNIT=METERS -co CBH_UNIT=FEET_X_10 -co CBD_UNIT=POUND_PER_CUBIC_FOOT",
+    ] {
+        files.push(("stack", format!("-of LCP -co CALCULATE_STATS=NO -co LATITUDE=40 -co {units}"), "lcp", None));
+    }
+    for (format, ending) in [("PNG", "png"), ("HFA", "img"), ("ENVI", "bil"), ("VRT", "vrt"), ("XYZ", "xyz")] {
+        files.push(("small", format!("-of {format} -ot Byte"), ending, Some("gdal_translate")));
+    }
+    files
+}
+
+/// Writes the sources: fuels with a rim without data, small numbers, the same with colours or turned, and a stack.
+fn write_sources(folder: &Path) {
+    let (rows, cols) = (37, 53);
+    let (west_m, south_m, cell_m) = (500_000.0, 3_998_890.0, 30.0);
+    let write = |name: &str, nodata: Option<f32>, value: &dyn Fn(usize) -> f32| {
+        let values = (0..rows * cols).map(value).collect();
+        let layer = Raster { rows, cols, west_m, south_m, cell_m, values, nodata, crs: None };
+        raster::write_asc(&folder.join(name), &layer).expect("the scratch folder takes files");
+    };
+    let is_rim = |index: usize| index % cols < 2 + index / cols % 3;
+    write("plain", Some(0.0), &|index| {
+        if is_rim(index) { 0.0 } else { [101, 102, 122, 98][index * index / 7 % 4] as f32 }
+    });
+    write("small", None, &|index| (index * index / 5 % 2) as f32);
+    let head = format!(r#"<VRTDataset rasterXSize="{cols}" rasterYSize="{rows}"><SRS>EPSG:32611</SRS>"#);
+    let band = |number: usize, source: &str, more: &str| {
+        format!(
+            r#"<VRTRasterBand dataType="Int16" band="{number}">{more}<SimpleSource><SourceFilename
+            relativeToVRT="1">{source}</SourceFilename><SourceBand>1</SourceBand></SimpleSource></VRTRasterBand>"#
+        )
+    };
+    let place = |turn: f64| format!("<GeoTransform>{west_m}, 30, {turn}, 4000000, 0, -30</GeoTransform>");
+    let colours =
+        "<ColorInterp>Palette</ColorInterp><ColorTable><Entry c1=\"9\"/><Entry c1=\"200\" c4=\"0\"/></ColorTable>";
+    let stack: String = (1..=8).map(|number| band(number, "plain", "<NoDataValue>0</NoDataValue>")).collect();
+    for (name, bands) in [
+        ("stack", place(0.0) + &stack),
+        ("turned", place(0.5) + &band(1, "small", "")),
+        ("palette", place(0.0) + &band(1, "small", colours).replace("Int16", "Byte")),
+    ] {
+        std::fs::write(folder.join(name), format!("{head}{bands}</VRTDataset>"))
+            .expect("the scratch folder takes files");
+    }
+}
+
+/// Compares a file with what GDAL reads of it: every value with scale and offset, every mask, the place.
+///
+/// # Errors
+/// Returns the sentence that refuses it, or says what differs.
+fn compare(path: &Path) -> Result<(), String> {
+    let bands = raster::read_bands(path).map_err(|error| error.to_string())?;
+    let info = gdalinfo(path).expect("it was there");
+    let all = info["bands"].as_array().expect("a list");
+    let has_opacity =
+        all.last().is_some_and(|band| band["colorInterpretation"] == "Alpha") && [2, 4].contains(&all.len());
+    if bands.len() != all.len() - usize::from(has_opacity) {
+        return Err(format!("{} bands, by GDAL {}", bands.len(), all.len()));
+    }
+    let by_gdal = |kind: &str, select: &str| {
+        let file = path.with_extension("raw");
+        translated(path, &file, &format!("-of ENVI -unscale {kind} {select}")).expect("it was there");
+        std::fs::read(file).expect("it was written")
+    };
+    let transform: Vec<f64> = serde_json::from_value(info["geoTransform"].clone()).expect("six numbers");
+    for (number, raster) in bands.iter().map(|band| &band.raster).enumerate() {
+        let values = by_gdal("-ot Float64", &format!("-b {}", number + 1));
+        let valid = by_gdal("-ot Byte", &format!("-b mask,{}", number + 1));
+        let (values, _) = values.as_chunks::<8>();
+        let is_south_first = transform[5] > 0.0;
+        let first_m = if is_south_first { raster.south_m } else { raster.north_m() };
+        let place = [raster.west_m, first_m, raster.cell_m];
+        if place != [transform[0], transform[3], transform[1]] || values.len() != raster.values.len() {
+            return Err(format!("at {place:?}, by GDAL {transform:?}"));
+        }
+        for (index, (value, &mask)) in values.iter().zip(&valid).enumerate() {
+            let (row, col) = (index / raster.cols, index % raster.cols);
+            let found = raster.value(if is_south_first { row } else { raster.file_row(row) }, col);
+            let expected = f64::from_le_bytes(*value) as f32;
+            let is_absent = mask == 0 || expected.is_nan();
+            if is_absent != raster.is_nodata(found) || !is_absent && found != expected {
+                return Err(format!("row {row}, column {col}: {found}, by GDAL {expected} with mask {mask}"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Compares every so many of the files with what GDAL reads of them.
+fn compare_files_of_gdal(step: usize) {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    write_sources(folder.path());
+    let (mut read, mut refused, mut wrong) = (0, 0, Vec::new());
+    for (number, (source, options, ending, expected)) in files_of_gdal().into_iter().enumerate().step_by(step) {
+        let file = folder.path().join(format!("{number}.{ending}"));
+        // A coordinate system may be several words.
+        let words: Vec<String> = match options.split_once("-a_srs @") {
+            None => options.split_whitespace().map(str::to_owned).collect(),
+            Some((before, rest)) => {
+                let (system, after) = rest.split_once(" -").unwrap_or((rest, ""));
+                let after = if after.is_empty() { String::new() } else { format!("-{after}") };
+                let mut words: Vec<String> = before.split_whitespace().map(str::to_owned).collect();
+                words.extend(["-a_srs".to_owned(), system.to_owned()]);
+                words.extend(after.split_whitespace().map(str::to_owned));
+                words
+            }
+        };
+        let made =
+            Command::new("gdal_translate").arg("-q").args(&words).arg(folder.path().join(source)).arg(&file).output();
+        let Ok(made) = made else { return without_gdal() };
+        assert!(file.exists(), "{options}: {}", String::from_utf8_lossy(&made.stderr));
+        match (compare(&file), expected) {
+            (Ok(()), None) => read += 1,
+            (Err(sentence), Some(words)) if sentence.contains(words) => refused += 1,
+            (found, _) => wrong.push(format!("{source} {options}: {found:?}, expected {expected:?}")),
+        }
+    }
+    println!(
+        "Files by gdal_translate:\n{read:5} read as GDAL reads them\n{refused:5} refused with the command that helps"
+    );
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn some_files_of_gdal_are_read_as_gdal_reads_them_or_refused_with_a_command() {
+    compare_files_of_gdal(17);
+}
+
+#[test]
+#[ignore = "tier 2: all 200 files, each read three times by GDAL's programs"]
+fn files_of_gdal_are_read_as_gdal_reads_them_or_refused_with_a_command() {
+    assert!(files_of_gdal().len() >= 200);
+    compare_files_of_gdal(1);
+}

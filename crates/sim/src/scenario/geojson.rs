@@ -1,10 +1,10 @@
 //! GeoJSON: polygons, whose cells are the bushes of a given field, and lines, whose cells are roads.
 //!
 //! A cell is a bush where its centre lies in a polygon and in none of its holes, of which the even-odd rule decides. The
-//! field is the rectangle about all polygons, from its south-west corner on in whole cells. Degrees are projected about the
-//! middle of that rectangle: x = R cos(middle latitude) (longitude - middle longitude), y = R (latitude - middle latitude),
-//! which is true to a few decimetres within ten kilometres. A line makes a road of every cell that it crosses; degrees are
-//! refused there, as other files say where the field is.
+//! field is the rectangle about all polygons, from its south-west corner on in whole cells. Feet become metres; metres of the
+//! web's Mercator projection become degrees. Degrees are projected about the middle of that rectangle: x = R cos(middle latitude) (longitude - middle longitude), y = R (latitude - middle latitude),
+//! which is true to a few decimetres within ten kilometres. A line makes a road of every cell that it crosses; only metres are
+//! accepted there, as other files say where the field is.
 //!
 //! Sources: H. Butler and others, "The GeoJSON Format", RFC 7946, 2016; J. P. Snyder, "Map Projections: A Working Manual",
 //! U.S. Geological Survey Professional Paper 1395, 1987, chapter 12, "Equidistant cylindrical projection".
@@ -18,8 +18,10 @@ use serde::{Deserialize, Deserializer};
 use super::error::MapFault;
 use super::layers::GivenLayers;
 use wildfire_base::geometry::{DVec2, FieldFrame, ops};
+use wildfire_base::untrusted::visible_start;
 use wildfire_grid::Grid;
 use wildfire_grid::map_files::raster::GeoKeys;
+use wildfire_grid::map_files::raster::crs::{Coordinates, degrees_of_web_mercator, epsg_of_name, unit_name};
 
 /// The mean radius of the Earth in metres: H. Moritz, "Geodetic Reference System 1980", Journal of Geodesy 74, 2000.
 const EARTH_RADIUS_M: f64 = 6_371_008.8;
@@ -39,9 +41,6 @@ const TYPES: [&str; 9] = [
     "LineString",
     "MultiLineString",
 ];
-
-/// Names of coordinate systems in degrees.
-const DEGREES: [&str; 4] = ["CRS84", "EPSG:4326", "EPSG::4326", "EPSG:4258"];
 
 /// Says whether a JSON text is GeoJSON: its `type` is one of the format's.
 pub(super) fn is_geojson(text: &str) -> bool {
@@ -132,19 +131,36 @@ impl Shapes {
         (all(DVec2::min), all(DVec2::max))
     }
 
-    /// Turns degrees into metres. Coordinates are degrees if the file names such a system, or none and they could be.
+    /// Returns what the coordinates measure, `None` if the file does not say.
+    fn coordinates(&self) -> Result<Option<Coordinates>, String> {
+        let Some(name) = &self.crs else { return Ok(None) };
+        let known = Coordinates::of_name(name).filter(|known| *known != Coordinates::Unusable);
+        known.map(Some).ok_or_else(|| {
+            let name = visible_start(name);
+            format!(
+                "the coordinate system `{name}` is not known, or not one in degrees, metres or feet on the ground; ogr2ogr \
+                 -t_srs EPSG:4326 out.geojson in.geojson converts it"
+            )
+        })
+    }
+
+    /// Turns coordinates into metres. They are degrees if the file names such a system, or none and they could be.
     fn project(&mut self) -> Result<(), MapFault> {
+        let mut coordinates = self.coordinates().map_err(|message| MapFault::Json { message })?;
+        if coordinates == Some(Coordinates::WebMercator) {
+            self.points.iter_mut().for_each(|point| *point = degrees_of_web_mercator(point.to_array()).into());
+            coordinates = Some(Coordinates::Degrees);
+        }
         let (low, high) = self.bounds();
         let could_be = low.x >= -180.0 && high.x <= 180.0 && low.y >= -90.0 && high.y <= 90.0;
-        let are_degrees = match &self.crs {
-            Some(name) => DEGREES.iter().any(|known| name.ends_with(known)),
-            None => could_be,
-        };
-        if !are_degrees {
-            return Ok(());
-        }
-        if !could_be {
-            return Err(MapFault::Coordinate);
+        match coordinates {
+            Some(Coordinates::Lengths { unit_m }) => {
+                self.points.iter_mut().for_each(|point| *point *= unit_m);
+                return Ok(());
+            }
+            None if !could_be => return Ok(()),
+            _ if !could_be => return Err(MapFault::Coordinate),
+            _ => {}
         }
         let middle = 0.5 * (low + high);
         let scale = EARTH_RADIUS_M * DVec2::new(ops::cos(middle.y.to_radians()), 1.0);
@@ -196,13 +212,18 @@ impl Shapes {
         let epsg = layers.and_then(|layers| layers.crs.as_ref()).and_then(GeoKeys::epsg);
         let system = epsg.map_or_else(|| "metres".to_owned(), |epsg| format!("metres of EPSG:{epsg}"));
         let (low, high) = self.bounds();
-        let name = self.crs.as_deref().unwrap_or_default();
-        let of_file = name.rsplit(':').next().and_then(|number| number.parse::<u16>().ok());
-        if DEGREES.iter().any(|known| name.ends_with(known)) {
-            return Err(format!("its coordinates are longitude and latitude; expected {system} (ogr2ogr -t_srs)"));
+        let found = match self.coordinates()? {
+            Some(Coordinates::Degrees) => Some("longitude and latitude".to_owned()),
+            Some(Coordinates::Lengths { unit_m }) if unit_m != 1.0 => Some(unit_name(unit_m)),
+            Some(Coordinates::WebMercator) => Some("metres of a Mercator projection of the whole Earth".to_owned()),
+            _ => None,
+        };
+        let of_field = epsg.map_or_else(|| "NUMBER".to_owned(), |epsg| epsg.to_string());
+        if let Some(found) = found {
+            return Err(format!("its coordinates are {found}; expected {system} (ogr2ogr -t_srs EPSG:{of_field})"));
         }
-        if let (Some(found), Some(expected)) = (of_file, epsg)
-            && found != expected
+        if let (Some(found), Some(expected)) = (self.crs.as_deref().and_then(epsg_of_name), epsg)
+            && found != u32::from(expected)
         {
             return Err(format!("it is in the coordinate system EPSG:{found}, expected EPSG:{expected}"));
         }
@@ -297,7 +318,7 @@ impl<'de> Visitor<'de> for Member<'_> {
                 "coordinates" => level = map.next_value_seed(Nest { shapes, depth: 0 })?.level(),
                 "geometry" => map.next_value_seed(Member(shapes))?,
                 "features" | "geometries" => map.next_value_seed(Members(shapes))?,
-                "crs" => shapes.crs = map.next_value::<Option<Crs>>()?.map(|crs| crs.properties.name),
+                "crs" => shapes.crs = map.next_value::<Option<Crs>>()?.map(Crs::into_name),
                 _ => {
                     map.next_value::<IgnoredAny>()?;
                 }
@@ -324,14 +345,26 @@ impl<'de> Visitor<'de> for Member<'_> {
     }
 }
 
+/// A coordinate system: by its name, by a link to its description, or by its number, as writers of several ages have it (H.
+/// Butler and others, "The GeoJSON Format Specification", 2008, section 3).
 #[derive(Deserialize)]
 struct Crs {
-    properties: CrsName,
+    #[serde(default)]
+    properties: CrsProperties,
 }
 
-#[derive(Deserialize)]
-struct CrsName {
-    name: String,
+#[derive(Default, Deserialize)]
+struct CrsProperties {
+    name: Option<String>,
+    href: Option<String>,
+    code: Option<u32>,
+}
+
+impl Crs {
+    fn into_name(self) -> String {
+        let CrsProperties { name, href, code } = self.properties;
+        name.or(href).or_else(|| code.map(|code| format!("EPSG:{code}"))).unwrap_or_default()
+    }
 }
 
 /// Reads a list of objects.
@@ -568,5 +601,42 @@ mod tests {
             assert!(parse(wrong, 1.0, MOST).is_err(), "{wrong}");
         }
         assert!(!is_geojson(r#"{"n": 3, "cells_cr": []}"#) && !is_geojson(r#"{"type": "map"}"#));
+    }
+
+    #[test]
+    fn coordinates_are_metres_on_the_ground_in_whatever_system_the_file_names() {
+        let size = |crs: &str, points: &str| {
+            let text = format!(r#"{{"type": "Polygon", "crs": {crs}, "coordinates": [{points}]}}"#);
+            let field = parse(&text, 1.0, MOST).expect("GeoJSON")?;
+            Ok::<_, MapFault>((field.0.cols, field.0.rows))
+        };
+        let named = |name: &str| format!(r#"{{"type": "name", "properties": {{"name": "{name}"}}}}"#);
+        let square = "[[6000000,2000000],[6000656,2000000],[6000656,2000656],[6000000,2000656]]";
+        assert_eq!(
+            size(&named("urn:ogc:def:crs:EPSG::2227"), square),
+            Ok((200, 200)),
+            "656 US survey feet are 199.95 m"
+        );
+        assert_eq!(size(&named("http://www.opengis.net/def/crs/EPSG/0/2222"), square), Ok((200, 200)));
+        assert_eq!(size(&named("EPSG:32611"), square), Ok((656, 656)));
+        // At 60 degrees north a metre of the map is half a metre long.
+        let mercator = "[[1000000,8399737],[1000400,8399737],[1000400,8400137],[1000000,8400137]]";
+        for crs in [named("EPSG:3857"), r#"{"type": "EPSG", "properties": {"code": 3857}}"#.to_owned()] {
+            let (cols, rows) = size(&crs, mercator).expect("its system is known");
+            assert!((199..=201).contains(&cols) && (199..=201).contains(&rows), "{cols} x {rows}");
+        }
+        let degrees = "[[10,59.9995],[10.001,59.9995],[10.001,60.0005],[10,60.0005]]";
+        let link = r#"{"type": "link", "properties": {"href": "http://spatialreference.org/ref/epsg/4326/proj4/", "type": "proj4"}}"#;
+        assert_eq!(size(link, degrees), size("null", degrees));
+        for unknown in
+            [named("my farm"), named("EPSG:3395"), r#"{"type": "link", "properties": {"href": "a.prj"}}"#.into()]
+        {
+            let refused = size(&unknown, square).expect_err("its system is not known").to_string();
+            assert!(refused.contains("ogr2ogr -t_srs EPSG:4326"), "{refused}");
+        }
+        let frame = FieldFrame { cols: 5, rows: 4, cell_m: 10.0 };
+        let road = format!(r#"{{"type": "LineString", "crs": {}, "coordinates": [[0,5],[50,5]]}}"#, named("EPSG:2227"));
+        let refused = road_cells(&road, &frame, None).expect("GeoJSON").expect_err("it is in feet");
+        assert!(refused.contains("its coordinates are US survey feet; expected metres"), "{refused}");
     }
 }

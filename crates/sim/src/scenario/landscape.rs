@@ -156,7 +156,7 @@ pub fn cover(scenario: &Scenario, seed: u64, frame: &FieldFrame) -> Result<Optio
     }
     let everywhere = scenario.fire.rothermel.as_ref().map_or(0, |settings| settings.ground.number());
     let Some(settings) = &scenario.landscape else { return Ok(Some(vec![everywhere; frame.cell_count()])) };
-    let given = settings.given.as_ref().and_then(GivenLayers::fuel);
+    let given = settings.given.as_ref().map(|given| given.fuel_or(everywhere));
     let mut fuel = given.unwrap_or_else(|| vec![everywhere; frame.cell_count()]);
     let free = KeptFree { centres: scenario.start_centres().collect(), clearance_m: scenario.field.start_clearance_m };
     if !settings.features().lay(&mut fuel, frame, seed, &free) {

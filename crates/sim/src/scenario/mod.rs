@@ -91,7 +91,7 @@ pub use tetromino::Shape;
 pub use traffic::{Detours, TrafficPlan, TrafficRules};
 pub use truck_starts::{TRUCK_MARGIN_M, free_start};
 pub use unimog::{Limits, PlannerContext, Rescue, Retarget, StartPose, Unimog};
-pub use warnings::{doubts_of_map, warnings_of_map};
+pub use warnings::{doubts_of_files, warnings_of_map};
 pub use water::{Water, WaterEffect, WaterPlace};
 pub use weather::{DeadMoisture, MoistureChange, WeatherSettings, weather};
 pub use weather_csv::WeatherSample;

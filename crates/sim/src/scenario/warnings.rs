@@ -5,12 +5,14 @@ use std::sync::Arc;
 use super::agents::{BlockedStarts, SHOWN_SEED, ScenarioField};
 use super::dispatch::warn_of_team;
 use super::ground_report::warn_of_ground;
-use super::{FireModelName, IgnitionCells, Scenario, Terrain, weather};
+use super::{FireModelName, IgnitionCells, LandscapeSettings, Scenario, Terrain, weather};
+use wildfire_base::geometry::Cell;
+use wildfire_fire::fuel::FuelModel;
 use wildfire_planning::collision::ClearanceField;
 
 /// Collects the warnings about a scenario, and about the field of the seed that is shown if it has one.
 pub fn warnings(scenario: &Scenario, terrain: Option<&Terrain>) -> Vec<String> {
-    let mut found: Vec<String> = doubts_of_map(scenario).map(str::to_owned).collect();
+    let mut found = doubts_of_files(scenario);
     warn_of_rules(scenario, &mut found);
     warn_of_team(scenario, &mut found);
     warn_of_ignitions(scenario, terrain, &mut found);
@@ -39,9 +41,19 @@ pub fn warnings(scenario: &Scenario, terrain: Option<&Terrain>) -> Vec<String> {
     found
 }
 
-/// Returns what of the file of a map may have been misread or was left out.
-pub fn doubts_of_map(scenario: &Scenario) -> impl Iterator<Item = &str> {
-    scenario.field.given.iter().flat_map(|given| given.doubts.iter().map(String::as_str))
+/// Returns what of the files of a scenario may have been misread or was left out, and which of its ignitions light nothing
+/// whatever the seed.
+pub fn doubts_of_files(scenario: &Scenario) -> Vec<String> {
+    let of_map = scenario.field.given.iter().flat_map(|given| &given.doubts);
+    let of_layers = scenario.layers().into_iter().flat_map(|layers| &layers.doubts);
+    let mut found: Vec<String> = of_map.chain(of_layers).cloned().collect();
+    if has_fixed_ground(scenario) && !scenario.ignition.is_empty() {
+        // A field that cannot be made is told of by the run.
+        if let Ok(terrain) = Terrain::from_scenario(scenario, SHOWN_SEED) {
+            warn_of_cells(scenario, &terrain, &mut found);
+        }
+    }
+    found
 }
 
 /// Collects the warnings about a scenario with a map without which nobody should begin: that nothing can burn, and that an
@@ -95,14 +107,61 @@ fn warn_of_ignitions(scenario: &Scenario, terrain: Option<&Terrain>, found: &mut
     if late > 0 {
         found.push(format!("Ignitions after the end of the run: {late}."));
     }
-    let (Some(terrain), Some(_)) = (terrain, &scenario.field.given) else { return };
+    if let Some(terrain) = terrain.filter(|_| !has_fixed_ground(scenario)) {
+        warn_of_cells(scenario, terrain, found);
+    }
+}
+
+/// Returns whether what covers the field is the same for every seed.
+fn has_fixed_ground(scenario: &Scenario) -> bool {
+    let field = &scenario.field;
+    let has_pieces = field.given.is_none() && field.pieces.map_or(field.coverage > 0.0, |pieces| pieces > 0);
+    let is_drawn = |it: &LandscapeSettings| it.seed.is_none() && !(it.patches.is_empty() && it.river.is_none());
+    !has_pieces && !scenario.landscape.as_ref().is_some_and(is_drawn)
+}
+
+/// Adds a warning for ignitions of which nothing can burn on a field.
+fn warn_of_cells(scenario: &Scenario, terrain: &Terrain, found: &mut Vec<String>) {
+    // Bushes of a generated field that alone burn are elsewhere in every run.
+    if terrain.landscape.is_none() && scenario.field.given.is_none() {
+        return;
+    }
+    let mut burns = vec![false; terrain.frame.cell_count()];
+    terrain.with_fuel().chain(terrain.bushes.iter().copied()).for_each(|cell| burns[terrain.frame.index(cell)] = true);
+    let can_burn = |cell: &Cell| burns[terrain.frame.index(*cell)];
     let named = scenario.ignition.iter().filter_map(|ignition| match &ignition.cells {
         IgnitionCells::Cells(cells) => Some(cells),
         IgnitionCells::Random(_) | IgnitionCells::Density(_) => None,
     });
-    let bare = named.flatten().filter(|cell| !terrain.occupied[(cell.row.into(), cell.col.into())]).count();
-    if bare > 0 {
-        found.push(format!("Cells of ignitions that are not bushes of the map: {bare}."));
+    let bare: Vec<&Cell> = named.flatten().filter(|cell| !can_burn(cell)).collect();
+    match (&terrain.landscape, bare.first()) {
+        (_, None) => {}
+        (None, Some(_)) => found.push(format!("Cells of ignitions that are not bushes of the map: {}.", bare.len())),
+        (Some(landscape), Some(&&cell)) => {
+            let holds = match FuelModel::by_number(landscape.fuel_number(cell)) {
+                Some(model) => format!("{}, {}", model.code, model.name),
+                None => "nothing".to_owned(),
+            };
+            let (count, Cell { col, row }) = (bare.len(), cell);
+            found.push(format!("Cells of ignitions that cannot burn: {count}, the first [{col}, {row}] with {holds}."));
+        }
+    }
+    for ignition in &scenario.ignition {
+        let is_void = match &ignition.cells {
+            IgnitionCells::Cells(_) => false,
+            IgnitionCells::Random(_) => {
+                let has_ground = scenario.fire.lights_ground() || terrain.bushes.is_empty();
+                terrain.lightable(has_ground).is_empty()
+            }
+            IgnitionCells::Density(density) => {
+                let weights = density.weights.as_ref().and_then(|weights| weights.by_cell(&terrain.frame));
+                let mut weighted = weights.iter().flatten().zip(&burns);
+                weights.is_some() && !weighted.any(|(&weight, &burns)| weight > 0.0 && burns)
+            }
+        };
+        if is_void {
+            found.push(format!("The ignition at {} s lights nothing: none of its cells can burn.", ignition.at_s));
+        }
     }
 }
 
@@ -110,7 +169,7 @@ fn warn_of_ignitions(scenario: &Scenario, terrain: Option<&Terrain>, found: &mut
 mod tests {
     use super::*;
     use crate::scenario::agents::SHOWN_ALIKE;
-    use crate::scenario::{GivenField, StartPose, load};
+    use crate::scenario::{GivenField, GivenLayers, StartPose, load};
 
     fn warned(source: &str, changes: &[&str]) -> String {
         let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
@@ -186,6 +245,34 @@ mod tests {
         assert!(found.contains("Cells of ignitions that are not bushes of the map: 1."), "{found}");
         scenario.wumpus[0].start_m = [18.6, 2.5];
         assert!(of(&scenario).contains("truck 0, Wumpus 0"));
+    }
+
+    #[test]
+    fn ignitions_that_light_nothing_are_doubted_before_a_run() {
+        let mut scenario = load(
+            "smoke",
+            &[
+                "fire.model=rothermel".into(),
+                "field.coverage=0".into(),
+                "ignition=[{ at_s = 1, cells = [[4, 0], [5, 0]] }]".into(),
+            ],
+        )
+        .expect("it is right");
+        assert_eq!(doubts_of_files(&scenario), [""; 0]);
+        let frame = scenario.field.frame();
+        let mut fuel = vec![102; frame.cell_count()];
+        fuel[5] = 98;
+        scenario.landscape.get_or_insert_default().given = Some(GivenLayers::from_fuel(frame, &fuel));
+        let found = doubts_of_files(&scenario);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(
+            found[0].starts_with("Cells of ignitions that cannot burn: 1, the first [5, 0] with NB8, "),
+            "{found:?}"
+        );
+        fuel.fill(99);
+        scenario.landscape.get_or_insert_default().given = Some(GivenLayers::from_fuel(frame, &fuel));
+        scenario.ignition[0].cells = IgnitionCells::Random(3);
+        assert_eq!(doubts_of_files(&scenario), ["The ignition at 1 s lights nothing: none of its cells can burn."]);
     }
 
     #[test]

@@ -24,6 +24,10 @@ pub struct GroundSources<'a> {
 pub struct Ground {
     pub landscape: Arc<Landscape>,
     pub place: MapPlace,
+    /// Which bands were taken for what.
+    pub bands: Vec<String>,
+    /// What of the rasters may have been misread or was left out, in sentences.
+    pub doubts: Vec<String>,
 }
 
 impl<'a> GroundSources<'a> {
@@ -64,7 +68,7 @@ impl<'a> GroundSources<'a> {
                 return Err(refused(format!("{name} is {given}, expected {own} as in the raster")));
             }
         }
-        let fuel = layers.as_ref().and_then(GivenLayers::fuel);
+        let fuel = layers.as_ref().map(|layers| layers.fuel_or(self.fuel));
         let relief = layers.as_ref().and_then(GivenLayers::relief);
         let canopy = arguments.canopy.trees(frame.cell_count(), layers.as_ref());
         let landscape = Landscape {
@@ -74,7 +78,8 @@ impl<'a> GroundSources<'a> {
             canopy,
         };
         let place = layers.as_ref().map_or_else(MapPlace::default, MapPlace::from_layers);
-        Ok(Ground { landscape: Arc::new(landscape), place })
+        let (bands, doubts) = layers.map_or_else(Default::default, |layers| (layers.bands, layers.doubts));
+        Ok(Ground { landscape: Arc::new(landscape), place, bands, doubts })
     }
 }
 

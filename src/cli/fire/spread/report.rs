@@ -5,6 +5,7 @@ use std::time::Duration;
 use serde::Serialize;
 
 use super::SpreadArguments;
+use super::ground::Ground;
 use wildfire_base::document::number::{count, percent, rounded, short};
 use wildfire_base::document::{Document, Table};
 use wildfire_base::geometry::{Cell, compass};
@@ -24,6 +25,12 @@ pub struct SpreadReport {
     rows: u16,
     cols: u16,
     cell_m: f64,
+    /// Bands of files with several, and what they were taken for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    bands: Vec<String>,
+    /// What of the rasters may have been misread or was left out.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    doubts: Vec<String>,
     /// Codes of the fuels and the cells that have them, the most frequent first.
     fuels: Vec<FuelShare>,
     /// Codes of fuels that are too wet to burn.
@@ -92,7 +99,7 @@ struct Farthest {
 impl SpreadReport {
     pub fn new(
         arguments: &SpreadArguments,
-        landscape: &Landscape,
+        ground: &Ground,
         fire: &mut LoneFire,
         ignitions: &[(SimTime, Cell)],
         cpu: Duration,
@@ -101,6 +108,7 @@ impl SpreadReport {
     ) -> Self {
         let has_ended = fire.next_arrival().is_none();
         let fire = &*fire;
+        let landscape = &*ground.landscape;
         let frame = landscape.frame;
         let cells = || (0..frame.cell_count()).map(|index| frame.cell(index));
         let burned = || cells().filter_map(|cell| Some((cell, fire.arrival(cell)?)));
@@ -119,6 +127,8 @@ impl SpreadReport {
             rows: frame.rows,
             cols: frame.cols,
             cell_m: frame.cell_m,
+            bands: ground.bands.clone(),
+            doubts: ground.doubts.clone(),
             too_wet: too_wet.map(|model| model.code).collect(),
             fuels,
             moisture: arguments.moisture,
@@ -176,6 +186,9 @@ impl SpreadReport {
             format!("Cells by fuel: {fuels}{more}"),
             format!("Moisture of dead fuel {d1}, {d10} and {d100} %, of live grass {herb} %, of live wood {woody} %"),
         ];
+        if !self.bands.is_empty() {
+            lines.insert(1, format!("Layers: {}", self.bands.join("; ")));
+        }
         if !self.too_wet.is_empty() {
             lines.push(format!("Fuel too wet to burn: {}", self.too_wet.join(", ")));
         }

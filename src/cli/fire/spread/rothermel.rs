@@ -9,6 +9,7 @@ use super::{LitCell, SpreadArguments, perimeters};
 use crate::cli::error::CliError;
 use crate::cli::map_of;
 use crate::cli::output_files::{self, Files, Format};
+use crate::cli::terminal;
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
 use wildfire_base::time::cpu::CpuStopwatch;
@@ -46,6 +47,9 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
         ..RothermelRules::default()
     };
     let landscape = Arc::clone(&ground.landscape);
+    if !quiet {
+        ground.doubts.iter().for_each(|doubt| terminal::note(doubt));
+    }
     let weather = Arc::new(weather);
     let mut fire = LoneFire::new(Arc::clone(&landscape), Arc::clone(&weather), rules, &ignitions);
     let mut stopwatch = CpuStopwatch::start();
@@ -61,7 +65,7 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     let expected: Vec<f64> =
         cells.map(|cell| fire.expected_arrival(cell).map_or(f64::NAN, SimTime::as_seconds)).collect();
     let perimeter_m = perimeters::perimeter_m(landscape.frame, &expected, arguments.duration);
-    let report = SpreadReport::new(arguments, &landscape, &mut fire, &ignitions, cpu, &fire_types, perimeter_m);
+    let report = SpreadReport::new(arguments, &ground, &mut fire, &ignitions, cpu, &fire_types, perimeter_m);
     let arrivals = || {
         let seconds = |cell| fire.arrival(cell).map_or(f64::NAN, SimTime::as_seconds);
         (0..landscape.frame.cell_count()).map(|index| seconds(landscape.frame.cell(index))).collect::<Vec<f64>>()
@@ -133,7 +137,10 @@ fn ignitions(arguments: &SpreadArguments, landscape: &Landscape) -> Result<Vec<(
             return Ok((SimTime::from_seconds(lit.seconds), lit.cell));
         }
         let Cell { col, row } = lit.cell;
-        let sentence = format!("--ignite {row},{col}: this cell cannot burn, its fuel is {fuel}");
+        let sentence = match FuelModel::by_number(fuel) {
+            Some(model) => format!("--ignite {row},{col}: this cell cannot burn, its fuel is {fuel}, {}", model.name),
+            None => format!("--ignite {row},{col}: this cell cannot burn, it has no fuel"),
+        };
         Err(CliError::bad_input(sentence, Some("rows count from the south, from 0")))
     };
     arguments.lit(landscape.frame)?.into_iter().map(ignition).collect()

@@ -2,8 +2,11 @@
 //!
 //! A head of keys and numbers, `ncols`, `nrows`, `xllcorner` or `xllcenter`, `yllcorner` or `yllcenter`, `cellsize` and
 //! perhaps `NODATA_value`, in any order and in upper or lower case; then the values, the north row first, with any
-//! whitespace between them: where lines end says nothing.
+//! whitespace between them: where lines end says nothing. Decimals may have a comma.
 
+use std::borrow::Cow;
+
+use super::crs::Coordinates;
 use super::{Raster, RasterFault, check_place, check_size, with_room};
 use wildfire_base::untrusted::visible_start;
 
@@ -19,7 +22,7 @@ pub(super) fn is_start(bytes: &[u8]) -> bool {
     word.is_some_and(|word| key_of(word).is_some())
 }
 
-pub(super) fn parse(bytes: &[u8]) -> Result<Raster, RasterFault> {
+pub(super) fn parse(bytes: &[u8], coordinates: Option<Coordinates>) -> Result<Raster, RasterFault> {
     let mut words = Words::new(bytes);
     let head = Head::read(&mut words)?;
     let (rows, cols) = (head.whole("nrows")?, head.whole("ncols")?);
@@ -28,7 +31,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Raster, RasterFault> {
     let cell_m = head.cell_m()?;
     let west_m = head.edge(["xllcorner", "xllcenter"], cell_m)?;
     let south_m = head.edge(["yllcorner", "yllcenter"], cell_m)?;
-    check_place(west_m, south_m, cell_m)?;
+    check_place([west_m, south_m], [cols, rows], cell_m, coordinates)?;
     let nodata = head.get("nodata_value").map(|value| value.clamp(f32::MIN.into(), f32::MAX.into()) as f32);
 
     let cells = rows * cols;
@@ -52,9 +55,16 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Raster, RasterFault> {
     Ok(Raster { rows, cols, west_m, south_m, cell_m, values, nodata, crs: None })
 }
 
+/// Returns the text of a number, in which some programs write a comma as their users do.
+fn decimal(word: &[u8]) -> Option<Cow<'_, str>> {
+    let text = std::str::from_utf8(word).ok()?;
+    let has_comma = text.contains(',') && !text.contains('.') && text.matches(',').count() == 1;
+    Some(if has_comma { text.replace(',', ".").into() } else { text.into() })
+}
+
 /// Reads a value: a finite number, or `nan`, which some programs write where there is none.
 fn number(word: &[u8]) -> Option<f32> {
-    let text = std::str::from_utf8(word).ok()?;
+    let text = decimal(word)?;
     let value = text.parse::<f32>().ok()?;
     (value.is_finite() || text.eq_ignore_ascii_case("nan") || text.eq_ignore_ascii_case("-nan")).then_some(value)
 }
@@ -89,7 +99,7 @@ impl Head {
             }
             words.next();
             let Some(word) = words.next() else { return wrong(format!("`{key}` has no number")) };
-            let number = std::str::from_utf8(word).ok().and_then(|text| text.parse::<f64>().ok());
+            let number = decimal(word).and_then(|text| text.parse::<f64>().ok());
             let is_none = key == "nodata_value" && number.is_some_and(f64::is_nan);
             match number.filter(|number| number.is_finite() || is_none) {
                 Some(number) => head.push((key, number)),

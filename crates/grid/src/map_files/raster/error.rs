@@ -44,6 +44,14 @@ pub enum RasterFault {
     NotSquare { x: f64, y: f64 },
     #[error("its south-west corner is at ({west_m}, {south_m}), which is not a position in metres")]
     Place { west_m: f64, south_m: f64 },
+    #[error(
+        "its cells of {cell} at ({west}, {south}) are degrees in all likelihood, and it names no coordinate system; \
+         {command} -s_srs EPSG:4326 in.tif out.tif converts it to a grid in metres, and if they are metres, gdal_translate \
+         -a_srs EPSG:NUMBER in.tif out.tif says so"
+    )]
+    Degrees { cell: f64, west: f64, south: f64, command: String },
+    #[error("{} beside it {says}; gdal_translate in.tif out.tif makes a file that contains it", path.display())]
+    Sidecar { path: PathBuf, says: &'static str },
     #[error("line {line}: {message}")]
     Header { line: usize, message: String },
     #[error("the header lacks `{key}`")]

@@ -14,25 +14,19 @@ use tiff::encoder::colortype::Gray32Float;
 use tiff::encoder::compression::DeflateLevel;
 use tiff::encoder::{Compression, TiffEncoder};
 use tiff::tags::{ExtraSamples, Tag};
-use tiff::{TiffError, TiffResult};
+use tiff::{ColorType, TiffError, TiffResult};
 
+use super::crs::unit_name;
 use super::tiff_chunks::{self, TiffDecoder};
 use super::tiff_header::{self, TiffSize};
 use super::{Band, GeoKeys, MAX_RASTER_CELLS, Raster, RasterFault, check_place, with_room};
 
 const MODEL_TYPE: u16 = 1024;
 const RASTER_TYPE: u16 = 1025;
-const PROJECTED_SYSTEM: u16 = 3072;
-const LINEAR_UNITS: u16 = 3076;
 
-const GEOGRAPHIC: u16 = 2;
 const PIXEL_IS_POINT: u16 = 2;
 const PROJECTED: u16 = 1;
 const PIXEL_IS_AREA: u16 = 1;
-const METRE: u16 = 9001;
-/// What stands for a custom value, and for none.
-const USER_DEFINED: u16 = 32_767;
-const UNDEFINED: u16 = 0;
 
 /// The layout in which each band has its own strips or tiles.
 const PLANAR: u16 = 2;
@@ -45,16 +39,9 @@ const MAX_CHUNK: usize = 8 * MAX_RASTER_CELLS;
 /// Cells in a strip that is written.
 const STRIP_CELLS: usize = 1 << 16;
 
-/// Reads the only band.
-pub(super) fn parse(mut bytes: Vec<u8>) -> Result<Raster, RasterFault> {
-    match tiff_header::check(&mut bytes)?.bands {
-        1 => Ok(parse_bands(bytes)?.swap_remove(0).raster),
-        bands => Err(RasterFault::one_of(bands)),
-    }
-}
-
+/// Reads the bands, without one that is a mask of the others.
 pub(super) fn parse_bands(mut bytes: Vec<u8>) -> Result<Vec<Band>, RasterFault> {
-    let TiffSize { rows, cols, bands } = tiff_header::check(&mut bytes)?;
+    let TiffSize { rows, cols, bands, bits, mask } = tiff_header::check(&mut bytes)?;
     let damaged_chunk = |message| RasterFault::Damaged { message };
     let mut decoder = tiff_chunks::open(&bytes, MAX_CHUNK).map_err(damaged_chunk)?.map_err(damaged)?;
     if decoder.dimensions().map_err(damaged)? != (cols as u32, rows as u32) {
@@ -64,11 +51,37 @@ pub(super) fn parse_bands(mut bytes: Vec<u8>) -> Result<Vec<Band>, RasterFault> 
     let place = Place::read(&mut decoder, crs.as_ref())?;
     let cell_m = place.cell_m;
     let south_m = if place.south_first { place.edge_m } else { place.edge_m - rows as f64 * cell_m };
-    check_place(place.west_m, south_m, cell_m)?;
+    let coordinates = crs.as_ref().and_then(GeoKeys::coordinates);
+    check_place([place.west_m, south_m], [cols, rows], cell_m, coordinates)?;
     let nodata = nodata(&mut decoder)?;
-    let names = band_names(&mut decoder, bands)?;
-    let all = Pixels { rows, cols, bands, absent: nodata.unwrap_or(0.0) }.read(&mut decoder)?;
-    let band = |(mut values, name): (Vec<f32>, _)| {
+    let mut items = BandItems::read(&mut decoder, bands)?;
+    let mut pixels = Pixels { rows, cols, bands, bits, absent: nodata.unwrap_or(0.0) };
+    let mut all = pixels.read(&mut decoder)?;
+    // As GDAL has it: a mask comes before a value for no data, and that before a band of opacity.
+    let has_opacity = [2, 4].contains(&bands) && bits <= 16 && items.last().is_some_and(|last| last.is_opacity);
+    let mut valid = None;
+    if let Some(image) = mask {
+        decoder.seek_to_image(image).map_err(damaged)?;
+        pixels = Pixels { bands: 1, bits: 1, absent: 0.0, ..pixels };
+        if decoder.colortype().map_err(damaged)? != ColorType::Gray(1) {
+            pixels.bits = 8;
+        }
+        valid = pixels.read(&mut decoder)?.pop();
+    }
+    if has_opacity {
+        let opacity = all.pop().filter(|_| valid.is_none() && nodata.is_none());
+        valid = valid.or(opacity);
+        items.pop();
+    }
+    let band = |(mut values, items): (Vec<f32>, BandItems)| {
+        let mut nodata = nodata;
+        if valid.is_some() || items.scale != 1.0 || items.offset != 0.0 {
+            for (index, value) in values.iter_mut().enumerate() {
+                let is_valid = valid.as_ref().map_or(nodata != Some(*value), |valid| valid[index] > 0.0);
+                *value = if is_valid { narrowed(f64::from(*value) * items.scale + items.offset) } else { f32::NAN };
+            }
+            nodata = Some(f32::NAN);
+        }
         if place.south_first {
             for row in 0..rows / 2 {
                 let (south, north) = values.split_at_mut((rows - 1 - row) * cols);
@@ -76,24 +89,65 @@ pub(super) fn parse_bands(mut bytes: Vec<u8>) -> Result<Vec<Band>, RasterFault> 
             }
         }
         let crs = crs.clone();
-        Band { name, raster: Raster { rows, cols, west_m: place.west_m, south_m, cell_m, values, nodata, crs } }
+        let height_unit = crs.as_ref().and_then(GeoKeys::height_unit_m).map(unit_name);
+        let raster = Raster { rows, cols, west_m: place.west_m, south_m, cell_m, values, nodata, crs };
+        Band { name: items.name, unit: items.unit, height_unit, raster }
     };
-    Ok(all.into_iter().zip(names).map(band).collect())
+    Ok(all.into_iter().zip(items).map(band).collect())
 }
 
-/// Returns the names of bands that GDAL has written into its list of items, in XML.
-fn band_names(decoder: &mut TiffDecoder<'_>, bands: usize) -> Result<Vec<Option<String>>, RasterFault> {
-    let mut names = vec![None; bands];
-    let Some(value) = decoder.find_tag(GDAL_METADATA).map_err(damaged)? else { return Ok(names) };
-    let text = value.into_string().map_err(damaged)?;
-    for item in text.split("<Item ").skip(1).filter(|item| item.contains("role=\"description\"")) {
-        let number = item.split_once("sample=\"").and_then(|(_, rest)| rest.split('"').next()?.parse::<usize>().ok());
-        let name = item.split_once('>').and_then(|(_, rest)| rest.split('<').next());
-        if let (Some(slot), Some(name)) = (number.and_then(|number| names.get_mut(number)), name) {
-            *slot = Some(wildfire_base::untrusted::visible_start(name));
+/// What GDAL's list of items, in XML, says of a band.
+#[derive(Clone)]
+struct BandItems {
+    name: Option<String>,
+    unit: Option<String>,
+    /// What makes numbers of the file's.
+    scale: f64,
+    offset: f64,
+    /// The band says how opaque cells are, not what they hold.
+    is_opacity: bool,
+}
+
+impl BandItems {
+    fn read(decoder: &mut TiffDecoder<'_>, bands: usize) -> Result<Vec<Self>, RasterFault> {
+        let plain = Self { name: None, unit: None, scale: 1.0, offset: 0.0, is_opacity: false };
+        let mut all = vec![plain; bands];
+        let extra = decoder.find_tag_unsigned_vec::<u16>(Tag::ExtraSamples).map_err(damaged)?.unwrap_or_default();
+        for (band, kind) in all.iter_mut().rev().zip(extra.iter().rev()) {
+            band.is_opacity = [ExtraSamples::AssociatedAlpha, ExtraSamples::UnassociatedAlpha]
+                .iter()
+                .any(|alpha| alpha.to_u16() == *kind);
         }
+        let Some(value) = decoder.find_tag(GDAL_METADATA).map_err(damaged)? else { return Ok(all) };
+        let text = value.into_string().map_err(damaged)?;
+        for item in text.split("<Item ").skip(1) {
+            let Some((attributes, value)) = item.split_once('>') else { continue };
+            let attribute = |key: &str| attributes.split_once(key)?.1.split('"').next();
+            let number = attribute("sample=\"").and_then(|number| number.parse::<usize>().ok());
+            let Some(band) = number.and_then(|number| all.get_mut(number)) else { continue };
+            let value = value.split('<').next().unwrap_or_default();
+            let value = value.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"").replace("&amp;", "&");
+            let factor = || {
+                let found = || wildfire_base::untrusted::visible_start(&value);
+                let message = || format!("`{}`, the scale or offset of a band, is not a number", found());
+                let number = value.trim().parse::<f64>().ok().filter(|number| number.is_finite());
+                number.ok_or_else(|| RasterFault::Damaged { message: message() })
+            };
+            match attribute("role=\"") {
+                Some("description") => band.name = Some(wildfire_base::untrusted::visible_start(&value)),
+                Some("unittype") => band.unit = Some(value),
+                Some("scale") => band.scale = factor()?,
+                Some("offset") => band.offset = factor()?,
+                Some("colorinterp") if value.eq_ignore_ascii_case("alpha") => band.is_opacity = true,
+                // The unit that a landscape file gave, as GDAL copies it.
+                None if attribute("name=\"").is_some_and(|name| name.ends_with("_UNIT_NAME")) => {
+                    band.unit.get_or_insert(value);
+                }
+                _ => {}
+            }
+        }
+        Ok(all)
     }
-    Ok(names)
 }
 
 fn damaged(error: TiffError) -> RasterFault {
@@ -109,6 +163,7 @@ struct Pixels {
     rows: usize,
     cols: usize,
     bands: usize,
+    bits: usize,
     /// What strips and tiles hold that the file leaves out, as GDAL may.
     absent: f32,
 }
@@ -143,9 +198,12 @@ impl Pixels {
             let (plane, number) = (chunk / in_plane, chunk % in_plane);
             let (north, west) = (number / across * height, number % across * width);
             let cut = |error| RasterFault::Damaged { message: format!("row {north}, column {west}: {error}") };
-            let samples = numbers(decoder.read_chunk(chunk as u32).map_err(cut)?)?;
             let cols = width.min(self.cols - west);
             let rows = height.min(self.rows - north);
+            let mut samples = numbers(decoder.read_chunk(chunk as u32).map_err(cut)?)?;
+            if self.bits < 8 {
+                samples = spread_out(&samples, cols * together, self.bits);
+            }
             if samples.len() < rows * cols * together {
                 return Err(RasterFault::Ends { row: north, col: west, rows: self.rows, cols: self.cols });
             }
@@ -159,6 +217,16 @@ impl Pixels {
         }
         Ok(bands)
     }
+}
+
+/// Takes apart bytes that hold several numbers, the first in the high bits; each row begins with a byte.
+fn spread_out(bytes: &[f32], in_row: usize, bits: usize) -> Vec<f32> {
+    let number = |row: &[f32], at: usize| {
+        let byte = row[at * bits / 8] as u8;
+        f32::from(byte >> (8 - bits - at * bits % 8) & ((1 << bits) - 1) as u8)
+    };
+    let rows = bytes.chunks_exact((in_row * bits).div_ceil(8));
+    rows.flat_map(|row| (0..in_row).map(move |at| number(row, at))).collect()
 }
 
 /// Converts samples to what a raster holds.
@@ -183,7 +251,7 @@ fn numbers(samples: DecodingResult) -> Result<Vec<f32>, RasterFault> {
 
 /// Rounds a number to 32 bits; what is beyond their range, as values for no data often are, becomes its end.
 fn narrowed(number: f64) -> f32 {
-    number.clamp(f32::MIN.into(), f32::MAX.into()) as f32
+    if number.is_infinite() { number as f32 } else { number.clamp(f32::MIN.into(), f32::MAX.into()) as f32 }
 }
 
 /// Returns the value of cells without one, which GDAL writes as text.
@@ -202,7 +270,7 @@ fn nodata(decoder: &mut TiffDecoder<'_>) -> Result<Option<f32>, RasterFault> {
     }
 }
 
-/// Reads the coordinate system, and refuses one that is not measured in metres.
+/// Reads the coordinate system.
 fn geo_keys(decoder: &mut TiffDecoder<'_>) -> Result<Option<GeoKeys>, RasterFault> {
     let Some(directory) = decoder.find_tag(Tag::GeoKeyDirectoryTag).map_err(damaged)? else { return Ok(None) };
     let doubles = decoder.find_tag(Tag::GeoDoubleParamsTag).map_err(damaged)?;
@@ -215,19 +283,7 @@ fn geo_keys(decoder: &mut TiffDecoder<'_>) -> Result<Option<GeoKeys>, RasterFaul
     if crs.directory.len() < 4 {
         return Err(RasterFault::Damaged { message: "its geo keys have no header".into() });
     }
-    if crs.short(MODEL_TYPE) == Some(GEOGRAPHIC) {
-        return unfit(
-            "its cells are measured in degrees; gdalwarp -t_srs EPSG:NUMBER in.tif out.tif converts it to a grid in \
-             metres",
-        );
-    }
-    match crs.short(LINEAR_UNITS) {
-        None | Some(METRE | USER_DEFINED | UNDEFINED) => Ok(Some(crs)),
-        Some(unit) => unfit(format!(
-            "its cells are not measured in metres but in unit {unit} (9002 and 9003 are feet); gdalwarp -t_srs \
-             EPSG:NUMBER in.tif out.tif converts it to a grid in metres"
-        )),
-    }
+    Ok(Some(crs))
 }
 
 /// Returns whether text of a TIFF image may not have a letter.
@@ -236,17 +292,6 @@ fn is_no_text(letter: char) -> bool {
 }
 
 impl GeoKeys {
-    /// Returns the value of a key that is a number in the directory itself.
-    fn short(&self, key: u16) -> Option<u16> {
-        let keys = self.directory.get(4..)?.chunks_exact(4);
-        keys.into_iter().find(|entry| entry[0] == key && entry[1] == 0).map(|entry| entry[3])
-    }
-
-    /// Returns the number of the projected coordinate system in the list of EPSG, if the keys name one.
-    pub fn epsg(&self) -> Option<u16> {
-        self.short(PROJECTED_SYSTEM).filter(|&number| number != USER_DEFINED && number != UNDEFINED)
-    }
-
     /// Returns the directory of a file whose pixels are areas.
     pub(super) fn of_areas(&self) -> Vec<u16> {
         let mut directory = self.directory.clone();
@@ -286,6 +331,11 @@ impl Place {
                 }
                 ([x, -y], east, north)
             }
+            (None, Some(points), _) if points.len() > 6 => {
+                return unfit(
+                    "it gives only single points of its position; gdalwarp -t_srs EPSG:NUMBER in.tif out.tif places its cells",
+                );
+            }
             _ => {
                 return unfit(
                     "it does not give the position of its cells; gdal_translate -a_ullr WEST NORTH EAST SOUTH in.tif \
@@ -293,6 +343,9 @@ impl Place {
                 );
             }
         };
+        if let Some(message) = crs.and_then(GeoKeys::coordinates).and_then(|it| it.refusal([west, edge])) {
+            return unfit(message);
+        }
         // A scale below zero is read in one way by the standard and in another by GDAL; a matrix says what is meant.
         if scale.is_some() && y < 0.0 {
             return unfit(

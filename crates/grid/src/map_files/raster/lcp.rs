@@ -1,12 +1,11 @@
 //! Landscape files of FARSITE (`.lcp`): a header of fixed length, then the layers of each cell together, from the north-west.
 //!
-//! Values are converted to the units of LANDFIRE's rasters: metres, degrees, percent, tenths of metres, hundredths of kg/m3.
+//! Values stay as they are, with the names of their units as GDAL gives them.
 //!
 //! Source: Finney, "FARSITE: Fire Area Simulator - model development and evaluation", USDA Forest Service RMRS-RP-4, 1998;
 //! places of the fields: GDAL, "LCP -- FARSITE v.4 LCP Format".
 
-use wildfire_base::geometry::ops;
-
+use super::crs::{Coordinates, FOOT_M};
 use super::{Band, Raster, RasterFault, check_bands, check_place, check_size, with_room};
 
 const HEADER_BYTES: usize = 7316;
@@ -16,15 +15,24 @@ const PRESENT: i32 = 21;
 /// The value of cells without data.
 const NODATA: f32 = -9999.0;
 
-const METRES_PER_FOOT: f64 = 0.3048;
-/// Kilogrammes per cubic metre in a pound per cubic foot.
-const KG_M3_PER_LB_FT3: f64 = 16.018_463_373_960_14;
-
 /// Names of the layers in the order of the file, as LANDFIRE has them: elevation, slope, aspect, fuel; cover, height, base and
 /// bulk density of the canopy; duff and coarse wood on the ground. The first five are in each file.
 const LAYERS: [&str; 10] = ["ELEV", "SLPD", "ASP", "FBFM", "CC", "CH", "CBH", "CBD", "DUFF", "CWD"];
 const ALWAYS: usize = 5;
 const CROWNS: usize = 8;
+
+/// Units of the layers by their numbers; nothing is said of the unit of fuels, duff and wood.
+const HEIGHTS: [&str; 5] = ["", "Meters", "Feet", "Meters x 10", "Feet x 10"];
+const UNITS: [&[&str]; 8] = [
+    &["Meters", "Feet"],
+    &["Degrees", "Percent"],
+    &["Grass categories", "Grass degrees", "Azimuth degrees"],
+    &[],
+    &["Categories", "Percent"],
+    &HEIGHTS,
+    &HEIGHTS,
+    &["", "kg/m^3", "lb/ft^3", "kg/m^3 x 100", "lb/ft^3 x 1000"],
+];
 
 /// Returns whether a file begins as landscape files do.
 pub(super) fn is_start(bytes: &[u8]) -> bool {
@@ -45,7 +53,7 @@ fn double(bytes: &[u8], at: usize) -> f64 {
 }
 
 /// Reads all layers.
-pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Band>, RasterFault> {
+pub(super) fn parse(bytes: &[u8], coordinates: Option<Coordinates>) -> Result<Vec<Band>, RasterFault> {
     let word = |at| int(bytes, at).expect("the header is whole");
     let is_there = |layer: &usize| match *layer {
         ..ALWAYS => true,
@@ -64,7 +72,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Band>, RasterFault> {
     }
     let side_m = match word(4204) {
         0 => 1.0,
-        1 => METRES_PER_FOOT,
+        1 => FOOT_M,
         2 => 1000.0,
         unit => {
             let message = format!("the landscape file measures its cells in unit {unit}; expected 0, 1 or 2");
@@ -76,39 +84,28 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Band>, RasterFault> {
         return Err(RasterFault::NotSquare { x, y });
     }
     let (west_m, south_m) = (double(bytes, 4180) * side_m, double(bytes, 4196) * side_m);
-    check_place(west_m, south_m, x)?;
+    // Coordinates in feet were converted above.
+    let is_converted = matches!(coordinates, Some(Coordinates::Lengths { unit_m }) if (unit_m - side_m).abs() < 1e-6);
+    let coordinates = if is_converted { Some(Coordinates::METRES) } else { coordinates };
+    check_place([west_m, south_m], [cols, rows], x, coordinates)?;
     let mut bands = Vec::new();
     for (number, &layer) in layers.iter().enumerate() {
         let (name, unit) = (LAYERS[layer], short(bytes, 4224 + 2 * layer));
-        let Some(convert) = conversion(layer, unit) else {
+        let units = UNITS.get(layer).copied().unwrap_or_default();
+        let unit_of = usize::try_from(unit).ok().and_then(|unit| units.get(unit)).filter(|unit| !unit.is_empty());
+        if unit_of.is_none() && !units.is_empty() {
             let message = format!("the landscape file gives its {name} in an unknown unit, {unit}");
             return Err(RasterFault::Landscape { message });
-        };
+        }
         let mut values = with_room(rows * cols)?;
         for row in (0..rows).rev() {
             for col in 0..cols {
-                let value = f32::from(short(data, 2 * ((row * cols + col) * layers.len() + number)));
-                values.push(if value == NODATA { NODATA } else { convert(value.into()) as f32 });
+                values.push(f32::from(short(data, 2 * ((row * cols + col) * layers.len() + number))));
             }
         }
         let raster = Raster { rows, cols, west_m, south_m, cell_m: x, values, nodata: Some(NODATA), crs: None };
-        bands.push(Band { name: Some(name.to_owned()), raster });
+        let unit = unit_of.map(|unit| (*unit).to_owned());
+        bands.push(Band { name: Some(name.to_owned()), unit, ..raster.into() });
     }
     Ok(bands)
-}
-
-/// Returns what makes the units of LANDFIRE out of those of a layer; `None` if they are not known.
-fn conversion(layer: usize, unit: i16) -> Option<fn(f64) -> f64> {
-    Some(match (layer, unit) {
-        (0, 0) | (1, 0) | (2, 2) | (3, 0..=3) | (4, 1) | (5 | 6, 3) | (7, 3) | (8.., _) => |value| value,
-        (0, 1) => |feet| METRES_PER_FOOT * feet,
-        (1, 1) => |percent| ops::atan2(percent, 100.0).to_degrees(),
-        (5 | 6, 1) => |metres| 10.0 * metres,
-        (5 | 6, 2) => |feet| (10.0 * METRES_PER_FOOT * feet).round(),
-        (5 | 6, 4) => |tenths| (METRES_PER_FOOT * tenths).round(),
-        (7, 1) => |density| 100.0 * density,
-        (7, 2) => |density| (100.0 * KG_M3_PER_LB_FT3 * density).round(),
-        (7, 4) => |thousandths| (0.1 * KG_M3_PER_LB_FT3 * thousandths).round(),
-        _ => return None,
-    })
 }

@@ -5,9 +5,11 @@
 //! over. Faults count rows and columns as the file has them, from 0 at its north-west corner.
 
 mod ascii;
+pub mod crs;
 mod error;
 mod geotiff;
 mod lcp;
+mod sidecars;
 pub(super) mod tiff_chunks;
 mod tiff_fax;
 pub(super) mod tiff_header;
@@ -15,6 +17,7 @@ pub(super) mod tiff_header;
 use std::io;
 use std::path::Path;
 
+use crs::Coordinates;
 pub use error::{RasterError, RasterFault};
 use serde::{Deserialize, Serialize};
 
@@ -92,59 +95,78 @@ impl Raster {
     }
 }
 
-/// Reads a raster; the format is detected from the content.
+/// Reads a raster of one band; the format is detected from the content.
 ///
 /// # Errors
-/// If the file is no raster of one band of square cells measured in metres, breaks off, or is larger than
-/// [`MAX_RASTER_SIDE`], [`MAX_RASTER_CELLS`] and [`MAX_RASTER_BYTES`] allow. What a header declares is checked against
-/// these and against the bytes that there are before memory is taken for it.
+/// Fails as [`read_bands`] does, and if there are several bands.
 pub fn read(path: &Path) -> Result<Raster, RasterError> {
-    let bytes = input_file::read(path, MAX_RASTER_BYTES).and_then(input_file::utf8);
-    let raster = bytes.map_err(RasterFault::from).and_then(parse);
-    raster.map_err(|fault| RasterError { path: path.to_owned(), fault })
+    let only = |bands| one_of(bands).map_err(|fault| RasterError { path: path.to_owned(), fault });
+    read_bands(path).and_then(only)
 }
 
-/// Reads a raster from the bytes of a file.
+/// Reads a raster of one band from the bytes of a file.
 ///
 /// # Errors
 /// Fails as [`read`] does.
 pub fn parse(bytes: Vec<u8>) -> Result<Raster, RasterFault> {
-    if bytes.is_empty() {
-        Err(RasterFault::Empty)
-    } else if tiff_header::is_start(&bytes) {
-        geotiff::parse(bytes)
-    } else if ascii::is_start(&bytes) {
-        ascii::parse(&bytes)
-    } else if lcp::is_start(&bytes) {
-        Err(RasterFault::one_of(lcp::parse(&bytes)?.len()))
-    } else {
-        Err(RasterFault::Foreign)
-    }
+    one_of(parse_bands(bytes, None)?)
+}
+
+fn one_of(mut bands: Vec<Band>) -> Result<Raster, RasterFault> {
+    if bands.len() == 1 { Ok(bands.swap_remove(0).raster) } else { Err(RasterFault::one_of(bands.len())) }
 }
 
 /// A band of a file, with its name if it has one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Band {
     pub name: Option<String>,
+    /// The unit of the values, in the words of the file.
+    pub unit: Option<String>,
+    /// The unit of heights above sea level, where the coordinate system has one.
+    pub height_unit: Option<String>,
+    /// Scale, offset and mask are applied.
     pub raster: Raster,
 }
 
-/// Reads all bands of a raster: a GeoTIFF, a landscape file of FARSITE (`.lcp`), or an ESRI ASCII grid.
+/// Reads all bands of a raster: a GeoTIFF, a landscape file of FARSITE (`.lcp`), or an ESRI ASCII grid, with what files
+/// beside it say of its coordinates.
 ///
 /// # Errors
-/// Fails as [`read`] does, and if there are more than [`MAX_BANDS`] bands.
+/// If the file is no raster of square cells measured in metres, breaks off, or is larger than [`MAX_RASTER_SIDE`],
+/// [`MAX_RASTER_CELLS`], [`MAX_BANDS`] and [`MAX_RASTER_BYTES`] allow. What a header declares is checked against these and
+/// against the bytes that there are before memory is taken for it.
 pub fn read_bands(path: &Path) -> Result<Vec<Band>, RasterError> {
-    let read = input_file::read(path, MAX_RASTER_BYTES).and_then(input_file::utf8);
-    let bands = read.map_err(RasterFault::from).and_then(|bytes| {
-        if tiff_header::is_start(&bytes) {
-            geotiff::parse_bands(bytes)
-        } else if lcp::is_start(&bytes) {
-            lcp::parse(&bytes)
-        } else {
-            Ok(vec![Band { name: None, raster: parse(bytes)? }])
-        }
-    });
+    let bytes = input_file::read(path, MAX_RASTER_BYTES).and_then(input_file::utf8).map_err(RasterFault::from);
+    let bands = bytes.and_then(|bytes| parse_bands(bytes, Some(path)));
     bands.map_err(|fault| RasterError { path: path.to_owned(), fault })
+}
+
+fn parse_bands(bytes: Vec<u8>, path: Option<&Path>) -> Result<Vec<Band>, RasterFault> {
+    path.map_or(Ok(()), sidecars::refuse_changes)?;
+    if bytes.is_empty() {
+        Err(RasterFault::Empty)
+    } else if tiff_header::is_start(&bytes) {
+        geotiff::parse_bands(bytes)
+    } else if ascii::is_start(&bytes) || lcp::is_start(&bytes) {
+        let (coordinates, height_unit_m) = path.map_or((None, None), sidecars::projection);
+        let mut bands = if lcp::is_start(&bytes) {
+            lcp::parse(&bytes, coordinates)?
+        } else {
+            vec![ascii::parse(&bytes, coordinates)?.into()]
+        };
+        for band in &mut bands {
+            band.height_unit = height_unit_m.map(crs::unit_name);
+        }
+        Ok(bands)
+    } else {
+        Err(RasterFault::Foreign)
+    }
+}
+
+impl From<Raster> for Band {
+    fn from(raster: Raster) -> Self {
+        Self { name: None, unit: None, height_unit: None, raster }
+    }
 }
 
 /// Writes an ESRI ASCII grid: every value in the fewest digits that restore it bit for bit.
@@ -186,14 +208,32 @@ fn check_bands(rows: u64, cols: u64, bands: u64) -> Result<(), RasterFault> {
     if fits { Ok(()) } else { Err(RasterFault::Bands { rows, cols, bands }) }
 }
 
-/// Accepts the place and the side of cells.
-fn check_place(west_m: f64, south_m: f64, cell_m: f64) -> Result<(), RasterFault> {
+/// Accepts the south-west corner, the columns and rows, and the side of cells, in coordinates that measure this, or nothing
+/// that is known.
+fn check_place(
+    corner: [f64; 2],
+    size: [usize; 2],
+    cell_m: f64,
+    coordinates: Option<Coordinates>,
+) -> Result<(), RasterFault> {
+    if let Some(message) = coordinates.and_then(|coordinates| coordinates.refusal(corner)) {
+        return Err(RasterFault::Unfit { message });
+    }
+    let [west_m, south_m] = corner;
     // Larger cells leave no room for places in numbers.
     if !(cell_m > 0.0 && cell_m <= 1e9) {
         return Err(RasterFault::CellSize { found: cell_m });
     }
     let is_place = |m: f64| m.is_finite() && m.abs() <= 1e12;
-    if is_place(west_m) && is_place(south_m) { Ok(()) } else { Err(RasterFault::Place { west_m, south_m }) }
+    if !(is_place(west_m) && is_place(south_m)) {
+        return Err(RasterFault::Place { west_m, south_m });
+    }
+    let size_m = size.map(|cells| cells as f64 * cell_m);
+    if coordinates.is_none() && crs::are_likely_degrees(corner, size_m, cell_m) {
+        let command = crs::gdalwarp_at(corner);
+        return Err(RasterFault::Degrees { cell: cell_m, west: west_m, south: south_m, command });
+    }
+    Ok(())
 }
 
 /// Takes memory for values, if there is some.

@@ -226,7 +226,7 @@ fn grids_are_words_whatever_their_lines_and_the_north_row_comes_first() {
 fn faults_in_grids_are_told_with_their_place() {
     for (text, expected) in [
         (grid(PLACED, "1 2 3 4 x 6"), "row 1, column 1: found `x`, expected a number"),
-        (grid(PLACED, "1 2 3 4,5 5 6"), "row 1, column 0: found `4,5`, expected a number"),
+        (grid(PLACED, "1 2 3 4,500,1 5 6"), "row 1, column 0: found `4,500,1`, expected a number"),
         (grid(PLACED, "1 2 inf 4 5 6"), "row 0, column 2: found `inf`"),
         (grid(PLACED, "1 2 3 4 5"), "row 1, column 2: the file ends; its header declares 2 rows and 3 columns"),
         (grid(PLACED, ""), "row 0, column 0: the file ends"),
@@ -356,7 +356,7 @@ fn images_that_are_no_map_in_metres_are_refused_with_the_reason() {
     for (image, expected) in [
         (image().double(33_550, &[10.0, -10.0, 0.0]).double(33_922, &[0.0; 6]), "its scale is below 0"),
         (image().placed().short(34_735, &keys(1024, 2)), "measured in degrees"),
-        (image().placed().short(34_735, &keys(3076, 9003)), "not measured in metres but in unit 9003"),
+        (image().placed().short(34_735, &keys(3076, 9003)), "not measured in metres but in US survey feet"),
         (image(), "does not give the position of its cells"),
         (image().double(34_264, &turned), "cells of 10 by 9 are not square"),
         (image().double(34_264, &skewed), "do not run from west to east"),

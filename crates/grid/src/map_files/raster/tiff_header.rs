@@ -17,13 +17,23 @@ pub(super) const ROWS_PER_STRIP: u16 = 278;
 pub(super) const PLANAR: u16 = 284;
 pub(super) const TILE_WIDTH: u16 = 322;
 pub(super) const TILE_LENGTH: u16 = 323;
+const SAMPLE_FORMAT: u16 = 339;
 
 /// The ways of packing that are read: none, Group 4, LZW, Deflate by either number, PackBits, Zstandard.
 const READ_PACKINGS: [u64; 7] = [1, 4, 5, 8, 32_946, 32_773, 50_000];
 
-/// The number of a palette among the photometric interpretations, and of grey values.
-const PALETTE: u64 = 3;
+/// The number of grey values among the photometric interpretations.
 const GREY: u8 = 1;
+/// The last of them whose numbers GDAL does not convert: white or black is 0, red, green and blue, a palette, a mask.
+const MAX_PLAIN_COLOURS: u64 = 4;
+
+/// The tag that says what an image of a file is: a smaller one of another, a mask.
+const KIND: u16 = 254;
+const IS_OVERVIEW: u64 = 1;
+const IS_MASK: u64 = 4;
+
+/// The most images of a file that are looked at.
+const MAX_IMAGES: usize = 64;
 
 /// The longest side of a tile.
 const MAX_TILE_SIDE: u64 = 1 << 14;
@@ -45,10 +55,14 @@ pub(super) struct TiffSize {
     pub rows: usize,
     pub cols: usize,
     pub bands: usize,
+    /// The bits of a number.
+    pub bits: usize,
+    /// The place in the file's list of an image of the same size that says where there are data.
+    pub mask: Option<usize>,
 }
 
-/// Checks the head of the first image, and makes a palette of colours grey: colours are for showing, the numbers are what
-/// counts.
+/// Checks the head of the first image, and makes colours grey, in its mask too: colours are for showing, the numbers are
+/// what counts.
 pub(super) fn check(bytes: &mut [u8]) -> Result<TiffSize, RasterFault> {
     let head = TiffHead::find(bytes).ok_or_else(cut_off)?;
     let number = |tag| head.number(bytes, tag);
@@ -90,14 +104,42 @@ pub(super) fn check(bytes: &mut [u8]) -> Result<TiffSize, RasterFault> {
     }
     let (rows, cols, bands) = (rows as usize, cols as usize, bands as usize);
     let bits = number(BITS)?.unwrap_or(1).min(64) as usize;
+    // Whole numbers with and without sign, floating-point numbers, and what is not said.
+    if number(SAMPLE_FORMAT)?.is_some_and(|format| !(1..=4).contains(&format)) {
+        let message = "its numbers are complex; gdal_translate -ot Float32 in.tif out.tif takes the real ones";
+        return Err(RasterFault::Unfit { message: message.into() });
+    }
+    if !bits.is_power_of_two() {
+        let message = format!("its numbers have {bits} bits; gdal_translate -ot Float32 in.tif out.tif converts them");
+        return Err(RasterFault::Unfit { message });
+    }
     if rows * (cols * bands * bits).div_ceil(8) / MAX_RATIO > bytes.len() {
         return Err(RasterFault::TooShort { bytes: bytes.len(), rows, cols });
     }
-    if number(PHOTOMETRIC)? == Some(PALETTE) {
-        let low_byte = head.entry(bytes, PHOTOMETRIC).expect("it was found").low_byte;
-        bytes[low_byte] = GREY;
+    if number(PHOTOMETRIC)?.is_some_and(|kind| kind > MAX_PLAIN_COLOURS) {
+        let message = "its numbers are colours for printing or for films; gdal_translate in.tif out.tif converts them";
+        return Err(RasterFault::Unfit { message: message.into() });
     }
-    Ok(TiffSize { rows, cols, bands })
+    head.make_grey(bytes);
+    let mut mask = None;
+    let mut offset = head.next;
+    for place in 1..MAX_IMAGES {
+        let Some(head) = TiffHead::at(bytes, offset) else { break };
+        let is_mask = head.number(bytes, KIND)?.is_some_and(|kind| kind & IS_MASK != 0 && kind & IS_OVERVIEW == 0);
+        let size = [head.number(bytes, LENGTH)?, head.number(bytes, WIDTH)?];
+        if is_mask && size == [Some(rows as u64), Some(cols as u64)] {
+            if [5, 50_000].contains(&head.number(bytes, COMPRESSION)?.unwrap_or(1)) {
+                let message = "its mask is packed by LZW or Zstandard; gdal_translate --config \
+                     GDAL_TIFF_INTERNAL_MASK YES -co COMPRESS=DEFLATE in.tif out.tif makes a supported file";
+                return Err(RasterFault::Unfit { message: message.into() });
+            }
+            head.make_grey(bytes);
+            mask = Some(place);
+            break;
+        }
+        offset = head.next;
+    }
+    Ok(TiffSize { rows, cols, bands, bits, mask })
 }
 
 fn cut_off() -> RasterFault {
@@ -110,6 +152,8 @@ pub(super) struct TiffHead {
     is_big_tiff: bool,
     first: usize,
     tags: usize,
+    /// Where the list of tags of the next image begins; 0 if there is none.
+    next: usize,
 }
 
 /// A tag of numbers: their size and count, and the first of them with the places of it and of its lowest byte.
@@ -126,17 +170,34 @@ impl TiffHead {
     pub fn find(bytes: &[u8]) -> Option<Self> {
         let is_little = bytes.starts_with(b"II");
         let is_big_tiff = bytes.get(2..4)?.contains(&b'+');
-        let mut head = Self { is_little, is_big_tiff, first: 0, tags: 0 };
-        let (offset, count_size) =
-            if is_big_tiff { (head.read(bytes, 8, 8)?, 8) } else { (head.read(bytes, 4, 4)?, 2) };
-        let offset = usize::try_from(offset).ok().filter(|&offset| offset < bytes.len())?;
-        let tags = head.read(bytes, offset, count_size)?;
+        let head = Self { is_little, is_big_tiff, first: 0, tags: 0, next: 0 };
+        let offset = if is_big_tiff { head.read(bytes, 8, 8)? } else { head.read(bytes, 4, 4)? };
+        Self::at(bytes, usize::try_from(offset).ok()?)
+    }
+
+    /// Finds the list of tags that begins at an offset.
+    fn at(bytes: &[u8], offset: usize) -> Option<Self> {
+        let is_little = bytes.starts_with(b"II");
+        let is_big_tiff = bytes.get(2..4)?.contains(&b'+');
+        let mut head = Self { is_little, is_big_tiff, first: 0, tags: 0, next: 0 };
+        let count_size = if is_big_tiff { 8 } else { 2 };
+        let tags = head.read(bytes, Some(offset).filter(|&offset| offset > 0 && offset < bytes.len())?, count_size)?;
         if tags > MAX_TAGS {
             return None;
         }
         head.first = offset + count_size;
         head.tags = tags as usize;
-        (head.first + head.tags * head.entry_size() <= bytes.len()).then_some(head)
+        let end = head.first + head.tags * head.entry_size();
+        let next = head.read(bytes, end, if is_big_tiff { 8 } else { 4 }).unwrap_or(0);
+        head.next = usize::try_from(next).unwrap_or(0);
+        (end <= bytes.len()).then_some(head)
+    }
+
+    /// Turns whatever colours an image has into grey values, so that its numbers are read as they are.
+    fn make_grey(&self, bytes: &mut [u8]) {
+        if let Some(entry) = self.entry(bytes, PHOTOMETRIC).filter(|entry| entry.value.is_some_and(|it| it < 256)) {
+            bytes[entry.low_byte] = GREY;
+        }
     }
 
     fn entry_size(&self) -> usize {
