@@ -1,9 +1,9 @@
 //! What the truck's planners cost and give: `cargo bench --bench pose_planners`, or with `-- prm-rs hybrid-astar` those
 //! two alone.
 //!
-//! Goal poses are those of the reference problems where they are present (`../shared/reference`, or
-//! `$WILDFIRE_REFERENCE`), and random free poses on random fields of the contest; disc goals are about the nearest cells
-//! of bushes. Arguments with an equals sign change settings: `unimog.hybrid.shortcuts=50`. CPU time of this thread.
+//! Goal poses are those of the reference problems (of `tests/data/reference`, or of `$WILDFIRE_REFERENCE`), and random
+//! free poses on random fields of the contest; disc goals are about the nearest cells of bushes. Arguments with an equals
+//! sign change settings: `unimog.hybrid.shortcuts=50`. CPU time of this thread.
 
 #![expect(clippy::print_stdout, reason = "a benchmark prints its figures")]
 
@@ -201,7 +201,7 @@ struct GoalFile {
 
 fn reference_problems() -> Vec<Problem> {
     let folder = std::env::var_os("WILDFIRE_REFERENCE")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/reference"), PathBuf::from);
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/reference"), PathBuf::from);
     (0..5)
         .filter_map(|number| std::fs::read(folder.join(format!("plan/field_{number:02}.json"))).ok())
         .map(|text| problem_of(&serde_json::from_slice(&text).expect("a field file")))

@@ -4,6 +4,7 @@ use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::process::{Command, Stdio};
 
+use crate::children::{self, end_of, output_of, send, wait_until};
 use crate::story::{Answer, Story, outcomes, refuse};
 
 /// A field of a hundred cells on which a Wumpus lights what it can within a minute: a run takes some microseconds.
@@ -50,12 +51,7 @@ fn more_slices_are_merged_than_files_may_be_open() {
     story.tell(&["batch", "tiny.toml", "--seeds", "1..500", "--out", "whole"]).expect_code(0);
     cut_into_slices(&story, 200);
     let command = "ulimit -n 64; exec \"$0\" merge out --jobs 2";
-    let output = Command::new("sh")
-        .args(["-c", command, env!("CARGO_BIN_EXE_wildfire")])
-        .current_dir(story.path(""))
-        .output()
-        .expect("there is a shell");
-    Answer::of(&output).expect_code(0);
+    Answer::of(&output_of(&mut story.shell(command))).expect_code(0);
     assert_like_the_whole(&story, "out");
     for file in ["runs.parquet", "planner_calls.parquet", "states.parquet", "tables.md"] {
         assert!(story.path("out").join(file).exists(), "{file}");
@@ -95,7 +91,7 @@ fn tasks_of_an_array_of_any_scheduler_are_slices() {
     let task = |value: Option<&str>| {
         let mut command = story.command(&array);
         value.map(|value| command.env("SGE_TASK_ID", value));
-        Answer::of(&command.output().expect("the program can be started"))
+        Answer::of(&output_of(&mut command))
     };
     for (value, found) in
         [(None, "not set"), (Some("undefined"), "`undefined`"), (Some("0"), "`0`"), (Some("4"), "`4`")]
@@ -118,12 +114,12 @@ fn merge_waits_for_slices_that_others_are_working_on() {
     let story = tiny();
     story.tell(&["batch", "tiny.toml", "--seeds", "1..60", "--out", "whole"]).expect_code(0);
     fs::create_dir(story.path("out")).expect("writable");
-    let mut command = story.command(&["merge", "out", "--wait=60"]);
+    let mut command = story.command(&["merge", "out", "--wait=600"]);
     let merge = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program can be started");
     for slice in ["2/2", "1/2"] {
         story.tell(&["batch", "tiny.toml", "--seeds", "1..60", "--out", "out", "--shard", slice]).expect_code(0);
     }
-    Answer::of(&merge.wait_with_output().expect("it ends")).expect_code(0);
+    Answer::of(&end_of(merge)).expect_code(0);
     assert_like_the_whole(&story, "out");
 }
 
@@ -171,7 +167,7 @@ fn file_system_without_flock_is_named_and_no_lock_helps() {
     }
     let tell = |arguments: &[&str]| {
         let mut command = story.command(arguments);
-        Answer::of(&command.env("LD_PRELOAD", story.path("shim.so")).output().expect("the program can be started"))
+        Answer::of(&output_of(command.env("LD_PRELOAD", "./shim.so")))
     };
     let slice = |number: &'static str, lock: &'static str| {
         tell(&["batch", "tiny.toml", "--seeds", "1..60", "--out", "out", "--shard", number, "--lock", lock])
@@ -223,12 +219,12 @@ fn script_for_slurm_submits_itself_runs_every_slice_and_merges_them() {
     program(&story, "sbatch", "printf '%s\\n' \"$*\" >> submitted; [ \"$1\" != --parsable ] || echo '4711;here'");
     let path = std::env::var("PATH").unwrap_or_default();
     let bash = |arguments: &[&str]| {
-        let mut command = Command::new("bash");
+        let mut command = children::command("bash");
         command.args(arguments).current_dir(story.path("")).env("LOCAL", story.path("local"));
         command.env("PATH", format!("{}:{path}", story.path("bin").display()));
         command
     };
-    Answer::of(&bash(&["fleet.sh"]).output().expect("there is bash")).expect_code(0);
+    Answer::of(&output_of(&mut bash(&["fleet.sh"]))).expect_code(0);
     let submitted = story.read("submitted");
     let submitted: Vec<&str> = submitted.lines().collect();
     assert!(submitted[0].starts_with("--parsable ") && submitted[0].ends_with("fleet.sh"), "{submitted:?}");
@@ -237,9 +233,9 @@ fn script_for_slurm_submits_itself_runs_every_slice_and_merges_them() {
     for task in 1..=tasks {
         let mut command = bash(&["fleet.sh"]);
         command.env("SLURM_ARRAY_TASK_ID", task.to_string()).env("SLURM_ARRAY_JOB_ID", "4711");
-        Answer::of(&command.output().expect("there is bash")).expect_code(0);
+        Answer::of(&output_of(&mut command)).expect_code(0);
     }
-    Answer::of(&bash(&["-c", merge]).output().expect("there is bash")).expect_code(0);
+    Answer::of(&output_of(&mut bash(&["-c", merge]))).expect_code(0);
     assert_like_the_whole(&story, "my runs");
     assert_eq!(fs::read_dir(story.path("local/disk")).expect("journals were here").count(), 0);
 }
@@ -255,7 +251,7 @@ fn task_that_is_told_to_end_is_queued_again() {
     program(&story, "scontrol", "printf '%s\\n' \"$*\" >> queued; exit 1");
     program(&story, "squeue", "echo RUNNING");
     let path = std::env::var("PATH").unwrap_or_default();
-    let mut command = Command::new("bash");
+    let mut command = children::command("bash");
     command
         .arg("fleet.sh")
         .current_dir(story.path(""))
@@ -264,12 +260,9 @@ fn task_that_is_told_to_end_is_queued_again() {
     command.env("PATH", format!("{}:{path}", story.path("bin").display()));
     let task = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("there is bash");
     let journal = story.path("out/runs-2-of-2.journal");
-    while fs::metadata(&journal).map_or(0, |found| found.len()) < 10_000 {
-        std::thread::yield_now();
-    }
-    let sent = Command::new("kill").args(["-TERM", &task.id().to_string()]).status();
-    assert!(sent.expect("there is a kill").success());
-    let output = task.wait_with_output().expect("it ends");
+    wait_until("it runs", || fs::metadata(&journal).map_or(0, |found| found.len()) >= 10_000);
+    send("TERM", &task);
+    let output = end_of(task);
     assert_eq!((output.status.code(), story.read("queued").trim_end()), (Some(75), "requeue 4711_2"));
     let status = story.tell(&["status", "out"]).expect_code(0).stdout;
     assert!(status.contains("stopped") && status.contains("--shard 1/2"), "{status}");
@@ -286,14 +279,7 @@ fn batch_in_a_task_of_slurm_has_its_threads() {
     let mut child = command.spawn().expect("the program can be started");
     let threads = || fs::read_dir(format!("/proc/{}/task", child.id())).map_or(0, Iterator::count);
     // The main thread, one that waits for signals, and the workers.
-    let mut most = 0;
-    for _ in 0..1_000_000 {
-        most = most.max(threads());
-        if most >= 9 {
-            break;
-        }
-    }
+    wait_until("seven workers have threads", || threads() >= 9);
     child.kill().expect("it can be killed");
-    child.wait().expect("it is over");
-    assert!(most >= 9, "{most} threads are too few for seven workers");
+    end_of(child);
 }

@@ -3,29 +3,9 @@
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::thread;
-use std::time::{Duration, Instant};
 
+use crate::children::{end_of, wait_until};
 use crate::story::{Answer, Story};
-
-/// A time that is much longer than any of these commands takes; some of them once waited without end.
-const PATIENCE: Duration = Duration::from_secs(120);
-
-#[expect(clippy::disallowed_methods, reason = "only waiting can show that something does not wait without end")]
-fn tell_without_end(story: &Story, arguments: &[&str]) -> Answer {
-    let mut command = story.command(arguments);
-    let command = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut child = command.spawn().expect("the program can be started");
-    let begin = Instant::now();
-    while child.try_wait().expect("it can be asked").is_none() {
-        if begin.elapsed() > PATIENCE {
-            child.kill().expect("it can be killed");
-            panic!("{arguments:?} waits");
-        }
-        thread::sleep(Duration::from_millis(5));
-    }
-    Answer::of(&child.wait_with_output().expect("it is over"))
-}
 
 fn replace_by_pipe(path: &Path) {
     let _ = fs::remove_file(path);
@@ -75,7 +55,7 @@ fn pipes_devices_loops_and_folders_among_the_files_of_a_batch_are_refused_at_onc
             ] {
                 let is_batch = story.path(&folder).join("plan.json").symlink_metadata().is_ok();
                 if is_batch || !matches!(command[0], "audit" | "render") {
-                    tell_without_end(&story, command).expect_code(2).expect_complaint(&[entry, "expected a file"]);
+                    story.tell(command).expect_code(2).expect_complaint(&[entry, "expected a file"]);
                 }
             }
         }
@@ -105,20 +85,9 @@ fn batch_whose_folder_is_deleted_ends_and_says_so() {
     let command = command.stdout(Stdio::null()).stderr(Stdio::piped());
     let child = command.spawn().expect("the program can be started");
     let has = |file: &str| fs::metadata(story.path(file)).is_ok_and(|found| found.len() > 0);
-    while !has("out/runs.journal") || !has("out/machines.json") {
-        thread::yield_now();
-    }
+    wait_until("the batch runs", || has("out/runs.journal") && has("out/machines.json"));
     fs::remove_dir_all(story.path("out")).expect("it is there");
-    let begin = elapsed();
-    let output = child.wait_with_output().expect("it ends");
-    println!("it ended {:?} after its folder", begin());
-    Answer::of(&output).expect_code(3).expect_complaint(&["out/runs.journal", "removed or renamed"]);
-}
-
-#[expect(clippy::disallowed_methods, reason = "real time is what is measured")]
-fn elapsed() -> impl Fn() -> Duration {
-    let begin = Instant::now();
-    move || begin.elapsed()
+    Answer::of(&end_of(child)).expect_code(3).expect_complaint(&["out/runs.journal", "removed or renamed"]);
 }
 
 #[test]

@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use rand::RngExt;
 
+use crate::children::end_of;
 use crate::story::{Story, outcomes};
 
 /// A field of a hundred cells on which a Wumpus lights what it can within a minute: a run takes some microseconds.
@@ -51,7 +52,7 @@ fn kill(kills: usize) {
             command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program can be started");
         wait(Duration::from_micros(rng.random_range(0..40_000)));
         child.kill().expect("it can be killed");
-        child.wait().expect("it is over");
+        end_of(child);
         if story.path("killed/plan.json").exists() {
             arguments = vec!["batch", "--resume", "killed", "--jobs", "2"];
         } else {
@@ -61,7 +62,7 @@ fn kill(kills: usize) {
         unfinished += usize::from(!story.path("killed/runs.csv").exists());
     }
     assert!(unfinished > kills / 10, "it was hardly ever killed before its end");
-    story.tell(&["batch", "--resume", "killed"]).expect_code(0);
+    story.tell(&arguments).expect_code(0);
     assert_same(&story.path("killed"), &story.path("whole"));
     let names = |folder: &str| {
         let entries = std::fs::read_dir(story.path(folder)).expect("it is there");

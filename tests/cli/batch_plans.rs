@@ -1,13 +1,12 @@
 //! Batches of several scenarios, planners and values; in slices; stopped and resumed.
 
 use std::fs;
-
-use crate::story::{Story, outcomes, refuse};
-
 #[cfg(target_os = "linux")]
 use std::process::{Child, Stdio};
+
 #[cfg(target_os = "linux")]
-use std::thread;
+use crate::children::{end_of, send, wait_until};
+use crate::story::{Story, outcomes, refuse};
 
 fn column(story: &Story, name: &str) -> Vec<String> {
     let rows = outcomes(&story.path("out/runs.csv"));
@@ -155,17 +154,9 @@ fn long_batch(story: &Story) -> Child {
     let batch = [["batch", "contest", "--jobs", "1", "--out", "out"].as_slice(), &endless].concat();
     let mut command = story.command(&batch);
     let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the program can be started");
-    // The main thread, one that waits for signals, and the worker: the batch has begun.
-    while fs::read_dir(format!("/proc/{}/task", child.id())).map_or(0, Iterator::count) < 3 {
-        thread::yield_now();
-    }
+    // It is written when a first signal stops the batch and a second ends it at once.
+    wait_until("the batch runs", || story.path("out/machines.json").exists());
     child
-}
-
-#[cfg(target_os = "linux")]
-fn interrupt(child: &Child) {
-    let sent = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-    assert!(sent.expect("there is a kill").success());
 }
 
 #[test]
@@ -173,9 +164,8 @@ fn interrupt(child: &Child) {
 fn first_interrupt_stops_a_batch_and_names_the_command_that_resumes_it() {
     let story = Story::begin();
     let child = long_batch(&story);
-    interrupt(&child);
-    let output = child.wait_with_output().expect("it ends");
-    let answer = crate::story::Answer::of(&output).expect_code(75);
+    send("INT", &child);
+    let answer = crate::story::Answer::of(&end_of(child)).expect_code(75);
     answer.expect_complaint(&["stopping", "the batch was stopped", "resume with: wildfire batch --resume out"]);
     let status = story.tell(&["status", "out"]).expect_code(0).stdout;
     assert!(status.contains("Continue with: wildfire batch --resume out"), "{status}");
@@ -190,8 +180,7 @@ fn second_interrupt_stops_a_batch_at_once() {
     let both = format!("kill -INT {0} && kill -TERM {0}", child.id());
     let sent = std::process::Command::new("sh").args(["-c", &both]).status();
     assert!(sent.expect("there is a shell").success());
-    let output = child.wait_with_output().expect("it ends");
-    assert_eq!(output.status.code(), Some(130));
+    assert_eq!(end_of(child).status.code(), Some(130));
 }
 
 #[test]

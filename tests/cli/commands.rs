@@ -1,5 +1,6 @@
 //! What the commands print that need no simulation.
 
+use crate::children::output_of;
 use crate::story::{Answer, LARGE, Story, widest};
 use wildfire::scenario::BUILT_IN;
 
@@ -19,8 +20,8 @@ fn help_has_examples_and_exit_codes() {
 fn help_fills_eighty_columns_and_breaks_no_example() {
     let story = Story::begin();
     let help = |arguments: &[&str]| {
-        let output = story.command(&[arguments, &["--help"]].concat()).env("COLUMNS", "80").output();
-        Answer::of(&output.expect("the program can be started")).expect_code(0).stdout
+        let output = output_of(story.command(&[arguments, &["--help"]].concat()).env("COLUMNS", "80"));
+        Answer::of(&output).expect_code(0).stdout
     };
     let commands = ["occupancy", "brushfire", "cost", "wavefront", "attraction", "repulsion", "total", "descend"];
     for command in commands.into_iter().chain(["timing"]) {

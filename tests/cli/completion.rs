@@ -2,6 +2,7 @@
 
 use std::process::Command;
 
+use crate::children::{command, output_of};
 use crate::story::Story;
 
 /// Says what bash does with a line that ends where the key is pressed.
@@ -27,8 +28,7 @@ fn story() -> Option<Story> {
 }
 
 fn offered(story: &Story, line: &str) -> Vec<String> {
-    let output = Command::new("bash").args(["-c", ASK, "bash", line]).current_dir(story.path("")).output();
-    let output = output.expect("there is bash");
+    let output = output_of(command("bash").args(["-c", ASK, "bash", line]).current_dir(story.path("")));
     let complaints = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(complaints.contains("-F _wildfire_with_names wildfire"), "{complaints}");
     assert_eq!(complaints.lines().count(), 1, "{complaints}");

@@ -4,6 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
+use crate::children::output_of;
 use crate::story::{Story, outcomes, refuse};
 
 const RULES: &str = "\
@@ -464,9 +465,8 @@ fn new_assignment_is_a_course_that_runs_and_is_ranked_with_sheets() {
     let seed = &worst[column("seed")];
     let command = sheet.lines().find_map(|line| line.strip_prefix("    wildfire render ")).expect("there is a command");
     assert!(command.contains(&format!("--seed {seed} ")), "{command}\n{worst:?}");
-    let shell = format!("{} render {command}", env!("CARGO_BIN_EXE_wildfire"));
-    let made = std::process::Command::new("sh").args(["-c", &shell]).current_dir(story.path(".")).status();
-    assert!(made.expect("there is a shell").success() && story.path(&format!("seed-{seed}.html")).exists());
+    let made = output_of(&mut story.shell(&format!("\"$0\" render {command}")));
+    assert!(made.status.success() && story.path(&format!("seed-{seed}.html")).exists());
 }
 
 #[test]

@@ -1,11 +1,9 @@
 //! `wildfire curve --pairs`: lengths and words of many pairs, from a table to a table.
 
-use std::env;
-use std::path::PathBuf;
-
 use wildfire::geometry::Pose;
 use wildfire::vehicle::{Dubins, ReedsShepp};
 
+use crate::reference::{both, larger};
 use crate::story::{Story, refuse};
 
 const HEADER: &str = "x0,y0,th0,x1,y1,th1";
@@ -74,14 +72,8 @@ fn table_without_rows_has_an_answer_without_rows() {
 
 #[test]
 fn lengths_agree_with_independent_programs() {
-    let folder = env::var_os("WILDFIRE_REFERENCE")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/reference"), PathBuf::from);
-    for name in ["reeds_shepp.csv", "reeds_shepp_edge.csv"] {
-        let path = folder.join(name);
-        if !path.is_file() {
-            println!("{name} is not there: nothing compared");
-            continue;
-        }
+    for path in both("reeds_shepp.csv").chain(larger("reeds_shepp_edge.csv")) {
+        let name = path.display();
         let story = Story::begin();
         story.tell(&["curve", "--pairs", &path.to_string_lossy(), "--csv", "out.csv"]).expect_code(0);
         let mut reader = csv::Reader::from_path(story.path("out.csv")).expect("it was written");

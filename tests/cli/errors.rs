@@ -1,7 +1,9 @@
 //! Bad input and bad disks: a sentence, an exit code, and nothing written.
 
 use std::fs::File;
+use std::process::Stdio;
 
+use crate::children::end_of;
 use crate::story::{Answer, Story, refuse};
 
 #[test]
@@ -111,7 +113,7 @@ fn places_in_no_folder_are_refused() {
 fn full_disk_under_stdout_is_the_environment() {
     let Ok(full) = File::options().write(true).open("/dev/full") else { return };
     let story = Story::begin();
-    let output = story.command(&["scenarios"]).stdout(full).output().expect("the program can be started");
+    let output = end_of(story.command(&["scenarios"]).stdout(full).stderr(Stdio::piped()).spawn().expect("it starts"));
     Answer::of(&output).expect_code(3).expect_complaint(&["cannot write to stdout"]);
 }
 
@@ -126,7 +128,7 @@ fn output_that_cannot_be_written_costs_neither_the_result_nor_the_other_outputs(
     assert!(answer.stdout.starts_with("smoke, seed 1: ended after"), "{}", answer.stdout);
     assert!(story.read("trace.csv").lines().count() > 1);
     let arguments = ["run", "smoke", "--events", "events.csv"];
-    let output = story.command(&arguments).stdout(full).output().expect("the program can be started");
+    let output = end_of(story.command(&arguments).stdout(full).stderr(Stdio::piped()).spawn().expect("it starts"));
     Answer::of(&output).expect_code(3).expect_complaint(&["cannot write to stdout"]);
     assert!(story.read("events.csv").lines().count() > 1);
 }
@@ -137,7 +139,7 @@ fn reader_that_has_seen_enough_is_no_error() {
     for arguments in [["scenarios"].as_slice(), &["check", "contest"], &["completions", "bash"]] {
         let (reader, writer) = std::io::pipe().expect("pipes are there");
         drop(reader);
-        let output = story.command(arguments).stdout(writer).output().expect("the program can be started");
+        let output = end_of(story.command(arguments).stdout(writer).stderr(Stdio::piped()).spawn().expect("it starts"));
         let answer = Answer::of(&output).expect_code(0);
         assert!(answer.stderr.is_empty(), "{}", answer.stderr);
     }

@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use crate::children::{self, output_of};
 use crate::story::{Answer, Story, refuse};
 
 /// Every option of every command that writes a single file, how the file's name may end, and what it begins with.
@@ -99,7 +100,7 @@ fn dash_is_stdout_for_every_output_and_the_words_go_to_stderr() {
     let story = story();
     for (command, ending, start) in OUTPUTS {
         let before = story.entries();
-        let piped = story.command(&[&words(command)[..], &["-"]].concat()).output().expect("it can be started");
+        let piped = output_of(&mut story.command(&[&words(command)[..], &["-"]].concat()));
         assert_eq!(piped.status.code(), Some(0), "{command}: {}", String::from_utf8_lossy(&piped.stderr));
         assert!(piped.stdout.starts_with(start), "{command}: {:?}", &piped.stdout[..piped.stdout.len().min(40)]);
         assert_eq!(story.entries(), before, "{command}");
@@ -192,11 +193,8 @@ fn one_cause_of_an_output_has_one_exit_code_in_all_commands() {
 #[test]
 #[cfg(unix)]
 fn what_may_not_be_read_or_written_is_the_environment_in_all_commands() {
-    use std::io::ErrorKind;
     use std::os::unix::fs::{MetadataExt, PermissionsExt};
     use std::os::unix::process::CommandExt;
-    use std::path::Path;
-    use std::process::Command;
 
     /// The user who owns nothing.
     const NOBODY: u32 = 65534;
@@ -210,20 +208,16 @@ fn what_may_not_be_read_or_written_is_the_environment_in_all_commands() {
     fs::copy(env!("CARGO_BIN_EXE_wildfire"), &program).expect("there is room");
     fs::set_permissions(programs.path(), fs::Permissions::from_mode(0o755)).expect("it is ours");
     let tell = |arguments: &[&str]| {
-        let mut command = Command::new(Path::new(&program));
+        let mut command = children::command(&program);
         command.args(arguments).current_dir(story.path("."));
         if is_root {
             command.uid(NOBODY).gid(NOBODY);
         }
-        // A program that another test started while the copy was written holds it open until it is itself begun.
-        let output = loop {
-            match command.output() {
-                Err(error) if error.kind() == ErrorKind::ExecutableFileBusy => std::thread::yield_now(),
-                output => break output,
-            }
-        };
-        Answer::of(&output.expect("the program can be started"))
+        Answer::of(&output_of(&mut command))
     };
+    // The umask of the caller may keep all this for itself.
+    let shown = output_of(children::command("chmod").args(["-R", "a+rX"]).args([&story.path("."), &program]));
+    assert!(shown.status.success());
     story.file("secret", "precious");
     story.file("secret.wildfire", "precious");
     for folder in ["hidden", "fixed"] {

@@ -1,5 +1,10 @@
 //! The program told to do things from outside, as small stories.
 
+#[path = "../shared/children.rs"]
+mod children;
+#[path = "../shared/reference.rs"]
+mod reference;
+
 mod arena;
 mod audit;
 #[cfg(unix)]

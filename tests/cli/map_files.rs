@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use crate::children::output_of;
 use crate::story::Story;
 
 const COMPUTATIONS: [&str; 8] = [
@@ -223,7 +224,7 @@ fn commands_of_a_page_can_be_pasted() {
         let start = page.find("wildfire map astar").expect("the page has the command");
         let line = page[start..].split(['<', '"']).next().unwrap_or_default();
         let script = format!("set -- {}; shift; printf '%s\\n' \"$@\"", line.trim());
-        let output = std::process::Command::new("sh").args(["-c", &script]).output().expect("there is a shell");
+        let output = output_of(&mut story.shell(&script));
         let read = String::from_utf8(output.stdout).expect("text");
         let read: Vec<&str> = read.lines().collect();
         assert_eq!(read.last(), Some(&name), "{line}");

@@ -1,11 +1,12 @@
 //! Runs that would take more memory than their limit, and what the program says of memory beforehand.
 
 use std::fs;
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
 use super::story::{Answer, Story};
+use crate::children::end_of;
 
 /// Writes a scenario with `count` trucks in a grid, and five fires.
 fn trucks(count: usize, size_m: f64, rest_of_truck: &str) -> String {
@@ -27,7 +28,7 @@ fn trucks(count: usize, size_m: f64, rest_of_truck: &str) -> String {
 fn peak_bytes(mut command: Command) -> (u64, Answer) {
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program can be started");
     let status = format!("/proc/{}/status", child.id());
-    let wait = thread::spawn(|| Child::wait_with_output(child).expect("it ends"));
+    let wait = thread::spawn(|| end_of(child));
     let mut peak = 0;
     while !wait.is_finished() {
         let status = fs::read_to_string(&status).unwrap_or_default();

@@ -1,10 +1,10 @@
 //! Pages that compute runs, and games that come from them.
 
 use std::fs;
-use std::process::Command;
 
 use serde_json::Value;
 
+use crate::children::{command, output_of};
 use crate::story::{Answer, Story};
 
 /// The first bytes of every module.
@@ -43,8 +43,8 @@ fn what_cannot_be_a_page_is_refused() {
     // A build may have left a module beside this program, but not beside a copy of it.
     let copy = story.path("wildfire-copy");
     fs::copy(env!("CARGO_BIN_EXE_wildfire"), &copy).expect("there is room");
-    let alone = Command::new(&copy).args(["page", "-o", "p.html"]).current_dir(story.path("")).output();
-    let answer = Answer::of(&alone.expect("it can be started")).expect_code(2);
+    let alone = output_of(command(&copy).args(["page", "-o", "p.html"]).current_dir(story.path("")));
+    let answer = Answer::of(&alone).expect_code(2);
     assert!(answer.stderr.contains("wildfire.wasm not found next to the program"), "{}", answer.stderr);
     for (words, sentence) in [
         (&["page", "-o", "p.html", "--module", "gone.wasm"][..], "gone.wasm: it cannot be read"),

@@ -5,6 +5,7 @@ use std::fs;
 
 use serde_json::Value;
 
+use crate::children::{command, output_of};
 use crate::story::{Story, refuse};
 
 /// A batch `a` of two planners, whose scenario has a name that LaTeX would act on.
@@ -109,9 +110,9 @@ fn latex_sets_everything_within_a_column() {
         paper += "\\clearpage\n";
     }
     story.file("paper.tex", &(paper + "\\end{document}\n"));
-    let mut latex = std::process::Command::new("pdflatex");
+    let mut latex = command("pdflatex");
     let latex = latex.args(["-interaction=nonstopmode", "-halt-on-error", "paper.tex"]).current_dir(story.path(""));
-    let output = latex.output().expect("it is installed");
+    let output = output_of(latex);
     let log = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{log}");
     let wide: Vec<&str> = log.lines().filter(|line| line.starts_with("Overfull \\hbox")).collect();

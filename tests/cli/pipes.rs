@@ -4,10 +4,9 @@
 use std::fs;
 use std::io::Write;
 use std::os::unix::process::ExitStatusExt;
-use std::process::{Child, Command, Stdio};
-use std::thread;
-use std::time::{Duration, Instant};
+use std::process::{Command, Stdio};
 
+use crate::children::{end_of, output_of, send, writer_once_read};
 use crate::story::{Answer, Story};
 
 /// Every way to name a file that is read, with `{}` for its name, and what is read there.
@@ -74,10 +73,10 @@ fn every_input_may_be_a_pipe() {
         let mut writer = Command::new("sh");
         let mut writer =
             writer.args(["-c", "cat \"$0\" > pipe", file]).current_dir(story.path(".")).spawn().expect("sh");
-        let output = command(&story, &with_input(arguments, "pipe")).output().expect("it can be started");
+        let output = output_of(&mut command(&story, &with_input(arguments, "pipe")));
         // It would wait for ever if the pipe was never opened.
         let _ = writer.kill();
-        writer.wait().expect("it ends");
+        end_of(writer);
         let answer = Answer::of(&output);
         assert_eq!(answer.code, Some(0), "{arguments}: {}", answer.stderr);
         remove_outputs(&story);
@@ -92,8 +91,8 @@ fn every_input_may_be_stdin() {
         let mut cat = Command::new("cat").stdin(input).stdout(Stdio::piped()).spawn().expect("cat is there");
         let words = with_input(arguments, "-");
         let stdin = cat.stdout.take().expect("it is piped");
-        let output = command(&story, &words).stdin(stdin).output().expect("it can be started");
-        cat.wait().expect("it ends");
+        let output = output_of(command(&story, &words).stdin(stdin));
+        end_of(cat);
         let answer = Answer::of(&output);
         assert_eq!(answer.code, Some(0), "{arguments}: {}", answer.stderr);
         remove_outputs(&story);
@@ -106,27 +105,8 @@ fn batch_of_a_pipe_is_resumed_without_it() {
     let mut child = story.command(&["batch", "-", "--seeds", "1..2", "--out", "piped"]);
     let mut child = child.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
     child.stdin.take().expect("piped").write_all(story.read("smoke.toml").as_bytes()).expect("it is read");
-    assert!(child.wait().expect("it ends").success());
+    assert!(end_of(child).status.success());
     story.tell(&["batch", "--resume", "piped"]).expect_code(0);
-}
-
-#[expect(clippy::disallowed_methods, reason = "that nothing happens can only be seen by waiting")]
-fn wait(moment: Duration) {
-    thread::sleep(moment);
-}
-
-/// Waits for the end of the program, which must come soon, and returns its status.
-#[expect(clippy::disallowed_methods, reason = "only real time can show that it ends")]
-fn end_of(child: &mut Child, arguments: &str) -> std::process::ExitStatus {
-    let since = Instant::now();
-    while since.elapsed() < Duration::from_secs(20) {
-        if let Some(status) = child.try_wait().expect("it can be asked") {
-            return status;
-        }
-        wait(Duration::from_millis(10));
-    }
-    let _ = child.kill();
-    panic!("`{arguments}` outlived a signal by 20 seconds");
 }
 
 #[test]
@@ -135,11 +115,9 @@ fn one_interrupt_ends_the_wait_for_a_pipe_that_says_nothing() {
     for (arguments, _) in INPUTS {
         let mut started = command(&story, &with_input(arguments, "pipe"));
         let mut child = started.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it can be started");
-        wait(Duration::from_millis(300));
-        assert!(child.try_wait().expect("it can be asked").is_none(), "`{arguments}` did not wait");
-        let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill can be started");
-        assert!(sent.success());
-        let status = end_of(&mut child, arguments);
+        let _writer = writer_once_read(&story.path("pipe"), &mut child);
+        send("INT", &child);
+        let status = end_of(child).status;
         assert!(status.code() == Some(130) || status.signal() == Some(2), "{arguments}: {status}");
     }
 }
@@ -152,10 +130,10 @@ const READ_KIB: u64 = 65_536 + 1024;
 fn addresses_without_input(story: &Story) -> u64 {
     let mut started = command(story, &with_input("audit {}", "pipe"));
     let mut child = started.env("MALLOC_ARENA_MAX", "1").stderr(Stdio::null()).spawn().expect("it can be started");
-    wait(Duration::from_millis(300));
+    let _writer = writer_once_read(&story.path("pipe"), &mut child);
     let status = fs::read_to_string(format!("/proc/{}/status", child.id())).expect("it waits for the pipe");
     child.kill().expect("it can be ended");
-    child.wait().expect("it has been ended");
+    end_of(child);
     let peak = status.lines().find_map(|line| line.strip_prefix("VmPeak:")).expect("a process has a peak");
     peak.trim().trim_end_matches(" kB").parse().expect("it is a number")
 }
@@ -163,11 +141,9 @@ fn addresses_without_input(story: &Story) -> u64 {
 /// Runs a command in bounded memory, which must end with the code of bad input.
 fn refuse_in_bounded_memory(story: &Story, words: &[String], what: &str) {
     let limited = format!("ulimit -v {}; exec \"$0\" \"$@\"", READ_KIB + addresses_without_input(story));
-    let mut shell = Command::new("sh");
+    let mut shell = story.shell(&limited);
     // glibc reserves 64 MiB of addresses for a thread that allocates while another does, which depends on the moment.
-    shell.env("MALLOC_ARENA_MAX", "1");
-    shell.arg("-c").arg(limited).arg(env!("CARGO_BIN_EXE_wildfire")).args(words).current_dir(story.path("."));
-    let answer = Answer::of(&shell.output().expect("sh can be started"));
+    let answer = Answer::of(&output_of(shell.env("MALLOC_ARENA_MAX", "1").args(words)));
     assert_eq!(answer.code, Some(2), "{what}: {:.500}\n{:.500}", answer.stdout, answer.stderr);
 }
 

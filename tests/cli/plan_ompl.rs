@@ -3,6 +3,7 @@
 //! The reader knows what OMPL's `scripts/ompl_benchmark_statistics.py` expects: which line stands where, which words it
 //! begins or ends with, and how values are divided. What else the format's grammar allows, this program does not write.
 
+use crate::children::output_of;
 use crate::story::{Answer, Story};
 
 /// A planner's runs: names and types of what is known, and the values.
@@ -143,7 +144,7 @@ fn log_reads_as_one_of_ompl() {
 /// The words after `plan`, and the day on which they are said.
 fn logged(story: &Story, words: &[&str], day: &str) -> Log {
     let mut command = story.command(&[&["plan"], words, &["--ompl", "a.log"]].concat());
-    let output = command.env("SOURCE_DATE_EPOCH", day).output().expect("the program can be started");
+    let output = output_of(command.env("SOURCE_DATE_EPOCH", day));
     Answer::of(&output).expect_code(0);
     read(&story.read("a.log"))
 }
@@ -162,9 +163,8 @@ fn day_limits_and_processors_are_those_of_the_experiment() {
     assert!(log.hardware.contains("Architecture: "), "{}", log.hardware);
     #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
     assert!(log.hardware.contains("Model name: "), "{}", log.hardware);
-    let output =
-        story.command(&["plan", "--goals", "1", "--ompl", "b.log"]).env("SOURCE_DATE_EPOCH", "monday").output();
-    Answer::of(&output.expect("the program can be started"))
+    let mut wrong = story.command(&["plan", "--goals", "1", "--ompl", "b.log"]);
+    Answer::of(&output_of(wrong.env("SOURCE_DATE_EPOCH", "monday")))
         .expect_code(2)
         .expect_complaint(&["SOURCE_DATE_EPOCH is `monday`; expected whole seconds since 1970"]);
     assert!(!story.path("b.log").exists());

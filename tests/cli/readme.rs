@@ -15,12 +15,13 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use tempfile::TempDir;
 use wildfire::batch::{AGENT_COLUMNS, RUN_COLUMNS};
 use wildfire::picture::film::{BINDINGS, Layer};
 use wildfire::scenario::BUILT_IN;
+
+use crate::children::{self, output_of};
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -136,9 +137,9 @@ fn run(command: &str, folder: &Path) -> String {
     let path = std::env::var_os("PATH").unwrap_or_default();
     let program_first = std::iter::once(program.parent().expect("in a folder").to_owned());
     let path = std::env::join_paths(program_first.chain(std::env::split_paths(&path))).expect("a search path");
-    let mut shell = Command::new("sh");
-    shell.args(["-c", command]).current_dir(folder).env("PATH", path).env_remove("RUST_BACKTRACE");
-    let output = shell.output().expect("a shell can be started");
+    let mut shell = children::command("sh");
+    shell.args(["-c", command]).current_dir(folder).env("PATH", path);
+    let output = output_of(&mut shell);
     let (stdout, stderr) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(output.status.success(), "`{command}` failed\nstdout:\n{stdout}\nstderr:\n{stderr}");
     stdout.into_owned()
@@ -417,8 +418,7 @@ fn every_column_is_explained() {
 fn every_column_of_parquet_files_is_explained() {
     let page = read("docs/output-files.md");
     for table in ["runs", "planner-calls", "states"] {
-        let program = Command::new(env!("CARGO_BIN_EXE_wildfire")).args(["schema", table]).output();
-        let schema = program.expect("the program can be started").stdout;
+        let schema = output_of(children::program().args(["schema", table])).stdout;
         let schema: serde_json::Value = serde_json::from_slice(&schema).expect("a schema is JSON");
         let columns = schema["properties"].as_object().expect("a schema has properties").keys();
         let missing: Vec<_> = columns.filter(|name| !page.contains(&format!("`{name}`"))).collect();

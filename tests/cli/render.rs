@@ -3,11 +3,10 @@
 use std::fs::{self, File};
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::thread;
-use std::time::Duration;
 
 use gif::{ColorOutput, DecodeOptions};
 
+use crate::children::{command, end_of, output_of, send, wait_until};
 use crate::story::{Answer, Story, refuse};
 
 const SMALL: [&str; 2] = ["--size", "320x240"];
@@ -286,7 +285,7 @@ mod with_ffmpeg {
             fs::set_permissions(tools.join("ffmpeg"), fs::Permissions::from_mode(0o755)).expect("writable");
         }
         let mut command = story.command(&FILM);
-        let answer = Answer::of(&command.env("PATH", &tools).output().expect("the program can be started"));
+        let answer = Answer::of(&output_of(command.env("PATH", &tools)));
         assert_eq!(story.entries(), ["tools"], "something half written is left");
         answer
     }
@@ -301,11 +300,11 @@ mod with_ffmpeg {
         let story = Story::begin();
         story.tell(&FILM).expect_code(0);
         assert_eq!(story.entries(), ["film.mp4"]);
-        let mut ask = Command::new("ffprobe");
+        let mut ask = command("ffprobe");
         ask.args(["-v", "error", "-count_frames", "-show_entries"]);
         ask.args(["stream=codec_name,width,height,pix_fmt,nb_read_frames", "-of", "csv=p=0"])
             .arg(story.path("film.mp4"));
-        let found = ask.output().expect("it was just started");
+        let found = output_of(&mut ask);
         assert_eq!(String::from_utf8_lossy(&found.stdout).trim(), "h264,320,240,yuv420p,8");
     }
 
@@ -345,19 +344,17 @@ mod with_ffmpeg {
 
 #[test]
 #[cfg(unix)]
-#[expect(clippy::disallowed_methods, reason = "it is interrupted while it writes, which can only be waited for")]
 fn interrupted_film_leaves_nothing() {
     let story = Story::begin();
     let film = ["render", "--gif", "film.gif", "--to", "1500", "--speed", "1", "--fps", "50", "--size", "320x240"];
     let mut command = story.command(&film);
     let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program can be started");
-    while story.entries().is_empty() {
+    wait_until("it writes", || {
         assert!(child.try_wait().expect("it can be asked").is_none(), "it ended before it wrote anything");
-        thread::sleep(Duration::from_millis(5));
-    }
-    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill can be started");
-    assert!(sent.success());
-    Answer::of(&child.wait_with_output().expect("it ends")).expect_code(130).expect_complaint(&["stopped"]);
+        !story.entries().is_empty()
+    });
+    send("INT", &child);
+    Answer::of(&end_of(child)).expect_code(130).expect_complaint(&["stopped"]);
     assert_eq!(story.entries(), [""; 0]);
 }
 

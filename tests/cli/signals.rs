@@ -1,24 +1,21 @@
 //! Signals that ask for an end: each gives an exit code, whatever the program is doing or waiting for.
 
-use std::fs::{self, OpenOptions};
+use std::fs;
 use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
+use signal_hook::consts::SIGXFSZ;
+
+use crate::children::{end_of, output_of, send, wait_until, writer_once_read};
 use crate::story::{Answer, Story};
 
 const TINY: &str = "duration_s = 60.0\nunimog = []\n[field]\nsize_m = 50.0\ncoverage = 0.1\n\
                     [[wumpus]]\nstart_m = [2.5, 2.5]\n";
 
-fn send(signal: &str, child: &Child) {
-    let sent = Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status();
-    assert!(sent.expect("there is a kill").success());
-}
-
 fn spawn(story: &Story, arguments: &[&str]) -> Child {
     let mut command = story.command(arguments);
-    let command = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    command.spawn().expect("the program can be started")
+    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program can be started")
 }
 
 fn pipe(story: &Story, name: &str) {
@@ -27,21 +24,18 @@ fn pipe(story: &Story, name: &str) {
 }
 
 fn answer(child: Child) -> Answer {
-    Answer::of(&child.wait_with_output().expect("it ends"))
+    Answer::of(&end_of(child))
 }
 
-/// Waits until the program catches this signal, which it does from its first statement on.
-fn wait_for_handler(child: &Child, number: u32) {
-    let catches = || {
+/// Waits until the program catches all signals, which it does from its first statement on: this is the last of them.
+fn wait_for_handlers(child: &Child) {
+    wait_until("signals are caught", || {
         let status = fs::read_to_string(format!("/proc/{}/status", child.id())).expect("it is not waited for yet");
         let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).map(str::trim);
         let is_over = status.contains("\nState:\tZ");
         is_over
-            || mask.is_some_and(|mask| u64::from_str_radix(mask, 16).expect("it is a mask") >> (number - 1) & 1 == 1)
-    };
-    while !catches() {
-        thread::yield_now();
-    }
+            || mask.is_some_and(|mask| u64::from_str_radix(mask, 16).expect("it is a mask") >> (SIGXFSZ - 1) & 1 == 1)
+    });
 }
 
 #[expect(clippy::disallowed_methods, reason = "a moment at which nothing is known of the program is what is wanted")]
@@ -53,21 +47,29 @@ fn wait(moment: Duration) {
 fn signal_at_any_moment_gives_an_exit_code() {
     let story = Story::begin();
     story.file("tiny.toml", TINY);
-    let (mut interrupted, mut resumable) = (0, 0);
-    for (index, millis) in (0..40).flat_map(|step| [(0, step), (1, step), (2, step)]) {
-        let (signal, number) = [("HUP", 1), ("INT", 2), ("TERM", 15)][index];
+    for (signal, millis) in (0..40).flat_map(|step| ["HUP", "INT", "TERM"].map(|signal| (signal, step))) {
         let out = format!("out-{signal}-{millis}");
         let child = spawn(&story, &["batch", "tiny.toml", "--seeds", "1..100000", "--out", &out]);
-        wait_for_handler(&child, number);
+        wait_for_handlers(&child);
         wait(Duration::from_millis(millis));
         send(signal, &child);
-        match answer(child).code {
-            Some(130) => interrupted += 1,
-            Some(75) => resumable += 1,
-            other => panic!("{signal} after {millis} ms: {other:?}"),
-        }
+        let code = answer(child).code;
+        assert!(matches!(code, Some(130 | 75)), "{signal} after {millis} ms: {code:?}");
     }
-    assert!(interrupted > 0 && resumable > 0, "{interrupted} before the batches began, {resumable} while they ran");
+}
+
+#[test]
+fn signal_to_a_batch_that_runs_leaves_it_resumable() {
+    for signal in ["HUP", "INT", "TERM"] {
+        let story = Story::begin();
+        story.file("tiny.toml", TINY);
+        let child = spawn(&story, &["batch", "tiny.toml", "--seeds", "1..100000", "--out", "out"]);
+        wait_until("a run is written", || {
+            story.path("out/runs.journal").metadata().is_ok_and(|file| file.len() > 5000)
+        });
+        send(signal, &child);
+        answer(child).expect_code(75);
+    }
 }
 
 #[test]
@@ -82,9 +84,9 @@ fn first_signal_ends_a_wait_for_a_pipe() {
             let story = Story::begin();
             story.file("tiny.toml", TINY);
             pipe(&story, "pipe");
-            let child = spawn(&story, arguments);
-            // This waits until the program has opened the pipe, from which nothing ever comes.
-            let writer = OpenOptions::new().write(true).open(story.path("pipe")).expect("it is a pipe");
+            let mut child = spawn(&story, arguments);
+            // Nothing ever comes from it.
+            let writer = writer_once_read(&story.path("pipe"), &mut child);
             send(signal, &child);
             answer(child).expect_code(130);
             drop(writer);
@@ -100,22 +102,20 @@ fn first_signal_ends_a_batch_whose_summary_nobody_reads() {
     let values = (1..=1500).map(|value| format!("{}", f64::from(value) / 10.0)).collect::<Vec<_>>().join(",");
     let sweep = format!("fire.burn_out_s={values}");
     let mut child = spawn(&story, &["batch", "tiny.toml", "--seeds", "1", "--set", &sweep, "--out", "out"]);
-    while !story.path("out/runs.csv").exists() {
-        thread::yield_now();
-    }
+    wait_until("the tables are written", || story.path("out/runs.csv").exists());
     send("INT", &child);
-    assert_eq!(child.wait().expect("it ends").code(), Some(75), "nobody has read its output by then");
+    let unread = (child.stdout.take(), child.stderr.take());
+    assert_eq!(end_of(child).status.code(), Some(75), "nobody has read its output by then");
+    drop(unread);
 }
 
 #[test]
 fn hangup_that_nohup_keeps_off_ends_nothing() {
     let story = Story::begin();
     pipe(&story, "pipe");
-    let program = env!("CARGO_BIN_EXE_wildfire");
-    let mut command = Command::new("sh");
-    command.args(["-c", &format!("trap '' HUP; exec {program} check pipe")]).current_dir(story.path(""));
-    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("there is a shell");
-    let mut writer = OpenOptions::new().write(true).open(story.path("pipe")).expect("it is a pipe");
+    let mut command = story.shell("trap '' HUP; exec \"$0\" check pipe");
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("there is a shell");
+    let mut writer = writer_once_read(&story.path("pipe"), &mut child);
     send("HUP", &child);
     std::io::Write::write_all(&mut writer, TINY.as_bytes()).expect("it is read");
     drop(writer);
@@ -124,9 +124,7 @@ fn hangup_that_nohup_keeps_off_ends_nothing() {
 
 /// Runs the program where no file may have more than this number of blocks, and returns its answer.
 fn limited(story: &Story, blocks: u32, arguments: &str) -> Answer {
-    let command = format!("ulimit -f {blocks}; exec {} {arguments}", env!("CARGO_BIN_EXE_wildfire"));
-    let output = Command::new("sh").args(["-c", &command]).current_dir(story.path("")).output();
-    Answer::of(&output.expect("there is a shell"))
+    Answer::of(&output_of(&mut story.shell(&format!("ulimit -f {blocks}; exec \"$0\" {arguments}"))))
 }
 
 #[test]

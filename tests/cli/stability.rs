@@ -5,12 +5,13 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use clap::CommandFactory;
 use serde_json::Value as Json;
 use wildfire::batch::{AGENT_COLUMNS, DRIVE_COLUMNS, is_measured};
 use wildfire::cli::Arguments;
+
+use crate::children::{output_of, program};
 
 /// The names of a JSON Schema: members with the way to them, and words that a text is one of.
 struct Names<'a> {
@@ -45,8 +46,7 @@ impl<'a> Names<'a> {
 }
 
 fn schema(of: &str) -> Json {
-    let output = Command::new(env!("CARGO_BIN_EXE_wildfire")).args(["schema", of]).output();
-    serde_json::from_slice(&output.expect("the program can be started").stdout).expect("a schema is JSON")
+    serde_json::from_slice(&output_of(program().args(["schema", of])).stdout).expect("a schema is JSON")
 }
 
 fn add_options(command: &clap::Command, path: &str, found: &mut BTreeSet<String>) {

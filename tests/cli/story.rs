@@ -6,6 +6,8 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
+use crate::children::{self, output_of};
+
 /// Presets of which a run, or a check, takes longer than those of all others together: they are for the second tier.
 pub const LARGE: [&str; 3] = ["brigade", "county", "duel"];
 
@@ -48,15 +50,23 @@ impl Story {
         names
     }
 
+    /// A shell that runs this script in this folder, with the path of the program as `$0`.
+    #[cfg(unix)]
+    pub fn shell(&self, script: &str) -> Command {
+        let mut command = children::command("sh");
+        command.args(["-c", script, env!("CARGO_BIN_EXE_wildfire")]).current_dir(self.folder.path());
+        command
+    }
+
     /// The program, in this folder, with these arguments, not run yet.
     pub fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_wildfire"));
-        command.args(arguments).current_dir(self.folder.path()).env_remove("RUST_BACKTRACE");
+        let mut command = children::program();
+        command.args(arguments).current_dir(self.folder.path());
         command
     }
 
     pub fn tell(&self, arguments: &[&str]) -> Answer {
-        Answer::of(&self.command(arguments).output().expect("the program can be started"))
+        Answer::of(&output_of(&mut self.command(arguments)))
     }
 }
 

@@ -3,11 +3,11 @@
 
 use std::fs;
 use std::io::Read;
-use std::path::PathBuf;
 
 use flate2::read::GzDecoder;
 use serde_json::Value;
 
+use crate::reference::{larger, own};
 use crate::story::{Story, refuse};
 
 const CROSSING: &str = "agents:\n\
@@ -49,15 +49,10 @@ fn what_is_no_instance_is_refused() {
     refuse(&story, &["judge", "--together", "crossing.yaml", "crossing.yaml"], &["crossing.yaml", "schedule"]);
 }
 
-/// Files of the benchmark beside this package, if they are there: their names in the archive and their texts.
-#[expect(clippy::print_stdout, reason = "says why nothing was compared")]
+/// Files of the benchmark, if they are there: their names in the archive and their texts.
 fn reference_instances() -> Vec<(String, Vec<u8>)> {
-    let folder = std::env::var_os("WILDFIRE_REFERENCE")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/reference"), PathBuf::from);
-    let Ok(packed) = fs::read(folder.join("clmapf/instances.tar.gz")) else {
-        println!("no instances in {}", folder.display());
-        return Vec::new();
-    };
+    let Some(archive) = larger("clmapf/instances.tar.gz") else { return Vec::new() };
+    let packed = fs::read(archive).expect("it can be read");
     let mut bytes = Vec::new();
     GzDecoder::new(&packed[..]).read_to_end(&mut bytes).expect("an archive");
     let mut rest = &bytes[..];
@@ -71,6 +66,25 @@ fn reference_instances() -> Vec<(String, Vec<u8>)> {
         rest = &rest[512 + size.div_ceil(512) * 512..];
     }
     files
+}
+
+/// Others say how long all drives are at least; at starts and goals nothing touches.
+#[test]
+fn instances_are_solved_and_bounded_as_others_say() {
+    let story = Story::begin();
+    let mut bounds = csv::Reader::from_path(own("clmapf/bounds.csv")).expect("it can be read");
+    for row in bounds.records().map(|row| row.expect("a row")) {
+        let instance = own(&format!("clmapf/{}", &row[0])).display().to_string();
+        let bound_m: f64 = row[1].parse().expect("a number");
+        for mode in ["benchmark", "exact"] {
+            let report = solve(&story, &[&instance, "--mode", mode]);
+            let row = &report["rows"][0];
+            assert!(row["status"] == "solved" && row["violations"] == 0, "{row}");
+            let number = |name: &str| row[name].as_f64().expect("a number");
+            let found_m = number("flowtime_m") / number("flowtime_over_bound");
+            assert!((found_m - bound_m).abs() < 1e-6, "{instance}: {found_m}, not {bound_m}");
+        }
+    }
 }
 
 #[test]

@@ -1,5 +1,8 @@
 //! Whole runs: the rules that they keep, the planners and policies that play them, and the scenarios that set them.
 
+#[path = "../shared/reference.rs"]
+mod reference;
+
 mod arena;
 mod audit;
 mod audit_damage;

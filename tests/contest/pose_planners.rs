@@ -1,9 +1,5 @@
 //! The planners `prm-rs` and `hybrid-astar` on problems that others solved too, judged by a check of its own.
-//!
-//! The problems are no part of this package. They are looked for beside it, in `../shared/reference`, or where the
-//! variable `WILDFIRE_REFERENCE` says; where there are none the test says so and passes.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use serde::Deserialize;
@@ -15,6 +11,8 @@ use wildfire::planning::{Goal, GoalDisc, Site, TruckPlanner, TruckPlannerKind};
 use wildfire::rng;
 use wildfire::scenario::Unimog;
 use wildfire::vehicle::{Dimensions, Path};
+
+use crate::reference::both;
 
 /// Spacing of the poses that are looked at.
 const SPACING_M: f64 = 0.02;
@@ -77,15 +75,10 @@ fn pose([x, y, heading]: [f64; 3]) -> Pose {
     Pose::new(x, y, heading)
 }
 
-#[expect(clippy::print_stdout, reason = "says why nothing was compared")]
 fn reference_fields() -> Vec<FieldFile> {
-    let folder = std::env::var_os("WILDFIRE_REFERENCE")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/reference"), PathBuf::from);
-    let paths = (0..5).map(|number| folder.join(format!("plan/field_{number:02}.json")));
+    let paths =
+        both("plan").flat_map(|folder| (0..5).map(move |number| folder.join(format!("field_{number:02}.json"))));
     let texts: Vec<_> = paths.filter_map(|path| std::fs::read(path).ok()).collect();
-    if texts.is_empty() {
-        println!("no problems in {}", folder.display());
-    }
     texts.iter().map(|text| serde_json::from_slice(text).expect("a field file")).collect()
 }
 

@@ -8,6 +8,8 @@ use wildfire::scenario::{self, BUILT_IN, LoadedScenario, MemoryLimit, Scenario, 
 use wildfire::sim;
 use wildfire::timeline::Outcome;
 
+use crate::reference::both;
+
 fn built_in(name: &str) -> Scenario {
     changed(name, &[])
 }
@@ -247,8 +249,8 @@ fn changes_read_numbers_words_and_lists() {
 
 #[test]
 fn reference_fields_are_read_as_they_are_listed() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference/plan");
-    let files = (0..5).map(|number| folder.join(format!("field_{number:02}.json")));
+    let files =
+        both("plan").flat_map(|folder| (0..5).map(move |number| folder.join(format!("field_{number:02}.json"))));
     for file in files.filter(|file| file.exists()) {
         let scenario = changed("wumpus-alone", &[&format!("field.map={}", file.display())]);
         let terrain = Terrain::from_scenario(&scenario, 1).expect("a given field needs no drawing");

@@ -1,17 +1,17 @@
 //! Dubins and Reeds-Shepp curves: where they lead, how short they are, and that nothing is shorter.
 
 use std::collections::BTreeSet;
-use std::env;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use std::fs;
-use std::path::PathBuf;
+use std::path::Path;
 
 use rand::RngExt;
 use wildfire::geometry::{Pose, ops};
 use wildfire::rng::{self, Xoshiro256PlusPlus};
 use wildfire::vehicle::curve::{Curve, Gear, Letter, Letters, Steering};
 use wildfire::vehicle::reeds_shepp::{PricedCurve, Word};
-use wildfire::vehicle::{CurvePrice, Dubins, Path, ReedsShepp, Segment};
+use wildfire::vehicle::{self, CurvePrice, Dubins, ReedsShepp, Segment};
+
+use crate::answers::{both, larger};
 
 const RADIUS_M: f64 = 13.0;
 const REEDS_SHEPP: ReedsShepp = ReedsShepp { radius_m: RADIUS_M };
@@ -62,31 +62,29 @@ struct Reference {
     dubins_m: f64,
 }
 
-fn reference(file: &str) -> Option<Vec<Reference>> {
-    let folder = env::var_os("WILDFIRE_REFERENCE")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/reference"), PathBuf::from);
-    let text = fs::read_to_string(folder.join(file)).ok()?;
-    let read_row = |line: &str| {
-        let columns: Vec<&str> = line.split(',').collect();
-        let number = |column: usize| columns[column].parse::<f64>().expect("a number");
+fn reference(file: &Path) -> Vec<Reference> {
+    let mut reader = csv::Reader::from_path(file).expect("it can be read");
+    let header = reader.headers().expect("a header").clone();
+    let column = |name: &str| header.iter().position(|found| found == name).expect("the column is there");
+    let (reeds_shepp, dubins) = (column("rs_len_ompl_2_0_1"), column("dubins_len_ompl_2_0_1"));
+    let read_row = |row: csv::Result<csv::StringRecord>| {
+        let row = row.expect("a row");
+        let number = |column: usize| row[column].parse::<f64>().expect("a number");
         Reference {
             from: pose(number(0), number(1), number(2)),
             to: pose(number(3), number(4), number(5)),
-            reeds_shepp_m: number(6),
-            dubins_m: number(11),
+            reeds_shepp_m: number(reeds_shepp),
+            dubins_m: number(dubins),
         }
     };
-    Some(text.lines().skip(1).map(read_row).collect())
+    reader.into_records().map(read_row).collect()
 }
 
 #[test]
 fn lengths_equal_those_of_independent_programs() {
-    for file in ["reeds_shepp.csv", "reeds_shepp_edge.csv"] {
-        let Some(rows) = reference(file) else {
-            println!("{file} is not there: nothing compared");
-            continue;
-        };
-        assert!(rows.len() >= 20, "{file} has {} rows", rows.len());
+    for file in both("reeds_shepp.csv").chain(larger("reeds_shepp_edge.csv")) {
+        let rows = reference(&file);
+        assert!(rows.len() >= 20, "{} has {} rows", file.display(), rows.len());
         for Reference { from, to, reeds_shepp_m, dubins_m } in rows {
             let found = [REEDS_SHEPP.length_m(from, to), DUBINS.length_m(from, to)];
             let expected = [reeds_shepp_m, dubins_m];
@@ -226,9 +224,9 @@ fn nothing_that_is_driven_is_shorter_than_the_curve() {
             let most_m = if steering == 0 { 40.0 } else { FRAC_PI_2 * RADIUS_M };
             Segment { curvature: f64::from(steering) / RADIUS_M, length_m: rng.random_range(-most_m..most_m) }
         };
-        let driven = Path { start: from, segments: (0..5).map(|_| segment()).collect() };
+        let driven = vehicle::Path { start: from, segments: (0..5).map(|_| segment()).collect() };
         assert!(REEDS_SHEPP.length_m(from, driven.end()) < driven.length_m() + 1e-9, "{driven:?}");
-        let forward = Path {
+        let forward = vehicle::Path {
             start: from,
             segments: driven.segments.iter().map(|s| Segment { length_m: s.length_m.abs(), ..*s }).collect(),
         };

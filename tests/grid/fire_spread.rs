@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use rand::RngExt;
@@ -20,6 +20,8 @@ use wildfire::fire::{
 };
 use wildfire::geometry::{Cell, DVec2, FieldFrame, ops};
 use wildfire::time::SimTime;
+
+use crate::answers::both;
 
 const TEMPLATES: [Neighbours; 3] = [Neighbours::Eight, Neighbours::Sixteen, Neighbours::ThirtyTwo];
 
@@ -828,20 +830,13 @@ fn repairs_give_the_times_of_plans_that_are_all_made_anew() {
     assert!(differ > 1000, "the acts matter");
 }
 
-/// The folder of answers of other programs, where it is there.
-#[expect(clippy::print_stdout, reason = "says why nothing was compared")]
-fn reference() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference/fire");
-    if !folder.is_dir() {
-        println!("no reference answers beside the repository: nothing was compared");
-        return None;
-    }
-    Some(folder)
-}
-
 #[test]
 fn exact_ellipses_of_the_reference_are_met() {
-    let Some(folder) = reference() else { return };
+    both("fire").for_each(|folder| meet_ellipses(&folder));
+}
+
+#[expect(clippy::print_stdout, reason = "prints a table of the page on validation")]
+fn meet_ellipses(folder: &Path) {
     let text = fs::read_to_string(folder.join("analytic.csv")).expect("it is text");
     let mut cases: BTreeMap<u32, Vec<Vec<f64>>> = BTreeMap::new();
     for line in text.lines().skip(1) {
@@ -896,7 +891,11 @@ fn raster(path: &Path, frame: FieldFrame) -> Vec<f64> {
 
 #[test]
 fn landscapes_of_the_reference_burn_as_pyretechnics_says() {
-    let Some(folder) = reference().map(|folder| folder.join("landscapes")) else { return };
+    both("fire/landscapes").for_each(|folder| burn_landscapes(&folder));
+}
+
+#[expect(clippy::print_stdout, reason = "prints a table of the page on validation")]
+fn burn_landscapes(folder: &Path) {
     let from_compass = |km_h: f64, from_deg: f64| wind(km_h / 3.6, 270.0 - from_deg);
     let slope30 = Relief::Plane(DVec2::new(0.0, 0.577));
     let cases = [
@@ -905,16 +904,18 @@ fn landscapes_of_the_reference_burn_as_pyretechnics_says() {
         ("flat_tl8", 188, Relief::FLAT, vec![(0.0, DVec2::ZERO)]),
         ("wind10_gr2", 102, Relief::FLAT, vec![(0.0, from_compass(10.0, 270.0))]),
         ("wind25_gs2_250", 122, Relief::FLAT, vec![(0.0, from_compass(25.0, 250.0))]),
-        ("slope30_gr2", 102, slope30, vec![(0.0, DVec2::ZERO)]),
+        ("slope30_gr2", 102, slope30.clone(), vec![(0.0, DVec2::ZERO)]),
         ("two_fuels", 102, Relief::FLAT, vec![(0.0, from_compass(10.0, 270.0))]),
         ("fuel_break", 102, Relief::FLAT, vec![(0.0, from_compass(6.0, 270.0))]),
         ("wind_change", 102, Relief::FLAT, vec![(0.0, from_compass(8.0, 270.0)), (4800.0, from_compass(8.0, 180.0))]),
         ("diagonal_break", 102, Relief::FLAT, vec![(0.0, from_compass(8.0, 225.0))]),
+        ("small_wind", 122, Relief::FLAT, vec![(0.0, from_compass(9.0, 240.0))]),
+        ("small_slope", 102, slope30, vec![(0.0, DVec2::ZERO)]),
     ];
     let table = fs::read_to_string(folder.join("cases.csv")).expect("it is text");
     println!("case               shape  cells  reference    IoU     rms   bias");
     for (name, fuel, relief, winds) in cases {
-        let row = table.lines().find(|line| line.starts_with(&format!("{name},"))).expect("a row for each case");
+        let Some(row) = table.lines().find(|line| line.starts_with(&format!("{name},"))) else { continue };
         let row: Vec<f64> = row.split(',').skip(1).take(6).map(|number| number.parse().expect("a number")).collect();
         let frame = FieldFrame { rows: row[0] as u16, cols: row[1] as u16, cell_m: row[2] };
         let duration = row[3] * 60.0;
@@ -938,7 +939,7 @@ fn landscapes_of_the_reference_burn_as_pyretechnics_says() {
                 bias += time - 60.0 * minutes;
             }
         }
-        let is_steep = name == "slope30_gr2";
+        let is_steep = name.contains("slope");
         let gradient = if is_steep { DVec2::new(0.0, 0.577) } else { DVec2::ZERO };
         let shape = surface_fire(fuel, winds[0].1, gradient, &rules.options).length_to_width;
         let (iou, rms, bias) = (both / either, (squares / both).sqrt() / duration, bias / both / duration);

@@ -1,5 +1,11 @@
 //! Grid maps, landscapes and fire on them, and curves: laws, and the answers of other programs.
 
+#[path = "../shared/reference.rs"]
+mod answers;
+#[path = "../shared/children.rs"]
+#[expect(dead_code, reason = "the tests here only run programs to their ends")]
+mod children;
+
 mod curves;
 mod example_maps;
 mod fire_reference;

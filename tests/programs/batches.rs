@@ -2,8 +2,9 @@
 
 use std::process::Stdio;
 
+use crate::children::{end_of, send, wait_until};
 use crate::shell::Shell;
-use crate::stage::{GREETING, pause, processes_in};
+use crate::stage::{GREETING, processes_in};
 
 /// What the program does depends on its seed, so that a run repeats.
 fn moody() -> String {
@@ -55,13 +56,12 @@ fn batch_that_is_killed_leaves_no_process() {
         let mut command = shell.command(&["batch", "moody.toml", "--seeds", "1..50", "--out", "out", "--trust"]);
         let mut batch = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
         // The batch, its supervisors and their programs all work in the folder.
-        while processes_in(shell.folder()).len() < 4 {
+        wait_until("programs are running", || {
             assert!(batch.try_wait().expect("it can be asked").is_none(), "it ended by itself");
-            pause();
-        }
-        let id = batch.id().to_string();
-        assert!(std::process::Command::new("kill").args(["-s", signal, &id]).status().expect("a kill").success());
-        batch.wait().expect("it ends");
+            processes_in(shell.folder()).len() >= 4
+        });
+        send(signal, &batch);
+        end_of(batch);
         shell.expect_nobody();
     }
 }

@@ -6,7 +6,8 @@ use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
-use crate::stage::{pause, processes_in};
+use crate::children::{self, output_of, wait_until};
+use crate::stage::processes_in;
 
 /// A scratch folder.
 pub struct Shell {
@@ -27,14 +28,14 @@ impl Shell {
     }
 
     pub fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_wildfire"));
-        command.args(arguments).current_dir(self.folder.path()).stdin(Stdio::null());
+        let mut command = children::program();
+        command.args(arguments).current_dir(self.folder.path());
         command
     }
 
     /// Runs the program and expects one of these exit codes.
     pub fn run(&self, arguments: &[&str], codes: &[i32]) -> Output {
-        let output = self.command(arguments).output().expect("the program can be started");
+        let output = output_of(&mut self.command(arguments));
         let (stdout, stderr) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
         let code = output.status.code().expect("it ends by itself");
         assert!(codes.contains(&code), "{arguments:?} ended with {code}\nstdout:\n{stdout}\nstderr:\n{stderr}");
@@ -61,13 +62,7 @@ impl Shell {
 
     /// Waits until no process works in the folder.
     pub fn expect_nobody(&self) {
-        for _ in 0..600 {
-            if processes_in(self.folder.path()).is_empty() {
-                return;
-            }
-            pause();
-        }
-        panic!("processes are left: {:?}", processes_in(self.folder.path()));
+        wait_until("no process is left", || processes_in(self.folder.path()).is_empty());
     }
 
     pub fn folder(&self) -> &Path {

@@ -3,8 +3,6 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::thread;
-use std::time::Duration;
 
 use tempfile::TempDir;
 use wildfire::collision::{ClearanceField, CollisionChecker};
@@ -13,6 +11,8 @@ use wildfire::planning::memory::MemoryMeter;
 use wildfire::planning::{Goal, GoalDisc, Plan, Planners, TruckPlanner};
 use wildfire::programs::{ProgramPool, Trust, supervisor};
 use wildfire::scenario::{PlannerContext, Scenario, Terrain, load};
+
+use crate::children::{self, wait_until};
 
 /// The first messages of a program that is ready.
 pub const GREETING: &str = r#"
@@ -40,8 +40,13 @@ pub struct Stage {
 impl Stage {
     /// Writes the script; `settings` are lines of its table.
     pub fn new(script: &str, settings: &str) -> Self {
+        // Where a test sets no limit, none is to end a query on a machine that is busy elsewhere.
+        let unset = ["start_limit_s", "query_limit_s"].into_iter().filter(|limit| !settings.contains(limit));
+        let limits: String = unset.map(|limit| format!("{limit} = 600\n")).collect();
         // The absolute path marks all processes of the script that are not of other programs.
-        Self::with_file("script.sh", script.as_bytes(), |path| format!("command = [\"sh\", \"{path}\"]\n{settings}"))
+        Self::with_file("script.sh", script.as_bytes(), |path| {
+            format!("command = [\"sh\", \"{path}\"]\n{limits}{settings}")
+        })
     }
 
     /// The same with a module.
@@ -68,6 +73,7 @@ impl Stage {
     }
 
     fn in_folder(folder: TempDir, text: &str) -> Self {
+        children::restore_signals();
         supervisor::set_command(vec![env!("CARGO_BIN_EXE_wildfire").into()]);
         let file = folder.path().join("stage.toml");
         fs::write(&file, text).expect("the scratch folder is writable");
@@ -105,13 +111,7 @@ impl Stage {
 
     /// Waits until none is left.
     pub fn expect_nobody(&self) {
-        for _ in 0..600 {
-            if self.processes().is_empty() {
-                return;
-            }
-            pause();
-        }
-        panic!("processes are left: {:?}", self.processes());
+        wait_until("no process is left", || self.processes().is_empty());
     }
 }
 
@@ -124,11 +124,6 @@ pub fn processes_in(folder: &Path) -> Vec<u32> {
     };
     let found = fs::read_dir("/proc").expect("this is Linux").flatten().map(|entry| entry.path()).filter(is_marked);
     found.filter_map(|process| process.file_name()?.to_str()?.parse().ok()).collect()
-}
-
-#[expect(clippy::disallowed_methods, reason = "other processes live in real time")]
-pub fn pause() {
-    thread::sleep(Duration::from_millis(25));
 }
 
 /// Asks for ten metres straight ahead.

@@ -67,8 +67,8 @@ fn program_that_is_not_there_is_named() {
 
 #[test]
 fn program_that_does_not_answer_is_killed_and_started_anew() {
-    let soon = "query_limit_s = 0.5";
-    expect_failure("sleep 100", soon, PlanFailure::TimedOut, &["gave no answer within 0.5 s"]);
+    let soon = "query_limit_s = 1.5";
+    expect_failure("sleep 100", soon, PlanFailure::TimedOut, &["gave no answer within 1.5 s"]);
     expect_failure("printf '{\"type\":'; sleep 100", soon, PlanFailure::TimedOut, &["gave no answer"]);
     expect_failure("while :; do echo spam >&2; done", soon, PlanFailure::TimedOut, &["gave no answer"]);
     let cpu = "query_cpu_s = 0.3";
@@ -132,12 +132,12 @@ fn program_that_fails_too_often_is_not_started_again() {
 
 #[test]
 fn query_that_fails_costs_that_query_alone() {
-    let settings = "restarts = 0\nquery_limit_s = 0.3";
+    let settings = "restarts = 0\nquery_limit_s = 1.5";
     for failure in ["sleep 100", "exit 3", "echo nonsense"] {
-        let body = format!("echo x >> asked; if [ $(wc -l < asked) -gt 5 ]; then {AHEAD}; else {failure}; fi");
+        let body = format!("echo x >> asked; if [ $(wc -l < asked) -gt 2 ]; then {AHEAD}; else {failure}; fi");
         let stage = Stage::new(&script(&body), settings);
         let mut planner = stage.planner().expect("it starts");
-        for _ in 0..5 {
+        for _ in 0..2 {
             assert!(ask(planner.as_mut()).path.is_err());
         }
         let plan = ask(planner.as_mut());

@@ -1,7 +1,6 @@
 //! The planners that `wildfire new planner` writes play by the rules.
 
-use std::process::Command;
-
+use crate::children::{self, output_of};
 use crate::shell::{Shell, has};
 
 /// Plays and plans with a planner that is registered by this option, and that takes this time for a query at most, in the
@@ -63,8 +62,7 @@ fn written<'a>(shell: &Shell, file: &str, text: &'a mut String, before: &str) ->
 }
 
 fn build(shell: &Shell, command: &str) {
-    let built =
-        Command::new("sh").args(["-c", command]).current_dir(shell.folder()).output().expect("there is a shell");
+    let built = output_of(children::command("sh").args(["-c", command]).current_dir(shell.folder()));
     assert!(built.status.success(), "{command}: {}", String::from_utf8_lossy(&built.stderr));
 }
 

@@ -2,7 +2,8 @@
 
 use wildfire::programs::{ProgramPool, Trust};
 
-use crate::stage::{AHEAD, GREETING, Stage, ask, pause, script};
+use crate::children::wait_until;
+use crate::stage::{AHEAD, GREETING, Stage, ask, script};
 
 #[test]
 fn program_that_ends_when_told_leaves_nothing() {
@@ -39,9 +40,15 @@ fn supervisor_that_is_killed_takes_the_program_along() {
         let command = std::fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
         String::from_utf8_lossy(&command).contains("supervise-program")
     });
-    let pid = supervisor.expect("it has one").to_string();
-    assert!(std::process::Command::new("kill").args(["-9", &pid]).status().expect("there is a kill").success());
-    pause();
+    let supervisor = supervisor.expect("it has one");
+    assert!(
+        std::process::Command::new("kill")
+            .args(["-9", &supervisor.to_string()])
+            .status()
+            .expect("there is a kill")
+            .success()
+    );
+    wait_until("it is gone", || !stage.processes().contains(&supervisor));
     // The program may still answer; it is gone at the end at the latest.
     let _ = ask(planner.as_mut());
     drop(planner);
