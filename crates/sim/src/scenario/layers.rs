@@ -339,7 +339,7 @@ fn continue_into_rim(elevation: &mut [f32], cols: usize) {
                 let ((col, row), (near_col, near_row)) = (place(cell), place(near));
                 let (col, row) = (2 * near_col - col, 2 * near_row - row);
                 let is_there = (0..cols as isize).contains(&col) && (0..rows as isize).contains(&row);
-                let far = Some(row as usize * cols + col as usize).filter(|&far| is_there && known[far])?;
+                let far = is_there.then(|| row as usize * cols + col as usize).filter(|&far| known[far])?;
                 Some(2.0 * elevation[near] - elevation[far])
             };
             let heights: Vec<f32> = around(cell, cols, rows).filter(|&near| known[near]).filter_map(beyond).collect();

@@ -150,7 +150,7 @@ impl Bits<'_> {
     fn row_below(&mut self, above: &[usize], width: usize) -> Option<Vec<usize>> {
         /// The codes of a change 0, 1, 2 and 3 columns right of that above, and left: see [`WHITE`].
         const VERTICAL: [[usize; 4]; 2] =
-            [[0b11, 0b1011, 0b1_000_011, 0b1_000_0011], [0b11, 0b1010, 0b1_000_010, 0b1_000_0010]];
+            [[0b11, 0b1011, 0b100_0011, 0b1000_0011], [0b11, 0b1010, 0b100_0010, 0b1000_0010]];
         const PASS: usize = 0b10001;
         const HORIZONTAL: usize = 0b1001;
         let mut changes = Changes::default();
