@@ -40,11 +40,11 @@ fn a_line_that_closes_contains_the_fire_and_none_changes_nothing() {
 fn audits_and_recordings_know_line_and_chance_is_the_same_in_every_run() {
     let places = "line.protect=[{x_m=500,y_m=400,radius_m=30},{x_m=250,y_m=250,radius_m=25}]";
     let changes: [&[&str]; 5] = [
-        &["line.policy=parallel", "line.flame_half_m=0.6"],
+        &["line.policy=parallel", "line.flame_half_m=0.1", "line.flame_scale_m=0.1"],
         &["line.from=head", "crew.0.count=9", "fire.rothermel.neighbours=8"],
-        &["crew.0.count=6", "line.flame_half_m=0.8", "fire.rothermel.slope_deg=15"],
+        &["crew.0.count=6", "line.flame_half_m=0.2", "line.flame_scale_m=0.1", "fire.rothermel.slope_deg=15"],
         &["line.policy=parallel", "fire.embers.per_mj=0.01", "wind.0.speed_mps=6", "duration_s=4000"],
-        &["line.policy=point-protection", places, "line.flame_half_m=0.8", "crew.0.count=12"],
+        &["line.policy=point-protection", places, "line.flame_half_m=0.2", "line.flame_scale_m=0.1", "crew.0.count=12"],
     ];
     for (changes, seed) in changes.into_iter().zip(1..) {
         let timeline = run(changes, seed);
@@ -58,7 +58,7 @@ fn audits_and_recordings_know_line_and_chance_is_the_same_in_every_run() {
 
 #[test]
 fn forged_line_is_found() {
-    let timeline = run(&["line.policy=parallel", "line.flame_half_m=0.6"], 1);
+    let timeline = run(&["line.policy=parallel", "line.flame_half_m=0.1", "line.flame_scale_m=0.1"], 1);
     let is_found = |forge: &dyn Fn(&mut Timeline)| {
         let mut timeline = timeline.clone();
         forge(&mut timeline);

@@ -147,7 +147,7 @@ impl Judge {
         let bound_m = lower_bound_m(start, goal, self.checker.body());
         DriveFigures {
             length_m,
-            lower_bound_ratio: lower_bound_ratio(length_m, bound_m),
+            lower_bound_ratio: (bound_m > 0.0).then(|| length_m / bound_m),
             min_clearance_m: self.min_clearance_m(path.samples(SPACING_M).map(|(_, pose)| pose)),
             cusps: path.cusps(),
             drive_s: Trajectory::from_path(path, SimTime::ZERO, limits).duration_s(),
@@ -165,7 +165,8 @@ impl Judge {
 pub struct DriveFigures {
     /// The length driven, forward and in reverse.
     pub length_m: f64,
-    /// The length divided by the lower bound of all paths; `None` where that is 0.
+    /// The length divided by the lower bound of all paths, which rounding may make a little less than 1; `None` where that
+    /// bound is 0.
     pub lower_bound_ratio: Option<f64>,
     /// The least clearance of poses every 2 cm, border included; exact below a metre, a lower bound above.
     pub min_clearance_m: f64,
@@ -174,13 +175,23 @@ pub struct DriveFigures {
     pub drive_s: f64,
 }
 
+impl DriveFigures {
+    /// Returns the ratio as it is printed: 1 where it is less by rounding only.
+    pub fn printed_ratio(&self) -> Option<f64> {
+        self.lower_bound_ratio.map(without_rounding)
+    }
+}
+
 /// The share of a length that rounding may take from a path that is as short as any.
 const RATIO_ROUNDING: f64 = 1e-12;
 
 /// Returns a length over a lower bound, 1 where they differ by rounding only; `None` where the bound is 0.
 pub fn lower_bound_ratio(length_m: f64, bound_m: f64) -> Option<f64> {
-    let ratio = (bound_m > 0.0).then(|| length_m / bound_m)?;
-    Some(if ratio < 1.0 && ratio > 1.0 - RATIO_ROUNDING { 1.0 } else { ratio })
+    (bound_m > 0.0).then(|| without_rounding(length_m / bound_m))
+}
+
+fn without_rounding(ratio: f64) -> f64 {
+    if ratio < 1.0 && ratio > 1.0 - RATIO_ROUNDING { 1.0 } else { ratio }
 }
 
 /// Returns a lower bound of the length of paths: the length of the Reeds-Shepp curve, or the distance of the body's

@@ -61,7 +61,7 @@ pub fn rows_table(rows: &[DriveQuery]) -> Table {
     }
     columns.extend::<[TextColumn<DriveQuery>; 5]>([
         ("Length\nm", |row| optional(row.figures.map(|path| path.length_m), 2)),
-        ("Len./\nbound", |row| optional(row.figures.and_then(|path| path.lower_bound_ratio), 3)),
+        ("Len./\nbound", |row| optional(row.figures.and_then(|path| path.printed_ratio()), 3)),
         ("Clear.\nm", |row| optional(row.figures.map(|path| path.min_clearance_m), 2)),
         ("Cusps", |row| optional(row.figures.map(|path| path.cusps.into()), 0)),
         ("Drive\ns", |row| optional(row.figures.map(|path| path.drive_s), 1)),

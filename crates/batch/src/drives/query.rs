@@ -92,7 +92,7 @@ pub const DRIVE_COLUMNS: &[DriveColumn] = columns! { DriveColumn, query;
     cpu_query_s: optional Real CpuSeconds "CPU time: the query" = query.cost.map(|cost| cost.cpu_query_s);
     length_m: optional Real Metres "length of the path" = query.figures.map(|path| path.length_m);
     lower_bound_ratio: optional Real None "length over a lower bound on the length of any path"
-        = query.figures.and_then(|path| path.lower_bound_ratio);
+        = query.figures.and_then(|path| path.printed_ratio());
     min_clearance_m: optional Real Metres "smallest distance to a bush or the border"
         = query.figures.map(|path| path.min_clearance_m);
     cusps: optional Count None "changes between forward and reverse" = query.figures.map(|path| path.cusps);

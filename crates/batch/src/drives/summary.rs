@@ -51,7 +51,7 @@ impl Measure {
 
 pub static LOWER_BOUND_RATIO: Measure =
     Measure::new("lower_bound_ratio", "Length over the lower bound", "length / bound", |query| {
-        query.solved()?.lower_bound_ratio
+        query.solved()?.printed_ratio()
     });
 
 pub static CPU_QUERY: Measure =

@@ -74,7 +74,7 @@ const PROPERTIES: [Property; 14] = [
     ("drive time REAL", |run| figure(run, |drive| Some(drive.drive_s))),
     ("expansions INTEGER", |run| run.query.cost.map(|cost| cost.expansions.to_string())),
     ("goal INTEGER", |run| Some(run.query.goal.to_string())),
-    ("lower bound ratio REAL", |run| figure(run, |drive| drive.lower_bound_ratio)),
+    ("lower bound ratio REAL", |run| figure(run, |drive| drive.printed_ratio())),
     ("problem INTEGER", |run| Some(run.problem.to_string())),
     ("seed INTEGER", |run| Some(run.seed.to_string())),
     ("solution clearance REAL", |run| figure(run, |drive| Some(drive.min_clearance_m))),
