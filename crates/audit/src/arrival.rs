@@ -345,6 +345,7 @@ impl<'a> Arrivals<'a> {
     fn draw_lines(&mut self, plane: Option<DVec2>) {
         for interval in 0..self.beds.len() {
             let ellipses: Vec<Ellipse> = match plane {
+                _ if !self.rules.refined => Vec::new(),
                 Some(gradient) => {
                     (0..self.models.len()).map(|fuel| self.new_ellipse(interval, fuel, gradient)).collect()
                 }
@@ -431,6 +432,11 @@ impl<'a> Arrivals<'a> {
             self.kept[place] = (key, ellipse);
         }
         self.kept[place].1
+    }
+
+    /// Says whether directions suit narrow fires; otherwise these need not come straight.
+    pub fn is_refined(&self) -> bool {
+        self.rules.refined
     }
 
     pub fn frame(&self) -> FieldFrame {

@@ -233,6 +233,9 @@ impl<'a> Fronts<'a> {
     /// Checks a part of the ignitions against fire that runs straight, where it does.
     fn check_straight(&self, ignitions: &[(u32, SimTime, Cause)]) -> Result<(), Violation> {
         let frame = self.setting.frame;
+        if !self.arrivals.is_refined() {
+            return Ok(());
+        }
         let spread: Vec<_> = ignitions.iter().filter(|(_, _, cause)| matches!(cause, Cause::Spread(_))).collect();
         let every = spread.len().div_ceil(characteristic::MAX_SAMPLES).max(1);
         first_violation(spread.into_iter().step_by(every).map(|&(index, time, _)| {

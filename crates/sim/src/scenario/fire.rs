@@ -151,6 +151,7 @@ impl Fire {
         Some(RothermelRules {
             options: settings.options(),
             neighbours: settings.neighbours,
+            refined: settings.refined,
             wet: SimTime::from_seconds(settings.wet_s),
             burn_out: self.burn_out_s.map(SimTime::from_seconds),
             embers: self.embers.map(|settings| Embers { settings, seed }),

@@ -39,6 +39,8 @@ pub struct RothermelSettings {
     pub length_to_width: LengthToWidth,
     /// Neighbours that fire reaches from a cell in a straight line: 8, 16 or 32.
     pub neighbours: Neighbours,
+    /// Adds directions between these where a fire is too narrow for them.
+    pub refined: bool,
     /// Duration for which a truck's stop wets cells within reach that are not burning; 0: none.
     pub wet_s: f64,
     /// Lets Wumpuses light ground as well as bushes.
@@ -63,6 +65,7 @@ impl Default for RothermelSettings {
             wind_limit,
             length_to_width,
             neighbours: Neighbours::ThirtyTwo,
+            refined: true,
             wet_s: 120.0,
             lights_ground: false,
         }

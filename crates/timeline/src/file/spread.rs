@@ -280,7 +280,7 @@ fn weather_of(records: &[IntervalRecord]) -> Result<Weather, FileError> {
 }
 
 impl From<&RothermelRules> for RothermelRecord {
-    fn from(&RothermelRules { options, neighbours, wet, burn_out, embers, .. }: &RothermelRules) -> Self {
+    fn from(&RothermelRules { options, neighbours, refined, wet, burn_out, embers, .. }: &RothermelRules) -> Self {
         let SurfaceOptions { curing, combine, wind_limit, length_to_width } = options;
         Self {
             choices: [
@@ -289,7 +289,8 @@ impl From<&RothermelRules> for RothermelRecord {
                 place_of(&WIND_LIMITS, wind_limit),
                 place_of(&LENGTHS_TO_WIDTHS, length_to_width),
             ],
-            neighbours: neighbours.into(),
+            // Odd where directions are refined, which no file of before has.
+            neighbours: u8::from(neighbours) + u8::from(refined),
             wet_ns: wet.as_nanos(),
             burn_out_ns: burn_out.map(SimTime::as_nanos),
             embers: embers.map(EmberRecord::from),
@@ -341,9 +342,10 @@ impl RothermelRecord {
             wind_limit: word_at(&WIND_LIMITS, wind_limit)?,
             length_to_width: word_at(&LENGTHS_TO_WIDTHS, length_to_width)?,
         };
-        let neighbours = Neighbours::try_from(self.neighbours).map_err(|_| NO_WORD)?;
+        let refined = self.neighbours % 2 == 1;
+        let neighbours = Neighbours::try_from(self.neighbours & !1).map_err(|_| NO_WORD)?;
         let (wet, burn_out) = (SimTime::from_nanos(self.wet_ns), self.burn_out_ns.map(SimTime::from_nanos));
         let embers = self.embers.as_ref().map(EmberRecord::embers);
-        Ok(RothermelRules { options, neighbours, wet, burn_out, embers, crowns: None })
+        Ok(RothermelRules { options, neighbours, refined, wet, burn_out, embers, crowns: None })
     }
 }

@@ -257,6 +257,9 @@ impl Rates {
 
     fn directions_in(&mut self, interval: usize) -> DirectionSet {
         let neighbours = self.rules.neighbours;
+        if !self.rules.refined {
+            return DirectionSet::new(neighbours, &[]);
+        }
         if self.is_plane() {
             let ellipses: Vec<Ellipse> = self.on_plane(interval).iter().map(Spreading::ellipse).collect();
             return DirectionSet::new(neighbours, &ellipses);

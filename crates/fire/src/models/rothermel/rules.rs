@@ -62,6 +62,10 @@ impl From<Neighbours> for u8 {
 pub struct RothermelRules {
     pub options: SurfaceOptions,
     pub neighbours: Neighbours,
+    /// Whether directions are added between the neighbours where a fire is too narrow for them. Recordings of before this
+    /// have none.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub refined: bool,
     /// From a truck's stop until what it has wetted is dry.
     pub wet: SimTime,
     /// The least time that a cell flames, which is otherwise the residence time of its fuel; `None` flames forever.
@@ -80,6 +84,7 @@ impl Default for RothermelRules {
         Self {
             options: SurfaceOptions::default(),
             neighbours: Neighbours::default(),
+            refined: true,
             wet,
             burn_out,
             embers: None,

@@ -302,7 +302,7 @@ impl From<&WeatherInterval> for WeatherObject {
 }
 
 impl From<&RothermelRules> for SpreadObject {
-    fn from(&RothermelRules { options, neighbours, wet, burn_out, embers, crowns }: &RothermelRules) -> Self {
+    fn from(&RothermelRules { options, neighbours, wet, burn_out, embers, crowns, .. }: &RothermelRules) -> Self {
         let embers = embers.map(|embers| EmbersObject { seed: embers.seed, settings: embers.settings });
         let (wet_ns, burn_out_ns) = (wet.as_nanos(), burn_out.map(SimTime::as_nanos));
         Self::Rothermel { options, neighbours, wet_ns, burn_out_ns, embers, crowns }
