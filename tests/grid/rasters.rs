@@ -438,6 +438,7 @@ fn compare(path: &Path) -> Result<(), String> {
 }
 
 /// Compares every so many of the files with what GDAL reads of them.
+#[expect(clippy::print_stdout, reason = "the counts are what the test is for")]
 fn compare_files_of_gdal(step: usize) {
     let folder = tempfile::tempdir().expect("a scratch folder");
     write_sources(folder.path());

@@ -100,6 +100,7 @@ fn burn(length_to_width: f64, heading_deg: f64, cells_along: f64, neighbours: Ne
 }
 
 /// The least shares of all headings of one shape, by number of cells along.
+#[expect(clippy::print_stdout, reason = "the table is what the command prints")]
 fn check_sizes(sizes: &[f64], heading_step: usize, neighbours: Neighbours) {
     println!("neighbours  length to width  cells along  area at least, at most  head at least  us/cell");
     for shape in SHAPES {

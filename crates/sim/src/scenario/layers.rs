@@ -1057,7 +1057,7 @@ mod tests {
     #[test]
     fn slopes_and_aspects_in_other_units_than_the_elevations_say_are_refused() {
         let hill = |east: f32, north: f32| {
-            let square = f64::from((east - 300.0).powi(2) + (north - 330.0).powi(2));
+            let square = f64::from((east - 300.0) * (east - 300.0) + (north - 330.0) * (north - 330.0));
             (400.0 * ops::exp(-square / 9e4)) as f32
         };
         // By the derivatives, not by differences of neighbours.

@@ -582,6 +582,7 @@ impl Front {
         let count = self.template.ways.len();
         let mut plain = vec![false; count];
         let has_disc = self.cells.state[to] & NEAR_SOURCE != 0;
+        #[expect(clippy::needless_range_loop, reason = "the numbers go on where the list of plain ways ends")]
         for number in 0..if has_disc { self.template.count() } else { count } {
             let is_of_disc = number >= count;
             let way = self.template.way(number);
