@@ -177,7 +177,7 @@ impl FireHistory {
     }
 }
 
-/// Iterates over the cells within so many columns and rows of one, itself among them.
+/// Cells within `reach` columns and rows of a cell, itself included.
 pub fn cells_within(reach: i32, frame: FieldFrame, cell: Cell) -> impl Iterator<Item = Cell> {
     let offsets = (-reach..=reach).flat_map(move |rows| (-reach..=reach).map(move |cols| (cols, rows)));
     offsets.filter_map(move |(cols, rows)| frame.offset(cell, cols, rows))

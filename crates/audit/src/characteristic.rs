@@ -18,14 +18,14 @@ const HALF_SIDE: i32 = 12;
 /// Parts of the rim between two cells.
 const PARTS: u32 = 8;
 
-/// How much sooner and later than straight fire may come, as parts of the way's time. Half of it is seen in fires of all
+/// Tolerance of arrivals against straight fire, as a fraction of the way's time. Half of it is seen in fires of all
 /// shapes; fires eight times as long as wide in 32 directions are late by a third.
 const TOLERANCE: f64 = 0.1;
 
 /// Cells of a run that are looked at, at most.
 pub const MAX_SAMPLES: usize = 2000;
 
-/// How far the time of a cell is from that of straight fire, as parts of the way's time from the rim; both are negative
+/// Deviation of a cell's time from straight fire, as fractions of the way's time from the rim; both are negative
 /// where it is between the bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StraightArrival {

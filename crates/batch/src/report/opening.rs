@@ -149,7 +149,7 @@ fn burned_area(variant: &VariantReport) -> Option<String> {
     Some(format!("{} ha burned{about}", number(mean)))
 }
 
-/// What each variant with numbers saved.
+/// Shares saved by the variants that have numbers.
 fn saved_by_variant(variants: &[VariantReport]) -> Vec<(usize, Saved)> {
     variants.iter().enumerate().filter_map(|(index, variant)| Some((index, Saved::new(variant)?))).collect()
 }

@@ -22,7 +22,7 @@ pub struct Series {
     sum: f64,
     smallest: f64,
     largest: f64,
-    /// How many numbers are the smallest, and how many the largest.
+    /// Counts of the smallest number and of the largest.
     at_ends: [u64; 2],
 }
 

@@ -25,7 +25,7 @@ pub struct Compared {
     /// True if differences are in bushes: all have the same fields.
     is_in_bushes: bool,
     pub are_planners: bool,
-    /// How many are in the plan, whether or not a run of theirs finished.
+    /// Number of variants in the plan, whether or not a run of theirs finished.
     pub planned: usize,
     /// The columns in which the strata differ; empty without several.
     pub by: String,

@@ -17,11 +17,11 @@ use wildfire_base::geometry::DVec2;
 /// The farthest direction, in columns or rows: enough for fires nine times as long as wide.
 const MAX_REACH: i32 = 12;
 
-/// How far round an ignition times are exact, in cells; where directions are refined, in multiples of their reach.
+/// Radius in cells of exact times round an ignition; where directions are refined, in multiples of their reach.
 const EXACT_REACH: i32 = 3;
 const NARROW_EXACT_REACHES: i32 = 4;
 
-/// How acute pairs are where directions are refined; 0 would do, and leaves narrow heads late by up to 1.2 %.
+/// Least acuteness of pairs where directions are refined; 0 would do, and leaves narrow heads late by up to 1.2 %.
 const REFINED_ACUTENESS: f64 = 0.25;
 
 /// Cells whose ellipses directions suit, at most, where every cell has its own.
