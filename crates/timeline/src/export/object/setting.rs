@@ -159,6 +159,8 @@ enum SpreadObject {
     Rothermel {
         options: SurfaceOptions,
         neighbours: Neighbours,
+        /// Whether directions are added where fires are too narrow for those to the neighbours.
+        refined: bool,
         wet_ns: u64,
         /// The least time that a cell flames; null flames forever.
         burn_out_ns: Option<u64>,
@@ -302,10 +304,12 @@ impl From<&WeatherInterval> for WeatherObject {
 }
 
 impl From<&RothermelRules> for SpreadObject {
-    fn from(&RothermelRules { options, neighbours, wet, burn_out, embers, crowns, .. }: &RothermelRules) -> Self {
+    fn from(
+        &RothermelRules { options, neighbours, refined, wet, burn_out, embers, crowns, .. }: &RothermelRules,
+    ) -> Self {
         let embers = embers.map(|embers| EmbersObject { seed: embers.seed, settings: embers.settings });
         let (wet_ns, burn_out_ns) = (wet.as_nanos(), burn_out.map(SimTime::as_nanos));
-        Self::Rothermel { options, neighbours, wet_ns, burn_out_ns, embers, crowns }
+        Self::Rothermel { options, neighbours, refined, wet_ns, burn_out_ns, embers, crowns }
     }
 }
 
