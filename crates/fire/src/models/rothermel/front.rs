@@ -7,7 +7,7 @@ use super::directions::DirectionSet;
 use super::queue::{ArrivalQueue, NEVER};
 use super::rates::{BARRIER, Pair, Rates, Spreading, vector};
 use super::rules::RothermelRules;
-use super::template::{Template, Way, WaySet};
+use super::template::{Template, Way};
 use crate::surface::crown::FireType;
 use crate::{Landscape, Relief, Weather};
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
@@ -25,8 +25,10 @@ const NEAR_DELAY: u8 = 8;
 const DUE: u8 = 16;
 /// Something near it did not catch fire from the front, so near that its time from there is exact.
 const NEAR_SOURCE: u8 = 32;
+/// All cells in reach of the ways from it are of its fuel.
+const UNIFORM: u8 = 64;
 /// What stays when a cell changes.
-const NEAR: u8 = NEAR_DELAY | NEAR_SOURCE;
+const NEAR: u8 = NEAR_DELAY | NEAR_SOURCE | UNIFORM;
 
 /// A way as it is found.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -77,7 +79,40 @@ impl Cells {
             }
         }
         let (state, time, way) = (vec![0; count], vec![NEVER; count], vec![0; count]);
-        Self { frame: landscape.frame, margin, reach, stride, fuel: fuels, state, time, way, delays: BTreeMap::new() }
+        let frame = landscape.frame;
+        let mut cells = Self { frame, margin, reach, stride, fuel: fuels, state, time, way, delays: BTreeMap::new() };
+        cells.mark_uniform();
+        cells
+    }
+
+    /// Marks the cells in the middle of squares of one fuel, as wide as ways from there reach.
+    fn mark_uniform(&mut self) {
+        let Self { reach, stride, .. } = *self;
+        let width = 2 * reach + 1;
+        // By column, the rows above and with this one whose cells in reach are of one fuel, the same in all.
+        let mut rows_alike = vec![0; stride];
+        for row in 0..self.fuel.len() / stride {
+            let mut cols_alike = 0;
+            for col in 0..stride {
+                let index = row * stride + col;
+                let is_as_before = col > 0 && self.fuel[index] == self.fuel[index - 1];
+                cols_alike = if is_as_before { cols_alike + 1 } else { 1 };
+                let Some(middle) = col.checked_sub(reach) else { continue };
+                let index = index - reach;
+                let is_as_above = row > 0 && self.fuel[index] == self.fuel[index - stride];
+                let is_one_fuel = cols_alike >= width && self.fuel[index] != BARRIER;
+                rows_alike[middle] = if !is_one_fuel {
+                    0
+                } else if is_as_above {
+                    rows_alike[middle] + 1
+                } else {
+                    1
+                };
+                if rows_alike[middle] >= width {
+                    self.state[index - reach * stride] |= UNIFORM;
+                }
+            }
+        }
     }
 
     fn index(&self, cell: Cell) -> usize {
@@ -111,9 +146,14 @@ impl Cells {
         if self.state[index] & (BURNED | DUE) == 0 { self.time[index] } else { NEVER }
     }
 
-    /// Returns what is found on a way that ends in a cell of a fuel.
+    /// Returns what is found on a way that ends in a cell of a fuel and is not one of those round an ignition.
     #[inline]
     fn crossing(&self, from: usize, way: &Way, fuel: u8) -> Crossing {
+        if self.state[from] & UNIFORM != 0 { Crossing::Uniform } else { self.crossing_of_any(from, way, fuel) }
+    }
+
+    /// Returns the same for a way of any length.
+    fn crossing_of_any(&self, from: usize, way: &Way, fuel: u8) -> Crossing {
         let (mut is_uniform, mut is_blocked) = (true, false);
         for &(place, _) in way.crossed() {
             let crossed = self.fuel[from.wrapping_add_signed(place)];
@@ -311,6 +351,9 @@ impl Front {
             self.delay(cell, now);
         } else {
             self.cells.fuel[index] = BARRIER;
+            for near in self.cells.around(cell, self.cells.reach) {
+                self.cells.state[near] &= !UNIFORM;
+            }
             self.mark_stale_around(cell);
         }
     }
@@ -354,205 +397,132 @@ impl Front {
         self.interval = Interval { number, from, until, tables: tables.collect() };
     }
 
-    /// Makes it the plan of a cell if it comes before its plan so far.
-    #[inline]
-    fn offer(&mut self, index: usize, time: u64, way: usize) {
-        if time < self.cells.time[index] {
-            self.cells.time[index] = time;
-            self.cells.way[index] = way as u16;
-            self.queue.push(time, index as u32);
-        }
-    }
-
     /// Offers exact times to the cells near an ignition, along ways of one fuel.
     fn spread_exactly_from(&mut self, from: usize, now: u64) {
-        let disc: Vec<usize> = self.template.disc(self.interval.number).collect();
-        for number in disc {
-            let way = self.template.way(number);
+        let Self { cells, rates, template, interval, queue, .. } = self;
+        for number in template.disc(interval.number) {
+            let way = template.way(number);
             let to = from.wrapping_add_signed(way.end);
-            if self.cells.has_burned(to) || self.cells.fuel[to] == BARRIER {
+            if cells.has_burned(to) || cells.fuel[to] == BARRIER {
                 continue;
             }
-            if self.cells.crossing(from, way, self.cells.fuel[to]) == Crossing::Uniform {
-                let time = arrival_along(&mut self.rates, &self.cells, from, way, now);
-                self.offer(to, time, number);
+            if cells.crossing_of_any(from, way, cells.fuel[to]) == Crossing::Uniform {
+                let time = arrival_along(rates, cells, from, way, now);
+                offer(cells, queue, to, time, number);
             }
         }
     }
 
     /// Offers times to all neighbours of a cell that has just caught fire, on a plane and far from delays.
     fn spread_on_plane_from(&mut self, from: usize, now: u64) {
-        let count = self.way_set().ways.len();
-        for place in 0..count {
-            let number = usize::from(self.way_set().ways[place]);
-            let way = &self.template.ways[number];
+        let Self { cells, rates, template, interval, queue, .. } = self;
+        let set = template.set(interval.number);
+        let count = set.ways.len();
+        for (place, number) in set.numbers().enumerate() {
+            let way = &template.ways[number];
             let to = from.wrapping_add_signed(way.end);
-            let fuel = self.cells.fuel[to];
-            if fuel == BARRIER || self.cells.has_burned(to) {
+            let fuel = cells.fuel[to];
+            if fuel == BARRIER || cells.has_burned(to) {
                 continue;
             }
-            let crossing = self.cells.crossing(from, way, fuel);
-            let tables = &self.interval.tables;
+            let crossing = cells.crossing(from, way, fuel);
             let seconds = match crossing {
                 Crossing::Blocked => continue,
-                Crossing::Uniform => tables[usize::from(fuel)].along[number].0,
-                Crossing::Mixed => {
-                    let crossed = way.crossed().iter();
-                    let parts = crossed.map(|&(place, part)| {
-                        part * tables[usize::from(self.cells.fuel[from.wrapping_add_signed(place)])].along[number].0
-                    });
-                    parts.sum()
-                }
+                Crossing::Uniform => interval.tables[usize::from(fuel)].along[number].0,
+                Crossing::Mixed => way
+                    .crossed()
+                    .iter()
+                    .map(|&(crossed, part)| {
+                        let fuel = cells.fuel[from.wrapping_add_signed(crossed)];
+                        part * interval.tables[usize::from(fuel)].along[number].0
+                    })
+                    .sum(),
             };
             let mut time = now.saturating_add(nanos(seconds));
             // In another weather: then it is not before this interval ends.
-            if time > self.interval.until && self.cells.time[to] > self.interval.until {
-                time = arrival_along(&mut self.rates, &self.cells, from, way, now);
+            if time > interval.until && cells.time[to] > interval.until {
+                time = arrival_along(rates, cells, from, way, now);
             }
-            self.offer(to, time, number);
+            offer(cells, queue, to, time, number);
             if crossing != Crossing::Uniform {
                 continue;
             }
-            let before = (place + count - 1) % count;
-            let after = (place + 1) % count;
-            for (first_place, is_first) in [(before, false), (place, true)] {
-                let set = self.way_set();
-                let other = usize::from(set.ways[if is_first { after } else { before }]);
-                let pair = &set.pairs[first_place];
-                let other_way = &self.template.ways[other];
+            let table = &interval.tables[usize::from(fuel)];
+            let before = if place == 0 { count - 1 } else { place - 1 };
+            let after = if place + 1 == count { 0 } else { place + 1 };
+            for (first_place, other_place) in [(before, before), (place, after)] {
+                let other = usize::from(set.ways[other_place]);
+                let other_way = &template.ways[other];
                 let beside = to.wrapping_add_signed(-other_way.end);
-                if !self.cells.has_burned(beside) {
+                if !cells.has_burned(beside) {
                     continue;
                 }
                 let own = Beginning { index: from, way: number };
                 let other = Beginning { index: beside, way: other };
-                let [first, second] = if is_first { [own, other] } else { [other, own] };
-                let beside_time = self.cells.time[beside];
-                let [first_time, second_time] = if is_first { [now, beside_time] } else { [beside_time, now] };
-                let table = &self.interval.tables[usize::from(fuel)];
+                let [first, second] = if first_place == place { [own, other] } else { [other, own] };
+                let (first_time, second_time) = (cells.time[first.index], cells.time[second.index]);
                 let first_drift = table.along[first.way].1;
                 let later = seconds_between(first_time, second_time) - (table.along[second.way].1 - first_drift);
+                let pair = &set.pairs[first_place];
                 if !pair.is_between(table.slowness, later) {
                     continue;
                 }
                 let after_first = pair.seconds(table.slowness, later) - first_drift;
                 let mut time = first_time.saturating_add(nanos(after_first)).max(now);
-                let is_in_interval = beside_time >= self.interval.from && time <= self.interval.until;
-                if is_in_interval && time >= self.cells.time[to] {
+                let is_in_interval = cells.time[beside] >= interval.from && time <= interval.until;
+                if is_in_interval && time >= cells.time[to] {
                     continue;
                 }
-                if self.cells.crossing(beside, other_way, fuel) != Crossing::Uniform {
+                if cells.crossing(beside, other_way, fuel) != Crossing::Uniform {
                     continue;
                 }
                 if !is_in_interval {
-                    let Some(two_point) = self.two_point_arrival(to, first, second) else { continue };
+                    let Some(two_point) = two_point_arrival(rates, cells, template, to, [first, second]) else {
+                        continue;
+                    };
                     time = two_point;
                 }
-                self.offer(to, time, number);
+                offer(cells, queue, to, time, number);
             }
         }
     }
 
     /// Offers times to all neighbours of a cell that has just caught fire, where slopes differ, and far from delays.
     fn spread_on_relief_from(&mut self, from: usize, now: u64) {
-        let count = self.way_set().ways.len();
-        for place in 0..count {
-            let number = usize::from(self.way_set().ways[place]);
-            let way = &self.template.ways[number];
+        let Self { cells, rates, template, interval, queue, .. } = self;
+        let set = template.set(interval.number);
+        let count = set.ways.len();
+        for (place, number) in set.numbers().enumerate() {
+            let way = &template.ways[number];
             let to = from.wrapping_add_signed(way.end);
-            let fuel = self.cells.fuel[to];
-            if fuel == BARRIER || self.cells.has_burned(to) {
+            let fuel = cells.fuel[to];
+            if fuel == BARRIER || cells.has_burned(to) {
                 continue;
             }
-            let crossing = self.cells.crossing(from, way, fuel);
+            let crossing = cells.crossing(from, way, fuel);
             if crossing == Crossing::Blocked {
                 continue;
             }
-            let time = arrival_along(&mut self.rates, &self.cells, from, way, now);
-            self.offer(to, time, number);
+            let time = arrival_along(rates, cells, from, way, now);
+            offer(cells, queue, to, time, number);
             if crossing != Crossing::Uniform {
                 continue;
             }
             let own = Beginning { index: from, way: number };
             for (other_place, is_first) in [((place + count - 1) % count, true), ((place + 1) % count, false)] {
-                let other = usize::from(self.way_set().ways[other_place]);
-                let other_way = &self.template.ways[other];
+                let other = usize::from(set.ways[other_place]);
+                let other_way = &template.ways[other];
                 let beside = Beginning { index: to.wrapping_add_signed(-other_way.end), way: other };
-                let is_uniform = self.cells.has_burned(beside.index)
-                    && self.cells.crossing(beside.index, other_way, fuel) == Crossing::Uniform;
+                let is_uniform = cells.has_burned(beside.index)
+                    && cells.crossing(beside.index, other_way, fuel) == Crossing::Uniform;
                 if is_uniform {
-                    let [first, second] = if is_first { [beside, own] } else { [own, beside] };
-                    if let Some(time) = self.two_point_arrival(to, first, second) {
-                        self.offer(to, time, number);
+                    let ends = if is_first { [beside, own] } else { [own, beside] };
+                    if let Some(time) = two_point_arrival(rates, cells, template, to, ends) {
+                        offer(cells, queue, to, time, number);
                     }
                 }
             }
         }
-    }
-
-    /// The ways of the interval of the weather that the front is in.
-    #[inline]
-    fn way_set(&self) -> &WaySet {
-        self.template.set(self.interval.number)
-    }
-
-    /// Returns the two-point candidate of a cell from the beginnings of two ways over its fuel only, the second the
-    /// neighbour of the first counter-clockwise; `None` where the first fire does not come from between them.
-    fn two_point_arrival(&mut self, to: usize, first: Beginning, second: Beginning) -> Option<u64> {
-        let Self { cells, rates, template, .. } = self;
-        let (first_time, second_time) = (cells.time[first.index], cells.time[second.index]);
-        let latest = first_time.max(second_time);
-        let number = rates.weather().interval_at(SimTime::from_nanos(latest));
-        let ways = [first, second].map(|one| (one.index, &template.ways[one.way], template.vectors[one.way]));
-        let is_plane = rates.is_plane();
-        let here = spreading(rates, cells, number, to);
-        if here.slowness == f64::INFINITY {
-            return None;
-        }
-        // What each way needs beyond the ellipse of the cell that both lead to.
-        let beyond = |rates: &mut Rates, number: usize| {
-            let here = spreading(rates, cells, number, to);
-            ways.map(
-                |(from, way, v)| {
-                    if is_plane { 0.0 } else { way_seconds(rates, cells, number, from, way) - here.seconds(v) }
-                },
-            )
-        };
-        let [first_beyond, second_beyond] = beyond(rates, number);
-        let (first_drift, second_drift) = (here.drift_seconds(ways[0].2), here.drift_seconds(ways[1].2));
-        let mut later = seconds_between(first_time, second_time) - (second_drift - first_drift);
-        let pair = if is_plane {
-            let set = template.set(number);
-            set.pairs[set.place(first.way).expect("the ways are neighbours in this interval")]
-        } else {
-            later += second_beyond - first_beyond;
-            Pair::new(here.gradient, ways[0].2, ways[1].2)
-        };
-        if !pair.is_between(here.slowness, later) {
-            return None;
-        }
-        let mut after_first = pair.seconds(here.slowness, later) - first_drift;
-        if !is_plane {
-            after_first += first_beyond;
-        }
-        let time = first_time.saturating_add(nanos(after_first)).max(latest);
-        let (from, until) = span(rates, number);
-        if first_time.min(second_time) >= from && time <= until {
-            return Some(time);
-        }
-        // Part of it is in another weather: along the straight line from the point that this weather gives.
-        let part = pair.part(here.slowness, later);
-        let v = ways[0].2 + part * (ways[1].2 - ways[0].2);
-        let start = first_time as f64 + part * (second_time as f64 - first_time as f64);
-        let time = progress(rates, start as u64, |rates, number| {
-            let along = spreading(rates, cells, number, to).seconds(v);
-            if is_plane || along == f64::INFINITY {
-                return along;
-            }
-            let [first_beyond, second_beyond] = beyond(rates, number);
-            along + (1.0 - part) * first_beyond + part * second_beyond
-        });
-        Some(time.max(latest))
     }
 
     /// Makes the best plan of a cell that does not burn from all that has burned around it.
@@ -591,7 +561,7 @@ impl Front {
             if self.cells.state[from] & needed != needed {
                 continue;
             }
-            let crossing = self.cells.crossing(from, way, fuel);
+            let crossing = self.cells.crossing_of_any(from, way, fuel);
             if crossing == Crossing::Blocked || (is_of_disc && crossing != Crossing::Uniform) {
                 continue;
             }
@@ -624,7 +594,8 @@ impl Front {
                 if self.template.set_number(self.rates.weather().interval_at(lit)) != set {
                     continue;
                 }
-                if let Some(time) = self.two_point_arrival(to, first, second) {
+                let ends = [first, second];
+                if let Some(time) = two_point_arrival(&mut self.rates, &self.cells, &self.template, to, ends) {
                     consider(time, &self.cells, later.index, later.way);
                 }
             }
@@ -638,6 +609,80 @@ impl Front {
         let flaming = self.flaming(self.cells.cell(index), lit);
         flaming.is_none_or(|span| lit.saturating_add(span.as_nanos()) > time)
     }
+}
+
+/// Makes it the plan of a cell if it comes before its plan so far.
+#[inline]
+fn offer(cells: &mut Cells, queue: &mut ArrivalQueue, index: usize, time: u64, way: usize) {
+    if time < cells.time[index] {
+        cells.time[index] = time;
+        cells.way[index] = way as u16;
+        queue.push(time, index as u32);
+    }
+}
+
+/// Returns the two-point candidate of a cell from the beginnings of two ways over its fuel only, the second the
+/// neighbour of the first counter-clockwise; `None` where the first fire does not come from between them.
+fn two_point_arrival(
+    rates: &mut Rates,
+    cells: &Cells,
+    template: &Template,
+    to: usize,
+    [first, second]: [Beginning; 2],
+) -> Option<u64> {
+    let (first_time, second_time) = (cells.time[first.index], cells.time[second.index]);
+    let latest = first_time.max(second_time);
+    let number = rates.weather().interval_at(SimTime::from_nanos(latest));
+    let ways = [first, second].map(|one| (one.index, &template.ways[one.way], template.vectors[one.way]));
+    let is_plane = rates.is_plane();
+    let here = spreading(rates, cells, number, to);
+    if here.slowness == f64::INFINITY {
+        return None;
+    }
+    // What each way needs beyond the ellipse of the cell that both lead to.
+    let beyond = |rates: &mut Rates, number: usize| {
+        let here = spreading(rates, cells, number, to);
+        ways.map(
+            |(from, way, v)| {
+                if is_plane { 0.0 } else { way_seconds(rates, cells, number, from, way) - here.seconds(v) }
+            },
+        )
+    };
+    let [first_beyond, second_beyond] = beyond(rates, number);
+    let (first_drift, second_drift) = (here.drift_seconds(ways[0].2), here.drift_seconds(ways[1].2));
+    let mut later = seconds_between(first_time, second_time) - (second_drift - first_drift);
+    let pair = if is_plane {
+        let set = template.set(number);
+        set.pairs[set.place(first.way).expect("the ways are neighbours in this interval")]
+    } else {
+        later += second_beyond - first_beyond;
+        Pair::new(here.gradient, ways[0].2, ways[1].2)
+    };
+    if !pair.is_between(here.slowness, later) {
+        return None;
+    }
+    let mut after_first = pair.seconds(here.slowness, later) - first_drift;
+    if !is_plane {
+        after_first += first_beyond;
+    }
+    let time = first_time.saturating_add(nanos(after_first)).max(latest);
+    let (from, until) = span(rates, number);
+    if first_time.min(second_time) >= from && time <= until {
+        return Some(time);
+    }
+    // Part of it is in another weather: along the straight line from the point that this weather gives.
+    let part = pair.part(here.slowness, later);
+    let v = ways[0].2 + part * (ways[1].2 - ways[0].2);
+    let start = first_time as f64 + part * (second_time as f64 - first_time as f64);
+    let time = progress(rates, start as u64, |rates, number| {
+        let along = spreading(rates, cells, number, to).seconds(v);
+        if is_plane || along == f64::INFINITY {
+            return along;
+        }
+        let [first_beyond, second_beyond] = beyond(rates, number);
+        along + (1.0 - part) * first_beyond + part * second_beyond
+    });
+    Some(time.max(latest))
 }
 
 /// Whole nanoseconds of a span in seconds, which is not NaN; negative ones are zero, those too long [`NEVER`].
@@ -665,7 +710,7 @@ fn spreading(rates: &mut Rates, cells: &Cells, number: usize, index: usize) -> S
 fn way_seconds(rates: &mut Rates, cells: &Cells, number: usize, from: usize, way: &Way) -> f64 {
     let v = vector(way, cells.frame.cell_m);
     let to = from.wrapping_add_signed(way.end);
-    if rates.is_plane() && cells.crossing(from, way, cells.fuel[to]) == Crossing::Uniform {
+    if rates.is_plane() && cells.crossing_of_any(from, way, cells.fuel[to]) == Crossing::Uniform {
         return spreading(rates, cells, number, to).seconds(v);
     }
     let crossed = way.crossed().iter();

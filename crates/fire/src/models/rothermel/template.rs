@@ -65,7 +65,7 @@ pub struct WaySet {
     places: Vec<Option<u16>>,
     /// By the place of the first of two ways, on a plane.
     pub pairs: Vec<Pair>,
-    /// Numbers of the ways round an ignition.
+    /// Numbers of the ways round an ignition, sorted.
     disc: Vec<u16>,
 }
 
@@ -74,6 +74,12 @@ impl WaySet {
     #[inline]
     pub fn place(&self, way: usize) -> Option<usize> {
         self.places.get(way).copied().flatten().map(usize::from)
+    }
+
+    /// Iterates over the numbers of its ways in order of direction.
+    #[inline]
+    pub fn numbers(&self) -> impl Iterator<Item = usize> {
+        self.ways.iter().map(|&number| usize::from(number))
     }
 
     /// Returns the way at a place and its neighbour counter-clockwise.
@@ -122,7 +128,9 @@ impl Template {
                 self.vectors.push(vector(&self.ways[usize::from(number)], cell_m));
             }
         }
-        let disc = set.exact_offsets().into_iter().map(|step| number_of(&mut self.disc, step, stride).0).collect();
+        let mut disc: Vec<u16> =
+            set.exact_offsets().into_iter().map(|step| number_of(&mut self.disc, step, stride).0).collect();
+        disc.sort_unstable();
         let mut places = vec![None; self.ways.len()];
         for (place, &number) in numbers.iter().enumerate() {
             places[usize::from(number)] = Some(place as u16);
@@ -161,7 +169,7 @@ impl Template {
     pub fn contains(&self, interval: usize, number: usize) -> bool {
         let set = self.set(interval);
         match number.checked_sub(self.ways.len()) {
-            Some(of_disc) => set.disc.contains(&(of_disc as u16)),
+            Some(of_disc) => set.disc.binary_search(&(of_disc as u16)).is_ok(),
             None => set.place(number).is_some(),
         }
     }
