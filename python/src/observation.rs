@@ -6,7 +6,7 @@
 use wildfire::fire::BushState;
 use wildfire::fire::FireField;
 use wildfire::geometry::{Cell, FieldFrame};
-use wildfire::sim::policies::{AgentView, Choice, cluster_sizes};
+use wildfire::sim::policies::{Action, AgentView, cluster_sizes};
 use wildfire::time::SimTime;
 use wildfire::timeline::{Activity, AgentId};
 
@@ -163,7 +163,7 @@ impl Sight<'_> {
 impl Layout {
     /// Returns the choice that an action below [`Self::actions`] stands for, given an agent's options, or `None` if it is
     /// not allowed. `candidates` are the cells that [`Sight::write_own`] returned.
-    pub fn choice(&self, action: usize, now: SimTime, options: &[Cell], candidates: &[Cell]) -> Option<Choice> {
+    pub fn choice(&self, action: usize, now: SimTime, options: &[Cell], candidates: &[Cell]) -> Option<Action> {
         let Some(index) = action.checked_sub(1) else { return Some(self.waiting(now)) };
         let cell = match self.nearest {
             Some(_) => *candidates.get(index)?,
@@ -171,11 +171,11 @@ impl Layout {
         };
         let index = self.frame.index(cell);
         let is_option = options.binary_search_by_key(&index, |&option| self.frame.index(option)).is_ok();
-        is_option.then_some(Choice::Go(cell))
+        is_option.then_some(Action::Go(cell))
     }
 
     /// Returns the choice to wait.
-    pub fn waiting(&self, now: SimTime) -> Choice {
-        Choice::WaitUntil(now + self.wait)
+    pub fn waiting(&self, now: SimTime) -> Action {
+        Action::WaitUntil(now + self.wait)
     }
 }

@@ -16,7 +16,7 @@ use wildfire::planning::{MakeError, PlanFailure};
 use wildfire::programs::protocol::question;
 use wildfire::scenario::Scenario;
 use wildfire::sim::policies::{
-    AskReport, Choice, LineSight, Observation, Policies, Policy, PolicyNameError, PolicySite,
+    Action, FirelineContext, Observation, Policies, Policy, PolicyContext, PolicyNameError, QueryReport,
 };
 use wildfire::time::SimTime;
 use wildfire::timeline::AgentId;
@@ -92,7 +92,7 @@ impl GivenPolicies {
                 interruption: Arc::clone(interruption),
                 has_printed: Arc::clone(&has_printed),
             };
-            policies.with(&given.name, move |site: &PolicySite<'_>| maker.make(site))
+            policies.with(&given.name, move |site: &PolicyContext<'_>| maker.make(site))
         })
     }
 }
@@ -107,7 +107,7 @@ struct Maker {
 }
 
 impl Maker {
-    fn make(&self, site: &PolicySite<'_>) -> Result<Box<dyn Policy>, MakeError> {
+    fn make(&self, site: &PolicyContext<'_>) -> Result<Box<dyn Policy>, MakeError> {
         let made = Python::try_attach(|py| {
             self.act(py, site).map_err(|exception| {
                 let words = words(py, &exception);
@@ -130,12 +130,12 @@ impl Maker {
             layout,
             interruption: Arc::clone(&self.interruption),
             has_printed: Arc::clone(&self.has_printed),
-            report: AskReport::default(),
+            report: QueryReport::default(),
         }))
     }
 
     /// Returns the callable for this run.
-    fn act(&self, py: Python<'_>, site: &PolicySite<'_>) -> PyResult<Py<PyAny>> {
+    fn act(&self, py: Python<'_>, site: &PolicyContext<'_>) -> PyResult<Py<PyAny>> {
         if !self.given.per_run {
             return Ok(self.given.act.clone_ref(py));
         }
@@ -161,30 +161,30 @@ struct PythonPolicy {
     interruption: Arc<Interruption>,
     has_printed: Arc<AtomicBool>,
     /// The report on the last decision.
-    report: AskReport,
+    report: QueryReport,
 }
 
 impl Policy for PythonPolicy {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
         let Some(&agent) = asked.first() else { return Vec::new() };
         let answer =
             (!self.interruption.is_set()).then(|| Python::try_attach(|py| self.ask(py, seen, agent))).flatten();
         vec![(agent, answer.unwrap_or_else(|| self.layout.waiting(seen.now)))]
     }
 
-    fn line(&mut self, seen: &Observation<'_>, line: &LineSight<'_>) -> Vec<DVec2> {
+    fn line(&mut self, seen: &Observation<'_>, line: &FirelineContext<'_>) -> Vec<DVec2> {
         let points =
             (!self.interruption.is_set()).then(|| Python::try_attach(|py| self.ask_for_line(py, seen, line))).flatten();
         points.flatten().unwrap_or_default()
     }
 
-    fn take_report(&mut self) -> AskReport {
+    fn take_report(&mut self) -> QueryReport {
         std::mem::take(&mut self.report)
     }
 }
 
 impl PythonPolicy {
-    fn ask(&mut self, py: Python<'_>, seen: &Observation<'_>, agent: AgentId) -> Choice {
+    fn ask(&mut self, py: Python<'_>, seen: &Observation<'_>, agent: AgentId) -> Action {
         let options = seen.options(agent);
         let waiting = self.layout.waiting(seen.now);
         let about = || format!("the policy `{}`, asked for {agent},", self.name);
@@ -210,7 +210,12 @@ impl PythonPolicy {
     }
 
     /// Asks where crews build line, by the question that programs get.
-    fn ask_for_line(&mut self, py: Python<'_>, seen: &Observation<'_>, line: &LineSight<'_>) -> Option<Vec<DVec2>> {
+    fn ask_for_line(
+        &mut self,
+        py: Python<'_>,
+        seen: &Observation<'_>,
+        line: &FirelineContext<'_>,
+    ) -> Option<Vec<DVec2>> {
         let about = || format!("the policy `{}`, asked where crews build line,", self.name);
         let answered = self.interruption.watched(py, about, Some(self.limit_s), || {
             let text = PyBytes::new(py, &question(1, seen, &[], Some(line)));

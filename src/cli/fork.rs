@@ -19,7 +19,7 @@ use wildfire_base::time::SimTime;
 use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_base::time::wall::WallStopwatch;
 use wildfire_batch::{RunLabel, RunResult, RunRow};
-use wildfire_sim::policies::Choice;
+use wildfire_sim::policies::Action;
 use wildfire_sim::{Run, Simulation};
 use wildfire_timeline::{AgentId, Outcome};
 
@@ -128,7 +128,7 @@ fn result_of(run: &Run) -> RunResult {
 /// Plays a run to its end, with an answer that an agent is given.
 fn ended(mut run: Simulation, answer: Option<(AgentId, Cell)>) -> Result<Run, CliError> {
     if let Some((agent, cell)) = answer {
-        run.force(agent, Choice::Go(cell));
+        run.force(agent, Action::Go(cell));
     }
     run.advance_to(SimTime::MAX);
     run.expect_within_memory().map_err(CliError::run_failed)?;

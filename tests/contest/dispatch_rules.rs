@@ -11,8 +11,8 @@ use rand::seq::SliceRandom;
 use wildfire::geometry::{Cell, FieldFrame};
 use wildfire::rng;
 use wildfire::sim::policies::dispatch::{
-    Assignment, Auction, Centroids, Fire, Hungarian, Intact, NearestByNumber, NearestSavable, Positioning, Regions,
-    RegionsFirst, Rollout, Stay, Team, TeamRules, TeamTruck, ThreatFirst, WAY_FACTOR,
+    Assignment, Auction, Centroids, Fire, Hungarian, Intact, NearestByNumber, NearestSavable, Regions, RegionsFirst,
+    Rollout, StagingRule, Stay, Team, TeamRules, TeamTruck, ThreatFirst, WAY_FACTOR,
 };
 use wildfire::time::SimTime;
 use wildfire::timeline::AgentId;
@@ -121,7 +121,7 @@ impl Way {
 }
 
 /// Plays one contest to its end.
-fn play(contest: Contest, seed: u64, assignment: &mut dyn Assignment, positioning: &mut dyn Positioning) -> Score {
+fn play(contest: Contest, seed: u64, assignment: &mut dyn Assignment, positioning: &mut dyn StagingRule) -> Score {
     let mut world = World::new(contest, seed);
     world.dispatch(true, assignment, positioning);
     while let Some(now) = world.next_event() {
@@ -297,7 +297,7 @@ impl World {
         self.burning.insert(index);
     }
 
-    fn dispatch(&mut self, changed: bool, assignment: &mut dyn Assignment, positioning: &mut dyn Positioning) {
+    fn dispatch(&mut self, changed: bool, assignment: &mut dyn Assignment, positioning: &mut dyn StagingRule) {
         let now = self.now;
         let replans = changed && assignment.replans();
         let stopped: Vec<Cell> =
@@ -389,7 +389,7 @@ fn mean(seeds: std::ops::Range<u64>, assignment: &dyn Fn() -> Box<dyn Assignment
     let count = seeds.end - seeds.start;
     let mut mean = Score::default();
     for seed in seeds {
-        let mut idle: Box<dyn Positioning> = if waits { Box::new(Centroids::default()) } else { Box::new(Stay) };
+        let mut idle: Box<dyn StagingRule> = if waits { Box::new(Centroids::default()) } else { Box::new(Stay) };
         let score = play(DUEL, seed, &mut *assignment(), &mut *idle);
         mean.lost += score.lost / count as f64;
         mean.driven_m += score.driven_m / count as f64;
@@ -441,7 +441,7 @@ fn the_same_seed_is_the_same_contest() {
 fn table_of_policies() {
     let Ok(seeds) = std::env::var("SEEDS") else { return };
     let seeds: u64 = seeds.parse().expect("a number of seeds");
-    type MakeBoth = fn() -> (Box<dyn Assignment>, Box<dyn Positioning>);
+    type MakeBoth = fn() -> (Box<dyn Assignment>, Box<dyn StagingRule>);
     let policies: [(&str, MakeBoth); 14] = [
         ("nearest", || (Box::new(NearestByNumber), Box::new(Stay))),
         ("nearest-savable", || (Box::new(NearestSavable), Box::new(Stay))),

@@ -4,7 +4,7 @@ use wildfire::audit::{SampleStep, audit_timeline};
 use wildfire::geometry::{Cell, DVec2};
 use wildfire::planning::MakeError;
 use wildfire::scenario;
-use wildfire::sim::policies::{Choice, LineSight, Observation, Policies, Policy, PolicySite};
+use wildfire::sim::policies::{Action, FirelineContext, Observation, Policies, Policy, PolicyContext};
 use wildfire::sim::{self, Entrants};
 use wildfire::time::SimTime;
 use wildfire::timeline::{AgentId, GroundEvent, GroundFact, Outcome, Timeline, file};
@@ -127,11 +127,11 @@ fn crews_that_are_ready_before_the_fire_build_line_too() {
 struct Through(Vec<DVec2>);
 
 impl Policy for Through {
-    fn choose(&mut self, _: &Observation<'_>, _: &[AgentId]) -> Vec<(AgentId, Choice)> {
+    fn choose(&mut self, _: &Observation<'_>, _: &[AgentId]) -> Vec<(AgentId, Action)> {
         Vec::new()
     }
 
-    fn line(&mut self, seen: &Observation<'_>, line: &LineSight<'_>) -> Vec<DVec2> {
+    fn line(&mut self, seen: &Observation<'_>, line: &FirelineContext<'_>) -> Vec<DVec2> {
         let burned = seen.fires.with_fuel().filter(|&cell| seen.fires.ignited_at(cell).is_some()).count();
         let by_now = line.forecast.seconds.iter().filter(|&&time_s| time_s <= seen.now.as_seconds()).count();
         assert!(burned > 10 && by_now == burned);
@@ -148,8 +148,9 @@ fn a_custom_policy_encloses_the_fire_between_line_and_a_road_and_no_line_is_a_ba
     let scenario = scenario::load("line", &changes).expect("it is right");
     let run = |points: &[(f64, f64)]| {
         let points: Vec<DVec2> = points.iter().map(|&(x_m, y_m)| DVec2::new(x_m, y_m)).collect();
-        let maker =
-            move |_: &PolicySite<'_>| -> Result<Box<dyn Policy>, MakeError> { Ok(Box::new(Through(points.clone()))) };
+        let maker = move |_: &PolicyContext<'_>| -> Result<Box<dyn Policy>, MakeError> {
+            Ok(Box::new(Through(points.clone())))
+        };
         let policies = Policies::default().with("own", maker).expect("it is free");
         sim::run_with_options(&scenario, 1, &Entrants::from(policies).into()).expect("it takes place")
     };

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use glam::DVec2;
 use wildfire::audit::{SampleStep, audit_timeline};
 use wildfire::scenario::{self, Scenario};
-use wildfire::sim::policies::{Asking, Choice, Observation, Policy};
+use wildfire::sim::policies::{Action, Observation, Policy, PolicyScope};
 use wildfire::sim::{self, Simulation};
 use wildfire::time::SimTime;
 use wildfire::timeline::{Activity, AgentFact, AgentId, Fact, Outcome, Replay, RestReason, Timeline, file};
@@ -101,23 +101,23 @@ impl Draws {
 struct Fickle(Draws);
 
 impl Policy for Fickle {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
         let draws = &mut self.0;
         let mut choices = Vec::new();
         for &agent in asked {
             let options = seen.options(agent);
             let choice = match draws.below(4) {
-                0 if !options.is_empty() => Choice::Go(options[draws.below(options.len())]),
-                1 | 2 => Choice::Move(DVec2::new(draws.below(250) as f64, draws.below(250) as f64)),
-                _ => Choice::Wait,
+                0 if !options.is_empty() => Action::Go(options[draws.below(options.len())]),
+                1 | 2 => Action::Move(DVec2::new(draws.below(250) as f64, draws.below(250) as f64)),
+                _ => Action::Wait,
             };
             choices.push((agent, choice));
         }
         choices
     }
 
-    fn asking(&self) -> Asking {
-        Asking::Team { replans: true }
+    fn asking(&self) -> PolicyScope {
+        PolicyScope::Team { replans: true }
     }
 }
 
@@ -143,19 +143,19 @@ struct Gathering {
 }
 
 impl Policy for Gathering {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
         self.asked.lock().expect("nobody panicked").push(asked.to_vec());
         let mut left: Vec<_> = asked.first().map_or_else(Vec::new, |&first| seen.options(first));
         let choose = |&agent: &AgentId| {
             let own = seen.options(agent);
             let place = left.iter().position(|cell| own.contains(cell));
-            (agent, place.map_or(Choice::Move(self.place), |place| Choice::Go(left.remove(place))))
+            (agent, place.map_or(Action::Move(self.place), |place| Action::Go(left.remove(place))))
         };
         asked.iter().map(choose).collect()
     }
 
-    fn asking(&self) -> Asking {
-        Asking::Team { replans: false }
+    fn asking(&self) -> PolicyScope {
+        PolicyScope::Team { replans: false }
     }
 }
 
@@ -186,12 +186,12 @@ fn a_truck_on_its_way_to_wait_is_called_to_a_fire_and_one_that_waits_is_idle() {
 struct Lazy;
 
 impl Policy for Lazy {
-    fn choose(&mut self, _: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
-        asked.iter().map(|&agent| (agent, Choice::Wait)).collect()
+    fn choose(&mut self, _: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
+        asked.iter().map(|&agent| (agent, Action::Wait)).collect()
     }
 
-    fn asking(&self) -> Asking {
-        Asking::Team { replans: true }
+    fn asking(&self) -> PolicyScope {
+        PolicyScope::Team { replans: true }
     }
 }
 
@@ -211,12 +211,12 @@ fn a_team_that_waits_by_choice_is_idle_and_not_stuck() {
 struct Hopeful;
 
 impl Policy for Hopeful {
-    fn choose(&mut self, _: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
-        asked.iter().map(|&agent| (agent, Choice::Move(DVec2::new(-500.0, -500.0)))).collect()
+    fn choose(&mut self, _: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
+        asked.iter().map(|&agent| (agent, Action::Move(DVec2::new(-500.0, -500.0)))).collect()
     }
 
-    fn asking(&self) -> Asking {
-        Asking::Team { replans: true }
+    fn asking(&self) -> PolicyScope {
+        PolicyScope::Team { replans: true }
     }
 }
 

@@ -6,7 +6,7 @@ use wildfire::fire::BushStateKind;
 use wildfire::geometry::{Cell, DVec2, FieldFrame, Pose};
 use wildfire::picture::bush_colour;
 use wildfire::picture::film::{
-    Camera, Followed, FrameRenderer, FrameRequest, Projection, RunView, Selected, ViewOptions, still,
+    Camera, CameraTarget, FrameRenderer, FrameRequest, Projection, RunView, Selected, ViewOptions, still,
 };
 use wildfire::rng;
 use wildfire::time::SimTime;
@@ -69,7 +69,7 @@ fn the_fire_of_one_cell_is_seen_on_ten_kilometres() {
 fn frames_of_a_crowd_follow_from_their_requests_alone() {
     let run = crowd();
     let mut renderer = FrameRenderer::new(SIZE, 1);
-    let followed = [None, Some(Followed::Fleet), Some(Followed::Agent(AgentId::unimog(2)))];
+    let followed = [None, Some(CameraTarget::Fleet), Some(CameraTarget::Agent(AgentId::unimog(2)))];
     let mut rng = rng::stream(1, "tests/film_crowds/requests");
     let mut time_s: f64 = 30.0;
     for step in 0..60 {
@@ -87,7 +87,7 @@ fn frames_of_a_crowd_follow_from_their_requests_alone() {
 }
 
 fn projection(run: &RunView, state: &State, pane: (u32, u32)) -> Projection {
-    let options = ViewOptions { follows: Some(Followed::Fleet), ..ViewOptions::default() };
+    let options = ViewOptions { follows: Some(CameraTarget::Fleet), ..ViewOptions::default() };
     Projection::from_options(run, state, &options, pane)
 }
 

@@ -6,7 +6,7 @@ use flate2::Compression;
 use flate2::read::DeflateDecoder;
 use flate2::write::DeflateEncoder;
 use rand::{Rng, RngExt};
-use wildfire::picture::film::{Followed, FrameRenderer, FrameRequest, Layer, RunView, Selected, ViewOptions, page};
+use wildfire::picture::film::{CameraTarget, FrameRenderer, FrameRequest, Layer, RunView, Selected, ViewOptions, page};
 use wildfire::time::SimTime;
 use wildfire::timeline::{Timeline, file};
 use wildfire::{rng, scenario, sim};
@@ -43,11 +43,11 @@ fn looks(timeline: &Timeline) -> Vec<ViewOptions> {
         ..ViewOptions::default()
     };
     let along = |agent| ViewOptions {
-        follows: Some(Followed::Agent(agent)),
+        follows: Some(CameraTarget::Agent(agent)),
         selected: Some((0, Selected::Agent(agent))),
         ..all.clone()
     };
-    let fleet = ViewOptions { follows: Some(Followed::Fleet), ..all.clone() };
+    let fleet = ViewOptions { follows: Some(CameraTarget::Fleet), ..all.clone() };
     agents.take(2).map(along).chain([fleet, all.clone()]).collect()
 }
 

@@ -5,7 +5,7 @@ use wildfire::fire::BushStateKind;
 use wildfire::geometry::DVec2;
 use wildfire::picture::bush_colour;
 use wildfire::picture::film::{
-    Camera, Followed, FrameRenderer, FrameRequest, Layer, Layers, PixelRect, Projection, RunView, Selected,
+    Camera, CameraTarget, FrameRenderer, FrameRequest, Layer, Layers, PixelRect, Projection, RunView, Selected,
     ViewOptions, pick,
 };
 use wildfire::scenario;
@@ -65,7 +65,7 @@ fn looks() -> Vec<ViewOptions> {
         ViewOptions { layers: all, ..plain.clone() },
         ViewOptions { layers: all.without(Layer::Wavefront), camera: camera(0.3, 0.6, 3.0), ..plain.clone() },
         ViewOptions {
-            follows: Some(Followed::Agent(AgentId::unimog(0))),
+            follows: Some(CameraTarget::Agent(AgentId::unimog(0))),
             layers: Layers::NONE.with(Layer::Clearance),
             ..plain.clone()
         },
@@ -229,7 +229,7 @@ fn what_is_under_the_mouse_is_what_is_drawn_there() {
 fn who_is_followed_is_in_the_middle() {
     let run = run(1, &[]);
     for agent in [AgentId::wumpus(0), AgentId::unimog(0)] {
-        let options = ViewOptions { follows: Some(Followed::Agent(agent)), ..ViewOptions::default() };
+        let options = ViewOptions { follows: Some(CameraTarget::Agent(agent)), ..ViewOptions::default() };
         for time_s in [0.0, 33.0, 80.0] {
             let state = run.state_at(seconds(time_s));
             let index = run.timeline().setting.agent_index(agent).expect("it is there");

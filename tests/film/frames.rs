@@ -3,8 +3,8 @@
 use rand::RngExt;
 use wildfire::geometry::{Cell, DVec2, FieldFrame};
 use wildfire::picture::film::{
-    Camera, Followed, FrameLayout, FrameRenderer, FrameRequest, Layer, Layers, RunView, Selected, Status, ViewOptions,
-    still,
+    Camera, CameraTarget, FrameLayout, FrameRenderer, FrameRequest, Layer, Layers, RunView, Selected, Status,
+    ViewOptions, still,
 };
 use wildfire::rng::{self, Xoshiro256PlusPlus};
 use wildfire::time::SimTime;
@@ -47,8 +47,8 @@ impl Viewer<'_> {
                 self.options.camera = Camera { centre, zoom: [0.5, 1.0, 1.7, 3.0, 6.0, 200.0][rng.random_range(0..6)] };
             }
             7 => {
-                let agents = [AgentId::unimog(0), AgentId::unimog(9)].map(Followed::Agent);
-                let followed = [None, Some(agents[0]), Some(agents[1]), Some(Followed::Fleet)];
+                let agents = [AgentId::unimog(0), AgentId::unimog(9)].map(CameraTarget::Agent);
+                let followed = [None, Some(agents[0]), Some(agents[1]), Some(CameraTarget::Fleet)];
                 self.options.follows = followed[rng.random_range(0..4)];
             }
             8 => self.options.selected = self.selected(),
@@ -132,7 +132,7 @@ fn looks(timeline: &Timeline) -> impl Iterator<Item = ViewOptions> + Clone {
     let bush = timeline.setting.bushes.last().map(|&bush| (0, Selected::Bush(bush)));
     [Camera::LEAST_ZOOM, 1.0, 13.0, Camera::MOST_ZOOM].into_iter().enumerate().map(move |(index, zoom)| ViewOptions {
         camera: Camera { zoom, ..Camera::WHOLE },
-        follows: [agent.map(Followed::Agent), Some(Followed::Fleet)][index % 2],
+        follows: [agent.map(CameraTarget::Agent), Some(CameraTarget::Fleet)][index % 2],
         layers: Layer::ALL.into_iter().collect(),
         selected: agent.filter(|_| index < 2).map(|agent| (0, Selected::Agent(agent))).or(bush),
         shows_help: index == 3,

@@ -16,7 +16,7 @@ use bevy::math::Vec2;
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::{CursorMoved, WindowEvent};
 use glam::DVec2;
-use wildfire::picture::film::{Followed, Layer, Projection, RunView, ViewOptions};
+use wildfire::picture::film::{CameraTarget, Layer, Projection, RunView, ViewOptions};
 use wildfire::time::SimTime;
 use wildfire::timeline::Outcome;
 use wildfire::view::{FrameBuffer, Player, PlayerPlugin, RunLoader, RunSet, Viewer, ViewerConfig, insert_resources};
@@ -206,9 +206,9 @@ fn what_is_dragged_away_from_an_agent_stays_as_it_was_seen() {
 fn following_begins_with_the_fleet_where_there_is_one_and_ends_after_the_last_agent() {
     for (name, has_fleet) in [("fleet", true), ("contest", false)] {
         let mut window = Window::open(one(name, 1), 50.0);
-        let agents = window.runs()[0].timeline().setting.agents.iter().map(|start| Followed::Agent(start.id));
-        let fleet = has_fleet.then_some(Followed::Fleet);
-        let all: Vec<Option<Followed>> = fleet.into_iter().chain(agents).map(Some).chain([None]).collect();
+        let agents = window.runs()[0].timeline().setting.agents.iter().map(|start| CameraTarget::Agent(start.id));
+        let fleet = has_fleet.then_some(CameraTarget::Fleet);
+        let all: Vec<Option<CameraTarget>> = fleet.into_iter().chain(agents).map(Some).chain([None]).collect();
         for expected in all {
             window.type_letter("f");
             window.frames(1);

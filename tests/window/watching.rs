@@ -5,7 +5,7 @@ use tempfile::TempDir;
 use wildfire::geometry::ops;
 use wildfire::picture::Picture;
 use wildfire::picture::film::{
-    Camera, Followed, FrameLayout, Layer, Layers, Projection, RunView, Selected, ViewOptions,
+    Camera, CameraTarget, FrameLayout, Layer, Layers, Projection, RunView, Selected, ViewOptions,
 };
 use wildfire::time::SimTime;
 use wildfire::time::wall::WallStopwatch;
@@ -157,7 +157,7 @@ fn keys_and_mouse_do_what_help_says() {
     frame.wait_for(&window, scrubbed);
     window.press(&["Escape", "f"]);
     frame.options.selected = None;
-    frame.options.follows = Some(Followed::Agent(runs[0].timeline().setting.agents[0].id));
+    frame.options.follows = Some(CameraTarget::Agent(runs[0].timeline().setting.agents[0].id));
     frame.wait_for(&window, scrubbed);
 
     window.press(&["question"]);

@@ -37,9 +37,9 @@ pub use decisions::{
 #[doc(hidden)]
 pub use drives::made_up_drives;
 pub use drives::{
-    Attempt, COMPARED, DRIVE_COLUMNS, DRIVE_LEGEND, DriveColumn, DriveContrast, DriveError, DriveFailure,
-    DriveProblems, DriveQuery, DriveRequest, DriveTable, INTERVAL_LEGEND, MAX_QUERIES, MEASURES, Measure,
-    PlannerSummary, QueryCost, Question, ask_all, asked_planners, attempts, contrast_table, expect_known_planners,
+    Attempt, AttemptSettings, COMPARED, DRIVE_COLUMNS, DRIVE_LEGEND, DriveColumn, DriveContrast, DriveError,
+    DriveFailure, DriveProblems, DriveQuery, DriveRequest, DriveTable, INTERVAL_LEGEND, MAX_QUERIES, MEASURES, Measure,
+    PlannerSummary, QueryCost, ask_all, asked_planners, attempts, contrast_table, expect_known_planners,
     failure_sentences, interval_tables, missed, own_names, queries_words, rows_table, shortened_field, summary_table,
     violation_sentences,
 };

@@ -6,8 +6,8 @@
 //! acted, if there is something new to choose from, or a plan fails, the agents are asked again at the same instant. So
 //! whoever answers as the built-in rule does plays the built-in rule's run, fact by fact.
 
-use super::game::Outside;
-use super::policies::{AgentView, Choice};
+use super::game::ExternalPolicy;
+use super::policies::{Action, AgentView};
 use super::{RunError, RunOptions, Simulation};
 use crate::scenario::Scenario;
 use wildfire_base::geometry::Cell;
@@ -17,13 +17,13 @@ use wildfire_timeline::{AgentId, Event, Fact, FireFact, Setting, Timeline};
 
 /// An agent that waits for an answer.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Asked {
+pub struct PendingAgent {
     pub agent: AgentId,
     /// The cells that it may choose, by cell index.
     pub options: Vec<Cell>,
 }
 
-impl Asked {
+impl PendingAgent {
     /// Returns whether it may go for nothing now that it could not go for before.
     fn adds_nothing_to(&self, before: &Self) -> bool {
         // Both come in one order.
@@ -50,7 +50,7 @@ impl Points {
 pub struct Episode {
     simulation: Simulation,
     /// In the order in which they are to be answered; nobody at the end.
-    asked: Vec<Asked>,
+    asked: Vec<PendingAgent>,
     agents: Vec<AgentView>,
     points: Points,
     /// The number of facts whose points are counted.
@@ -64,7 +64,7 @@ impl Episode {
     /// If it cannot take place, or comes to the limit of its memory.
     pub fn new(scenario: &Scenario, seed: u64, options: &RunOptions, played: &[AgentId]) -> Result<Self, RunError> {
         let mut simulation = Simulation::with(scenario, seed, options)?;
-        simulation.follow(played, Box::new(Outside));
+        simulation.follow(played, Box::new(ExternalPolicy));
         let mut episode =
             Self { simulation, asked: Vec::new(), agents: Vec::new(), points: Points::default(), counted: 0 };
         episode.go_on()?;
@@ -86,7 +86,7 @@ impl Episode {
     }
 
     /// Lists the agents that wait for an answer, in the order in which they act; empty once the contest is over.
-    pub fn asked(&self) -> &[Asked] {
+    pub fn asked(&self) -> &[PendingAgent] {
         &self.asked
     }
 
@@ -95,7 +95,7 @@ impl Episode {
     ///
     /// # Errors
     /// If the contest comes to the limit of its memory.
-    pub fn answer(&mut self, choices: &[(AgentId, Choice)]) -> Result<(), RunError> {
+    pub fn answer(&mut self, choices: &[(AgentId, Action)]) -> Result<(), RunError> {
         let now = self.simulation.now();
         let mut pending = choices.to_vec();
         let shown = self.asked.clone();
@@ -105,11 +105,11 @@ impl Episode {
             let place = pending.iter().position(|&(agent, _)| agent == next.agent);
             let (agent, choice) = match place {
                 Some(place) => pending.swap_remove(place),
-                None if is_first => (next.agent, Choice::Wait),
+                None if is_first => (next.agent, Action::Wait),
                 None => return Ok(()),
             };
             // What another one took since is asked about again; what never was an option lets the agent wait.
-            let is_gone = matches!(choice, Choice::Go(cell) if !next.options.contains(&cell));
+            let is_gone = matches!(choice, Action::Go(cell) if !next.options.contains(&cell));
             if !is_first
                 && (is_gone || !shown.iter().any(|before| before.agent == agent && next.adds_nothing_to(before)))
             {
@@ -128,7 +128,7 @@ impl Episode {
         self.simulation.advance_to(SimTime::MAX);
         self.simulation.expect_within_memory()?;
         let question = self.simulation.observe(|seen, agents| {
-            let asked = agents.iter().map(|&agent| Asked { agent, options: seen.options(agent) });
+            let asked = agents.iter().map(|&agent| PendingAgent { agent, options: seen.options(agent) });
             (asked.collect(), seen.agents.to_vec())
         });
         (self.asked, self.agents) = question.unwrap_or_else(|| (Vec::new(), self.simulation.agents()));
@@ -207,13 +207,13 @@ mod tests {
     }
 
     /// Chooses as the rules of the nearest do.
-    fn nearest(episode: &Episode, asked: &Asked) -> Choice {
+    fn nearest(episode: &Episode, asked: &PendingAgent) -> Action {
         let agents = episode.agents();
         let place = agents.iter().find(|agent| agent.id == asked.agent).expect("all agents are seen").place;
         let frame = *episode.fires().frame();
         let squared_m = |cell: &Cell| (frame.centre(*cell) - place).length_squared();
         let best = asked.options.iter().min_by(|a, b| squared_m(a).total_cmp(&squared_m(b)));
-        best.map_or(Choice::Wait, |&cell| Choice::Go(cell))
+        best.map_or(Action::Wait, |&cell| Action::Go(cell))
     }
 
     #[test]
@@ -251,7 +251,7 @@ mod tests {
             steps += 1;
             // A time that has passed is put off, so that the contest ends.
             let until = if steps % 2 == 0 { SimTime::ZERO } else { last + SimTime::from_seconds(10.0) };
-            episode.answer(&[(truck, Choice::WaitUntil(until))]).expect("memory suffices");
+            episode.answer(&[(truck, Action::WaitUntil(until))]).expect("memory suffices");
             let least = last + SimTime::from_nanos(1);
             assert!(episode.now() >= least || episode.has_ended());
             assert!(steps % 2 == 0 || episode.now() <= until || episode.asked().is_empty());

@@ -7,7 +7,7 @@ use super::agent::{Agent, Roster};
 use super::end::Ended;
 use super::fire::{Fires, Ignitions};
 use super::line::CrewOrders;
-use super::policies::{Choice, Decision, Following, Follows, Forced, NamedPolicy};
+use super::policies::{Action, ActionOverride, Decision, NamedPolicy, PolicyId, PolicySet};
 use super::queue::{SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
 use super::truck::Truck;
@@ -67,8 +67,8 @@ impl Simulation {
         }
         let mut other = Self::with(after, self.setting.seed, options)?;
         let mut fork = self.fork()?;
-        let policies = other.world.remove_resource::<Following>().expect("every run has policies");
-        let follows = fork.world.resource_mut::<Following>().adopt(policies);
+        let policies = other.world.remove_resource::<PolicySet>().expect("every run has policies");
+        let follows = fork.world.resource_mut::<PolicySet>().adopt(policies);
         fork.world.resource_mut::<Recorder>().count_on(&other.memory.meter);
         let is_team_new = before.dispatch != after.dispatch || before.sight != after.sight;
         let plans_otherwise = before.planner != after.planner || before.traffic != after.traffic;
@@ -85,7 +85,7 @@ impl Simulation {
                 own.plan_like(model);
             }
             if decides_otherwise {
-                let follows = follows(*model.get::<Follows>().expect("every agent follows a policy"));
+                let follows = follows(*model.get::<PolicyId>().expect("every agent follows a policy"));
                 own.insert((follows, model.get::<WokenBy>().expect("every agent is woken").clone()));
                 fork.let_decide(entity);
             }
@@ -109,19 +109,19 @@ impl Simulation {
     /// spreads where the model of the fire leaves it to chance. Runs of one seed and one number share their luck.
     pub fn redraw(&mut self, future: u32) {
         let seed = rng::key(self.setting.seed, &format!("future/{future}"));
-        self.world.resource_mut::<Following>().redraw(seed);
+        self.world.resource_mut::<PolicySet>().redraw(seed);
         self.world.resource_mut::<Fires>().model.redraw(seed);
     }
 
     /// Gives an agent this choice when it is asked next, in place of its policy's. At that instant its policy does not
     /// change its mind; later it may. What is no option of the agent then has no effect.
-    pub fn force(&mut self, agent: AgentId, choice: Choice) {
-        self.world.resource_mut::<Following>().forced = Some(Forced::new(agent, choice));
+    pub fn force(&mut self, agent: AgentId, choice: Action) {
+        self.world.resource_mut::<PolicySet>().forced = Some(ActionOverride::new(agent, choice));
     }
 
     /// Returns when the agent with a [forced](Self::force) choice was given it.
     pub fn forced_at(&self) -> Option<SimTime> {
-        self.world.resource::<Following>().forced?.given_at
+        self.world.resource::<PolicySet>().forced?.given_at
     }
 
     /// Returns the number of bushes that have burned out or burn.
@@ -133,13 +133,13 @@ impl Simulation {
 
     /// Records the [decisions](Self::decisions) from now on.
     pub fn record_decisions(&mut self) {
-        self.world.resource_mut::<Following>().decisions = Some(Vec::new());
+        self.world.resource_mut::<PolicySet>().decisions = Some(Vec::new());
     }
 
     /// Returns the recorded decisions: of agents that had several options and set out for a new goal, or stayed. An agent
     /// that is asked several times at one instant has one, its first.
     pub fn decisions(&self) -> &[Decision] {
-        self.world.resource::<Following>().decisions.as_deref().unwrap_or_default()
+        self.world.resource::<PolicySet>().decisions.as_deref().unwrap_or_default()
     }
 }
 
@@ -159,7 +159,7 @@ fn conduct_of(scenario: &Scenario, agent: AgentId) -> (NamedPolicy<'_>, Option<&
 
 /// Copies what a run consists of. A world that holds a run of as many agents is overwritten.
 fn copy_world(from: &World, to: &mut World) -> Result<(), NotForked> {
-    let following = from.resource::<Following>().fork().map_err(NotForked)?;
+    let following = from.resource::<PolicySet>().fork().map_err(NotForked)?;
     let agents = &from.resource::<Roster>().0;
     let held = to.get_resource::<Roster>().map_or(Vec::new(), |roster| roster.0.clone());
     let copies: Vec<Entity> =
@@ -167,7 +167,7 @@ fn copy_world(from: &World, to: &mut World) -> Result<(), NotForked> {
     for (&agent, &copy) in agents.iter().zip(&copies) {
         let (from, mut to) = (from.entity(agent), to.entity_mut(copy));
         copy_component::<Agent>(&from, &mut to);
-        copy_component::<Follows>(&from, &mut to);
+        copy_component::<PolicyId>(&from, &mut to);
         copy_component::<WokenBy>(&from, &mut to);
         copy_component::<Wumpus>(&from, &mut to);
         copy_component::<Truck>(&from, &mut to);
@@ -279,7 +279,7 @@ mod tests {
             noting.record_decisions();
             noting.advance_to(SimTime::from_seconds(600.0));
             let goes = noting.decisions().iter().rev().filter_map(|decision| match decision.choice {
-                Choice::Go(cell) if decision.agent.id.role.suppresses() => Some((decision, cell)),
+                Action::Go(cell) if decision.agent.id.role.suppresses() => Some((decision, cell)),
                 _ => None,
             });
             let (mut tried, mut carried_out) = (0, 0);
@@ -287,7 +287,7 @@ mod tests {
                 let other = *decision.options.iter().find(|&&option| option != cell).expect("there were two");
                 let mut fork = Simulation::new(&scenario, 5).expect("it takes place");
                 fork.advance_to(decision.time - SimTime::from_nanos(1));
-                fork.force(decision.agent.id, Choice::Go(other));
+                fork.force(decision.agent.id, Action::Go(other));
                 fork.advance_to(decision.time);
                 assert_eq!(fork.forced_at(), Some(decision.time), "{name}");
                 let agents = fork.agents();
@@ -306,11 +306,11 @@ mod tests {
     fn a_policy_that_cannot_be_copied_is_named() {
         struct Foreign;
         impl crate::policies::Policy for Foreign {
-            fn choose(&mut self, _: &crate::policies::Observation<'_>, _: &[AgentId]) -> Vec<(AgentId, Choice)> {
+            fn choose(&mut self, _: &crate::policies::Observation<'_>, _: &[AgentId]) -> Vec<(AgentId, Action)> {
                 Vec::new()
             }
         }
-        let make = |_: &crate::policies::PolicySite<'_>| {
+        let make = |_: &crate::policies::PolicyContext<'_>| {
             let policy: Box<dyn crate::policies::Policy> = Box::new(Foreign);
             Ok(policy)
         };

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::policies::{Choice, Observation, Policies, Policy, PolicySite};
+use crate::policies::{Action, Observation, Policies, Policy, PolicyContext};
 use crate::scenario::{LoadedScenario, ScenarioError, ScenarioText};
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
@@ -106,13 +106,13 @@ impl GameChoice {
 /// How long an agent waits that nothing wakes.
 const WAIT: SimTime = SimTime::from_nanos(10_000_000_000);
 
-impl From<Choice> for GameChoice {
+impl From<Action> for GameChoice {
     /// What games cannot hold is [`Self::Stay`].
-    fn from(choice: Choice) -> Self {
+    fn from(choice: Action) -> Self {
         match choice {
-            Choice::Go(Cell { col, row }) => Self::Go(col, row),
-            Choice::GoToNearest => Self::GoToNearest,
-            Choice::Move(_) | Choice::Refill | Choice::Wait | Choice::WaitUntil(_) => Self::Stay,
+            Action::Go(Cell { col, row }) => Self::Go(col, row),
+            Action::GoToNearest => Self::GoToNearest,
+            Action::Move(_) | Action::Refill | Action::Wait | Action::WaitUntil(_) => Self::Stay,
         }
     }
 }
@@ -130,12 +130,12 @@ impl Answer {
     }
 
     /// Returns the answer as the simulation takes it.
-    pub fn told(&self) -> (AgentId, Choice) {
+    pub fn told(&self) -> (AgentId, Action) {
         let choice = match self.choice {
-            GameChoice::Go(col, row) => Choice::Go(Cell { col, row }),
-            GameChoice::GoToNearest => Choice::GoToNearest,
-            GameChoice::Wait => Choice::WaitUntil(SimTime::from_nanos(self.t_ns) + WAIT),
-            GameChoice::Stay => Choice::Wait,
+            GameChoice::Go(col, row) => Action::Go(Cell { col, row }),
+            GameChoice::GoToNearest => Action::GoToNearest,
+            GameChoice::Wait => Action::WaitUntil(SimTime::from_nanos(self.t_ns) + WAIT),
+            GameChoice::Stay => Action::Wait,
         };
         (self.agent(), choice)
     }
@@ -208,9 +208,9 @@ impl Game {
     pub fn replayed(&self) -> (Policies, Unanswered) {
         let unanswered = Unanswered::default();
         let (answers, first) = (Arc::new(self.answers.clone()), unanswered.clone());
-        let make = move |_: &PolicySite<'_>| {
+        let make = move |_: &PolicyContext<'_>| {
             let (answers, unanswered) = (Arc::clone(&answers), first.clone());
-            Ok(Box::new(Replayed { answers, next: 0, unanswered }) as Box<dyn Policy>)
+            Ok(Box::new(ScriptedPolicy { answers, next: 0, unanswered }) as Box<dyn Policy>)
         };
         (Policies::default().with(PLAYER, make).expect("no built-in policy has this name"), unanswered)
     }
@@ -218,16 +218,16 @@ impl Game {
 
 /// Returns policies among which [`PLAYER`] passes every decision to [`Simulation::answer`](crate::Simulation::answer).
 pub fn played() -> Policies {
-    let make = |_: &PolicySite<'_>| Ok(Box::new(Outside) as Box<dyn Policy>);
+    let make = |_: &PolicyContext<'_>| Ok(Box::new(ExternalPolicy) as Box<dyn Policy>);
     Policies::default().with(PLAYER, make).expect("no built-in policy has this name")
 }
 
 /// Leaves every decision to somebody outside.
 #[derive(Clone)]
-pub(crate) struct Outside;
+pub(crate) struct ExternalPolicy;
 
-impl Policy for Outside {
-    fn choose(&mut self, _: &Observation<'_>, _: &[AgentId]) -> Vec<(AgentId, Choice)> {
+impl Policy for ExternalPolicy {
+    fn choose(&mut self, _: &Observation<'_>, _: &[AgentId]) -> Vec<(AgentId, Action)> {
         Vec::new()
     }
 
@@ -249,14 +249,14 @@ impl Unanswered {
 
 /// Gives the answers of a game.
 #[derive(Clone)]
-struct Replayed {
+struct ScriptedPolicy {
     answers: Arc<Vec<Answer>>,
     next: usize,
     unanswered: Unanswered,
 }
 
-impl Policy for Replayed {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+impl Policy for ScriptedPolicy {
+    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
         let next = self.answers.get(self.next);
         if let Some(answer) = next.filter(|next| next.t_ns == seen.now.as_nanos() && asked.contains(&next.agent())) {
             self.next += 1;
@@ -270,7 +270,7 @@ impl Policy for Replayed {
         first.get_or_insert_with(|| {
             format!("{} is asked at {} (t_ns {}), and {has}", asked[0], seen.now, seen.now.as_nanos())
         });
-        asked.iter().map(|&agent| (agent, Choice::Wait)).collect()
+        asked.iter().map(|&agent| (agent, Action::Wait)).collect()
     }
 
     fn fork(&self) -> Option<Box<dyn Policy>> {
@@ -343,10 +343,10 @@ mod tests {
     }
 
     /// Gives everybody the same choice.
-    struct Always(Choice);
+    struct Always(Action);
 
     impl Policy for Always {
-        fn choose(&mut self, _: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+        fn choose(&mut self, _: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
             asked.iter().map(|&agent| (agent, self.0)).collect()
         }
     }
@@ -355,17 +355,17 @@ mod tests {
     fn choices_that_an_agent_cannot_carry_out_are_counted_and_told() {
         let nowhere = Cell { col: 0, row: 0 };
         for (side, choice, words) in [
-            ("wumpus", Choice::GoToNearest, "wumpus/0 cannot go to the nearest fire; only trucks can"),
-            ("wumpus", Choice::Refill, "wumpus/0 cannot refill; it has no tank"),
-            ("wumpus", Choice::Move(DVec2::ONE), "wumpus/0 cannot be sent to (1, 1)"),
-            ("wumpus", Choice::Go(nowhere), "wumpus/0 cannot go for (0, 0)"),
-            ("wumpus", Choice::Wait, ""),
-            ("unimog", Choice::Go(nowhere), "unimog/0 cannot go for (0, 0)"),
-            ("unimog", Choice::Move(DVec2::ONE), "unimog/0 cannot be sent to (1, 1)"),
-            ("unimog", Choice::Refill, "unimog/0 cannot refill; it has no tank"),
-            ("unimog", Choice::GoToNearest, ""),
+            ("wumpus", Action::GoToNearest, "wumpus/0 cannot go to the nearest fire; only trucks can"),
+            ("wumpus", Action::Refill, "wumpus/0 cannot refill; it has no tank"),
+            ("wumpus", Action::Move(DVec2::ONE), "wumpus/0 cannot be sent to (1, 1)"),
+            ("wumpus", Action::Go(nowhere), "wumpus/0 cannot go for (0, 0)"),
+            ("wumpus", Action::Wait, ""),
+            ("unimog", Action::Go(nowhere), "unimog/0 cannot go for (0, 0)"),
+            ("unimog", Action::Move(DVec2::ONE), "unimog/0 cannot be sent to (1, 1)"),
+            ("unimog", Action::Refill, "unimog/0 cannot refill; it has no tank"),
+            ("unimog", Action::GoToNearest, ""),
         ] {
-            let make = move |_: &PolicySite<'_>| Ok(Box::new(Always(choice)) as Box<dyn Policy>);
+            let make = move |_: &PolicyContext<'_>| Ok(Box::new(Always(choice)) as Box<dyn Policy>);
             let policies = Policies::default().with("same", make).expect("the name is free");
             let changes =
                 ["policy.same.command=[]".to_owned(), format!("{side}.goal=same"), "duration_s=200".to_owned()];

@@ -47,14 +47,14 @@ use wildfire_planning::Planners;
 use wildfire_planning::memory::MemoryMeter;
 use wildfire_timeline::{AgentId, Event, GroundEvent, Setting, Timeline};
 
-pub use episode::{Asked, Episode, Points};
+pub use episode::{Episode, PendingAgent, Points};
 pub use fork::NotForked;
 pub use run::{AgentCost, Entrants, FailureMessages, PolicyTally, Run, RunCost, RunError, RunOptions, StartPrograms};
 
 use agent::{Agent, Roster};
 use end::Ended;
 use fire::Fires;
-use policies::{AgentView, Asking, Choice, Following, Observation, OwnAsks, Policy, Question};
+use policies::{Action, AgentView, CustomPolicyStats, Observation, PendingDecision, Policy, PolicyScope, PolicySet};
 use queue::{SimClock, SimQueue};
 use recorder::{CpuLog, Recorder};
 use schedule::Pass;
@@ -84,7 +84,7 @@ pub fn run_with_options(scenario: &Scenario, seed: u64, options: &RunOptions) ->
     let mut simulation = Simulation::with(scenario, seed, options)?;
     // Agents whose policy passes the answer to the caller wait: there is no caller to answer.
     while let Some(asked) = simulation.advance_to_question(SimTime::MAX).map(<[_]>::to_vec) {
-        simulation.answer(asked.into_iter().map(|agent| (agent, Choice::Wait)).collect());
+        simulation.answer(asked.into_iter().map(|agent| (agent, Action::Wait)).collect());
     }
     simulation.expect_within_memory()?;
     let mut run = simulation.finish();
@@ -148,13 +148,13 @@ impl Simulation {
     /// Lets agents follow a custom policy from now on.
     pub fn follow(&mut self, agents: &[AgentId], policy: Box<dyn Policy>) {
         let asking = policy.asking();
-        let follows = self.world.resource_mut::<Following>().add(policy);
+        let follows = self.world.resource_mut::<PolicySet>().add(policy);
         for &entity in &self.world.resource::<Roster>().0.clone() {
             let Some(agent) = self.world.get::<Agent>(entity).filter(|agent| agents.contains(&agent.id)) else {
                 continue;
             };
             let was_in_team = self.world.get::<WokenBy>(entity).is_some_and(WokenBy::is_in_team);
-            let is_in_team = asking != Asking::Each && agent.id.role.suppresses();
+            let is_in_team = asking != PolicyScope::Each && agent.id.role.suppresses();
             let mut followers = self.world.entity_mut(entity);
             followers.insert(follows);
             if is_in_team || was_in_team {
@@ -174,7 +174,7 @@ impl Simulation {
     pub fn advance_to(&mut self, target: SimTime) {
         while !self.world.resource::<Ended>().0
             && self.memory.meter.overrun().is_none()
-            && self.world.resource::<Following>().question.is_none()
+            && self.world.resource::<PolicySet>().question.is_none()
         {
             let next = if self.has_begun { self.world.resource::<SimQueue>().next_time() } else { Some(SimTime::ZERO) };
             let Some(next) = next.filter(|&next| next <= target) else { break };
@@ -188,12 +188,12 @@ impl Simulation {
     /// if a policy passes the decision to the caller. Until it is answered the world stands still.
     pub fn advance_to_question(&mut self, target: SimTime) -> Option<&[AgentId]> {
         self.advance_to(target);
-        self.world.resource::<Following>().question.as_ref().map(|question| &question.asked[..])
+        self.world.resource::<PolicySet>().question.as_ref().map(|question| &question.asked[..])
     }
 
     /// Shows the caller the world as a policy would see it that is asked the waiting question.
     pub fn observe<T>(&self, look: impl FnOnce(&Observation<'_>, &[AgentId]) -> T) -> Option<T> {
-        let Question { asked, agents, options } = self.world.resource::<Following>().question.as_ref()?;
+        let PendingDecision { asked, agents, options } = self.world.resource::<PolicySet>().question.as_ref()?;
         let options_of =
             |agent: AgentId| asked.iter().position(|&id| id == agent).map_or(Vec::new(), |i| options[i].clone());
         let (now, fires) = (self.world.resource::<SimClock>().0, &self.world.resource::<Fires>().field);
@@ -201,8 +201,8 @@ impl Simulation {
     }
 
     /// Answers for agents that wait; agents without a choice are asked again. With an invalid choice an agent waits.
-    pub fn answer(&mut self, choices: Vec<(AgentId, Choice)>) {
-        let mut following = self.world.resource_mut::<Following>();
+    pub fn answer(&mut self, choices: Vec<(AgentId, Action)>) {
+        let mut following = self.world.resource_mut::<PolicySet>();
         following.question = None;
         following.answer = choices;
     }
@@ -247,9 +247,10 @@ impl Simulation {
     pub fn finish(mut self) -> Run {
         let agents = self.world.resource::<Roster>().0.iter().filter_map(|&entity| self.world.get::<Agent>(entity));
         self.cost.agents = agents.map(|agent| agent.cost.clone()).collect();
-        let mut following = self.world.resource_mut::<Following>();
+        let mut following = self.world.resource_mut::<PolicySet>();
         self.cost.dispatch = following.team_cpu;
-        let OwnAsks { tally: asks, messages: of_policies, cpu, elsewhere } = std::mem::take(&mut following.own);
+        let CustomPolicyStats { tally: asks, messages: of_policies, cpu, elsewhere } =
+            std::mem::take(&mut following.own);
         (self.cost.policies, self.cost.policies_elsewhere) = (cpu, elsewhere);
         let mut recorder = self.world.resource_mut::<Recorder>();
         let (events, mut messages) = (std::mem::take(&mut recorder.events), std::mem::take(&mut recorder.messages));
@@ -290,7 +291,7 @@ mod tests {
 
     use super::*;
     use crate::scenario;
-    use policies::{NamedPolicy, RuleSite};
+    use policies::{NamedPolicy, RuleContext};
     use schedule::SimSystems;
     use wildfire_base::geometry::Cell;
     use wildfire_timeline::{AgentFact, Fact, FireFact, Role};
@@ -318,7 +319,7 @@ mod tests {
     struct Elsewhere;
 
     impl Policy for Elsewhere {
-        fn choose(&mut self, _: &Observation<'_>, _: &[AgentId]) -> Vec<(AgentId, Choice)> {
+        fn choose(&mut self, _: &Observation<'_>, _: &[AgentId]) -> Vec<(AgentId, Action)> {
             Vec::new()
         }
     }
@@ -332,8 +333,13 @@ mod tests {
             let agents: Vec<AgentId> = at_once.setting.agents.iter().map(|agent| agent.id).collect();
             simulation.follow(&agents, Box::new(Elsewhere));
             let setting = &at_once.setting;
-            let site =
-                RuleSite { frame: &setting.frame, lightable: &setting.bushes, spread_m: 30.0, seed: 5, learned: None };
+            let site = RuleContext {
+                frame: &setting.frame,
+                lightable: &setting.bushes,
+                spread_m: 30.0,
+                seed: 5,
+                learned: None,
+            };
             let make = |policy: NamedPolicy<'_>| match policy {
                 NamedPolicy::BuiltIn(rule) => rule.make(&site),
                 NamedPolicy::Own(name) => panic!("{name} is not built in"),
@@ -359,10 +365,10 @@ mod tests {
     struct Together(Arc<Mutex<Vec<usize>>>);
 
     impl Policy for Together {
-        fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+        fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
             self.0.lock().expect("nobody panicked").push(asked.len());
             let options = seen.options(asked[0]);
-            asked.iter().map(|&agent| (agent, options.first().map_or(Choice::Wait, |&cell| Choice::Go(cell)))).collect()
+            asked.iter().map(|&agent| (agent, options.first().map_or(Action::Wait, |&cell| Action::Go(cell)))).collect()
         }
     }
 

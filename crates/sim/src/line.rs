@@ -22,7 +22,7 @@ use wildfire_timeline::SpreadSetting;
 
 use super::agent::Agent;
 use super::fire::Fires;
-use super::policies::{AgentView, Following, LineSight, Observation};
+use super::policies::{AgentView, FirelineContext, Observation, PolicySet};
 use super::queue::{CellEvent, Due, Rank, SimClock, SimQueue};
 
 /// Crews look again after this time if nothing burns.
@@ -84,7 +84,7 @@ impl Orders {
     }
 
     /// Computes when which cell is finished.
-    fn cells(&self, forecast: &Forecast, seen: &Observation<'_>, following: &mut Following) -> Vec<LineCell> {
+    fn cells(&self, forecast: &Forecast, seen: &Observation<'_>, following: &mut PolicySet) -> Vec<LineCell> {
         let LineSettings { policy, offset_m, protect, .. } = &self.settings;
         let lines = match policy {
             LinePolicy::Direct => return self.along_front(forecast, seen.now, 0.0),
@@ -96,7 +96,7 @@ impl Orders {
             }
             LinePolicy::Policy(_) => {
                 let wind_mps = self.spread.weather().at(seen.now).wind_mps;
-                let points = following.ask_for_line(seen, &LineSight { crews: &self.crews, wind_mps, forecast });
+                let points = following.ask_for_line(seen, &FirelineContext { crews: &self.crews, wind_mps, forecast });
                 let flanks = [from_fuel(points, seen.fires), Vec::new()];
                 vec![Planned { flanks, latest_s: f64::INFINITY }]
             }
@@ -202,7 +202,7 @@ pub fn plan_line(
     mut queue: ResMut<SimQueue>,
     fires: Res<Fires>,
     orders: Option<Res<CrewOrders>>,
-    mut following: ResMut<Following>,
+    mut following: ResMut<PolicySet>,
     agents: Query<&Agent>,
 ) {
     let Some(orders) = orders else { return };

@@ -19,7 +19,7 @@ use wildfire_timeline::{AgentId, AgentStart, Rules, Setting, SpreadSetting, Wate
 
 use super::agent::{Arena, Roster};
 use super::fire::{Fires, Ignitions, ScheduledIgnition};
-use super::policies::{Following, NamedPolicy, Policies, PolicySite, RuleSite, dispatch};
+use super::policies::{NamedPolicy, Policies, PolicyContext, PolicySet, RuleContext, dispatch};
 use super::queue::{Due, SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
 use super::run::{RunCost, RunError, RunOptions};
@@ -85,7 +85,7 @@ pub fn fill(
 }
 
 /// Makes the policies of a run: one for all agents of a name, and for crews that follow it.
-fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies) -> Result<Following, RunError> {
+fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies) -> Result<PolicySet, RunError> {
     let wumpuses = scenario.wumpus.iter().map(|wumpus| NamedPolicy::from(&wumpus.goal));
     let trucks = scenario.unimog.iter().map(|truck| NamedPolicy::from(&truck.goal));
     let ids = (0..).map(AgentId::wumpus).zip(wumpuses).chain((0..).map(AgentId::unimog).zip(trucks));
@@ -94,9 +94,14 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies)
     named.extend(scenario.own_line_policy().map(NamedPolicy::Own));
     let lightable = terrain.lightable(scenario.fire.lights_ground());
     let spread_m = scenario.fire.spread_radius_m;
-    let rule_site =
-        RuleSite { frame: &terrain.frame, lightable: &lightable, spread_m, seed, learned: scenario.learned.as_ref() };
-    let mut following = Following::default();
+    let rule_site = RuleContext {
+        frame: &terrain.frame,
+        lightable: &lightable,
+        spread_m,
+        seed,
+        learned: scenario.learned.as_ref(),
+    };
+    let mut following = PolicySet::default();
     let of_team = dispatch::policy_of(scenario, terrain, water_rules(scenario));
     let is_dispatched =
         |agent: &usize| of_team.is_some() && agents.get(*agent).is_some_and(|agent| agent.role.suppresses());
@@ -110,7 +115,7 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies)
             NamedPolicy::BuiltIn(rule) => rule.make(&rule_site),
             NamedPolicy::Own(name) => {
                 let own = scenario.policy.get(name).map(|program| Value::Object(program.settings.clone()));
-                let site = PolicySite {
+                let site = PolicyContext {
                     name,
                     scenario: &scenario.name,
                     seed,

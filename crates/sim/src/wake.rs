@@ -10,7 +10,7 @@ use wildfire_fire::{FireChange, FireField};
 use wildfire_timeline::RestReason;
 
 use super::agent::{Activity, Agent, Roster};
-use super::policies::Asking;
+use super::policies::PolicyScope;
 use super::queue::{AgentEvent, Due, SimClock, SimQueue};
 use super::schedule::{Pass, SimSystems};
 
@@ -31,10 +31,10 @@ pub struct WokenBy(pub Vec<Trigger>);
 impl WokenBy {
     /// Returns the triggers of a truck whose policy is asked in this way, and which may reconsider its goal whenever
     /// something ignites.
-    pub fn truck(asking: Asking, reconsiders: bool) -> Self {
+    pub fn truck(asking: PolicyScope, reconsiders: bool) -> Self {
         let triggers = match asking {
-            Asking::Team { replans } => vec![Trigger::GoalBurnsNoMore, Trigger::ChangeForTeam { replans }],
-            Asking::Each => {
+            PolicyScope::Team { replans } => vec![Trigger::GoalBurnsNoMore, Trigger::ChangeForTeam { replans }],
+            PolicyScope::Each => {
                 let standing = [Trigger::IgnitionWhileFree, Trigger::FireOverWhileBlocked, Trigger::ChangeWhileWaiting];
                 let under_way = reconsiders.then_some(Trigger::IgnitionUnderWay);
                 [Trigger::GoalBurnsNoMore].into_iter().chain(standing).chain(under_way).collect()

@@ -27,7 +27,7 @@ use wildfire_timeline::{AgentFact, AgentId, AgentStart, Body, Cause, RestReason}
 
 use super::agent::{Activity, Agent, enlist};
 use super::fire::Fires;
-use super::policies::{AgentView, Choice, Following, Follows, Inquiry, OptionsOf};
+use super::policies::{Action, ActionMask, AgentView, PolicyId, PolicyQuery, PolicySet};
 use super::queue::{AgentEvent, CellEvent, Due, SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
 use super::run::RunError;
@@ -183,7 +183,7 @@ pub fn spawn(
     };
     let mut triggers = vec![Trigger::FuelWhileResting, Trigger::ChangeWhileWaiting];
     triggers.extend((!settings.keep_goal).then_some(Trigger::GoalIgnited));
-    let follows = world.resource::<Following>().policy_of(id);
+    let follows = world.resource::<PolicySet>().policy_of(id);
     let agent = Agent::standing(id, Body::Square { size_m: settings.size_m }, Pose::new(here.x, here.y, 0.0));
     Ok(enlist(world, agent, SpeedLimits::new(fastest, 0.0), (wumpus, WokenBy(triggers), follows)))
 }
@@ -280,13 +280,13 @@ impl Turn<'_> {
     }
 
     /// Carries out what its policy chose. If that fails it is asked again, with what it learned in mind.
-    fn act(mut self, choice: Choice, fires: &FireField, planners: &WalkPlanners, cpu_log: &mut CpuLog) {
+    fn act(mut self, choice: Action, fires: &FireField, planners: &WalkPlanners, cpu_log: &mut CpuLog) {
         let Self { agent, wumpus, now, .. } = &mut self;
         let begun = wumpus.deliberation.take().filter(|begun| begun.revision == agent.revision);
         let Deliberation { mut ready, cpu, .. } =
             begun.unwrap_or(Deliberation { revision: agent.revision, ready: *now, cpu: agent.cost.total() });
         match choice {
-            Choice::Go(goal) if wumpus.is_option(goal, fires) => {
+            Action::Go(goal) if wumpus.is_option(goal, fires) => {
                 if !self.try_goal(goal, &mut ready, planners) {
                     self.wumpus.deliberation = Some(Deliberation { revision: self.agent.revision, ready, cpu });
                     return;
@@ -360,7 +360,7 @@ struct OptionsOfWumpuses<'a, Find> {
     fires: &'a FireField,
 }
 
-impl<'a, Find: Fn(Entity) -> Option<&'a Wumpus>> OptionsOf<Entity> for OptionsOfWumpuses<'a, Find> {
+impl<'a, Find: Fn(Entity) -> Option<&'a Wumpus>> ActionMask<Entity> for OptionsOfWumpuses<'a, Find> {
     fn list(&self, entity: Entity) -> Vec<Cell> {
         (self.find)(entity).map_or(Vec::new(), |wumpus| wumpus.options(self.fires).collect())
     }
@@ -375,8 +375,8 @@ fn decide(
     clock: Res<SimClock>,
     fires: Res<Fires>,
     (mut queue, mut recorder, mut cpu_log): (ResMut<SimQueue>, ResMut<Recorder>, ResMut<CpuLog>),
-    (mut following, planners): (ResMut<Following>, Res<WalkPlanners>),
-    mut wumpuses: Query<(&mut Agent, &mut Wumpus, &Follows)>,
+    (mut following, planners): (ResMut<PolicySet>, Res<WalkPlanners>),
+    mut wumpuses: Query<(&mut Agent, &mut Wumpus, &PolicyId)>,
     others: Query<&Agent, Without<Wumpus>>,
 ) {
     let (now, fires) = (clock.0, &fires.field);
@@ -387,7 +387,7 @@ fn decide(
             continue;
         }
         let choices = if wumpus.options(fires).next().is_none() {
-            vec![(wake.agent, Choice::Wait)]
+            vec![(wake.agent, Action::Wait)]
         } else {
             let asked = queue.decisions(now).filter_map(|due| {
                 let (agent, _, &follows) = wumpuses.get(due.agent).ok()?;
@@ -403,7 +403,7 @@ fn decide(
                 AgentView { place, ..agent.view(now) }
             });
             let others = others.iter().map(|agent| agent.view(now));
-            let inquiry = Inquiry { now, fires, agents: own.chain(others).collect(), asked };
+            let inquiry = PolicyQuery { now, fires, agents: own.chain(others).collect(), asked };
             let find = |entity| wumpuses.get(entity).ok().map(|(_, wumpus, _)| wumpus);
             following.ask(policy, inquiry, &OptionsOfWumpuses { find, fires })
         };

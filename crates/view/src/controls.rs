@@ -12,7 +12,7 @@ use crate::run_set::SeedStep;
 use crate::{Command, FrameBuffer, Player, RunSet, Viewer};
 use wildfire_base::geometry::{FieldFrame, ops};
 use wildfire_base::time::SimTime;
-use wildfire_picture::film::{Camera, Followed, FrameRequest, Projection, RunView, pick, still};
+use wildfire_picture::film::{Camera, CameraTarget, FrameRequest, Projection, RunView, pick, still};
 
 /// The logarithm of the factor by which a notch of the wheel magnifies the field.
 const NOTCH: f64 = 0.2;
@@ -97,7 +97,7 @@ impl Controls<'_> {
         self.viewer.options.camera =
             self.camera().zoomed(&self.frame(run_index), size_of(self.pane(run_index)), factor, at);
         // A camera on the fleet has a zoom of its own.
-        self.viewer.options.follows.take_if(|followed| *followed == Followed::Fleet);
+        self.viewer.options.follows.take_if(|followed| *followed == CameraTarget::Fleet);
     }
 
     /// Returns the camera of the current view, regardless of who is followed.

@@ -11,7 +11,7 @@ use crate::mouse::Mouse;
 use crate::run_set::SeedStep;
 use crate::{FrameBuffer, Player, RunSet};
 use wildfire_base::time::SimTime;
-use wildfire_picture::film::{Followed, FrameRequest, RunView, Status, ViewOptions};
+use wildfire_picture::film::{CameraTarget, FrameRequest, RunView, Status, ViewOptions};
 
 /// The steps of a frame, in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, SystemSet)]
@@ -109,9 +109,9 @@ impl Viewer {
     pub fn follow_next(&mut self, run: &RunView) {
         let agents = &run.timeline().setting.agents;
         let is_fleet = agents.iter().filter(|agent| agent.id.role.suppresses()).count() > 1;
-        let fleet = is_fleet.then_some(Followed::Fleet);
-        let all: Vec<Followed> =
-            fleet.into_iter().chain(agents.iter().map(|agent| Followed::Agent(agent.id))).collect();
+        let fleet = is_fleet.then_some(CameraTarget::Fleet);
+        let all: Vec<CameraTarget> =
+            fleet.into_iter().chain(agents.iter().map(|agent| CameraTarget::Agent(agent.id))).collect();
         let next = match self.options.follows {
             None => 0,
             Some(followed) => all.iter().position(|&other| other == followed).map_or(0, |at| at + 1),

@@ -8,7 +8,7 @@ use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
 use wildfire_picture::film::{FrameRequest, RunView, ViewOptions, page_data};
 use wildfire_sim::game::{Answer, Game, GameChoice, GameScenario, Side, played};
-use wildfire_sim::policies::{NamedPolicy, Policy, RuleSite};
+use wildfire_sim::policies::{NamedPolicy, Policy, RuleContext};
 use wildfire_sim::scenario::{
     BUILT_IN, DispatchPolicy, Fault, MemoryLimit, Scenario, ScenarioError, Terrain, TruckGoal, TruckPlannerKind,
     WumpusGoal,
@@ -314,7 +314,7 @@ impl Making {
 fn substitutes(game: &Game, scenario: &Scenario) -> Result<Substitutes, Refusal> {
     let terrain = Terrain::from_scenario(scenario, game.seed).map_err(RunError::from)?;
     let lightable = terrain.lightable(scenario.fire.lights_ground());
-    let site = RuleSite {
+    let site = RuleContext {
         frame: &terrain.frame,
         lightable: &lightable,
         spread_m: scenario.fire.spread_radius_m,

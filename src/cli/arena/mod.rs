@@ -352,7 +352,7 @@ fn rank(arguments: &RankArguments) -> Result<ExitCode, CliError> {
 
 /// What came of rows that were played again.
 #[derive(Default)]
-struct Replayed {
+struct ReplayReport {
     /// Those that differ, in words.
     differences: Vec<String>,
     /// By entry, why its programs were not started in some runs, and the number of these.
@@ -366,7 +366,7 @@ fn replay(
     plan: &BatchPlan,
     rows: &[&ArenaRow],
     progress: &Progress,
-    replayed: &mut Replayed,
+    replayed: &mut ReplayReport,
 ) -> Result<(), CliError> {
     let seeds: BTreeMap<u64, u64> = plan.seeds.iter().zip(1..).collect();
     let mut numbers = BTreeMap::new();
@@ -452,7 +452,7 @@ fn recompute(arguments: &RecomputeArguments, stage: &Stage) -> Result<ExitCode, 
         return Err(CliError::bad_input(sentence, None));
     }
     let progress = stage.progress(runs as u64);
-    let mut replayed = Replayed::default();
+    let mut replayed = ReplayReport::default();
     for (track, plan, rows) in work {
         replay(stage, track, &plan, &rows.iter().collect::<Vec<_>>(), &progress, &mut replayed)?;
     }
@@ -490,7 +490,7 @@ fn verify(arguments: &VerifyArguments, stage: &Stage) -> Result<ExitCode, CliErr
     }
     let runs: usize = work.iter().map(|(_, _, rows)| rows.len()).sum();
     let progress = stage.progress(runs as u64);
-    let mut replayed = Replayed::default();
+    let mut replayed = ReplayReport::default();
     for (track, plan, rows) in work {
         if rows.len() as u64 != plan.count() {
             replayed.differences.push(format!("{}: {} golden rows, {} runs", track.name, rows.len(), plan.count()));

@@ -25,7 +25,7 @@ use crate::cli::report::FormArguments;
 use crate::cli::together::{self, mode_parser};
 use wildfire_base::document::number::count;
 use wildfire_batch::{
-    Attempt, DriveError, DriveFailure, DriveProblems, DriveQuery, Question, attempts, shortened_field,
+    Attempt, AttemptSettings, DriveError, DriveFailure, DriveProblems, DriveQuery, attempts, shortened_field,
 };
 use wildfire_planning::judge::DriveFigures;
 use wildfire_planning::together::Mode;
@@ -129,7 +129,7 @@ pub fn run(arguments: &JudgeArguments, context: &CommandContext) -> Result<ExitC
     let loaded = LoadedScenario::open(&arguments.scenario, &context.with_own_names(&arguments.overrides))?;
     context.expect_trusted_planners(&loaded.scenario, &arguments.against)?;
     let makers = context.planners_of(&loaded.scenario)?;
-    let asked = Asked::new(arguments, &loaded, &makers)?;
+    let asked = AgainstPlanners::new(arguments, &loaded, &makers)?;
     let conclude = |report: &JudgeReport| {
         let printed = words.print(&arguments.form.render(report));
         // Whatever cannot be written, all else is kept.
@@ -146,14 +146,14 @@ pub fn run(arguments: &JudgeArguments, context: &CommandContext) -> Result<ExitC
 }
 
 /// The planners that the paths are set beside, and what they are asked with.
-struct Asked<'a> {
+struct AgainstPlanners<'a> {
     arguments: &'a JudgeArguments,
     loaded: &'a LoadedScenario,
     planners: Vec<PlannerName>,
     makers: &'a Planners,
 }
 
-impl<'a> Asked<'a> {
+impl<'a> AgainstPlanners<'a> {
     fn new(arguments: &'a JudgeArguments, loaded: &'a LoadedScenario, makers: &'a Planners) -> Result<Self, CliError> {
         let mut planners: Vec<PlannerName> = Vec::new();
         for name in &arguments.against {
@@ -185,7 +185,7 @@ impl<'a> Asked<'a> {
         if self.planners.is_empty() {
             return Ok(Vec::new());
         }
-        let question = Question {
+        let question = AttemptSettings {
             planners: &self.planners,
             makers: self.makers,
             programs: &self.loaded.scenario.planner,
@@ -225,7 +225,7 @@ fn row_of_path((field, goal, planner): (&str, usize, &str), verdict: Option<Verd
 fn judge_table(
     fields: &[PathBuf],
     paths: &Path,
-    asked: &Asked,
+    asked: &AgainstPlanners,
     conclude: impl Fn(&JudgeReport) -> Result<ExitCode, CliError>,
 ) -> Result<ExitCode, CliError> {
     if paths.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")) {
@@ -282,7 +282,7 @@ fn judge_paths(paths: &Path, problems: &[Problem]) -> Result<(Vec<String>, Verdi
 
 fn judge_recording(
     recording: &Path,
-    asked: &Asked,
+    asked: &AgainstPlanners,
     conclude: impl Fn(&JudgeReport) -> Result<ExitCode, CliError>,
 ) -> Result<ExitCode, CliError> {
     let unreadable =

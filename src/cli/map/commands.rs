@@ -15,7 +15,7 @@ use wildfire_grid::parameter::BadParameter;
 /// A command's files, and the parameters of its algorithm. Serialised it is the parameters in the JSON.
 #[derive(Debug, Args, Serialize)]
 #[serde(transparent)]
-pub struct Question<P: Args> {
+pub struct MapQuery<P: Args> {
     #[command(flatten)]
     #[serde(skip)]
     pub files: FileArguments,
@@ -49,7 +49,7 @@ macro_rules! computations {
         #[derive(Debug, Subcommand, Serialize)]
         #[serde(tag = "command", content = "parameters", rename_all = "kebab-case")]
         pub enum Computation {
-            $($(#[$words])* $name(Question<$parameters>),)*
+            $($(#[$words])* $name(MapQuery<$parameters>),)*
         }
 
         impl Computation {

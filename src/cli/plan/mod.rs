@@ -26,7 +26,7 @@ use crate::cli::terminal;
 use crate::cli::together;
 use wildfire_base::input_file::is_standard_stream;
 use wildfire_batch::{
-    Attempt, DriveQuery, DriveTable, PlannerSummary, Question, ask_all, asked_planners, expect_known_planners,
+    Attempt, AttemptSettings, DriveQuery, DriveTable, PlannerSummary, ask_all, asked_planners, expect_known_planners,
     file_name_of,
 };
 use wildfire_planning::PlannerName;
@@ -70,7 +70,7 @@ fn report<'a>(
     let ask = || {
         // Programs start again each time, those too that could play on.
         let makers = context.planners_of(&loaded.scenario)?;
-        let question = Question {
+        let question = AttemptSettings {
             planners,
             makers: &makers,
             programs: &loaded.scenario.planner,

@@ -10,7 +10,7 @@ use crate::cli::args::{MemoryArguments, ProgramArguments, parse_seed};
 use crate::cli::error::CliError;
 use crate::cli::numbers;
 use wildfire_base::geometry::Cell;
-use wildfire_picture::film::{Camera, Followed, FrameLayout, Layer, Layers, RunView, Selected, ViewOptions};
+use wildfire_picture::film::{Camera, CameraTarget, FrameLayout, Layer, Layers, RunView, Selected, ViewOptions};
 use wildfire_timeline::{AgentId, Setting};
 
 /// Options that name the runs to show and the view of them.
@@ -49,7 +49,7 @@ pub struct ShowArguments {
     pub size: Size,
     /// Centre on an agent, such as `unimog/0`; `fleet` keeps all active trucks in view.
     #[arg(long, value_name = "AGENT|fleet", value_parser = parse_followed, conflicts_with = "centre")]
-    pub follow: Option<Followed>,
+    pub follow: Option<CameraTarget>,
     /// Magnification; 1 shows the whole field.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_hyphen_values = true, value_parser = parse_zoom)]
     pub zoom: f64,
@@ -78,8 +78,8 @@ impl ShowArguments {
 pub fn look(arguments: &ShowArguments, films: &[&RunView]) -> Result<ViewOptions, CliError> {
     let setting = &films[0].timeline().setting;
     match arguments.follow {
-        Some(Followed::Agent(agent)) => check_agent("--follow", agent, setting)?,
-        Some(Followed::Fleet) => check_fleet(arguments.zoom, setting)?,
+        Some(CameraTarget::Agent(agent)) => check_agent("--follow", agent, setting)?,
+        Some(CameraTarget::Fleet) => check_fleet(arguments.zoom, setting)?,
         None => {}
     }
     match arguments.select {
@@ -200,11 +200,11 @@ pub fn parse_agent(text: &str) -> Result<AgentId, String> {
     agent.ok_or_else(|| "expected an agent, such as unimog/0 or wumpus/0".into())
 }
 
-fn parse_followed(text: &str) -> Result<Followed, String> {
+fn parse_followed(text: &str) -> Result<CameraTarget, String> {
     if text == "fleet" {
-        return Ok(Followed::Fleet);
+        return Ok(CameraTarget::Fleet);
     }
-    let agent = parse_agent(text).map(Followed::Agent);
+    let agent = parse_agent(text).map(CameraTarget::Agent);
     agent.map_err(|_| "expected an agent, such as unimog/0 or wumpus/0, or fleet".into())
 }
 

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::row::{hash_of_query, hash_of_run};
 use super::{ArenaError, ArenaRow, Track, TrackKind};
-use crate::drives::{AttemptError, DriveProblems, Question, attempts};
+use crate::drives::{AttemptError, AttemptSettings, DriveProblems, attempts};
 use crate::execute::{BatchError, RunResult, RunRow, Status, panics};
 use crate::plan::{BatchPlan, PlannedRun};
 use crate::report::Failures;
@@ -113,7 +113,7 @@ fn driven(run: &PlannedRun<'_>, plan: &BatchPlan, players: &Players<'_>) -> Resu
     let planners: Vec<_> = scenario.unimog.iter().take(1).map(|truck| truck.planner.clone()).collect();
     let asked = panics::catch(|| {
         let makers = (players.planners_of)(scenario).map_err(|words| (words, true))?;
-        let question = Question {
+        let question = AttemptSettings {
             planners: &planners,
             makers: &makers,
             programs: &scenario.planner,

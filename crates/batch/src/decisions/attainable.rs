@@ -12,7 +12,7 @@ use std::ops::Bound;
 use rayon::prelude::*;
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
-use wildfire_sim::policies::{Choice, Decision};
+use wildfire_sim::policies::{Action, Decision};
 use wildfire_sim::scenario::Scenario;
 use wildfire_sim::{RunError, RunOptions, Simulation};
 use wildfire_timeline::{AgentId, Timeline};
@@ -107,7 +107,7 @@ impl Tree {
         node.advance_to(decision.time - SimTime::from_nanos(1));
         for cell in nearest_options(&decision, node.fires().frame(), None).into_iter().take(self.choices) {
             let mut child = node.fork()?;
-            child.force(decision.agent.id, Choice::Go(cell));
+            child.force(decision.agent.id, Action::Go(cell));
             child.advance_to(decision.time);
             answers.insert(decision.time, (decision.agent.id, cell));
             let is_whole = self.descend(&child, answers)?;
@@ -140,7 +140,7 @@ fn improve(start: &Simulation, (choices, budget): (usize, u32)) -> Result<Attain
                 continue;
             }
             for cell in nearest_options(&decision, search.before.fires().frame(), None).into_iter().take(choices) {
-                if Some((agent.id, cell)) == taken || Choice::Go(cell) == decision.choice || search.left == 0 {
+                if Some((agent.id, cell)) == taken || Action::Go(cell) == decision.choice || search.left == 0 {
                     continue;
                 }
                 let answer = (*time, (agent.id, cell));
@@ -218,7 +218,7 @@ impl Search {
             if at > SimTime::ZERO {
                 self.before.advance_to(at - instant);
             }
-            self.before.force(agent, Choice::Go(cell));
+            self.before.force(agent, Action::Go(cell));
             self.given = Some(at);
         }
         if time > SimTime::ZERO {
@@ -232,7 +232,7 @@ impl Search {
         self.fork.become_fork_of(&self.before)?;
         self.fork.record_decisions();
         if let Some((_, (agent, cell))) = answer {
-            self.fork.force(agent, Choice::Go(cell));
+            self.fork.force(agent, Action::Go(cell));
         }
         self.fork.advance_to(SimTime::MAX);
         self.fork.expect_within_memory()?;

@@ -6,7 +6,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
-use wildfire_sim::policies::{Choice, Decision};
+use wildfire_sim::policies::{Action, Decision};
 use wildfire_sim::scenario::Scenario;
 use wildfire_sim::{RunError, RunOptions, Simulation};
 use wildfire_timeline::{AgentFact, AgentId, Fact};
@@ -215,7 +215,7 @@ impl Bench {
         }
         // The decision of a random policy was drawn before the future begins.
         let kept = match decision.choice {
-            Choice::Go(cell) => Some(cell),
+            Action::Go(cell) => Some(cell),
             _ => None,
         };
         let sign = if decision.agent.id.role.suppresses() { 1.0 } else { -1.0 };
@@ -235,7 +235,7 @@ impl Bench {
         self.fork.become_fork_of(&self.before)?;
         self.fork.redraw(future);
         if let Some(cell) = cell {
-            self.fork.force(decision.agent.id, Choice::Go(cell));
+            self.fork.force(decision.agent.id, Action::Go(cell));
         }
         self.fork.advance_to(SimTime::MAX);
         self.fork.expect_within_memory()?;

@@ -169,7 +169,7 @@ impl Serialize for WhyReport {
         let cell = |cell: Cell| [cell.col, cell.row];
         let choice = |choice: &PlayedChoice| {
             let PlayedChoice { mean, interval, p_value, p_adjusted, gains, .. } = choice.clone();
-            object!(Choice { cell: cell(choice.cell), mean, interval, p_value, p_adjusted, gains })
+            object!(Action { cell: cell(choice.cell), mean, interval, p_value, p_adjusted, gains })
         };
         let decision = |worth: &Worth| {
             object!(Decision {

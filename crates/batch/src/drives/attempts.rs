@@ -57,7 +57,7 @@ impl Attempt<'_> {
 
 /// The planners of a query, and its conditions.
 #[derive(Clone, Copy)]
-pub struct Question<'a> {
+pub struct AttemptSettings<'a> {
     pub planners: &'a [PlannerName],
     /// The makers of custom planners.
     pub makers: &'a Planners,
@@ -82,8 +82,8 @@ pub enum AttemptError {
 ///
 /// # Errors
 /// If they would take more memory than the limit, or one of them cannot be built.
-pub fn attempts<'a>(problem: &'a Problem, question: &Question<'_>) -> Result<Vec<Attempt<'a>>, AttemptError> {
-    let &Question { planners, makers, programs, seed, limit } = question;
+pub fn attempts<'a>(problem: &'a Problem, question: &AttemptSettings<'_>) -> Result<Vec<Attempt<'a>>, AttemptError> {
+    let &AttemptSettings { planners, makers, programs, seed, limit } = question;
     let estimate = MemoryEstimate::from_problem(problem, planners);
     estimate.meter(limit)?;
     let mut stopwatch = CpuStopwatch::start();

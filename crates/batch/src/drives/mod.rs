@@ -17,7 +17,7 @@ mod request;
 mod summary;
 mod table;
 
-pub use attempts::{Attempt, AttemptError, Question, attempts};
+pub use attempts::{Attempt, AttemptError, AttemptSettings, attempts};
 pub use checked::missed;
 pub use contrast::{COMPARED, DriveContrast, contrast_table};
 pub use documents::{

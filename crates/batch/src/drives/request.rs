@@ -1,6 +1,6 @@
 //! Requests of drives: as a whole for Python, and step by step for the commands.
 
-use super::attempts::{Attempt, Question, attempts};
+use super::attempts::{Attempt, AttemptSettings, attempts};
 use super::error::DriveError;
 use super::problems::DriveProblems;
 use super::table::DriveTable;
@@ -42,7 +42,8 @@ impl DriveRequest {
         #[cfg(not(unix))]
         let makers = entrants.planners.clone();
         let programs = &scenario.planner;
-        let question = Question { planners: &planners, makers: &makers, programs, seed: self.seed, limit: self.memory };
+        let question =
+            AttemptSettings { planners: &planners, makers: &makers, programs, seed: self.seed, limit: self.memory };
         let attempts = ask_all(&problems, &question)?;
         Ok(DriveTable::of_one_variant(attempts.iter().map(|attempt| attempt.query(None, 0)).collect()))
     }
@@ -52,7 +53,7 @@ impl DriveRequest {
 ///
 /// # Errors
 /// If one of the planners cannot be built, or they would take more memory than the limit.
-pub fn ask_all<'a>(problems: &'a [Problem], question: &Question<'_>) -> Result<Vec<Attempt<'a>>, DriveError> {
+pub fn ask_all<'a>(problems: &'a [Problem], question: &AttemptSettings<'_>) -> Result<Vec<Attempt<'a>>, DriveError> {
     let asked = problems.iter().map(|problem| {
         attempts(problem, question).map_err(|source| DriveError::Failed { field: problem.name.clone(), source })
     });

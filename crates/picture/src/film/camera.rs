@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::fleet_view::{FieldBox, fleet_box};
-use super::{Followed, RunView, ViewOptions};
+use super::{CameraTarget, RunView, ViewOptions};
 use crate::canvas::Point;
 use crate::marks::to_f32;
 use wildfire_base::geometry::{Cell, FieldFrame};
@@ -111,11 +111,11 @@ impl Projection {
         let setting = &run.timeline().setting;
         let pane = (f64::from(width), f64::from(height));
         let following = options.follows.and_then(|followed| match followed {
-            Followed::Agent(agent) => setting.agent_index(agent).map(|index| {
+            CameraTarget::Agent(agent) => setting.agent_index(agent).map(|index| {
                 let centre = setting.agents[index].body.centre(state.agents[index].pose);
                 options.camera.following(&setting.frame, centre)
             }),
-            Followed::Fleet => fleet_box(run, state.time).map(|part| Camera::holding(&setting.frame, part, pane)),
+            CameraTarget::Fleet => fleet_box(run, state.time).map(|part| Camera::holding(&setting.frame, part, pane)),
         });
         Self::new(&setting.frame, following.unwrap_or(options.camera), pane)
     }

@@ -15,14 +15,14 @@ pub enum Selected {
 
 /// The agents that the camera goes with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Followed {
+pub enum CameraTarget {
     /// One agent, in the middle.
     Agent(AgentId),
     /// All trucks that do something, as near as all of them are in view; the whole fleet while none does.
     Fleet,
 }
 
-impl fmt::Display for Followed {
+impl fmt::Display for CameraTarget {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Agent(agent) => agent.fmt(f),
@@ -36,7 +36,7 @@ impl fmt::Display for Followed {
 pub struct ViewOptions {
     pub camera: Camera,
     /// Whom the camera goes with, in place of its own centre; with the fleet, in place of its own zoom too.
-    pub follows: Option<Followed>,
+    pub follows: Option<CameraTarget>,
     pub layers: Layers,
     /// The bush or agent whose story is told, and the run that it belongs to.
     pub selected: Option<(usize, Selected)>,
@@ -50,8 +50,8 @@ impl ViewOptions {
     /// The one agent that the camera goes with.
     pub fn followed_agent(&self) -> Option<AgentId> {
         match self.follows {
-            Some(Followed::Agent(agent)) => Some(agent),
-            Some(Followed::Fleet) | None => None,
+            Some(CameraTarget::Agent(agent)) => Some(agent),
+            Some(CameraTarget::Fleet) | None => None,
         }
     }
 }

@@ -7,7 +7,7 @@
 use glam::DVec2;
 
 use super::nearest_intact::ring_around;
-use super::{AgentView, Choice, Observation, Policy, first_goes};
+use super::{Action, AgentView, Observation, Policy, first_goes};
 use wildfire_base::geometry::{Cell, FieldFrame, ops};
 use wildfire_timeline::AgentId;
 
@@ -52,7 +52,7 @@ impl Densest {
 }
 
 impl Policy for Densest {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
         first_goes(seen, asked, |agent| self.best(seen, agent))
     }
 

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use bevy_ecs::prelude::*;
 
-use super::{AgentView, AskReport, Asking, Choice, LineSight, Observation, OptionsOf, Policy};
+use super::{Action, ActionMask, AgentView, FirelineContext, Observation, Policy, PolicyScope, QueryReport};
 use crate::run::{FailureMessages, PolicyTally};
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
 use wildfire_base::time::SimTime;
@@ -15,10 +15,10 @@ use wildfire_timeline::AgentId;
 
 /// The policy of the run that an agent follows.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Follows(usize);
+pub struct PolicyId(usize);
 
 /// A question to a policy, with what it may look at.
-pub struct Inquiry<'a> {
+pub struct PolicyQuery<'a> {
     pub now: SimTime,
     pub fires: &'a FireField,
     /// All agents of the run, in any order.
@@ -29,7 +29,7 @@ pub struct Inquiry<'a> {
 /// The options of those who are asked, for policies, who know agents by their names.
 struct OptionsByName<'a> {
     asked: &'a [(AgentId, Entity)],
-    options_of: &'a dyn OptionsOf<Entity>,
+    options_of: &'a dyn ActionMask<Entity>,
 }
 
 impl OptionsByName<'_> {
@@ -38,7 +38,7 @@ impl OptionsByName<'_> {
     }
 }
 
-impl OptionsOf<AgentId> for OptionsByName<'_> {
+impl ActionMask<AgentId> for OptionsByName<'_> {
     fn list(&self, agent: AgentId) -> Vec<Cell> {
         self.entity(agent).map_or(Vec::new(), |entity| self.options_of.list(entity))
     }
@@ -50,7 +50,7 @@ impl OptionsOf<AgentId> for OptionsByName<'_> {
 
 /// Agents that wait for an answer, and what they can see meanwhile.
 #[derive(Clone, Debug)]
-pub struct Question {
+pub struct PendingDecision {
     pub asked: Vec<AgentId>,
     pub agents: Vec<AgentView>,
     /// The options of each asked agent, in the same order.
@@ -59,7 +59,7 @@ pub struct Question {
 
 /// Counts and costs of questions to policies that are not built in.
 #[derive(Clone, Debug, Default)]
-pub struct OwnAsks {
+pub struct CustomPolicyStats {
     /// `None` where all policies are built in.
     pub tally: Option<PolicyTally>,
     pub messages: FailureMessages,
@@ -68,7 +68,7 @@ pub struct OwnAsks {
     pub elsewhere: Duration,
 }
 
-impl OwnAsks {
+impl CustomPolicyStats {
     fn add_cpu(&mut self, here: Duration, elsewhere: Duration) {
         self.cpu += here + elsewhere;
         self.elsewhere += elsewhere;
@@ -80,7 +80,7 @@ impl OwnAsks {
         self.messages.add_words(&format!("policy {name}"), now, &format!("{ILLEGAL}: {words}"));
     }
 
-    fn add(&mut self, name: &PlannerName, now: SimTime, report: AskReport) {
+    fn add(&mut self, name: &PlannerName, now: SimTime, report: QueryReport) {
         let tally = self.tally.get_or_insert_default();
         tally.asked += 1;
         let who = format!("policy {name}");
@@ -102,7 +102,7 @@ impl OwnAsks {
 pub const ILLEGAL: &str = "illegal";
 
 /// A policy, and its name if it is not built in.
-struct Followed {
+struct PolicyEntry {
     policy: Box<dyn Policy>,
     own: Option<PlannerName>,
 }
@@ -110,9 +110,9 @@ struct Followed {
 /// A choice that an agent gets instead of its policy's, from the instant at which it is asked next until it has set out
 /// for it; at that instant its policy does not change its mind.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Forced {
+pub struct ActionOverride {
     agent: AgentId,
-    choice: Choice,
+    choice: Action,
     /// The time at which the agent was asked first.
     asked_at: Option<SimTime>,
     /// The time at which it got the choice.
@@ -120,8 +120,8 @@ pub struct Forced {
     is_over: bool,
 }
 
-impl Forced {
-    pub fn new(agent: AgentId, choice: Choice) -> Self {
+impl ActionOverride {
+    pub fn new(agent: AgentId, choice: Action) -> Self {
         Self { agent, choice, asked_at: None, given_at: None, is_over: false }
     }
 
@@ -129,7 +129,7 @@ impl Forced {
     fn applies(&mut self, agent: &AgentView, now: SimTime, options: &[Cell]) -> bool {
         let is_first_instant = *self.asked_at.get_or_insert(now) == now;
         let applies = match self.choice {
-            Choice::Go(cell) => {
+            Action::Go(cell) => {
                 let has_set_out = self.given_at.is_none() || agent.goal == Some(cell);
                 options.contains(&cell) && (is_first_instant || !has_set_out)
             }
@@ -152,32 +152,32 @@ pub struct Decision {
     /// By cell index.
     pub options: Vec<Cell>,
     /// The answer of its policy.
-    pub choice: Choice,
+    pub choice: Action,
 }
 
 /// The policies of a run, one for all agents of a name, and the question that waits for an answer from outside.
 #[derive(Resource, Default)]
-pub struct Following {
-    policies: Vec<Followed>,
-    of_agents: Vec<(AgentId, Follows)>,
+pub struct PolicySet {
+    policies: Vec<PolicyEntry>,
+    of_agents: Vec<(AgentId, PolicyId)>,
     /// The policy that says where crews build line, if it is not built in.
-    crews: Option<Follows>,
-    pub question: Option<Question>,
+    crews: Option<PolicyId>,
+    pub question: Option<PendingDecision>,
     /// Choices from outside that have not been carried out.
-    pub answer: Vec<(AgentId, Choice)>,
+    pub answer: Vec<(AgentId, Action)>,
     /// CPU time of the policies of teams.
     pub team_cpu: Duration,
-    pub own: OwnAsks,
+    pub own: CustomPolicyStats,
     /// A choice that takes the place of the policy's.
-    pub forced: Option<Forced>,
+    pub forced: Option<ActionOverride>,
     /// The decisions so far, if they are recorded.
     pub decisions: Option<Vec<Decision>>,
 }
 
-impl Following {
-    pub fn add(&mut self, policy: Box<dyn Policy>) -> Follows {
-        self.policies.push(Followed { policy, own: None });
-        Follows(self.policies.len() - 1)
+impl PolicySet {
+    pub fn add(&mut self, policy: Box<dyn Policy>) -> PolicyId {
+        self.policies.push(PolicyEntry { policy, own: None });
+        PolicyId(self.policies.len() - 1)
     }
 
     /// Adds a policy for these agents that is not built in, and what making it took.
@@ -190,7 +190,7 @@ impl Following {
 
     /// Lets the policy that was added last say where crews build line.
     pub fn lead_crews(&mut self) {
-        self.crews = self.policies.len().checked_sub(1).map(Follows);
+        self.crews = self.policies.len().checked_sub(1).map(PolicyId);
     }
 
     /// Returns a copy in which everybody follows a copy of the same policy.
@@ -198,11 +198,11 @@ impl Following {
     /// # Errors
     /// The name of the first policy that cannot be copied.
     pub fn fork(&self) -> Result<Self, String> {
-        let copy = |followed: &Followed| {
+        let copy = |followed: &PolicyEntry| {
             let own = followed.own.clone();
             let name = own.as_ref().map_or("that the program was given", PlannerName::name);
             let policy = followed.policy.fork().ok_or_else(|| name.to_owned())?;
-            Ok::<_, String>(Followed { policy, own })
+            Ok::<_, String>(PolicyEntry { policy, own })
         };
         Ok(Self {
             policies: self.policies.iter().map(copy).collect::<Result<_, _>>()?,
@@ -218,16 +218,16 @@ impl Following {
     }
 
     /// Takes over the policies of another run, and returns what agents follow here that follow one of them there.
-    pub fn adopt(&mut self, other: Self) -> impl Fn(Follows) -> Follows + use<> {
+    pub fn adopt(&mut self, other: Self) -> impl Fn(PolicyId) -> PolicyId + use<> {
         let held = self.policies.len();
         self.policies.extend(other.policies);
         self.own.tally = self.own.tally.or(other.own.tally);
-        move |Follows(number)| Follows(held + number)
+        move |PolicyId(number)| PolicyId(held + number)
     }
 
     /// Draws what policies leave to chance from now on by another seed.
     pub fn redraw(&mut self, seed: u64) {
-        for Followed { policy, .. } in &mut self.policies {
+        for PolicyEntry { policy, .. } in &mut self.policies {
             policy.redraw(seed);
         }
     }
@@ -238,7 +238,7 @@ impl Following {
         agents: &[AgentView],
         options: &OptionsByName<'_>,
         now: SimTime,
-    ) -> Option<(AgentId, Choice)> {
+    ) -> Option<(AgentId, Action)> {
         let forced = self.forced.as_mut().filter(|forced| !forced.is_over)?;
         options.entity(forced.agent)?;
         let agent = agents.iter().find(|agent| agent.id == forced.agent)?;
@@ -252,25 +252,25 @@ impl Following {
     }
 
     /// Returns the policy of an agent at the start of the run.
-    pub fn policy_of(&self, agent: AgentId) -> Follows {
+    pub fn policy_of(&self, agent: AgentId) -> PolicyId {
         let of_agent = self.of_agents.iter().find(|&&(known, _)| known == agent);
         of_agent.expect("policies are made for all agents before these").1
     }
 
     /// Returns how a policy is asked.
-    pub fn asking(&self, policy: Follows) -> Asking {
+    pub fn asking(&self, policy: PolicyId) -> PolicyScope {
         self.policies[policy.0].policy.asking()
     }
 
     /// Returns the simulated time that a policy's last choice costs.
-    pub fn charge(&self, policy: Follows) -> SimTime {
+    pub fn charge(&self, policy: PolicyId) -> SimTime {
         self.policies[policy.0].policy.charge()
     }
 
     /// Asks the policy of the crews where they build line; a bad answer has no points.
-    pub fn ask_for_line(&mut self, seen: &Observation<'_>, line: &LineSight<'_>) -> Vec<DVec2> {
-        let Some(Follows(number)) = self.crews else { return Vec::new() };
-        let Followed { policy, own } = &mut self.policies[number];
+    pub fn ask_for_line(&mut self, seen: &Observation<'_>, line: &FirelineContext<'_>) -> Vec<DVec2> {
+        let Some(PolicyId(number)) = self.crews else { return Vec::new() };
+        let PolicyEntry { policy, own } = &mut self.policies[number];
         let mut stopwatch = CpuStopwatch::start();
         let mut points = policy.line(seen, line);
         let mut report = policy.take_report();
@@ -289,11 +289,11 @@ impl Following {
     /// is kept.
     pub fn ask(
         &mut self,
-        policy: Follows,
-        inquiry: Inquiry<'_>,
-        options_of: &dyn OptionsOf<Entity>,
-    ) -> Vec<(Entity, Choice)> {
-        let Inquiry { now, fires, mut agents, asked } = inquiry;
+        policy: PolicyId,
+        inquiry: PolicyQuery<'_>,
+        options_of: &dyn ActionMask<Entity>,
+    ) -> Vec<(Entity, Action)> {
+        let PolicyQuery { now, fires, mut agents, asked } = inquiry;
         agents.sort_by_key(|agent| agent.id);
         let entity_of = |id: AgentId| asked.iter().find(|&&(known, _)| known == id).map(|&(_, entity)| entity);
         let ids: Vec<AgentId> = asked.iter().map(|&(id, _)| id).collect();
@@ -301,13 +301,13 @@ impl Following {
         let mut choices = std::mem::take(&mut self.answer);
         let forced = self.forced_among(&agents, &by_name, now);
         if let Some(forced) = forced
-            && self.asking(policy) == Asking::Each
+            && self.asking(policy) == PolicyScope::Each
         {
             // Others are asked when it has acted.
             choices = vec![forced];
         } else if !choices.is_empty() {
             // The answer comes from outside.
-            let is_team = self.asking(policy) != Asking::Each;
+            let is_team = self.asking(policy) != PolicyScope::Each;
             if let Some(name) = &self.policies[policy.0].own
                 && let Some(words) = refuse_illegal(&mut choices, &agents, &by_name, is_team)
             {
@@ -315,15 +315,15 @@ impl Following {
             }
         } else {
             let seen = Observation { now, fires, agents: &agents, options_of: &by_name };
-            let Followed { policy, own } = &mut self.policies[policy.0];
+            let PolicyEntry { policy, own } = &mut self.policies[policy.0];
             let mut stopwatch = CpuStopwatch::start();
             choices = policy.choose(&seen, &ids);
             if let Some(name) = own {
                 let mut report = policy.take_report();
                 // The time of a team's policy is measured with what else its decision takes.
-                let here = if policy.asking() == Asking::Each { stopwatch.lap() } else { Duration::ZERO };
+                let here = if policy.asking() == PolicyScope::Each { stopwatch.lap() } else { Duration::ZERO };
                 self.own.add_cpu(here, report.elsewhere);
-                let is_team = policy.asking() != Asking::Each;
+                let is_team = policy.asking() != PolicyScope::Each;
                 let illegal = refuse_illegal(&mut choices, &agents, &by_name, is_team);
                 report.illegal = report.illegal.or(illegal);
                 self.own.add(name, now, report);
@@ -337,7 +337,7 @@ impl Following {
             for &(id, choice) in &choices {
                 let Some(&agent) = agents.iter().find(|agent| agent.id == id) else { continue };
                 let options = by_name.list(id);
-                let goes_on = agent.goal.is_some_and(|goal| !matches!(choice, Choice::Go(cell) if cell != goal));
+                let goes_on = agent.goal.is_some_and(|goal| !matches!(choice, Action::Go(cell) if cell != goal));
                 let mut at_once = decisions.iter().rev().take_while(|decision| decision.time == now);
                 if options.len() > 1 && !goes_on && !at_once.any(|decision| decision.agent.id == id) {
                     decisions.push(Decision { time: now, agent, options, choice });
@@ -346,7 +346,7 @@ impl Following {
         }
         if choices.is_empty() {
             let options = asked.iter().map(|&(_, entity)| options_of.list(entity)).collect();
-            self.question = Some(Question { asked: ids, agents, options });
+            self.question = Some(PendingDecision { asked: ids, agents, options });
             return Vec::new();
         }
         choices.into_iter().filter_map(|(id, choice)| Some((entity_of(id)?, choice))).collect()
@@ -372,14 +372,14 @@ fn check_line(points: &[DVec2], frame: &FieldFrame) -> Result<(), String> {
 }
 
 /// Gives an agent another choice. A truck that was to go to the same cell swaps with it.
-fn force(choices: &mut Vec<(AgentId, Choice)>, (agent, choice): (AgentId, Choice)) {
+fn force(choices: &mut Vec<(AgentId, Action)>, (agent, choice): (AgentId, Action)) {
     let place = choices.iter().position(|&(id, _)| id == agent).unwrap_or_else(|| {
-        choices.push((agent, Choice::Wait));
+        choices.push((agent, Action::Wait));
         choices.len() - 1
     });
     let before = std::mem::replace(&mut choices[place].1, choice);
     if let Some((_, other)) =
-        choices.iter_mut().find(|&&mut (id, other)| id != agent && matches!(choice, Choice::Go(_)) && other == choice)
+        choices.iter_mut().find(|&&mut (id, other)| id != agent && matches!(choice, Action::Go(_)) && other == choice)
     {
         *other = before;
     }
@@ -387,7 +387,7 @@ fn force(choices: &mut Vec<(AgentId, Choice)>, (agent, choice): (AgentId, Choice
 
 /// Lets agents wait that cannot do what they were told; returns words about the first of them.
 fn refuse_illegal(
-    choices: &mut [(AgentId, Choice)],
+    choices: &mut [(AgentId, Action)],
     agents: &[AgentView],
     options: &OptionsByName<'_>,
     is_team: bool,
@@ -399,15 +399,15 @@ fn refuse_illegal(
         };
         let is_truck = agent.role.suppresses();
         let refused = match *choice {
-            Choice::Go(cell) if !options.list(*agent).contains(&cell) => format!("go for ({}, {})", cell.col, cell.row),
-            Choice::GoToNearest if !is_truck => "go to the nearest fire; only trucks can".to_owned(),
-            Choice::Move(place) if !(is_truck && is_team && place.is_finite()) => {
+            Action::Go(cell) if !options.list(*agent).contains(&cell) => format!("go for ({}, {})", cell.col, cell.row),
+            Action::GoToNearest if !is_truck => "go to the nearest fire; only trucks can".to_owned(),
+            Action::Move(place) if !(is_truck && is_team && place.is_finite()) => {
                 format!("be sent to ({}, {}); only trucks of a team can, to places in metres", place.x, place.y)
             }
-            Choice::Refill if !is_truck || view.stops_left.is_none() => "refill; it has no tank".to_owned(),
+            Action::Refill if !is_truck || view.stops_left.is_none() => "refill; it has no tank".to_owned(),
             _ => continue,
         };
-        *choice = Choice::Wait;
+        *choice = Action::Wait;
         words.get_or_insert_with(|| format!("{agent} cannot {refused}"));
     }
     words

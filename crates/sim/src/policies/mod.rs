@@ -5,7 +5,7 @@
 //! rest is asked again, or for nobody: then the world stands still until the choices are
 //! [given](crate::Simulation::answer). Planning and driving are not its business; when an agent fails to plan
 //! its way to what was chosen, the policy is asked again without that option. Rules that know one agent at a time are
-//! policies by [`OneByOne`]. A policy may also be asked, once in a run, where crews build line.
+//! policies by [`PerAgentPolicy`]. A policy may also be asked, once in a run, where crews build line.
 //!
 //! Policies have names, which scenarios give their agents. [`Policies`] knows them: the built-in rules, and what
 //! whoever runs the program hands in.
@@ -33,13 +33,15 @@ use wildfire_fire::line::Forecast;
 use wildfire_planning::PlanFailure;
 use wildfire_timeline::{Activity, AgentId};
 
-pub use following::{Decision, Following, Follows, Forced, Inquiry, MOST_LINE_POINTS, OwnAsks, Question};
+pub use following::{
+    ActionOverride, CustomPolicyStats, Decision, MOST_LINE_POINTS, PendingDecision, PolicyId, PolicyQuery, PolicySet,
+};
 pub use largest_cluster::cluster_sizes;
-pub use registry::{BuiltIn, MakePolicy, NamedPolicy, Policies, PolicyNameError, PolicySite, RuleSite};
+pub use registry::{BuiltIn, MakePolicy, NamedPolicy, Policies, PolicyContext, PolicyNameError, RuleContext};
 
 /// A choice for an agent.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Choice {
+pub enum Action {
     /// The agent goes for this cell, which is one of its options.
     Go(Cell),
     /// A truck goes for the option that its planner finds to be nearest by drive. A truck with a goal keeps it, and a
@@ -58,7 +60,7 @@ pub enum Choice {
     WaitUntil(SimTime),
 }
 
-impl Choice {
+impl Action {
     /// Returns true if an agent with these options goes for one of them.
     pub fn is_one_of(self, options: &[Cell]) -> bool {
         match self {
@@ -105,12 +107,12 @@ pub struct Observation<'a> {
     /// All agents of the run, by name.
     pub agents: &'a [AgentView],
     /// The options of the agents that are asked.
-    pub options_of: &'a dyn OptionsOf<AgentId>,
+    pub options_of: &'a dyn ActionMask<AgentId>,
 }
 
 /// The knowledge of a policy that is asked where crews build line.
 #[derive(Clone, Copy, Debug)]
-pub struct LineSight<'a> {
+pub struct FirelineContext<'a> {
     pub crews: &'a [Crew],
     /// The velocity of the wind, metres a second.
     pub wind_mps: DVec2,
@@ -119,7 +121,7 @@ pub struct LineSight<'a> {
 }
 
 /// Lists the options of agents. A closure that lists them will do.
-pub trait OptionsOf<Id> {
+pub trait ActionMask<Id> {
     /// Lists the options of an agent by cell index.
     fn list(&self, agent: Id) -> Vec<Cell>;
 
@@ -129,7 +131,7 @@ pub trait OptionsOf<Id> {
     }
 }
 
-impl<Id, List: Fn(Id) -> Vec<Cell>> OptionsOf<Id> for List {
+impl<Id, List: Fn(Id) -> Vec<Cell>> ActionMask<Id> for List {
     fn list(&self, agent: Id) -> Vec<Cell> {
         self(agent)
     }
@@ -157,7 +159,7 @@ impl Observation<'_> {
 
 /// The agents that a policy is asked about, and when.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Asking {
+pub enum PolicyScope {
     /// Agents that have options, as soon as one of them is free.
     Each,
     /// All trucks of a team that are free or driving to a place to wait, whenever a fire begins or ends, even if
@@ -170,7 +172,7 @@ pub enum Asking {
 
 /// Notes on a question to a policy that is not built in.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct AskReport {
+pub struct QueryReport {
     /// The reason for a missing answer, with a message. The agents then wait.
     pub failure: Option<(PlanFailure, String)>,
     /// A message about an answer that nobody could carry out.
@@ -182,11 +184,11 @@ pub struct AskReport {
 /// Chooses where agents go.
 pub trait Policy: Send + Sync {
     /// Chooses for some or all of the agents that are `asked`, or for none if the answer comes later.
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)>;
+    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)>;
 
     /// Says whom it is asked about.
-    fn asking(&self) -> Asking {
-        Asking::Each
+    fn asking(&self) -> PolicyScope {
+        PolicyScope::Each
     }
 
     /// Returns the simulated time that its last choice costs the trucks of a team which set out because of it.
@@ -196,13 +198,13 @@ pub trait Policy: Send + Sync {
 
     /// Answers where crews build line: along these points, in metres in the frame of the field, which are crossed in order.
     /// Without points crews build nothing, which counts as a bad answer.
-    fn line(&mut self, _seen: &Observation<'_>, _line: &LineSight<'_>) -> Vec<DVec2> {
+    fn line(&mut self, _seen: &Observation<'_>, _line: &FirelineContext<'_>) -> Vec<DVec2> {
         Vec::new()
     }
 
     /// Takes notes on its last choice, or, before the first, of how it was made.
-    fn take_report(&mut self) -> AskReport {
-        AskReport::default()
+    fn take_report(&mut self) -> QueryReport {
+        QueryReport::default()
     }
 
     /// Returns a copy with all that it knows, for a [fork](crate::Simulation::fork) of its run; `None` if it cannot be
@@ -226,17 +228,17 @@ fn first_goes(
     seen: &Observation<'_>,
     asked: &[AgentId],
     best: impl FnOnce(&AgentView) -> Option<Cell>,
-) -> Vec<(AgentId, Choice)> {
+) -> Vec<(AgentId, Action)> {
     let first = asked.iter().find_map(|&id| seen.agents.iter().find(|agent| agent.id == id));
-    first.map(|agent| (agent.id, best(agent).map_or(Choice::Wait, Choice::Go))).into_iter().collect()
+    first.map(|agent| (agent.id, best(agent).map_or(Action::Wait, Action::Go))).into_iter().collect()
 }
 
 /// A rule for one agent as a policy: each agent chooses after those before it have acted.
 #[derive(Clone, Copy, Debug)]
-pub struct OneByOne<R>(pub R);
+pub struct PerAgentPolicy<R>(pub R);
 
-impl<R: Rule + Clone + 'static> Policy for OneByOne<R> {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+impl<R: Rule + Clone + 'static> Policy for PerAgentPolicy<R> {
+    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
         first_goes(seen, asked, |agent| self.0.best(seen, agent, &seen.options(agent.id)))
     }
 

@@ -6,7 +6,7 @@
 
 use glam::DVec2;
 
-use super::{Choice, Observation, Policy, first_goes};
+use super::{Action, Observation, Policy, first_goes};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_timeline::AgentId;
 
@@ -18,7 +18,7 @@ const ROUNDING_CELLS: f64 = 1e-6;
 pub struct NearestIntact;
 
 impl Policy for NearestIntact {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
         first_goes(seen, asked, |agent| {
             nearest_cell(seen.fires.frame(), agent.place, |cell| seen.is_option(agent.id, cell))
         })

@@ -8,7 +8,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Choice, Observation, Policy};
+use super::{Action, Observation, Policy};
 use wildfire_base::geometry::Cell;
 use wildfire_base::rng::{self, ShuffledPrefix};
 use wildfire_timeline::AgentId;
@@ -51,9 +51,9 @@ impl RandomIntact {
 }
 
 impl Policy for RandomIntact {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
         let first = asked.first();
-        first.map(|&agent| (agent, self.draw(seen, agent).map_or(Choice::Wait, Choice::Go))).into_iter().collect()
+        first.map(|&agent| (agent, self.draw(seen, agent).map_or(Action::Wait, Action::Go))).into_iter().collect()
     }
 
     fn fork(&self) -> Option<Box<dyn Policy>> {

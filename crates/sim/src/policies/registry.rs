@@ -13,7 +13,7 @@ use super::learned::{LearnedArsonist, Networks};
 use super::nearest::{FarthestFromTruck, Nearest, Oldest};
 use super::nearest_intact::NearestIntact;
 use super::random_intact::RandomIntact;
-use super::{OneByOne, Policy};
+use super::{PerAgentPolicy, Policy};
 use crate::scenario::{Learned, TruckGoal, WumpusGoal, is_built_in_policy};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::rng::Xoshiro256PlusPlus;
@@ -22,7 +22,7 @@ use wildfire_planning::{MakeError, PlannerName};
 use wildfire_timeline::AgentId;
 
 /// The context for which a policy is made: the agents that follow it in one run.
-pub struct PolicySite<'a> {
+pub struct PolicyContext<'a> {
     pub name: &'a PlannerName,
     /// The scenario's name.
     pub scenario: &'a str,
@@ -42,27 +42,27 @@ pub struct PolicySite<'a> {
     pub stream: &'a dyn Fn(&str) -> Xoshiro256PlusPlus,
 }
 
-/// Makes policies of one name. A closure from a [`PolicySite`] to a policy will do.
+/// Makes policies of one name. A closure from a [`PolicyContext`] to a policy will do.
 pub trait MakePolicy: Send + Sync {
     /// Makes a policy for one run.
     ///
     /// # Errors
     /// If it cannot be made; the run does not take place then.
-    fn make(&self, site: &PolicySite<'_>) -> Result<Box<dyn Policy>, MakeError>;
+    fn make(&self, site: &PolicyContext<'_>) -> Result<Box<dyn Policy>, MakeError>;
 }
 
 impl<F> MakePolicy for F
 where
-    F: Fn(&PolicySite<'_>) -> Result<Box<dyn Policy>, MakeError> + Send + Sync,
+    F: Fn(&PolicyContext<'_>) -> Result<Box<dyn Policy>, MakeError> + Send + Sync,
 {
-    fn make(&self, site: &PolicySite<'_>) -> Result<Box<dyn Policy>, MakeError> {
+    fn make(&self, site: &PolicyContext<'_>) -> Result<Box<dyn Policy>, MakeError> {
         self(site)
     }
 }
 
 /// The context for which built-in policies are made.
 #[derive(Clone, Copy, Debug)]
-pub struct RuleSite<'a> {
+pub struct RuleContext<'a> {
     pub frame: &'a FieldFrame,
     /// The cells that Wumpuses may light, by cell index.
     pub lightable: &'a [Cell],
@@ -123,16 +123,16 @@ impl<'a> From<&'a WumpusGoal> for NamedPolicy<'a> {
 
 impl BuiltIn {
     /// Makes the policy for a run.
-    pub fn make(self, site: &RuleSite<'_>) -> Box<dyn Policy> {
-        let &RuleSite { frame, lightable, spread_m, seed, learned } = site;
+    pub fn make(self, site: &RuleContext<'_>) -> Box<dyn Policy> {
+        let &RuleContext { frame, lightable, spread_m, seed, learned } = site;
         match self {
-            Self::NearestBurning => Box::new(OneByOne(Nearest)),
+            Self::NearestBurning => Box::new(PerAgentPolicy(Nearest)),
             Self::NearestByDrive => Box::new(NearestByDrive),
             Self::NearestIntact => Box::new(NearestIntact),
-            Self::Oldest => Box::new(OneByOne(Oldest)),
-            Self::LargestCluster => Box::new(OneByOne(LargestCluster)),
+            Self::Oldest => Box::new(PerAgentPolicy(Oldest)),
+            Self::LargestCluster => Box::new(PerAgentPolicy(LargestCluster)),
             Self::RandomIntact => Box::new(RandomIntact::new(lightable.to_vec(), seed)),
-            Self::FarthestFromTruck => Box::new(OneByOne(FarthestFromTruck)),
+            Self::FarthestFromTruck => Box::new(PerAgentPolicy(FarthestFromTruck)),
             Self::Densest => Box::new(Densest::new(frame, spread_m, false)),
             Self::DensestApart => Box::new(Densest::new(frame, spread_m, true)),
             Self::Learned => Box::new(LearnedArsonist::new(frame, spread_m, Networks::new(learned).lights)),
@@ -186,7 +186,7 @@ impl Policies {
     ///
     /// # Errors
     /// If nobody of this name is known, or it cannot be made.
-    pub fn make(&self, site: &PolicySite<'_>) -> Result<Box<dyn Policy>, MakeError> {
+    pub fn make(&self, site: &PolicyContext<'_>) -> Result<Box<dyn Policy>, MakeError> {
         let name = site.name;
         let unknown = || {
             MakeError::new(format!("`{name}` is neither built in nor registered, nor a program that may be started"))
@@ -206,7 +206,7 @@ mod tests {
     use std::sync::Mutex;
 
     use super::*;
-    use crate::policies::{Choice, Observation};
+    use crate::policies::{Action, Observation};
     use crate::scenario::{self, Scenario, ScenarioError};
     use crate::{RunError, RunOptions};
 
@@ -218,9 +218,9 @@ mod tests {
     fn all_agents_of_a_name_follow_one_policy_and_play_as_it_does() {
         let sites = Arc::new(Mutex::new(Vec::new()));
         let seen = Arc::clone(&sites);
-        let maker = move |site: &PolicySite<'_>| -> Result<Box<dyn Policy>, MakeError> {
+        let maker = move |site: &PolicyContext<'_>| -> Result<Box<dyn Policy>, MakeError> {
             seen.lock().expect("nobody panicked").push((site.plays.to_vec(), site.own.to_string(), site.agents.len()));
-            Ok(Box::new(OneByOne(Nearest)))
+            Ok(Box::new(PerAgentPolicy(Nearest)))
         };
         let policies = Policies::default().with("mine", maker).expect("it is free");
         let options = RunOptions { policies, ..RunOptions::default() };
@@ -241,11 +241,11 @@ mod tests {
     fn a_policy_that_nobody_answers_for_waits() {
         struct Silent;
         impl Policy for Silent {
-            fn choose(&mut self, _: &Observation<'_>, _: &[AgentId]) -> Vec<(AgentId, Choice)> {
+            fn choose(&mut self, _: &Observation<'_>, _: &[AgentId]) -> Vec<(AgentId, Action)> {
                 Vec::new()
             }
         }
-        let maker = |_: &PolicySite<'_>| -> Result<Box<dyn Policy>, MakeError> { Ok(Box::new(Silent)) };
+        let maker = |_: &PolicyContext<'_>| -> Result<Box<dyn Policy>, MakeError> { Ok(Box::new(Silent)) };
         let options = RunOptions {
             policies: Policies::default().with("silent", maker).expect("it is free"),
             ..RunOptions::default()
@@ -269,7 +269,7 @@ mod tests {
 
     #[test]
     fn names_are_short_plain_and_nobody_elses() {
-        let maker = |_: &PolicySite<'_>| -> Result<Box<dyn Policy>, MakeError> { Err(MakeError::new("no")) };
+        let maker = |_: &PolicyContext<'_>| -> Result<Box<dyn Policy>, MakeError> { Err(MakeError::new("no")) };
         let mine = Policies::default().with("mine", maker).expect("it is free");
         assert_eq!(mine.own_names().map(PlannerName::name).collect::<Vec<_>>(), ["mine"]);
         let refusal = |name: &str| mine.clone().with(name, maker).err().map(|error| error.to_string());

@@ -7,7 +7,7 @@ use super::pool::Idle;
 use super::process::Trouble;
 use super::protocol::{FromProgram, question};
 use super::respondent::{Reply, Respondent};
-use crate::policies::{AskReport, Choice, LineSight, Observation, Policy};
+use crate::policies::{Action, FirelineContext, Observation, Policy, QueryReport};
 use wildfire_base::geometry::{Cell, DVec2};
 use wildfire_base::untrusted::visible_start;
 use wildfire_timeline::AgentId;
@@ -19,13 +19,13 @@ pub struct ProgramPolicy {
     /// Where the program goes when the run is over, if it plays in other runs.
     idle: Option<Arc<Idle>>,
     /// Notes on the last ask.
-    report: AskReport,
+    report: QueryReport,
 }
 
 impl ProgramPolicy {
     /// Lets a program that knows its field decide; its start is the first thing to report.
     pub(super) fn new(respondent: Respondent, idle: Option<Arc<Idle>>) -> Self {
-        let report = AskReport { elsewhere: respondent.built.unwrap_or_default(), ..AskReport::default() };
+        let report = QueryReport { elsewhere: respondent.built.unwrap_or_default(), ..QueryReport::default() };
         Self { respondent: Some(respondent), idle, report }
     }
 
@@ -34,18 +34,18 @@ impl ProgramPolicy {
         &mut self,
         seen: &Observation<'_>,
         options: &[(AgentId, Vec<Cell>)],
-        line: Option<&LineSight<'_>>,
+        line: Option<&FirelineContext<'_>>,
         check: impl FnOnce(&FromProgram) -> Result<(), &'static str>,
     ) -> Option<FromProgram> {
         let respondent = self.respondent.as_mut().expect("it is given back when this is dropped");
         let Reply { answer, cpu, .. } = respondent.ask(|id| question(id, seen, options, line), check);
-        self.report = AskReport { elsewhere: cpu.unwrap_or_default(), ..AskReport::default() };
+        self.report = QueryReport { elsewhere: cpu.unwrap_or_default(), ..QueryReport::default() };
         answer.map_err(|Trouble { kind, words }| self.report.failure = Some((kind.into(), words))).ok()
     }
 }
 
 impl Policy for ProgramPolicy {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
         let options: Vec<(AgentId, Vec<Cell>)> = asked.iter().map(|&agent| (agent, seen.options(agent))).collect();
         let answer = self.ask(seen, &options, None, |answer| match answer {
             FromProgram::Answer(_) => Ok(()),
@@ -61,12 +61,12 @@ impl Policy for ProgramPolicy {
         let chosen = |agent: AgentId| {
             let name = agent.to_string();
             let cell = choices.iter().rev().find(|choice| choice.agent == name).and_then(|choice| choice.cell);
-            (agent, cell.map_or(Choice::Wait, |[col, row]| Choice::Go(Cell { col, row })))
+            (agent, cell.map_or(Action::Wait, |[col, row]| Action::Go(Cell { col, row })))
         };
         options.iter().map(|&(agent, _)| chosen(agent)).collect()
     }
 
-    fn line(&mut self, seen: &Observation<'_>, line: &LineSight<'_>) -> Vec<DVec2> {
+    fn line(&mut self, seen: &Observation<'_>, line: &FirelineContext<'_>) -> Vec<DVec2> {
         let answer = self.ask(seen, &[], Some(line), |answer| match answer {
             FromProgram::Line(_) => Ok(()),
             _ => Err("expected the type `line`"),
@@ -77,7 +77,7 @@ impl Policy for ProgramPolicy {
         }
     }
 
-    fn take_report(&mut self) -> AskReport {
+    fn take_report(&mut self) -> QueryReport {
         std::mem::take(&mut self.report)
     }
 }

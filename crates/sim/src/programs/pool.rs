@@ -15,7 +15,7 @@ use super::protocol::{FieldMessage, LimitsMessage, ToProgram, VehicleMessage};
 use super::respondent::{Respondent, Session};
 use super::supervisor::Limits;
 use crate::StartPrograms;
-use crate::policies::{Policies, Policy, PolicyNameError, PolicySite};
+use crate::policies::{Policies, Policy, PolicyContext, PolicyNameError};
 use crate::scenario::{Program, Programs, Scenario, UsedProgram};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::trajectory::SpeedLimits;
@@ -129,7 +129,7 @@ impl ProgramPool {
             let launch = self.launch(name, table);
             let run = scenario.name.clone();
             let (stream, bodies) = (name.name().to_owned(), Arc::clone(&bodies));
-            let make = move |site: &PolicySite<'_>| -> Result<Box<dyn Policy>, MakeError> {
+            let make = move |site: &PolicyContext<'_>| -> Result<Box<dyn Policy>, MakeError> {
                 let (launch, idle) = launch.clone().map_err(MakeError::new)?;
                 let seed = (site.stream)(&stream).next_u64() >> (u64::BITS - SEED_BITS);
                 let first = site.plays.iter().find(|agent| agent.role.drives());

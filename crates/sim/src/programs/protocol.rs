@@ -12,7 +12,7 @@ use serde::de::{IgnoredAny, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 
-use crate::policies::{LineSight, MOST_LINE_POINTS, Observation};
+use crate::policies::{FirelineContext, MOST_LINE_POINTS, Observation};
 use crate::scenario::Crew;
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::input_file::list_of_at_most;
@@ -499,7 +499,7 @@ pub fn question(
     id: u64,
     seen: &Observation<'_>,
     options: &[(AgentId, Vec<Cell>)],
-    line: Option<&LineSight<'_>>,
+    line: Option<&FirelineContext<'_>>,
 ) -> Vec<u8> {
     let (mut burning, mut intact, mut extinguished, mut burned_out) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for cell in seen.fires.with_fuel() {
@@ -539,8 +539,8 @@ pub fn question(
     ToProgram::Ask(ask).line()
 }
 
-impl<'a> From<&LineSight<'a>> for LineMessage<'a> {
-    fn from(&LineSight { crews, wind_mps, forecast }: &LineSight<'a>) -> Self {
+impl<'a> From<&FirelineContext<'a>> for LineMessage<'a> {
+    fn from(&FirelineContext { crews, wind_mps, forecast }: &FirelineContext<'a>) -> Self {
         let FieldFrame { cols, rows, cell_m } = forecast.frame;
         let side = cols.max(rows).div_ceil(MOST_SQUARES);
         let first = |row: u16, col: u16| {

@@ -11,7 +11,7 @@ use super::drive::{Blocked, Outset};
 use super::{Drive, Fleet, Truck};
 use crate::agent::{Activity, Agent};
 use crate::fire::Fires;
-use crate::policies::{Asking, Choice, Following, Follows, Inquiry};
+use crate::policies::{Action, PolicyId, PolicyQuery, PolicyScope, PolicySet};
 use crate::queue::AgentEvent;
 use crate::recorder::CpuLog;
 use crate::scenario::{Detours, TrafficPlan};
@@ -82,9 +82,9 @@ pub struct Concluded {
 /// The resources of decisions, besides the trucks and the fires.
 #[derive(SystemParam)]
 pub struct DecisionBooks<'w, 's> {
-    pub following: ResMut<'w, Following>,
+    pub following: ResMut<'w, PolicySet>,
     pub cpu_log: ResMut<'w, CpuLog>,
-    pub followers: Query<'w, 's, &'static Follows, With<Truck>>,
+    pub followers: Query<'w, 's, &'static PolicyId, With<Truck>>,
     pub others: Query<'w, 's, &'static Agent, Without<Truck>>,
 }
 
@@ -188,11 +188,11 @@ impl Fleet<'_, '_> {
     }
 
     /// Carries out what the policy of a truck chose. If that fails it is asked again, with what it learned in mind.
-    fn act(&mut self, entity: Entity, choice: Choice, fires: &FireField, cpu_log: &mut CpuLog) {
+    fn act(&mut self, entity: Entity, choice: Action, fires: &FireField, cpu_log: &mut CpuLog) {
         self.deliberate(entity, fires);
         let options = self.options(entity, &[entity], fires);
         let goal = match choice {
-            Choice::Go(cell) if options.contains(&cell) => Some(cell),
+            Action::Go(cell) if options.contains(&cell) => Some(cell),
             _ => None,
         };
         let (agent, _) = self.trucks.one(entity);
@@ -202,8 +202,8 @@ impl Fleet<'_, '_> {
         }
         let conclusion = match goal {
             Some(goal) => self.try_goal(entity, goal, fires),
-            None if choice == Choice::GoToNearest && !options.is_empty() => self.try_nearest(entity, &options, fires),
-            None if choice == Choice::Refill || self.is_out_of_water(entity, fires) => Some(self.refill(entity, fires)),
+            None if choice == Action::GoToNearest && !options.is_empty() => self.try_nearest(entity, &options, fires),
+            None if choice == Action::Refill || self.is_out_of_water(entity, fires) => Some(self.refill(entity, fires)),
             None if options.is_empty() => Some(self.stop_looking(entity, fires)),
             None => Some(Conclusion::Stays(choice.until())),
         };
@@ -381,7 +381,7 @@ pub fn decide(mut fleet: Fleet, fires: Res<Fires>, mut books: DecisionBooks) {
             fleet.queue.drop_next();
             continue;
         }
-        if matches!(books.following.asking(policy), Asking::Team { .. }) {
+        if matches!(books.following.asking(policy), PolicyScope::Team { .. }) {
             if !fleet.decide_for_team(policy, fires, &mut books) {
                 return;
             }
@@ -389,7 +389,7 @@ pub fn decide(mut fleet: Fleet, fires: Res<Fires>, mut books: DecisionBooks) {
         }
         fleet.deliberate(wake.agent, fires);
         let choices = if fleet.options(wake.agent, &[wake.agent], fires).is_empty() {
-            vec![(wake.agent, Choice::Wait)]
+            vec![(wake.agent, Action::Wait)]
         } else {
             let mut asked = Vec::new();
             for due in fleet.queue.decisions(now).filter(|due| fleet.trucks.contains(due.agent)) {
@@ -402,7 +402,7 @@ pub fn decide(mut fleet: Fleet, fires: Res<Fires>, mut books: DecisionBooks) {
             }
             let trucks = fleet.trucks.agents().map(|agent| agent.view(now));
             let agents = trucks.chain(books.others.iter().map(|agent| agent.view(now))).collect();
-            let inquiry = Inquiry { now, fires, agents, asked };
+            let inquiry = PolicyQuery { now, fires, agents, asked };
             books.following.ask(policy, inquiry, &|entity: Entity| fleet.options(entity, &[entity], fires))
         };
         if choices.is_empty() {

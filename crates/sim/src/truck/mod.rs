@@ -37,7 +37,7 @@ pub use spawn::spawn;
 
 use super::schedule::{Pass, SimSystems};
 use decision::Deliberation;
-use team::ClosedPost;
+use team::UnreachableStaging;
 use tracks::Tracks;
 
 /// The plugin in which trucks drive and extinguish fires.
@@ -86,7 +86,7 @@ pub struct Truck {
     /// The cells that its present stop puts out, and the episode of each; only where heat matters.
     puts_out: Option<Vec<(Cell, u32)>>,
     /// Places that it found no way to.
-    closed_posts: Vec<ClosedPost>,
+    closed_posts: Vec<UnreachableStaging>,
 }
 
 impl Truck {

@@ -7,7 +7,7 @@ use bevy_ecs::prelude::*;
 use super::Truck;
 use super::tracks::Tracks;
 use crate::agent::{Activity, Agent, Arena, enlist};
-use crate::policies::Following;
+use crate::policies::PolicySet;
 use crate::recorder::Recorder;
 use crate::run::{AgentCost, RunError};
 use crate::scenario::{self, Extinguishes, PlannerContext, Retarget, free_start};
@@ -85,7 +85,7 @@ pub fn spawn(
         puts_out: None,
         closed_posts: Vec::new(),
     };
-    let following = world.resource::<Following>();
+    let following = world.resource::<PolicySet>();
     let follows = following.policy_of(id);
     let woken_by = WokenBy::truck(following.asking(follows), settings.retarget == Retarget::OnEvent);
     let mut agent = Agent::standing(id, Body::Truck(settings.vehicle), start);

@@ -14,7 +14,7 @@ use super::drive::Outset;
 use super::{Fleet, Truck};
 use crate::agent::{Activity, Agent};
 use crate::policies::dispatch::AS_GOOD_M;
-use crate::policies::{Choice, Follows, Inquiry};
+use crate::policies::{Action, PolicyId, PolicyQuery};
 use crate::traffic::Traffic;
 use wildfire_base::geometry::Pose;
 use wildfire_base::time::SimTime;
@@ -31,7 +31,7 @@ const PATIENCE: SimTime = SimTime::from_nanos(10_000_000_000);
 
 /// A place to which a truck found no path.
 #[derive(Clone, Copy, Debug)]
-pub struct ClosedPost {
+pub struct UnreachableStaging {
     from: Pose,
     to: DVec2,
     /// It is not tried again from there before this time.
@@ -61,7 +61,7 @@ impl Called {
 
 impl Fleet<'_, '_> {
     /// Decides for the trucks of a team whose decisions are due; returns false if the answer comes later.
-    pub fn decide_for_team(&mut self, policy: Follows, fires: &FireField, books: &mut DecisionBooks<'_, '_>) -> bool {
+    pub fn decide_for_team(&mut self, policy: PolicyId, fires: &FireField, books: &mut DecisionBooks<'_, '_>) -> bool {
         let mut called = self.called(policy, books);
         if called.asked.is_empty() {
             self.queue.drop_next();
@@ -104,7 +104,7 @@ impl Fleet<'_, '_> {
     }
 
     /// Lists the trucks of a policy that decide now.
-    fn called(&self, policy: Follows, books: &DecisionBooks<'_, '_>) -> Called {
+    fn called(&self, policy: PolicyId, books: &DecisionBooks<'_, '_>) -> Called {
         let now = self.now();
         let mut called = Called { asked: Vec::new(), moving: Vec::new() };
         for due in self.queue.decisions(now).filter(|due| self.trucks.contains(due.agent)) {
@@ -126,15 +126,15 @@ impl Fleet<'_, '_> {
     /// answer comes later.
     fn ask_team(
         &mut self,
-        policy: Follows,
+        policy: PolicyId,
         called: &Called,
         fires: &FireField,
         books: &mut DecisionBooks<'_, '_>,
-    ) -> Vec<(Entity, Choice)> {
+    ) -> Vec<(Entity, Action)> {
         let now = self.now();
         let trucks = self.trucks.agents().map(|agent| agent.view(now));
         let agents = trucks.chain(books.others.iter().map(|agent| agent.view(now))).collect();
-        let inquiry = Inquiry { now, fires, agents, asked: called.asked.clone() };
+        let inquiry = PolicyQuery { now, fires, agents, asked: called.asked.clone() };
         let all = called.entities();
         let mut stopwatch = CpuStopwatch::start();
         let choices = books.following.ask(policy, inquiry, &|entity| self.options(entity, &all, fires));
@@ -151,33 +151,33 @@ impl Fleet<'_, '_> {
             }
         }
         let choice_of =
-            |entity| choices.iter().find(|&&(other, _)| other == entity).map_or(Choice::Wait, |&(_, it)| it);
+            |entity| choices.iter().find(|&&(other, _)| other == entity).map_or(Action::Wait, |&(_, it)| it);
         all.into_iter().map(|entity| (entity, choice_of(entity))).collect()
     }
 
     /// Lets a truck that is under way stop if it is to go elsewhere; returns true if so.
-    fn call_off(&mut self, entity: Entity, choice: Choice) -> bool {
+    fn call_off(&mut self, entity: Entity, choice: Action) -> bool {
         let (agent, _) = self.trucks.one(entity);
         match (agent.goal, agent.post, choice) {
-            (Some(goal), _, Choice::Go(cell)) if cell != goal => self.drop_goal(entity),
-            (Some(_), _, Choice::Move(_) | Choice::Refill) => self.drop_goal(entity),
+            (Some(goal), _, Action::Go(cell)) if cell != goal => self.drop_goal(entity),
+            (Some(_), _, Action::Move(_) | Action::Refill) => self.drop_goal(entity),
             // It is on its way to water.
             (None, ..) if agent.stops_left == Some(0) => return false,
-            (None, _, Choice::Go(_) | Choice::GoToNearest) => self.halt(entity),
-            (None, Some(post), Choice::Move(place)) if (place - post).length() > AS_GOOD_M => self.halt(entity),
+            (None, _, Action::Go(_) | Action::GoToNearest) => self.halt(entity),
+            (None, Some(post), Action::Move(place)) if (place - post).length() > AS_GOOD_M => self.halt(entity),
             _ => return false,
         }
         true
     }
 
     /// Lets a truck that stands do what was chosen for it. Returns `None` if that fails and it is to be asked again.
-    fn carry_out(&mut self, entity: Entity, choice: Choice, fires: &FireField) -> Option<Conclusion> {
+    fn carry_out(&mut self, entity: Entity, choice: Action, fires: &FireField) -> Option<Conclusion> {
         let options = self.options(entity, &[entity], fires);
         match choice {
             _ if self.is_out_of_water(entity, fires) => Some(self.refill(entity, fires)),
-            Choice::Go(_) | Choice::GoToNearest if choice.is_one_of(&options) => {
+            Action::Go(_) | Action::GoToNearest if choice.is_one_of(&options) => {
                 let conclusion = match choice {
-                    Choice::Go(cell) => self.try_goal(entity, cell, fires),
+                    Action::Go(cell) => self.try_goal(entity, cell, fires),
                     _ => self.try_nearest(entity, &options, fires),
                 };
                 if conclusion.is_none() {
@@ -186,13 +186,13 @@ impl Fleet<'_, '_> {
                 }
                 conclusion
             }
-            _ if options.is_empty() && !matches!(choice, Choice::Move(_) | Choice::Refill)
+            _ if options.is_empty() && !matches!(choice, Action::Move(_) | Action::Refill)
                 || self.has_blocked_drives(entity) =>
             {
                 Some(self.stop_looking(entity, fires))
             }
-            Choice::Move(place) => Some(self.relocate(entity, place, fires)),
-            Choice::Refill => Some(self.refill(entity, fires)),
+            Action::Move(place) => Some(self.relocate(entity, place, fires)),
+            Action::Refill => Some(self.refill(entity, fires)),
             _ => Some(Conclusion::Stays(choice.until())),
         }
     }
@@ -247,7 +247,7 @@ impl Fleet<'_, '_> {
             }
             Err((reason, effort)) => (Some(reason), effort, now + truck.charge(&effort), SimTime::MAX),
         };
-        truck.closed_posts.push(ClosedPost { from: pose, to: place, until: tried_again });
+        truck.closed_posts.push(UnreachableStaging { from: pose, to: place, until: tried_again });
         let (x_m, y_m) = (place.x, place.y);
         let failed = AgentFact::RelocationFailed { x_m, y_m, reason, effort, until };
         agent.answer(now, failed, &mut self.recorder);
@@ -263,7 +263,7 @@ impl Truck {
     /// Returns the time until which a truck does not try again to drive from where it stands to a place, if it has
     /// tried.
     pub fn closed_until(&self, from: Pose, to: DVec2, now: SimTime) -> Option<SimTime> {
-        let is_meant = |closed: &&ClosedPost| closed.from == from && (closed.to - to).length() <= AS_GOOD_M;
+        let is_meant = |closed: &&UnreachableStaging| closed.from == from && (closed.to - to).length() <= AS_GOOD_M;
         self.closed_posts.iter().filter(is_meant).map(|closed| closed.until).filter(|&until| until > now).max()
     }
 }

@@ -11,8 +11,8 @@ use crate::cli::plan::arguments::PlanArguments;
 use crate::cli::terminal::Progress;
 use wildfire_base::input_file::is_standard_stream;
 use wildfire_batch::{
-    BatchPlan, BatchRequest, DriveQuery, DriveTable, MAX_QUERIES, PLANNER_KEY, Question, RequestError, Seeds, Sweep,
-    Value, Variant, ask_all, asked_planners, expect_known_planners,
+    AttemptSettings, BatchPlan, BatchRequest, DriveQuery, DriveTable, MAX_QUERIES, PLANNER_KEY, RequestError, Seeds,
+    Sweep, Value, Variant, ask_all, asked_planners, expect_known_planners,
 };
 use wildfire_planning::PlannerName;
 use wildfire_sim::scenario::{Problem, ScenarioText};
@@ -188,7 +188,8 @@ impl<'a> Benchmark<'a> {
         // Programs start again for each, as they would in a run.
         let makers = self.context.planners_of(scenario)?;
         let (planners, limit) = (&self.planners[index], self.plan.memory);
-        let question = Question { planners, makers: &makers, programs: &scenario.planner, seed: run.seed, limit };
+        let question =
+            AttemptSettings { planners, makers: &makers, programs: &scenario.planner, seed: run.seed, limit };
         let problems = self.problems(number)?;
         let attempts = ask_all(&problems, &question);
         let attempts = attempts.map_err(|error| CliError::from(error).about(&self.name(number)))?;

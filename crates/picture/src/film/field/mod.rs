@@ -362,7 +362,7 @@ impl<K: PartialEq> Kept<K> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::film::{Camera, Followed, FrameRenderer, FrameRequest};
+    use crate::film::{Camera, CameraTarget, FrameRenderer, FrameRequest};
     use wildfire_base::geometry::Pose;
     use wildfire_base::query::Effort;
     use wildfire_base::time::SimTime;
@@ -440,7 +440,7 @@ pub(super) mod tests {
             let run = RunView::new(scaled(scale), None);
             for zoom in [Camera::LEAST_ZOOM, 1.0, Camera::MOST_ZOOM] {
                 let camera = Camera { zoom, ..Camera::WHOLE };
-                for follows in [None, Some(Followed::Agent(AgentId::unimog(0))), Some(Followed::Fleet)] {
+                for follows in [None, Some(CameraTarget::Agent(AgentId::unimog(0))), Some(CameraTarget::Fleet)] {
                     let options = ViewOptions { camera, layers, follows, ..ViewOptions::default() };
                     for time_s in [0.0, 3.0, 10.0] {
                         let time = SimTime::from_seconds(time_s);

@@ -26,7 +26,7 @@ use crate::film::field::sprite::{
 };
 use crate::film::hud::chart::CountScale;
 use crate::film::hud::legend::{LegendSign, legend_entries, run_sentence};
-use crate::film::{BINDINGS, Camera, Followed, FrameRequest, Layer, RunView, Selected};
+use crate::film::{BINDINGS, Camera, CameraTarget, FrameRequest, Layer, RunView, Selected};
 use wildfire_base::document::escaped_html;
 use wildfire_fire::BushStateKind;
 use wildfire_timeline::Setting;
@@ -187,7 +187,7 @@ impl PageData {
         Self {
             time_ns: request.time.as_nanos(),
             camera: [centre.x, centre.y, zoom],
-            follows: options.follows.map(|followed: Followed| followed.to_string()),
+            follows: options.follows.map(|followed: CameraTarget| followed.to_string()),
             selected: options.selected.and_then(|(run, selected)| {
                 SelectedData::new(run, selected, &request.runs.get(run)?.timeline().setting)
             }),

@@ -42,7 +42,7 @@ pub use nearest_by_drive::NearestByDrive;
 pub use nearest_savable::NearestSavable;
 pub use of_scenario::policy_of;
 pub use rollout::Rollout;
-pub use team::{AS_GOOD_M, Assignment, Fire, Intact, Positioning, Team, TeamRules, TeamTruck, WAY_FACTOR};
+pub use team::{AS_GOOD_M, Assignment, Fire, Intact, StagingRule, Team, TeamRules, TeamTruck, WAY_FACTOR};
 pub use threat_first::ThreatFirst;
 
 /// A rule of who goes to which fire.
@@ -74,7 +74,7 @@ pub enum IdleRule {
 }
 
 /// Makes the two halves of a team's policy, which are asked in turn for one run.
-pub fn make(rule: AssignmentRule, idle: IdleRule, networks: &Networks) -> (Box<dyn Assignment>, Box<dyn Positioning>) {
+pub fn make(rule: AssignmentRule, idle: IdleRule, networks: &Networks) -> (Box<dyn Assignment>, Box<dyn StagingRule>) {
     let assignment: Box<dyn Assignment> = match rule {
         AssignmentRule::Nearest => Box::new(NearestByNumber),
         AssignmentRule::NearestByDrive => Box::new(NearestByDrive),

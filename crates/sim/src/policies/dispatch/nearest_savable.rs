@@ -8,7 +8,7 @@
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
-use super::open_fires::{OpenFires, Prospect};
+use super::open_fires::{OpenFires, SavableFire};
 use super::team::{Assignment, Team};
 use wildfire_base::geometry::Cell;
 use wildfire_timeline::AgentId;
@@ -65,7 +65,7 @@ pub fn nearest_first(
 /// A truck and the best fire for it.
 #[derive(Clone, Copy, Debug)]
 struct Bid {
-    prospect: Prospect,
+    prospect: SavableFire,
     truck: usize,
 }
 

@@ -1,11 +1,11 @@
 //! The policy of a team that its scenario asks for.
 
-use super::policy::{DispatchPolicy, TeamSite, TruckSite};
-use super::team::{Assignment, Positioning, TeamRules};
+use super::policy::{DispatchPolicy, FleetContext, TruckContext};
+use super::team::{Assignment, StagingRule, TeamRules};
 use super::{AssignmentRule, IdleRule, NearestByDrive, make};
 use crate::policies::learned::Networks;
 use crate::policies::nearest::Nearest;
-use crate::policies::{OneByOne, Policy};
+use crate::policies::{PerAgentPolicy, Policy};
 use crate::scenario::{self, Extinguishes, FireModelName, Scenario, SightOfField, Terrain};
 use wildfire_base::time::SimTime;
 use wildfire_timeline::{AgentId, WaterRules};
@@ -17,12 +17,12 @@ pub fn policy_of(scenario: &Scenario, terrain: &Terrain, water: Option<WaterRule
     let is_plain = dispatch.idle == scenario::IdleRule::Stay && sight.field != SightOfField::Radius;
     if is_plain && dispatch.seconds_per_evaluation == 0.0 {
         match dispatch.policy {
-            scenario::DispatchPolicy::Nearest => return Some(Box::new(OneByOne(Nearest))),
+            scenario::DispatchPolicy::Nearest => return Some(Box::new(PerAgentPolicy(Nearest))),
             scenario::DispatchPolicy::NearestByDrive => return Some(Box::new(NearestByDrive)),
             _ => {}
         }
     }
-    let site = TeamSite {
+    let site = FleetContext {
         end: SimTime::from_seconds(scenario.duration_s),
         frame: terrain.frame,
         rules: rules(scenario),
@@ -36,8 +36,8 @@ pub fn policy_of(scenario: &Scenario, terrain: &Terrain, water: Option<WaterRule
     Some(Box::new(policy))
 }
 
-fn truck_site((id, truck): (AgentId, &scenario::Unimog)) -> TruckSite {
-    TruckSite { id, speed_mps: truck.speed_mps, start: truck.start_centre() }
+fn truck_site((id, truck): (AgentId, &scenario::Unimog)) -> TruckContext {
+    TruckContext { id, speed_mps: truck.speed_mps, start: truck.start_centre() }
 }
 
 fn rules(scenario: &Scenario) -> TeamRules {
@@ -54,7 +54,7 @@ fn rules(scenario: &Scenario) -> TeamRules {
 }
 
 /// Makes what the scenario names: who goes where, and where the others wait if they do not stay where they are.
-fn halves(dispatch: &scenario::Dispatch, networks: &Networks) -> (Box<dyn Assignment>, Option<Box<dyn Positioning>>) {
+fn halves(dispatch: &scenario::Dispatch, networks: &Networks) -> (Box<dyn Assignment>, Option<Box<dyn StagingRule>>) {
     let idle = match dispatch.idle {
         scenario::IdleRule::Stay => IdleRule::Stay,
         scenario::IdleRule::Centroids => IdleRule::Centroids,

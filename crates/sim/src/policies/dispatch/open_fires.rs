@@ -13,7 +13,7 @@ use wildfire_base::time::SimTime;
 
 /// A fire that a truck can extinguish in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Prospect {
+pub struct SavableFire {
     /// The time at which it is extinguished.
     pub out_at: SimTime,
     /// The straight distance from the truck to the fire.
@@ -55,7 +55,7 @@ impl<'a> OpenFires<'a> {
         truck: &TeamTruck,
         count: usize,
         mut accept: impl FnMut(usize) -> bool,
-    ) -> Vec<Prospect> {
+    ) -> Vec<SavableFire> {
         let is_savable = |fire: usize| accept(fire) && self.prospect(truck, fire).is_some();
         let left = self.last_due.since(self.team.sets_out_at(truck));
         let found = self.index.nearest(truck.place, count, self.team.range_m(truck.speed_mps, left), is_savable);
@@ -63,11 +63,11 @@ impl<'a> OpenFires<'a> {
     }
 
     /// Returns when a truck extinguishes a fire if it sets out for it; `None` if that is too late.
-    pub fn prospect(&self, truck: &TeamTruck, fire: usize) -> Option<Prospect> {
+    pub fn prospect(&self, truck: &TeamTruck, fire: usize) -> Option<SavableFire> {
         let place = self.fires[fire].place;
         let out_at = self.team.sets_out_at(truck) + self.team.stop_time(truck.speed_mps, truck.place, place);
         let is_savable = out_at <= self.team.due(&self.fires[fire]);
-        is_savable.then(|| Prospect { out_at, metres: (place - truck.place).length(), fire })
+        is_savable.then(|| SavableFire { out_at, metres: (place - truck.place).length(), fire })
     }
 }
 

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::team::{Assignment, Fire, Intact, Positioning, Team, TeamRules, TeamTruck};
-use crate::policies::{AgentView, Asking, Choice, Observation, Policy};
+use super::team::{Assignment, Fire, Intact, StagingRule, Team, TeamRules, TeamTruck};
+use crate::policies::{Action, AgentView, Observation, Policy, PolicyScope};
 use crate::scenario::{Sight, SightOfField};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
@@ -14,7 +14,7 @@ use wildfire_timeline::{Activity, AgentId, WaterRules};
 
 /// The members of a team and what it knows throughout a run.
 #[derive(Clone, Debug)]
-pub struct TeamSite {
+pub struct FleetContext {
     /// The latest end of the run.
     pub end: SimTime,
     pub frame: FieldFrame,
@@ -24,12 +24,12 @@ pub struct TeamSite {
     /// The cells on which a bush grows, by cell index.
     pub bushes: Arc<[Cell]>,
     /// The trucks by number.
-    pub trucks: Vec<TruckSite>,
+    pub trucks: Vec<TruckContext>,
 }
 
 /// What a team knows about one of its trucks throughout a run.
 #[derive(Clone, Copy, Debug)]
-pub struct TruckSite {
+pub struct TruckContext {
     pub id: AgentId,
     pub speed_mps: f64,
     /// The centre of its body before the run.
@@ -39,10 +39,10 @@ pub struct TruckSite {
 /// A rule that assigns fires to trucks, and another that places the idle ones.
 #[derive(Clone)]
 pub struct DispatchPolicy {
-    site: TeamSite,
+    site: FleetContext,
     assignment: Box<dyn Assignment>,
     /// Trucks stay where they are if there is none.
-    positioning: Option<Box<dyn Positioning>>,
+    positioning: Option<Box<dyn StagingRule>>,
     /// Simulated time for each pair of a truck and a fire that is looked at, or for each rollout.
     seconds_per_evaluation: f64,
     charge: SimTime,
@@ -50,9 +50,9 @@ pub struct DispatchPolicy {
 
 impl DispatchPolicy {
     pub fn new(
-        site: TeamSite,
+        site: FleetContext,
         assignment: Box<dyn Assignment>,
-        positioning: Option<Box<dyn Positioning>>,
+        positioning: Option<Box<dyn StagingRule>>,
         seconds_per_evaluation: f64,
     ) -> Self {
         Self { site, assignment, positioning, seconds_per_evaluation, charge: SimTime::ZERO }
@@ -60,9 +60,9 @@ impl DispatchPolicy {
 }
 
 impl Policy for DispatchPolicy {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
         let mut effort = 0;
-        let known = Known::new(&self.site, seen);
+        let known = FleetKnowledge::new(&self.site, seen);
         let team = known.team(asked);
         let goals = assign(self.assignment.as_mut(), &team, seen, &mut effort);
         let goal_of = |id: AgentId| goals.iter().find(|&&(truck, _)| truck == id).map(|&(_, cell)| cell);
@@ -81,13 +81,13 @@ impl Policy for DispatchPolicy {
             let post = posts.iter().find(|(idle, _)| *idle == id).map(|&(_, place)| place);
             let refills = !truck.is_asked || to_refill.iter().any(|other| other.id == id);
             let choice = match (goal_of(id), post, truck.goal) {
-                (None, ..) if refills => Choice::Refill,
-                (Some(_), _, _) if self.assignment.is_by_drive() => Choice::GoToNearest,
-                (Some(cell), _, _) => Choice::Go(cell),
-                (None, Some(place), _) => Choice::Move(place),
+                (None, ..) if refills => Action::Refill,
+                (Some(_), _, _) if self.assignment.is_by_drive() => Action::GoToNearest,
+                (Some(cell), _, _) => Action::Go(cell),
+                (None, Some(place), _) => Action::Move(place),
                 // What it went for is not worth it any more.
-                (None, None, Some(_)) => Choice::Move(truck.place),
-                (None, None, None) => known.next_report().map_or(Choice::Wait, Choice::WaitUntil),
+                (None, None, Some(_)) => Action::Move(truck.place),
+                (None, None, None) => known.next_report().map_or(Action::Wait, Action::WaitUntil),
             };
             Some((id, choice))
         };
@@ -96,8 +96,8 @@ impl Policy for DispatchPolicy {
         choices
     }
 
-    fn asking(&self) -> Asking {
-        Asking::Team { replans: self.assignment.replans() }
+    fn asking(&self) -> PolicyScope {
+        PolicyScope::Team { replans: self.assignment.replans() }
     }
 
     fn charge(&self) -> SimTime {
@@ -147,8 +147,8 @@ fn assign(
 }
 
 /// What the team knows at one instant. Rules of dispatch get nothing else of the state of the field.
-struct Known<'a> {
-    site: &'a TeamSite,
+struct FleetKnowledge<'a> {
+    site: &'a FleetContext,
     now: SimTime,
     fires: &'a FireField,
     agents: &'a [AgentView],
@@ -156,8 +156,8 @@ struct Known<'a> {
     eyes: Vec<DVec2>,
 }
 
-impl<'a> Known<'a> {
-    fn new(site: &'a TeamSite, seen: &Observation<'a>) -> Self {
+impl<'a> FleetKnowledge<'a> {
+    fn new(site: &'a FleetContext, seen: &Observation<'a>) -> Self {
         let trucks = seen.agents.iter().filter(|agent| agent.id.role.suppresses());
         let eyes = trucks.map(|truck| truck.place).collect();
         Self { site, now: seen.now, fires: seen.fires, agents: seen.agents, eyes }
@@ -187,7 +187,7 @@ impl<'a> Known<'a> {
     }
 
     fn team(&self, asked: &[AgentId]) -> Team<'_> {
-        let TeamSite { end, frame, rules, sight, water, trucks, .. } = self.site;
+        let FleetContext { end, frame, rules, sight, water, trucks, .. } = self.site;
         let wumpuses = self.agents.iter().filter(|agent| sight.wumpuses && agent.id.role.lights());
         let trucks = trucks.iter().filter_map(|own| {
             let view = self.agents.iter().find(|agent| agent.id == own.id)?;
@@ -246,7 +246,7 @@ impl<'a> Known<'a> {
     }
 }
 
-impl Intact for Known<'_> {
+impl Intact for FleetKnowledge<'_> {
     fn is_intact(&self, cell: Cell) -> bool {
         if !self.fires.is_bush(cell) {
             return false;
@@ -276,15 +276,15 @@ mod tests {
     const MIDDLE: Cell = Cell { col: 20, row: 2 };
     const FAR: Cell = Cell { col: 38, row: 2 };
 
-    fn site(sight: Sight) -> TeamSite {
+    fn site(sight: Sight) -> FleetContext {
         let burn_out = Some(SimTime::from_seconds(60.0));
         let spread = Some((30.0, SimTime::from_seconds(10.0)));
         let dwell = SimTime::from_seconds(5.0);
         let rules =
             TeamRules { reach_m: Some(10.0), dwell, extinguishes_all: false, spread, caught_spreads: false, burn_out };
         let truck =
-            |number, x: f64| TruckSite { id: AgentId::unimog(number), speed_mps: 8.0, start: DVec2::new(x, 12.0) };
-        TeamSite {
+            |number, x: f64| TruckContext { id: AgentId::unimog(number), speed_mps: 8.0, start: DVec2::new(x, 12.0) };
+        FleetContext {
             end: SimTime::from_seconds(600.0),
             frame: FRAME,
             rules,
@@ -325,7 +325,7 @@ mod tests {
     }
 
     /// Fires at the near and the far bush, and a Wumpus at 100 m.
-    fn choose(sight: Sight, options: impl Fn(AgentId) -> Vec<Cell>) -> (Vec<(AgentId, Choice)>, Recording, SimTime) {
+    fn choose(sight: Sight, options: impl Fn(AgentId) -> Vec<Cell>) -> (Vec<(AgentId, Action)>, Recording, SimTime) {
         let mut fires = FireField::new(FRAME, &[NEAR, MIDDLE, FAR], false);
         for cell in [NEAR, FAR] {
             fires.ignite(cell, SimTime::from_seconds(15.0), true).expect("it can burn");
@@ -363,10 +363,10 @@ mod tests {
         let with = |report_s| Sight { field: SightOfField::Radius, radius_m: 0.0, report_s, wumpuses: false };
         let choices = |report_s| choose(with(report_s), |_| vec![NEAR, FAR]).0.into_iter().map(|(_, choice)| choice);
         // They began five seconds ago.
-        assert!(choices(Some(5.0)).eq([Choice::Go(NEAR), Choice::Wait]));
-        let later = Choice::WaitUntil(SimTime::from_seconds(21.0));
+        assert!(choices(Some(5.0)).eq([Action::Go(NEAR), Action::Wait]));
+        let later = Action::WaitUntil(SimTime::from_seconds(21.0));
         assert!(choices(Some(6.0)).eq([later, later]));
-        assert!(choices(None).eq([Choice::Wait, Choice::Wait]));
+        assert!(choices(None).eq([Action::Wait, Action::Wait]));
     }
 
     #[test]
@@ -378,7 +378,7 @@ mod tests {
         let knows = |field| {
             let (site, agents) = (site(field), [agent(AgentId::unimog(0), 12.0)]);
             let seen = Observation { now: SimTime::ZERO, fires: &fires, agents: &agents, options_of: &|_| Vec::new() };
-            Known::new(&site, &seen).is_intact(NEAR)
+            FleetKnowledge::new(&site, &seen).is_intact(NEAR)
         };
         assert_eq!(
             [SightOfField::Everything, SightOfField::Burning, SightOfField::Radius].map(knows),
@@ -390,11 +390,11 @@ mod tests {
     fn a_fire_goes_to_one_truck_and_who_cannot_get_there_takes_another() {
         let everything = Sight::default();
         let (choices, _, charge) = choose(everything.clone(), |_| vec![NEAR, FAR]);
-        assert_eq!(choices, [(AgentId::unimog(0), Choice::Go(NEAR)), (AgentId::unimog(1), Choice::Wait)]);
+        assert_eq!(choices, [(AgentId::unimog(0), Action::Go(NEAR)), (AgentId::unimog(1), Action::Wait)]);
         assert_eq!(charge, SimTime::from_seconds(1.5));
         let cannot = |id: AgentId| if id.number == 0 { vec![FAR] } else { vec![NEAR, FAR] };
         let (choices, _, charge) = choose(everything, cannot);
-        assert_eq!(choices, [(AgentId::unimog(0), Choice::Go(FAR)), (AgentId::unimog(1), Choice::Go(NEAR))]);
+        assert_eq!(choices, [(AgentId::unimog(0), Action::Go(FAR)), (AgentId::unimog(1), Action::Go(NEAR))]);
         assert_eq!(charge, SimTime::from_seconds(3.0), "the second look costs too");
     }
 }

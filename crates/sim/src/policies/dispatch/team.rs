@@ -140,9 +140,9 @@ pub trait Assignment: DynClone + Send + Sync {
 dyn_clone::clone_trait_object!(Assignment);
 
 /// Chooses where trucks without a goal wait.
-pub trait Positioning: DynClone + Send + Sync {
+pub trait StagingRule: DynClone + Send + Sync {
     /// Returns places for some of these trucks, which are asked and have no goal; the others stay where they are.
     fn post(&mut self, team: &Team<'_>, idle: &[AgentId]) -> Vec<(AgentId, DVec2)>;
 }
 
-dyn_clone::clone_trait_object!(Positioning);
+dyn_clone::clone_trait_object!(StagingRule);

@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::Network;
 use crate::policies::densest::Densest;
 use crate::policies::nearest_intact::ring_around;
-use crate::policies::{AgentView, Choice, Observation, Policy, first_goes};
+use crate::policies::{Action, AgentView, Observation, Policy, first_goes};
 use wildfire_base::geometry::{Cell, FieldFrame, ops};
 use wildfire_timeline::AgentId;
 
@@ -56,7 +56,7 @@ impl LearnedArsonist {
 }
 
 impl Policy for LearnedArsonist {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
         first_goes(seen, asked, |agent| self.best(seen, agent))
     }
 

@@ -7,8 +7,8 @@
 use glam::DVec2;
 
 use super::super::hungarian::least_total;
-use super::super::team::{AS_GOOD_M, Positioning, Team, TeamTruck};
-use super::spread_out::{Census, spread_out};
+use super::super::team::{AS_GOOD_M, StagingRule, Team, TeamTruck};
+use super::spread_out::{BushDensity, spread_out};
 use wildfire_timeline::AgentId;
 
 /// A truck goes to a new place only if it is at least this far from where it is, or was sent before: a shorter way gains less
@@ -27,10 +27,10 @@ const NEARER_SHARE: f64 = 0.5;
 /// Sends idle trucks to centroids of intact bushes, the whole team at the least sum of squared distances.
 #[derive(Clone, Debug, Default)]
 pub struct Centroids {
-    census: Census,
+    census: BushDensity,
 }
 
-impl Positioning for Centroids {
+impl StagingRule for Centroids {
     fn post(&mut self, team: &Team<'_>, idle: &[AgentId]) -> Vec<(AgentId, DVec2)> {
         let trucks: Vec<&TeamTruck> = team.trucks.iter().filter(|truck| idle.contains(&truck.id)).collect();
         let mut sites: Vec<DVec2> = trucks.iter().map(|truck| waits_at(truck)).collect();

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::super::team::{Fire, Positioning, Team, TeamTruck};
+use super::super::team::{Fire, StagingRule, Team, TeamTruck};
 use super::centroids::{posts, waits_at, worth_m};
-use super::spread_out::{Block, Census, spread_out};
+use super::spread_out::{Block, BushDensity, spread_out};
 use crate::policies::learned::Network;
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
@@ -25,7 +25,7 @@ const LEAST: f64 = 0.02;
 /// Sends idle trucks to centroids of weighted bushes.
 #[derive(Clone, Debug)]
 pub struct LearnedPosts {
-    census: Census,
+    census: BushDensity,
     network: Arc<Network>,
     /// The cells of recent ignitions, their places and times, the latest last.
     lit: Vec<(Cell, DVec2, SimTime)>,
@@ -33,7 +33,7 @@ pub struct LearnedPosts {
 
 impl LearnedPosts {
     pub fn new(network: Arc<Network>) -> Self {
-        Self { census: Census::default(), network, lit: Vec::new() }
+        Self { census: BushDensity::default(), network, lit: Vec::new() }
     }
 
     /// Remembers fires that arsonists have lit: where only those spread, the others are left out.
@@ -60,7 +60,7 @@ impl LearnedPosts {
     }
 }
 
-impl Positioning for LearnedPosts {
+impl StagingRule for LearnedPosts {
     fn post(&mut self, team: &Team<'_>, idle: &[AgentId]) -> Vec<(AgentId, DVec2)> {
         self.remember(team);
         let trucks: Vec<&TeamTruck> = team.trucks.iter().filter(|truck| idle.contains(&truck.id)).collect();

@@ -5,7 +5,7 @@ mod learned;
 mod regions;
 mod spread_out;
 
-use super::team::{Positioning, Team};
+use super::team::{StagingRule, Team};
 use glam::DVec2;
 use wildfire_timeline::AgentId;
 
@@ -17,7 +17,7 @@ pub use regions::{Regions, RegionsFirst};
 #[derive(Clone, Copy, Debug)]
 pub struct Stay;
 
-impl Positioning for Stay {
+impl StagingRule for Stay {
     fn post(&mut self, _: &Team<'_>, _: &[AgentId]) -> Vec<(AgentId, DVec2)> {
         Vec::new()
     }

@@ -5,19 +5,19 @@
 
 use glam::DVec2;
 
-use super::super::team::{Assignment, Positioning, Team, TeamTruck};
+use super::super::team::{Assignment, StagingRule, Team, TeamTruck};
 use super::centroids::{posts, waits_at, worth_m};
-use super::spread_out::{Block, Census, spread_out};
+use super::spread_out::{Block, BushDensity, spread_out};
 use wildfire_base::geometry::Cell;
 use wildfire_timeline::AgentId;
 
 /// Sends idle trucks to the centroid of the intact bushes in their regions.
 #[derive(Clone, Debug, Default)]
 pub struct Regions {
-    census: Census,
+    census: BushDensity,
 }
 
-impl Positioning for Regions {
+impl StagingRule for Regions {
     fn post(&mut self, team: &Team<'_>, idle: &[AgentId]) -> Vec<(AgentId, DVec2)> {
         let starts = starts(team);
         let blocks = self.census.blocks(team);

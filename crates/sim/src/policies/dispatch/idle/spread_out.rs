@@ -31,11 +31,11 @@ pub struct Block {
 
 /// The intact bushes in blocks, counted at intervals.
 #[derive(Clone, Debug, Default)]
-pub struct Census {
+pub struct BushDensity {
     counted: Option<(SimTime, Vec<Block>)>,
 }
 
-impl Census {
+impl BushDensity {
     /// Returns the blocks with intact bushes, as of the last count.
     pub fn blocks(&mut self, team: &Team<'_>) -> &[Block] {
         let is_old = self.counted.as_ref().is_none_or(|(at, _)| team.now >= *at + COUNT_EVERY);
