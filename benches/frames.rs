@@ -5,7 +5,7 @@
 //! million cells from half an hour on, the whole field and with the camera on the fleet; and a fire on a million cells of
 //! grass, from an hour on.
 
-use wildfire::picture::film::{Followed, FrameRenderer, FrameRequest, RunView, ViewOptions, still};
+use wildfire::picture::film::{CameraTarget, FrameRenderer, FrameRequest, RunView, ViewOptions, still};
 use wildfire::time::SimTime;
 use wildfire::time::cpu::CpuStopwatch;
 use wildfire::{scenario, sim};
@@ -27,7 +27,7 @@ fn main() {
     report("brigade", &[run("brigade", 1)], CROWD_FROM_S, &whole);
     let county = [run("county", 1)];
     report("county", &county, CROWD_FROM_S, &whole);
-    let fleet = ViewOptions { follows: Some(Followed::Fleet), ..whole.clone() };
+    let fleet = ViewOptions { follows: Some(CameraTarget::Fleet), ..whole.clone() };
     report("county, fleet followed", &county, CROWD_FROM_S, &fleet);
     report("1000 x 1000 cells of grass", &[changed_run("contest", &GRASS, 1)], 3600.0, &whole);
 }

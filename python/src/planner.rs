@@ -18,7 +18,7 @@ use wildfire::geometry::Pose;
 use wildfire::planning::judge::MOST_SEGMENTS;
 use wildfire::planning::{self, Goal, MakeError, NameError, Plan, PlanFailure, Planners, TruckPlanner};
 use wildfire::scenario::{Programs, Scenario};
-use wildfire::sim::{Entrants, StartPrograms};
+use wildfire::sim::{CustomRegistry, StartPrograms};
 use wildfire::vehicle::{Path, Segment};
 
 use crate::arrays::{described, is_sane_pose, pose};
@@ -81,7 +81,7 @@ impl Factories {
     }
 
     /// Returns the planners and policies for one run, with default limits.
-    pub fn entrants(&self, py: Python<'_>, interruption: &Arc<Interruption>) -> Entrants {
+    pub fn entrants(&self, py: Python<'_>, interruption: &Arc<Interruption>) -> CustomRegistry {
         self.entrants_of(py, None, interruption)
     }
 
@@ -91,10 +91,10 @@ impl Factories {
         py: Python<'_>,
         scenario: Option<&Scenario>,
         interruption: &Arc<Interruption>,
-    ) -> Entrants {
+    ) -> CustomRegistry {
         let planners = self.planners(py, scenario, interruption).expect("the names were checked before");
         let policies = self.policies.policies(py, scenario, interruption).expect("the names were checked before");
-        Entrants { planners, policies, programs: self.programs.clone() }
+        CustomRegistry { planners, policies, programs: self.programs.clone() }
     }
 
     /// Returns whether nothing was passed in.

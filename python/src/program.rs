@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use wildfire::cli;
 #[cfg(unix)]
 use wildfire::programs::{ProgramPool, Trust, supervisor};
-use wildfire::sim::{Entrants, StartPrograms};
+use wildfire::sim::{CustomRegistry, StartPrograms};
 
 /// Returns the starter of the programs that scenarios name, if they are trusted.
 pub fn programs(py: Python<'_>, trust: bool) -> Option<Arc<dyn StartPrograms>> {
@@ -34,7 +34,7 @@ fn set_supervisor(py: Python<'_>) {
 pub fn command_line(py: Python<'_>, words: Vec<OsString>) -> u8 {
     #[cfg(unix)]
     set_supervisor(py);
-    let exit = py.detach(|| cli::main_from(words, Entrants::default()));
+    let exit = py.detach(|| cli::main_from(words, CustomRegistry::default()));
     // An exit code can be compared, but not read.
     (0..=u8::MAX).find(|&code| ExitCode::from(code) == exit).unwrap_or(u8::MAX)
 }

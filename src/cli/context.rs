@@ -10,20 +10,20 @@ use wildfire_planning::{PlannerName, Planners};
 #[cfg(unix)]
 use wildfire_sim::programs::{ProgramPool, Trust};
 use wildfire_sim::scenario::{MemoryLimit, Scenario, UsedProgram, doubts_of_files, is_built_in_policy};
-use wildfire_sim::{Entrants, RunOptions};
+use wildfire_sim::{CustomRegistry, RunOptions};
 
 /// What commands have besides their arguments.
 #[derive(Clone, Debug, Default)]
 pub struct CommandContext {
     pub quiet: bool,
     /// Planners and policies by name.
-    pub entrants: Entrants,
+    pub entrants: CustomRegistry,
     /// The programs of the command line, and whether those of files are trusted.
     programs: ProgramArguments,
 }
 
 impl CommandContext {
-    pub fn new(quiet: bool, entrants: Entrants) -> Self {
+    pub fn new(quiet: bool, entrants: CustomRegistry) -> Self {
         Self { quiet, entrants, programs: ProgramArguments::default() }
     }
 

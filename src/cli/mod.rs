@@ -86,7 +86,7 @@ use why::WhyArguments;
 
 use wildfire_base::untrusted::visible;
 use wildfire_batch::LONG_VERSION;
-use wildfire_sim::Entrants;
+use wildfire_sim::CustomRegistry;
 #[cfg(unix)]
 use wildfire_sim::programs::supervisor;
 
@@ -195,17 +195,17 @@ pub enum Command {
 
 /// Reads the arguments of the process and does what they say.
 pub fn main() -> ExitCode {
-    main_with(Entrants::default())
+    main_with(CustomRegistry::default())
 }
 
 /// Does the same with custom planners, or custom planners and policies, besides the built-in ones: the whole program, and
 /// they are known by their names wherever a name may stand.
-pub fn main_with(entrants: impl Into<Entrants>) -> ExitCode {
+pub fn main_with(entrants: impl Into<CustomRegistry>) -> ExitCode {
     main_from(env::args_os().collect(), entrants)
 }
 
 /// Does the same with other words than the arguments of the process; the first is the program's name.
-pub fn main_from(words: Vec<OsString>, entrants: impl Into<Entrants>) -> ExitCode {
+pub fn main_from(words: Vec<OsString>, entrants: impl Into<CustomRegistry>) -> ExitCode {
     #[cfg(unix)]
     if let Some(code) = supervisor::run_if_asked(words.get(1..).unwrap_or_default()) {
         return ExitCode::from(code);

@@ -5,7 +5,7 @@ use wildfire::geometry::{Cell, DVec2};
 use wildfire::planning::MakeError;
 use wildfire::scenario;
 use wildfire::sim::policies::{Action, FirelineContext, Observation, Policies, Policy, PolicyContext};
-use wildfire::sim::{self, Entrants};
+use wildfire::sim::{self, CustomRegistry};
 use wildfire::time::SimTime;
 use wildfire::timeline::{AgentId, GroundEvent, GroundFact, Outcome, Timeline, file};
 
@@ -152,7 +152,7 @@ fn a_custom_policy_encloses_the_fire_between_line_and_a_road_and_no_line_is_a_ba
             Ok(Box::new(Through(points.clone())))
         };
         let policies = Policies::default().with("own", maker).expect("it is free");
-        sim::run_with_options(&scenario, 1, &Entrants::from(policies).into()).expect("it takes place")
+        sim::run_with_options(&scenario, 1, &CustomRegistry::from(policies).into()).expect("it takes place")
     };
     let fought = run(&[(97.0, 130.0), (330.0, 130.0), (330.0, 400.0), (60.0, 400.0)]).timeline;
     let within = |place: DVec2| place.x > 100.0 && place.x < 330.0 && place.y > 130.0 && place.y < 400.0;

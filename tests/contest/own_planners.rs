@@ -11,7 +11,7 @@ use wildfire::planning::{
     TruckPlanner,
 };
 use wildfire::scenario::{self, PlannerContext, Scenario, Unimog};
-use wildfire::sim::{self, Entrants, RunError};
+use wildfire::sim::{self, CustomRegistry, RunError};
 use wildfire::timeline::{AgentFact, Fact, Outcome, RestReason, Timeline};
 use wildfire::vehicle::{Path, ReedsShepp, Segment};
 use wildfire::{Pose, rng};
@@ -114,7 +114,7 @@ fn a_batch_runs_planners_of_ones_own_and_its_rows_are_those_of_single_runs() {
     let mut batch = Batch::begin(plan, folder).expect("it begins");
     let planners = planners("own", short_curves);
     let never = Arc::new(AtomicBool::new(false));
-    let entrants = Entrants { planners: planners.clone(), ..Entrants::default() };
+    let entrants = CustomRegistry { planners: planners.clone(), ..CustomRegistry::default() };
     batch.run(&entrants, 2, &never, |_| {}).expect("all runs take place");
     batch.finish(&never).expect("it is written");
     let finished = FinishedBatch::open(&scratch.path().join("own")).expect("it is finished");
@@ -154,7 +154,7 @@ fn who_never_answers_saves_nothing_unless_rescued() {
 fn built_in_planners_go_without_rescue_where_the_scenario_says_so() {
     let rescued = load("dense", &["field.coverage=0.4", "unimog.planner=prm+primitives", "duration_s=1200"]);
     let mut alone = rescued.clone();
-    alone.unimog.iter_mut().for_each(|truck| truck.rescue = scenario::Rescue::Never);
+    alone.unimog.iter_mut().for_each(|truck| truck.rescue = scenario::FallbackMode::Never);
     let mut rescues = 0;
     for seed in 1..=4 {
         let plans = |scenario| {

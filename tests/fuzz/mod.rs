@@ -137,7 +137,7 @@ impl Order {
 }
 
 /// A message of a thread.
-enum News {
+enum TriggerEvent {
     Done(Summary),
     /// Something is wrong with a case, and a smaller one is being looked for.
     Found(String),
@@ -194,8 +194,8 @@ impl Fuzzer {
         let mut summary = Summary::default();
         for _ in 0..order.jobs {
             match self.wait(&told, &places) {
-                News::Done(part) => summary.add(part),
-                News::Found(report) | News::Broken(report) => {
+                TriggerEvent::Done(part) => summary.add(part),
+                TriggerEvent::Found(report) | TriggerEvent::Broken(report) => {
                     stop.store(true, Ordering::Relaxed);
                     panic!("{report}");
                 }
@@ -208,15 +208,17 @@ impl Fuzzer {
     }
 
     /// Waits for news of a thread; a thread that makes no progress for long is news too.
-    fn wait(self, told: &mpsc::Receiver<News>, places: &[Arc<AtomicU64>]) -> News {
+    fn wait(self, told: &mpsc::Receiver<TriggerEvent>, places: &[Arc<AtomicU64>]) -> TriggerEvent {
         let look = || places.iter().map(|place| place.load(Ordering::Relaxed)).collect::<Vec<_>>();
         let mut last: Vec<(u64, Duration)> = look().into_iter().map(|case| (case, Duration::ZERO)).collect();
         let mut found = None;
         loop {
             match told.recv_timeout(NEWS) {
-                Ok(News::Found(report)) => found = Some(report),
+                Ok(TriggerEvent::Found(report)) => found = Some(report),
                 Ok(news) => return news,
-                Err(RecvTimeoutError::Disconnected) => return News::Broken(format!("{}: a thread died", self.name)),
+                Err(RecvTimeoutError::Disconnected) => {
+                    return TriggerEvent::Broken(format!("{}: a thread died", self.name));
+                }
                 Err(RecvTimeoutError::Timeout) => {}
             }
             for (case, (seen, since)) in look().into_iter().zip(&mut last) {
@@ -224,7 +226,7 @@ impl Fuzzer {
                 *seen = case;
                 if case != u64::MAX && *since >= HANG {
                     let endless = || format!("{}, case {case}: it does not end\n{}", self.name, self.again(case));
-                    return News::Broken(found.unwrap_or_else(endless));
+                    return TriggerEvent::Broken(found.unwrap_or_else(endless));
                 }
             }
             match &found {
@@ -235,7 +237,14 @@ impl Fuzzer {
     }
 
     /// Runs every case of one thread.
-    fn work(self, job: u64, order: &Order, place: &AtomicU64, stop: &AtomicBool, tell: &mpsc::Sender<News>) -> News {
+    fn work(
+        self,
+        job: u64,
+        order: &Order,
+        place: &AtomicU64,
+        stop: &AtomicBool,
+        tell: &mpsc::Sender<TriggerEvent>,
+    ) -> TriggerEvent {
         let scratch = scratch_folder();
         let mut summary = Summary::default();
         let mut clock = CpuStopwatch::start();
@@ -250,9 +259,13 @@ impl Fuzzer {
             if let Err(fault) = &examined.outcome {
                 let found = format!("{}, case {case}, {}: {fault}", self.name, examined.kind);
                 // If nobody listens any more, another thread was first.
-                let _ = tell.send(News::Found(format!("{found}\n{}\n{}", shown(&examined.input), self.again(case))));
+                let _ = tell.send(TriggerEvent::Found(format!(
+                    "{found}\n{}\n{}",
+                    shown(&examined.input),
+                    self.again(case)
+                )));
                 let small = self.small(&bytes, examined, scratch.path(), place);
-                return News::Broken(format!("{found}\n{small}\n{}", self.again(case)));
+                return TriggerEvent::Broken(format!("{found}\n{small}\n{}", self.again(case)));
             }
             summary.cases += 1;
             let cpu = clock.lap();
@@ -261,7 +274,7 @@ impl Fuzzer {
             case += order.jobs;
         }
         place.store(u64::MAX, Ordering::Relaxed);
-        News::Done(summary)
+        TriggerEvent::Done(summary)
     }
 
     /// Makes a case of its bytes and checks the law on it.

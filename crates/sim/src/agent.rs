@@ -265,10 +265,10 @@ impl Agent {
 
 /// The agents in the order in which loops visit them, by name.
 #[derive(Resource, Clone, Debug, Default)]
-pub struct Roster(pub Vec<Entity>);
+pub struct AgentOrder(pub Vec<Entity>);
 
 /// What agents are built from and placed on.
-pub struct Arena<'a> {
+pub struct SpawnContext<'a> {
     pub scenario: &'a Scenario,
     pub seed: u64,
     pub field: &'a Arc<ClearanceField>,
@@ -286,7 +286,7 @@ pub fn enlist(world: &mut World, agent: Agent, limits: SpeedLimits, kind: impl B
     world.resource_mut::<CpuLog>().0.push(built);
     let ready = agent.busy_until;
     let entity = world.spawn((agent, kind)).id();
-    world.resource_mut::<Roster>().0.push(entity);
+    world.resource_mut::<AgentOrder>().0.push(entity);
     let wake = Wake { agent: entity, revision: 0 };
     world.resource_mut::<SimQueue>().push_for(ready, AgentEvent::Decision, wake);
     start

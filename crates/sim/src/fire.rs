@@ -17,7 +17,7 @@ use super::line::plan_line;
 use super::queue::{CellEvent, Due, Rank, SimClock, SimQueue};
 use super::recorder::Recorder;
 use super::schedule::{Pass, SimSystems};
-use super::wake::Listeners;
+use super::wake::WakeTargets;
 use super::water::WaterNeeds;
 
 /// The plugin in which bushes and ground burn.
@@ -124,7 +124,7 @@ fn change_cells(
     mut fires: ResMut<Fires>,
     mut recorder: ResMut<Recorder>,
     mut needs: Option<ResMut<WaterNeeds>>,
-    listeners: Listeners,
+    listeners: WakeTargets,
 ) {
     let now = clock.0;
     let Fires { field, model } = &mut *fires;

@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 use thiserror::Error;
 
-use super::agent::{Agent, Roster};
+use super::agent::{Agent, AgentOrder};
 use super::end::Ended;
 use super::fire::{Fires, Ignitions};
 use super::line::CrewOrders;
@@ -11,8 +11,8 @@ use super::policies::{Action, ActionOverride, Decision, NamedPolicy, PolicyId, P
 use super::queue::{SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
 use super::truck::Truck;
-use super::wake::WokenBy;
-use super::walk_grounds::WalkPlanners;
+use super::wake::WakeTriggers;
+use super::walk_lattices::WalkPlanners;
 use super::water::WaterNeeds;
 use super::wumpus::Wumpus;
 use super::{RunError, RunOptions, Simulation};
@@ -72,7 +72,7 @@ impl Simulation {
         fork.world.resource_mut::<Recorder>().count_on(&other.memory.meter);
         let is_team_new = before.dispatch != after.dispatch || before.sight != after.sight;
         let plans_otherwise = before.planner != after.planner || before.traffic != after.traffic;
-        let agents = [&fork, &other].map(|run| run.world.resource::<Roster>().0.clone());
+        let agents = [&fork, &other].map(|run| run.world.resource::<AgentOrder>().0.clone());
         for (&entity, &model) in agents[0].iter().zip(&agents[1]) {
             let (model, mut own) = (other.world.entity(model), fork.world.entity_mut(entity));
             let id = own.get::<Agent>().expect("it is an agent").id;
@@ -86,7 +86,7 @@ impl Simulation {
             }
             if decides_otherwise {
                 let follows = follows(*model.get::<PolicyId>().expect("every agent follows a policy"));
-                own.insert((follows, model.get::<WokenBy>().expect("every agent is woken").clone()));
+                own.insert((follows, model.get::<WakeTriggers>().expect("every agent is woken").clone()));
                 fork.let_decide(entity);
             }
         }
@@ -160,21 +160,21 @@ fn conduct_of(scenario: &Scenario, agent: AgentId) -> (NamedPolicy<'_>, Option<&
 /// Copies what a run consists of. A world that holds a run of as many agents is overwritten.
 fn copy_world(from: &World, to: &mut World) -> Result<(), NotForked> {
     let following = from.resource::<PolicySet>().fork().map_err(NotForked)?;
-    let agents = &from.resource::<Roster>().0;
-    let held = to.get_resource::<Roster>().map_or(Vec::new(), |roster| roster.0.clone());
+    let agents = &from.resource::<AgentOrder>().0;
+    let held = to.get_resource::<AgentOrder>().map_or(Vec::new(), |roster| roster.0.clone());
     let copies: Vec<Entity> =
         if held.len() == agents.len() { held } else { agents.iter().map(|_| to.spawn_empty().id()).collect() };
     for (&agent, &copy) in agents.iter().zip(&copies) {
         let (from, mut to) = (from.entity(agent), to.entity_mut(copy));
         copy_component::<Agent>(&from, &mut to);
         copy_component::<PolicyId>(&from, &mut to);
-        copy_component::<WokenBy>(&from, &mut to);
+        copy_component::<WakeTriggers>(&from, &mut to);
         copy_component::<Wumpus>(&from, &mut to);
         copy_component::<Truck>(&from, &mut to);
     }
     let copy_of = |agent| agents.iter().position(|&other| other == agent).map_or(agent, |number| copies[number]);
     to.insert_resource(from.resource::<SimQueue>().for_agents(copy_of));
-    to.insert_resource(Roster(copies));
+    to.insert_resource(AgentOrder(copies));
     to.insert_resource(following);
     copy_resource::<SimClock>(from, to);
     copy_resource::<Ended>(from, to);

@@ -7,10 +7,11 @@
 //! The division of time into slices does not affect the run. Agents are entities; events are appended to the timeline.
 //!
 //! Each concern is a plugin: [fire](fire::FirePlugin), [triggers of agents](wake::WakePlugin), the
-//! [Wumpus](wumpus::WumpusPlugin), the [truck](truck::TruckPlugin), [traffic](standoff::TrafficPlugin) and the
+//! [Wumpus](wumpus::WumpusPlugin), the [truck](truck::TruckPlugin), [traffic](deadlock::TrafficPlugin) and the
 //! [end](end::EndPlugin). [Policies](policies) decide which agent goes where.
 
 mod agent;
+mod deadlock;
 mod end;
 mod episode;
 mod fire;
@@ -27,11 +28,10 @@ pub mod scenario;
 mod schedule;
 mod setup;
 mod shared;
-mod standoff;
 mod traffic;
 mod truck;
 mod wake;
-mod walk_grounds;
+mod walk_lattices;
 mod water;
 mod wumpus;
 
@@ -49,16 +49,18 @@ use wildfire_timeline::{AgentId, Event, GroundEvent, Setting, Timeline};
 
 pub use episode::{Episode, PendingAgent, Points};
 pub use fork::NotForked;
-pub use run::{AgentCost, Entrants, FailureMessages, PolicyTally, Run, RunCost, RunError, RunOptions, StartPrograms};
+pub use run::{
+    AgentCost, CustomRegistry, FailureMessages, PolicyTally, Run, RunCost, RunError, RunOptions, StartPrograms,
+};
 
-use agent::{Agent, Roster};
+use agent::{Agent, AgentOrder};
 use end::Ended;
 use fire::Fires;
 use policies::{Action, AgentView, CustomPolicyStats, Observation, PendingDecision, Policy, PolicyScope, PolicySet};
 use queue::{SimClock, SimQueue};
 use recorder::{CpuLog, Recorder};
 use schedule::Pass;
-use wake::WokenBy;
+use wake::WakeTriggers;
 
 /// Runs a scenario with a seed to its end.
 pub fn run(scenario: &Scenario, seed: u64) -> Result<Run, RunError> {
@@ -149,16 +151,16 @@ impl Simulation {
     pub fn follow(&mut self, agents: &[AgentId], policy: Box<dyn Policy>) {
         let asking = policy.asking();
         let follows = self.world.resource_mut::<PolicySet>().add(policy);
-        for &entity in &self.world.resource::<Roster>().0.clone() {
+        for &entity in &self.world.resource::<AgentOrder>().0.clone() {
             let Some(agent) = self.world.get::<Agent>(entity).filter(|agent| agents.contains(&agent.id)) else {
                 continue;
             };
-            let was_in_team = self.world.get::<WokenBy>(entity).is_some_and(WokenBy::is_in_team);
+            let was_in_team = self.world.get::<WakeTriggers>(entity).is_some_and(WakeTriggers::is_in_team);
             let is_in_team = asking != PolicyScope::Each && agent.id.role.suppresses();
             let mut followers = self.world.entity_mut(entity);
             followers.insert(follows);
             if is_in_team || was_in_team {
-                followers.insert(WokenBy::truck(asking, false));
+                followers.insert(WakeTriggers::truck(asking, false));
             }
         }
     }
@@ -224,7 +226,7 @@ impl Simulation {
 
     /// Returns what policies see of the agents, by name.
     pub fn agents(&self) -> Vec<AgentView> {
-        let agents = self.world.resource::<Roster>().0.iter().filter_map(|&entity| self.world.get::<Agent>(entity));
+        let agents = self.world.resource::<AgentOrder>().0.iter().filter_map(|&entity| self.world.get::<Agent>(entity));
         agents.map(|agent| agent.view(self.now())).collect()
     }
 
@@ -245,7 +247,7 @@ impl Simulation {
 
     /// Returns the facts so far and their cost.
     pub fn finish(mut self) -> Run {
-        let agents = self.world.resource::<Roster>().0.iter().filter_map(|&entity| self.world.get::<Agent>(entity));
+        let agents = self.world.resource::<AgentOrder>().0.iter().filter_map(|&entity| self.world.get::<Agent>(entity));
         self.cost.agents = agents.map(|agent| agent.cost.clone()).collect();
         let mut following = self.world.resource_mut::<PolicySet>();
         self.cost.dispatch = following.team_cpu;
@@ -279,7 +281,7 @@ fn app() -> App {
         wake::WakePlugin,
         wumpus::WumpusPlugin,
         truck::TruckPlugin,
-        standoff::TrafficPlugin,
+        deadlock::TrafficPlugin,
         end::EndPlugin,
     ));
     app
@@ -403,7 +405,7 @@ mod tests {
     fn a_run_goes_on_without_agents_that_are_no_longer_there() {
         let mut simulation = Simulation::new(&load("fleet", 600.0), 2).expect("it takes place");
         simulation.advance_to(SimTime::from_seconds(200.0));
-        let gone = [simulation.world.resource::<Roster>().0[0], simulation.world.resource::<Roster>().0[2]];
+        let gone = [simulation.world.resource::<AgentOrder>().0[0], simulation.world.resource::<AgentOrder>().0[2]];
         for entity in gone {
             assert!(simulation.world.despawn(entity));
         }

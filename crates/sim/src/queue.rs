@@ -22,7 +22,7 @@ pub enum Rank {
     Arrival,
     PlanningDone,
     Decision,
-    Standoff,
+    Deadlock,
     Line,
     End,
 }
@@ -38,7 +38,7 @@ pub struct Wake {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AgentEvent {
     /// Something has changed that the agent may respond to.
-    LookAgain,
+    Replan,
     /// The goal is no longer worth going for.
     GoalLost,
     /// A truck has stood at a fire long enough.
@@ -51,7 +51,7 @@ pub enum AgentEvent {
     PlanningDone,
     Decision,
     /// A truck is blocked by others.
-    Standoff,
+    Deadlock,
 }
 
 /// A change of a cell that takes place at once, if it can.
@@ -82,7 +82,7 @@ pub enum Due {
 impl Due {
     fn rank(&self) -> Rank {
         match self {
-            Self::Agent(AgentEvent::LookAgain | AgentEvent::GoalLost, _) => Rank::Woken,
+            Self::Agent(AgentEvent::Replan | AgentEvent::GoalLost, _) => Rank::Woken,
             Self::Cell(_) => Rank::Change,
             Self::Agent(AgentEvent::DwellEnd, _) => Rank::Extinction,
             Self::Fire(FireEvent::BurnOut { .. }) => Rank::BurnOut,
@@ -92,7 +92,7 @@ impl Due {
             Self::Agent(AgentEvent::Arrival, _) => Rank::Arrival,
             Self::Agent(AgentEvent::PlanningDone, _) => Rank::PlanningDone,
             Self::Agent(AgentEvent::Decision, _) => Rank::Decision,
-            Self::Agent(AgentEvent::Standoff, _) => Rank::Standoff,
+            Self::Agent(AgentEvent::Deadlock, _) => Rank::Deadlock,
             Self::Line => Rank::Line,
             Self::End => Rank::End,
         }

@@ -222,7 +222,7 @@ pub struct RunOptions {
 
 /// The registered planners and policies, besides the built-in ones.
 #[derive(Clone, Debug, Default)]
-pub struct Entrants {
+pub struct CustomRegistry {
     pub planners: Planners,
     pub policies: Policies,
     /// The starter of the programs that a scenario names; without it none is started.
@@ -243,13 +243,13 @@ pub trait StartPrograms: fmt::Debug + Send + Sync {
     ) -> Result<(Planners, Policies), MakeError>;
 }
 
-impl From<Planners> for Entrants {
+impl From<Planners> for CustomRegistry {
     fn from(planners: Planners) -> Self {
         Self { planners, ..Self::default() }
     }
 }
 
-impl From<Policies> for Entrants {
+impl From<Policies> for CustomRegistry {
     fn from(policies: Policies) -> Self {
         Self { policies, ..Self::default() }
     }
@@ -269,8 +269,8 @@ impl RunOptions {
     }
 }
 
-impl From<Entrants> for RunOptions {
-    fn from(Entrants { planners, policies, programs }: Entrants) -> Self {
+impl From<CustomRegistry> for RunOptions {
+    fn from(CustomRegistry { planners, policies, programs }: CustomRegistry) -> Self {
         Self { planners, policies, programs, ..Self::default() }
     }
 }

@@ -17,13 +17,13 @@ use wildfire_planning::collision::ClearanceField;
 use wildfire_planning::memory::MemoryMeter;
 use wildfire_timeline::{AgentId, AgentStart, Rules, Setting, SpreadSetting, WaterRules};
 
-use super::agent::{Arena, Roster};
+use super::agent::{AgentOrder, SpawnContext};
 use super::fire::{Fires, Ignitions, ScheduledIgnition};
 use super::policies::{NamedPolicy, Policies, PolicyContext, PolicySet, RuleContext, dispatch};
 use super::queue::{Due, SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
 use super::run::{RunCost, RunError, RunOptions};
-use super::walk_grounds::WalkGrounds;
+use super::walk_lattices::WalkLattices;
 use super::water::WaterNeeds;
 use super::{line, truck, wumpus};
 
@@ -65,15 +65,16 @@ pub fn fill(
     world.insert_resource(Recorder::new(memory, options.records_searches));
     world.init_resource::<SimClock>();
     world.init_resource::<CpuLog>();
-    world.init_resource::<Roster>();
+    world.init_resource::<AgentOrder>();
     world.insert_resource(policies(scenario, seed, &terrain, &known_policies)?);
 
     let water = water_rules(scenario).map(Arc::new);
     let slows = scenario.unimog.iter().any(|truck| !truck.speed_by_ground.is_empty());
     let ground = slows.then(|| GroundKinds::new(&terrain)).flatten();
-    let arena = Arena { scenario, seed, field: &field, ground: &ground, water: &water, memory, planners: &planners };
+    let arena =
+        SpawnContext { scenario, seed, field: &field, ground: &ground, water: &water, memory, planners: &planners };
     let mut starts = Vec::new();
-    let mut grounds = WalkGrounds::new(&terrain, terrain.lightable(scenario.fire.lights_ground()));
+    let mut grounds = WalkLattices::new(&terrain, terrain.lightable(scenario.fire.lights_ground()));
     for (number, settings) in scenario.wumpus.iter().enumerate() {
         starts.push(wumpus::spawn(world, &mut grounds, number as u16, settings)?);
     }

@@ -8,7 +8,7 @@
 //!   [among](wildfire_planning::plan_among) the motions of all, or waits until something of the others changes;
 //! - a truck that drops its goal drives on to where it may stand for good ([`Traffic::stopping`]);
 //! - a truck that has nothing to do, or is blocked itself, gives way to one that could not set out otherwise
-//!   ([`standoff`](super::standoff)).
+//!   ([`deadlock`](super::deadlock)).
 
 use bevy_ecs::prelude::Entity;
 use glam::DVec2;

@@ -9,7 +9,7 @@ use wildfire_base::time::SimTime;
 use wildfire_fire::{FireChange, FireField};
 use wildfire_timeline::RestReason;
 
-use super::agent::{Activity, Agent, Roster};
+use super::agent::{Activity, Agent, AgentOrder};
 use super::policies::PolicyScope;
 use super::queue::{AgentEvent, Due, SimClock, SimQueue};
 use super::schedule::{Pass, SimSystems};
@@ -20,15 +20,15 @@ pub struct WakePlugin;
 
 impl Plugin for WakePlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(Pass, (drop_void_events, look_again, finish_planning).chain().in_set(SimSystems::Wake));
+        app.add_systems(Pass, (drop_void_events, replan, finish_planning).chain().in_set(SimSystems::Wake));
     }
 }
 
 /// The triggers that wake an agent.
 #[derive(Component, Clone, Debug)]
-pub struct WokenBy(pub Vec<Trigger>);
+pub struct WakeTriggers(pub Vec<Trigger>);
 
-impl WokenBy {
+impl WakeTriggers {
     /// Returns the triggers of a truck whose policy is asked in this way, and which may reconsider its goal whenever
     /// something ignites.
     pub fn truck(asking: PolicyScope, reconsiders: bool) -> Self {
@@ -69,7 +69,7 @@ pub enum Trigger {
 
 /// Triggers fired by a change of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum News {
+enum TriggerEvent {
     Ignition(Cell),
     FireOver(Cell),
     /// A wet cell, which cannot be lit until it dries.
@@ -77,7 +77,7 @@ enum News {
     Fuel,
 }
 
-impl News {
+impl TriggerEvent {
     /// First comes what happened, then what it makes possible.
     fn of_change(change: FireChange, fires: &FireField) -> impl Iterator<Item = Self> {
         let (first, then) = match change {
@@ -94,24 +94,24 @@ impl News {
 
 impl Trigger {
     /// Returns what the agent is to do about the news, if they wake it.
-    fn wakes(self, agent: &Agent, news: News, now: SimTime) -> Option<AgentEvent> {
+    fn wakes(self, agent: &Agent, news: TriggerEvent, now: SimTime) -> Option<AgentEvent> {
         let (is_woken, event) = match (self, news) {
-            (Self::GoalIgnited, News::Ignition(cell) | News::Water(cell))
-            | (Self::GoalBurnsNoMore, News::FireOver(cell)) => (agent.goal == Some(cell), AgentEvent::GoalLost),
-            (Self::IgnitionWhileFree, News::Ignition(_)) => (agent.is_free(), AgentEvent::LookAgain),
-            (Self::IgnitionUnderWay, News::Ignition(_)) => (agent.is_under_way(), AgentEvent::LookAgain),
-            (Self::FireOverWhileBlocked, News::FireOver(_)) => {
-                (agent.activity == Activity::Blocked, AgentEvent::LookAgain)
+            (Self::GoalIgnited, TriggerEvent::Ignition(cell) | TriggerEvent::Water(cell))
+            | (Self::GoalBurnsNoMore, TriggerEvent::FireOver(cell)) => (agent.goal == Some(cell), AgentEvent::GoalLost),
+            (Self::IgnitionWhileFree, TriggerEvent::Ignition(_)) => (agent.is_free(), AgentEvent::Replan),
+            (Self::IgnitionUnderWay, TriggerEvent::Ignition(_)) => (agent.is_under_way(), AgentEvent::Replan),
+            (Self::FireOverWhileBlocked, TriggerEvent::FireOver(_)) => {
+                (agent.activity == Activity::Blocked, AgentEvent::Replan)
             }
-            (Self::FuelWhileResting, News::Fuel) => {
-                (matches!(agent.activity, Activity::Resting(_)), AgentEvent::LookAgain)
+            (Self::FuelWhileResting, TriggerEvent::Fuel) => {
+                (matches!(agent.activity, Activity::Resting(_)), AgentEvent::Replan)
             }
-            (Self::ChangeWhileWaiting, News::Ignition(_) | News::FireOver(_)) => {
-                (agent.activity == Activity::Resting(RestReason::Chosen), AgentEvent::LookAgain)
+            (Self::ChangeWhileWaiting, TriggerEvent::Ignition(_) | TriggerEvent::FireOver(_)) => {
+                (agent.activity == Activity::Resting(RestReason::Chosen), AgentEvent::Replan)
             }
-            (Self::ChangeForTeam { replans }, News::Ignition(_) | News::FireOver(_)) => {
+            (Self::ChangeForTeam { replans }, TriggerEvent::Ignition(_) | TriggerEvent::FireOver(_)) => {
                 let is_woken = agent.is_free() || agent.is_relocating(now) || replans && agent.is_under_way();
-                (is_woken, AgentEvent::LookAgain)
+                (is_woken, AgentEvent::Replan)
             }
             _ => return None,
         };
@@ -121,18 +121,18 @@ impl Trigger {
 
 /// All agents that listen for changes.
 #[derive(SystemParam)]
-pub struct Listeners<'w, 's> {
-    roster: Res<'w, Roster>,
-    agents: Query<'w, 's, (&'static Agent, &'static WokenBy)>,
+pub struct WakeTargets<'w, 's> {
+    roster: Res<'w, AgentOrder>,
+    agents: Query<'w, 's, (&'static Agent, &'static WakeTriggers)>,
 }
 
-impl Listeners<'_, '_> {
+impl WakeTargets<'_, '_> {
     /// Wakes the agents that a change concerns, in the order of their names; returns false if there are none.
     pub fn hear_of(&self, change: FireChange, now: SimTime, fires: &FireField, queue: &mut SimQueue) -> bool {
         let mut is_heard = false;
-        for news in News::of_change(change, fires) {
+        for news in TriggerEvent::of_change(change, fires) {
             for &entity in &self.roster.0 {
-                let Ok((agent, WokenBy(triggers))) = self.agents.get(entity) else { continue };
+                let Ok((agent, WakeTriggers(triggers))) = self.agents.get(entity) else { continue };
                 if let Some(event) = triggers.iter().find_map(|trigger| trigger.wakes(agent, news, now)) {
                     queue.push_for(now, event, agent.wake(entity));
                     is_heard = true;
@@ -154,8 +154,8 @@ fn drop_void_events(clock: Res<SimClock>, mut queue: ResMut<SimQueue>, agents: Q
 }
 
 /// Lets agents that were woken decide again: who stands begins again, who is under way goes on meanwhile.
-fn look_again(clock: Res<SimClock>, mut queue: ResMut<SimQueue>, mut agents: Query<&mut Agent>) {
-    while let Some(wake) = queue.take_for(clock.0, AgentEvent::LookAgain, |_| true) {
+fn replan(clock: Res<SimClock>, mut queue: ResMut<SimQueue>, mut agents: Query<&mut Agent>) {
+    while let Some(wake) = queue.take_for(clock.0, AgentEvent::Replan, |_| true) {
         match agents.get_mut(wake.agent) {
             Ok(mut agent) if agent.is_free() => agent.reconsider(wake.agent, clock.0, &mut queue),
             Ok(mut agent) => {

@@ -32,8 +32,8 @@ use super::queue::{AgentEvent, CellEvent, Due, SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
 use super::run::RunError;
 use super::schedule::{Pass, SimSystems};
-use super::wake::{Trigger, WokenBy};
-use super::walk_grounds::{Footing, Targets, WalkGrounds, WalkPlannerId, WalkPlanners};
+use super::wake::{Trigger, WakeTriggers};
+use super::walk_lattices::{LatticePosition, Targets, WalkLattices, WalkPlannerId, WalkPlanners};
 
 /// The plugin in which Wumpuses walk and light bushes.
 #[derive(Debug)]
@@ -63,12 +63,12 @@ pub struct Wumpus {
     /// Points and the goals to which no descent leads from there.
     failed_goals: BTreeSet<(usize, Cell)>,
     targets: Arc<Targets>,
-    deliberation: Option<Deliberation>,
+    deliberation: Option<WumpusDecision>,
 }
 
 /// A decision that is not yet made.
 #[derive(Clone, Copy, Debug)]
-struct Deliberation {
+struct WumpusDecision {
     /// Of the agent that began it.
     revision: u32,
     /// When it may set out: planning times of goals that it failed to approach add up.
@@ -144,12 +144,12 @@ impl Wumpus {
 /// Places a Wumpus on the free point of its lattice that is nearest to its start.
 pub fn spawn(
     world: &mut World,
-    grounds: &mut WalkGrounds<'_>,
+    grounds: &mut WalkLattices<'_>,
     number: u16,
     settings: &scenario::Wumpus,
 ) -> Result<AgentStart, RunError> {
     let (id, start) = (AgentId::wumpus(number), DVec2::from(settings.start_m));
-    let Footing { lattice, point, targets, planner } =
+    let LatticePosition { lattice, point, targets, planner } =
         grounds.place(settings).ok_or(RunError::NoFreeStart { agent: id })?;
     let step_m = lattice.step_m();
     let here = lattice.position(point);
@@ -185,7 +185,7 @@ pub fn spawn(
     triggers.extend((!settings.keep_goal).then_some(Trigger::GoalIgnited));
     let follows = world.resource::<PolicySet>().policy_of(id);
     let agent = Agent::standing(id, Body::Square { size_m: settings.size_m }, Pose::new(here.x, here.y, 0.0));
-    Ok(enlist(world, agent, SpeedLimits::new(fastest, 0.0), (wumpus, WokenBy(triggers), follows)))
+    Ok(enlist(world, agent, SpeedLimits::new(fastest, 0.0), (wumpus, WakeTriggers(triggers), follows)))
 }
 
 /// One Wumpus while something is due for it.
@@ -283,12 +283,12 @@ impl Turn<'_> {
     fn act(mut self, choice: Action, fires: &FireField, planners: &WalkPlanners, cpu_log: &mut CpuLog) {
         let Self { agent, wumpus, now, .. } = &mut self;
         let begun = wumpus.deliberation.take().filter(|begun| begun.revision == agent.revision);
-        let Deliberation { mut ready, cpu, .. } =
-            begun.unwrap_or(Deliberation { revision: agent.revision, ready: *now, cpu: agent.cost.total() });
+        let WumpusDecision { mut ready, cpu, .. } =
+            begun.unwrap_or(WumpusDecision { revision: agent.revision, ready: *now, cpu: agent.cost.total() });
         match choice {
             Action::Go(goal) if wumpus.is_option(goal, fires) => {
                 if !self.try_goal(goal, &mut ready, planners) {
-                    self.wumpus.deliberation = Some(Deliberation { revision: self.agent.revision, ready, cpu });
+                    self.wumpus.deliberation = Some(WumpusDecision { revision: self.agent.revision, ready, cpu });
                     return;
                 }
             }

@@ -142,7 +142,7 @@ mod tests {
     use clap::Parser;
 
     use super::*;
-    use wildfire_sim::Entrants;
+    use wildfire_sim::CustomRegistry;
     use wildfire_sim::scenario::BUILT_IN;
 
     #[derive(Parser)]
@@ -153,7 +153,7 @@ mod tests {
 
     fn titles(words: &str) -> Vec<String> {
         let command = Command::parse_from(["show"].into_iter().chain(words.split(' ')));
-        let shown = shown_runs(&command.show, Searches::LeftOut, &CommandContext::new(true, Entrants::default()))
+        let shown = shown_runs(&command.show, Searches::LeftOut, &CommandContext::new(true, CustomRegistry::default()))
             .expect("both runs take place");
         shown.into_iter().map(|shown| shown.run.title).collect()
     }

@@ -14,7 +14,7 @@ use wildfire::batch::{
 };
 use wildfire::picture::charts::PaperSize;
 use wildfire::scenario::ScenarioText;
-use wildfire::sim::Entrants;
+use wildfire::sim::CustomRegistry;
 
 use super::fuzz::text::mutated;
 use super::fuzz::{Case, Law, below, chance, one_of};
@@ -46,7 +46,7 @@ fn sample(options: &[&str], seeds: &str) -> Sample {
     let scratch = tempfile::tempdir().expect("a scratch folder");
     let folder = OutputFolder::named(&scratch.path().join("batch"), false).expect("a new folder");
     let mut batch = Batch::begin(plan.clone(), folder).expect("it begins");
-    batch.run(&Entrants::default(), 1, &Arc::new(AtomicBool::new(false)), |_| {}).expect("all runs take place");
+    batch.run(&CustomRegistry::default(), 1, &Arc::new(AtomicBool::new(false)), |_| {}).expect("all runs take place");
     batch.finish(&AtomicBool::new(false)).expect("its tables are written");
     let read = |name: &str| fs::read(scratch.path().join("batch").join(name)).expect("it was written");
     Sample {

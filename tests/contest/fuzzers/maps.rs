@@ -8,7 +8,7 @@ use miniz_oxide::deflate;
 use wildfire::grid::Grid;
 use wildfire::map_files::raster::{self, Raster};
 use wildfire::map_files::{self, MapValue};
-use wildfire::scenario::{self, GivenField, Problem, Unimog};
+use wildfire::scenario::{self, ImportedField, Problem, Unimog};
 
 use super::fuzz::text::{NUMBERS, mutated};
 use super::fuzz::{Case, Law, below, chance, one_of};
@@ -290,7 +290,7 @@ pub fn given_field(case: &mut Case<'_>) -> Law {
     case.input = mutated(&mut case.dice, FIELDS, MEMBERS);
     let text = String::from_utf8_lossy(&case.input);
     let cell_m = *one_of(&mut case.dice, &[5.0, 0.01, 1000.0, 0.0, -1.0, f64::NAN, f64::INFINITY]);
-    let field = match GivenField::parse(&text, cell_m) {
+    let field = match ImportedField::parse(&text, cell_m) {
         Ok(field) => field,
         Err(refusal) if text.get(refusal.span.clone()).is_none() => {
             return Err(format!("{refusal} at {:?}, which is no stretch of the text", refusal.span));
@@ -299,7 +299,7 @@ pub fn given_field(case: &mut Case<'_>) -> Law {
     };
     case.count("given fields accepted");
     let json = serde_json::to_string(&field).map_err(|error| format!("it cannot be written: {error}"))?;
-    let back: GivenField = serde_json::from_str(&json).map_err(|error| format!("it does not come back: {error}"))?;
+    let back: ImportedField = serde_json::from_str(&json).map_err(|error| format!("it does not come back: {error}"))?;
     if back == field { Ok(()) } else { Err("another field comes back".into()) }
 }
 

@@ -14,13 +14,13 @@ use crate::table::{RunRecord, run_column};
 use wildfire_audit::{SampleStep, audit_timeline};
 use wildfire_planning::Planners;
 use wildfire_sim::scenario::Scenario;
-use wildfire_sim::{Entrants, RunError, RunOptions};
+use wildfire_sim::{CustomRegistry, RunError, RunOptions};
 use wildfire_timeline::Outcome;
 
 /// Who plays, and on how many threads.
 #[derive(Clone, Copy)]
 pub struct Players<'a> {
-    pub entrants: &'a Entrants,
+    pub entrants: &'a CustomRegistry,
     /// The planners that a scenario names, programs and modules among them, or why there are none.
     pub planners_of: &'a (dyn Fn(&Scenario) -> Result<Planners, String> + Sync),
     pub jobs: usize,

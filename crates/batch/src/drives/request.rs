@@ -5,7 +5,7 @@ use super::error::DriveError;
 use super::problems::DriveProblems;
 use super::table::DriveTable;
 use wildfire_planning::{PlannerName, TruckPlannerKind};
-use wildfire_sim::Entrants;
+use wildfire_sim::CustomRegistry;
 #[cfg(unix)]
 use wildfire_sim::programs::{ProgramPool, Trust};
 use wildfire_sim::scenario::{LoadedScenario, MemoryLimit, Problem, Scenario};
@@ -30,7 +30,7 @@ impl DriveRequest {
     ///
     /// # Errors
     /// If the scenario, a field or a planner is refused.
-    pub fn plan(&self, entrants: &Entrants) -> Result<DriveTable, DriveError> {
+    pub fn plan(&self, entrants: &CustomRegistry) -> Result<DriveTable, DriveError> {
         let changes = own_names(entrants).chain(self.changes.iter().cloned()).collect::<Vec<_>>();
         let LoadedScenario { scenario, .. } = LoadedScenario::open(&self.scenario, &changes)?;
         let problems = self.problems.load(&scenario, self.seed)?;
@@ -61,8 +61,8 @@ pub fn ask_all<'a>(problems: &'a [Problem], question: &AttemptSettings<'_>) -> R
 }
 
 /// Returns changes of a scenario that declare the registered planners and policies.
-pub fn own_names(entrants: &Entrants) -> impl Iterator<Item = String> {
-    let Entrants { planners, policies, .. } = entrants;
+pub fn own_names(entrants: &CustomRegistry) -> impl Iterator<Item = String> {
+    let CustomRegistry { planners, policies, .. } = entrants;
     let planners = planners.own_names().map(|name| format!("planner.\"{name}\".command=[]"));
     planners.chain(policies.own_names().map(|name| format!("policy.\"{name}\".command=[]")))
 }
@@ -89,7 +89,7 @@ pub fn asked_planners(names: &[PlannerName], scenario: &Scenario) -> Vec<Planner
 
 /// Refuses unknown planners: names that are neither built in nor registered, and have no table in the scenario.
 pub fn expect_known_planners(
-    entrants: &Entrants,
+    entrants: &CustomRegistry,
     scenario: &Scenario,
     asked: &[PlannerName],
 ) -> Result<(), DriveError> {

@@ -5,7 +5,7 @@ use std::time::Duration;
 use crate::execute::panics;
 use crate::plan::BatchPlan;
 use wildfire_base::time::wall::WallStopwatch;
-use wildfire_sim::{Entrants, RunOptions};
+use wildfire_sim::{CustomRegistry, RunOptions};
 
 /// The most runs of a pilot.
 const MOST_RUNS: u64 = 20;
@@ -26,7 +26,7 @@ pub struct Pilot {
 impl Pilot {
     /// Executes runs that are spread evenly over the plan, so that every variant has its share if there are enough, on
     /// this thread; at least one, and no more after a minute. Failed runs count with the time they took.
-    pub fn run(plan: &BatchPlan, entrants: &Entrants) -> Self {
+    pub fn run(plan: &BatchPlan, entrants: &CustomRegistry) -> Self {
         let options = RunOptions { memory: plan.memory, ..entrants.clone().into() };
         let runs = plan.count().min(MOST_RUNS);
         let mut pilot = Self { runs: 0, total: Duration::ZERO, longest: Duration::ZERO };
@@ -64,7 +64,7 @@ mod tests {
             let request =
                 BatchRequest { scenarios: vec!["smoke".into()], seeds: seeds.parse().ok(), ..BatchRequest::default() };
             let plan = request.resolve(false).expect("a small batch");
-            let pilot = Pilot::run(&plan, &Entrants::default());
+            let pilot = Pilot::run(&plan, &CustomRegistry::default());
             assert_eq!(pilot.runs, expected);
             assert!(pilot.longest <= pilot.total && pilot.mean_s() > 0.0, "{pilot:?}");
         }

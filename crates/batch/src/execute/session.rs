@@ -17,7 +17,7 @@ use crate::execute::{BatchError, Disk, JournalIndex, OutputFolder, RUNS_FILE, Re
 use crate::plan::{BatchPlan, ENTRY_COLUMN, PLAN_FILE, PlanError, Record, Slice};
 use wildfire_base::whole_file::sync_folder_of;
 use wildfire_sim::scenario::Scenario;
-use wildfire_sim::{Entrants, RunOptions};
+use wildfire_sim::{CustomRegistry, RunOptions};
 use wildfire_timeline::file::{self, FileError};
 
 /// A slice of a batch that only this process works on.
@@ -158,7 +158,7 @@ impl Batch {
     /// of them the batch can be resumed.
     pub fn run(
         &mut self,
-        entrants: &Entrants,
+        entrants: &CustomRegistry,
         jobs: usize,
         stop: &Arc<AtomicBool>,
         on_run: impl FnMut(RunEnd),

@@ -19,7 +19,7 @@ use crate::execute::BatchError;
 use crate::plan::PlannedRun;
 use crate::stats::{Interval, MeanEstimate, Series, estimate_mean};
 use wildfire_base::{object, rng};
-use wildfire_sim::Entrants;
+use wildfire_sim::CustomRegistry;
 use wildfire_timeline::{BurnMap, Setting, Timeline};
 
 use sums::{PairSums, RunCounts, SideSums};
@@ -42,7 +42,7 @@ pub struct MapsOptions<'a> {
     /// The number of threads.
     pub jobs: usize,
     /// The planners and policies of runs that are repeated.
-    pub entrants: &'a Entrants,
+    pub entrants: &'a CustomRegistry,
 }
 
 /// Maps over one batch, or over two and their difference.

@@ -7,7 +7,7 @@ use crate::maps::MapsError;
 use crate::plan::{PlannedRun, Variant, is_same_value, planner_of};
 use crate::table::FinishedBatch;
 use wildfire_sim::scenario::Scenario;
-use wildfire_sim::{Entrants, RunOptions};
+use wildfire_sim::{CustomRegistry, RunOptions};
 use wildfire_timeline::{Timeline, file};
 
 /// One variant of a batch.
@@ -112,7 +112,7 @@ impl MapSource {
     ///
     /// # Errors
     /// If the recording cannot be read or is of another run.
-    pub fn timeline(&self, run: &PlannedRun<'_>, entrants: &Entrants) -> Result<Option<FoundRun>, MapsError> {
+    pub fn timeline(&self, run: &PlannedRun<'_>, entrants: &CustomRegistry) -> Result<Option<FoundRun>, MapsError> {
         if let Some(path) = self.batch.recording(run) {
             let timeline = file::read(&path).map_err(|source| MapsError::Unreadable { path: path.clone(), source })?;
             let (scenario, seed) = (timeline.setting.scenario.clone(), timeline.setting.seed);

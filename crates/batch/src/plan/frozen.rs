@@ -17,7 +17,7 @@ use super::{Seeds, SeedsError, Value, Variant};
 use wildfire_base::input_file::{self, InputFile, list_of_at_most};
 use wildfire_base::object;
 use wildfire_planning::PlannerName;
-use wildfire_sim::Entrants;
+use wildfire_sim::CustomRegistry;
 use wildfire_sim::scenario::{self, Fault, MemoryLimit, Program, Programs, TruckGoal, WumpusGoal};
 
 pub const PLAN_FILE: &str = "plan.json";
@@ -261,7 +261,7 @@ impl BatchPlan {
 
     /// Refuses a batch whose runs cannot be made here: a planner or a policy of them was registered, and none of
     /// that name is registered here.
-    pub fn expect_entrants(&self, entrants: &Entrants, folder: &Path) -> Result<(), PlanError> {
+    pub fn expect_entrants(&self, entrants: &CustomRegistry, folder: &Path) -> Result<(), PlanError> {
         let is_program = |table: &Programs, name| table.get(name).is_some_and(Program::is_external);
         for Variant { scenario, .. } in &self.variants {
             let planners = scenario.unimog.iter().map(|truck| ("planner", &truck.planner));

@@ -17,7 +17,7 @@ use wildfire_audit::{Audited, SampleStep, Verdict, Violation, audit_timeline};
 use wildfire_base::document::number::{count, rounded};
 use wildfire_base::document::{Block, Document};
 use wildfire_base::object;
-use wildfire_sim::{Entrants, RunCost, RunOptions};
+use wildfire_sim::{CustomRegistry, RunCost, RunOptions};
 use wildfire_timeline::{Outcome, Timeline, file};
 
 /// Runs between two looks at the results, per worker.
@@ -130,7 +130,7 @@ pub struct AuditOptions<'a> {
     pub jobs: usize,
     pub step: SampleStep,
     /// The planners and policies of runs that are repeated.
-    pub entrants: &'a Entrants,
+    pub entrants: &'a CustomRegistry,
     /// The maximum number of listed runs with a violation.
     pub listed: usize,
 }

@@ -11,7 +11,7 @@ use crate::plan::{BatchPlan, PLAN_FILE, PlanError, PlannedRun};
 use crate::table::columns::{RUN_COLUMNS, RunColumn};
 use crate::table::reader::{TableError, TableReader};
 use crate::table::record::RunRecord;
-use wildfire_sim::Entrants;
+use wildfire_sim::CustomRegistry;
 
 /// The reason why a folder cannot be read as a finished batch. Messages are sentences that name the file.
 #[derive(Debug, Error)]
@@ -86,7 +86,7 @@ impl FinishedBatch {
     }
 
     /// Refuses a batch of which a run would have to be repeated and cannot, see [`BatchPlan::expect_entrants`].
-    pub fn expect_entrants(&self, entrants: &Entrants) -> Result<(), FinishedError> {
+    pub fn expect_entrants(&self, entrants: &CustomRegistry) -> Result<(), FinishedError> {
         match self.plan.expect_entrants(entrants, &self.folder) {
             Err(_) if self.runs().all(|run| self.recording(&run).is_some()) => Ok(()),
             known => Ok(known?),

@@ -37,9 +37,9 @@ const SEED: u64 = 0;
 
 /// The entries that the agents of each kind are written in, by the agents' numbers; in the order of [`KINDS`].
 #[derive(Clone, Debug, Default)]
-pub(super) struct Copies([Vec<usize>; 2]);
+pub(super) struct AgentExpansion([Vec<usize>; 2]);
 
-impl Copies {
+impl AgentExpansion {
     /// Takes the `count` out of all entries and repeats them as often.
     pub fn expand(root: &mut Value) -> Result<Self, Box<Refusal>> {
         let mut copies = Self::default();

@@ -271,7 +271,7 @@ fn draw_sketch(terrain: &Terrain, scenario: &Scenario) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{BUILT_IN, Field, GivenField, load};
+    use crate::scenario::{BUILT_IN, Field, ImportedField, load};
 
     fn explained(source: &str, changes: &[&str]) -> String {
         let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
@@ -378,7 +378,7 @@ mod tests {
 
     fn drawn(map: &str) -> String {
         let wumpus_alone = load("wumpus-alone", &["wumpus.start_m=[2.5, 2.5]".into()]).expect("this scenario is right");
-        let given = GivenField::parse(map, 5.0).expect("this map is right");
+        let given = ImportedField::parse(map, 5.0).expect("this map is right");
         let scenario = Scenario { field: Field { given: Some(given), ..Field::default() }, ..wumpus_alone };
         draw_sketch(&Terrain::from_scenario(&scenario, 1).expect("a given field needs no drawing"), &scenario)
     }

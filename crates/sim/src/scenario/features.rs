@@ -116,7 +116,7 @@ pub struct Features<'a> {
 
 /// Points from which the river keeps away, and how far.
 #[derive(Clone, Debug)]
-pub struct KeptFree {
+pub struct RiverExclusion {
     pub centres: Vec<DVec2>,
     pub clearance_m: f64,
 }
@@ -125,7 +125,7 @@ impl Features<'_> {
     /// Lays the features onto the ground, numbers of fuel models by cell index.
     ///
     /// Returns false if the river meets the start of an agent wherever it is tried.
-    pub fn lay(&self, ground: &mut [u8], frame: &FieldFrame, seed: u64, free: &KeptFree) -> bool {
+    pub fn lay(&self, ground: &mut [u8], frame: &FieldFrame, seed: u64, free: &RiverExclusion) -> bool {
         for (number, patches) in self.patches.iter().enumerate() {
             patches.lay(ground, frame, &mut rng::stream(seed, &format!("landscape/patches/{number}")));
         }
@@ -257,7 +257,7 @@ struct Course {
 
 impl River {
     /// Draws a course that keeps away from starts; `None` if none is found.
-    fn course(&self, frame: &FieldFrame, rng: &mut impl Rng, free: &KeptFree) -> Option<Course> {
+    fn course(&self, frame: &FieldFrame, rng: &mut impl Rng, free: &RiverExclusion) -> Option<Course> {
         let clearance = |cells: &[usize]| {
             let half = 0.5 * frame.cell_m;
             free.centres.iter().all(|&centre| {
@@ -375,8 +375,8 @@ mod tests {
 
     const FRAME: FieldFrame = FieldFrame { cols: 60, rows: 50, cell_m: 5.0 };
 
-    fn free(centres: &[[f64; 2]]) -> KeptFree {
-        KeptFree { centres: centres.iter().copied().map(DVec2::from).collect(), clearance_m: 10.0 }
+    fn free(centres: &[[f64; 2]]) -> RiverExclusion {
+        RiverExclusion { centres: centres.iter().copied().map(DVec2::from).collect(), clearance_m: 10.0 }
     }
 
     fn laid(patches: &[Patches], river: Option<&River>, roads: &[Road], seed: u64) -> Vec<u8> {
@@ -447,7 +447,7 @@ mod tests {
                 assert!((FRAME.centre(FRAME.cell(index)) - DVec2::from(start)).length() > 10.0);
             }
         }
-        let everywhere = KeptFree { centres: vec![DVec2::new(150.0, 125.0)], clearance_m: 500.0 };
+        let everywhere = RiverExclusion { centres: vec![DVec2::new(150.0, 125.0)], clearance_m: 500.0 };
         assert!(!features.lay(&mut vec![102; FRAME.cell_count()], &FRAME, 1, &everywhere));
     }
 

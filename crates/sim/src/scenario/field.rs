@@ -9,7 +9,7 @@ use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::check::{Check, TablePath};
-use super::given::{GivenField, MAX_CELLS_A_SIDE};
+use super::given::{ImportedField, MAX_CELLS_A_SIDE};
 use super::tetromino::Shape;
 use wildfire_base::geometry::FieldFrame;
 use wildfire_base::ranges;
@@ -51,7 +51,7 @@ pub struct Field {
     /// The content of the file at `map`. Loading fills it in, so that a resolved scenario is complete without the file.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(skip)]
-    pub given: Option<GivenField>,
+    pub given: Option<ImportedField>,
     /// The frame of a landscape's rasters or image. Loading fills it in.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(skip)]

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::fuel_name::FuelName;
 use super::given::MAX_CELLS_A_SIDE;
 use super::landscape::colour_of;
-use super::layers::GivenLayers;
+use super::layers::ImportedLayers;
 use wildfire_base::geometry::FieldFrame;
 use wildfire_grid::map_files::read_colours;
 
@@ -51,10 +51,10 @@ impl FuelImage {
     ///
     /// # Errors
     /// Returns a sentence if the shapes differ.
-    pub fn onto(self, layers: Option<GivenLayers>, cell_m: f64) -> Result<GivenLayers, String> {
+    pub fn onto(self, layers: Option<ImportedLayers>, cell_m: f64) -> Result<ImportedLayers, String> {
         let Self { name, cols, rows, fuel } = self;
         let Some(layers) = layers else {
-            return Ok(GivenLayers::from_fuel(FieldFrame { cols, rows, cell_m }, &fuel));
+            return Ok(ImportedLayers::from_fuel(FieldFrame { cols, rows, cell_m }, &fuel));
         };
         if (layers.frame.cols, layers.frame.rows) == (cols, rows) {
             return Ok(layers.with_fuel(&fuel));

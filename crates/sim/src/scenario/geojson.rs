@@ -16,7 +16,7 @@ use serde::de::{DeserializeSeed, Error, IgnoredAny, MapAccess, SeqAccess, Visito
 use serde::{Deserialize, Deserializer};
 
 use super::error::MapFault;
-use super::layers::GivenLayers;
+use super::layers::ImportedLayers;
 use wildfire_base::geometry::{DVec2, FieldFrame, ops};
 use wildfire_base::untrusted::visible_start;
 use wildfire_grid::Grid;
@@ -77,7 +77,7 @@ pub(super) fn parse(text: &str, cell_m: f64, most: u16) -> Result<Result<ReadFie
 pub(super) fn road_cells(
     text: &str,
     frame: &FieldFrame,
-    layers: Option<&GivenLayers>,
+    layers: Option<&ImportedLayers>,
 ) -> Result<Result<Vec<u8>, String>, serde_json::Error> {
     let mut shapes = Shapes { are_lines: true, ..Shapes::default() };
     let mut json = serde_json::Deserializer::from_str(text);
@@ -202,7 +202,7 @@ impl Shapes {
     }
 
     /// Marks the cells that lines cross.
-    fn crossed(&self, frame: &FieldFrame, layers: Option<&GivenLayers>) -> Result<Vec<u8>, String> {
+    fn crossed(&self, frame: &FieldFrame, layers: Option<&ImportedLayers>) -> Result<Vec<u8>, String> {
         if self.points.is_empty() {
             return Err("it has no line; expected a LineString or a MultiLineString".into());
         }
@@ -558,7 +558,7 @@ mod tests {
             assert!(refused.contains(expected), "{points}: {refused}");
         }
         let frame = FieldFrame { cols: 5, rows: 4, cell_m: 10.0 };
-        let mut layers = GivenLayers::from_fuel(frame, &[99; 20]);
+        let mut layers = ImportedLayers::from_fuel(frame, &[99; 20]);
         let directory = vec![1, 1, 0, 1, 3072, 0, 1, 32_611];
         layers.crs = Some(GeoKeys { directory, ..GeoKeys::default() });
         for (name, expected) in [

@@ -28,7 +28,7 @@ pub const MAX_CELLS_A_SIDE: u16 = 4096;
 /// A field that a map gives.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "MapRows", into = "MapRows")]
-pub struct GivenField {
+pub struct ImportedField {
     pub frame: FieldFrame,
     /// A value per cell, row 0 at the south edge.
     pub occupied: Grid<bool>,
@@ -61,7 +61,7 @@ impl MapFault {
     }
 }
 
-impl GivenField {
+impl ImportedField {
     /// Reads a map; a text map's cells have the side `cell_m`, a JSON map's may say their own.
     ///
     /// # Errors
@@ -107,7 +107,7 @@ impl GivenField {
     }
 }
 
-impl TryFrom<MapRows> for GivenField {
+impl TryFrom<MapRows> for ImportedField {
     type Error = MapError;
 
     fn try_from(map: MapRows) -> Result<Self, MapError> {
@@ -115,8 +115,8 @@ impl TryFrom<MapRows> for GivenField {
     }
 }
 
-impl From<GivenField> for MapRows {
-    fn from(field: GivenField) -> Self {
+impl From<ImportedField> for MapRows {
+    fn from(field: ImportedField) -> Self {
         let write_row = |row: &[bool]| row.iter().map(|&occupied| if occupied { '#' } else { '.' }).collect();
         let rows = (0..field.occupied.rows()).rev().map(|row| write_row(field.occupied.row(row))).collect();
         Self { cell_m: field.frame.cell_m, rows }
@@ -128,7 +128,7 @@ fn objects(count: usize) -> String {
     if count == 1 { "1 point or line".to_owned() } else { format!("{count} points and lines") }
 }
 
-fn parse_rows(text: &str, cell_m: f64) -> Result<GivenField, MapError> {
+fn parse_rows(text: &str, cell_m: f64) -> Result<ImportedField, MapError> {
     let body = text.trim_end();
     let mut cells: Vec<Vec<bool>> = Vec::new();
     let mut start = 0;
@@ -151,7 +151,7 @@ fn parse_rows(text: &str, cell_m: f64) -> Result<GivenField, MapError> {
     let (rows, cols) = (cells.len(), cells[0].len());
     let occupied = Grid::from_values(rows, cols, cells.into_iter().rev().flatten().collect());
     let frame = frame_from(cols, rows, cell_m).map_err(|fault| fault.at(0..0))?;
-    Ok(GivenField { frame, occupied, doubts: Vec::new() })
+    Ok(ImportedField { frame, occupied, doubts: Vec::new() })
 }
 
 fn parse_row(line: &str, start: usize) -> Result<Vec<bool>, MapError> {
@@ -195,7 +195,7 @@ impl SizeMembers {
     }
 }
 
-fn parse_json(text: &str, cell_m: f64) -> Result<GivenField, MapError> {
+fn parse_json(text: &str, cell_m: f64) -> Result<ImportedField, MapError> {
     let mut json = serde_json::Deserializer::from_str(text);
     let measures: SizeMembers = serde_path_to_error::deserialize(&mut json)
         .map_err(|error| json_fault(text, error.inner(), FieldPath::from_serde(error.path())))?;
@@ -204,7 +204,7 @@ fn parse_json(text: &str, cell_m: f64) -> Result<GivenField, MapError> {
     let frame = measures.frame(cell_m).map_err(|fault| fault.at(0..0))?;
     let mut json = serde_json::Deserializer::from_str(text);
     let occupied = Bushes(frame).deserialize(&mut json).map_err(located)?;
-    Ok(GivenField { frame, occupied, doubts: Vec::new() })
+    Ok(ImportedField { frame, occupied, doubts: Vec::new() })
 }
 
 /// Turns an error of the JSON reader into a fault; one about a member uses the words of all other values.
@@ -284,13 +284,13 @@ mod tests {
     use super::*;
 
     fn fault(text: &str) -> (MapFault, usize) {
-        let error = GivenField::parse(text, 5.0).expect_err("this map is wrong");
+        let error = ImportedField::parse(text, 5.0).expect_err("this map is wrong");
         (error.fault, error.span.start)
     }
 
     #[test]
     fn the_first_line_is_the_north_edge() {
-        let field = GivenField::parse("##.\n...\r\n#.1\n\n", 4.0).unwrap();
+        let field = ImportedField::parse("##.\n...\r\n#.1\n\n", 4.0).unwrap();
         assert_eq!((field.frame.cols, field.frame.rows, field.frame.cell_m), (3, 3, 4.0));
         assert_eq!(field.occupied.row(2), [true, true, false]);
         assert_eq!(field.occupied.row(0), [true, false, true]);
@@ -299,22 +299,22 @@ mod tests {
 
     #[test]
     fn zeros_and_ones_say_the_same_as_dots_and_hashes() {
-        assert_eq!(GivenField::parse("010\n001", 5.0), GivenField::parse(".#.\n..#\n", 5.0));
+        assert_eq!(ImportedField::parse("010\n001", 5.0), ImportedField::parse(".#.\n..#\n", 5.0));
     }
 
     #[test]
     fn a_json_map_counts_rows_from_the_south() {
         let text =
             r#"{"n": 3, "cell_m": 2, "size_m": 6, "cells_cr": [[0, 0], [2, 1], [0, 0]], "goals": [1, {"a": []}]}"#;
-        let json = GivenField::parse(text, 5.0).unwrap();
-        assert_eq!(json, GivenField::parse("...\n..#\n#..", 2.0).unwrap());
+        let json = ImportedField::parse(text, 5.0).unwrap();
+        assert_eq!(json, ImportedField::parse("...\n..#\n#..", 2.0).unwrap());
     }
 
     #[test]
     fn a_given_field_survives_being_written() {
-        let field = GivenField::parse("#..#\n....\n.##.", 2.5).unwrap();
+        let field = ImportedField::parse("#..#\n....\n.##.", 2.5).unwrap();
         let written = serde_json::to_string(&field).unwrap();
-        assert_eq!(serde_json::from_str::<GivenField>(&written).unwrap(), field);
+        assert_eq!(serde_json::from_str::<ImportedField>(&written).unwrap(), field);
     }
 
     #[test]
@@ -327,7 +327,7 @@ mod tests {
         assert_eq!(fault("..é"), (MapFault::UnknownCharacter { found: 'é' }, 2));
         assert_eq!(fault(&".".repeat(4097)), (TOO_LARGE, 0));
         assert_eq!(fault(&".\n".repeat(4097)), (TOO_LARGE, 8192));
-        assert!(GivenField::parse(&".\n".repeat(4096), 5.0).is_ok());
+        assert!(ImportedField::parse(&".\n".repeat(4096), 5.0).is_ok());
     }
 
     #[test]

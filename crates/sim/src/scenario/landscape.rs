@@ -12,9 +12,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::check::{Check, TablePath};
-use super::features::{BARE, Features, Hill, KeptFree, Patches, River, Road, check_hills, hill_elevations};
+use super::features::{BARE, Features, Hill, Patches, River, RiverExclusion, Road, check_hills, hill_elevations};
 use super::fuel_name::FuelName;
-use super::layers::{GivenLayers, PackedLayer};
+use super::layers::{ImportedLayers, PackedLayer};
 use super::path::PathStep;
 use super::{FireModelName, Scenario};
 use wildfire_base::geometry::{Cell, FieldFrame, compass, ops};
@@ -58,7 +58,7 @@ pub struct LandscapeSettings {
     /// What the files say. Loading fills it in, so that a resolved scenario is complete without them.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(skip)]
-    pub given: Option<GivenLayers>,
+    pub given: Option<ImportedLayers>,
     /// 1 for the cells of roads of a file, 0 for others. Loading fills it in.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(skip)]
@@ -158,7 +158,8 @@ pub fn cover(scenario: &Scenario, seed: u64, frame: &FieldFrame) -> Result<Optio
     let Some(settings) = &scenario.landscape else { return Ok(Some(vec![everywhere; frame.cell_count()])) };
     let given = settings.given.as_ref().map(|given| given.fuel_or(everywhere));
     let mut fuel = given.unwrap_or_else(|| vec![everywhere; frame.cell_count()]);
-    let free = KeptFree { centres: scenario.start_centres().collect(), clearance_m: scenario.field.start_clearance_m };
+    let free =
+        RiverExclusion { centres: scenario.start_centres().collect(), clearance_m: scenario.field.start_clearance_m };
     if !settings.features().lay(&mut fuel, frame, seed, &free) {
         return Err(NoRiver);
     }
@@ -196,7 +197,7 @@ pub fn ground(scenario: &Scenario, seed: u64, frame: FieldFrame, mut fuel: Vec<u
 }
 
 fn relief(scenario: &Scenario, settings: &LandscapeSettings, seed: u64, frame: &FieldFrame) -> Relief {
-    if let Some(relief) = settings.given.as_ref().and_then(GivenLayers::relief) {
+    if let Some(relief) = settings.given.as_ref().and_then(ImportedLayers::relief) {
         return relief;
     }
     if !settings.hills.is_empty() {

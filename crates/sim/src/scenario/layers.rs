@@ -36,7 +36,7 @@ const FLAT: f32 = -1.0;
 /// What files say of a landscape.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct GivenLayers {
+pub struct ImportedLayers {
     pub frame: FieldFrame,
     /// Where the south-west corner of the field is in the coordinate system of the files, metres.
     pub west_m: f64,
@@ -80,7 +80,7 @@ impl Weights {
     ///
     /// # Errors
     /// Returns a sentence that begins with the path, and names row and column where a value is wrong.
-    pub(super) fn read(path: &Path, frame: &FieldFrame, layers: Option<&GivenLayers>) -> Result<Self, String> {
+    pub(super) fn read(path: &Path, frame: &FieldFrame, layers: Option<&ImportedLayers>) -> Result<Self, String> {
         let mut raster = raster::read(path).map_err(|error| error.to_string())?;
         let name = path.display().to_string();
         let [west_m, south_m] = layers.map_or([raster.west_m, raster.south_m], |it| [it.west_m, it.south_m]);
@@ -250,7 +250,7 @@ impl LayerReader {
     }
 
     /// Packs what was read; `None` if nothing was.
-    pub fn finish(mut self) -> Option<GivenLayers> {
+    pub fn finish(mut self) -> Option<ImportedLayers> {
         let (first, name) = self.first?;
         let gradient = self.slope.zip(self.aspect).map(|(slope, aspect)| {
             let gradients: Vec<_> =
@@ -280,7 +280,7 @@ impl LayerReader {
         }
         let rim: Option<Vec<u8>> =
             (outside > 0 && self.fuel.is_none()).then(|| self.outside.iter().map(|&it| it.into()).collect());
-        Some(GivenLayers {
+        Some(ImportedLayers {
             frame: FieldFrame { cols: first.cols as u16, rows: first.rows as u16, cell_m: first.cell_m },
             west_m: first.west_m,
             south_m: first.south_m,
@@ -717,7 +717,7 @@ fn gradient(slope_deg: f32, aspect_deg: f32) -> [f32; 2] {
     [uphill.x as f32, uphill.y as f32]
 }
 
-impl GivenLayers {
+impl ImportedLayers {
     /// Returns the numbers of fuel models by cell index: those of a file, or this one everywhere; 0 in the rim.
     pub fn fuel_or(&self, everywhere: u8) -> Vec<u8> {
         let cells = self.frame.cell_count();
@@ -865,10 +865,10 @@ mod tests {
         assert_eq!(layers.fuel_or(0), FUELS.map(|number| number as u8));
         assert_eq!(layers.relief(), Some(Relief::Elevation(heights.to_vec())));
         let written = serde_json::to_string(&layers).expect("it is text and numbers");
-        let read: GivenLayers = serde_json::from_str(&written).expect("it was written so");
+        let read: ImportedLayers = serde_json::from_str(&written).expect("it was written so");
         assert!(read == layers && read.is_sound());
         let broken = written.replacen("\"fuel\":\"", "\"fuel\":\"AAAA", 1);
-        assert!(!serde_json::from_str::<GivenLayers>(&broken).expect("it is text").is_sound());
+        assert!(!serde_json::from_str::<ImportedLayers>(&broken).expect("it is text").is_sound());
     }
 
     #[test]

@@ -7,7 +7,7 @@ use toml::{Table, Value};
 use super::change::Changes;
 use super::check::{Refusal, TablePath};
 use super::contradictions::{self, GENERATED_ONLY};
-use super::copies::Copies;
+use super::copies::AgentExpansion;
 use super::error::{Fault, ScenarioError, SourceLocation};
 use super::fuel_image::FuelImage;
 use super::geojson;
@@ -20,7 +20,7 @@ use super::starts::Starting;
 use super::weather_csv::{read_samples, read_wind};
 use super::weather_stream::read_stream;
 use super::wording::{self, KeyOrValue};
-use super::{Field, GivenField, IgnitionCells, Scenario};
+use super::{Field, IgnitionCells, ImportedField, Scenario};
 use wildfire_base::geometry::FieldFrame;
 use wildfire_base::input_file;
 use wildfire_fire::surface::FuelMoisture;
@@ -47,7 +47,7 @@ pub(super) const LOADED: [&str; 10] = [
 pub struct LoadedScenario {
     pub scenario: Scenario,
     written: Value,
-    pub(super) copies: Copies,
+    pub(super) copies: AgentExpansion,
 }
 
 impl LoadedScenario {
@@ -72,7 +72,7 @@ impl LoadedScenario {
         let changes = Changes::make(changes, &mut written)?;
         drop_sign_of_zero(&mut written);
         contradictions::drop_overruled(&mut written, &changes);
-        let mut text = WrittenScenario { source, changes, copies: Copies::default() };
+        let mut text = WrittenScenario { source, changes, copies: AgentExpansion::default() };
         let scenario = text.resolve(&written).map_err(|mut error| {
             for list in ["unimog", "wumpus"] {
                 if written.get(list).and_then(Value::as_array).is_some_and(|entries| entries.len() == 1) {
@@ -144,14 +144,14 @@ struct WrittenScenario<'a> {
     source: &'a ScenarioText,
     changes: Changes,
     /// The entries that agents are written in, once they are known.
-    copies: Copies,
+    copies: AgentExpansion,
 }
 
 impl WrittenScenario<'_> {
     fn resolve(&mut self, written: &Value) -> Result<Scenario, Box<ScenarioError>> {
         self.refuse_loaded_and_infinite(written)?;
         let mut expanded = written.clone();
-        self.copies = Copies::expand(&mut expanded).map_err(|refusal| self.refuse_entry(&refusal))?;
+        self.copies = AgentExpansion::expand(&mut expanded).map_err(|refusal| self.refuse_entry(&refusal))?;
         let mut scenario: Scenario = serde_path_to_error::deserialize(expanded).map_err(|error| {
             let path = FieldPath::from_serde(error.path());
             let (fault, path, side) = wording::fault_from_message(error.inner().message(), path);
@@ -370,17 +370,17 @@ impl WrittenScenario<'_> {
     }
 
     /// Reads the map at a path, whatever its format.
-    fn read_map(&self, path: &FieldPath, file: &Path, field: &Field) -> Result<GivenField, Box<ScenarioError>> {
+    fn read_map(&self, path: &FieldPath, file: &Path, field: &Field) -> Result<ImportedField, Box<ScenarioError>> {
         let cannot_be_read = |error| unreadable(file, &error).at(self.location(path, KeyOrValue::Value));
         let bytes = input_file::read(file, MAX_MAP_BYTES).map_err(cannot_be_read)?;
         if !map_files::is_plain_text(&bytes) {
             let map = map_files::read_bytes(file, bytes, field.reading());
             let map = map.map_err(|error| self.rule(path, error.to_string()))?;
-            return GivenField::from_map_file(&map, field.cell_m)
+            return ImportedField::from_map_file(&map, field.cell_m)
                 .map_err(|fault| self.rule(path, format!("{}: {fault}", file.display())));
         }
         let text = input_file::text(bytes).map_err(cannot_be_read)?;
-        let mut given = GivenField::parse(&text, field.cell_m).map_err(|error| {
+        let mut given = ImportedField::parse(&text, field.cell_m).map_err(|error| {
             let place = SourceLocation::new(&file.display().to_string(), &text, error.span.clone());
             Fault::from(error.fault).at(place)
         })?;

@@ -71,11 +71,11 @@ pub use features::{Hill, Patches, River, Road, Runs};
 pub use field::{Field, MAX_COVERAGE, MapTolerance, Overlaps};
 pub use fire::{Fire, FireModelName, SpreadFrom};
 pub use fuel_name::FuelName;
-pub use given::{GivenField, MAX_CELLS_A_SIDE, MapError};
+pub use given::{ImportedField, MAX_CELLS_A_SIDE, MapError};
 pub use goal::{LinePolicy, TruckGoal, WumpusGoal, is_built_in_policy};
 pub use ground_speed::GroundKinds;
 pub use landscape::LandscapeSettings;
-pub use layers::{GivenLayers, LayerKind, LayerReader, Weights};
+pub use layers::{ImportedLayers, LayerKind, LayerReader, Weights};
 pub use learned::{HIDDEN, Learned};
 pub use line::{Crew, LineHolds, LineSettings, ProtectedPlace};
 pub use load::{LoadedScenario, load};
@@ -90,7 +90,7 @@ pub use terrain::{Terrain, TerrainError};
 pub use tetromino::Shape;
 pub use traffic::{Detours, TrafficPlan, TrafficRules};
 pub use truck_starts::{TRUCK_MARGIN_M, free_start};
-pub use unimog::{Limits, PlannerContext, Rescue, Retarget, StartPose, Unimog};
+pub use unimog::{FallbackMode, Limits, PlannerContext, Retarget, StartPose, Unimog};
 pub use warnings::{doubts_of_files, warnings_of_map};
 pub use water::{Water, WaterEffect, WaterPlace};
 pub use weather::{DeadMoisture, MoistureChange, WeatherSettings, weather};
@@ -288,7 +288,7 @@ impl Scenario {
     }
 
     /// Returns the layers that files give, with their place on earth.
-    pub fn layers(&self) -> Option<&GivenLayers> {
+    pub fn layers(&self) -> Option<&ImportedLayers> {
         self.landscape.as_ref().and_then(|landscape| landscape.given.as_ref())
     }
 

@@ -1,6 +1,6 @@
 //! Planning problems for a truck as files: a field, a truck on it, and its goals.
 //!
-//! A problem is a JSON map (see [`GivenField`]) with more members: `start` and `goals` as `[x, y, heading]` of the rear
+//! A problem is a JSON map (see [`ImportedField`]) with more members: `start` and `goals` as `[x, y, heading]` of the rear
 //! axle, in metres and radians, and the `vehicle`, in metres. Members of other names are ignored, so that other
 //! programs may keep theirs. The format is described in `scenarios/README.md`.
 
@@ -19,7 +19,7 @@ use super::path::{FieldPath, PathStep};
 use super::source::{MAX_MAP_BYTES, read_text};
 use super::unimog::check_planners;
 use super::wording;
-use super::{Field, GivenField, Scenario, Terrain, TerrainError, Unimog};
+use super::{Field, ImportedField, Scenario, Terrain, TerrainError, Unimog};
 use wildfire_base::geometry::{DVec2, FieldFrame, Pose};
 use wildfire_base::input_file::list_of_at_most;
 use wildfire_base::vehicle::Dimensions;
@@ -204,7 +204,7 @@ impl ProblemFile<'_> {
     }
 
     fn terrain(&self) -> ReadResult<Terrain> {
-        let field = GivenField::parse(self.text, Field::default().cell_m)
+        let field = ImportedField::parse(self.text, Field::default().cell_m)
             .map_err(|error| Fault::from(error.fault).at(self.at(error.span)))?;
         self.located(TablePath::named("").number("cell_m", field.frame.cell_m, CELLS_M[0]..=CELLS_M[1]))?;
         Ok(Terrain::from_occupied(field.frame, field.occupied))

@@ -187,7 +187,7 @@ impl PieceLayout {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{Field, GivenField, Unimog};
+    use crate::scenario::{Field, ImportedField, Unimog};
 
     fn scenario(field: Field) -> Scenario {
         Scenario { name: "test".into(), field, ..Scenario::default() }
@@ -316,7 +316,7 @@ mod tests {
 
     #[test]
     fn a_given_field_is_the_same_for_every_seed() {
-        let given = GivenField::parse("#..\n..#", 5.0).unwrap();
+        let given = ImportedField::parse("#..\n..#", 5.0).unwrap();
         let scenario = scenario(Field { given: Some(given), ..Field::default() });
         let terrain = Terrain::from_scenario(&scenario, 1).unwrap();
         assert_eq!(terrain.bushes, [Cell { col: 2, row: 0 }, Cell { col: 0, row: 1 }]);

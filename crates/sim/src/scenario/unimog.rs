@@ -67,7 +67,7 @@ pub struct Unimog {
     pub retarget: Retarget,
     #[schemars(schema_with = "planner_schema")]
     pub planner: PlannerName,
-    pub rescue: Rescue,
+    pub rescue: FallbackMode,
     /// Least simulated planning time charged per expansion of its planner, whichever planner it is.
     pub seconds_per_expansion: f64,
     pub prm: PrmSettings,
@@ -92,7 +92,7 @@ impl Default for Unimog {
             goal: TruckGoal::NearestBurning,
             retarget: Retarget::Never,
             planner: TruckPlannerKind::PrmRs.into(),
-            rescue: Rescue::Auto,
+            rescue: FallbackMode::Auto,
             seconds_per_expansion: 0.0,
             prm: PrmSettings::default(),
             primitives: PrimitiveSettings::default(),
@@ -162,9 +162,9 @@ impl Unimog {
     /// Says whether goals that its planner fails on are driven by the reachability flood.
     pub fn is_rescued(&self) -> bool {
         match self.rescue {
-            Rescue::Auto => self.planner.built_in().is_some(),
-            Rescue::Always => true,
-            Rescue::Never => false,
+            FallbackMode::Auto => self.planner.built_in().is_some(),
+            FallbackMode::Always => true,
+            FallbackMode::Never => false,
         }
     }
 
@@ -232,14 +232,14 @@ pub struct PlannerContext<'a> {
 /// Says whether a truck drives by the reachability flood to fires that its planner fails on: `"auto"`, true or false.
 /// `"auto"` is true for built-in planners and false for others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Rescue {
+pub enum FallbackMode {
     #[default]
     Auto,
     Always,
     Never,
 }
 
-impl Serialize for Rescue {
+impl Serialize for FallbackMode {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Auto => serializer.serialize_str("auto"),
@@ -249,30 +249,34 @@ impl Serialize for Rescue {
     }
 }
 
-impl<'de> Deserialize<'de> for Rescue {
+impl<'de> Deserialize<'de> for FallbackMode {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct AutoOrBool;
 
         impl Visitor<'_> for AutoOrBool {
-            type Value = Rescue;
+            type Value = FallbackMode;
 
             fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
                 f.write_str("\"auto\", true or false")
             }
 
-            fn visit_bool<E: Error>(self, always: bool) -> Result<Rescue, E> {
-                Ok(if always { Rescue::Always } else { Rescue::Never })
+            fn visit_bool<E: Error>(self, always: bool) -> Result<FallbackMode, E> {
+                Ok(if always { FallbackMode::Always } else { FallbackMode::Never })
             }
 
-            fn visit_str<E: Error>(self, word: &str) -> Result<Rescue, E> {
-                if word == "auto" { Ok(Rescue::Auto) } else { Err(E::invalid_value(Unexpected::Str(word), &self)) }
+            fn visit_str<E: Error>(self, word: &str) -> Result<FallbackMode, E> {
+                if word == "auto" {
+                    Ok(FallbackMode::Auto)
+                } else {
+                    Err(E::invalid_value(Unexpected::Str(word), &self))
+                }
             }
         }
         deserializer.deserialize_any(AutoOrBool)
     }
 }
 
-impl JsonSchema for Rescue {
+impl JsonSchema for FallbackMode {
     fn inline_schema() -> bool {
         true
     }

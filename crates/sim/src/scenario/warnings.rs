@@ -169,7 +169,7 @@ fn warn_of_cells(scenario: &Scenario, terrain: &Terrain, found: &mut Vec<String>
 mod tests {
     use super::*;
     use crate::scenario::agents::SHOWN_ALIKE;
-    use crate::scenario::{GivenField, GivenLayers, StartPose, load};
+    use crate::scenario::{ImportedField, ImportedLayers, StartPose, load};
 
     fn warned(source: &str, changes: &[&str]) -> String {
         let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
@@ -235,7 +235,7 @@ mod tests {
     fn starts_in_a_bush_and_ignitions_beside_one_are_reported() {
         let mut scenario = load("smoke", &["ignition=[{ at_s = 1, cells = [[4, 0], [5, 0]] }]".into()]).unwrap();
         let south_edge = format!("{}\n{}", ".".repeat(20), "....#.".to_owned() + &"#".repeat(14));
-        let given = GivenField::parse(&south_edge, 5.0).unwrap();
+        let given = ImportedField::parse(&south_edge, 5.0).unwrap();
         scenario.field.given = Some(given);
         scenario.unimog[0].start = StartPose { x_m: 60.0, y_m: 4.0, heading_deg: 0.0 };
         scenario.wumpus[0].start_m = [18.5, 2.5];
@@ -262,7 +262,7 @@ mod tests {
         let frame = scenario.field.frame();
         let mut fuel = vec![102; frame.cell_count()];
         fuel[5] = 98;
-        scenario.landscape.get_or_insert_default().given = Some(GivenLayers::from_fuel(frame, &fuel));
+        scenario.landscape.get_or_insert_default().given = Some(ImportedLayers::from_fuel(frame, &fuel));
         let found = doubts_of_files(&scenario);
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(
@@ -270,7 +270,7 @@ mod tests {
             "{found:?}"
         );
         fuel.fill(99);
-        scenario.landscape.get_or_insert_default().given = Some(GivenLayers::from_fuel(frame, &fuel));
+        scenario.landscape.get_or_insert_default().given = Some(ImportedLayers::from_fuel(frame, &fuel));
         scenario.ignition[0].cells = IgnitionCells::Random(3);
         assert_eq!(doubts_of_files(&scenario), ["The ignition at 1 s lights nothing: none of its cells can burn."]);
     }
@@ -279,7 +279,7 @@ mod tests {
     fn bare_fields_and_agents_without_a_place_are_reported() {
         let of = |rows: [&str; 20], cell_m: f64| {
             let mut scenario = load("smoke", &[]).unwrap();
-            scenario.field.given = Some(GivenField::parse(&rows.join("\n"), cell_m).unwrap());
+            scenario.field.given = Some(ImportedField::parse(&rows.join("\n"), cell_m).unwrap());
             scenario.unimog[0].start = StartPose { x_m: 20.0, y_m: 20.0, heading_deg: 0.0 };
             (scenario.wumpus[0].start_m, scenario.wumpus[0].size_m) = ([12.5, 12.5], 1.0);
             let found = warnings(&scenario, Terrain::from_scenario(&scenario, 1).ok().as_ref()).join("\n");

@@ -7,7 +7,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 
-use super::drive::{Blocked, Outset};
+use super::drive::{Blocked, DepartureContext};
 use super::{Drive, Fleet, Truck};
 use crate::agent::{Activity, Agent};
 use crate::fire::Fires;
@@ -29,7 +29,7 @@ const MOST_GOALS: usize = 6;
 
 /// A decision in progress.
 #[derive(Clone, Debug)]
-pub struct Deliberation {
+pub struct DecisionState {
     /// Of the agent that began it.
     revision: u32,
     /// What it was doing.
@@ -47,7 +47,7 @@ pub struct Deliberation {
 }
 
 /// The result of a choice.
-pub enum Conclusion {
+pub enum DecisionOutcome {
     SetsOut(Drive, Trajectory),
     Relocates(Relocation),
     /// Planning time of a failed plan is charged.
@@ -71,7 +71,7 @@ pub struct Relocation {
 }
 
 /// The end of a decision.
-pub struct Concluded {
+pub struct ActivityTransition {
     /// True if it set out, or continues planning.
     pub has_new_plans: bool,
     /// Its activities before and after the decision.
@@ -81,7 +81,7 @@ pub struct Concluded {
 
 /// The resources of decisions, besides the trucks and the fires.
 #[derive(SystemParam)]
-pub struct DecisionBooks<'w, 's> {
+pub struct DecisionResources<'w, 's> {
     pub following: ResMut<'w, PolicySet>,
     pub cpu_log: ResMut<'w, CpuLog>,
     pub followers: Query<'w, 's, &'static PolicyId, With<Truck>>,
@@ -123,9 +123,9 @@ fn depart_or_wait(
     agent: &mut Agent,
     truck: &mut Truck,
     drive: Drive,
-    outset: Outset<'_>,
-    begun: &mut Deliberation,
-) -> Option<Conclusion> {
+    outset: DepartureContext<'_>,
+    begun: &mut DecisionState,
+) -> Option<DecisionOutcome> {
     let by_flood = drive.is_by_flood();
     let may_lead_elsewhere = truck.traffic.plan == TrafficPlan::Together && !by_flood;
     match truck.depart(drive, outset) {
@@ -133,10 +133,10 @@ fn depart_or_wait(
         Ok((drive, leg)) if may_lead_elsewhere && leg.sets_out_at() > leg.start_time() => {
             let other = truck.plan_among(&drive, outset, &mut agent.cost);
             let (drive, leg) = other.filter(|(_, other)| other.end_time() < leg.end_time()).unwrap_or((drive, leg));
-            Some(Conclusion::SetsOut(drive, leg))
+            Some(DecisionOutcome::SetsOut(drive, leg))
         }
-        Ok((drive, leg)) => Some(Conclusion::SetsOut(drive, leg)),
-        Err(blocked) if by_flood => Some(Conclusion::Waits(vec![blocked])),
+        Ok((drive, leg)) => Some(DecisionOutcome::SetsOut(drive, leg)),
+        Err(blocked) if by_flood => Some(DecisionOutcome::Waits(vec![blocked])),
         Err(blocked) => {
             // Looking for a way round is expensive: once for every truck that is in the way.
             let is_new = !begun.before.iter().any(|before| before.reason() == blocked.reason());
@@ -149,7 +149,7 @@ fn depart_or_wait(
             if detour.is_none() {
                 begun.blocked.push(blocked);
             }
-            detour.map(|(drive, leg)| Conclusion::SetsOut(drive, leg))
+            detour.map(|(drive, leg)| DecisionOutcome::SetsOut(drive, leg))
         }
     }
 }
@@ -184,7 +184,7 @@ impl Fleet<'_, '_> {
         let (blocked, spent, cpu) = (Vec::new(), Effort::default(), agent.cost.total());
         let (revision, activity) = (agent.revision, agent.activity);
         let delay = SimTime::ZERO;
-        truck.deliberation = Some(Deliberation { revision, activity, before, blocked, spent, cpu, delay });
+        truck.deliberation = Some(DecisionState { revision, activity, before, blocked, spent, cpu, delay });
     }
 
     /// Carries out what the policy of a truck chose. If that fails it is asked again, with what it learned in mind.
@@ -205,7 +205,7 @@ impl Fleet<'_, '_> {
             None if choice == Action::GoToNearest && !options.is_empty() => self.try_nearest(entity, &options, fires),
             None if choice == Action::Refill || self.is_out_of_water(entity, fires) => Some(self.refill(entity, fires)),
             None if options.is_empty() => Some(self.stop_looking(entity, fires)),
-            None => Some(Conclusion::Stays(choice.until())),
+            None => Some(DecisionOutcome::Stays(choice.until())),
         };
         let concluded = conclusion.and_then(|conclusion| self.conclude(entity, conclusion, cpu_log));
         if concluded.is_some_and(|concluded| concluded.has_new_plans || concluded.is != concluded.was) {
@@ -225,14 +225,14 @@ impl Fleet<'_, '_> {
     }
 
     /// Plans a drive to a goal and sets out. Returns `None` if that fails and another goal has to be tried.
-    pub fn try_goal(&mut self, entity: Entity, goal: Cell, fires: &FireField) -> Option<Conclusion> {
+    pub fn try_goal(&mut self, entity: Entity, goal: Cell, fires: &FireField) -> Option<DecisionOutcome> {
         let (now, reservations) = (self.now(), self.reservations());
         let (mut agent, mut truck) = self.trucks.one_mut(entity);
         let (agent, truck) = (&mut *agent, &mut *truck);
         let mut begun = truck.deliberation.take()?;
         let traffic = Traffic::new(&reservations, entity);
         let (pose, delay) = (agent.trajectory.start(), begun.delay);
-        let outset = Outset { now, pose, frame: fires.frame(), traffic, delay };
+        let outset = DepartureContext { now, pose, frame: fires.frame(), traffic, delay };
         let by_flood = truck.failed_goals.contains(&goal);
         let known = begun.before.iter().map(|blocked| &blocked.drive);
         let known = known.filter(|drive| drive.is_by_flood() == by_flood).find(|drive| drive.goal == goal);
@@ -255,7 +255,7 @@ impl Fleet<'_, '_> {
                     if until > now {
                         truck.deliberation = Some(begun);
                         agent.wait_until(entity, until, &mut self.queue);
-                        return Some(Conclusion::Thinks);
+                        return Some(DecisionOutcome::Thinks);
                     }
                     None
                 }
@@ -268,7 +268,7 @@ impl Fleet<'_, '_> {
 
     /// Plans a drive to the option that is nearest by drive and sets out. Returns `None` if that fails and another goal
     /// has to be tried.
-    pub fn try_nearest(&mut self, entity: Entity, options: &[Cell], fires: &FireField) -> Option<Conclusion> {
+    pub fn try_nearest(&mut self, entity: Entity, options: &[Cell], fires: &FireField) -> Option<DecisionOutcome> {
         let (now, reservations) = (self.now(), self.reservations());
         let (mut agent, mut truck) = self.trucks.one_mut(entity);
         let (agent, truck) = (&mut *agent, &mut *truck);
@@ -284,7 +284,7 @@ impl Fleet<'_, '_> {
         if nearest.len() > 1 && truck.reach_m.is_finite() {
             let mut begun = truck.deliberation.take()?;
             let traffic = Traffic::new(&reservations, entity);
-            let outset = Outset { now, pose, frame, traffic, delay: begun.delay };
+            let outset = DepartureContext { now, pose, frame, traffic, delay: begun.delay };
             let drive = truck.plan_to_nearest(&nearest, outset, &mut begun.spent, &mut agent.cost, &mut self.recorder);
             let has_drive = drive.is_some();
             let conclusion = drive.and_then(|drive| depart_or_wait(agent, truck, drive, outset, &mut begun));
@@ -297,7 +297,7 @@ impl Fleet<'_, '_> {
     }
 
     /// Ends a search without options: the truck looks for a drive around those that block it, waits for them, or rests.
-    pub fn stop_looking(&mut self, entity: Entity, fires: &FireField) -> Conclusion {
+    pub fn stop_looking(&mut self, entity: Entity, fires: &FireField) -> DecisionOutcome {
         let nothing_burns = self.unclaimed(&[entity], fires).is_empty();
         let is_too_hot = self.is_too_hot(entity, fires);
         let (now, reservations) = (self.now(), self.reservations());
@@ -312,7 +312,7 @@ impl Fleet<'_, '_> {
         let (blocked, before, delay) = begun.map_or_else(Default::default, |begun| {
             (std::mem::take(&mut begun.blocked), begun.before.first().map(Blocked::reason), begun.delay)
         });
-        let Some(first) = blocked.first() else { return Conclusion::Rests(rests) };
+        let Some(first) = blocked.first() else { return DecisionOutcome::Rests(rests) };
         let tried = match truck.traffic.plan {
             _ if truck.traffic.detours == Detours::Each => 0,
             TrafficPlan::Alone => usize::from(before != Some(first.reason())),
@@ -321,40 +321,47 @@ impl Fleet<'_, '_> {
         for blocked in &blocked[..tried] {
             let traffic = Traffic::new(&reservations, entity);
             let (pose, frame) = (agent.trajectory.start(), fires.frame());
-            let outset = Outset { now, pose, frame, traffic, delay };
+            let outset = DepartureContext { now, pose, frame, traffic, delay };
             if let Some((drive, leg)) = truck.detour(&blocked.drive, outset, &mut agent.cost) {
-                return Conclusion::SetsOut(drive, leg);
+                return DecisionOutcome::SetsOut(drive, leg);
             }
         }
-        Conclusion::Waits(blocked)
+        DecisionOutcome::Waits(blocked)
     }
 
     /// Ends a decision, unless there is none.
-    pub fn conclude(&mut self, entity: Entity, conclusion: Conclusion, cpu_log: &mut CpuLog) -> Option<Concluded> {
+    pub fn conclude(
+        &mut self,
+        entity: Entity,
+        conclusion: DecisionOutcome,
+        cpu_log: &mut CpuLog,
+    ) -> Option<ActivityTransition> {
         let now = self.now();
         let (mut agent, mut truck) = self.trucks.one_mut(entity);
         let begun = truck.deliberation.take()?;
         cpu_log.add(now, agent.id, agent.cost.total() - begun.cpu);
-        let has_new_plans =
-            matches!(conclusion, Conclusion::SetsOut(..) | Conclusion::Relocates(_) | Conclusion::Thinks);
+        let has_new_plans = matches!(
+            conclusion,
+            DecisionOutcome::SetsOut(..) | DecisionOutcome::Relocates(_) | DecisionOutcome::Thinks
+        );
         match conclusion {
-            Conclusion::SetsOut(drive, leg) => self.set_out(entity, drive, leg),
-            Conclusion::Relocates(Relocation { place, leg, effort, found_by }) => {
+            DecisionOutcome::SetsOut(drive, leg) => self.set_out(entity, drive, leg),
+            DecisionOutcome::Relocates(Relocation { place, leg, effort, found_by }) => {
                 truck.tracks.set_out(0.0);
                 let (x_m, y_m) = (place.x, place.y);
                 let fact = AgentFact::Relocated { x_m, y_m, trajectory: leg.clone(), effort, found_by };
                 agent.answer(now, fact, &mut self.recorder);
                 agent.relocate(entity, place, leg, &mut self.queue);
             }
-            Conclusion::Thinks => {}
-            Conclusion::Rests(reason) => agent.rest(now, reason, &mut self.recorder),
-            Conclusion::Stays(until) => agent.wait(entity, now, until, &mut self.queue, &mut self.recorder),
-            Conclusion::Refills(until) => {
+            DecisionOutcome::Thinks => {}
+            DecisionOutcome::Rests(reason) => agent.rest(now, reason, &mut self.recorder),
+            DecisionOutcome::Stays(until) => agent.wait(entity, now, until, &mut self.queue, &mut self.recorder),
+            DecisionOutcome::Refills(until) => {
                 let full_tank = truck.water.as_ref().map_or(0, |water| water.full_tank);
                 self.recorder.record_agent(now, agent.id, AgentFact::Refilling { until });
                 agent.refill(entity, full_tank, until, &mut self.queue);
             }
-            Conclusion::Waits(blocked) => {
+            DecisionOutcome::Waits(blocked) => {
                 let (goal, by) = blocked[0].reason();
                 if begun.before.first().map(Blocked::reason) != Some((goal, by)) {
                     self.recorder.record_agent(now, agent.id, AgentFact::Blocked { goal, by });
@@ -362,16 +369,16 @@ impl Fleet<'_, '_> {
                 agent.revision += 1;
                 agent.activity = Activity::Blocked;
                 truck.blocked = blocked;
-                self.queue.push_for(now, AgentEvent::Standoff, agent.wake(entity));
+                self.queue.push_for(now, AgentEvent::Deadlock, agent.wake(entity));
             }
         }
         let (agent, _) = self.trucks.one(entity);
-        Some(Concluded { has_new_plans, was: begun.activity, is: agent.activity })
+        Some(ActivityTransition { has_new_plans, was: begun.activity, is: agent.activity })
     }
 }
 
 /// Lets trucks whose turn it is follow their policies, keep their goals, wait for other trucks, or rest.
-pub fn decide(mut fleet: Fleet, fires: Res<Fires>, mut books: DecisionBooks) {
+pub fn decide(mut fleet: Fleet, fires: Res<Fires>, mut books: DecisionResources) {
     let (now, fires) = (fleet.now(), &fires.field);
     while let Some(wake) = fleet.queue.next_for(now, AgentEvent::Decision, |entity| fleet.trucks.contains(entity)) {
         let (agent, _) = fleet.trucks.one(wake.agent);

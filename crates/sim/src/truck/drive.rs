@@ -56,7 +56,7 @@ impl Blocked {
 
 /// The position and the field from which a truck plans.
 #[derive(Clone, Copy, Debug)]
-pub struct Outset<'a> {
+pub struct DepartureContext<'a> {
     pub now: SimTime,
     pub pose: Pose,
     pub frame: &'a FieldFrame,
@@ -76,7 +76,7 @@ impl Truck {
     pub fn plan(
         &mut self,
         goal: Cell,
-        outset: Outset<'_>,
+        outset: DepartureContext<'_>,
         spent: &mut Effort,
         cost: &mut AgentCost,
         recorder: &mut Recorder,
@@ -90,7 +90,7 @@ impl Truck {
     pub fn plan_to_nearest(
         &mut self,
         goals: &[Cell],
-        outset: Outset<'_>,
+        outset: DepartureContext<'_>,
         spent: &mut Effort,
         cost: &mut AgentCost,
         recorder: &mut Recorder,
@@ -107,7 +107,7 @@ impl Truck {
     pub fn query(
         &mut self,
         disc: GoalDisc,
-        outset: Outset<'_>,
+        outset: DepartureContext<'_>,
         spent: &mut Effort,
         cost: &mut AgentCost,
         recorder: &mut Recorder,
@@ -118,15 +118,15 @@ impl Truck {
     }
 
     /// Finds a drive to a goal that the planner failed on; `None` if the reachability flood does not reach it.
-    pub fn plan_by_flood(&mut self, goal: Cell, outset: Outset<'_>, cost: &mut AgentCost) -> Option<Drive> {
+    pub fn plan_by_flood(&mut self, goal: Cell, outset: DepartureContext<'_>, cost: &mut AgentCost) -> Option<Drive> {
         let mut stopwatch = CpuStopwatch::start();
         let drive = self.find_by_flood(goal, outset, cost);
         cost.reachability += stopwatch.lap();
         drive
     }
 
-    fn find_by_flood(&mut self, goal: Cell, outset: Outset<'_>, cost: &mut AgentCost) -> Option<Drive> {
-        let Outset { pose, frame, .. } = outset;
+    fn find_by_flood(&mut self, goal: Cell, outset: DepartureContext<'_>, cost: &mut AgentCost) -> Option<Drive> {
+        let DepartureContext { pose, frame, .. } = outset;
         let disc = self.disc(frame, goal);
         let near = if disc.radius_m.is_finite() { disc } else { GoalDisc { radius_m: REACH_WITHOUT_RULE_M, ..disc } };
         if !self.reachability.lock().reaches(near) {
@@ -158,7 +158,7 @@ impl Truck {
     }
 
     /// Returns the drive with its leg, which begins as soon as the other trucks allow.
-    pub fn depart(&self, drive: Drive, outset: Outset<'_>) -> Result<(Drive, Trajectory), Blocked> {
+    pub fn depart(&self, drive: Drive, outset: DepartureContext<'_>) -> Result<(Drive, Trajectory), Blocked> {
         let ready = outset.now + outset.delay + self.charge(&drive.effort);
         let leg = self.leg(&drive.path, ready);
         match outset.traffic.departure(&self.body, &leg) {
@@ -168,7 +168,12 @@ impl Truck {
     }
 
     /// Finds a drive to the same goal that the trucks which block it leave free.
-    pub fn detour(&mut self, blocked: &Drive, outset: Outset<'_>, cost: &mut AgentCost) -> Option<(Drive, Trajectory)> {
+    pub fn detour(
+        &mut self,
+        blocked: &Drive,
+        outset: DepartureContext<'_>,
+        cost: &mut AgentCost,
+    ) -> Option<(Drive, Trajectory)> {
         match self.traffic.plan {
             TrafficPlan::Alone => self.replan_around(blocked, outset, cost),
             TrafficPlan::Together => self.plan_among(blocked, outset, cost),
@@ -179,7 +184,7 @@ impl Truck {
     fn replan_around(
         &mut self,
         blocked: &Drive,
-        outset: Outset<'_>,
+        outset: DepartureContext<'_>,
         cost: &mut AgentCost,
     ) -> Option<(Drive, Trajectory)> {
         let disc = self.disc(outset.frame, blocked.goal);
@@ -201,7 +206,7 @@ impl Truck {
     pub fn plan_among(
         &mut self,
         blocked: &Drive,
-        outset: Outset<'_>,
+        outset: DepartureContext<'_>,
         cost: &mut AgentCost,
     ) -> Option<(Drive, Trajectory)> {
         let disc = self.disc(outset.frame, blocked.goal);

@@ -5,7 +5,7 @@ use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 
 use super::{Drive, Truck};
-use crate::agent::{Activity, Agent, Roster};
+use crate::agent::{Activity, Agent, AgentOrder};
 use crate::fire::Fires;
 use crate::queue::{AgentEvent, CellEvent, Due, SimClock, SimQueue, Wake};
 use crate::recorder::Recorder;
@@ -48,7 +48,7 @@ impl Trucks<'_, '_> {
 #[derive(SystemParam)]
 pub struct Fleet<'w, 's> {
     clock: Res<'w, SimClock>,
-    roster: Res<'w, Roster>,
+    roster: Res<'w, AgentOrder>,
     pub queue: ResMut<'w, SimQueue>,
     pub recorder: ResMut<'w, Recorder>,
     pub trucks: Trucks<'w, 's>,

@@ -36,7 +36,7 @@ pub use fleet::Fleet;
 pub use spawn::spawn;
 
 use super::schedule::{Pass, SimSystems};
-use decision::Deliberation;
+use decision::DecisionState;
 use team::UnreachableStaging;
 use tracks::Tracks;
 
@@ -80,7 +80,7 @@ pub struct Truck {
     /// The drives that it would take if no other trucks blocked them, best first. Plans are kept, because it stays in
     /// place.
     pub blocked: Vec<Blocked>,
-    deliberation: Option<Deliberation>,
+    deliberation: Option<DecisionState>,
     /// The rules of water, if there are any.
     water: Option<Arc<WaterRules>>,
     /// The cells that its present stop puts out, and the episode of each; only where heat matters.

@@ -6,13 +6,13 @@ use bevy_ecs::prelude::*;
 
 use super::Truck;
 use super::tracks::Tracks;
-use crate::agent::{Activity, Agent, Arena, enlist};
+use crate::agent::{Activity, Agent, SpawnContext, enlist};
 use crate::policies::PolicySet;
 use crate::recorder::Recorder;
 use crate::run::{AgentCost, RunError};
 use crate::scenario::{self, Extinguishes, PlannerContext, Retarget, free_start};
 use crate::shared::Shared;
-use crate::wake::WokenBy;
+use crate::wake::WakeTriggers;
 use wildfire_base::time::SimTime;
 use wildfire_planning::collision::CollisionChecker;
 use wildfire_planning::reachability::Reachability;
@@ -22,7 +22,7 @@ use wildfire_timeline::{AgentFact, AgentId, AgentStart, Body, RestReason};
 /// Places a truck on the free pose that is nearest to its start and builds its planner.
 pub fn spawn(
     world: &mut World,
-    arena: &Arena<'_>,
+    arena: &SpawnContext<'_>,
     number: u16,
     settings: &scenario::Unimog,
 ) -> Result<AgentStart, RunError> {
@@ -87,7 +87,7 @@ pub fn spawn(
     };
     let following = world.resource::<PolicySet>();
     let follows = following.policy_of(id);
-    let woken_by = WokenBy::truck(following.asking(follows), settings.retarget == Retarget::OnEvent);
+    let woken_by = WakeTriggers::truck(following.asking(follows), settings.retarget == Retarget::OnEvent);
     let mut agent = Agent::standing(id, Body::Truck(settings.vehicle), start);
     agent.busy_until = SimTime::from_seconds(settings.ready_s);
     if settings.ready_s > 0.0 {

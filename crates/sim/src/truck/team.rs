@@ -9,8 +9,8 @@
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use super::decision::{Conclusion, DecisionBooks, Relocation};
-use super::drive::Outset;
+use super::decision::{DecisionOutcome, DecisionResources, Relocation};
+use super::drive::DepartureContext;
 use super::{Fleet, Truck};
 use crate::agent::{Activity, Agent};
 use crate::policies::dispatch::AS_GOOD_M;
@@ -46,14 +46,14 @@ impl Agent {
 }
 
 /// Trucks whose decisions are due.
-struct Called {
+struct DueTrucks {
     /// By number.
     asked: Vec<(AgentId, Entity)>,
     /// Those of them that are under way.
     moving: Vec<Entity>,
 }
 
-impl Called {
+impl DueTrucks {
     fn entities(&self) -> Vec<Entity> {
         self.asked.iter().map(|&(_, entity)| entity).collect()
     }
@@ -61,7 +61,12 @@ impl Called {
 
 impl Fleet<'_, '_> {
     /// Decides for the trucks of a team whose decisions are due; returns false if the answer comes later.
-    pub fn decide_for_team(&mut self, policy: PolicyId, fires: &FireField, books: &mut DecisionBooks<'_, '_>) -> bool {
+    pub fn decide_for_team(
+        &mut self,
+        policy: PolicyId,
+        fires: &FireField,
+        books: &mut DecisionResources<'_, '_>,
+    ) -> bool {
         let mut called = self.called(policy, books);
         if called.asked.is_empty() {
             self.queue.drop_next();
@@ -104,9 +109,9 @@ impl Fleet<'_, '_> {
     }
 
     /// Lists the trucks of a policy that decide now.
-    fn called(&self, policy: PolicyId, books: &DecisionBooks<'_, '_>) -> Called {
+    fn called(&self, policy: PolicyId, books: &DecisionResources<'_, '_>) -> DueTrucks {
         let now = self.now();
-        let mut called = Called { asked: Vec::new(), moving: Vec::new() };
+        let mut called = DueTrucks { asked: Vec::new(), moving: Vec::new() };
         for due in self.queue.decisions(now).filter(|due| self.trucks.contains(due.agent)) {
             let (agent, _) = self.trucks.one(due.agent);
             let is_meant = agent.revision == due.revision && books.followers.get(due.agent) == Ok(&policy);
@@ -127,9 +132,9 @@ impl Fleet<'_, '_> {
     fn ask_team(
         &mut self,
         policy: PolicyId,
-        called: &Called,
+        called: &DueTrucks,
         fires: &FireField,
-        books: &mut DecisionBooks<'_, '_>,
+        books: &mut DecisionResources<'_, '_>,
     ) -> Vec<(Entity, Action)> {
         let now = self.now();
         let trucks = self.trucks.agents().map(|agent| agent.view(now));
@@ -171,7 +176,7 @@ impl Fleet<'_, '_> {
     }
 
     /// Lets a truck that stands do what was chosen for it. Returns `None` if that fails and it is to be asked again.
-    fn carry_out(&mut self, entity: Entity, choice: Action, fires: &FireField) -> Option<Conclusion> {
+    fn carry_out(&mut self, entity: Entity, choice: Action, fires: &FireField) -> Option<DecisionOutcome> {
         let options = self.options(entity, &[entity], fires);
         match choice {
             _ if self.is_out_of_water(entity, fires) => Some(self.refill(entity, fires)),
@@ -193,7 +198,7 @@ impl Fleet<'_, '_> {
             }
             Action::Move(place) => Some(self.relocate(entity, place, fires)),
             Action::Refill => Some(self.refill(entity, fires)),
-            _ => Some(Conclusion::Stays(choice.until())),
+            _ => Some(DecisionOutcome::Stays(choice.until())),
         }
     }
 
@@ -203,7 +208,12 @@ impl Fleet<'_, '_> {
     }
 
     /// Ends a decision; returns true if trucks that are blocked have something new to look at.
-    fn conclude_in_team(&mut self, entity: Entity, conclusion: Conclusion, books: &mut DecisionBooks<'_, '_>) -> bool {
+    fn conclude_in_team(
+        &mut self,
+        entity: Entity,
+        conclusion: DecisionOutcome,
+        books: &mut DecisionResources<'_, '_>,
+    ) -> bool {
         let Some(concluded) = self.conclude(entity, conclusion, &mut books.cpu_log) else { return false };
         // One that was blocked and rests now, or the other way round, stays in place. If that woke others, two could
         // wake each other forever.
@@ -212,36 +222,36 @@ impl Fleet<'_, '_> {
     }
 
     /// Sends a truck to a place where it is to wait.
-    fn relocate(&mut self, entity: Entity, place: DVec2, fires: &FireField) -> Conclusion {
+    fn relocate(&mut self, entity: Entity, place: DVec2, fires: &FireField) -> DecisionOutcome {
         let (mut agent, truck) = self.trucks.one_mut(entity);
         if (truck.body.body_centre(agent.trajectory.start()) - place).length() <= AS_GOOD_M {
             agent.post = Some(place);
-            return Conclusion::Stays(None);
+            return DecisionOutcome::Stays(None);
         }
         self.drive_to(entity, GoalDisc { centre: place, radius_m: POST_RADIUS_M }, fires)
     }
 
     /// Plans a truck's drive to a place without a fire. The truck stays if there is no path or others block it.
-    pub fn drive_to(&mut self, entity: Entity, disc: GoalDisc, fires: &FireField) -> Conclusion {
+    pub fn drive_to(&mut self, entity: Entity, disc: GoalDisc, fires: &FireField) -> DecisionOutcome {
         let (now, reservations) = (self.now(), self.reservations());
         let (mut agent, mut truck) = self.trucks.one_mut(entity);
         let (agent, truck) = (&mut *agent, &mut *truck);
         let pose = agent.trajectory.start();
         if truck.closed_until(pose, disc.centre, now).is_some() {
-            return Conclusion::Stays(None);
+            return DecisionOutcome::Stays(None);
         }
         truck.closed_posts.retain(|closed| closed.from == pose && closed.until > now);
         let place = disc.centre;
         let delay = truck.deliberation.as_ref().map_or(SimTime::ZERO, |begun| begun.delay);
         let traffic = Traffic::new(&reservations, entity);
-        let outset = Outset { now, pose, frame: fires.frame(), traffic, delay };
+        let outset = DepartureContext { now, pose, frame: fires.frame(), traffic, delay };
         let mut spent = Effort::default();
         let found = truck.query(disc, outset, &mut spent, &mut agent.cost, &mut self.recorder);
         let (reason, effort, until, tried_again) = match found {
             Ok((path, found_by)) => {
                 let ready = now + delay + truck.charge(&spent);
                 match traffic.departure(&truck.body, &truck.leg(&path, ready)) {
-                    Ok(leg) => return Conclusion::Relocates(Relocation { place, leg, effort: spent, found_by }),
+                    Ok(leg) => return DecisionOutcome::Relocates(Relocation { place, leg, effort: spent, found_by }),
                     Err(_) => (None, spent, now, now + PATIENCE),
                 }
             }
@@ -252,10 +262,10 @@ impl Fleet<'_, '_> {
         let failed = AgentFact::RelocationFailed { x_m, y_m, reason, effort, until };
         agent.answer(now, failed, &mut self.recorder);
         if until == now {
-            return Conclusion::Stays(None);
+            return DecisionOutcome::Stays(None);
         }
         agent.wait_until(entity, until, &mut self.queue);
-        Conclusion::Thinks
+        DecisionOutcome::Thinks
     }
 }
 

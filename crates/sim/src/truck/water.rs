@@ -6,7 +6,7 @@
 use bevy_ecs::prelude::*;
 
 use super::Fleet;
-use super::decision::Conclusion;
+use super::decision::DecisionOutcome;
 use crate::agent::Agent;
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
@@ -56,23 +56,25 @@ impl Fleet<'_, '_> {
     }
 
     /// Lets a standing truck fill its tank, or sends it to the nearest water that it finds a path to.
-    pub fn refill(&mut self, entity: Entity, fires: &FireField) -> Conclusion {
+    pub fn refill(&mut self, entity: Entity, fires: &FireField) -> DecisionOutcome {
         let now = self.now();
         let (agent, truck) = self.trucks.one(entity);
-        let (Some(water), Some(stops_left)) = (&truck.water, agent.stops_left) else { return Conclusion::Stays(None) };
+        let (Some(water), Some(stops_left)) = (&truck.water, agent.stops_left) else {
+            return DecisionOutcome::Stays(None);
+        };
         if stops_left == water.full_tank {
-            return Conclusion::Stays(None);
+            return DecisionOutcome::Stays(None);
         }
         let centre = agent.centre(now);
         if water.is_at_water(centre) {
-            return Conclusion::Refills(now + water.fill_time(stops_left));
+            return DecisionOutcome::Refills(now + water.fill_time(stops_left));
         }
         let radius_m = WELL_IN_REACH * water.reach_m;
         let (pose, places) = (agent.trajectory.start(), water.places_from(centre));
         let open = places.iter().filter(|&&place| truck.closed_until(pose, place, now).is_none());
         for place in open.take(PLACES_TRIED).copied().collect::<Vec<_>>() {
             match self.drive_to(entity, GoalDisc { centre: place, radius_m }, fires) {
-                Conclusion::Stays(_) => {}
+                DecisionOutcome::Stays(_) => {}
                 conclusion => return conclusion,
             }
         }
@@ -80,8 +82,8 @@ impl Fleet<'_, '_> {
         let (_, truck) = self.trucks.one(entity);
         let tried_again = places.iter().map(|&place| truck.closed_until(pose, place, now).unwrap_or(now)).min();
         match tried_again.filter(|&until| until != SimTime::MAX) {
-            Some(until) => Conclusion::Stays(Some(until)),
-            None => Conclusion::Rests(RestReason::NoWater),
+            Some(until) => DecisionOutcome::Stays(Some(until)),
+            None => DecisionOutcome::Rests(RestReason::NoWater),
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::cli::fire::options::{LIVE_MOISTURES, choice};
 use crate::cli::numbers;
 use wildfire_fire::CanopyLayers;
 use wildfire_fire::surface::crown::{CrownMethod, CrownRules, CrownSettings};
-use wildfire_sim::scenario::{GivenLayers, LayerKind};
+use wildfire_sim::scenario::{ImportedLayers, LayerKind};
 
 /// Trees above the fuel, with which fire gets into crowns.
 #[derive(Clone, Debug, Args)]
@@ -70,7 +70,7 @@ impl CanopyArguments {
     }
 
     /// Returns the trees of all cells; `None` if there are none.
-    pub fn trees(&self, cells: usize, given: Option<&GivenLayers>) -> Option<CanopyLayers> {
+    pub fn trees(&self, cells: usize, given: Option<&ImportedLayers>) -> Option<CanopyLayers> {
         self.canopy_height.as_ref()?;
         let mut settings = CrownSettings::default();
         let numbers = [&mut settings.height_m, &mut settings.base_m, &mut settings.density_kg_m3, &mut settings.cover];

@@ -11,7 +11,7 @@ use wildfire_base::geometry::FieldFrame;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::lone::LoneFire;
 use wildfire_fire::{Landscape, Relief};
-use wildfire_sim::scenario::{GivenLayers, LayerKind, LayerReader, bytes_text};
+use wildfire_sim::scenario::{ImportedLayers, LayerKind, LayerReader, bytes_text};
 
 /// Where the ground is read from.
 pub struct GroundSources<'a> {
@@ -69,7 +69,7 @@ impl<'a> GroundSources<'a> {
             }
         }
         let fuel = layers.as_ref().map(|layers| layers.fuel_or(self.fuel));
-        let relief = layers.as_ref().and_then(GivenLayers::relief);
+        let relief = layers.as_ref().and_then(ImportedLayers::relief);
         let canopy = arguments.canopy.trees(frame.cell_count(), layers.as_ref());
         let landscape = Landscape {
             frame,

@@ -46,7 +46,7 @@ impl Targets {
 }
 
 /// The place of one Wumpus on its ground.
-pub struct Footing {
+pub struct LatticePosition {
     pub lattice: Arc<WalkLattice>,
     /// The free point nearest to its start.
     pub point: usize,
@@ -55,7 +55,7 @@ pub struct Footing {
 }
 
 /// The grounds of a run while its Wumpuses are created.
-pub struct WalkGrounds<'a> {
+pub struct WalkLattices<'a> {
     terrain: &'a Terrain,
     /// By cell index.
     lightable: Vec<Cell>,
@@ -82,7 +82,7 @@ struct SharedLattice {
     targets: Vec<((u32, f64), Arc<Targets>)>,
 }
 
-impl<'a> WalkGrounds<'a> {
+impl<'a> WalkLattices<'a> {
     /// Prepares grounds on a field of which the cells in `lightable`, by index, can be lit.
     pub fn new(terrain: &'a Terrain, lightable: Vec<Cell>) -> Self {
         let (lattices, known_planners) = (Vec::new(), Vec::new());
@@ -90,13 +90,13 @@ impl<'a> WalkGrounds<'a> {
     }
 
     /// Places a Wumpus on the free point of its lattice that is nearest to its start; `None` if no point is free.
-    pub fn place(&mut self, settings: &scenario::Wumpus) -> Option<Footing> {
+    pub fn place(&mut self, settings: &scenario::Wumpus) -> Option<LatticePosition> {
         let number = self.lattice_number(settings.lattice_shape(&self.terrain.frame));
         let ground = &mut self.lattices[number];
         let point = ground.lattice.nearest_free(DVec2::from(settings.start_m))?;
         let targets = ground.targets_from(point, settings.reach_m, &self.lightable, self.terrain.frame);
         let lattice = Arc::clone(&ground.lattice);
-        Some(Footing { lattice, point, targets, planner: self.planner_of(number, settings) })
+        Some(LatticePosition { lattice, point, targets, planner: self.planner_of(number, settings) })
     }
 
     /// Returns the planners of all Wumpuses that were placed.
@@ -176,7 +176,7 @@ mod tests {
     #[test]
     fn equal_wumpuses_share_everything_and_others_only_what_is_equal() {
         let terrain = terrain();
-        let mut grounds = WalkGrounds::new(&terrain, terrain.bushes.clone());
+        let mut grounds = WalkLattices::new(&terrain, terrain.bushes.clone());
         let mut place = |wumpus: Wumpus| grounds.place(&wumpus).expect("there is room");
         let first = place(Wumpus::default());
         let elsewhere = place(Wumpus { start_m: [52.5, 57.5], ..Wumpus::default() });
@@ -197,11 +197,11 @@ mod tests {
         let mut rng = rng::stream(2, "walk grounds");
         let cells = (0..frame.cell_count()).map(|_| rng.random_bool(0.55)).collect();
         let terrain = Terrain::from_occupied(frame, Grid::from_values(30, 40, cells));
-        let mut grounds = WalkGrounds::new(&terrain, terrain.bushes.clone());
+        let mut grounds = WalkLattices::new(&terrain, terrain.bushes.clone());
         for start in 0..60 {
             let start_m = [2.5 + 3.3 * f64::from(start), 2.5 + 2.4 * f64::from(start)];
             let wumpus = Wumpus { start_m, size_m: 4.9, reach_m: 5.0, ..Wumpus::default() };
-            let Footing { lattice, point, targets, .. } = grounds.place(&wumpus).expect("there is room");
+            let LatticePosition { lattice, point, targets, .. } = grounds.place(&wumpus).expect("there is room");
             let reached = lattice.reachable_from(point);
             for &cell in &terrain.bushes {
                 let is_target = lattice.points_of_reach(cell, wumpus.reach_m).any(|point| reached[point]);

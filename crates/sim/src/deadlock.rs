@@ -32,26 +32,26 @@ impl Plugin for TrafficPlugin {
 /// Breaks the deadlocks of trucks that began to wait, or looked again without success, at this instant.
 fn break_deadlocks(mut fleet: Fleet) {
     let mut waiting: Vec<(AgentId, Wake)> = Vec::new();
-    while let Some(wake) = fleet.take(AgentEvent::Standoff) {
+    while let Some(wake) = fleet.take(AgentEvent::Deadlock) {
         waiting.push((fleet.id_of(wake.agent), wake));
     }
     waiting.sort_by_key(|&(id, _)| id);
     for (_, wake) in waiting {
         let is_valid = fleet.trucks.one(wake.agent).0.revision == wake.revision;
-        if is_valid && let Some(way_out) = WayOut::for_truck(&fleet, wake.agent) {
+        if is_valid && let Some(way_out) = DeadlockResolution::for_truck(&fleet, wake.agent) {
             way_out.carry_out(&mut fleet);
         }
     }
 }
 
 /// Who drives where, so that one truck can set out.
-struct WayOut {
+struct DeadlockResolution {
     first: Entity,
     leg: Trajectory,
     making_way: Vec<(Entity, Trajectory)>,
 }
 
-impl WayOut {
+impl DeadlockResolution {
     /// Finds a way out for a truck; `None` if it is not blocked by trucks that stand idle, or one of them cannot leave.
     fn for_truck(fleet: &Fleet, first: Entity) -> Option<Self> {
         let now = fleet.now();
