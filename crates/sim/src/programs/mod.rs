@@ -7,9 +7,9 @@
 pub mod protocol;
 
 #[cfg(unix)]
-mod family;
+mod backend;
 #[cfg(unix)]
-mod peer;
+mod external_client;
 #[cfg(unix)]
 mod planner;
 #[cfg(unix)]
@@ -19,7 +19,7 @@ mod pool;
 #[cfg(unix)]
 pub mod process;
 #[cfg(unix)]
-mod respondent;
+mod process_tree;
 #[cfg(unix)]
 pub mod supervisor;
 

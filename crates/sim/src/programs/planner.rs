@@ -5,10 +5,10 @@ use std::time::Duration;
 
 use glam::DVec2;
 
+use super::external_client::{ExternalClient, Reply};
 use super::pool::Idle;
-use super::process::Trouble;
+use super::process::ProcessError;
 use super::protocol::{FromProgram, GoalMessage, PathAnswer, PlanQuery, Reason, ToProgram};
-use super::respondent::{Reply, Respondent};
 use wildfire_base::geometry::Pose;
 use wildfire_base::vehicle::{Path, ReedsShepp, Segment};
 use wildfire_planning::{
@@ -24,7 +24,7 @@ pub const INSTRUCTIONS_PER_EXPANSION: u64 = 1_000_000;
 /// Nothing of what it answers is believed: the gate is round this planner as round every one that is not built in.
 pub struct ProgramPlanner {
     /// `None` when it has been given back.
-    pub(super) respondent: Option<Respondent>,
+    pub(super) respondent: Option<ExternalClient>,
     /// Where the program goes when the run is over, if it plays in other runs.
     pub(super) idle: Option<Arc<Idle>>,
     pub(super) curves: ReedsShepp,
@@ -86,7 +86,7 @@ impl TruckPlanner for ProgramPlanner {
                 }
             }
             Ok(_) => unreachable!("other answers are refused"),
-            Err(Trouble { kind, words }) => {
+            Err(ProcessError { kind, words }) => {
                 Plan { effort: effort(None), cpu: cpu_of(cpu, None), ..Plan::failed(kind.into(), words) }
             }
         }

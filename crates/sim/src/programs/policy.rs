@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use super::external_client::{ExternalClient, Reply};
 use super::pool::Idle;
-use super::process::Trouble;
+use super::process::ProcessError;
 use super::protocol::{FromProgram, question};
-use super::respondent::{Reply, Respondent};
 use crate::policies::{Action, FirelineContext, Observation, Policy, QueryReport};
 use wildfire_base::geometry::{Cell, DVec2};
 use wildfire_base::untrusted::visible_start;
@@ -15,7 +15,7 @@ use wildfire_timeline::AgentId;
 /// Asks a program where agents are to go. While it fails to answer, they wait.
 pub struct ProgramPolicy {
     /// `None` when it has been given back.
-    respondent: Option<Respondent>,
+    respondent: Option<ExternalClient>,
     /// Where the program goes when the run is over, if it plays in other runs.
     idle: Option<Arc<Idle>>,
     /// Notes on the last ask.
@@ -24,7 +24,7 @@ pub struct ProgramPolicy {
 
 impl ProgramPolicy {
     /// Lets a program that knows its field decide; its start is the first thing to report.
-    pub(super) fn new(respondent: Respondent, idle: Option<Arc<Idle>>) -> Self {
+    pub(super) fn new(respondent: ExternalClient, idle: Option<Arc<Idle>>) -> Self {
         let report = QueryReport { elsewhere: respondent.built.unwrap_or_default(), ..QueryReport::default() };
         Self { respondent: Some(respondent), idle, report }
     }
@@ -40,7 +40,7 @@ impl ProgramPolicy {
         let respondent = self.respondent.as_mut().expect("it is given back when this is dropped");
         let Reply { answer, cpu, .. } = respondent.ask(|id| question(id, seen, options, line), check);
         self.report = QueryReport { elsewhere: cpu.unwrap_or_default(), ..QueryReport::default() };
-        answer.map_err(|Trouble { kind, words }| self.report.failure = Some((kind.into(), words))).ok()
+        answer.map_err(|ProcessError { kind, words }| self.report.failure = Some((kind.into(), words))).ok()
     }
 }
 

@@ -8,11 +8,11 @@ use std::time::Duration;
 use rand::Rng;
 use serde_json::Value;
 
+use super::external_client::{ExternalClient, Session};
 use super::planner::ProgramPlanner;
 use super::policy::ProgramPolicy;
 use super::process::Launch;
 use super::protocol::{FieldMessage, LimitsMessage, ToProgram, VehicleMessage};
-use super::respondent::{Respondent, Session};
 use super::supervisor::Limits;
 use crate::StartPrograms;
 use crate::policies::{Policies, Policy, PolicyContext, PolicyNameError};
@@ -43,7 +43,7 @@ impl Idle {
     }
 
     /// Takes a program back, unless it has failed.
-    pub fn give_back(&self, respondent: Respondent) {
+    pub fn give_back(&self, respondent: ExternalClient) {
         if let Some(free) = respondent.into_session() {
             self.0.lock().unwrap_or_else(PoisonError::into_inner).push(free);
         }
@@ -209,10 +209,10 @@ fn start(
     idle: Option<&Arc<Idle>>,
     seed: u64,
     field: &ToProgram<'_>,
-) -> Result<Respondent, MakeError> {
+) -> Result<ExternalClient, MakeError> {
     let before = idle.and_then(|idle| idle.take(&launch));
     launch.module.iter_mut().for_each(|(_, of_run)| *of_run = seed);
-    Respondent::new(Arc::new(launch), field, before).map_err(|trouble| MakeError::new(trouble.words))
+    ExternalClient::new(Arc::new(launch), field, before).map_err(|error| MakeError::new(error.words))
 }
 
 impl<'a> FieldMessage<'a> {

@@ -18,9 +18,9 @@ use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::sys::signal::{Signal, killpg};
 use nix::unistd::Pid;
 
-use super::family::GroupClock;
+use super::process_tree::GroupClock;
 use super::protocol::MOST_BYTES;
-use super::supervisor::{self, Ending, Exceeded, GRACE, Limits, MOST_SAID, Order, Report};
+use super::supervisor::{self, Exceeded, ExitCause, GRACE, Limits, MOST_SAID, Report, SupervisorCommand};
 use wildfire_base::time::wall::WallStopwatch;
 use wildfire_base::untrusted::visible;
 use wildfire_module::Module;
@@ -68,45 +68,45 @@ pub struct Launch {
 
 /// The kinds of failure of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TroubleKind {
+pub enum ProcessErrorKind {
     TimedOut,
     BudgetSpent,
     Crashed,
     BadAnswer,
 }
 
-impl From<TroubleKind> for PlanFailure {
-    fn from(kind: TroubleKind) -> Self {
+impl From<ProcessErrorKind> for PlanFailure {
+    fn from(kind: ProcessErrorKind) -> Self {
         match kind {
-            TroubleKind::TimedOut => Self::TimedOut,
-            TroubleKind::BudgetSpent => Self::BudgetSpent,
-            TroubleKind::Crashed => Self::Crashed,
-            TroubleKind::BadAnswer => Self::BadAnswer,
+            ProcessErrorKind::TimedOut => Self::TimedOut,
+            ProcessErrorKind::BudgetSpent => Self::BudgetSpent,
+            ProcessErrorKind::Crashed => Self::Crashed,
+            ProcessErrorKind::BadAnswer => Self::BadAnswer,
         }
     }
 }
 
 /// A failure of a program, which has been killed since, if it was still there.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Trouble {
-    pub kind: TroubleKind,
+pub struct ProcessError {
+    pub kind: ProcessErrorKind,
     /// What happened; reads well after the program's name.
     pub words: String,
 }
 
-impl Trouble {
+impl ProcessError {
     pub fn crashed(words: impl Into<String>) -> Self {
-        Self { kind: TroubleKind::Crashed, words: words.into() }
+        Self { kind: ProcessErrorKind::Crashed, words: words.into() }
     }
 
     /// The program said itself that it cannot play.
     pub fn refused(message: &str) -> Self {
         let quoted: String = message.chars().take(MOST_QUOTED).collect();
-        Self { kind: TroubleKind::BadAnswer, words: format!("refuses the field: {}", visible(&quoted)) }
+        Self { kind: ProcessErrorKind::BadAnswer, words: format!("refuses the field: {}", visible(&quoted)) }
     }
 
     fn timed_out(words: String) -> Self {
-        Self { kind: TroubleKind::TimedOut, words }
+        Self { kind: ProcessErrorKind::TimedOut, words }
     }
 
     /// An answer that is none; quotes its beginning.
@@ -116,7 +116,7 @@ impl Trouble {
         let quoted: String = beginning.chars().take(MOST_QUOTED).collect();
         let more = if beginning.chars().nth(MOST_QUOTED).is_some() { "…" } else { "" };
         Self {
-            kind: TroubleKind::BadAnswer,
+            kind: ProcessErrorKind::BadAnswer,
             words: format!("answered `{}{more}`: {words}", visible(quoted.trim_end())),
         }
     }
@@ -124,9 +124,9 @@ impl Trouble {
 
 /// What a program may take for an answer.
 #[derive(Clone, Copy, Debug)]
-pub struct Allowance<'a> {
+pub struct QueryLimits<'a> {
     pub wall: Duration,
-    pub cpu: Option<CpuAllowance>,
+    pub cpu: Option<CpuLimit>,
     /// Instructions of a module, with those since it was last asked for their number.
     pub instructions: u64,
     /// Names the answer, for messages.
@@ -135,7 +135,7 @@ pub struct Allowance<'a> {
 
 /// CPU time that a program may take.
 #[derive(Clone, Copy, Debug)]
-pub struct CpuAllowance {
+pub struct CpuLimit {
     pub limit: Duration,
     /// What the program had taken in all when it began to count.
     pub from: Duration,
@@ -159,16 +159,16 @@ pub struct Process {
     searched: usize,
     scratch: Box<[u8]>,
     clock: Option<GroupClock>,
-    fate: Fate,
+    fate: ExitReport,
 }
 
 /// What a supervisor reported of a program's end.
 #[derive(Debug, Default)]
-struct Fate {
+struct ExitReport {
     pid: Option<i32>,
     not_started: Option<String>,
     exceeded: Option<Exceeded>,
-    ending: Option<Ending>,
+    ending: Option<ExitCause>,
     last_said: Option<String>,
     /// It closed its output and did not end.
     has_lived_on: bool,
@@ -178,8 +178,8 @@ struct Fate {
 
 impl Process {
     /// Starts a program. Whether that succeeds shows when it is asked something.
-    pub fn start(program: &Launch) -> Result<Self, Trouble> {
-        let cannot = |error: io::Error| Trouble::crashed(format!("cannot be started: {error}"));
+    pub fn start(program: &Launch) -> Result<Self, ProcessError> {
+        let cannot = |error: io::Error| ProcessError::crashed(format!("cannot be started: {error}"));
         let (reader, to) = io::pipe().map_err(cannot)?;
         let (from, writer) = io::pipe().map_err(cannot)?;
         let (control, other_end) = UnixStream::pair().map_err(cannot)?;
@@ -189,7 +189,7 @@ impl Process {
         let mut command = supervisor::command(program.limits, &program.folder, &program.command).map_err(cannot)?;
         command.stdin(reader).stdout(writer).stderr(OwnedFd::from(other_end));
         let supervisor = command.spawn().map_err(|error| {
-            Trouble::crashed(format!("has no supervisor: {}: {error}", command.get_program().to_string_lossy()))
+            ProcessError::crashed(format!("has no supervisor: {}: {error}", command.get_program().to_string_lossy()))
         })?;
         Ok(Self {
             name: program.name.clone(),
@@ -203,7 +203,7 @@ impl Process {
             searched: 0,
             scratch: vec![0; 1 << 16].into(),
             clock: None,
-            fate: Fate::default(),
+            fate: ExitReport::default(),
         })
     }
 
@@ -223,11 +223,11 @@ impl Process {
 
     /// Counts what it writes to stderr again.
     pub fn begin_run(&mut self) {
-        self.order(Order::NextRun);
+        self.order(SupervisorCommand::NextRun);
     }
 
     /// Sends lines and waits for the next line that comes. Whatever goes wrong, the program is killed.
-    pub fn exchange(&mut self, message: &[u8], allowance: Allowance<'_>) -> Result<Vec<u8>, Trouble> {
+    pub fn exchange(&mut self, message: &[u8], allowance: QueryLimits<'_>) -> Result<Vec<u8>, ProcessError> {
         let answer = self.try_exchange(message, allowance);
         if answer.is_err() {
             self.kill();
@@ -235,7 +235,7 @@ impl Process {
         answer
     }
 
-    fn try_exchange(&mut self, message: &[u8], allowance: Allowance<'_>) -> Result<Vec<u8>, Trouble> {
+    fn try_exchange(&mut self, message: &[u8], allowance: QueryLimits<'_>) -> Result<Vec<u8>, ProcessError> {
         let watch = WallStopwatch::start();
         let mut unsent = message;
         let mut output_closed: Option<WallStopwatch> = None;
@@ -249,13 +249,13 @@ impl Process {
             }
             if self.received.len() >= MOST_BYTES {
                 let words = format!("it is longer than {MOST_BYTES} bytes");
-                return Err(Trouble::bad_answer(&self.received, &words));
+                return Err(ProcessError::bad_answer(&self.received, &words));
             }
             let elapsed = watch.elapsed();
             let mut wait = allowance.wall.saturating_sub(elapsed);
             if wait.is_zero() {
                 let (answer, limit) = (allowance.answer, allowance.wall.as_secs_f64());
-                return Err(Trouble::timed_out(format!("gave no {answer} within {limit} s")));
+                return Err(ProcessError::timed_out(format!("gave no {answer} within {limit} s")));
             }
             if self.has_closed_output {
                 let since = *output_closed.get_or_insert_with(WallStopwatch::start);
@@ -263,17 +263,17 @@ impl Process {
                     self.fate.has_lived_on = !self.fate.is_over();
                     // Its supervisor knows how it ended, and what its last words were.
                     self.kill();
-                    return Err(Trouble::crashed(self.fate.words()));
+                    return Err(ProcessError::crashed(self.fate.words()));
                 }
                 wait = wait.min(LAST_BREATH);
             }
-            if let Some(CpuAllowance { limit, from }) = allowance.cpu
+            if let Some(CpuLimit { limit, from }) = allowance.cpu
                 && let Some(now) = self.cpu()
             {
                 let left = limit.saturating_sub(now.saturating_sub(from));
                 if left.is_zero() {
                     let (answer, limit) = (allowance.answer, limit.as_secs_f64());
-                    return Err(Trouble::timed_out(format!("gave no {answer} within {limit} s of CPU time")));
+                    return Err(ProcessError::timed_out(format!("gave no {answer} within {limit} s of CPU time")));
                 }
                 // It cannot take more than all that there is.
                 let at_once = available_parallelism().map_or(1, |cores| cores.get() as u32);
@@ -402,7 +402,7 @@ impl Process {
         }
     }
 
-    fn order(&mut self, order: Order) {
+    fn order(&mut self, order: SupervisorCommand) {
         let mut line = serde_json::to_vec(&order).expect("orders are JSON");
         line.push(b'\n');
         // Whoever cannot be told gets the order that the end of all orders is.
@@ -415,13 +415,13 @@ impl Process {
     pub fn end(mut self, message: &[u8]) {
         self.send(message);
         self.to = None;
-        self.order(Order::End);
+        self.order(SupervisorCommand::End);
         self.wait_until_gone(GRACE + TIDYING);
     }
 
     /// Kills it, and waits until nothing of it is left.
     pub fn kill(&mut self) {
-        self.order(Order::Kill);
+        self.order(SupervisorCommand::Kill);
         self.to = None;
         self.wait_until_gone(TIDYING);
     }
@@ -460,7 +460,7 @@ impl Drop for Process {
     }
 }
 
-impl Fate {
+impl ExitReport {
     fn is_over(&self) -> bool {
         self.is_gone || self.ending.is_some() || self.not_started.is_some()
     }
@@ -472,8 +472,8 @@ impl Fate {
             (Some(reason), ..) => return format!("cannot be started: {reason}"),
             (_, Some(Exceeded::MemoryMb(found)), _) => format!("took {found} MB of memory and was killed"),
             (_, Some(Exceeded::Processes(found)), _) => format!("ran {found} processes and was killed"),
-            (.., Some(Ending::Code(code))) => format!("ended with exit code {code}"),
-            (.., Some(Ending::Signal(signal))) => match Signal::try_from(signal) {
+            (.., Some(ExitCause::Code(code))) => format!("ended with exit code {code}"),
+            (.., Some(ExitCause::Signal(signal))) => match Signal::try_from(signal) {
                 Ok(name) => format!("was ended by the signal {name}"),
                 Err(_) => format!("was ended by the signal {signal}"),
             },

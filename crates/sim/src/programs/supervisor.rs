@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 use signal_hook::consts::SIGCHLD;
 use signal_hook::low_level::pipe;
 
-use super::family::Family;
+use super::process_tree::ProcessTree;
 use wildfire_base::time::wall::WallStopwatch;
 
 /// The first argument of a supervisor.
@@ -67,7 +67,7 @@ const RESERVED: u64 = 4;
 /// An order to a supervisor, one a line. The end of all orders is one to kill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Order {
+pub enum SupervisorCommand {
     /// Let the program end by itself, and kill it after [`GRACE`].
     End,
     Kill,
@@ -109,7 +109,7 @@ pub enum Report {
     },
     /// The program has ended; [`Self::Reaped`] has been sent.
     Ended {
-        how: Ending,
+        how: ExitCause,
     },
 }
 
@@ -123,7 +123,7 @@ pub enum Exceeded {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Ending {
+pub enum ExitCause {
     Code(i32),
     Signal(i32),
 }
@@ -203,7 +203,7 @@ fn supervise(task: &Task<'_>) -> io::Result<()> {
     let control = UnixStream::from(io::stderr().as_fd().try_clone_to_owned()?);
     control.peer_addr()?;
     control.set_nonblocking(true)?;
-    let outbox = Arc::new(Outbox::new(control.try_clone()?));
+    let outbox = Arc::new(SendBuffer::new(control.try_clone()?));
     inherit_limits(task.limits.memory_mb);
     // Before the program is there: its end is not to be missed.
     let (child_ended, handler) = UnixStream::pair()?;
@@ -240,7 +240,7 @@ fn supervise(task: &Task<'_>) -> io::Result<()> {
         outbox: Arc::clone(&outbox),
         said: counter,
         limits: task.limits,
-        family: Family::new(pid.as_raw()),
+        family: ProcessTree::new(pid.as_raw()),
         pid,
         ending: None,
         killing: None,
@@ -266,12 +266,12 @@ fn inherit_limits(memory_mb: u64) {
 }
 
 /// Lines on their way to us. Nobody waits for us to read them but who reads stderr.
-struct Outbox {
+struct SendBuffer {
     socket: UnixStream,
     waiting: Mutex<Vec<u8>>,
 }
 
-impl Outbox {
+impl SendBuffer {
     fn new(socket: UnixStream) -> Self {
         Self { socket, waiting: Mutex::default() }
     }
@@ -317,7 +317,7 @@ fn pause(time: Duration) {
 }
 
 /// Hands on lines of stderr until it is closed. While too much waits for us, the program has to wait.
-fn hand_on(stderr: ChildStderr, outbox: &Outbox, said: &Mutex<u64>) {
+fn hand_on(stderr: ChildStderr, outbox: &SendBuffer, said: &Mutex<u64>) {
     let mut stderr = BufReader::new(stderr);
     let mut last = None;
     while let Some(line) = line_of_limited_length(&mut stderr) {
@@ -379,11 +379,11 @@ struct Watch {
     orders: Vec<u8>,
     /// Readable when a child has ended.
     child_ended: UnixStream,
-    outbox: Arc<Outbox>,
+    outbox: Arc<SendBuffer>,
     /// Lines of stderr in this run.
     said: Arc<Mutex<u64>>,
     limits: Limits,
-    family: Family,
+    family: ProcessTree,
     /// The program, whose number is that of its group too.
     pid: Pid,
     /// Runs since the program was asked to end.
@@ -433,8 +433,10 @@ impl Watch {
             };
             has_reaped = true;
             match status {
-                WaitStatus::Exited(pid, code) if pid == self.pid => ending = Some(Ending::Code(code)),
-                WaitStatus::Signaled(pid, signal, _) if pid == self.pid => ending = Some(Ending::Signal(signal as i32)),
+                WaitStatus::Exited(pid, code) if pid == self.pid => ending = Some(ExitCause::Code(code)),
+                WaitStatus::Signaled(pid, signal, _) if pid == self.pid => {
+                    ending = Some(ExitCause::Signal(signal as i32))
+                }
                 _ => {}
             }
         };
@@ -495,9 +497,9 @@ impl Watch {
         while let Some(end) = self.orders.iter().position(|&byte| byte == b'\n') {
             let line: Vec<u8> = self.orders.drain(..=end).collect();
             match serde_json::from_slice(&line) {
-                Ok(Order::End) => self.ending = Some(WallStopwatch::start()),
-                Ok(Order::NextRun) => *self.said.lock().unwrap_or_else(PoisonError::into_inner) = 0,
-                Ok(Order::Kill) | Err(_) => self.kill_group(),
+                Ok(SupervisorCommand::End) => self.ending = Some(WallStopwatch::start()),
+                Ok(SupervisorCommand::NextRun) => *self.said.lock().unwrap_or_else(PoisonError::into_inner) = 0,
+                Ok(SupervisorCommand::Kill) | Err(_) => self.kill_group(),
             }
         }
         if is_closed {

@@ -14,7 +14,7 @@ const LOOKS: u32 = 40;
 
 /// A program's processes, beside the one that was started: all descendants of this process.
 #[derive(Debug)]
-pub struct Family {
+pub struct ProcessTree {
     /// This process, to which those come that lose their parent.
     own: i32,
     leader: i32,
@@ -25,7 +25,7 @@ pub struct Family {
     page_bytes: u64,
 }
 
-impl Family {
+impl ProcessTree {
     pub fn new(leader: i32) -> Self {
         let page_bytes = sysconf(SysconfVar::PAGE_SIZE).ok().flatten().map_or(4096, i64::unsigned_abs);
         Self { own: Pid::this().as_raw(), leader, others: BTreeSet::new(), newest: None, looks: 0, page_bytes }
@@ -215,7 +215,7 @@ mod tests {
     fn own_process_has_a_parent_memory_and_a_time_that_never_runs_back() {
         let own = Pid::this().as_raw();
         assert_eq!(Stat::of(own).map(|stat| stat.parent), Some(Pid::parent().as_raw()));
-        assert!(Family::new(own).memory_bytes(0) > 100_000);
+        assert!(ProcessTree::new(own).memory_bytes(0) > 100_000);
         let mut clock = GroupClock::new(own);
         let mut before = Duration::ZERO;
         for _ in 0..100 {

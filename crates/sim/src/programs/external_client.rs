@@ -3,8 +3,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::peer::Peer;
-use super::process::{Allowance, CpuAllowance, Launch, Trouble, TroubleKind};
+use super::backend::Backend;
+use super::process::{CpuLimit, Launch, ProcessError, ProcessErrorKind, QueryLimits};
 use super::protocol::{FromProgram, ToProgram, VERSION};
 use wildfire_base::time::wall::WallStopwatch;
 
@@ -14,7 +14,7 @@ const MOST_SPENT_IN_A_ROW: u32 = 10;
 
 /// A program on a field, through failures and new starts.
 #[derive(Debug)]
-pub struct Respondent {
+pub struct ExternalClient {
     program: Arc<Launch>,
     /// The line that shows it the field.
     field: Vec<u8>,
@@ -31,7 +31,7 @@ pub struct Respondent {
 /// A program that has said hello.
 #[derive(Debug)]
 pub struct Session {
-    peer: Peer,
+    peer: Backend,
     /// Queries on this field: they are numbered from 1 on, so that a program may count them itself.
     queries: u64,
     /// Its CPU time that has been counted for something.
@@ -43,7 +43,7 @@ pub struct Session {
 /// What came of a query.
 #[derive(Debug)]
 pub struct Reply {
-    pub answer: Result<FromProgram, Trouble>,
+    pub answer: Result<FromProgram, ProcessError>,
     /// CPU time of its processes since the answer before, if the system tells.
     pub cpu: Option<Duration>,
     /// The part of it in which the program started again.
@@ -52,9 +52,9 @@ pub struct Reply {
     pub instructions: Option<u64>,
 }
 
-impl Respondent {
+impl ExternalClient {
     /// Starts a program and shows it a field, or shows it to one that has played before.
-    pub fn new(program: Arc<Launch>, field: &ToProgram<'_>, before: Option<Session>) -> Result<Self, Trouble> {
+    pub fn new(program: Arc<Launch>, field: &ToProgram<'_>, before: Option<Session>) -> Result<Self, ProcessError> {
         let field = field.line();
         // One that played before and cannot go on costs this run nothing but the time of finding out.
         let again = before.and_then(|session| session.play_again(&program, &field));
@@ -88,24 +88,24 @@ impl Respondent {
         if self.spent_in_a_row == MOST_SPENT_IN_A_ROW {
             let budget = self.program.query_instructions;
             let words = format!("was given up after {MOST_SPENT_IN_A_ROW} queries in a row over {budget} instructions");
-            let answer = Err(Trouble { kind: TroubleKind::BudgetSpent, words });
+            let answer = Err(ProcessError { kind: ProcessErrorKind::BudgetSpent, words });
             return Reply { answer, cpu: None, starting: Duration::ZERO, instructions: Some(budget) };
         }
         let (running, started) = self.running();
         let starting = started.unwrap_or_default();
         let mut session = match running {
             Ok(session) => session,
-            Err(trouble) => return Reply { answer: Err(trouble), cpu: started, starting, instructions: None },
+            Err(error) => return Reply { answer: Err(error), cpu: started, starting, instructions: None },
         };
         session.queries += 1;
         let number = session.queries;
         let Launch { query_limit: wall, query_cpu, .. } = *self.program;
         // What it thought since its last answer counts for this one.
-        let cpu = query_cpu.map(|limit| CpuAllowance { limit, from: session.counted });
-        let allowance = Allowance { wall, cpu, instructions: self.program.query_instructions, answer: "answer" };
+        let cpu = query_cpu.map(|limit| CpuLimit { limit, from: session.counted });
+        let allowance = QueryLimits { wall, cpu, instructions: self.program.query_instructions, answer: "answer" };
         let answer = session.peer.exchange(&query(number), allowance);
         let answer = answer.and_then(|line| {
-            let refuse = |words: &str| Err(Trouble::bad_answer(&line, words));
+            let refuse = |words: &str| Err(ProcessError::bad_answer(&line, words));
             match FromProgram::parse(&line) {
                 Err(words) => refuse(&words),
                 Ok(answer) => match (check(&answer), answer.id()) {
@@ -115,7 +115,7 @@ impl Respondent {
                 },
             }
         });
-        let is_spent = answer.as_ref().is_err_and(|trouble| trouble.kind == TroubleKind::BudgetSpent);
+        let is_spent = answer.as_ref().is_err_and(|error| error.kind == ProcessErrorKind::BudgetSpent);
         self.spent_in_a_row = if is_spent { self.spent_in_a_row + 1 } else { 0 };
         // Of what cannot be understood the next line cannot be trusted to answer the next query.
         if answer.is_err() {
@@ -131,17 +131,17 @@ impl Respondent {
 
     /// Takes the program, or starts it again; returns the CPU time of a start too. A query that fails costs that query
     /// alone: only failed starts are counted, and after too many of them nobody tries again.
-    fn running(&mut self) -> (Result<Session, Trouble>, Option<Duration>) {
+    fn running(&mut self) -> (Result<Session, ProcessError>, Option<Duration>) {
         if let Some(session) = self.session.take() {
             return (Ok(session), None);
         }
         if self.failed_starts > self.program.restarts {
-            return (Err(Trouble::crashed("failed to start more often than it may")), None);
+            return (Err(ProcessError::crashed("failed to start more often than it may")), None);
         }
         let (started, cpu) = Session::start(&self.program, &self.field, self.program.query_instructions);
-        let started = started.map_err(|trouble| {
+        let started = started.map_err(|error| {
             self.failed_starts += 1;
-            Trouble { kind: TroubleKind::Crashed, words: format!("did not start again: {}", trouble.words) }
+            ProcessError { kind: ProcessErrorKind::Crashed, words: format!("did not start again: {}", error.words) }
         });
         (started, cpu)
     }
@@ -153,7 +153,7 @@ impl Respondent {
     }
 }
 
-impl Drop for Respondent {
+impl Drop for ExternalClient {
     fn drop(&mut self) {
         if let Some(session) = self.session.take() {
             session.end();
@@ -163,11 +163,11 @@ impl Drop for Respondent {
 
 impl Session {
     /// Starts a program and shows it a field; returns the CPU time that it took, also if that fails.
-    fn start(program: &Launch, field: &[u8], instructions: u64) -> (Result<Self, Trouble>, Option<Duration>) {
+    fn start(program: &Launch, field: &[u8], instructions: u64) -> (Result<Self, ProcessError>, Option<Duration>) {
         let watch = WallStopwatch::start();
-        let mut session = match Peer::start(program) {
+        let mut session = match Backend::start(program) {
             Ok(peer) => Self { peer, queries: 0, counted: Duration::ZERO, start_instructions: instructions },
-            Err(trouble) => return (Err(trouble), None),
+            Err(error) => return (Err(error), None),
         };
         let greeted = session.greet(program, watch).and_then(|()| session.show(program, field, watch));
         let cpu = session.lap();
@@ -175,7 +175,7 @@ impl Session {
     }
 
     /// Says hello, and waits until the program has.
-    fn greet(&mut self, program: &Launch, since: WallStopwatch) -> Result<(), Trouble> {
+    fn greet(&mut self, program: &Launch, since: WallStopwatch) -> Result<(), ProcessError> {
         let hello =
             ToProgram::Hello { protocol: VERSION, program: concat!("wildfire ", env!("CARGO_PKG_VERSION")).into() };
         let line = self.peer.exchange(&hello.line(), self.at_start(program, since, "`hello`"))?;
@@ -186,7 +186,7 @@ impl Session {
             Err(words) => Some(words),
         };
         match words {
-            Some(words) => Err(Trouble::bad_answer(&line, &words)),
+            Some(words) => Err(ProcessError::bad_answer(&line, &words)),
             None => Ok(()),
         }
     }
@@ -199,25 +199,25 @@ impl Session {
     }
 
     /// Shows it a field, and waits until it is ready.
-    fn show(&mut self, program: &Launch, field: &[u8], since: WallStopwatch) -> Result<(), Trouble> {
+    fn show(&mut self, program: &Launch, field: &[u8], since: WallStopwatch) -> Result<(), ProcessError> {
         self.queries = 0;
         let line = self.peer.exchange(field, self.at_start(program, since, "`ready`"))?;
         let words = match FromProgram::parse(&line) {
             Ok(FromProgram::Ready) => return Ok(()),
-            Ok(FromProgram::Error(error)) => return Err(Trouble::refused(&error.message)),
+            Ok(FromProgram::Error(error)) => return Err(ProcessError::refused(&error.message)),
             Ok(_) => "expected the type `ready` or `error`".to_owned(),
             Err(words) => words,
         };
-        Err(Trouble::bad_answer(&line, &words))
+        Err(ProcessError::bad_answer(&line, &words))
     }
 
     /// Returns what it may take until it is ready, from its start on. Where the CPU time of queries is limited, that of a start
     /// is too, so that no other process computes at leisure meanwhile.
-    fn at_start<'a>(&self, program: &Launch, since: WallStopwatch, answer: &'a str) -> Allowance<'a> {
+    fn at_start<'a>(&self, program: &Launch, since: WallStopwatch, answer: &'a str) -> QueryLimits<'a> {
         let Launch { start_limit, query_cpu, .. } = *program;
         let cpu = start_cpu(start_limit, query_cpu, self.counted);
         let wall = start_limit.saturating_sub(since.elapsed());
-        Allowance { wall, cpu, instructions: self.start_instructions, answer }
+        QueryLimits { wall, cpu, instructions: self.start_instructions, answer }
     }
 
     /// Returns its CPU time since the last lap.
@@ -235,8 +235,8 @@ impl Session {
 }
 
 /// Returns the CPU time that a start may take from `from` on.
-fn start_cpu(start_limit: Duration, query_cpu: Option<Duration>, from: Duration) -> Option<CpuAllowance> {
-    query_cpu.map(|_| CpuAllowance { limit: start_limit, from })
+fn start_cpu(start_limit: Duration, query_cpu: Option<Duration>, from: Duration) -> Option<CpuLimit> {
+    query_cpu.map(|_| CpuLimit { limit: start_limit, from })
 }
 
 #[cfg(test)]

@@ -4,20 +4,20 @@ use std::time::Duration;
 
 use wildfire_module::{Failure, FailureKind, Instance};
 
-use super::process::{Allowance, Launch, Process, Trouble, TroubleKind, say};
+use super::process::{Launch, Process, ProcessError, ProcessErrorKind, QueryLimits, say};
 use super::protocol::ToProgram;
 use super::supervisor::MOST_SAID;
 
 /// Something that answers a line with a line.
 #[derive(Debug)]
-pub enum Peer {
+pub enum Backend {
     Process(Box<Process>),
-    Module(Box<Guest>),
+    Module(Box<WasmInstance>),
 }
 
 /// A module that was started.
 #[derive(Debug)]
-pub struct Guest {
+pub struct WasmInstance {
     name: String,
     instance: Instance,
     /// Instructions that nobody has counted yet.
@@ -26,20 +26,25 @@ pub struct Guest {
     said: u64,
 }
 
-impl Peer {
+impl Backend {
     /// Starts a program or a module. Whether that succeeds shows when it is asked something.
-    pub fn start(program: &Launch) -> Result<Self, Trouble> {
+    pub fn start(program: &Launch) -> Result<Self, ProcessError> {
         match &program.module {
             None => Ok(Self::Process(Box::new(Process::start(program)?))),
             Some((module, seed)) => {
-                let instance = Instance::new(module, *seed).map_err(Trouble::crashed)?;
-                Ok(Self::Module(Box::new(Guest { name: program.name.clone(), instance, instructions: 0, said: 0 })))
+                let instance = Instance::new(module, *seed).map_err(ProcessError::crashed)?;
+                Ok(Self::Module(Box::new(WasmInstance {
+                    name: program.name.clone(),
+                    instance,
+                    instructions: 0,
+                    said: 0,
+                })))
             }
         }
     }
 
     /// Sends a line and waits for the next line that comes. Whatever goes wrong, it answers no more.
-    pub fn exchange(&mut self, message: &[u8], allowance: Allowance<'_>) -> Result<Vec<u8>, Trouble> {
+    pub fn exchange(&mut self, message: &[u8], allowance: QueryLimits<'_>) -> Result<Vec<u8>, ProcessError> {
         match self {
             Self::Process(process) => process.exchange(message, allowance),
             Self::Module(guest) => guest.exchange(message, allowance.instructions),
@@ -86,8 +91,8 @@ impl Peer {
     }
 }
 
-impl Guest {
-    fn exchange(&mut self, message: &[u8], budget: u64) -> Result<Vec<u8>, Trouble> {
+impl WasmInstance {
+    fn exchange(&mut self, message: &[u8], budget: u64) -> Result<Vec<u8>, ProcessError> {
         let answer = self.instance.exchange(message, budget, self.instructions);
         for line in String::from_utf8_lossy(&self.instance.said()).lines() {
             if self.said < MOST_SAID {
@@ -99,11 +104,11 @@ impl Guest {
             Ok(answer) => (answer.instructions, Ok(answer.line)),
             Err(Failure { kind, message, instructions }) => {
                 let kind = match kind {
-                    FailureKind::BudgetSpent => TroubleKind::BudgetSpent,
-                    FailureKind::Crashed => TroubleKind::Crashed,
-                    FailureKind::BadAnswer => TroubleKind::BadAnswer,
+                    FailureKind::BudgetSpent => ProcessErrorKind::BudgetSpent,
+                    FailureKind::Crashed => ProcessErrorKind::Crashed,
+                    FailureKind::BadAnswer => ProcessErrorKind::BadAnswer,
                 };
-                (instructions, Err(Trouble { kind, words: message }))
+                (instructions, Err(ProcessError { kind, words: message }))
             }
         };
         self.instructions = self.instructions.saturating_add(instructions);
