@@ -20,7 +20,7 @@ use wildfire::geometry::{DVec2, Pose, ops};
 use wildfire::planning::memory::MemoryMeter;
 use wildfire::planning::{Goal, GoalDisc, Planners, TruckPlanner, TruckPlannerKind, free_poses};
 use wildfire::rng;
-use wildfire::scenario::{self, PlannerContext, Programs, Scenario, Terrain};
+use wildfire::scenario::{self, Programs, Scenario, Terrain, TruckPlannerContext};
 use wildfire::time::cpu::CpuStopwatch;
 
 /// Sides of fields, metres; the first two have a roadmap of the whole field.
@@ -178,7 +178,7 @@ impl Problem {
         let mut planners: Vec<Box<dyn TruckPlanner>> = Vec::new();
         let mut watch = CpuStopwatch::start();
         for number in 0..self.drives.len() {
-            let context = PlannerContext {
+            let context = TruckPlannerContext {
                 ground: None,
                 truck: number as u16,
                 seed: 1,

@@ -12,10 +12,10 @@ use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{DVec2, Pose};
 use wildfire::planning::memory::MemoryMeter;
 use wildfire::planning::{
-    Goal, GoalDisc, Plan, Planners, TruckPlanner, TruckPlannerKind, Unobserved, free_poses, plan_to_nearest,
+    Goal, GoalDisc, NullObserver, Plan, Planners, TruckPlanner, TruckPlannerKind, free_poses, plan_to_nearest,
 };
 use wildfire::rng;
-use wildfire::scenario::{self, PlannerContext, Programs, Terrain};
+use wildfire::scenario::{self, Programs, Terrain, TruckPlannerContext};
 use wildfire::time::cpu::CpuStopwatch;
 use wildfire::vehicle::Dimensions;
 
@@ -74,7 +74,7 @@ fn ask_on_field(kind: TruckPlannerKind, seed: u64, [one, at_once, in_turn]: &mut
     let bushes: Vec<DVec2> = terrain.bushes.iter().map(|&cell| terrain.frame.centre(cell)).collect();
     let checker =
         CollisionChecker::new(Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied)), Dimensions::default());
-    let context = PlannerContext {
+    let context = TruckPlannerContext {
         ground: None,
         truck: 0,
         seed,
@@ -97,9 +97,10 @@ fn ask_on_field(kind: TruckPlannerKind, seed: u64, [one, at_once, in_turn]: &mut
         let nearest = discs.iter().min_by(|a, b| gap(&a.centre).total_cmp(&gap(&b.centre)));
         let Some(&nearest) = nearest else { continue };
         one.take(|| Some(planner.plan(start, nearest.into())));
-        at_once.take(|| plan_to_nearest(planner.as_mut(), &body, start, &discs, &mut Unobserved).map(|found| found.1));
+        at_once
+            .take(|| plan_to_nearest(planner.as_mut(), &body, start, &discs, &mut NullObserver).map(|found| found.1));
         let mut single = OneGoal(planner.as_mut());
-        in_turn.take(|| plan_to_nearest(&mut single, &body, start, &discs, &mut Unobserved).map(|found| found.1));
+        in_turn.take(|| plan_to_nearest(&mut single, &body, start, &discs, &mut NullObserver).map(|found| found.1));
     }
 }
 

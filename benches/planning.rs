@@ -16,7 +16,7 @@ use wildfire::geometry::{DVec2, Pose};
 use wildfire::planning::memory::MemoryMeter;
 use wildfire::planning::reachability::Reachability;
 use wildfire::planning::{
-    BuildReport, GoalDisc, Plan, PlanFailure, PrmPrimitives, QueryMonitor, QueryTime, Site, TruckPlanner,
+    BuildReport, GoalDisc, Plan, PlanFailure, PlannerContext, PrmPrimitives, QueryMonitor, QueryTime, TruckPlanner,
 };
 use wildfire::rng;
 use wildfire::scenario::{Scenario, Terrain, Unimog};
@@ -61,7 +61,7 @@ fn run_field(coverage: f64, seed: u64, builds: &mut Builds, short: &mut Drives, 
     let mut rng = rng::stream(seed, "bench");
     let truck = Unimog::default();
     let (memory, settings, stream) = (MemoryMeter::unlimited(), truck.planner_settings(), |_: &str| rng.clone());
-    let site = Site {
+    let site = PlannerContext {
         ground: None,
         truck: 0,
         body: checker.body(),

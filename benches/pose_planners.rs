@@ -19,7 +19,9 @@ use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{DVec2, FieldFrame, Pose};
 use wildfire::grid::Grid;
 use wildfire::planning::memory::MemoryMeter;
-use wildfire::planning::{Goal, GoalDisc, Plan, PlanFailure, QueryMonitor, QueryTime, Site, TruckPlannerKind};
+use wildfire::planning::{
+    Goal, GoalDisc, Plan, PlanFailure, PlannerContext, QueryMonitor, QueryTime, TruckPlannerKind,
+};
 use wildfire::rng;
 use wildfire::scenario::{self, Scenario, Terrain, Unimog};
 use wildfire::time::cpu::CpuStopwatch;
@@ -96,7 +98,7 @@ fn measure_planner(kind: TruckPlannerKind, problems: &[Problem], truck: &Unimog)
         let checker = CollisionChecker::new(field, *problem.checker.body());
         let stream = |name: &str| rng::stream(1, &format!("bench/{name}"));
         let (memory, settings) = (MemoryMeter::unlimited(), truck.planner_settings());
-        let site = Site {
+        let site = PlannerContext {
             ground: None,
             truck: 0,
             body: checker.body(),

@@ -23,7 +23,7 @@ mod unix {
     use wildfire::planning::memory::MemoryMeter;
     use wildfire::planning::{Goal, GoalDisc, Planners};
     use wildfire::programs::{ProgramPool, Trust, supervisor};
-    use wildfire::scenario::{PlannerContext, Terrain, load};
+    use wildfire::scenario::{Terrain, TruckPlannerContext, load};
     use wildfire::time::cpu::CpuStopwatch;
 
     const QUERIES: u32 = 5000;
@@ -49,7 +49,7 @@ mod unix {
             let terrain = Terrain::from_scenario(&scenario, 1).expect("it has a field");
             let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
             let truck = &scenario.unimog[0];
-            let context = PlannerContext {
+            let context = TruckPlannerContext {
                 ground: None,
                 truck: 0,
                 seed: 1,

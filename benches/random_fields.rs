@@ -21,7 +21,7 @@ use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::Pose;
 use wildfire::planning::memory::MemoryMeter;
 use wildfire::planning::reachability::Reachability;
-use wildfire::planning::{Goal, GoalDisc, PlanFailure, Site, TruckPlannerKind, free_poses};
+use wildfire::planning::{Goal, GoalDisc, PlanFailure, PlannerContext, TruckPlannerKind, free_poses};
 use wildfire::rng;
 use wildfire::scenario::{self, Scenario, Terrain, Unimog};
 use wildfire::time::SimTime;
@@ -161,7 +161,7 @@ impl Answers {
         let checker = CollisionChecker::new(field, truck.vehicle);
         let stream = |name: &str| rng::stream(problem.seed, &format!("bench/random-fields/{name}"));
         let (memory, settings) = (MemoryMeter::unlimited(), truck.planner_settings());
-        let mut made = planner.maker().make(&Site {
+        let mut made = planner.maker().make(&PlannerContext {
             ground: None,
             truck: 0,
             body: checker.body(),

@@ -16,7 +16,7 @@ use wildfire::planning::memory::MemoryMeter;
 use wildfire::planning::smooth_steering::CurvatureSmoother;
 use wildfire::planning::{Goal, GoalDisc, Planners};
 use wildfire::rng;
-use wildfire::scenario::{self, PlannerContext, Programs, Scenario, Terrain};
+use wildfire::scenario::{self, Programs, Scenario, Terrain, TruckPlannerContext};
 use wildfire::time::cpu::CpuStopwatch;
 use wildfire::trajectory::SpeedLimits;
 use wildfire::vehicle::{Dimensions, Path};
@@ -82,7 +82,7 @@ fn planned(seed: u64) -> (CollisionChecker, Vec<Path>) {
     let bushes: Vec<DVec2> = terrain.bushes.iter().map(|&cell| terrain.frame.centre(cell)).collect();
     let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
     let checker = CollisionChecker::new(field, scenario.unimog[0].vehicle);
-    let context = PlannerContext {
+    let context = TruckPlannerContext {
         ground: None,
         truck: 0,
         seed,

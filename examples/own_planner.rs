@@ -14,7 +14,7 @@ use std::sync::Arc;
 use rand::RngExt;
 use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::Pose;
-use wildfire::own_planner::{MakeError, Planners, Site, run_with};
+use wildfire::own_planner::{MakeError, PlannerContext, Planners, run_with};
 use wildfire::planning::{Effort, Found, FoundBy, Goal, Plan, PlanFailure, TruckPlanner};
 use wildfire::rng::{self, Xoshiro256PlusPlus};
 use wildfire::scenario::{Terrain, load};
@@ -116,7 +116,7 @@ fn compare_queries() -> Result<(), Box<dyn Error>> {
 
 /// Runs the contest with both planners on the same fields. Neither is rescued: a fire without a path burns on.
 fn enter_the_contest() -> Result<(), Box<dyn Error>> {
-    let make = |site: &Site<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> {
+    let make = |site: &PlannerContext<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> {
         Ok(Box::new(ThroughOnePose { checker: site.checker.clone(), rng: (site.stream)("own-planner") }))
     };
     let planners = Planners::default().with("through-one-pose", make)?;

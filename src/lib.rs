@@ -23,7 +23,7 @@
 //! paths are checked before they are driven, and its CPU time is measured. [`own_planner`] has what that takes.
 //!
 //! ```
-//! use wildfire::own_planner::{MakeError, Planners, ReedsShepp, Site, run_with};
+//! use wildfire::own_planner::{MakeError, Planners, ReedsShepp, PlannerContext, run_with};
 //! use wildfire::{CollisionChecker, Goal, Plan, PlanFailure, Pose, TruckPlanner};
 //!
 //! /// Drives the shortest curve to the fire, if that is free.
@@ -41,7 +41,7 @@
 //!     }
 //! }
 //!
-//! let make = |site: &Site<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> { Ok(Box::new(Bold(site.checker.clone()))) };
+//! let make = |context: &PlannerContext<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> { Ok(Box::new(Bold(context.checker.clone()))) };
 //! let planners = Planners::default().with("bold", make)?;
 //! let changes = ["planner.bold.command=[]", "unimog.planner=bold"].map(str::to_owned);
 //! let run = run_with(&wildfire::load("contest", &changes)?, 7, &planners)?;
@@ -110,6 +110,6 @@ pub mod own_planner {
     pub use crate::cli::main_with;
     pub use wildfire_base::vehicle::{ReedsShepp, Segment};
     pub use wildfire_planning::judge::{BadPath, Judge};
-    pub use wildfire_planning::{MakeError, MakePlanner, NameError, PlannerName, Planners, Site};
+    pub use wildfire_planning::{MakeError, NameError, PlannerContext, PlannerFactory, PlannerName, Planners};
     pub use wildfire_sim::run_with;
 }

@@ -129,14 +129,14 @@ impl Factories {
     ) -> Result<Planners, NameError> {
         let has_printed = Arc::new(AtomicBool::new(false));
         self.planners.iter().try_fold(Planners::default(), |planners, (name, factory)| {
-            let maker = Maker {
+            let maker = PythonPlannerFactory {
                 name: name.clone(),
                 limit_s: cpu_limit_s(scenario.map(|scenario| &scenario.planner), name),
                 factory: factory.clone_ref(py),
                 interruption: Arc::clone(interruption),
                 has_printed: Arc::clone(&has_printed),
             };
-            planners.with(name, move |site: &planning::Site<'_>| maker.make(site))
+            planners.with(name, move |site: &planning::PlannerContext<'_>| maker.make(site))
         })
     }
 }
@@ -150,7 +150,7 @@ pub fn cpu_limit_s(tables: Option<&Programs>, name: &str) -> f64 {
 }
 
 /// Creates planners of one name in one run.
-struct Maker {
+struct PythonPlannerFactory {
     name: String,
     limit_s: f64,
     factory: Py<PyAny>,
@@ -159,8 +159,8 @@ struct Maker {
     has_printed: Arc<AtomicBool>,
 }
 
-impl Maker {
-    fn make(&self, site: &planning::Site<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> {
+impl PythonPlannerFactory {
+    fn make(&self, site: &planning::PlannerContext<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> {
         let made = Python::try_attach(|py| {
             let about = || format!("the factory of the planner `{}`", self.name);
             let made = self.interruption.watched(py, about, None, || self.call(py, site));
@@ -173,7 +173,7 @@ impl Maker {
         made.unwrap_or_else(|| Err(MakeError::new("Python has ended")))
     }
 
-    fn call(&self, py: Python<'_>, site: &planning::Site<'_>) -> PyResult<Box<dyn TruckPlanner>> {
+    fn call(&self, py: Python<'_>, site: &planning::PlannerContext<'_>) -> PyResult<Box<dyn TruckPlanner>> {
         let checker = Py::new(py, Checker::new(CollisionChecker::clone(site.checker)))?;
         let settings = if site.own.is_null() {
             PyDict::new(py).into_any()

@@ -86,7 +86,7 @@ impl GivenPolicies {
     ) -> Result<Policies, PolicyNameError> {
         let has_printed = Arc::new(AtomicBool::new(false));
         self.0.iter().try_fold(Policies::default(), |policies, given| {
-            let maker = Maker {
+            let maker = PythonPolicyFactory {
                 given: given.clone_ref(py),
                 limit_s: cpu_limit_s(scenario.map(|scenario| &scenario.policy), &given.name),
                 interruption: Arc::clone(interruption),
@@ -98,7 +98,7 @@ impl GivenPolicies {
 }
 
 /// Creates policies of one name.
-struct Maker {
+struct PythonPolicyFactory {
     given: Given,
     limit_s: f64,
     interruption: Arc<Interruption>,
@@ -106,7 +106,7 @@ struct Maker {
     has_printed: Arc<AtomicBool>,
 }
 
-impl Maker {
+impl PythonPolicyFactory {
     fn make(&self, site: &PolicyContext<'_>) -> Result<Box<dyn Policy>, MakeError> {
         let made = Python::try_attach(|py| {
             self.act(py, site).map_err(|exception| {

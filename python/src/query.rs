@@ -88,7 +88,7 @@ pub struct Site {
 }
 
 impl Site {
-    pub fn new(site: &planning::Site<'_>, seed: u64, settings: Py<PyAny>, checker: Py<Checker>) -> Self {
+    pub fn new(site: &planning::PlannerContext<'_>, seed: u64, settings: Py<PyAny>, checker: Py<Checker>) -> Self {
         let vehicle = Vehicle::from_body(site.body);
         Self { truck: site.truck, seed, settings, vehicle, speeds: *site.limits, checker }
     }

@@ -3,7 +3,9 @@
 use std::thread;
 
 use wildfire::Pose;
-use wildfire::planning::{Goal, MakeError, Plan, PlanFailure, Planners, Site, TruckPlanner, TruckPlannerKind};
+use wildfire::planning::{
+    Goal, MakeError, Plan, PlanFailure, PlannerContext, Planners, TruckPlanner, TruckPlannerKind,
+};
 use wildfire::scenario;
 use wildfire::sim;
 use wildfire::stats::Series;
@@ -54,7 +56,8 @@ fn empty_answers_save_nothing() {
     let answers: [fn(Pose) -> Plan; 2] =
         [|_| Plan::from(Err(PlanFailure::Disconnected)), |start| Plan::from(Ok(Path { start, segments: Vec::new() }))];
     for answer in answers {
-        let maker = move |_: &Site<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> { Ok(Box::new(Always(answer))) };
+        let maker =
+            move |_: &PlannerContext<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> { Ok(Box::new(Always(answer))) };
         let planners = Planners::default().with("silent", maker).expect("the name is free");
         assert_eq!(put_out("silent", 3, &planners), [0.0; 3]);
     }

@@ -9,9 +9,11 @@ use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{Pose, ops};
 use wildfire::planning::judge::{BadPath, Judge};
 use wildfire::planning::memory::MemoryMeter;
-use wildfire::planning::{Goal, GoalDisc, MakeError, Planners, Site, TruckPlanner, TruckPlannerKind, free_poses};
+use wildfire::planning::{
+    Goal, GoalDisc, MakeError, PlannerContext, Planners, TruckPlanner, TruckPlannerKind, free_poses,
+};
 use wildfire::rng;
-use wildfire::scenario::{self, PlannerContext, Problem, Programs, Terrain, Unimog};
+use wildfire::scenario::{self, Problem, Programs, Terrain, TruckPlannerContext, Unimog};
 use wildfire::sim;
 use wildfire::time::SimTime;
 use wildfire::timeline::{AgentFact, Body, Fact};
@@ -251,7 +253,7 @@ impl Asked {
     fn planner(&self, name: &str, planners: &Planners) -> Box<dyn TruckPlanner> {
         let truck = Unimog { planner: name.parse().expect("a name"), ..self.problem.truck.clone() };
         let (memory, programs) = (MemoryMeter::unlimited(), Programs::new());
-        let context = PlannerContext {
+        let context = TruckPlannerContext {
             ground: None,
             truck: 0,
             seed: self.seed,
@@ -269,7 +271,9 @@ fn no_path_of_a_built_in_planner_is_refused_or_changed() {
     let fields = [("contest", 1, 50), ("contest", 2, 50), ("dense", 3, 50), ("dense", 4, 50), ("fleet", 5, 50)];
     let fields = fields.map(|(name, seed, goals)| Asked::new(name, seed, goals));
     for kind in TruckPlannerKind::ALL {
-        let inside = move |site: &Site<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> { Ok(kind.maker().make(site)) };
+        let inside = move |site: &PlannerContext<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> {
+            Ok(kind.maker().make(site))
+        };
         let planners = Planners::default().with("inside", inside).expect("the name is free");
         let (mut found, mut failed) = (0, 0);
         for field in &fields {

@@ -7,10 +7,10 @@ use std::time::Duration;
 use wildfire::audit_timeline;
 use wildfire::batch::{Batch, BatchPlan, FinishedBatch, OutputFolder, Record};
 use wildfire::planning::{
-    CpuSource, Effort, Goal, GoalDisc, MakeError, Plan, PlanFailure, PlannerName, Planners, QueryCpu, Site,
+    CpuSource, Effort, Goal, GoalDisc, MakeError, Plan, PlanFailure, PlannerContext, PlannerName, Planners, QueryCpu,
     TruckPlanner,
 };
-use wildfire::scenario::{self, PlannerContext, Scenario, Unimog};
+use wildfire::scenario::{self, Scenario, TruckPlannerContext, Unimog};
 use wildfire::sim::{self, CustomRegistry, RunError};
 use wildfire::timeline::{AgentFact, Fact, Outcome, RestReason, Timeline};
 use wildfire::vehicle::{Path, ReedsShepp, Segment};
@@ -26,17 +26,18 @@ impl<F: FnMut(Pose, Goal) -> Plan + Send + Sync> TruckPlanner for Answers<F> {
 }
 
 /// Makes the planner of a name that answers by a function of the site.
-fn planners<F>(name: &str, answers: impl Fn(&Site<'_>) -> F + Send + Sync + 'static) -> Planners
+fn planners<F>(name: &str, answers: impl Fn(&PlannerContext<'_>) -> F + Send + Sync + 'static) -> Planners
 where
     F: FnMut(Pose, Goal) -> Plan + Send + Sync + 'static,
 {
-    let maker =
-        move |site: &Site<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> { Ok(Box::new(Answers(answers(site)))) };
+    let maker = move |site: &PlannerContext<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> {
+        Ok(Box::new(Answers(answers(site))))
+    };
     Planners::default().with(name, maker).expect("the name is free")
 }
 
 /// Plans the shortest curve to one of a few poses about the goal, where that is free.
-fn short_curves(site: &Site<'_>) -> impl FnMut(Pose, Goal) -> Plan + Send + Sync + use<> {
+fn short_curves(site: &PlannerContext<'_>) -> impl FnMut(Pose, Goal) -> Plan + Send + Sync + use<> {
     let checker = site.checker.clone();
     move |start, goal| {
         let curves = ReedsShepp { radius_m: checker.body().turning_radius_m };
@@ -169,7 +170,7 @@ fn built_in_planners_go_without_rescue_where_the_scenario_says_so() {
 
 #[test]
 fn what_the_gate_refuses_is_a_bad_answer_with_words_and_the_run_goes_on() {
-    let through_everything = |_: &Site<'_>| {
+    let through_everything = |_: &PlannerContext<'_>| {
         |start: Pose, goal: Goal| {
             let Goal::Disc(disc) = goal else { return Plan::from(Err(PlanFailure::Disconnected)) };
             let curves = ReedsShepp { radius_m: 7.0 };
@@ -210,8 +211,9 @@ fn a_panic_is_a_crash_and_what_a_planner_says_of_its_effort_cannot_overflow() {
 
 #[test]
 fn a_planner_that_cannot_be_built_fails_the_run_with_its_name_and_the_reason() {
-    let maker =
-        |_: &Site<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> { Err(MakeError::new("no map for this field")) };
+    let maker = |_: &PlannerContext<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> {
+        Err(MakeError::new("no map for this field"))
+    };
     let planners = Planners::default().with("lost", maker).expect("the name is free");
     let scenario = driven_by("lost", "smoke", &[]);
     let error = sim::run_with(&scenario, 1, &planners).expect_err("it cannot be built");
@@ -228,7 +230,7 @@ fn a_planner_sees_its_truck_its_settings_and_a_stream_of_its_own() {
         &["planner.own.settings.range_m=12.5", "planner.own.settings.names=[\"a\"]", "unimog.planner=own"],
     );
     let truck = scenario.unimog[0].clone();
-    let planners = planners("own", |site: &Site<'_>| {
+    let planners = planners("own", |site: &PlannerContext<'_>| {
         assert_eq!(site.own, &serde_json::json!({ "range_m": 12.5, "names": ["a"] }));
         assert_eq!((site.truck, site.limits.forward_mps), (0, 8.0));
         assert_eq!(site.body, site.checker.body());
@@ -250,7 +252,7 @@ fn planning_time_is_charged_for_the_expansions_that_answers_report() {
 
 #[test]
 fn cpu_times_that_somebody_else_measured_count_and_say_where_they_come_from() {
-    let elsewhere = planners("own", |site: &Site<'_>| {
+    let elsewhere = planners("own", |site: &PlannerContext<'_>| {
         let mut answers = short_curves(site);
         move |start, goal| Plan {
             cpu: Some(QueryCpu { time: Duration::from_secs(2), starting: Duration::ZERO, source: CpuSource::Process }),
@@ -299,7 +301,7 @@ fn no_path_of_a_built_in_planner_is_refused_by_the_judge() {
         for kind in wildfire::planning::TruckPlannerKind::ALL {
             let truck = Unimog { planner: kind.into(), ..scenario.unimog[0].clone() };
             let mut planner = truck
-                .make_planner(&PlannerContext {
+                .make_planner(&TruckPlannerContext {
                     ground: None,
                     truck: 0,
                     seed: 1,
@@ -326,7 +328,7 @@ fn no_path_of_a_built_in_planner_is_refused_by_the_judge() {
 #[test]
 fn curvatures_of_single_precision_pass_and_sharper_ones_do_not() {
     for (excess, passes) in [(0.0, true), (9e-7, true), (2e-6, false)] {
-        let bent = planners("bent", move |site: &Site<'_>| {
+        let bent = planners("bent", move |site: &PlannerContext<'_>| {
             let (sharpest, mut answers) = (site.body.max_curvature(), short_curves(site));
             move |start, goal| {
                 let mut plan = answers(start, goal);
@@ -360,7 +362,7 @@ fn a_path_without_segments_stays_where_it_is() {
 fn calls_of_the_checker_are_charged_where_no_expansions_are_reported() {
     let charged = driven_by("own", "arena", &["duration_s=600"]);
     let planners_that_report = |reports: bool| {
-        planners("own", move |site: &Site<'_>| {
+        planners("own", move |site: &PlannerContext<'_>| {
             let mut inner = wildfire::planning::HybridAstar::build(site);
             move |start, goal| {
                 let plan = TruckPlanner::plan(&mut inner, start, goal);

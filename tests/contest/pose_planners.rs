@@ -7,7 +7,7 @@ use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{DVec2, FieldFrame, OrientedRect, Pose, ops};
 use wildfire::grid::Grid;
 use wildfire::planning::memory::MemoryMeter;
-use wildfire::planning::{Goal, GoalDisc, Site, TruckPlanner, TruckPlannerKind};
+use wildfire::planning::{Goal, GoalDisc, PlannerContext, TruckPlanner, TruckPlannerKind};
 use wildfire::rng;
 use wildfire::scenario::Unimog;
 use wildfire::vehicle::{Dimensions, Path};
@@ -56,7 +56,7 @@ impl FieldFile {
         let checker = CollisionChecker::new(field, Dimensions::default());
         let (truck, memory) = (Unimog::default(), MemoryMeter::unlimited());
         let (settings, stream) = (truck.planner_settings(), |name: &str| rng::stream(1, name));
-        kind.maker().make(&Site {
+        kind.maker().make(&PlannerContext {
             ground: None,
             truck: 0,
             body: checker.body(),

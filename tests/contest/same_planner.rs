@@ -8,7 +8,7 @@ use std::path::Path as FilePath;
 
 use wildfire::batch::{RUN_COLUMNS, RunLabel, RunResult, RunRow, is_measured};
 use wildfire::geometry::{Cell, DVec2, Pose};
-use wildfire::planning::{Goal, GoalDisc, MakeError, Plan, PlanFailure, Planners, Site, TruckPlanner};
+use wildfire::planning::{Goal, GoalDisc, MakeError, Plan, PlanFailure, PlannerContext, Planners, TruckPlanner};
 use wildfire::scenario::load;
 use wildfire::sim;
 use wildfire::timeline::Outcome;
@@ -44,7 +44,7 @@ struct FirstPlace {
 }
 
 impl FirstPlace {
-    fn new(site: &Site<'_>) -> Self {
+    fn new(site: &PlannerContext<'_>) -> Self {
         let frame = site.checker.field().frame();
         Self {
             cols: frame.cols.into(),
@@ -79,7 +79,7 @@ impl FirstPlace {
     }
 }
 
-fn is_bush(site: &Site<'_>, cell: Cell) -> bool {
+fn is_bush(site: &PlannerContext<'_>, cell: Cell) -> bool {
     site.checker.field().occupied()[(usize::from(cell.row), usize::from(cell.col))]
 }
 
@@ -95,7 +95,8 @@ impl TruckPlanner for FirstPlace {
 
 /// Writes the outcomes as the rows of `runs.csv`, without what is measured.
 fn outcomes() -> String {
-    let make = |site: &Site<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> { Ok(Box::new(FirstPlace::new(site))) };
+    let make =
+        |site: &PlannerContext<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> { Ok(Box::new(FirstPlace::new(site))) };
     let planners = Planners::default().with("first-place", make).expect("the name is free");
     let changes = ["planner.first-place.command=[]", "unimog.planner=first-place"].map(str::to_owned);
     let scenario = load("contest", &changes).expect("it is built in");

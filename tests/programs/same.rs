@@ -1,7 +1,7 @@
 //! A planner is the same planner inside this program and as a program of its own.
 
 use wildfire::geometry::Pose;
-use wildfire::planning::{Effort, Goal, MakeError, Plan, Planners, Site, TruckPlanner};
+use wildfire::planning::{Effort, Goal, MakeError, Plan, PlannerContext, Planners, TruckPlanner};
 use wildfire::programs::{ProgramPool, Trust, supervisor};
 use wildfire::scenario::load;
 use wildfire::sim;
@@ -55,7 +55,7 @@ fn planner_in_rust_and_as_a_program_give_the_same_runs() {
     let script = shell.path("west.py");
     let command = format!("planner.west.command=[\"python3\", \"{}\"]", script.display());
     let outside = load("smoke", &change(&command)).expect("it is a scenario");
-    let make = |site: &Site<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> {
+    let make = |site: &PlannerContext<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> {
         let curves = ReedsShepp { radius_m: site.body.turning_radius_m };
         Ok(Box::new(FromTheWest { to_centre_m: site.body.centre_offset_m(), curves }))
     };

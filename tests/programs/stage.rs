@@ -10,7 +10,7 @@ use wildfire::geometry::{DVec2, Pose};
 use wildfire::planning::memory::MemoryMeter;
 use wildfire::planning::{Goal, GoalDisc, Plan, Planners, TruckPlanner};
 use wildfire::programs::{ProgramPool, Trust, supervisor};
-use wildfire::scenario::{PlannerContext, Scenario, Terrain, load};
+use wildfire::scenario::{Scenario, Terrain, TruckPlannerContext, load};
 
 use crate::children::{self, wait_until};
 
@@ -92,7 +92,7 @@ impl Stage {
         let terrain = Terrain::from_scenario(scenario, seed).expect("it is empty");
         let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
         let truck = &scenario.unimog[0];
-        let context = PlannerContext {
+        let context = TruckPlannerContext {
             truck: 0,
             seed,
             ground: None,

@@ -62,7 +62,7 @@ pub fn reference_pct(temperature: usize, humidity: usize) -> Option<u8> {
 /// exposed or shaded; north, east, south, west; up to 30 percent or steeper; from 8:00 in steps of two hours; the fuel 1000
 /// to 2000 ft below the weather station, level with it, or above.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Site {
+pub struct CorrectionClass {
     pub season: usize,
     pub shade: usize,
     pub aspect: usize,
@@ -71,7 +71,7 @@ pub struct Site {
     pub elevation: usize,
 }
 
-impl Site {
+impl CorrectionClass {
     /// Returns what is added to [`reference_pct`]; `None` if a class does not exist.
     pub fn correction_pct(self) -> Option<u8> {
         let Self { season, shade, aspect, slope, time, elevation } = self;
@@ -93,7 +93,7 @@ pub fn fine_dead_moisture(temperature_c: f64, humidity: f64, month: u32, hour: u
         _ => 2,
     };
     let time = (hour.clamp(8, 19) - 8) as usize / 2;
-    let correction = Site { season, shade: 0, aspect: 2, slope: 0, time, elevation: 1 }.correction_pct();
+    let correction = CorrectionClass { season, shade: 0, aspect: 2, slope: 0, time, elevation: 1 }.correction_pct();
     let [reference, correction] = [reference, correction].map(|pct| pct.expect("the classes are within the tables"));
     f64::from(reference + correction) / 100.0
 }
@@ -105,14 +105,19 @@ mod tests {
     #[test]
     fn fine_fuel_is_wetter_in_humid_air_in_the_shade_and_in_winter() {
         // 80 F and 20 %, on a level meadow in July at 14:00; the same under trees; the same in December.
-        let site = Site { season: 0, shade: 0, aspect: 2, slope: 0, time: 3, elevation: 1 };
-        let corrections = [site, Site { shade: 1, ..site }, Site { season: 2, ..site }].map(Site::correction_pct);
+        let site = CorrectionClass { season: 0, shade: 0, aspect: 2, slope: 0, time: 3, elevation: 1 };
+        let corrections = [site, CorrectionClass { shade: 1, ..site }, CorrectionClass { season: 2, ..site }]
+            .map(CorrectionClass::correction_pct);
         assert_eq!((reference_pct(3, 4), corrections), (Some(3), [Some(0), Some(3), Some(2)]));
         // 80 F and 20 % on that meadow; and by night in December, when the air is cold and moist.
         let found =
             [(26.7, 0.2, 7, 14), (-30.0, 1.0, 12, 23)].map(|(c, h, month, at)| fine_dead_moisture(c, h, month, at));
         assert_eq!(found, [0.03, 0.19]);
-        let beyond = [Site { season: 3, ..site }, Site { slope: 2, ..site }, Site { time: 6, elevation: 3, ..site }];
-        assert_eq!((beyond.map(Site::correction_pct), reference_pct(6, 0)), ([None; 3], None));
+        let beyond = [
+            CorrectionClass { season: 3, ..site },
+            CorrectionClass { slope: 2, ..site },
+            CorrectionClass { time: 6, elevation: 3, ..site },
+        ];
+        assert_eq!((beyond.map(CorrectionClass::correction_pct), reference_pct(6, 0)), ([None; 3], None));
     }
 }

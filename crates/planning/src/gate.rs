@@ -22,15 +22,15 @@ use wildfire_base::vehicle::Path;
 
 use super::judge::Judge;
 use super::observer::PlanningObserver;
-use super::registry::{MakeError, MakePlanner, Site};
-use super::{BuildReport, CpuSource, Effort, Goal, Plan, PlanFailure, QueryCpu, TruckPlanner, Unobserved};
+use super::registry::{MakeError, PlannerContext, PlannerFactory};
+use super::{BuildReport, CpuSource, Effort, Goal, NullObserver, Plan, PlanFailure, QueryCpu, TruckPlanner};
 
 /// The share by which a curvature may exceed the truck's before it counts as sharper: what single precision loses. It is
 /// set to the truck's own.
 const CURVATURE_ROUNDING: f64 = 1e-6;
 
 /// A planner behind the gate.
-pub struct Gated {
+pub struct ValidatedPlanner {
     planner: Box<dyn TruckPlanner>,
     report: BuildReport,
     judge: Judge,
@@ -40,21 +40,21 @@ pub struct Gated {
     calls: Arc<AtomicU64>,
 }
 
-impl Gated {
+impl ValidatedPlanner {
     /// Makes a planner and measures the time that it takes.
     ///
     /// # Errors
     /// If it cannot be built.
-    pub fn build(maker: &dyn MakePlanner, site: &Site<'_>) -> Result<Self, MakeError> {
+    pub fn build(maker: &dyn PlannerFactory, context: &PlannerContext<'_>) -> Result<Self, MakeError> {
         let mut stopwatch = CpuStopwatch::start();
-        let (checker, calls) = site.checker.counting();
-        let planner = maker.make(&Site { checker: &checker, ..*site })?;
+        let (checker, calls) = context.checker.counting();
+        let planner = maker.make(&PlannerContext { checker: &checker, ..*context })?;
         let making = stopwatch.lap();
         let report = planner.build_report();
         // What it measured itself is part of that.
         let (sampling, connecting) = (Duration::ZERO, Duration::ZERO);
         let report = BuildReport { sampling, connecting, starting: making + report.elsewhere, ..report };
-        let (judge, sharpest) = (Judge::new(site.checker.clone()), site.body.max_curvature());
+        let (judge, sharpest) = (Judge::new(context.checker.clone()), context.body.max_curvature());
         Ok(Self { planner, report, judge, sharpest, calls })
     }
 
@@ -81,9 +81,9 @@ impl Gated {
     }
 }
 
-impl TruckPlanner for Gated {
+impl TruckPlanner for ValidatedPlanner {
     fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
-        self.plan_observed(start, goal, &mut Unobserved)
+        self.plan_observed(start, goal, &mut NullObserver)
     }
 
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {

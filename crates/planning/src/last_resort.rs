@@ -16,8 +16,8 @@ use crate::kit::target::Target;
 use crate::kit::turn_straight::TurnStraightSteering;
 use crate::kit::vehicle_units::{UnscaledLines, VehicleUnits};
 use crate::memory::MemoryMeter;
-use crate::observer::{PlanningObserver, PlanningWork, Unobserved};
-use crate::registry::Site;
+use crate::observer::{NullObserver, PlanningObserver, PlanningWork};
+use crate::registry::PlannerContext;
 use crate::{BuildReport, Effort, FoundBy, Goal, GoalDisc, Plan, PlanFailure, TruckPlanner};
 use wildfire_base::geometry::Pose;
 use wildfire_base::rng::Xoshiro256PlusPlus;
@@ -43,16 +43,16 @@ pub struct LastResort {
 }
 
 impl LastResort {
-    /// Wraps the planner of a site.
-    pub fn new(planner: Box<dyn TruckPlanner>, site: &Site<'_>) -> Self {
-        let settings = site.settings.hybrid.search(DriveCost::Length, site.limits);
+    /// Wraps a planner that was built for this context.
+    pub fn new(planner: Box<dyn TruckPlanner>, context: &PlannerContext<'_>) -> Self {
+        let settings = context.settings.hybrid.search(DriveCost::Length, context.limits);
         Self {
             planner,
-            checker: site.checker.clone(),
-            steering: TurnStraightSteering::new(site.body, settings.cost.motion_price(site.body)),
+            checker: context.checker.clone(),
+            steering: TurnStraightSteering::new(context.body, settings.cost.motion_price(context.body)),
             settings,
-            rng: (site.stream)("shortcuts"),
-            memory: site.memory.clone(),
+            rng: (context.stream)("shortcuts"),
+            memory: context.memory.clone(),
             scaled: None,
         }
     }
@@ -167,7 +167,7 @@ impl LastResort {
 
 impl TruckPlanner for LastResort {
     fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
-        self.plan_observed(start, goal, &mut Unobserved)
+        self.plan_observed(start, goal, &mut NullObserver)
     }
 
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {

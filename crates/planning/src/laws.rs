@@ -16,12 +16,12 @@ use super::judge::Judge;
 use super::registry::{OwnedSettings, TruckPlannerKind};
 use super::test_fields::{TestField, assert_drivable, drives_in_a_row, drives_to_poses, random_free_pose, shut_court};
 use super::{
-    Goal, GoalDisc, Plan, PlanFailure, PlanningObserver, QueryMonitor, SearchPhase, TruckPlanner, Unobserved,
+    Goal, GoalDisc, NullObserver, Plan, PlanFailure, PlanningObserver, QueryMonitor, SearchPhase, TruckPlanner,
     plan_to_nearest,
 };
 
 fn planner(kind: TruckPlannerKind, field: &TestField, seed: u64) -> Box<dyn TruckPlanner> {
-    field.make(&OwnedSettings::default(), seed, |site| kind.make(site))
+    field.make(&OwnedSettings::default(), seed, |context| kind.make(context))
 }
 
 fn every_planner(law: impl FnMut(TruckPlannerKind)) {
@@ -162,8 +162,8 @@ fn the_nearest_of_several_discs_is_hardly_farther_than_the_nearest_when_asked_fo
                 let singles = discs.map(|disc| planner.plan(start, disc.into()).path.ok());
                 let shortest = singles.iter().flatten().map(Path::length_m).min_by(f64::total_cmp);
                 let body = *field.checker.body();
-                let (index, plan) =
-                    plan_to_nearest(planner.as_mut(), &body, start, &discs, &mut Unobserved).expect("there are discs");
+                let (index, plan) = plan_to_nearest(planner.as_mut(), &body, start, &discs, &mut NullObserver)
+                    .expect("there are discs");
                 assert_eq!(plan.path.is_ok(), shortest.is_some(), "{kind}, seed {seed}");
                 if let (Ok(path), Some(shortest_m)) = (plan.path, shortest) {
                     assert_drivable(&field.checker, &path, start, discs[index]);
@@ -181,7 +181,7 @@ fn without_a_disc_none_is_the_nearest() {
     let field = TestField::random(1, 25);
     let mut planner = planner(TruckPlannerKind::Lattice, &field, 1);
     let body = *field.checker.body();
-    assert!(plan_to_nearest(planner.as_mut(), &body, field.start, &[], &mut Unobserved).is_none());
+    assert!(plan_to_nearest(planner.as_mut(), &body, field.start, &[], &mut NullObserver).is_none());
 }
 
 #[test]

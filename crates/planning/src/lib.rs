@@ -88,13 +88,13 @@ pub use kit::floods::flood_bytes;
 pub use kit::local_search::{MotionCost, PrimitiveSettings};
 pub use kit::safety::{Safety, SafetyForm, SafetyMap, SafetySettings};
 pub use nearest_by_drive::plan_to_nearest;
-pub use observer::{PlanningObserver, PlanningWork, QueryMonitor, QueryTime, Unobserved};
+pub use observer::{NullObserver, PlanningObserver, PlanningWork, QueryMonitor, QueryTime};
 pub use planners::hybrid_astar::{HybridAstar, HybridSettings};
 pub use planners::lattice::{LatticePlanner, LatticeSettings};
 pub use planners::prm_primitives::{ClearanceTo, PrmPrimitives, PrmSettings, RoadmapGoal, RoadmapSearch};
 pub use planners::prm_rs::{PrmRs, PrmRsSettings};
 pub use registry::{
-    MakeError, MakePlanner, NameError, PlannerName, Planners, Site, TruckPlannerKind, TruckPlannerSettings,
+    MakeError, NameError, PlannerContext, PlannerFactory, PlannerName, Planners, TruckPlannerKind, TruckPlannerSettings,
 };
 pub use search_recorder::{SearchRecorder, Searched};
 pub use traffic::{BlockedLeg, KnownMotions, find_yield_pose, plan_among, replan_around};

@@ -14,7 +14,7 @@ use wildfire_grid::open_list::{OpenList, Ranked};
 
 /// The kinds of memory that grow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Growing {
+pub enum MemoryKind {
     /// Nodes, open lists and closed sets of searches over poses.
     Searches,
     /// Floods over lattices of poses.
@@ -25,11 +25,11 @@ pub enum Growing {
     Timeline,
 }
 
-impl Growing {
+impl MemoryKind {
     pub const ALL: [Self; 4] = [Self::Searches, Self::Floods, Self::Curves, Self::Timeline];
 }
 
-impl fmt::Display for Growing {
+impl fmt::Display for MemoryKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Searches => "searches",
@@ -47,8 +47,8 @@ pub struct MemoryMeter(Arc<Counters>);
 #[derive(Debug)]
 struct Counters {
     limit: u64,
-    /// Bytes by kind, in the order of [`Growing::ALL`].
-    held: [AtomicU64; Growing::ALL.len()],
+    /// Bytes by kind, in the order of [`MemoryKind::ALL`].
+    held: [AtomicU64; MemoryKind::ALL.len()],
     is_overrun: AtomicBool,
 }
 
@@ -64,35 +64,35 @@ impl MemoryMeter {
     }
 
     /// Creates a holder that holds nothing yet.
-    pub fn holder(&self, kind: Growing) -> Held {
-        Held { meter: self.clone(), kind, bytes: 0 }
+    pub fn holder(&self, kind: MemoryKind) -> MemoryShare {
+        MemoryShare { meter: self.clone(), kind, bytes: 0 }
     }
 
     /// Returns the sum of the bytes that are held.
     pub fn held(&self) -> u64 {
-        Growing::ALL.into_iter().map(|kind| self.held_by(kind)).sum()
+        MemoryKind::ALL.into_iter().map(|kind| self.held_by(kind)).sum()
     }
 
-    fn held_by(&self, kind: Growing) -> u64 {
+    fn held_by(&self, kind: MemoryKind) -> u64 {
         self.0.held[kind as usize].load(Ordering::Relaxed)
     }
 
     /// Returns the kind that holds the most, with its bytes, if memory was refused to a holder.
-    pub fn overrun(&self) -> Option<(Growing, u64)> {
-        let by_size = Growing::ALL.into_iter().map(|kind| (kind, self.held_by(kind)));
+    pub fn overrun(&self) -> Option<(MemoryKind, u64)> {
+        let by_size = MemoryKind::ALL.into_iter().map(|kind| (kind, self.held_by(kind)));
         self.0.is_overrun.load(Ordering::Relaxed).then(|| by_size.max_by_key(|&(_, bytes)| bytes)).flatten()
     }
 }
 
 /// One holder's share of what a [`MemoryMeter`] counts. It is returned when the holder is dropped.
 #[derive(Debug)]
-pub struct Held {
+pub struct MemoryShare {
     meter: MemoryMeter,
-    kind: Growing,
+    kind: MemoryKind,
     bytes: u64,
 }
 
-impl Held {
+impl MemoryShare {
     /// Requests this many bytes for the holder in place of what it held; returns whether they were granted, and counts
     /// them if so.
     ///
@@ -122,7 +122,7 @@ impl Held {
     }
 }
 
-impl Clone for Held {
+impl Clone for MemoryShare {
     /// Creates a holder that asks for as many bytes.
     fn clone(&self) -> Self {
         let mut other = self.beside();
@@ -131,32 +131,32 @@ impl Clone for Held {
     }
 }
 
-impl Drop for Held {
+impl Drop for MemoryShare {
     fn drop(&mut self) {
         self.meter.0.held[self.kind as usize].fetch_sub(self.bytes, Ordering::Relaxed);
     }
 }
 
 /// Collections whose size in memory is known before they grow.
-pub trait BytesAfter {
+pub trait CapacityBytes {
     /// Returns the bytes that the collection takes once it has `more` elements more: its capacity, which doubles where
     /// it does not suffice.
     fn bytes_after(&self, more: usize) -> usize;
 }
 
-impl<T> BytesAfter for Vec<T> {
+impl<T> CapacityBytes for Vec<T> {
     fn bytes_after(&self, more: usize) -> usize {
         size_of::<T>() * capacity_after(self.len(), self.capacity(), more)
     }
 }
 
-impl<T> BytesAfter for VecDeque<T> {
+impl<T> CapacityBytes for VecDeque<T> {
     fn bytes_after(&self, more: usize) -> usize {
         size_of::<T>() * capacity_after(self.len(), self.capacity(), more)
     }
 }
 
-impl<T: Ranked> BytesAfter for OpenList<T> {
+impl<T: Ranked> CapacityBytes for OpenList<T> {
     fn bytes_after(&self, more: usize) -> usize {
         size_of::<T>() * capacity_after(self.waiting(), self.capacity(), more)
     }
@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn held_memory_is_counted_until_its_holder_is_dropped() {
         let meter = MemoryMeter::new(100);
-        let (mut flood, mut search) = (meter.holder(Growing::Floods), meter.holder(Growing::Searches));
+        let (mut flood, mut search) = (meter.holder(MemoryKind::Floods), meter.holder(MemoryKind::Searches));
         assert!(flood.cover(60) && search.cover(40) && flood.cover(50));
         assert_eq!((meter.held(), meter.overrun()), (100, None), "what shrinks keeps its memory");
         drop(flood);
@@ -184,10 +184,10 @@ mod tests {
     #[test]
     fn one_byte_too_many_is_refused_and_so_is_all_that_follows() {
         let meter = MemoryMeter::new(100);
-        let (mut flood, mut search) = (meter.holder(Growing::Floods), meter.holder(Growing::Searches));
+        let (mut flood, mut search) = (meter.holder(MemoryKind::Floods), meter.holder(MemoryKind::Searches));
         assert!(flood.cover(70) && search.cover(20));
         assert!(!search.cover(31));
-        assert_eq!((meter.held(), meter.overrun()), (90, Some((Growing::Floods, 70))));
+        assert_eq!((meter.held(), meter.overrun()), (90, Some((MemoryKind::Floods, 70))));
         assert!(!search.cover(1) && !flood.cover(71));
     }
 

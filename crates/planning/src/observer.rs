@@ -32,9 +32,9 @@ pub trait PlanningObserver {
 
 /// Observes nothing.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Unobserved;
+pub struct NullObserver;
 
-impl PlanningObserver for Unobserved {
+impl PlanningObserver for NullObserver {
     fn begins(&mut self, _work: Option<PlanningWork>) {}
 
     fn looked_at(&mut self, _phase: SearchPhase, _lines: &mut dyn Iterator<Item = [DVec2; 2]>) {}

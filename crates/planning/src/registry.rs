@@ -24,7 +24,7 @@ use wildfire_base::trajectory::{GroundSpeed, SpeedLimits};
 use wildfire_base::vehicle::Dimensions;
 
 use super::TruckPlanner;
-use super::gate::Gated;
+use super::gate::ValidatedPlanner;
 use super::kit::drive_cost::DriveCost;
 use super::kit::local_search::PrimitiveSettings;
 use super::kit::safety::SafetySettings;
@@ -36,7 +36,7 @@ use super::smooth_steering::{CurvatureSmoother, SmoothSteering};
 /// Makes the built-in planners of one name, and describes their settings.
 pub trait BuiltInPlanner: Sync {
     /// Makes a planner for one truck on one field.
-    fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner>;
+    fn make(&self, context: &PlannerContext<'_>) -> Box<dyn TruckPlanner>;
 
     /// Names the tables of settings that the planner uses.
     fn tables(&self) -> &'static [&'static str];
@@ -66,7 +66,7 @@ pub trait BuiltInPlanner: Sync {
 }
 
 /// The truck and the field that a planner is made for.
-pub struct Site<'a> {
+pub struct PlannerContext<'a> {
     /// The truck's number, from 0.
     pub truck: u16,
     /// The truck's body, which `checker` has too.
@@ -89,21 +89,21 @@ pub struct Site<'a> {
     pub settings: &'a TruckPlannerSettings<'a>,
 }
 
-/// Makes planners of one name. A closure from a [`Site`] to a planner will do.
-pub trait MakePlanner: Send + Sync {
+/// Makes planners of one name. A closure from a [`PlannerContext`] to a planner will do.
+pub trait PlannerFactory: Send + Sync {
     /// Makes a planner for one truck on one field.
     ///
     /// # Errors
     /// If it cannot be built; the run does not take place then.
-    fn make(&self, site: &Site<'_>) -> Result<Box<dyn TruckPlanner>, MakeError>;
+    fn make(&self, context: &PlannerContext<'_>) -> Result<Box<dyn TruckPlanner>, MakeError>;
 }
 
-impl<F> MakePlanner for F
+impl<F> PlannerFactory for F
 where
-    F: Fn(&Site<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> + Send + Sync,
+    F: Fn(&PlannerContext<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> + Send + Sync,
 {
-    fn make(&self, site: &Site<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> {
-        self(site)
+    fn make(&self, context: &PlannerContext<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> {
+        self(context)
     }
 }
 
@@ -200,7 +200,7 @@ pub enum NameError {
 /// Planners by name: the built-in ones, and those that were registered.
 #[derive(Clone, Default)]
 pub struct Planners {
-    own: BTreeMap<PlannerName, Arc<dyn MakePlanner>>,
+    own: BTreeMap<PlannerName, Arc<dyn PlannerFactory>>,
 }
 
 impl Planners {
@@ -208,7 +208,7 @@ impl Planners {
     ///
     /// # Errors
     /// If it cannot have this name.
-    pub fn with(mut self, name: &str, maker: impl MakePlanner + 'static) -> Result<Self, NameError> {
+    pub fn with(mut self, name: &str, maker: impl PlannerFactory + 'static) -> Result<Self, NameError> {
         let name = PlannerName::new(name)?;
         match name.built_in() {
             Some(kind) => Err(NameError::BuiltIn(kind)),
@@ -235,10 +235,10 @@ impl Planners {
     ///
     /// # Errors
     /// If nobody of this name is known, or it cannot be built.
-    pub fn make(&self, name: &PlannerName, site: &Site<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> {
+    pub fn make(&self, name: &PlannerName, context: &PlannerContext<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> {
         if let Some(kind) = name.built_in() {
-            let planner = kind.make(site);
-            return Ok(match CurvatureSmoother::new(site.checker, site.limits) {
+            let planner = kind.make(context);
+            return Ok(match CurvatureSmoother::new(context.checker, context.limits) {
                 Some(smoother) => Box::new(SmoothSteering::new(planner, smoother)),
                 None => planner,
             });
@@ -247,7 +247,7 @@ impl Planners {
             let words = format!("`{name}` is neither built in nor registered, nor a program that may be started");
             return Err(MakeError(words));
         };
-        Ok(Box::new(Gated::build(maker.as_ref(), site)?))
+        Ok(Box::new(ValidatedPlanner::build(maker.as_ref(), context)?))
     }
 }
 
@@ -302,25 +302,25 @@ macro_rules! truck_planners {
 
 truck_planners! {
     /// A roadmap, and motion primitives along its waypoints.
-    PrmPrimitives, "prm+primitives", prm_primitives::Maker;
+    PrmPrimitives, "prm+primitives", prm_primitives::PrmPrimitivesFactory;
     /// A roadmap over poses with Reeds-Shepp curves, with a lattice search as fallback.
-    PrmRs, "prm-rs", prm_rs::Maker;
+    PrmRs, "prm-rs", prm_rs::PrmRsFactory;
     /// A lattice search that looks ahead with Reeds-Shepp curves.
-    HybridAstar, "hybrid-astar", hybrid_astar::Maker;
+    HybridAstar, "hybrid-astar", hybrid_astar::HybridAstarFactory;
     /// A flood over a lattice of poses: slow, but complete at its resolution.
-    Lattice, "lattice", lattice::Maker;
+    Lattice, "lattice", lattice::LatticeFactory;
 }
 
 impl TruckPlannerKind {
     /// Makes a planner for one truck on one field, with what all built-in planners try last.
-    pub fn make(self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
-        Box::new(LastResort::new(self.maker().make(site), site))
+    pub fn make(self, context: &PlannerContext<'_>) -> Box<dyn TruckPlanner> {
+        Box::new(LastResort::new(self.maker().make(context), context))
     }
 
     /// Builds the planner with its default settings, for a truck that drives 8 m/s in both directions. Equal seeds give
     /// equal planners.
     pub fn build(self, checker: &CollisionChecker, seed: u64) -> Box<dyn TruckPlanner> {
-        self.make(&Site {
+        self.make(&PlannerContext {
             truck: 0,
             body: checker.body(),
             limits: &SpeedLimits::new(8.0, 8.0),
@@ -432,7 +432,7 @@ mod tests {
         for name in ["", "1a", "-a", "A", "rrt star", "rrt*", "é", &"a".repeat(41)] {
             assert_eq!(PlannerName::new(name), Err(NameError::Malformed), "{name:?}");
         }
-        let maker = |_: &Site<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> { Err(MakeError::new("no")) };
+        let maker = |_: &PlannerContext<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> { Err(MakeError::new("no")) };
         let planners = Planners::default().with("mine", maker).expect("it is free");
         assert_eq!(planners.clone().with("mine", maker).err(), Some(NameError::Taken("mine".into())));
         let taken = Planners::default().with("prm-rs", maker).err();

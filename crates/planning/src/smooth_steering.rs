@@ -17,7 +17,7 @@
 use glam::{DMat3, DVec2, DVec3};
 
 use super::observer::PlanningObserver;
-use super::{BuildReport, Goal, GoalDisc, Plan, TruckPlanner, Unobserved};
+use super::{BuildReport, Goal, GoalDisc, NullObserver, Plan, TruckPlanner};
 use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
 use wildfire_base::geometry::{Pose, ops};
 use wildfire_base::trajectory::SpeedLimits;
@@ -54,7 +54,7 @@ impl SmoothSteering {
 
 impl TruckPlanner for SmoothSteering {
     fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
-        self.plan_observed(start, goal, &mut Unobserved)
+        self.plan_observed(start, goal, &mut NullObserver)
     }
 
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {

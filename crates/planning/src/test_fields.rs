@@ -14,7 +14,7 @@ use wildfire_grid::Grid;
 
 use super::memory::MemoryMeter;
 use super::reachability::Reachability;
-use super::registry::{OwnedSettings, Site};
+use super::registry::{OwnedSettings, PlannerContext};
 use super::{DriveCost, Goal, GoalDisc, TruckPlanner};
 
 /// A field of 30 x 30 cells with walks of four cells about it, the truck on it, and places to drive to.
@@ -75,10 +75,10 @@ impl TestField {
     }
 
     /// Makes a planner on the field, whose random streams come from a seed.
-    pub fn make<T>(&self, settings: &OwnedSettings, seed: u64, make: impl FnOnce(&Site<'_>) -> T) -> T {
+    pub fn make<T>(&self, settings: &OwnedSettings, seed: u64, make: impl FnOnce(&PlannerContext<'_>) -> T) -> T {
         let stream = |name: &str| rng::stream(seed, name);
         let memory = MemoryMeter::unlimited();
-        make(&Site {
+        make(&PlannerContext {
             truck: 0,
             body: self.checker.body(),
             limits: &SpeedLimits::new(8.0, 8.0),

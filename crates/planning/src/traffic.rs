@@ -12,7 +12,7 @@ use super::kit::clearance_profile::ClearanceProfile;
 use super::kit::lattice::Lattice;
 use super::kit::local_search::{LocalSearch, PrimitiveSettings};
 use super::memory::MemoryMeter;
-use super::observer::Unobserved;
+use super::observer::NullObserver;
 use super::{Effort, GoalDisc};
 
 /// A new path leaves the old one this far before the place where that is blocked.
@@ -30,7 +30,7 @@ pub fn replan_around(checker: &CollisionChecker, path: &Path, free_m: f64, disc:
     let mut search = LocalSearch::new(checker, &MemoryMeter::unlimited(), &settings, None);
     let mut from = |metres: f64| {
         let (mut kept, _) = path.split_at(metres);
-        let rest = search.drive(kept.end(), &[], disc.with_margin().into(), &mut Unobserved).ok()?;
+        let rest = search.drive(kept.end(), &[], disc.with_margin().into(), &mut NullObserver).ok()?;
         kept.segments.extend(rest.path.segments);
         Some(kept)
     };

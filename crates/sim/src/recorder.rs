@@ -5,7 +5,7 @@ use std::time::Duration;
 use bevy_ecs::prelude::*;
 
 use wildfire_base::time::SimTime;
-use wildfire_planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
+use wildfire_planning::memory::{CapacityBytes, MemoryKind, MemoryMeter, MemoryShare};
 use wildfire_planning::{PlanFailure, Searched};
 use wildfire_timeline::{AgentFact, AgentId, CpuSample, Event, Fact, FireFact, GroundEvent};
 
@@ -30,12 +30,12 @@ pub struct Recorder {
     searched: usize,
     /// Bytes of what facts hold beside themselves.
     beside: usize,
-    memory: Held,
+    memory: MemoryShare,
 }
 
 impl Recorder {
     pub fn new(memory: &MemoryMeter, records_searches: bool) -> Self {
-        let memory = memory.holder(Growing::Timeline);
+        let memory = memory.holder(MemoryKind::Timeline);
         let messages = FailureMessages::default();
         Self {
             events: Vec::new(),
@@ -51,7 +51,7 @@ impl Recorder {
 
     /// Counts its memory on another meter from now on.
     pub fn count_on(&mut self, memory: &MemoryMeter) {
-        self.memory = memory.holder(Growing::Timeline);
+        self.memory = memory.holder(MemoryKind::Timeline);
         self.memory.cover(self.events.bytes_after(0) + self.ground.bytes_after(0) + self.beside);
     }
 

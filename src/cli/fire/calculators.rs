@@ -12,7 +12,7 @@ use crate::cli::output_files::{Files, Format};
 use crate::cli::terminal;
 use wildfire_base::input_file::is_standard_stream;
 use wildfire_fire::contain::{Attack, Outcome, Resource, Status, Tactic};
-use wildfire_fire::fine_moisture::{Site, reference_pct};
+use wildfire_fire::fine_moisture::{CorrectionClass, reference_pct};
 use wildfire_fire::nelson::{Air, SIZES, Stick};
 use wildfire_fire::spotting::{Location, SPECIES, Source, SpotDistance, Spotting};
 
@@ -96,7 +96,7 @@ pub fn moisture(table: &TableArguments, quiet: bool) -> Result<(), CliError> {
         check_needed(table, numbers, if is_reference { &[1, 2] } else { &[3, 4, 5, 6, 7, 8] })?;
         let [_, temperature, humidity, season, shade, aspect, slope, time, elevation] =
             numbers.map(|number| number as usize);
-        let site = Site { season, shade, aspect, slope, time, elevation };
+        let site = CorrectionClass { season, shade, aspect, slope, time, elevation };
         let percent = if is_reference { reference_pct(temperature, humidity) } else { site.correction_pct() };
         Ok(percent.expect("the classes are within the tables").to_string())
     })

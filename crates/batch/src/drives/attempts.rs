@@ -11,7 +11,7 @@ use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_planning::collision::{ClearanceField, CollisionChecker};
 use wildfire_planning::{MakeError, PlanFailure, PlannerName, Planners};
 use wildfire_sim::scenario::{
-    GroundKinds, MemoryEstimate, MemoryExceeded, MemoryLimit, PlannerContext, Problem, Programs, Unimog,
+    GroundKinds, MemoryEstimate, MemoryExceeded, MemoryLimit, Problem, Programs, TruckPlannerContext, Unimog,
 };
 
 /// A planner's answer to one goal of a problem.
@@ -98,7 +98,7 @@ pub fn attempts<'a>(problem: &'a Problem, question: &AttemptSettings<'_>) -> Res
         let truck = Unimog { planner: planner.clone(), ..problem.truck.clone() };
         let mut stopwatch = CpuStopwatch::start();
         let ground = truck.ground_speed(kinds.as_ref());
-        let context = PlannerContext {
+        let context = TruckPlannerContext {
             truck: 0,
             seed,
             checker: &checker,

@@ -342,7 +342,7 @@ mod tests {
             let mut field = TestField::random(seed, 40);
             let goals: Vec<Pose> = (0..2).map(|_| random_free_pose(&mut field, 0.3)).collect();
             for kind in TruckPlannerKind::ALL {
-                let mut planner = field.make(&OwnedSettings::default(), seed, |site| kind.maker().make(site));
+                let mut planner = field.make(&OwnedSettings::default(), seed, |context| kind.maker().make(context));
                 for &goal in &goals {
                     let Ok(path) = planner.plan(field.start, Goal::Pose(goal)).path else { continue };
                     let clearance_m = (least_clearance(&field.checker, &path) - 0.01).clamp(0.0, 1.0);

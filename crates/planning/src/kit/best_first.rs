@@ -11,7 +11,7 @@
 
 use glam::DVec2;
 
-use crate::memory::{BytesAfter, Growing, Held, MemoryMeter};
+use crate::memory::{CapacityBytes, MemoryKind, MemoryMeter, MemoryShare};
 use wildfire_base::geometry::Pose;
 use wildfire_base::vehicle::{Dimensions, Path, Segment};
 use wildfire_grid::open_list::{OpenList, Ranked};
@@ -138,7 +138,7 @@ impl<S> Ranked for Candidate<S> {
 
 /// The reason why a search found no path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ending {
+pub enum SearchFailure {
     /// All motions of the lattice were tried.
     Exhausted,
     BudgetSpent,
@@ -201,7 +201,7 @@ pub struct PoseSearch<M, S> {
     open: OpenList<Candidate<S>>,
     closed: ClosedSet,
     sequence: u32,
-    memory: Held,
+    memory: MemoryShare,
     /// The nodes expanded since the search began.
     pub expansions: u32,
 }
@@ -214,7 +214,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
             open: OpenList::default(),
             closed: ClosedSet::new(lattice.bin_m, lattice.headings),
             sequence: 0,
-            memory: memory.holder(Growing::Searches),
+            memory: memory.holder(MemoryKind::Searches),
             expansions: 0,
         }
     }
@@ -242,10 +242,10 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
     ///
     /// # Errors
     /// The reason why there is no path, or none yet.
-    pub fn run<P: SearchSpace<Mark = M, Own = S>>(&mut self, space: &mut P, limit: u32) -> Result<Path, Ending> {
+    pub fn run<P: SearchSpace<Mark = M, Own = S>>(&mut self, space: &mut P, limit: u32) -> Result<Path, SearchFailure> {
         while let Some(best) = self.open.pop() {
             if !space.has_room(self) {
-                return Err(Ending::BudgetSpent);
+                return Err(SearchFailure::BudgetSpent);
             }
             let at_goal = match best.step {
                 Step::Arrive => {
@@ -257,7 +257,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
                 }
                 Step::Expand if self.expansions == limit => {
                     self.open.push(best);
-                    return Err(Ending::BudgetSpent);
+                    return Err(SearchFailure::BudgetSpent);
                 }
                 Step::Expand => {
                     self.expansions += 1;
@@ -271,7 +271,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
                 return Ok(self.path_to(space, node));
             }
         }
-        Err(Ending::Exhausted)
+        Err(SearchFailure::Exhausted)
     }
 
     /// Adds a step to the open list.

@@ -20,12 +20,12 @@ pub const END_SHARE: f64 = 0.9;
 #[derive(Clone, Debug)]
 pub struct ClearanceProfile {
     min_clearance_m: f64,
-    tight: Vec<TightEnd>,
+    tight: Vec<LowClearanceEnd>,
     rule: PieceRule,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct TightEnd {
+struct LowClearanceEnd {
     position: DVec2,
     min_clearance_m: f64,
 }
@@ -44,7 +44,7 @@ impl ClearanceProfile {
     pub fn new(min_clearance_m: f64, ends: impl IntoIterator<Item = (Pose, f64)>) -> Self {
         let ends = ends.into_iter();
         let ends = ends
-            .map(|(pose, own_m)| TightEnd { position: pose.position(), min_clearance_m: END_SHARE * own_m })
+            .map(|(pose, own_m)| LowClearanceEnd { position: pose.position(), min_clearance_m: END_SHARE * own_m })
             .filter(|end| end.min_clearance_m < min_clearance_m);
         Self { min_clearance_m, tight: ends.collect(), rule: PieceRule::LesserOfEnds }
     }
@@ -111,14 +111,14 @@ impl ClearanceProfile {
 
     /// Returns the clearance that is asked for at a pose.
     fn at(&self, pose: Pose) -> f64 {
-        let near = |end: &TightEnd| end.min_clearance_m + RAMP * pose.position().distance(end.position);
+        let near = |end: &LowClearanceEnd| end.min_clearance_m + RAMP * pose.position().distance(end.position);
         self.tight.iter().map(near).fold(self.min_clearance_m, f64::min)
     }
 
     /// Returns the metres until the nearest position at which less than the full clearance is asked for; not positive
     /// there.
     fn distance_to_tight(&self, pose: Pose) -> f64 {
-        let gap = |end: &TightEnd| {
+        let gap = |end: &LowClearanceEnd| {
             pose.position().distance(end.position) - (self.min_clearance_m - end.min_clearance_m) / RAMP
         };
         self.tight.iter().map(gap).fold(f64::INFINITY, f64::min)

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use crate::GoalDisc;
 use crate::collision::ClearanceField;
-use crate::memory::{BytesAfter, Growing, Held, MemoryMeter};
+use crate::memory::{CapacityBytes, MemoryKind, MemoryMeter, MemoryShare};
 use wildfire_base::geometry::FieldFrame;
 
 use super::target::Target;
@@ -71,7 +71,7 @@ pub struct HolonomicHeuristic {
     waiting: usize,
     /// The cell that the search spreads towards.
     target: Place,
-    memory: Held,
+    memory: MemoryShare,
     /// True if there was no memory for a tile.
     is_short: bool,
 }
@@ -118,10 +118,10 @@ impl Place {
 
 impl HolonomicHeuristic {
     pub fn new(memory: &MemoryMeter) -> Self {
-        Self::holding(memory.holder(Growing::Searches))
+        Self::holding(memory.holder(MemoryKind::Searches))
     }
 
-    fn holding(memory: Held) -> Self {
+    fn holding(memory: MemoryShare) -> Self {
         Self {
             directory: Vec::new(),
             tile_cols: 0,

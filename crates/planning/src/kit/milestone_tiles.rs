@@ -47,7 +47,7 @@ impl CellBlock {
 }
 
 /// A list of milestones that grows by tiles.
-pub trait DrawnMilestones {
+pub trait SampleSink {
     /// Draws the milestones of a part of the field and puts them at the end of the list.
     fn draw(&mut self, block: CellBlock, rng: Xoshiro256PlusPlus);
 
@@ -97,7 +97,7 @@ impl Tiles {
     /// order; opens the tiles that hold them.
     pub fn within(
         &mut self,
-        milestones: &mut impl DrawnMilestones,
+        milestones: &mut impl SampleSink,
         (place, reach_m): (DVec2, f64),
         found: &mut Vec<(f64, u32)>,
     ) {
@@ -122,7 +122,7 @@ impl Tiles {
     }
 
     /// Draws the milestones of a tile; returns their numbers.
-    fn open(&mut self, milestones: &mut impl DrawnMilestones, [col, row]: [usize; 2]) -> Range<u32> {
+    fn open(&mut self, milestones: &mut impl SampleSink, [col, row]: [usize; 2]) -> Range<u32> {
         let cells = |number: usize, count: u16| {
             let first = number * self.side;
             first..(first + self.side).min(count.into())

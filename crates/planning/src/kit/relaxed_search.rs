@@ -16,7 +16,7 @@ use wildfire_base::query::SearchPhase;
 use wildfire_base::rng::Xoshiro256PlusPlus;
 use wildfire_base::vehicle::{Dimensions, Path, Segment};
 
-use super::best_first::{AnalyticExpansion, Candidate, Ending, Never, Node, PoseSearch, SearchOf, SearchSpace};
+use super::best_first::{AnalyticExpansion, Candidate, Never, Node, PoseSearch, SearchFailure, SearchOf, SearchSpace};
 use super::clearance_profile::ClearanceProfile;
 use super::drive_cost::CostModel;
 use super::ends::{explain_failure, free_ends, free_poses_in};
@@ -36,7 +36,7 @@ const LAST_WEIGHT: f64 = 1.5;
 
 /// The effort of a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Means {
+enum StageMethod {
     /// Searches from the start and from the goal in turn, each with its maximum of expanded nodes.
     Searches { lattice: LatticeKind, forward: u32, backward: u32 },
     /// The coarsest flood from the start.
@@ -51,8 +51,8 @@ enum LatticeKind {
     Fine,
 }
 
-const fn searches(share: f64, lattice: LatticeKind, forward: u32, backward: u32) -> Stage<Means> {
-    Stage { share, effort: Means::Searches { lattice, forward, backward } }
+const fn searches(share: f64, lattice: LatticeKind, forward: u32, backward: u32) -> Stage<StageMethod> {
+    Stage { share, effort: StageMethod::Searches { lattice, forward, backward } }
 }
 
 /// Nodes that a search of the coarse lattice expands at most.
@@ -64,13 +64,13 @@ pub const MOST_FIRST_EXPANSIONS: u32 = MOST_COARSE;
 ///
 /// Long detours are cheaper for the flood than for a search, because it looks at every bin once; tight ends need the
 /// short motions of the fine lattice.
-const fn schedule(first_expansions: u32) -> [Stage<Means>; 6] {
+const fn schedule(first_expansions: u32) -> [Stage<StageMethod>; 6] {
     [
         searches(1.0, LatticeKind::Coarse, first_expansions, 0),
         searches(2.0 / 3.0, LatticeKind::Coarse, 150, 150),
         searches(1.0 / 3.0, LatticeKind::Coarse, 250, 250),
         searches(LEAST_SHARE, LatticeKind::Coarse, MOST_COARSE, MOST_COARSE),
-        Stage { share: LEAST_SHARE, effort: Means::Flood },
+        Stage { share: LEAST_SHARE, effort: StageMethod::Flood },
         searches(LEAST_SHARE, LatticeKind::Fine, 20_000, 20_000),
     ]
 }
@@ -191,12 +191,12 @@ impl RelaxedSearch {
         let (field, body) = (self.checker.field(), self.checker.body());
         self.walks[0].begin(field, target, target.position_of(start, body));
         self.walks[1].begin(field, Target::Pose(start), target.position());
-        let mut ending = Ending::Exhausted;
+        let mut ending = SearchFailure::Exhausted;
         for stage in schedule(self.settings.first_expansions) {
             let min_clearance_m = stage.min_clearance_m(self.settings.clearance_m, f64::INFINITY);
             let profile = ClearanceProfile::new(min_clearance_m, ends.iter().copied());
             let (path, by) = match stage.effort {
-                Means::Searches { lattice, forward, backward } => {
+                StageMethod::Searches { lattice, forward, backward } => {
                     let free_poses = |&disc| free_poses_in(&self.checker, disc, START_RINGS, min_clearance_m);
                     let starts_behind: Vec<Pose> = match target {
                         _ if backward == 0 => Vec::new(),
@@ -214,7 +214,7 @@ impl RelaxedSearch {
                     };
                     (path, by)
                 }
-                Means::Flood => (self.flood(start, target, observer), FoundBy::Lattice),
+                StageMethod::Flood => (self.flood(start, target, observer), FoundBy::Lattice),
             };
             match path {
                 Ok(path) => {
@@ -226,8 +226,8 @@ impl RelaxedSearch {
             }
         }
         Err(match ending {
-            Ending::Exhausted => PlanFailure::Disconnected,
-            Ending::BudgetSpent => PlanFailure::BudgetSpent,
+            SearchFailure::Exhausted => PlanFailure::Disconnected,
+            SearchFailure::BudgetSpent => PlanFailure::BudgetSpent,
         })
     }
 
@@ -240,7 +240,7 @@ impl RelaxedSearch {
         profile: &ClearanceProfile,
         starts_behind: &[Pose],
         weight: f64,
-    ) -> Result<Path, Ending> {
+    ) -> Result<Path, SearchFailure> {
         let &Drive { start, target, .. } = drive;
         let Self { checker, settings, memory, heuristic, coarse, fine, walks: [to_goal, to_start], .. } = self;
         let [forward, backward] = match lattice {
@@ -259,7 +259,7 @@ impl RelaxedSearch {
         }
         let mut sides = [(forward, ahead), (backward, behind)];
         let mut left = budgets;
-        let mut ending = Ending::Exhausted;
+        let mut ending = SearchFailure::Exhausted;
         while left != [0, 0] {
             for (side, (search, space)) in sides.iter_mut().enumerate() {
                 if left[side] == 0 {
@@ -275,11 +275,11 @@ impl RelaxedSearch {
                     // Driven back, it would begin at the start except for rounding.
                     Ok(path) if side == BACKWARD => return Ok(Path { start, ..path.reversed() }),
                     Ok(path) => return Ok(path),
-                    Err(Ending::BudgetSpent) if self.expansions < settings.max_expansions => {
-                        ending = Ending::BudgetSpent;
+                    Err(SearchFailure::BudgetSpent) if self.expansions < settings.max_expansions => {
+                        ending = SearchFailure::BudgetSpent;
                     }
                     // From a disc only some poses were searched, and beyond the fine lattice there is nothing to try.
-                    Err(Ending::Exhausted)
+                    Err(SearchFailure::Exhausted)
                         if lattice == LatticeKind::Fine || (side == BACKWARD && matches!(target, Target::Discs(_))) =>
                     {
                         left[side] = 0;
@@ -304,7 +304,12 @@ impl RelaxedSearch {
     }
 
     /// Asks the flood for one disc after the other, since it has no order by cost.
-    fn flood(&mut self, start: Pose, target: Target<'_>, observer: &mut dyn PlanningObserver) -> Result<Path, Ending> {
+    fn flood(
+        &mut self,
+        start: Pose,
+        target: Target<'_>,
+        observer: &mut dyn PlanningObserver,
+    ) -> Result<Path, SearchFailure> {
         let goals: Vec<Goal> = match target {
             Target::Pose(end) => vec![end.into()],
             Target::Discs(discs) => discs.iter().map(|&disc| disc.into()).collect(),
@@ -316,7 +321,7 @@ impl RelaxedSearch {
             self.expansions += spent;
             path.ok()
         });
-        found.ok_or(Ending::Exhausted)
+        found.ok_or(SearchFailure::Exhausted)
     }
 }
 

@@ -135,7 +135,7 @@ struct Team<'a> {
 
 /// How thoroughly a vehicle plans.
 #[derive(Clone, Copy)]
-struct Care {
+struct SearchBudget {
     penalty_m: f64,
     expansions: u32,
 }
@@ -181,7 +181,7 @@ impl<'a> Team<'a> {
         match self.settings.method {
             Method::Prioritised => self.try_orders(order)?,
             Method::Repair => {
-                self.replan(&order, Care { penalty_m: PENALTY_M, expansions: 1000 })?;
+                self.replan(&order, SearchBudget { penalty_m: PENALTY_M, expansions: 1000 })?;
                 self.repair()?;
             }
         }
@@ -234,7 +234,7 @@ impl<'a> Team<'a> {
     }
 
     /// Takes the routes of some vehicles away and plans them again, one after the other.
-    fn replan(&mut self, vehicles: &[usize], care: Care) -> Result<(), Unsolved> {
+    fn replan(&mut self, vehicles: &[usize], care: SearchBudget) -> Result<(), Unsolved> {
         for &vehicle in vehicles {
             self.set_route(vehicle, None);
         }
@@ -268,7 +268,7 @@ impl<'a> Team<'a> {
         self.routes[vehicle] = route;
     }
 
-    fn plan_one(&mut self, vehicle: usize, care: Care) -> Route {
+    fn plan_one(&mut self, vehicle: usize, care: SearchBudget) -> Route {
         let own = &self.instance.vehicles[vehicle];
         let at_goal = self.traffic.conflicts_of_standing(own.goal);
         let may_wait_at_start = self.grounds[vehicle].allows(&Motion::standing(own.start));
@@ -309,7 +309,7 @@ impl<'a> Team<'a> {
         let mut least = usize::MAX;
         for round in 0..self.settings.rounds.div_ceil(10) {
             self.rounds = round;
-            self.replan(&order, Care { penalty_m: FORBIDDEN_M, expansions: 2000 })?;
+            self.replan(&order, SearchBudget { penalty_m: FORBIDDEN_M, expansions: 2000 })?;
             if self.pairs() == 0 {
                 return Ok(());
             }
@@ -332,7 +332,8 @@ impl<'a> Team<'a> {
             let group = self.group_around(seed);
             let before = self.pairs();
             let stuck = f64::from(since_progress / 10);
-            let care = Care { penalty_m: PENALTY_M * (1.0 + stuck), expansions: 2000 * (1 + since_progress / 20) };
+            let care =
+                SearchBudget { penalty_m: PENALTY_M * (1.0 + stuck), expansions: 2000 * (1 + since_progress / 20) };
             self.try_again(group, care, |team, _| team.pairs() <= before)?;
             since_progress = if self.pairs() < before { 0 } else { since_progress + 1 };
         }
@@ -356,7 +357,7 @@ impl<'a> Team<'a> {
                 drawn < 0.0
             });
             let group = self.group_around(seed.unwrap_or(0));
-            let care = Care { penalty_m: FORBIDDEN_M, expansions: 1000 };
+            let care = SearchBudget { penalty_m: FORBIDDEN_M, expansions: 1000 };
             self.try_again(group, care, |team, saved_m| team.pairs() == 0 && saved_m > 1e-6)?;
         }
         Ok(())
@@ -366,7 +367,7 @@ impl<'a> Team<'a> {
     fn try_again(
         &mut self,
         mut group: Vec<usize>,
-        care: Care,
+        care: SearchBudget,
         is_accepted: impl Fn(&Self, f64) -> bool,
     ) -> Result<(), Unsolved> {
         group.shuffle(&mut self.random);

@@ -66,7 +66,7 @@ impl Drive {
 
 /// A route and its price: metres by [`Route::flowtime_m`] and the conflicts' penalties.
 #[derive(Clone, Debug)]
-pub struct Priced {
+pub struct CostedRoute {
     pub route: Route,
     pub price_m: f64,
 }
@@ -93,7 +93,7 @@ impl Others<'_> {
 /// Finds the waits along a drive that cost the least, and less than `bound_m`.
 ///
 /// Layers of one wait more each; a layer whose cheapest way on cannot win with a further wait is the last.
-pub fn wait_along(drive: &Drive, others: &Others, bound_m: f64) -> Option<Priced> {
+pub fn wait_along(drive: &Drive, others: &Others, bound_m: f64) -> Option<CostedRoute> {
     let steps = drive.motions.len();
     let mut ahead_m = vec![0.0; steps + 1];
     for at in (0..steps).rev() {
@@ -152,7 +152,7 @@ pub fn wait_along(drive: &Drive, others: &Others, bound_m: f64) -> Option<Priced
         }
     }
     route.reverse();
-    Some(Priced { route: Route { start: drive.start, steps: route }, price_m: best_m })
+    Some(CostedRoute { route: Route { start: drive.start, steps: route }, price_m: best_m })
 }
 
 /// Finds drives past the standing obstacles, the shortest first; none if a search of `expansions` finds no way.
@@ -272,7 +272,7 @@ const WEIGHT: f64 = 1.1;
 
 impl Search {
     /// Finds a route that costs less than the bound, the cheapest that the expansions allow for; none if it is stopped.
-    pub fn find(&mut self, query: &Query, is_stopped: &mut dyn FnMut() -> bool) -> Option<Priced> {
+    pub fn find(&mut self, query: &Query, is_stopped: &mut dyn FnMut() -> bool) -> Option<CostedRoute> {
         let Query { ground, vehicle, others, bound_m, expansions } = *query;
         self.nodes.clear();
         self.open.clear();
@@ -341,7 +341,7 @@ impl Search {
         }
         steps.reverse();
         steps.extend(shot);
-        Some(Priced { route: Route { start: vehicle.start, steps }, price_m: best_m })
+        Some(CostedRoute { route: Route { start: vehicle.start, steps }, price_m: best_m })
     }
 
     fn push(&mut self, node: Node, ahead_m: f64) {

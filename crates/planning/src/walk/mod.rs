@@ -87,7 +87,7 @@ mod tests {
 
     use super::test_lattices::{FRAME, field, on_cells};
     use super::*;
-    use crate::Unobserved;
+    use crate::NullObserver;
     use wildfire_grid::astar::StepCosts;
     use wildfire_grid::potential::{Attraction, Repulsion};
     use wildfire_grid::{Connectivity, CornerCutting, Grid, octile};
@@ -138,7 +138,7 @@ mod tests {
                     let blind = WalkMethod::Astar { estimate: Estimate::Octile, weight: 0.0 };
                     let paths = [ASTAR, blind, WalkMethod::Wavefront].map(|method| {
                         let mut planner = WalkPlanner::new(lattice, method, costs.clone());
-                        planner.plan(lattice, start, (cell, 6.25), &mut Unobserved).path
+                        planner.plan(lattice, start, (cell, 6.25), &mut NullObserver).path
                     });
                     let approachable = lattice.points_of_reach(cell, 6.25).any(|point| reached[point]);
                     assert!(paths.iter().all(|path| path.is_some() == approachable));
@@ -160,7 +160,7 @@ mod tests {
         let (mut greedy_effort, mut exact_effort) = (0, 0);
         each_query(0.2, |_, lattice, start, cell| {
             let effort = |method| {
-                WalkPlanner::new(lattice, method, metres()).plan(lattice, start, (cell, 6.25), &mut Unobserved)
+                WalkPlanner::new(lattice, method, metres()).plan(lattice, start, (cell, 6.25), &mut NullObserver)
             };
             let greedy = effort(WalkMethod::Astar { estimate: Estimate::Octile, weight: 4.0 });
             let exact = effort(ASTAR);
@@ -189,7 +189,8 @@ mod tests {
         let middle = Cell { col: 9, row: 9 };
         assert_eq!(lattice.points_of_reach(middle, 6.25).count(), 0);
         for method in [ASTAR, WalkMethod::Wavefront, WalkMethod::Potential(POTENTIAL)] {
-            let walk = WalkPlanner::new(&lattice, method, metres()).plan(&lattice, 0, (middle, 6.25), &mut Unobserved);
+            let walk =
+                WalkPlanner::new(&lattice, method, metres()).plan(&lattice, 0, (middle, 6.25), &mut NullObserver);
             assert_eq!(walk.path, None, "{method:?}");
         }
     }
@@ -208,7 +209,7 @@ mod tests {
         each_query(0.1, |seed, lattice, start, cell| {
             let plan = |settings| {
                 let mut planner = WalkPlanner::new(lattice, WalkMethod::Potential(settings), metres());
-                planner.plan(lattice, start, (cell, 6.25), &mut Unobserved)
+                planner.plan(lattice, start, (cell, 6.25), &mut NullObserver)
             };
             let (walk, escaped) = (plan(no_escape), plan(POTENTIAL));
             let path = walk.path.clone().expect("a walk without escape ends somewhere");

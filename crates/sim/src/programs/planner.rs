@@ -12,8 +12,8 @@ use super::protocol::{FromProgram, GoalMessage, PathAnswer, PlanQuery, Reason, T
 use wildfire_base::geometry::Pose;
 use wildfire_base::vehicle::{Path, ReedsShepp, Segment};
 use wildfire_planning::{
-    BuildReport, CpuSource, Effort, Goal, Plan, PlanFailure, PlanningObserver, QueryCpu, SearchPhase, TruckPlanner,
-    Unobserved,
+    BuildReport, CpuSource, Effort, Goal, NullObserver, Plan, PlanFailure, PlanningObserver, QueryCpu, SearchPhase,
+    TruckPlanner,
 };
 
 /// Instructions of a module that count as one expansion.
@@ -37,7 +37,7 @@ impl TruckPlanner for ProgramPlanner {
     }
 
     fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
-        self.plan_observed(start, goal, &mut Unobserved)
+        self.plan_observed(start, goal, &mut NullObserver)
     }
 
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {

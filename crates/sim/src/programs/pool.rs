@@ -22,7 +22,7 @@ use wildfire_base::trajectory::SpeedLimits;
 use wildfire_base::vehicle::{Dimensions, ReedsShepp};
 use wildfire_module::{Engine, Module};
 use wildfire_planning::collision::{ClearanceField, LEAST_CLEARANCE_M};
-use wildfire_planning::{MakeError, NameError, PlannerName, Planners, Site, TruckPlanner};
+use wildfire_planning::{MakeError, NameError, PlannerContext, PlannerName, Planners, TruckPlanner};
 use wildfire_timeline::AgentId;
 
 /// The most processes of a program at once.
@@ -101,7 +101,7 @@ impl ProgramPool {
             let launch = self.launch(name, table);
             let run = scenario.name.clone();
             let stream = name.name().to_owned();
-            let make = move |site: &Site<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> {
+            let make = move |site: &PlannerContext<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> {
                 let (launch, idle) = launch.clone().map_err(MakeError::new)?;
                 let seed = (site.stream)(&stream).next_u64() >> (u64::BITS - SEED_BITS);
                 let cells = bushes(site.checker.field());

@@ -13,7 +13,7 @@ use thiserror::Error;
 use super::agents::{AgentList, AgentsMemory, FieldMeasures, MemoryPart};
 use super::{FireModelName, PlannerName, Problem, Scenario, TruckPlannerKind, Unimog};
 use wildfire_planning::collision::ClearanceField;
-use wildfire_planning::memory::{Growing, MemoryMeter};
+use wildfire_planning::memory::{MemoryKind, MemoryMeter};
 use wildfire_planning::registry::{RoadmapSize, TruckPlannerSettings};
 use wildfire_planning::{SafetyMap, flood_bytes};
 
@@ -150,7 +150,7 @@ pub enum MemoryExceeded {
         "it reached the memory limit, {limit}: {} for its fixed parts, {} for {kind}; --memory sets another limit",
         bytes_text(*.needed), bytes_text(*.bytes)
     )]
-    Grown { needed: u64, kind: Growing, bytes: u64, limit: MemoryLimit },
+    Grown { needed: u64, kind: MemoryKind, bytes: u64, limit: MemoryLimit },
 }
 
 impl MemoryEstimate {

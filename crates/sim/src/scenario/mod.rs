@@ -90,7 +90,7 @@ pub use terrain::{Terrain, TerrainError};
 pub use tetromino::Shape;
 pub use traffic::{Detours, TrafficPlan, TrafficRules};
 pub use truck_starts::{TRUCK_MARGIN_M, free_start};
-pub use unimog::{FallbackMode, Limits, PlannerContext, Retarget, StartPose, Unimog};
+pub use unimog::{FallbackMode, Limits, Retarget, StartPose, TruckPlannerContext, Unimog};
 pub use warnings::{doubts_of_files, warnings_of_map};
 pub use water::{Water, WaterEffect, WaterPlace};
 pub use weather::{DeadMoisture, MoistureChange, WeatherSettings, weather};

@@ -30,8 +30,8 @@ use wildfire_planning::collision::CollisionChecker;
 use wildfire_planning::memory::MemoryMeter;
 use wildfire_planning::registry::{BuiltInPlanner, Charge, RoadmapSize};
 use wildfire_planning::{
-    BuildReport, DriveCost, HybridSettings, LatticeSettings, MakeError, PlannerName, Planners, PrimitiveSettings,
-    PrmRsSettings, PrmSettings, RoadmapGoal, SafetySettings, Site, TruckPlanner, TruckPlannerKind,
+    BuildReport, DriveCost, HybridSettings, LatticeSettings, MakeError, PlannerContext, PlannerName, Planners,
+    PrimitiveSettings, PrmRsSettings, PrmSettings, RoadmapGoal, SafetySettings, TruckPlanner, TruckPlannerKind,
     TruckPlannerSettings, is_hardly_connected,
 };
 
@@ -109,12 +109,12 @@ impl Unimog {
     ///
     /// # Errors
     /// If nobody of its name is among the planners of the context, or it cannot be built.
-    pub fn make_planner(&self, context: &PlannerContext<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> {
-        let &PlannerContext { truck, seed, checker, ground, memory, planners, programs } = context;
+    pub fn make_planner(&self, context: &TruckPlannerContext<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> {
+        let &TruckPlannerContext { truck, seed, checker, ground, memory, planners, programs } = context;
         let own = programs.get(&self.planner).map(|program| Value::Object(program.settings.clone()));
         planners.make(
             &self.planner,
-            &Site {
+            &PlannerContext {
                 truck,
                 body: &self.vehicle,
                 limits: &self.speed_limits(),
@@ -134,7 +134,7 @@ impl Unimog {
     /// # Errors
     /// If it is not built in.
     pub fn build_planner(&self, checker: &CollisionChecker, seed: u64) -> Result<Box<dyn TruckPlanner>, MakeError> {
-        self.make_planner(&PlannerContext {
+        self.make_planner(&TruckPlannerContext {
             truck: 0,
             seed,
             checker,
@@ -215,7 +215,7 @@ fn planner_schema(generator: &mut SchemaGenerator) -> Schema {
 
 /// What a truck's planner is made from, besides the truck itself.
 #[derive(Clone, Copy)]
-pub struct PlannerContext<'a> {
+pub struct TruckPlannerContext<'a> {
     /// Its number among the trucks.
     pub truck: u16,
     pub seed: u64,
@@ -552,7 +552,7 @@ fn warn_of_roadmaps(trucks: &[Unimog], field: &ScenarioField<'_>, found: &mut Ve
         }
         let checker = CollisionChecker::new(Arc::clone(&field.clearance), unimog.vehicle);
         let ground = unimog.ground_speed(GroundKinds::new(terrain).as_ref());
-        let context = PlannerContext {
+        let context = TruckPlannerContext {
             ground: ground.as_ref(),
             truck: number as u16,
             seed: SHOWN_SEED,

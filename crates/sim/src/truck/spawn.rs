@@ -10,7 +10,7 @@ use crate::agent::{Activity, Agent, SpawnContext, enlist};
 use crate::policies::PolicySet;
 use crate::recorder::Recorder;
 use crate::run::{AgentCost, RunError};
-use crate::scenario::{self, Extinguishes, PlannerContext, Retarget, free_start};
+use crate::scenario::{self, Extinguishes, Retarget, TruckPlannerContext, free_start};
 use crate::shared::Shared;
 use crate::wake::WakeTriggers;
 use wildfire_base::time::SimTime;
@@ -40,7 +40,7 @@ pub fn spawn(
         world.resource_mut::<Recorder>().record_agent(SimTime::ZERO, id, AgentFact::StartMoved { from: wanted });
     }
     let ground = settings.ground_speed(arena.ground.as_ref());
-    let context = PlannerContext {
+    let context = TruckPlannerContext {
         truck: number,
         seed: arena.seed,
         checker: &checker,

@@ -12,7 +12,7 @@ use crate::GoalDisc;
 use crate::collision::CollisionChecker;
 use crate::kit::clearance_profile::ClearanceProfile;
 use crate::kit::lattice::{Lattice, motions};
-use crate::memory::{BytesAfter, Growing, Held, MemoryMeter};
+use crate::memory::{CapacityBytes, MemoryKind, MemoryMeter, MemoryShare};
 use wildfire_base::geometry::{FieldFrame, Pose};
 use wildfire_base::vehicle::{Path, Segment};
 
@@ -39,7 +39,7 @@ pub struct Flood {
     /// Poses found and not yet spread from; the first belongs to `found[next]`.
     frontier: VecDeque<Pose>,
     next: usize,
-    memory: Held,
+    memory: MemoryShare,
     /// True if there was no memory for more poses.
     is_short: bool,
 }
@@ -66,7 +66,7 @@ impl Flood {
             found: Vec::new(),
             frontier: VecDeque::new(),
             next: 0,
-            memory: memory.holder(Growing::Floods),
+            memory: memory.holder(MemoryKind::Floods),
             is_short: false,
         };
         if checker.clearance(root) > 0.0 && flood.has_memory_for(1) {

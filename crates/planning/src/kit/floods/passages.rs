@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use crate::GoalDisc;
 use crate::collision::CollisionChecker;
-use crate::memory::{Growing, Held, MemoryMeter};
+use crate::memory::{MemoryKind, MemoryMeter, MemoryShare};
 use wildfire_base::geometry::{FieldFrame, Pose};
 
 /// Side of a square.
@@ -29,20 +29,20 @@ const BYTES_AT_WORK: usize = 1 + size_of::<usize>();
 /// centre leads through open squares that share sides. Squares that are not joined to the start's are out of reach: a
 /// proof of "no".
 #[derive(Debug)]
-pub struct Passages {
+pub struct CorridorGraph {
     squares: Squares,
     /// For every square, row by row from the south-west, whether it is joined to the start's; empty when there are too
     /// many.
     joined: Vec<bool>,
     /// The memory of the squares that are joined.
-    memory: Held,
+    memory: MemoryShare,
 }
 
-impl Passages {
+impl CorridorGraph {
     pub fn new(checker: &CollisionChecker, memory: &MemoryMeter, start: Pose) -> Self {
         let squares = Squares::new(checker.field().frame());
         let count = squares.count();
-        let mut passages = Self { squares, joined: Vec::new(), memory: memory.holder(Growing::Floods) };
+        let mut passages = Self { squares, joined: Vec::new(), memory: memory.holder(MemoryKind::Floods) };
         if count <= MAX_SQUARES && passages.memory.cover(count) {
             passages.join(checker, checker.body().body_centre(start));
         }
@@ -85,7 +85,7 @@ impl Passages {
 }
 
 /// Returns whether a disc lies in a pocket of the field that the body's centre cannot reach from the start: the answer
-/// of [`Passages`] at the cost of the pocket alone. A large pocket is not recognised.
+/// of [`CorridorGraph`] at the cost of the pocket alone. A large pocket is not recognised.
 pub fn lies_in_pocket(checker: &CollisionChecker, start: Pose, disc: GoalDisc) -> bool {
     if disc.radius_m > LARGEST_DISC_M {
         return false;

@@ -15,7 +15,7 @@ use wildfire_base::query::SearchPhase;
 use wildfire_base::vehicle::Path;
 
 use super::flood::Flood;
-use super::passages::{Passages, lies_in_pocket};
+use super::passages::{CorridorGraph, lies_in_pocket};
 use super::{CLEARANCE_M, LATTICES};
 
 /// Curves into the goal begin no farther than this from it.
@@ -29,7 +29,7 @@ pub struct Floods {
     root: Pose,
     /// One for each of the [`LATTICES`].
     floods: [Option<Flood>; LATTICES.len()],
-    passages: Option<Passages>,
+    passages: Option<CorridorGraph>,
 }
 
 impl Floods {
@@ -80,7 +80,7 @@ impl Floods {
 
     /// Returns whether no way for the body's centre leads into a disc: proof that no lattice has one.
     fn exclude(&mut self, disc: GoalDisc) -> bool {
-        self.passages.get_or_insert_with(|| Passages::new(&self.checker, &self.memory, self.root)).exclude(disc)
+        self.passages.get_or_insert_with(|| CorridorGraph::new(&self.checker, &self.memory, self.root)).exclude(disc)
     }
 }
 
@@ -222,7 +222,7 @@ mod tests {
         for seed in 0..10 {
             let field = TestField::random(seed, 60);
             let mut flood = Flood::new(&field.checker, &MemoryMeter::unlimited(), field.start, LATTICES[1]);
-            let passages = Passages::new(&field.checker, &MemoryMeter::unlimited(), field.start);
+            let passages = CorridorGraph::new(&field.checker, &MemoryMeter::unlimited(), field.start);
             for &centre in &field.bushes {
                 let goal = GoalDisc { centre, radius_m: 6.0 };
                 assert!(!(passages.exclude(goal) && flood.pose_in(goal, u32::MAX).is_some()));
@@ -235,7 +235,7 @@ mod tests {
         let mut pockets = 0;
         for seed in 0..4 {
             let field = TestField::random(seed, 100);
-            let passages = Passages::new(&field.checker, &MemoryMeter::unlimited(), field.start);
+            let passages = CorridorGraph::new(&field.checker, &MemoryMeter::unlimited(), field.start);
             for &centre in field.bushes.iter().step_by(3) {
                 for radius_m in [0.0, 6.0] {
                     let goal = GoalDisc { centre, radius_m };

@@ -24,7 +24,7 @@ use wildfire_base::geometry::Pose;
 use wildfire_base::query::SearchPhase;
 use wildfire_base::vehicle::Path;
 
-use super::best_first::Ending;
+use super::best_first::SearchFailure;
 use super::clearance_profile::{ClearanceProfile, END_SHARE};
 use super::relaxation::Stage;
 use super::safety::Safety;
@@ -94,7 +94,7 @@ impl LocalSearch {
             Goal::Pose(end) => END_SHARE * self.checker.clearance(end),
             Goal::Disc(_) => f64::INFINITY,
         };
-        let mut ending = Ending::Exhausted;
+        let mut ending = SearchFailure::Exhausted;
         for stage in SCHEDULE {
             let min_clearance_m = stage.min_clearance_m(self.settings.clearance_m, most_m);
             let profile = ClearanceProfile::from_start(min_clearance_m, start, start_clearance);
@@ -120,8 +120,8 @@ impl LocalSearch {
             }
         }
         Err(match ending {
-            Ending::Exhausted => PlanFailure::Disconnected,
-            Ending::BudgetSpent => PlanFailure::BudgetSpent,
+            SearchFailure::Exhausted => PlanFailure::Disconnected,
+            SearchFailure::BudgetSpent => PlanFailure::BudgetSpent,
         })
     }
 
@@ -131,7 +131,7 @@ impl LocalSearch {
         query: &PrimitiveQuery<'_>,
         limit: u32,
         observer: &mut dyn PlanningObserver,
-    ) -> Result<Path, Ending> {
+    ) -> Result<Path, SearchFailure> {
         let PrimitiveQuery { waypoints, goal, .. } = *query;
         let stops = if self.settings.restart_at_waypoints { waypoints.len().saturating_sub(1) } else { 0 };
         let mut path = Path::standing(query.start);

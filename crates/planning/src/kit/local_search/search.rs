@@ -5,13 +5,15 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use crate::collision::CollisionChecker;
-use crate::kit::best_first::{AnalyticExpansion, Candidate, Ending, Node, PoseSearch, SearchOf, SearchSpace, Step};
+use crate::kit::best_first::{
+    AnalyticExpansion, Candidate, Node, PoseSearch, SearchFailure, SearchOf, SearchSpace, Step,
+};
 use crate::kit::clearance_profile::ClearanceProfile;
 use crate::kit::lattice::Lattice;
 use crate::kit::motion_price::MotionPrice;
 use crate::kit::safety::Safety;
 use crate::kit::turn_straight::{TurnStraight, TurnStraightSteering};
-use crate::memory::{BytesAfter, MemoryMeter};
+use crate::memory::{CapacityBytes, MemoryMeter};
 use crate::{Goal, GoalDisc};
 use wildfire_base::geometry::{Pose, ops};
 use wildfire_base::vehicle::reeds_shepp::Curve;
@@ -131,7 +133,7 @@ impl PrimitiveSearch {
     ///
     /// # Errors
     /// The reason why there is none.
-    pub fn run(&mut self, query: &PrimitiveQuery<'_>, budget: u32) -> Result<Path, Ending> {
+    pub fn run(&mut self, query: &PrimitiveQuery<'_>, budget: u32) -> Result<Path, SearchFailure> {
         self.primitives.begin(query.waypoints);
         let mut space = PrimitiveSpace { query, primitives: &mut self.primitives };
         if query.is_inside(query.start) {

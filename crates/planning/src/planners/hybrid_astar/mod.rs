@@ -13,8 +13,8 @@ use crate::kit::lattice::Lattice;
 use crate::kit::path_improvement::Improvement;
 use crate::kit::relaxed_search::{RelaxedSearch, RelaxedSettings};
 use crate::kit::target::Target;
-use crate::observer::{PlanningObserver, PlanningWork, Unobserved};
-use crate::registry::{BuiltInPlanner, Charge, Site, TruckPlannerSettings};
+use crate::observer::{NullObserver, PlanningObserver, PlanningWork};
+use crate::registry::{BuiltInPlanner, Charge, PlannerContext, TruckPlannerSettings};
 use crate::{BuildReport, Effort, Goal, GoalDisc, Plan, TruckPlanner};
 use wildfire_base::geometry::Pose;
 use wildfire_base::trajectory::SpeedLimits;
@@ -45,9 +45,9 @@ impl HybridSettings {
 
 impl HybridAstar {
     /// The stream `shortcuts` decides which shortcuts are tried; every query draws the same numbers.
-    pub fn build(site: &Site<'_>) -> Self {
-        let settings = site.settings.hybrid.search(site.cost, site.limits);
-        Self(RelaxedSearch::new(site.checker, site.memory, settings, (site.stream)("shortcuts")))
+    pub fn build(context: &PlannerContext<'_>) -> Self {
+        let settings = context.settings.hybrid.search(context.cost, context.limits);
+        Self(RelaxedSearch::new(context.checker, context.memory, settings, (context.stream)("shortcuts")))
     }
 }
 
@@ -57,7 +57,7 @@ impl TruckPlanner for HybridAstar {
     }
 
     fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
-        self.plan_observed(start, goal, &mut Unobserved)
+        self.plan_observed(start, goal, &mut NullObserver)
     }
 
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
@@ -87,11 +87,11 @@ impl HybridAstar {
 }
 
 /// Makes planners of the name `hybrid-astar`.
-pub struct Maker;
+pub struct HybridAstarFactory;
 
-impl BuiltInPlanner for Maker {
-    fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
-        Box::new(HybridAstar::build(site))
+impl BuiltInPlanner for HybridAstarFactory {
+    fn make(&self, context: &PlannerContext<'_>) -> Box<dyn TruckPlanner> {
+        Box::new(HybridAstar::build(context))
     }
 
     fn tables(&self) -> &'static [&'static str] {

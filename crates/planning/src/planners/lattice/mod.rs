@@ -9,8 +9,8 @@ mod settings;
 pub use settings::LatticeSettings;
 
 use crate::kit::floods::{FloodQuery, FloodSearch};
-use crate::observer::{PlanningObserver, PlanningWork, Unobserved};
-use crate::registry::{BuiltInPlanner, Charge, Site, TruckPlannerSettings};
+use crate::observer::{NullObserver, PlanningObserver, PlanningWork};
+use crate::registry::{BuiltInPlanner, Charge, PlannerContext, TruckPlannerSettings};
 use crate::{BuildReport, Effort, Found, FoundBy, Goal, Plan, TruckPlanner};
 use wildfire_base::geometry::Pose;
 
@@ -22,9 +22,9 @@ pub struct LatticePlanner {
 }
 
 impl LatticePlanner {
-    pub fn build(site: &Site<'_>) -> Self {
-        let search = FloodSearch::new(site.checker, site.memory);
-        Self { search, max_expansions: site.settings.lattice.max_expansions }
+    pub fn build(context: &PlannerContext<'_>) -> Self {
+        let search = FloodSearch::new(context.checker, context.memory);
+        Self { search, max_expansions: context.settings.lattice.max_expansions }
     }
 }
 
@@ -34,7 +34,7 @@ impl TruckPlanner for LatticePlanner {
     }
 
     fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
-        self.plan_observed(start, goal, &mut Unobserved)
+        self.plan_observed(start, goal, &mut NullObserver)
     }
 
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
@@ -48,11 +48,11 @@ impl TruckPlanner for LatticePlanner {
 }
 
 /// Makes planners of the name `lattice`.
-pub struct Maker;
+pub struct LatticeFactory;
 
-impl BuiltInPlanner for Maker {
-    fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
-        Box::new(LatticePlanner::build(site))
+impl BuiltInPlanner for LatticeFactory {
+    fn make(&self, context: &PlannerContext<'_>) -> Box<dyn TruckPlanner> {
+        Box::new(LatticePlanner::build(context))
     }
 
     fn tables(&self) -> &'static [&'static str] {
@@ -97,7 +97,7 @@ mod tests {
             let mut field = TestField::random(seed, 40);
             let mut lattice = planner(&field);
             let other = TruckPlannerKind::HybridAstar.maker();
-            let mut hybrid = field.make(&OwnedSettings::default(), seed, |site| other.make(site));
+            let mut hybrid = field.make(&OwnedSettings::default(), seed, |context| other.make(context));
             for _ in 0..10 {
                 let pose = random_free_pose(&mut field, 0.1);
                 let place = GoalDisc { centre: field.checker.body().body_centre(pose), radius_m: 0.0 };

@@ -18,8 +18,8 @@ use crate::kit::ends::{explain_failure, free_ends};
 use crate::kit::local_search::LocalSearch;
 use crate::kit::safety::Safety;
 use crate::kit::target::Target;
-use crate::observer::{PlanningObserver, PlanningWork, Unobserved};
-use crate::registry::{BuiltInPlanner, Charge, RoadmapSize, Site, TruckPlannerSettings};
+use crate::observer::{NullObserver, PlanningObserver, PlanningWork};
+use crate::registry::{BuiltInPlanner, Charge, PlannerContext, RoadmapSize, TruckPlannerSettings};
 use crate::{BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, Plan, PlanFailure, TruckPlanner};
 use roadmap::{Roadmap, RoadmapScratch, Route};
 use wildfire_base::query::SearchPhase;
@@ -43,15 +43,15 @@ pub struct PrmPrimitives {
 
 impl PrmPrimitives {
     /// Builds the roadmap for a field and a body; the stream `prm` decides where the milestones lie.
-    pub fn build(site: &Site<'_>) -> Self {
-        let &Site { checker, memory, .. } = site;
-        let TruckPlannerSettings { prm, primitives, safety, .. } = *site.settings;
-        let mut rng = (site.stream)("prm");
+    pub fn build(context: &PlannerContext<'_>) -> Self {
+        let &PlannerContext { checker, memory, .. } = context;
+        let TruckPlannerSettings { prm, primitives, safety, .. } = *context.settings;
+        let mut rng = (context.stream)("prm");
         let mut watch = CpuStopwatch::start();
         let field = checker.field();
         let safety = Safety::new(*field.frame(), field.occupied(), safety);
-        let safety = Safety::on_ground(safety, field, site.ground).map(Arc::new);
-        let sampled = Roadmap::sampled(checker, prm, &mut rng).along_roads(site.ground).priced_by(safety.clone());
+        let safety = Safety::on_ground(safety, field, context.ground).map(Arc::new);
+        let sampled = Roadmap::sampled(checker, prm, &mut rng).along_roads(context.ground).priced_by(safety.clone());
         let sampling = watch.lap();
         let roadmap = sampled.connected();
         let report = BuildReport {
@@ -163,7 +163,7 @@ impl TruckPlanner for PrmPrimitives {
     }
 
     fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
-        self.plan_observed(start, goal, &mut Unobserved)
+        self.plan_observed(start, goal, &mut NullObserver)
     }
 
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
@@ -176,11 +176,11 @@ impl TruckPlanner for PrmPrimitives {
 }
 
 /// Makes planners of the name `prm+primitives`.
-pub struct Maker;
+pub struct PrmPrimitivesFactory;
 
-impl BuiltInPlanner for Maker {
-    fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
-        Box::new(PrmPrimitives::build(site))
+impl BuiltInPlanner for PrmPrimitivesFactory {
+    fn make(&self, context: &PlannerContext<'_>) -> Box<dyn TruckPlanner> {
+        Box::new(PrmPrimitives::build(context))
     }
 
     fn tables(&self) -> &'static [&'static str] {
@@ -277,7 +277,7 @@ mod tests {
                         solved += 1;
                     }
                     Err(_) => {
-                        let (found, _) = oracle.find_within(&FloodQuery::new(start, goal), &mut Unobserved);
+                        let (found, _) = oracle.find_within(&FloodQuery::new(start, goal), &mut NullObserver);
                         missed += u32::from(found.is_ok());
                     }
                 }

@@ -33,8 +33,8 @@ use crate::kit::path_improvement::{Improvement, PathImprover};
 use crate::kit::relaxed_search::RelaxedSearch;
 use crate::kit::target::Target;
 use crate::memory::MemoryMeter;
-use crate::observer::{PlanningObserver, PlanningWork, Unobserved};
-use crate::registry::{BuiltInPlanner, Charge, RoadmapSize, Site, TruckPlannerSettings};
+use crate::observer::{NullObserver, PlanningObserver, PlanningWork};
+use crate::registry::{BuiltInPlanner, Charge, PlannerContext, RoadmapSize, TruckPlannerSettings};
 use crate::{BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, Plan, TruckPlanner};
 use glam::DVec2;
 use rand::Rng;
@@ -70,18 +70,19 @@ pub struct PrmRs {
 
 impl PrmRs {
     /// The stream `prm-rs` decides where the roadmap's poses lie, `shortcuts` which shortcuts are tried.
-    pub fn build(site: &Site<'_>) -> Self {
-        let roadmap = if is_small(site.checker.field().frame()) { whole_roadmap(site) } else { growing_roadmap(site) };
-        Self::with(site, roadmap)
+    pub fn build(context: &PlannerContext<'_>) -> Self {
+        let roadmap =
+            if is_small(context.checker.field().frame()) { whole_roadmap(context) } else { growing_roadmap(context) };
+        Self::with(context, roadmap)
     }
 
-    fn with(site: &Site<'_>, (roadmap, report): (Roadmap, BuildReport)) -> Self {
-        let &Site { checker, memory, .. } = site;
-        let TruckPlannerSettings { prm_rs: settings, hybrid, .. } = *site.settings;
-        let cost = roadmap_site(site).cost;
-        let shortcuts = (site.stream)("shortcuts");
+    fn with(context: &PlannerContext<'_>, (roadmap, report): (Roadmap, BuildReport)) -> Self {
+        let &PlannerContext { checker, memory, .. } = context;
+        let TruckPlannerSettings { prm_rs: settings, hybrid, .. } = *context.settings;
+        let cost = roadmap_site(context).cost;
+        let shortcuts = (context.stream)("shortcuts");
         Self {
-            is_unjoined: !roadmap.is_growing() && settings.join == Join::WhenNeeded,
+            is_unjoined: !roadmap.is_lazy() && settings.join == Join::WhenNeeded,
             memory: memory.clone(),
             checker: checker.clone(),
             improvement: improvement(settings),
@@ -90,7 +91,7 @@ impl PrmRs {
             roadmap,
             improver: PathImprover::new(checker, cost),
             rng: shortcuts.clone(),
-            fallback: RelaxedSearch::new(checker, memory, hybrid.search(site.cost, site.limits), shortcuts),
+            fallback: RelaxedSearch::new(checker, memory, hybrid.search(context.cost, context.limits), shortcuts),
             report,
         }
     }
@@ -126,7 +127,7 @@ impl PrmRs {
         observer: &mut dyn PlanningObserver,
     ) -> Option<(Found, Option<ClearanceProfile>)> {
         // Where a growing roadmap does not serve at the wanted clearance, the lattice search asks for less sooner.
-        let levels = if self.roadmap.is_growing() { 1 } else { SCHEDULE.len() };
+        let levels = if self.roadmap.is_lazy() { 1 } else { SCHEDULE.len() };
         for (level, stage) in SCHEDULE.iter().enumerate().take(levels) {
             let profile = ClearanceProfile::new(self.roadmap.clearance_m(level), ends.iter().copied());
             if level == 0
@@ -160,10 +161,10 @@ impl PrmRs {
 }
 
 /// Returns what the roadmap needs of the truck and the field.
-fn roadmap_site<'a>(site: &Site<'a>) -> RoadmapSite<'a> {
-    let settings = site.settings.prm_rs;
-    let cost = CostModel::new(site.cost, site.limits, settings.cusp_cost);
-    RoadmapSite { checker: site.checker, memory: site.memory, settings, cost }
+fn roadmap_site<'a>(context: &PlannerContext<'a>) -> RoadmapSite<'a> {
+    let settings = context.settings.prm_rs;
+    let cost = CostModel::new(context.cost, context.limits, settings.cusp_cost);
+    RoadmapSite { checker: context.checker, memory: context.memory, settings, cost }
 }
 
 /// Returns what is tried on paths that the roadmap gives.
@@ -172,15 +173,15 @@ fn improvement(settings: &PrmRsSettings) -> Improvement {
 }
 
 /// Builds the roadmap of a whole field.
-fn whole_roadmap(site: &Site<'_>) -> (Roadmap, BuildReport) {
-    let (checker, settings) = (site.checker, site.settings.prm_rs);
-    let mut rng = (site.stream)("prm-rs");
+fn whole_roadmap(context: &PlannerContext<'_>) -> (Roadmap, BuildReport) {
+    let (checker, settings) = (context.checker, context.settings.prm_rs);
+    let mut rng = (context.stream)("prm-rs");
     let mut watch = CpuStopwatch::start();
     let mut sampler = Sampler::new(checker, settings.clearance_m, &mut rng);
     let mut poses = sampler.draw(settings.samples_on(checker.field().frame()));
     poses.extend(sampler.corner_samples(settings.corner_places));
     let sampling = watch.lap();
-    let mut roadmap = Roadmap::new(&roadmap_site(site));
+    let mut roadmap = Roadmap::new(&roadmap_site(context));
     roadmap.add_milestones(poses);
     let (tried, components) = match settings.join {
         Join::AtOnce => (roadmap.join_components(), roadmap.components()),
@@ -200,9 +201,9 @@ fn whole_roadmap(site: &Site<'_>) -> (Roadmap, BuildReport) {
 }
 
 /// Prepares a roadmap that grows; there is nothing to report of it yet.
-fn growing_roadmap(site: &Site<'_>) -> (Roadmap, BuildReport) {
-    let key = (site.stream)("prm-rs").next_u64();
-    (Roadmap::growing(&roadmap_site(site), key), BuildReport::default())
+fn growing_roadmap(context: &PlannerContext<'_>) -> (Roadmap, BuildReport) {
+    let key = (context.stream)("prm-rs").next_u64();
+    (Roadmap::lazy(&roadmap_site(context), key), BuildReport::default())
 }
 
 impl TruckPlanner for PrmRs {
@@ -215,7 +216,7 @@ impl TruckPlanner for PrmRs {
     }
 
     fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
-        self.plan_observed(start, goal, &mut Unobserved)
+        self.plan_observed(start, goal, &mut NullObserver)
     }
 
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
@@ -272,11 +273,11 @@ impl PlanningObserver for ConnectionsOnly<'_> {
 }
 
 /// Makes planners of the name `prm-rs`.
-pub struct Maker;
+pub struct PrmRsFactory;
 
-impl BuiltInPlanner for Maker {
-    fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
-        Box::new(PrmRs::build(site))
+impl BuiltInPlanner for PrmRsFactory {
+    fn make(&self, context: &PlannerContext<'_>) -> Box<dyn TruckPlanner> {
+        Box::new(PrmRs::build(context))
     }
 
     fn tables(&self) -> &'static [&'static str] {
@@ -328,14 +329,14 @@ mod tests {
     }
 
     /// The planner as it is on a large field.
-    fn growing(field: &TestField, seed: u64) -> PrmRs {
-        field.make(&OwnedSettings::default(), seed, |site| PrmRs::with(site, growing_roadmap(site)))
+    fn lazy(field: &TestField, seed: u64) -> PrmRs {
+        field.make(&OwnedSettings::default(), seed, |context| PrmRs::with(context, growing_roadmap(context)))
     }
 
     #[test]
     fn on_a_growing_roadmap_drives_are_drivable_and_fail_hardly_where_the_flood_says_yes() {
         for walks in [25, 45] {
-            let drives = drives_in_a_row(8, walks, |field, seed| Box::new(growing(field, seed)));
+            let drives = drives_in_a_row(8, walks, |field, seed| Box::new(lazy(field, seed)));
             assert!(drives.solved + drives.unreachable >= 143 && drives.missed <= 1, "{walks} walks: {drives:?}");
         }
     }
@@ -344,9 +345,9 @@ mod tests {
     fn a_growing_roadmap_answers_the_same_whatever_was_asked_before() {
         let mut field = TestField::random(3, 40);
         let goals: Vec<GoalDisc> = (0..12).map(|_| field.random_goal()).collect();
-        let mut kept = growing(&field, 3);
+        let mut kept = lazy(&field, 3);
         for &goal in goals.iter().chain(goals.iter().rev()) {
-            let (one, two) = (kept.plan(field.start, goal.into()), growing(&field, 3).plan(field.start, goal.into()));
+            let (one, two) = (kept.plan(field.start, goal.into()), lazy(&field, 3).plan(field.start, goal.into()));
             assert_eq!((one.path, one.found_by, one.effort), (two.path, two.found_by, two.effort));
             kept.roadmap.forget_beyond(300);
         }
@@ -357,7 +358,7 @@ mod tests {
         let frame = |cells| FieldFrame { cols: cells, rows: cells, cell_m: 5.0 };
         assert!(is_small(&frame(100)) && !is_small(&frame(101)));
         let mut field = TestField::random(1, 40);
-        let mut planner = growing(&field, 1);
+        let mut planner = lazy(&field, 1);
         assert_eq!((planner.roadmap.node_count(), planner.build_report().samples), (0, 0));
         for _ in 0..8 {
             let goal = field.random_goal();

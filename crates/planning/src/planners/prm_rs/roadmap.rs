@@ -9,7 +9,7 @@ use petgraph::unionfind::UnionFind;
 
 use super::PrmRsSettings;
 use crate::collision::CollisionChecker;
-use crate::memory::{BytesAfter, Growing, Held, MemoryMeter};
+use crate::memory::{CapacityBytes, MemoryKind, MemoryMeter, MemoryShare};
 use wildfire_base::geometry::{Pose, ops};
 use wildfire_base::rng::Xoshiro256PlusPlus;
 use wildfire_base::vehicle::reeds_shepp::PricedCurve;
@@ -19,7 +19,7 @@ use super::near::Places;
 use super::sample::{MOTIONS, Sampler, expand_near};
 use crate::kit::clearance_profile::longest_first;
 use crate::kit::drive_cost::CostModel;
-use crate::kit::milestone_tiles::{CellBlock, DrawnMilestones, Tiles};
+use crate::kit::milestone_tiles::{CellBlock, SampleSink, Tiles};
 use crate::kit::relaxation::Stage;
 use crate::kit::roadmap_graph::{Link, RoadmapGraph};
 
@@ -27,7 +27,7 @@ use crate::kit::roadmap_graph::{Link, RoadmapGraph};
 pub const SCHEDULE: [Stage<()>; 3] =
     [Stage { share: 1.0, effort: () }, Stage { share: 1.0 / 3.0, effort: () }, Stage { share: 0.04, effort: () }];
 /// The index of a clearance in the schedule.
-pub type Level = usize;
+pub type ClearanceLevel = usize;
 pub const LEVELS: usize = SCHEDULE.len();
 
 /// The number of times that more poses are tried about minor components.
@@ -63,14 +63,14 @@ pub struct Roadmap {
     nodes: Vec<Milestone>,
     edges: Vec<Edge>,
     ways: Vec<PricedCurve>,
-    extent: Extent,
+    mode: RoadmapMode,
     /// The sets of nodes joined by edges that keep the wanted clearance.
     joined: UnionFind<u32>,
     components: u32,
     /// The number of edges of which it is known whether they join components.
     looked_at: usize,
     /// The memory of the ways.
-    memory: Held,
+    memory: MemoryShare,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -87,11 +87,11 @@ impl Milestone {
 
 /// What a roadmap is made of before the first query: all, or nothing.
 #[derive(Debug)]
-enum Extent {
+enum RoadmapMode {
     /// All nodes, and their edges once they are ready for queries.
-    Whole { places: Places, graph: RoadmapGraph },
+    Eager { places: Places, graph: RoadmapGraph },
     /// The nodes of the tiles near which searches have come.
-    Growing {
+    Lazy {
         tiles: Tiles,
         sampling: TileSampling,
         /// The first link of a node that a search left, and the one after its last. Links have the numbers of their edges,
@@ -110,13 +110,13 @@ struct TileSampling {
 }
 
 /// The nodes, while they are drawn by tiles.
-struct Drawing<'a> {
+struct TileSampler<'a> {
     checker: &'a CollisionChecker,
     sampling: TileSampling,
     nodes: &'a mut Vec<Milestone>,
 }
 
-impl DrawnMilestones for Drawing<'_> {
+impl SampleSink for TileSampler<'_> {
     fn draw(&mut self, block: CellBlock, mut rng: Xoshiro256PlusPlus) {
         let TileSampling { samples_per_hectare, corner_places, clearance_m } = self.sampling;
         let wanted = block.hectares(self.checker.field().frame().cell_m) * samples_per_hectare;
@@ -154,25 +154,25 @@ pub struct Bridge {
 }
 
 impl Roadmap {
-    pub fn new(site: &RoadmapSite<'_>) -> Self {
-        let places = Places::new(site.checker.field().frame());
-        Self::with(Extent::Whole { places, graph: RoadmapGraph::default() }, site)
+    pub fn new(context: &RoadmapSite<'_>) -> Self {
+        let places = Places::new(context.checker.field().frame());
+        Self::with(RoadmapMode::Eager { places, graph: RoadmapGraph::default() }, context)
     }
 
     /// Creates a roadmap that grows; `key` determines the positions of its poses.
-    pub fn growing(site: &RoadmapSite<'_>, key: u64) -> Self {
-        let &RoadmapSite { checker, settings, .. } = site;
+    pub fn lazy(context: &RoadmapSite<'_>, key: u64) -> Self {
+        let &RoadmapSite { checker, settings, .. } = context;
         let frame = checker.field().frame();
         let sampling = TileSampling {
             samples_per_hectare: settings.samples_per_hectare_on(frame),
             corner_places: settings.corner_places,
             clearance_m: settings.clearance_m,
         };
-        Self::with(Extent::Growing { tiles: Tiles::new(frame, key), sampling, links: Vec::new() }, site)
+        Self::with(RoadmapMode::Lazy { tiles: Tiles::new(frame, key), sampling, links: Vec::new() }, context)
     }
 
-    fn with(extent: Extent, site: &RoadmapSite<'_>) -> Self {
-        let &RoadmapSite { checker, memory, settings, cost } = site;
+    fn with(mode: RoadmapMode, context: &RoadmapSite<'_>) -> Self {
+        let &RoadmapSite { checker, memory, settings, cost } = context;
         Self {
             checker: checker.clone(),
             curves: ReedsShepp { radius_m: checker.body().turning_radius_m },
@@ -183,11 +183,11 @@ impl Roadmap {
             nodes: Vec::new(),
             edges: Vec::new(),
             ways: Vec::new(),
-            extent,
+            mode,
             joined: UnionFind::new_empty(),
             components: 0,
             looked_at: 0,
-            memory: memory.holder(Growing::Curves),
+            memory: memory.holder(MemoryKind::Curves),
         }
     }
 
@@ -196,9 +196,9 @@ impl Roadmap {
     /// A roadmap that grows counts all that it holds.
     pub fn has_memory_for(&mut self, ways: usize) -> bool {
         let ways = self.ways.bytes_after(ways);
-        let grown = match &self.extent {
-            Extent::Whole { .. } => 0,
-            Extent::Growing { tiles, links, .. } => {
+        let grown = match &self.mode {
+            RoadmapMode::Eager { .. } => 0,
+            RoadmapMode::Lazy { tiles, links, .. } => {
                 self.nodes.bytes_after(0) + self.edges.bytes_after(0) + links.bytes_after(0) + tiles.bytes()
             }
         };
@@ -207,20 +207,20 @@ impl Roadmap {
 
     /// Returns the maximum number of links of a node.
     pub fn most_links(&self) -> usize {
-        match &self.extent {
-            Extent::Whole { graph, .. } => graph.most_links(),
-            Extent::Growing { .. } => self.neighbours_growing(),
+        match &self.mode {
+            RoadmapMode::Eager { graph, .. } => graph.most_links(),
+            RoadmapMode::Lazy { .. } => self.neighbours_when_lazy(),
         }
     }
 
     /// Returns whether it grows with the searches.
-    pub fn is_growing(&self) -> bool {
-        matches!(self.extent, Extent::Growing { .. })
+    pub fn is_lazy(&self) -> bool {
+        matches!(self.mode, RoadmapMode::Lazy { .. })
     }
 
     /// Discards the grown part if it has more nodes than this. Growing it again gives the same poses and edges.
     pub fn forget_beyond(&mut self, most: usize) {
-        if let Extent::Growing { tiles, links, .. } = &mut self.extent
+        if let RoadmapMode::Lazy { tiles, links, .. } = &mut self.mode
             && self.nodes.len() > most
         {
             tiles.clear();
@@ -231,7 +231,7 @@ impl Roadmap {
 
     /// Joins a node to its nearest neighbours, unless it is joined already or the roadmap does not grow.
     pub fn grow_from(&mut self, node: u32) {
-        let Extent::Growing { links, .. } = &self.extent else { return };
+        let RoadmapMode::Lazy { links, .. } = &self.mode else { return };
         if links.get(node as usize).copied().flatten().is_some() {
             return;
         }
@@ -239,11 +239,11 @@ impl Roadmap {
         let mut near = Vec::new();
         self.within(here.pose.position(), self.max_edge_m, &mut near);
         near.retain(|&(_, other)| other != node);
-        self.keep_nearest(&here, self.neighbours_growing(), &mut near);
+        self.keep_nearest(&here, self.neighbours_when_lazy(), &mut near);
         let first = self.edges.len() as u32;
         let edges = near.iter().map(|&(_, to)| Edge { nodes: [node, to], way: None, is_free: [None; LEVELS] });
         self.edges.extend(edges);
-        if let Extent::Growing { links, .. } = &mut self.extent {
+        if let RoadmapMode::Lazy { links, .. } = &mut self.mode {
             links.resize(self.nodes.len(), None);
             links[node as usize] = Some((first, self.edges.len() as u32));
         }
@@ -251,7 +251,7 @@ impl Roadmap {
 
     /// The number of others that a node of a growing roadmap is joined to: as many as it would have on average in both
     /// directions if each were joined to those before it.
-    fn neighbours_growing(&self) -> usize {
+    fn neighbours_when_lazy(&self) -> usize {
         2 * self.neighbours
     }
 
@@ -282,7 +282,7 @@ impl Roadmap {
         minor.map(|(_, node)| node.pose).take(MAX_MINOR).collect()
     }
 
-    pub fn clearance_m(&self, level: Level) -> f64 {
+    pub fn clearance_m(&self, level: ClearanceLevel) -> f64 {
         self.clearances_m[level]
     }
 
@@ -298,10 +298,10 @@ impl Roadmap {
 
     /// Does the same in no particular order.
     fn within(&mut self, place: DVec2, reach_m: f64, found: &mut Vec<(f64, u32)>) {
-        match &mut self.extent {
-            Extent::Whole { places, .. } => places.within(place, reach_m, found),
-            Extent::Growing { tiles, sampling, .. } => {
-                let mut nodes = Drawing { checker: &self.checker, sampling: *sampling, nodes: &mut self.nodes };
+        match &mut self.mode {
+            RoadmapMode::Eager { places, .. } => places.within(place, reach_m, found),
+            RoadmapMode::Lazy { tiles, sampling, .. } => {
+                let mut nodes = TileSampler { checker: &self.checker, sampling: *sampling, nodes: &mut self.nodes };
                 tiles.within(&mut nodes, (place, reach_m), found);
             }
         }
@@ -313,9 +313,9 @@ impl Roadmap {
     }
 
     fn rank(&self, node: u32) -> u64 {
-        match &self.extent {
-            Extent::Whole { .. } => node.into(),
-            Extent::Growing { tiles, .. } => tiles.rank(node),
+        match &self.mode {
+            RoadmapMode::Eager { .. } => node.into(),
+            RoadmapMode::Lazy { tiles, .. } => tiles.rank(node),
         }
     }
 
@@ -335,7 +335,7 @@ impl Roadmap {
                 way: None,
                 is_free: [None; LEVELS],
             }));
-            if let Extent::Whole { places, .. } = &mut self.extent {
+            if let RoadmapMode::Eager { places, .. } = &mut self.mode {
                 places.add(pose.position());
             }
             self.nodes.push(node);
@@ -409,7 +409,7 @@ impl Roadmap {
 
     /// Makes the edges ready for queries.
     pub fn build_graph(&mut self) {
-        if let Extent::Whole { graph, .. } = &mut self.extent {
+        if let RoadmapMode::Eager { graph, .. } = &mut self.mode {
             *graph = RoadmapGraph::from_edges(self.nodes.len(), self.edges.iter().map(|edge| edge.nodes));
         }
     }
@@ -422,16 +422,16 @@ impl Roadmap {
 
     /// Returns the numbers of the links of a node; of a roadmap that grows, of a node that it has grown from.
     pub fn link_numbers(&self, node: u32) -> Range<u32> {
-        match &self.extent {
-            Extent::Whole { graph, .. } => graph.numbers(node),
-            Extent::Growing { links, .. } => links[node as usize].map_or(0..0, |(first, end)| first..end),
+        match &self.mode {
+            RoadmapMode::Eager { graph, .. } => graph.numbers(node),
+            RoadmapMode::Lazy { links, .. } => links[node as usize].map_or(0..0, |(first, end)| first..end),
         }
     }
 
     pub fn link(&self, link: u32) -> Link {
-        match &self.extent {
-            Extent::Whole { graph, .. } => graph.link(link),
-            Extent::Growing { .. } => Link { to: self.edges[link as usize].nodes[1], edge: link },
+        match &self.mode {
+            RoadmapMode::Eager { graph, .. } => graph.link(link),
+            RoadmapMode::Lazy { .. } => Link { to: self.edges[link as usize].nodes[1], edge: link },
         }
     }
 
@@ -465,7 +465,7 @@ impl Roadmap {
     }
 
     /// Returns whether an edge keeps one of the clearances; it is swept the first time that this is asked.
-    pub fn is_free(&mut self, edge: u32, level: Level) -> bool {
+    pub fn is_free(&mut self, edge: u32, level: ClearanceLevel) -> bool {
         if let Some(known) = self.edges[edge as usize].is_free[level] {
             return known;
         }
@@ -557,18 +557,18 @@ mod tests {
         assert!(free > 300, "{free} are free");
     }
 
-    fn growing(field: &TestField) -> Roadmap {
+    fn lazy(field: &TestField) -> Roadmap {
         let settings = PrmRsSettings::default();
         let cost = CostModel::Length { cusp_m: settings.cusp_cost };
         let memory = MemoryMeter::unlimited();
-        Roadmap::growing(&RoadmapSite { checker: &field.checker, memory: &memory, settings: &settings, cost }, 7)
+        Roadmap::lazy(&RoadmapSite { checker: &field.checker, memory: &memory, settings: &settings, cost }, 7)
     }
 
     #[test]
     fn a_growing_roadmap_joins_a_node_to_those_that_the_estimate_says_are_nearest() {
         for seed in 0..3 {
             let field = TestField::random(seed, 30);
-            let (mut all, mut roadmap) = (growing(&field), growing(&field));
+            let (mut all, mut roadmap) = (lazy(&field), lazy(&field));
             let mut near = Vec::new();
             all.near(DVec2::splat(75.0), f64::INFINITY, &mut near);
             roadmap.near(field.start.position(), 20.0, &mut near);
@@ -601,10 +601,10 @@ mod tests {
     fn what_a_roadmap_grows_does_not_depend_on_what_grew_before() {
         let field = TestField::random(4, 30);
         let mut rng = rng::stream(4, "growing");
-        let mut kept = growing(&field);
+        let mut kept = lazy(&field);
         for _ in 0..30 {
             let place = DVec2::new(rng.random_range(0.0..150.0), rng.random_range(0.0..150.0));
-            let mut fresh = growing(&field);
+            let mut fresh = lazy(&field);
             let [one, two] = [&mut kept, &mut fresh].map(|roadmap| {
                 let mut near = Vec::new();
                 roadmap.near(place, 30.0, &mut near);
@@ -647,7 +647,7 @@ mod tests {
         let field = TestField::random(2, 40);
         let (mut asked, mut fresh) = (roadmap(&field), roadmap(&field));
         let mut rng = rng::stream(2, "edges");
-        let edges: Vec<(u32, Level)> =
+        let edges: Vec<(u32, ClearanceLevel)> =
             (0..300).map(|_| (rng.random_range(0..asked.edge_count() as u32), rng.random_range(0..LEVELS))).collect();
         let answers: Vec<bool> = edges.iter().map(|&(edge, level)| asked.is_free(edge, level)).collect();
         for (&(edge, level), &answer) in edges.iter().zip(&answers).rev() {

@@ -4,19 +4,19 @@ use glam::DVec2;
 
 use crate::collision::CollisionChecker;
 use crate::kit::best_first::{
-    AnalyticExpansion, Candidate, Ending, NO_MOTION, Node, PoseSearch, ROOT, SearchOf, SearchSpace, Step,
+    AnalyticExpansion, Candidate, NO_MOTION, Node, PoseSearch, ROOT, SearchFailure, SearchOf, SearchSpace, Step,
 };
 use crate::kit::clearance_profile::ClearanceProfile;
 use crate::kit::heuristic::Heuristic;
 use crate::kit::lattice::Lattice;
 use crate::kit::target::Target;
-use crate::memory::{BytesAfter, MemoryMeter};
+use crate::memory::{CapacityBytes, MemoryMeter};
 use crate::{Effort, GoalDisc};
 use wildfire_base::geometry::Pose;
 use wildfire_base::vehicle::reeds_shepp::PricedCurve;
 use wildfire_base::vehicle::{Dimensions, Path, Segment};
 
-use super::roadmap::{Level, Roadmap, least_length_m};
+use super::roadmap::{ClearanceLevel, Roadmap, least_length_m};
 
 /// Milestones as near as this to the start, or to the goal, are tried for a way from or to there.
 const LINK_M: f64 = 40.0;
@@ -42,7 +42,7 @@ pub struct RoadmapQuery<'a> {
     pub checker: &'a CollisionChecker,
     pub heuristic: &'a Heuristic,
     pub profile: &'a ClearanceProfile,
-    pub level: Level,
+    pub level: ClearanceLevel,
     pub start: Pose,
     pub target: Target<'a>,
 }
@@ -50,13 +50,13 @@ pub struct RoadmapQuery<'a> {
 /// The way by which a pose was reached, and its analytic expansion.
 #[derive(Clone, Copy, Debug)]
 struct Mark {
-    via: Via,
+    via: NodeEntry,
     /// Its place in the list of expansions.
     expansion: Option<u32>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Via {
+enum NodeEntry {
     /// A motion of the lattice, or nothing at the start.
     Motion,
     /// A curve of this search to a milestone.
@@ -73,7 +73,7 @@ enum Along {
     /// Compute the curve of a link.
     Link { link: u32 },
     /// Sweep a curve to a milestone.
-    Enter { state: u32, via: Via },
+    Enter { state: u32, via: NodeEntry },
 }
 
 /// A milestone and a direction in which it is reached, as a search sees it.
@@ -131,9 +131,9 @@ impl RoadmapSearch {
     ///
     /// # Errors
     /// The reason why there is none.
-    pub fn run(&mut self, query: &RoadmapQuery<'_>, roadmap: &mut Roadmap) -> Result<Path, Ending> {
+    pub fn run(&mut self, query: &RoadmapQuery<'_>, roadmap: &mut Roadmap) -> Result<Path, SearchFailure> {
         self.notes.begin();
-        let limits = if roadmap.is_growing() {
+        let limits = if roadmap.is_lazy() {
             let straight_m = query.target.straight_m(query.start.position());
             let most_entered = (MOST_ENTERED + MOST_ENTERED_A_METRE * straight_m) as u32;
             SearchLimits { weight: WEIGHT_GROWING, most_entered }
@@ -141,7 +141,7 @@ impl RoadmapSearch {
             SearchLimits { weight: WEIGHT, most_entered: u32::MAX }
         };
         let mut space = RoadmapSpace { query, roadmap, notes: &mut self.notes, limits };
-        self.search.begin(&mut space, [query.start], Mark { via: Via::Motion, expansion: None });
+        self.search.begin(&mut space, [query.start], Mark { via: NodeEntry::Motion, expansion: None });
         self.search.run(&mut space, u32::MAX)
     }
 
@@ -158,7 +158,7 @@ impl RoadmapSearch {
     /// Returns the positions that the last search reached by motions, or by curves to milestones and links between
     /// them, in order, each after its predecessor.
     pub fn lines(&self, by_motions: bool) -> impl Iterator<Item = [DVec2; 2]> {
-        let reached = self.search.nodes().filter(move |(node, _)| (node.mark.via == Via::Motion) == by_motions);
+        let reached = self.search.nodes().filter(move |(node, _)| (node.mark.via == NodeEntry::Motion) == by_motions);
         reached.map(|(_, line)| line)
     }
 }
@@ -283,7 +283,7 @@ impl RoadmapSpace<'_> {
         let last = segments.last().map_or(first, |segment| segment.is_reverse());
         let cost = here.cost + way.price + self.cusp_cost(&here, first);
         self.notes.curves.push(way);
-        let via = Via::Curve(self.notes.curves.len() as u32 - 1);
+        let via = NodeEntry::Curve(self.notes.curves.len() as u32 - 1);
         self.offer(search, from.at_cost(cost), state_of(to, last), via);
     }
 
@@ -293,11 +293,11 @@ impl RoadmapSpace<'_> {
         let bridge = self.roadmap.bridge(link);
         let cost = here.cost + bridge.cost + self.cusp_cost(&here, bridge.departs_reverse);
         let state = state_of(link.to, bridge.arrives_reverse);
-        self.offer(search, from.at_cost(cost), state, Via::Link(number));
+        self.offer(search, from.at_cost(cost), state, NodeEntry::Link(number));
     }
 
     /// Offers a state at the estimate of the whole way by it.
-    fn offer(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, index: u32, via: Via) {
+    fn offer(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, index: u32, via: NodeEntry) {
         let generation = self.notes.generation;
         if self.notes.states[index as usize].generation != generation {
             let (cost_to_go, expansion) = self.value(self.roadmap.pose(index / 2), Some(index % 2 == 1));
@@ -311,7 +311,7 @@ impl RoadmapSpace<'_> {
     }
 
     /// Closes a state if the way to it is free, and offers the links from there.
-    fn enter(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, index: u32, via: Via) {
+    fn enter(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, index: u32, via: NodeEntry) {
         let State { is_closed, cost_to_go, expansion, .. } = self.notes.states[index as usize];
         if is_closed || !self.way_is_free(search, from.node, via) {
             return;
@@ -346,14 +346,14 @@ impl RoadmapSpace<'_> {
         }
     }
 
-    fn way_is_free(&mut self, search: &SearchOf<Self>, from: u32, via: Via) -> bool {
+    fn way_is_free(&mut self, search: &SearchOf<Self>, from: u32, via: NodeEntry) -> bool {
         match via {
-            Via::Curve(curve) => {
+            NodeEntry::Curve(curve) => {
                 let way = self.notes.curves[curve as usize].curve.segments();
                 self.query.profile.way_is_free(self.query.checker, search.node(from).pose, way)
             }
-            Via::Link(link) => self.roadmap.is_free(self.roadmap.link(link).edge, self.query.level),
-            Via::Motion => unreachable!("motions lead to no milestone"),
+            NodeEntry::Link(link) => self.roadmap.is_free(self.roadmap.link(link).edge, self.query.level),
+            NodeEntry::Motion => unreachable!("motions lead to no milestone"),
         }
     }
 }
@@ -371,7 +371,7 @@ impl SearchSpace for RoadmapSpace<'_> {
         }
         let offered = search.motions.len().max(roadmap.most_links());
         let lists = notes.curves.bytes_after(1) + notes.expansions.bytes_after(2) + notes.near.bytes_after(0);
-        let states = if roadmap.is_growing() { notes.states.bytes_after(0) } else { 0 };
+        let states = if roadmap.is_lazy() { notes.states.bytes_after(0) } else { 0 };
         let bytes = search.bytes_after(1, offered) + lists + states;
         roadmap.has_memory_for(1) && search.may_hold(bytes)
     }
@@ -383,7 +383,7 @@ impl SearchSpace for RoadmapSpace<'_> {
     fn estimate(&mut self, node: &mut Node<Mark>) -> Option<f64> {
         let (cost_to_go, expansion) = self.value(node.pose, node.reverse);
         node.cost_to_go = cost_to_go;
-        node.mark = Mark { via: Via::Motion, expansion };
+        node.mark = Mark { via: NodeEntry::Motion, expansion };
         expansion.map(|expansion| self.notes.expansions[expansion as usize].cost)
     }
 
@@ -417,11 +417,11 @@ impl SearchSpace for RoadmapSpace<'_> {
     }
 
     fn append_way(&mut self, node: &Node<Mark>, segments: &mut Vec<Segment>) {
-        self.notes.used_roadmap |= node.mark.via != Via::Motion;
+        self.notes.used_roadmap |= node.mark.via != NodeEntry::Motion;
         match node.mark.via {
-            Via::Motion => segments.push(node.motion),
-            Via::Curve(curve) => segments.extend(self.notes.curves[curve as usize].curve.segments()),
-            Via::Link(link) => self.roadmap.append(self.roadmap.link(link), segments),
+            NodeEntry::Motion => segments.push(node.motion),
+            NodeEntry::Curve(curve) => segments.extend(self.notes.curves[curve as usize].curve.segments()),
+            NodeEntry::Link(link) => self.roadmap.append(self.roadmap.link(link), segments),
         }
     }
 }
