@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rand::RngExt;
-use wildfire::audit::{AuditField, MotionLimits, Outline, SampleStep, Stance, audit_leg};
+use wildfire::audit::{AuditField, MotionLimits, Outline, SampleStep, UnitPose, audit_leg};
 use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{Cell, FieldFrame, Pose};
 use wildfire::grid::Grid;
@@ -38,7 +38,7 @@ fn poses_that_touch_for_one_touch_for_the_other() {
         let (audit_field, checker) = random_field(&mut rng);
         for _ in 0..2000 {
             let pose = random_pose(&mut rng);
-            let touch = audit_field.touch(Stance::new(pose));
+            let touch = audit_field.touch(UnitPose::new(pose));
             let clearance = checker.clearance(pose);
             assert!(touch.is_none() || clearance <= 0.0, "{pose:?}: {touch:?}, clearance {clearance}");
             // Less than a millimetre of overlap is forgiven by the audit; so little is rare.

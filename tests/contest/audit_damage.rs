@@ -1,6 +1,6 @@
 //! An audit that can fail: runs that were damaged on purpose, one rule each, and the rule that it names.
 
-use wildfire::audit::{Audited, SampleStep, Touch, Violation, ViolationKind, audit_timeline};
+use wildfire::audit::{Audited, SampleStep, Contact, Violation, ViolationKind, audit_timeline};
 use wildfire::geometry::{Cell, Pose};
 use wildfire::scenario;
 use wildfire::sim;
@@ -170,7 +170,7 @@ fn a_pose_moved_into_a_bush_is_found() {
     timeline.events.retain(|event| event.fact.agent() != Some(TRUCK));
     assert!(timeline.events.len() < events);
     let found = violation(&timeline);
-    assert!(matches!(found.kind, ViolationKind::Touched(Touch::Bush { .. })), "{found}");
+    assert!(matches!(found.kind, ViolationKind::Touched(Contact::Bush { .. })), "{found}");
 }
 
 #[test]

@@ -25,7 +25,7 @@ use wildfire_fire::surface::crown::model_10;
 use wildfire_fire::surface::{Ellipse, FuelBed, twenty_foot_wind, unsheltered_adjustment};
 use wildfire_fire::{Landscape, Relief, Weather};
 
-use crate::crown::{self, Below};
+use crate::crown::{self, UnderCanopy};
 
 /// Later than any time.
 pub const NEVER: u64 = u64::MAX;
@@ -71,7 +71,7 @@ pub struct FireHistory {
 
 /// A cell just before some time.
 #[derive(Clone, Copy, Debug)]
-struct Known {
+struct CellBefore {
     /// When it caught fire, if that counts.
     lit: u64,
     is_source: bool,
@@ -157,12 +157,12 @@ impl FireHistory {
     }
 
     /// Returns a cell as it is after all its changes before a time.
-    fn known(&self, index: usize, before: u64) -> Known {
+    fn known(&self, index: usize, before: u64) -> CellBefore {
         if !self.has_more[index] {
             let lit = if self.first[index] < before { self.first[index] } else { NEVER };
-            return Known { lit, is_source: self.is_source[index], open_from: 0 };
+            return CellBefore { lit, is_source: self.is_source[index], open_from: 0 };
         }
-        let mut known = Known { lit: NEVER, is_source: false, open_from: 0 };
+        let mut known = CellBefore { lit: NEVER, is_source: false, open_from: 0 };
         for &(time, change) in self.changes(index).iter().take_while(|(time, _)| *time < before) {
             match change {
                 CellChange::Ignited { is_source } => (known.lit, known.is_source) = (time, is_source),
@@ -227,7 +227,7 @@ impl Line {
 
 /// The kinds of ground on a line to a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Lies {
+enum GroundAlong {
     Barrier,
     /// Several fuels.
     Mixed,
@@ -237,7 +237,7 @@ enum Lies {
 
 /// A line from a cell that burned, as it counts for another.
 #[derive(Clone, Copy, Debug)]
-struct Begun {
+struct EdgeArrival {
     line: usize,
     index: usize,
     time: u64,
@@ -245,7 +245,7 @@ struct Begun {
 
 /// The earliest arrival at a cell, and the earliest from one neighbour; [`NEVER`] if there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Earliest {
+pub struct EarliestArrival {
     pub time: u64,
     pub from_parent: u64,
 }
@@ -407,7 +407,7 @@ impl<'a> Arrivals<'a> {
 
     /// Returns the ellipse of a cell with trees; `None` where there are none.
     fn below_trees(&self, interval: usize, fuel: usize, cell: Cell, gradient: DVec2) -> Option<Ellipse> {
-        let below = Below {
+        let below = UnderCanopy {
             ground: &self.beds[interval][fuel],
             depth_ft: self.models[fuel].depth_ft,
             model_10: self.crown_beds.get(interval)?,
@@ -468,12 +468,18 @@ impl<'a> Arrivals<'a> {
     }
 
     /// Returns the earliest arrival at a cell that does not burn, as things are just before a time.
-    pub fn earliest(&mut self, history: &FireHistory, cell: Cell, before: SimTime, parent: Option<Cell>) -> Earliest {
+    pub fn earliest(
+        &mut self,
+        history: &FireHistory,
+        cell: Cell,
+        before: SimTime,
+        parent: Option<Cell>,
+    ) -> EarliestArrival {
         let (to, before) = (self.frame.index(cell), before.as_nanos());
         let parent = parent.map_or(usize::MAX, |parent| self.frame.index(parent));
-        let mut earliest = Earliest { time: NEVER, from_parent: NEVER };
+        let mut earliest = EarliestArrival { time: NEVER, from_parent: NEVER };
         let Some(fuel) = self.fuel[to] else { return earliest };
-        let consider = |earliest: &mut Earliest, time: u64, from: usize| {
+        let consider = |earliest: &mut EarliestArrival, time: u64, from: usize| {
             earliest.time = earliest.time.min(time);
             if from == parent {
                 earliest.from_parent = earliest.from_parent.min(time);
@@ -481,7 +487,7 @@ impl<'a> Arrivals<'a> {
         };
         // Lines over one fuel, without a delay, that may be part of a pair; by direction.
         let count = self.lines.len();
-        let mut plain: Vec<Option<Begun>> = vec![None; count];
+        let mut plain: Vec<Option<EdgeArrival>> = vec![None; count];
         let all = count + if history.is_near_source[to] { self.disc.len() } else { 0 };
         for number in 0..all {
             let line = self.line(number);
@@ -495,7 +501,7 @@ impl<'a> Arrivals<'a> {
                     known = at_once;
                 }
             }
-            let Known { lit, is_source, .. } = known;
+            let CellBefore { lit, is_source, .. } = known;
             let is_of_disc = number >= count;
             // What burned later than fire comes anyway cannot be earlier.
             let is_late = lit >= earliest.time && from != parent;
@@ -503,14 +509,14 @@ impl<'a> Arrivals<'a> {
                 continue;
             }
             let (lies, opens) = self.on_line(history, cell, number, before, fuel);
-            if lies == Lies::Barrier || (is_of_disc && (lies != Lies::OneFuel || opens > lit)) {
+            if lies == GroundAlong::Barrier || (is_of_disc && (lies != GroundAlong::OneFuel || opens > lit)) {
                 continue;
             }
             let start = opens.max(lit);
             if start > lit && !self.flames_at(from, lit, start) {
                 continue;
             }
-            let is_one_fuel = lies == Lies::OneFuel;
+            let is_one_fuel = lies == GroundAlong::OneFuel;
             let set = &self.sets[self.set_at(start)];
             let is_of_set = match number.checked_sub(count) {
                 Some(of_disc) => set.is_of_disc.get(of_disc) == Some(&true),
@@ -522,7 +528,7 @@ impl<'a> Arrivals<'a> {
             }
             let is_plain = !is_of_disc && is_one_fuel && start == lit;
             if let Some(place) = plain.get_mut(number).filter(|_| is_plain) {
-                *place = Some(Begun { line: number, index: from, time: lit });
+                *place = Some(EdgeArrival { line: number, index: from, time: lit });
             }
         }
         for set in 0..self.sets.len() {
@@ -556,13 +562,13 @@ impl<'a> Arrivals<'a> {
     }
 
     /// Returns what lies on a line, and from when on fire may pass all of it.
-    fn on_line(&self, history: &FireHistory, cell: Cell, number: usize, before: u64, fuel: u8) -> (Lies, u64) {
+    fn on_line(&self, history: &FireHistory, cell: Cell, number: usize, before: u64, fuel: u8) -> (GroundAlong, u64) {
         let line = self.line(number);
         let to = self.frame.index(cell);
         let is_far = line.cols.abs().max(line.rows.abs()) > history.reach;
         let is_undisturbed = !history.is_near_more[to] && (!is_far || history.more.is_empty());
         if is_undisturbed && !is_far && self.is_alike[to] {
-            return (Lies::OneFuel, 0);
+            return (GroundAlong::OneFuel, 0);
         }
         let opens_at = |index: usize| {
             if self.fuel.get(index).is_none_or(Option::is_none) {
@@ -583,9 +589,9 @@ impl<'a> Arrivals<'a> {
             opens = opens.max(opens_at(self.near(cell, one)).min(opens_at(self.near(cell, other))));
         }
         let lies = match (opens == NEVER, is_one_fuel) {
-            (true, _) => Lies::Barrier,
-            (false, true) => Lies::OneFuel,
-            (false, false) => Lies::Mixed,
+            (true, _) => GroundAlong::Barrier,
+            (false, true) => GroundAlong::OneFuel,
+            (false, false) => GroundAlong::Mixed,
         };
         (lies, opens)
     }
@@ -639,7 +645,7 @@ impl<'a> Arrivals<'a> {
     }
 
     /// Returns the first arrival from strictly between the beginnings of two lines, if there the fire is first.
-    fn arrival_between(&mut self, cell: Cell, one: Begun, other: Begun) -> u64 {
+    fn arrival_between(&mut self, cell: Cell, one: EdgeArrival, other: EdgeArrival) -> u64 {
         let to = self.frame.index(cell);
         let latest = one.time.max(other.time);
         let interval = self.weather.interval_at(SimTime::from_nanos(latest));
@@ -682,7 +688,7 @@ impl<'a> Arrivals<'a> {
     }
 
     /// Returns the seconds that two lines need beyond the ellipse of the cell that they lead to, where slopes differ.
-    fn beyond(&mut self, cell: Cell, lines: [Begun; 2], interval: usize) -> [f64; 2] {
+    fn beyond(&mut self, cell: Cell, lines: [EdgeArrival; 2], interval: usize) -> [f64; 2] {
         if !self.plane.is_empty() {
             return [0.0; 2];
         }

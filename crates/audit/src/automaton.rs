@@ -5,7 +5,7 @@
 //! what succeeds must have set its neighbour on fire, if that could burn, and nothing else may have. The directions, the
 //! slope between two cells and which try counts are found here; the factors and the draw are those of `fire`.
 
-use super::cell_log::{CellLog, Change, What};
+use super::cell_log::{CellLog, Change, ChangeKind};
 use super::violation::first_violation;
 use super::{Violation, ViolationKind};
 use wildfire_base::geometry::{Cell, DVec2};
@@ -41,7 +41,7 @@ impl Automaton<'_> {
     /// Checks how a cell caught fire, each time, and what it set on fire.
     fn check_cell(&self, changes: &[Change], end: SimTime) -> Result<(), Violation> {
         for (change, episode, later) in ignitions(changes) {
-            if let What::Ignited(Cause::Spread(from)) = change.what
+            if let ChangeKind::Ignited(Cause::Spread(from)) = change.what
                 && !self.spreads(from, change)
             {
                 let kind = ViolationKind::NoSource { cell: change.cell, from };
@@ -102,12 +102,12 @@ impl Automaton<'_> {
 /// Iterates over the times that a cell caught fire, each with its number from 1 and the changes of the cell after it.
 fn ignitions(changes: &[Change]) -> impl Iterator<Item = (&Change, u32, &[Change])> {
     let with_later = changes.iter().enumerate().map(|(index, change)| (change, &changes[index + 1..]));
-    let ignitions = with_later.filter(|(change, _)| matches!(change.what, What::Ignited(_)));
+    let ignitions = with_later.filter(|(change, _)| matches!(change.what, ChangeKind::Ignited(_)));
     ignitions.zip(1..).map(|((change, later), episode)| (change, episode, later))
 }
 
 /// Says whether a fire ends by water at a time that counts. It is of the changes after its beginning: at one instant a cell
 /// may be put out and catch fire again.
 fn is_put_out(later: &[Change], counts: impl Fn(SimTime) -> bool) -> bool {
-    later.iter().any(|change| matches!(change.what, What::Extinguished { .. }) && counts(change.time))
+    later.iter().any(|change| matches!(change.what, ChangeKind::Extinguished { .. }) && counts(change.time))
 }

@@ -10,12 +10,12 @@ use wildfire_timeline::{AgentId, Cause, Event, Fact, FireFact, GroundEvent, Grou
 pub struct Change {
     pub time: SimTime,
     pub cell: Cell,
-    pub what: What,
+    pub what: ChangeKind,
 }
 
 /// A change of a cell.
 #[derive(Clone, Copy, Debug)]
-pub enum What {
+pub enum ChangeKind {
     Ignited(Cause),
     BurnedOut,
     Extinguished { by: AgentId },
@@ -27,27 +27,29 @@ impl Change {
     fn from_fact(event: &Event) -> Option<Self> {
         let Fact::Fire(fact) = event.fact else { return None };
         let what = match fact {
-            FireFact::Ignited { cause, .. } => What::Ignited(cause),
-            FireFact::BurnedOut { .. } => What::BurnedOut,
-            FireFact::Extinguished { by, .. } => What::Extinguished { by },
+            FireFact::Ignited { cause, .. } => ChangeKind::Ignited(cause),
+            FireFact::BurnedOut { .. } => ChangeKind::BurnedOut,
+            FireFact::Extinguished { by, .. } => ChangeKind::Extinguished { by },
         };
         Some(Self { time: event.time, cell: fact.cell(), what })
     }
 
     fn from_ground(event: &GroundEvent) -> Self {
         let what = match event.fact {
-            GroundFact::Ignited(cause) => What::Ignited(cause),
-            GroundFact::Extinguished { by } => What::Extinguished { by },
-            GroundFact::Wetted { until, by } => What::Wetted { until, by },
-            GroundFact::Cleared { holds, .. } => What::Cleared { holds },
+            GroundFact::Ignited(cause) => ChangeKind::Ignited(cause),
+            GroundFact::Extinguished { by } => ChangeKind::Extinguished { by },
+            GroundFact::Wetted { until, by } => ChangeKind::Wetted { until, by },
+            GroundFact::Cleared { holds, .. } => ChangeKind::Cleared { holds },
         };
         Self { time: event.time, cell: event.cell, what }
     }
 
     fn agent(&self) -> Option<AgentId> {
         match self.what {
-            What::Ignited(Cause::Lit(by)) | What::Extinguished { by } | What::Wetted { by, .. } => Some(by),
-            What::Ignited(_) | What::BurnedOut | What::Cleared { .. } => None,
+            ChangeKind::Ignited(Cause::Lit(by)) | ChangeKind::Extinguished { by } | ChangeKind::Wetted { by, .. } => {
+                Some(by)
+            }
+            ChangeKind::Ignited(_) | ChangeKind::BurnedOut | ChangeKind::Cleared { .. } => None,
         }
     }
 
@@ -101,11 +103,11 @@ impl<'a> CellLog<'a> {
         let mut is_left = true;
         for change in self.of_cell(cell).iter().take_while(|change| change.time <= time) {
             match change.what {
-                What::Ignited(_) => is_left = false,
-                What::Extinguished { .. } => is_left = self.setting.rules.relight && change.time < time,
-                What::Wetted { until, .. } if until >= time => return false,
-                What::Cleared { holds: true } => return false,
-                What::Wetted { .. } | What::Cleared { .. } | What::BurnedOut => {}
+                ChangeKind::Ignited(_) => is_left = false,
+                ChangeKind::Extinguished { .. } => is_left = self.setting.rules.relight && change.time < time,
+                ChangeKind::Wetted { until, .. } if until >= time => return false,
+                ChangeKind::Cleared { holds: true } => return false,
+                ChangeKind::Wetted { .. } | ChangeKind::Cleared { .. } | ChangeKind::BurnedOut => {}
             }
         }
         is_left

@@ -13,7 +13,7 @@ const FOOT_M: f64 = 0.3048;
 const MOST_MPS: f64 = 1e6;
 
 /// Fuel below trees in one weather.
-pub struct Below<'a> {
+pub struct UnderCanopy<'a> {
     pub ground: &'a FuelBed,
     pub depth_ft: f64,
     /// Fuel model 10 with the same moistures.
@@ -34,7 +34,7 @@ fn shelter(canopy: &Canopy, depth_ft: f64) -> f64 {
 }
 
 /// Returns the ellipse of a fire below these trees.
-pub fn ellipse(canopy: &Canopy, below: &Below, options: &SurfaceOptions, rules: CrownRules) -> Ellipse {
+pub fn ellipse(canopy: &Canopy, below: &UnderCanopy, options: &SurfaceOptions, rules: CrownRules) -> Ellipse {
     let speed = below.wind_10m_mps.length() / 1.15;
     let toward = below.wind_10m_mps.normalize_or_zero();
     let factor = shelter(canopy, below.depth_ft);

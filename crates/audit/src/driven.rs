@@ -26,7 +26,7 @@ struct Leg<'a> {
 
 /// Where an agent stands between two legs.
 #[derive(Clone, Copy, Debug)]
-struct Stand {
+struct RestPose {
     since: SimTime,
     pose: Pose,
     /// The distance from there within which the next leg has to begin.
@@ -69,7 +69,7 @@ impl<'a> DrivenLegs<'a> {
     /// Checks that every leg begins where and when the last one has ended, and that what was dropped was driven as
     /// planned until then.
     pub fn audit(&self) -> Result<(), Violation> {
-        let mut stand = Stand { since: SimTime::ZERO, pose: self.start, tolerance: Tolerance::STANDING };
+        let mut stand = RestPose { since: SimTime::ZERO, pose: self.start, tolerance: Tolerance::STANDING };
         for leg in &self.legs {
             let (planned, first) = leg.versions[0];
             self.check_join(stand, first).map_err(|kind| self.violation(planned, first.start(), kind))?;
@@ -80,12 +80,12 @@ impl<'a> DrivenLegs<'a> {
                 }
             }
             let driven = leg.driven();
-            stand = Stand { since: driven.end_time(), pose: driven.end(), tolerance: Tolerance::from_leg(driven) };
+            stand = RestPose { since: driven.end_time(), pose: driven.end(), tolerance: Tolerance::from_leg(driven) };
         }
         Ok(())
     }
 
-    fn check_join(&self, stand: Stand, next: &Trajectory) -> Result<(), ViolationKind> {
+    fn check_join(&self, stand: RestPose, next: &Trajectory) -> Result<(), ViolationKind> {
         if next.start_time() < stand.since {
             return Err(ViolationKind::StillUnderWay { until: stand.since });
         }

@@ -6,7 +6,7 @@
 
 use std::collections::BTreeSet;
 
-use super::cell_log::{CellLog, Change, What};
+use super::cell_log::{CellLog, Change, ChangeKind};
 use super::violation::first_violation;
 use super::{Violation, ViolationKind};
 use wildfire_base::geometry::Cell;
@@ -33,7 +33,7 @@ pub fn audit_embers(
     let mut sparks = BTreeSet::<Spark>::new();
     for changes in log.cells() {
         let ignitions = changes.iter().filter_map(|change| match change.what {
-            What::Ignited(cause) => Some((change, cause)),
+            ChangeKind::Ignited(cause) => Some((change, cause)),
             _ => None,
         });
         for ((change, cause), episode) in ignitions.zip(1..) {
@@ -42,7 +42,7 @@ pub fn audit_embers(
         }
     }
     let spotted = log.cells().flatten().filter_map(|change| match change.what {
-        What::Ignited(Cause::Spotted(from)) => Some((change, from)),
+        ChangeKind::Ignited(Cause::Spotted(from)) => Some((change, from)),
         _ => None,
     });
     let unexplained =

@@ -19,19 +19,19 @@ const SQUARES: f64 = 4.0;
 
 /// A touch of a body: with what, and how deep in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Touch {
+pub enum Contact {
     Bush { cell: Cell, depth_m: f64 },
     Border { depth_m: f64 },
 }
 
 /// Where a body is: the place of its origin, and the unit vector of its heading.
 #[derive(Clone, Copy, Debug)]
-pub struct Stance {
+pub struct UnitPose {
     pub place: DVec2,
     pub facing: DVec2,
 }
 
-impl Stance {
+impl UnitPose {
     pub fn new(pose: Pose) -> Self {
         Self { place: pose.position(), facing: pose.direction() }
     }
@@ -59,7 +59,7 @@ impl Outline {
         }
     }
 
-    pub fn centre(&self, at: Stance) -> DVec2 {
+    pub fn centre(&self, at: UnitPose) -> DVec2 {
         at.place + at.facing * self.ahead_m
     }
 
@@ -69,7 +69,7 @@ impl Outline {
     }
 
     /// Computes how deep two bodies overlap, in metres; not above 0 where they do not.
-    pub fn overlap_m(&self, at: Stance, other: &Self, other_at: Stance) -> f64 {
+    pub fn overlap_m(&self, at: UnitPose, other: &Self, other_at: UnitPose) -> f64 {
         let offset = other.centre(other_at) - self.centre(at);
         depth(&self.shape(), &self.turned(at, DVec2::ZERO), &other.shape(), &other.turned(other_at, offset))
     }
@@ -79,7 +79,7 @@ impl Outline {
     }
 
     /// The pose of its shape, with the centre at `offset`.
-    fn turned(&self, at: Stance, offset: DVec2) -> ShapePose {
+    fn turned(&self, at: UnitPose, offset: DVec2) -> ShapePose {
         let facing = if self.turns { single(at.facing) } else { Vector::X };
         ShapePose { rotation: Rotation::from_cos_sin_unchecked(facing.x, facing.y), translation: single(offset) }
     }
@@ -131,7 +131,7 @@ impl AuditField {
     }
 
     /// Finds what the body overlaps by more than a millimetre; a place that is not a number counts as outside.
-    pub fn touch(&self, at: Stance) -> Option<Touch> {
+    pub fn touch(&self, at: UnitPose) -> Option<Contact> {
         let centre = self.outline.centre(at);
         if self.is_far(centre) {
             return None;
@@ -142,14 +142,14 @@ impl AuditField {
         self.touch_border(centre, half).or_else(|| self.touch_bush(centre, half, &turned))
     }
 
-    fn touch_border(&self, centre: DVec2, half: DVec2) -> Option<Touch> {
+    fn touch_border(&self, centre: DVec2, half: DVec2) -> Option<Contact> {
         let inside = (centre - half).min(DVec2::new(self.frame.width_m(), self.frame.height_m()) - centre - half);
         let depth_m = -inside.min_element();
         let is_free = inside.x >= -ALLOWED_M && inside.y >= -ALLOWED_M;
-        (!is_free).then_some(Touch::Border { depth_m })
+        (!is_free).then_some(Contact::Border { depth_m })
     }
 
-    fn touch_bush(&self, centre: DVec2, half: DVec2, turned: &ShapePose) -> Option<Touch> {
+    fn touch_bush(&self, centre: DVec2, half: DVec2, turned: &ShapePose) -> Option<Contact> {
         let first = ((centre - half) / self.frame.cell_m).floor().max(DVec2::ZERO);
         let last = ((centre + half) / self.frame.cell_m).floor();
         let last_col = (last.x as usize).min(usize::from(self.frame.cols) - 1);
@@ -165,7 +165,7 @@ impl AuditField {
                 let beside = ShapePose { rotation: Rotation::IDENTITY, translation: single(offset) };
                 let depth_m = depth(&self.shape, turned, &self.bush, &beside);
                 if depth_m > ALLOWED_M {
-                    return Some(Touch::Bush { cell, depth_m });
+                    return Some(Contact::Bush { cell, depth_m });
                 }
             }
         }
@@ -235,11 +235,11 @@ mod tests {
         Outline::new(&Body::Truck(Dimensions::default()))
     }
 
-    fn stance(x: f64, y: f64, heading: f64) -> Stance {
-        Stance::new(Pose { x, y, heading })
+    fn stance(x: f64, y: f64, heading: f64) -> UnitPose {
+        UnitPose::new(Pose { x, y, heading })
     }
 
-    fn touch(x: f64, y: f64, heading: f64) -> Option<Touch> {
+    fn touch(x: f64, y: f64, heading: f64) -> Option<Contact> {
         AuditField::new(FRAME, &[Cell { col: 5, row: 5 }], truck()).touch(stance(x, y, heading))
     }
 
@@ -247,7 +247,7 @@ mod tests {
     fn a_millimetre_decides_at_a_bush() {
         // The bush reaches from 25 m to 30 m, the truck 3.95 m ahead and 1.1 m to either side of its rear axle.
         assert_eq!(touch(25.0 - 3.95 + 0.0005, 27.0, 0.0), None);
-        let Some(Touch::Bush { cell, depth_m }) = touch(25.0 - 3.95 + 0.002, 27.0, 0.0) else {
+        let Some(Contact::Bush { cell, depth_m }) = touch(25.0 - 3.95 + 0.002, 27.0, 0.0) else {
             panic!("two millimetres are an overlap");
         };
         assert_eq!(cell, Cell { col: 5, row: 5 });
@@ -271,7 +271,7 @@ mod tests {
     #[test]
     fn a_millimetre_decides_at_the_border() {
         assert_eq!(touch(0.95 - 0.0005, 10.0, 0.0), None);
-        let Some(Touch::Border { depth_m }) = touch(0.95 - 0.002, 10.0, 0.0) else {
+        let Some(Contact::Border { depth_m }) = touch(0.95 - 0.002, 10.0, 0.0) else {
             panic!("two millimetres are outside");
         };
         assert!((depth_m - 0.002).abs() < 1e-5);

@@ -3,7 +3,7 @@
 //! The audit drives every piece by itself, in small steps of equal length, and compares where it gets with what the
 //! timeline says in the middle and at the end of the piece.
 
-use super::field::{AuditField, Stance};
+use super::field::{AuditField, UnitPose};
 use super::pace::{DriveProfile, audit_pace};
 use super::tolerance::{SAME_POSE, Tolerance};
 use super::{Audited, Violation, ViolationKind};
@@ -87,7 +87,7 @@ struct LegAudit<'a> {
 impl LegAudit<'_> {
     fn drive(mut self) -> Result<Audited, LegViolation> {
         let mut now = LegMoment { elapsed_s: 0.0, pose: self.leg.start() };
-        if let Some(touch) = self.field.touch(Stance::new(now.pose)) {
+        if let Some(touch) = self.field.touch(UnitPose::new(now.pose)) {
             return Err(now.broken(ViolationKind::Touched(touch)));
         }
         for piece in self.leg.pieces() {
@@ -112,7 +112,7 @@ impl LegAudit<'_> {
         }
         let turns_on_the_spot = self.motion.turning_radius_m.is_none();
         let radians = if turns_on_the_spot { f64::INFINITY } else { self.tolerance.radians };
-        check_state(self.leg, now.elapsed_s, Stance::new(now.pose), Tolerance { radians, ..self.tolerance })
+        check_state(self.leg, now.elapsed_s, UnitPose::new(now.pose), Tolerance { radians, ..self.tolerance })
     }
 
     fn turn(&self, now: LegMoment, heading: f64) -> Result<LegMoment, LegViolation> {
@@ -138,7 +138,7 @@ impl LegAudit<'_> {
         if way.count * work_of_pose(self.field) > MOST_WORK {
             return Err(now.broken(ViolationKind::Endless));
         }
-        let start = Stance::new(now.pose);
+        let start = UnitPose::new(now.pose);
         let count = way.count as u64;
         let mut at = start;
         for step in 1..=count {
@@ -199,8 +199,8 @@ impl LegMoment {
 }
 
 /// Checks that the timeline says the same.
-fn check_state(leg: &Trajectory, elapsed_s: f64, at: Stance, tolerance: Tolerance) -> Result<(), LegViolation> {
-    let said = Stance::new(leg.pose_at(leg.start_time() + SimTime::from_seconds(elapsed_s)));
+fn check_state(leg: &Trajectory, elapsed_s: f64, at: UnitPose, tolerance: Tolerance) -> Result<(), LegViolation> {
+    let said = UnitPose::new(leg.pose_at(leg.start_time() + SimTime::from_seconds(elapsed_s)));
     let (metres, radians) = ((said.place - at.place).length(), (said.facing - at.facing).length());
     if metres <= tolerance.metres && radians <= tolerance.radians {
         return Ok(());
@@ -214,7 +214,7 @@ struct Way {
     count: f64,
     curvature: f64,
     step_m: f64,
-    step: Hop,
+    step: ArcStep,
 }
 
 impl Way {
@@ -222,14 +222,14 @@ impl Way {
         let turned = (segment.curvature * segment.length_m).abs();
         let count = (segment.length_m.abs() / step.metres).max(turned / step.degrees.to_radians()).ceil().max(1.0);
         let step_m = segment.length_m / count;
-        Self { count, curvature: segment.curvature, step_m, step: Hop::new(segment.curvature, step_m) }
+        Self { count, curvature: segment.curvature, step_m, step: ArcStep::new(segment.curvature, step_m) }
     }
 
     /// Returns the stance after step number `step`, from the one before it; now and then from the start of the way
     /// instead.
-    fn advance(&self, start: Stance, before: Stance, step: u64) -> Stance {
+    fn advance(&self, start: UnitPose, before: UnitPose, step: u64) -> UnitPose {
         if step.is_multiple_of(STRIDE) {
-            return Hop::new(self.curvature, step as f64 * self.step_m).from(start);
+            return ArcStep::new(self.curvature, step as f64 * self.step_m).from(start);
         }
         self.step.from(before)
     }
@@ -241,12 +241,12 @@ impl Way {
 }
 
 /// A stretch of an arc: its chord, and the unit vector of the angle that it turns by, in the frame of its start.
-struct Hop {
+struct ArcStep {
     chord: DVec2,
     turn: DVec2,
 }
 
-impl Hop {
+impl ArcStep {
     fn new(curvature: f64, metres: f64) -> Self {
         let half_turn = 0.5 * curvature * metres;
         let chord_m = if half_turn == 0.0 { metres } else { 2.0 * ops::sin(half_turn) / curvature };
@@ -254,14 +254,14 @@ impl Hop {
         Self { chord: towards(half_turn) * chord_m, turn: towards(2.0 * half_turn) }
     }
 
-    fn from(&self, at: Stance) -> Stance {
-        Stance { place: at.place + at.facing.rotate(self.chord), facing: at.facing.rotate(self.turn) }
+    fn from(&self, at: UnitPose) -> UnitPose {
+        UnitPose { place: at.place + at.facing.rotate(self.chord), facing: at.facing.rotate(self.turn) }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::field::{Outline, Touch};
+    use super::super::field::{Contact, Outline};
     use super::*;
     use wildfire_base::geometry::{Cell, FieldFrame};
     use wildfire_base::vehicle::{Dimensions, Path};
@@ -315,11 +315,11 @@ mod tests {
         for (curvature, length_m) in ways {
             let (start, segment) = (Pose::new(3.0, -2.0, 2.9), segment(curvature, length_m));
             let way = Way::new(segment, SampleStep::default());
-            let mut at = Stance::new(start);
+            let mut at = UnitPose::new(start);
             for step in 1..=way.count as u64 {
-                at = way.advance(Stance::new(start), at, step);
+                at = way.advance(UnitPose::new(start), at, step);
             }
-            let end = Stance::new(segment.end(start));
+            let end = UnitPose::new(segment.end(start));
             assert!((end.place - at.place).length() < 1e-11 && (end.facing - at.facing).length() < 1e-12);
             assert!(way.step_m.abs() <= 0.02 && way.step.turn.y.abs() <= 0.2_f64.to_radians());
         }
@@ -331,9 +331,9 @@ mod tests {
             let (start, segment) = (Pose::new(20_000.0, 30_000.0, 0.7), segment(curvature, length_m));
             let leg = Trajectory::from_path(&Path { start, segments: vec![segment] }, SimTime::ZERO, LIMITS);
             let way = Way::new(segment, SampleStep::default());
-            let start = Stance::new(start);
+            let start = UnitPose::new(start);
             let at = (1..=way.count as u64).fold(start, |at, step| way.advance(start, at, step));
-            let (end, granted) = (Stance::new(leg.end()), Tolerance::from_leg(&leg));
+            let (end, granted) = (UnitPose::new(leg.end()), Tolerance::from_leg(&leg));
             let metres = (end.place - at.place).length();
             let rounding = granted.metres - SAME_POSE;
             assert!(metres < rounding && rounding < 1e-6, "{curvature}: {metres} m of {rounding}");
@@ -344,7 +344,7 @@ mod tests {
     #[test]
     fn a_bush_in_the_way_is_found_with_time_and_place() {
         let violation = audit(&leg(Pose::new(40.0, 52.5, 0.0), vec![segment(0.0, 20.0)])).expect_err("there is a bush");
-        let ViolationKind::Touched(Touch::Bush { cell, .. }) = violation.kind else { panic!("{violation}") };
+        let ViolationKind::Touched(Contact::Bush { cell, .. }) = violation.kind else { panic!("{violation}") };
         assert_eq!(cell, Cell { col: 10, row: 10 });
         assert!((violation.place.x - 46.05).abs() < 0.025, "{violation}");
         assert!((violation.time.as_seconds() - (7.0 + 6.05 / 8.0)).abs() < 0.005, "{violation}");
@@ -361,7 +361,7 @@ mod tests {
     #[test]
     fn the_field_ends_at_its_border() {
         let violation = audit(&leg(Pose::new(90.0, 20.0, 0.0), vec![segment(0.0, 10.0)])).expect_err("it leaves");
-        assert!(matches!(violation.kind, ViolationKind::Touched(Touch::Border { .. })), "{violation}");
+        assert!(matches!(violation.kind, ViolationKind::Touched(Contact::Border { .. })), "{violation}");
     }
 
     #[test]

@@ -38,7 +38,7 @@ mod tolerance;
 mod violation;
 mod water;
 
-pub use field::{AuditField, Outline, Stance, Touch};
+pub use field::{AuditField, Contact, Outline, UnitPose};
 pub use leg::{MotionLimits, SampleStep, audit_leg};
 pub use run::{Verdict, audit_timeline};
 pub use violation::{Violation, ViolationKind};

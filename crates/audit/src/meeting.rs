@@ -1,7 +1,7 @@
 //! The bodies of trucks: at no time do two of them overlap.
 
 use super::driven::DrivenLegs;
-use super::field::{ALLOWED_M, Outline, Stance};
+use super::field::{ALLOWED_M, Outline, UnitPose};
 use super::{SampleStep, Violation, ViolationKind};
 use wildfire_base::time::SimTime;
 
@@ -52,7 +52,7 @@ impl<'a> Pair<'a> {
     fn audit(&self, end: SimTime) -> Result<(), Violation> {
         let (mut time, mut looks) = (SimTime::ZERO, 0);
         while time <= end {
-            let [at, other_at] = [self.one, self.other].map(|driver| Stance::new(driver.driven.pose_at(time)));
+            let [at, other_at] = [self.one, self.other].map(|driver| UnitPose::new(driver.driven.pose_at(time)));
             let violation = |kind| Violation { time, agent: Some(self.one.driven.id), place: at.place, kind };
             let between = self.other.outline.centre(other_at) - self.one.outline.centre(at);
             let gap_m = between.length() - self.radii_m;

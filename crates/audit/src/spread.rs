@@ -7,7 +7,7 @@
 
 use super::arrival::{Arrivals, CellChange, FireHistory};
 use super::automaton::audit_automaton;
-use super::cell_log::{CellLog, Change, What, changes_in_order};
+use super::cell_log::{CellLog, Change, ChangeKind, changes_in_order};
 use super::characteristic::{self, straight_arrival};
 use super::ember::audit_embers;
 use super::violation::first_violation;
@@ -52,7 +52,7 @@ pub fn audit_spread(timeline: &Timeline) -> Result<(), Violation> {
     match spread {
         SpreadSetting::Rothermel { landscape, weather, rules } => {
             let arrivals = Arrivals::new(landscape, weather, *rules);
-            let came = Fronts::new(setting, arrivals, &changes, end).check();
+            let came = ArrivalCheck::new(setting, arrivals, &changes, end).check();
             let flew = audit_embers(setting, (landscape, weather, rules), &log, end);
             first_violation([followed, came, flew].into_iter())
         }
@@ -122,8 +122,10 @@ impl<'a> States<'a> {
             (_, CellState::Burning { until }) if until < time => {
                 Err(ViolationKind::WrongBurnOut { cell, due: Some(until) })
             }
-            (What::Ignited(Cause::Spotted(from)), _) if !self.has_embers => Err(ViolationKind::NoSource { cell, from }),
-            (What::Ignited(_), state) => {
+            (ChangeKind::Ignited(Cause::Spotted(from)), _) if !self.has_embers => {
+                Err(ViolationKind::NoSource { cell, from })
+            }
+            (ChangeKind::Ignited(_), state) => {
                 let is_left = state == CellState::Intact || relight && state == CellState::Extinguished;
                 if !is_left || !self.has_fuel[index] || self.wet_until[index] > time {
                     return Err(ViolationKind::CannotBurn { cell });
@@ -131,11 +133,11 @@ impl<'a> States<'a> {
                 let until = self.flaming.burns_out_at(cell, time).unwrap_or(SimTime::MAX);
                 Ok(CellState::Burning { until })
             }
-            (What::BurnedOut, CellState::Burning { until }) if until != time => {
+            (ChangeKind::BurnedOut, CellState::Burning { until }) if until != time => {
                 let due = (until < SimTime::MAX).then_some(until);
                 Err(ViolationKind::WrongBurnOut { cell, due })
             }
-            (What::Cleared { holds }, state) => {
+            (ChangeKind::Cleared { holds }, state) => {
                 let is_left = state == CellState::Intact || relight && state == CellState::Extinguished;
                 if holds && !(is_left && self.has_fuel[index]) {
                     return Err(ViolationKind::WrongLine { cell });
@@ -143,10 +145,10 @@ impl<'a> States<'a> {
                 self.wet_until[index] = if holds { SimTime::MAX } else { self.wet_until[index] };
                 Ok(state)
             }
-            (What::BurnedOut, CellState::Burning { .. }) => Ok(CellState::BurnedOut),
-            (What::Extinguished { .. }, CellState::Burning { .. }) => Ok(CellState::Extinguished),
-            (What::BurnedOut | What::Extinguished { .. }, _) => Err(ViolationKind::NotBurning { cell }),
-            (What::Wetted { until, .. }, state) => {
+            (ChangeKind::BurnedOut, CellState::Burning { .. }) => Ok(CellState::BurnedOut),
+            (ChangeKind::Extinguished { .. }, CellState::Burning { .. }) => Ok(CellState::Extinguished),
+            (ChangeKind::BurnedOut | ChangeKind::Extinguished { .. }, _) => Err(ViolationKind::NotBurning { cell }),
+            (ChangeKind::Wetted { until, .. }, state) => {
                 let is_left = state == CellState::Intact || relight && state == CellState::Extinguished;
                 if !is_left || !self.has_fuel[index] || self.wet.is_none_or(|wet| until != time + wet) {
                     return Err(ViolationKind::WrongWater { cell });
@@ -180,7 +182,7 @@ struct Wait {
 }
 
 /// Checks for all cells that fire came to them when it was due.
-struct Fronts<'a> {
+struct ArrivalCheck<'a> {
     setting: &'a Setting,
     arrivals: Arrivals<'a>,
     history: FireHistory,
@@ -190,7 +192,7 @@ struct Fronts<'a> {
     looks: u64,
 }
 
-impl<'a> Fronts<'a> {
+impl<'a> ArrivalCheck<'a> {
     fn new(setting: &'a Setting, arrivals: Arrivals<'a>, changes: &[Change], end: SimTime) -> Self {
         let frame = setting.frame;
         let mut history = FireHistory::new(frame.cell_count(), setting.rules.relight, arrivals.reach());
@@ -198,14 +200,14 @@ impl<'a> Fronts<'a> {
         for change in changes {
             let index = frame.index(change.cell);
             let what = match change.what {
-                What::Ignited(cause) => {
+                ChangeKind::Ignited(cause) => {
                     ignitions.push((index as u32, change.time, cause));
                     CellChange::Ignited { is_source: !matches!(cause, Cause::Spread(_)) }
                 }
-                What::Extinguished { .. } => CellChange::Extinguished,
-                What::Wetted { until, .. } => CellChange::Wetted { until },
-                What::Cleared { holds: true } => CellChange::Wetted { until: SimTime::MAX },
-                What::BurnedOut | What::Cleared { .. } => continue,
+                ChangeKind::Extinguished { .. } => CellChange::Extinguished,
+                ChangeKind::Wetted { until, .. } => CellChange::Wetted { until },
+                ChangeKind::Cleared { holds: true } => CellChange::Wetted { until: SimTime::MAX },
+                ChangeKind::BurnedOut | ChangeKind::Cleared { .. } => continue,
             };
             history.add(index, change.time, what);
         }
@@ -470,11 +472,11 @@ mod tests {
         let end = timeline.setting.rules.duration;
         while let Some((now, _)) = queue.peek().filter(|&(now, _)| now <= end) {
             let mut expected = Vec::new();
-            let mut changes: Vec<(FireChange, Option<What>)> = Vec::new();
+            let mut changes: Vec<(FireChange, Option<ChangeKind>)> = Vec::new();
             match queue.pop_due(now, 0).expect("it was just seen") {
                 Act::Light(cell) => {
                     let lit = fires.ignite(cell, now, true);
-                    changes.extend(lit.map(|change| (change, Some(What::Ignited(Cause::Scheduled)))));
+                    changes.extend(lit.map(|change| (change, Some(ChangeKind::Ignited(Cause::Scheduled)))));
                 }
                 Act::Stop(number) => {
                     let burning: Vec<Cell> = fires.burning().collect();
@@ -482,18 +484,18 @@ mod tests {
                     for cell in centre.into_iter().flat_map(|&centre| cells_within(3, FRAME, centre)) {
                         let until = now + wet;
                         if fires.is_burning(cell) {
-                            changes.push((fires.extinguish(cell), Some(What::Extinguished { by: TRUCK })));
+                            changes.push((fires.extinguish(cell), Some(ChangeKind::Extinguished { by: TRUCK })));
                         } else if wet > SimTime::ZERO
                             && let Some(change) = fires.wet(cell, until)
                         {
-                            changes.push((change, Some(What::Wetted { until, by: TRUCK })));
+                            changes.push((change, Some(ChangeKind::Wetted { until, by: TRUCK })));
                         }
                     }
                 }
                 Act::Forecast(FireEvent::Arrival(arrival)) => {
                     for spread in model.arrive(&fires, now, arrival, &mut expected) {
                         let caught = fires.ignite(spread.cell, now, false);
-                        let what = What::Ignited(match spread.by {
+                        let what = ChangeKind::Ignited(match spread.by {
                             SpreadBy::Front => Cause::Spread(spread.from),
                             SpreadBy::Ember => Cause::Spotted(spread.from),
                         });
@@ -501,7 +503,7 @@ mod tests {
                     }
                 }
                 Act::Forecast(FireEvent::BurnOut { cell, episode }) if fires.goes_on(cell, episode) => {
-                    changes.push((fires.burn_out(cell), Some(What::BurnedOut)));
+                    changes.push((fires.burn_out(cell), Some(ChangeKind::BurnedOut)));
                 }
                 Act::Forecast(FireEvent::BurnOut { .. }) => {}
                 Act::Forecast(FireEvent::Dry { cell }) => {
@@ -520,18 +522,18 @@ mod tests {
         timeline
     }
 
-    fn record(timeline: &mut Timeline, time: SimTime, cell: Cell, what: What) {
+    fn record(timeline: &mut Timeline, time: SimTime, cell: Cell, what: ChangeKind) {
         let mut of_bush = |fact| timeline.events.push(Event { time, fact: Fact::Fire(fact) });
         let mut of_ground = |fact| timeline.ground.push(GroundEvent { time, cell, fact });
         match (timeline.setting.bush_index(cell).is_some(), what) {
-            (true, What::Ignited(cause)) => of_bush(FireFact::Ignited { cell, cause }),
-            (true, What::Extinguished { by }) => of_bush(FireFact::Extinguished { cell, by }),
-            (true, What::BurnedOut) => of_bush(FireFact::BurnedOut { cell }),
-            (false, What::Ignited(cause)) => of_ground(GroundFact::Ignited(cause)),
-            (false, What::Extinguished { by }) => of_ground(GroundFact::Extinguished { by }),
-            (false, What::BurnedOut) => {}
-            (_, What::Wetted { until, by }) => of_ground(GroundFact::Wetted { until, by }),
-            (_, What::Cleared { .. }) => unreachable!("there are no crews"),
+            (true, ChangeKind::Ignited(cause)) => of_bush(FireFact::Ignited { cell, cause }),
+            (true, ChangeKind::Extinguished { by }) => of_bush(FireFact::Extinguished { cell, by }),
+            (true, ChangeKind::BurnedOut) => of_bush(FireFact::BurnedOut { cell }),
+            (false, ChangeKind::Ignited(cause)) => of_ground(GroundFact::Ignited(cause)),
+            (false, ChangeKind::Extinguished { by }) => of_ground(GroundFact::Extinguished { by }),
+            (false, ChangeKind::BurnedOut) => {}
+            (_, ChangeKind::Wetted { until, by }) => of_ground(GroundFact::Wetted { until, by }),
+            (_, ChangeKind::Cleared { .. }) => unreachable!("there are no crews"),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Who acts on bushes and on ground, and from where: fires go out beside a truck that stands, and Wumpuses light where they arrived.
 
-use super::field::{Outline, Stance};
+use super::field::{Outline, UnitPose};
 use super::tolerance::SAME_POSE;
 use super::{Violation, ViolationKind};
 use wildfire_base::geometry::{Cell, Pose};
@@ -114,7 +114,7 @@ impl Actor {
     }
 
     fn refill(&mut self, water: &WaterRules, time: SimTime, until: SimTime) -> Result<(), ViolationKind> {
-        let centre = self.outline.centre(Stance::new(self.pose));
+        let centre = self.outline.centre(UnitPose::new(self.pose));
         let metres = water.places.iter().map(|place| (*place - centre).length()).fold(f64::INFINITY, f64::min);
         if metres > water.reach_m + SAME_POSE || self.stands_since > time {
             return Err(ViolationKind::NoWater { metres, reach_m: water.reach_m });
@@ -180,7 +180,7 @@ impl Actor {
 
     /// Returns how far away a cell is that is beyond reach, and the reach.
     fn beyond_reach(&self, setting: &Setting, cell: Cell) -> Option<(f64, f64)> {
-        let metres = (self.outline.centre(Stance::new(self.pose)) - setting.frame.centre(cell)).length();
+        let metres = (self.outline.centre(UnitPose::new(self.pose)) - setting.frame.centre(cell)).length();
         let reach_m = setting.rules.suppression_reach_m.filter(|reach_m| metres > reach_m + SAME_POSE)?;
         Some((metres, reach_m))
     }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::Touch;
+use super::Contact;
 use wildfire_base::geometry::{Cell, DVec2};
 use wildfire_base::time::SimTime;
 use wildfire_timeline::AgentId;
@@ -10,7 +10,7 @@ use wildfire_timeline::AgentId;
 /// The rule that was broken, and by how much.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ViolationKind {
-    Touched(Touch),
+    Touched(Contact),
     /// Two trucks at one place.
     Overlap {
         other: AgentId,
@@ -196,10 +196,10 @@ impl fmt::Display for Violation {
 impl fmt::Display for ViolationKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::Touched(Touch::Bush { cell, depth_m }) => {
+            Self::Touched(Contact::Bush { cell, depth_m }) => {
                 write!(f, "the body is {:.1} mm deep in the bush at cell {cell}", 1e3 * depth_m)
             }
-            Self::Touched(Touch::Border { depth_m }) => {
+            Self::Touched(Contact::Border { depth_m }) => {
                 write!(f, "the body is {:.1} mm outside of the field", 1e3 * depth_m)
             }
             Self::Overlap { other, depth_m } => {

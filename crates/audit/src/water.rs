@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use super::cell_log::{CellLog, What, changes_in_order};
+use super::cell_log::{CellLog, ChangeKind, changes_in_order};
 use super::{Violation, ViolationKind};
 use wildfire_base::geometry::{Cell, ops};
 use wildfire_base::time::SimTime;
@@ -24,7 +24,7 @@ pub fn audit_water(timeline: &Timeline) -> Result<(), Violation> {
     let log = CellLog::new(setting, &changes);
     let ignition = |cell: Cell, before: SimTime| {
         log.of_cell(cell).iter().rev().filter(|change| change.time < before).find_map(|change| match change.what {
-            What::Ignited(cause) => Some((cell, change.time, cause)),
+            ChangeKind::Ignited(cause) => Some((cell, change.time, cause)),
             _ => None,
         })
     };
@@ -35,7 +35,7 @@ pub fn audit_water(timeline: &Timeline) -> Result<(), Violation> {
         }
     }
     for change in &changes {
-        let What::Extinguished { by } = change.what else { continue };
+        let ChangeKind::Extinguished { by } = change.what else { continue };
         let stop = stops.get_mut(&by).and_then(|stops| stops.iter_mut().rfind(|(begins, ..)| *begins < change.time));
         let lit = ignition(change.cell, change.time);
         let front = lit.and_then(|lit| spread.front(lit, |near| Some(ignition(near, lit.1)?.1)));

@@ -47,9 +47,9 @@ pub fn least_loss(timeline: &Timeline) -> Option<u32> {
     let trucks = setting.agents.iter().filter(|agent| agent.id.role == Role::Unimog).map(|start| {
         let (limits, centre) = (start.limits?, start.body.centre(start.pose));
         let swing_m = 2.0 * (centre - start.pose.position()).length();
-        Some(Reacher { start: centre, speed_mps: limits.forward_mps.max(limits.reverse_mps), swing_m })
+        Some(TruckBound { start: centre, speed_mps: limits.forward_mps.max(limits.reverse_mps), swing_m })
     });
-    let trucks = trucks.collect::<Option<Vec<Reacher>>>()?;
+    let trucks = trucks.collect::<Option<Vec<TruckBound>>>()?;
     let acts = lit_by_somebody(timeline);
     if trucks.is_empty() {
         let caught = timeline.events.iter().filter(|event| matches!(event.fact, Fact::Fire(FireFact::Ignited { .. })));
@@ -71,7 +71,7 @@ fn lit_by_somebody(timeline: &Timeline) -> Vec<(usize, SimTime)> {
 
 /// A truck as far as it limits what can be saved.
 #[derive(Clone, Copy, Debug)]
-struct Reacher {
+struct TruckBound {
     /// The middle of its body.
     start: DVec2,
     speed_mps: f64,
@@ -110,7 +110,7 @@ impl Job {
 struct Limits<'a> {
     setting: &'a Setting,
     fire: FireRules,
-    trucks: Vec<Reacher>,
+    trucks: Vec<TruckBound>,
     fastest_mps: f64,
     widest_swing_m: f64,
     reach_m: f64,
@@ -121,7 +121,7 @@ struct Limits<'a> {
 }
 
 impl<'a> Limits<'a> {
-    fn new(setting: &'a Setting, fire: FireRules, trucks: Vec<Reacher>) -> Self {
+    fn new(setting: &'a Setting, fire: FireRules, trucks: Vec<TruckBound>) -> Self {
         let rules = &setting.rules;
         Self {
             setting,
@@ -170,7 +170,7 @@ impl<'a> Limits<'a> {
     }
 
     /// The earliest time at which a truck can be in reach of a place.
-    fn arrival_s(&self, truck: &Reacher, place: DVec2) -> f64 {
+    fn arrival_s(&self, truck: &TruckBound, place: DVec2) -> f64 {
         travel_s((place - truck.start).length() - self.reach_m - truck.swing_m, truck.speed_mps)
     }
 
@@ -235,7 +235,7 @@ impl<'a> Limits<'a> {
 
     /// Counts the jobs that cannot all be covered by chains, one for each truck.
     fn left_uncovered(&self, jobs: &[Job]) -> u32 {
-        let can_begin = |truck: &Reacher, job: &Job| {
+        let can_begin = |truck: &TruckBound, job: &Job| {
             self.arrival_s(truck, job.place).max(job.first_burns_s()) + self.dwell_s <= job.due_s + TOLERANCE_S
         };
         let reachable: Vec<Job> =
@@ -465,7 +465,7 @@ mod tests {
             }
             let timeline = lit(trucks, &acts, &[]);
             let bound = least_loss(&timeline).expect("the rules are those of the radius");
-            let reachers = timeline.setting.agents.iter().map(|start| Reacher {
+            let reachers = timeline.setting.agents.iter().map(|start| TruckBound {
                 start: start.body.centre(start.pose),
                 speed_mps: 8.0,
                 swing_m: 0.0,

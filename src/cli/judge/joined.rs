@@ -5,7 +5,7 @@
 //! planners are: a curvature above 1/radius by 1 % and [`CURVATURE_SLACK`], and a little way sideways, as a joint of
 //! two turns between two poses makes. Clearance has no such slack.
 
-use wildfire_audit::{AuditField, Outline, SampleStep, Stance, ViolationKind};
+use wildfire_audit::{AuditField, Outline, SampleStep, UnitPose, ViolationKind};
 use wildfire_base::document::number::beside_limit;
 use wildfire_base::geometry::{DVec2, Pose, ops};
 use wildfire_base::time::SimTime;
@@ -133,7 +133,7 @@ impl<'a> PathJudge<'a> {
         let begins = missed(Goal::Pose(self.problem.start), start, self.body());
         let begins = begins.map(|by| format!("line {}: it begins {by} away from the start", poses[0].line));
         let touches = || {
-            let touch = self.audit_field.touch(Stance::new(start))?;
+            let touch = self.audit_field.touch(UnitPose::new(start))?;
             Some(words(poses[0].line, 0.0, start, ViolationKind::Touched(touch)))
         };
         let ends = || {
@@ -171,7 +171,7 @@ impl<'a> PathJudge<'a> {
                 return Some(words(arc.line, along_m, arc.start, format!("{found}, {allowed}")));
             }
             for pose in arc.samples() {
-                if let Some(touch) = self.audit_field.touch(Stance::new(pose)) {
+                if let Some(touch) = self.audit_field.touch(UnitPose::new(pose)) {
                     let there_m = along_m + pose.position().distance(arc.start.position());
                     return Some(words(arc.line, there_m, pose, ViolationKind::Touched(touch)));
                 }

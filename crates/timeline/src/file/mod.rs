@@ -37,7 +37,7 @@ use thiserror::Error;
 use facts::{FactReader, FactWriter};
 use ground::{GroundRecord, GroundWriter};
 use numbers::NumberReader;
-use setting::{GroundSharesRecord, SettingRecord, Supplement, WaterRecord};
+use setting::{GroundSharesRecord, SettingRecord, SettingTail, WaterRecord};
 use spread::GroundSetting;
 
 use super::{LineRules, Timeline, WaterEnergy, WaterRules};
@@ -174,7 +174,7 @@ fn encode_payload(timeline: &Timeline) -> Vec<u8> {
     let mut bytes = Vec::new();
     append(&mut bytes, &SettingRecord::from(&timeline.setting));
     append(&mut bytes, &streams);
-    append(&mut bytes, &Supplement::from(&timeline.setting));
+    append(&mut bytes, &SettingTail::from(&timeline.setting));
     append(&mut bytes, &GroundSetting::from(&timeline.setting));
     let log = (!timeline.ground.is_empty()).then(|| GroundWriter::new(&timeline.setting, &timeline.ground));
     append(&mut bytes, &log.as_ref().map(GroundWriter::record_of_all));
@@ -196,7 +196,7 @@ fn decode_payload(mut bytes: &[u8]) -> Result<Timeline, FileError> {
     let streams: Streams<'_> = take(&mut bytes)?;
     let count = streams.facts as usize;
     check::limit("facts", count, check::MAX_FACTS)?;
-    let supplement: Supplement = take(&mut bytes)?;
+    let supplement: SettingTail = take(&mut bytes)?;
     let ground_setting: GroundSetting = take(&mut bytes)?;
     let log: Option<GroundRecord<'_>> = take(&mut bytes)?;
     let water: Option<WaterRecord> = take(&mut bytes)?;
@@ -384,7 +384,7 @@ mod tests {
     #[test]
     fn a_payload_without_its_supplement_is_no_recording_of_today() {
         let payload = encode_payload(&sample::by_hand());
-        let supplement = postcard::to_stdvec(&Supplement::from(&sample::by_hand().setting)).expect("it is plain data");
+        let supplement = postcard::to_stdvec(&SettingTail::from(&sample::by_hand().setting)).expect("it is plain data");
         // Three bytes more say that there is no ground.
         let bytes = sealed(&deflate::compress_to_vec(&payload[..payload.len() - 3 - supplement.len()], 1));
         assert!(matches!(decode(&bytes), Err(FileError::Damaged(_))));
@@ -486,7 +486,7 @@ mod tests {
             let (facts, records, number_references) = (1, &records[..], &[][..]);
             let streams = Streams { facts, delays, records, recurring_numbers, single_numbers, number_references };
             append(&mut payload, &streams);
-            append(&mut payload, &Supplement::from(&setting));
+            append(&mut payload, &SettingTail::from(&setting));
             append(&mut payload, &GroundSetting::default());
             append(&mut payload, &None::<GroundRecord<'_>>);
             append(&mut payload, &None::<WaterRecord>);

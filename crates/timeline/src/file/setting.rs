@@ -81,7 +81,7 @@ struct RulesRecord {
 
 /// The part of a setting that follows the facts.
 #[derive(Serialize, Deserialize)]
-pub struct Supplement {
+pub struct SettingTail {
     /// In the order of the agents; none are there where nothing is known of any.
     limits: Vec<Option<LimitsRecord>>,
     extinguishes_all: Option<bool>,
@@ -237,7 +237,7 @@ impl From<&BodyRecord> for Body {
     }
 }
 
-impl From<&Setting> for Supplement {
+impl From<&Setting> for SettingTail {
     fn from(setting: &Setting) -> Self {
         let limits = |limits: SpeedLimits| LimitsRecord {
             forward_mps: limits.forward_mps,
@@ -263,7 +263,7 @@ impl From<&Setting> for Supplement {
 
 impl SettingRecord {
     /// Returns the setting including its supplement; its values have not been checked yet.
-    pub fn into_setting(self, supplement: &Supplement) -> Result<Setting, FileError> {
+    pub fn into_setting(self, supplement: &SettingTail) -> Result<Setting, FileError> {
         let frame = FieldFrame { cols: self.cols, rows: self.rows, cell_m: self.cell_m };
         limit("cells along a side", frame.cols.max(frame.rows).into(), MAX_SIDE)?;
         let limits = supplement.limits.iter().map(|limits| limits.map(SpeedLimits::from));

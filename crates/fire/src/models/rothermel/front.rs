@@ -7,7 +7,7 @@ use super::directions::DirectionSet;
 use super::queue::{ArrivalQueue, NEVER};
 use super::rates::{BARRIER, Pair, Rates, Spreading, vector};
 use super::rules::RothermelRules;
-use super::template::{Template, Way};
+use super::template::{Edge, Template};
 use crate::surface::crown::FireType;
 use crate::{Landscape, Relief, Weather};
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
@@ -148,12 +148,12 @@ impl Cells {
 
     /// Returns what is found on a way that ends in a cell of a fuel and is not one of those round an ignition.
     #[inline]
-    fn crossing(&self, from: usize, way: &Way, fuel: u8) -> Crossing {
+    fn crossing(&self, from: usize, way: &Edge, fuel: u8) -> Crossing {
         if self.state[from] & UNIFORM != 0 { Crossing::Uniform } else { self.crossing_of_any(from, way, fuel) }
     }
 
     /// Returns the same for a way of any length.
-    fn crossing_of_any(&self, from: usize, way: &Way, fuel: u8) -> Crossing {
+    fn crossing_of_any(&self, from: usize, way: &Edge, fuel: u8) -> Crossing {
         let (mut is_uniform, mut is_blocked) = (true, false);
         for &(place, _) in way.crossed() {
             let crossed = self.fuel[from.wrapping_add_signed(place)];
@@ -172,7 +172,7 @@ impl Cells {
     }
 
     /// Returns from when on fire may begin a way that is not blocked.
-    fn open_from(&self, from: usize, way: &Way) -> u64 {
+    fn open_from(&self, from: usize, way: &Edge) -> u64 {
         let delay = |place: isize| {
             let index = from.wrapping_add_signed(place);
             let is_barrier = self.fuel[index] == BARRIER;
@@ -204,7 +204,7 @@ struct Interval {
 
 /// The beginning of a way that may be part of a two-point candidate.
 #[derive(Clone, Copy)]
-struct Beginning {
+struct EdgeStart {
     index: usize,
     way: usize,
 }
@@ -282,7 +282,7 @@ impl Front {
         }
     }
 
-    fn way_of(&self, index: usize) -> &Way {
+    fn way_of(&self, index: usize) -> &Edge {
         self.template.way(usize::from(self.cells.way[index]))
     }
 
@@ -457,8 +457,8 @@ impl Front {
                 if !cells.has_burned(beside) {
                     continue;
                 }
-                let own = Beginning { index: from, way: number };
-                let other = Beginning { index: beside, way: other };
+                let own = EdgeStart { index: from, way: number };
+                let other = EdgeStart { index: beside, way: other };
                 let [first, second] = if first_place == place { [own, other] } else { [other, own] };
                 let (first_time, second_time) = (cells.time[first.index], cells.time[second.index]);
                 let first_drift = table.along[first.way].1;
@@ -508,11 +508,11 @@ impl Front {
             if crossing != Crossing::Uniform {
                 continue;
             }
-            let own = Beginning { index: from, way: number };
+            let own = EdgeStart { index: from, way: number };
             for (other_place, is_first) in [((place + count - 1) % count, true), ((place + 1) % count, false)] {
                 let other = usize::from(set.ways[other_place]);
                 let other_way = &template.ways[other];
-                let beside = Beginning { index: to.wrapping_add_signed(-other_way.end), way: other };
+                let beside = EdgeStart { index: to.wrapping_add_signed(-other_way.end), way: other };
                 let is_uniform = cells.has_burned(beside.index)
                     && cells.crossing(beside.index, other_way, fuel) == Crossing::Uniform;
                 if is_uniform {
@@ -586,7 +586,7 @@ impl Front {
                 }
                 let [first, second] = pair.map(|way| {
                     let index = to.wrapping_add_signed(-self.template.ways[way].end);
-                    Beginning { index, way }
+                    EdgeStart { index, way }
                 });
                 let later = [first, second].into_iter().max_by_key(|one| (self.cells.time[one.index], one.index));
                 let later = later.expect("there are two");
@@ -628,7 +628,7 @@ fn two_point_arrival(
     cells: &Cells,
     template: &Template,
     to: usize,
-    [first, second]: [Beginning; 2],
+    [first, second]: [EdgeStart; 2],
 ) -> Option<u64> {
     let (first_time, second_time) = (cells.time[first.index], cells.time[second.index]);
     let latest = first_time.max(second_time);
@@ -707,7 +707,7 @@ fn spreading(rates: &mut Rates, cells: &Cells, number: usize, index: usize) -> S
 }
 
 /// Returns the seconds of a way in an interval of the weather.
-fn way_seconds(rates: &mut Rates, cells: &Cells, number: usize, from: usize, way: &Way) -> f64 {
+fn way_seconds(rates: &mut Rates, cells: &Cells, number: usize, from: usize, way: &Edge) -> f64 {
     let v = vector(way, cells.frame.cell_m);
     let to = from.wrapping_add_signed(way.end);
     if rates.is_plane() && cells.crossing_of_any(from, way, cells.fuel[to]) == Crossing::Uniform {
@@ -720,7 +720,7 @@ fn way_seconds(rates: &mut Rates, cells: &Cells, number: usize, from: usize, way
 }
 
 /// Returns when fire arrives along a way that it begins at a time.
-fn arrival_along(rates: &mut Rates, cells: &Cells, from: usize, way: &Way, start: u64) -> u64 {
+fn arrival_along(rates: &mut Rates, cells: &Cells, from: usize, way: &Edge, start: u64) -> u64 {
     progress(rates, start, |rates, number| way_seconds(rates, cells, number, from, way))
 }
 

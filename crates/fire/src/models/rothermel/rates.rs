@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use super::directions::{DirectionSet, sampled_cells};
 use super::rules::RothermelRules;
-use super::template::Way;
+use super::template::Edge;
 use crate::fuel::FuelModel;
 use crate::surface::crown::{CrownConditions, CrownFire, model_10};
 use crate::surface::{Ellipse, FuelBed, SurfaceFire, twenty_foot_wind, unsheltered_adjustment};
@@ -277,6 +277,6 @@ impl Rates {
 }
 
 /// The vector of a way in metres.
-pub fn vector(way: &Way, cell_m: f64) -> DVec2 {
+pub fn vector(way: &Edge, cell_m: f64) -> DVec2 {
     DVec2::new(f64::from(way.cols), f64::from(way.rows)) * cell_m
 }

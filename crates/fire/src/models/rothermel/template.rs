@@ -9,7 +9,7 @@ use wildfire_base::geometry::DVec2;
 
 /// A straight way between the centres of two cells. Places of cells are differences of indices from its beginning.
 #[derive(Clone, Debug)]
-pub struct Way {
+pub struct Edge {
     pub cols: i32,
     pub rows: i32,
     pub end: isize,
@@ -17,7 +17,7 @@ pub struct Way {
     corners: Box<[[isize; 2]]>,
 }
 
-impl Way {
+impl Edge {
     fn new((cols, rows): (i32, i32), stride: usize) -> Self {
         let place = |(col, row): (i32, i32)| row as isize * stride as isize + col as isize;
         let mut crossed = Vec::new();
@@ -58,7 +58,7 @@ impl Way {
 
 /// The ways of one set of directions.
 #[derive(Clone, Debug, PartialEq)]
-pub struct WaySet {
+pub struct EdgeSet {
     /// Numbers of ways, counter-clockwise from east, so that neighbours in this list are neighbours in direction.
     pub ways: Vec<u16>,
     /// By number of a way, its place in that list.
@@ -69,7 +69,7 @@ pub struct WaySet {
     disc: Vec<u16>,
 }
 
-impl WaySet {
+impl EdgeSet {
     /// Returns the place of a way in the list, if it is one of the set.
     #[inline]
     pub fn place(&self, way: usize) -> Option<usize> {
@@ -92,12 +92,12 @@ impl WaySet {
 #[derive(Clone, Debug)]
 pub struct Template {
     /// Those of all sets.
-    pub ways: Vec<Way>,
+    pub ways: Vec<Edge>,
     /// Those round an ignition.
-    disc: Vec<Way>,
+    disc: Vec<Edge>,
     /// Of the ways, in metres.
     pub vectors: Vec<DVec2>,
-    sets: Vec<WaySet>,
+    sets: Vec<EdgeSet>,
     /// By interval of the weather.
     set_of: Vec<u16>,
 }
@@ -110,7 +110,7 @@ impl Template {
         for set in directions {
             let known = directions.iter().position(|other| other == set).expect("it is one of them");
             let number = template.set_of.get(known).copied().unwrap_or_else(|| {
-                let set = template.way_set(set, stride, cell_m, gradient);
+                let set = template.edge_set(set, stride, cell_m, gradient);
                 template.sets.push(set);
                 template.sets.len() as u16 - 1
             });
@@ -119,7 +119,7 @@ impl Template {
         template
     }
 
-    fn way_set(&mut self, set: &DirectionSet, stride: usize, cell_m: f64, gradient: Option<DVec2>) -> WaySet {
+    fn edge_set(&mut self, set: &DirectionSet, stride: usize, cell_m: f64, gradient: Option<DVec2>) -> EdgeSet {
         let mut numbers = Vec::new();
         for &step in set.steps() {
             let (number, is_new) = number_of(&mut self.ways, step, stride);
@@ -141,12 +141,12 @@ impl Template {
                 .map(|gradient| Pair::new(gradient, self.vectors[usize::from(one)], self.vectors[usize::from(other)]))
         };
         let pairs = numbers.iter().zip(next).filter_map(pair).collect();
-        WaySet { places, pairs, disc, ways: numbers }
+        EdgeSet { places, pairs, disc, ways: numbers }
     }
 
     /// Returns the ways of an interval of the weather.
     #[inline]
-    pub fn set(&self, interval: usize) -> &WaySet {
+    pub fn set(&self, interval: usize) -> &EdgeSet {
         &self.sets[self.set_number(interval)]
     }
 
@@ -156,7 +156,7 @@ impl Template {
         usize::from(self.set_of[interval])
     }
 
-    pub fn sets(&self) -> &[WaySet] {
+    pub fn sets(&self) -> &[EdgeSet] {
         &self.sets
     }
 
@@ -181,17 +181,17 @@ impl Template {
 
     /// Returns a way by its number, those round an ignition after the others.
     #[inline]
-    pub fn way(&self, number: usize) -> &Way {
+    pub fn way(&self, number: usize) -> &Edge {
         self.ways.get(number).unwrap_or_else(|| &self.disc[number - self.ways.len()])
     }
 }
 
 /// Returns the number of a way in a list, and whether it was added to it just now.
-fn number_of(ways: &mut Vec<Way>, step: (i32, i32), stride: usize) -> (u16, bool) {
+fn number_of(ways: &mut Vec<Edge>, step: (i32, i32), stride: usize) -> (u16, bool) {
     let known = ways.iter().position(|way| (way.cols, way.rows) == step);
     let number = known.unwrap_or(ways.len()) as u16;
     if known.is_none() {
-        ways.push(Way::new(step, stride));
+        ways.push(Edge::new(step, stride));
     }
     (number, known.is_none())
 }
