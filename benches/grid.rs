@@ -56,14 +56,14 @@ fn draw(kind: &str, side: usize) -> Grid<bool> {
 }
 
 /// What the benchmark keeps from call to call, so that no call waits for memory.
-struct Bench {
+struct CounterfactualRunner {
     occupied: Grid<bool>,
     goal: Place,
     distances: Grid<u16>,
     levels: Grid<u32>,
 }
 
-impl Bench {
+impl CounterfactualRunner {
     fn new(kind: &str, side: usize) -> Self {
         let occupied = draw(kind, side);
         let goal = free_place_nearest_the_centre(&occupied);
@@ -102,7 +102,7 @@ fn print_kinds() {
     println!("{SIDE} x {SIDE} cells, ms (ns per cell), medians of {REPETITIONS}");
     print_heading("map");
     for kind in KINDS {
-        let mut bench = Bench::new(kind, SIDE);
+        let mut bench = CounterfactualRunner::new(kind, SIDE);
         let cells = bench.cells();
         let columns = bench.medians().map(|ms| format!("{ms:9.2} ({:5.2})", ms * 1e6 / cells));
         println!("{kind:12} {}", columns.join(" "));
@@ -115,7 +115,7 @@ fn print_growth(sides: impl Iterator<Item = usize>) {
     for side in sides {
         let mut sums = [0.0; 4];
         for kind in KINDS {
-            let mut bench = Bench::new(kind, side);
+            let mut bench = CounterfactualRunner::new(kind, side);
             let cells = bench.cells();
             for (sum, ms) in sums.iter_mut().zip(bench.medians()) {
                 *sum += ms * 1e6 / cells;
@@ -134,7 +134,7 @@ fn print_plain() {
     let kind = KINDS[0];
     println!("\nplain breadth-first searches on {kind}, {SIDE} a side, ms (times slower)");
     print_heading("");
-    let mut bench = Bench::new(kind, SIDE);
+    let mut bench = CounterfactualRunner::new(kind, SIDE);
     let obstacles: Vec<Place> = places(&bench.occupied).filter(|&place| bench.occupied[place]).collect();
     let plain =
         |start: &[Place]| BOTH.map(|connectivity| ms(|| drop(black_box(search(&bench.occupied, start, connectivity)))));
@@ -166,13 +166,13 @@ fn search(occupied: &Grid<bool>, start: &[Place], connectivity: Connectivity) ->
 }
 
 fn serve() -> Result<(), Box<dyn Error>> {
-    let mut bench = Bench::new("single", 2);
+    let mut bench = CounterfactualRunner::new("single", 2);
     for line in io::stdin().lines() {
         let line = line?;
         let words: Vec<&str> = line.split_whitespace().collect();
         match words[..] {
             ["draw", kind, side] => {
-                bench = Bench::new(kind, side.parse()?);
+                bench = CounterfactualRunner::new(kind, side.parse()?);
                 println!("drawn");
             }
             ["save", file] => {

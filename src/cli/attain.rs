@@ -19,7 +19,7 @@ use wildfire_base::geometry::Cell;
 use wildfire_base::object;
 use wildfire_base::time::SimTime;
 use wildfire_batch::stats::{Interval, Series, UNBOUNDED};
-use wildfire_batch::{Attained, attain_all, limit_threads};
+use wildfire_batch::{HindsightBound, attain_all, limit_threads};
 use wildfire_sim::scenario;
 use wildfire_timeline::AgentId;
 
@@ -88,7 +88,7 @@ pub fn run(arguments: &AttainArguments, context: &CommandContext) -> Result<Exit
 
 struct AttainReport {
     scenario: String,
-    rows: Vec<(u64, Attained)>,
+    rows: Vec<(u64, HindsightBound)>,
 }
 
 /// The most seeds that have a row each.
@@ -97,7 +97,7 @@ const LISTED: usize = 20;
 impl AttainReport {
     /// Returns losses, attainable losses and their differences.
     fn series(&self) -> [(&'static str, Series); 3] {
-        let of = |value: fn(&Attained) -> f64| {
+        let of = |value: fn(&HindsightBound) -> f64| {
             Series::from_values(&self.rows.iter().map(|(_, row)| value(row)).collect::<Vec<_>>())
         };
         [
@@ -110,7 +110,7 @@ impl AttainReport {
 
 impl From<&AttainReport> for Document {
     fn from(report: &AttainReport) -> Self {
-        let row = |(seed, row): &(u64, Attained)| {
+        let row = |(seed, row): &(u64, HindsightBound)| {
             let headroom = row.lost - row.attainable;
             [*seed as usize, row.lost, row.attainable, headroom, row.answers.len(), row.runs as usize]
                 .map(|number| number.to_string())
@@ -152,7 +152,7 @@ impl From<&AttainReport> for Document {
 
 impl Serialize for AttainReport {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let row = |(seed, row): &(u64, Attained)| {
+        let row = |(seed, row): &(u64, HindsightBound)| {
             let answer = |(time, (agent, cell)): (&SimTime, &(AgentId, Cell))| {
                 object!(Answer { t_s: time.as_seconds(), agent: agent.to_string(), cell: [cell.col, cell.row] })
             };

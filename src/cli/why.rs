@@ -20,7 +20,8 @@ use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::object;
 use wildfire_base::time::SimTime;
 use wildfire_batch::{
-    ChosenDecisions, DECISIONS_PARQUET, DecisionTally, FinishedBatch, JudgeError, Judging, judge_batch, limit_threads,
+    ChosenDecisions, DECISIONS_PARQUET, DecisionTally, FinishedBatch, JudgeError, JudgeProgress, judge_batch,
+    limit_threads,
 };
 use wildfire_sim::RunOptions;
 use wildfire_timeline::AgentId;
@@ -109,16 +110,16 @@ pub fn run(arguments: &WhyArguments, context: &CommandContext) -> Result<ExitCod
     let (begun, futures) = (AtomicU64::new(0), arguments.futures);
     let judged =
         chosen(arguments).judge(scenario, arguments.run.seed.unwrap_or(1), &options, |judging| match judging {
-            Judging::Begins { decisions } => {
+            JudgeProgress::Begins { decisions } => {
                 let decisions = decisions as u64;
                 progress.expect(begun.fetch_add(decisions, Ordering::Relaxed) + decisions);
             }
-            Judging::Played => progress.advance(),
-            Judging::Known { futures: played, report } if arguments.form.is_text() => {
+            JudgeProgress::Played => progress.advance(),
+            JudgeProgress::Known { futures: played, report } if arguments.form.is_text() => {
                 let text = Document::from(report).to_text();
                 progress.preview(&format!("After {played} of at most {futures} futures:\n{text}\n"));
             }
-            Judging::Known { .. } => {}
+            JudgeProgress::Known { .. } => {}
         });
     progress.end();
     let report = judged.map_err(CliError::run_failed)?;

@@ -5,7 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use wildfire::batch::comparison::{
-    BesideReport, Comparison, ComparisonError, Contrast, JudgedContrast, Method, Questions, Selection, Verdict, compare,
+    Comparison, ComparisonError, Contrast, JudgedContrast, Method, PublishedComparison, Questions, Selection, Verdict,
+    compare,
 };
 use wildfire::stats::RESOLUTION;
 
@@ -548,8 +549,8 @@ fn published_batch(scratch: &Scratch) -> PathBuf {
 #[test]
 fn report_stands_beside_a_batch_like_it_without_a_difference() {
     let scratch = Scratch::new();
-    let beside =
-        BesideReport::from_batch(&published_batch(&scratch), &Selection::default()).expect("all columns are there");
+    let beside = PublishedComparison::from_batch(&published_batch(&scratch), &Selection::default())
+        .expect("all columns are there");
     assert_eq!(beside.states.len(), 3);
     for state in &beside.states {
         let (published, batch) = (state.published.mean().expect("five"), state.batch.mean().expect("five"));
@@ -571,6 +572,7 @@ fn report_stands_beside_a_batch_like_it_without_a_difference() {
 fn report_needs_the_columns_of_its_tables() {
     let scratch = Scratch::new();
     let batch = scratch.batch("a", &runs(1..=3, noise));
-    let refusal = BesideReport::from_batch(&batch, &Selection::default()).expect_err("columns are missing").to_string();
+    let refusal =
+        PublishedComparison::from_batch(&batch, &Selection::default()).expect_err("columns are missing").to_string();
     assert!(refusal.ends_with("there is no column `intact_ratio`"), "{refusal}");
 }

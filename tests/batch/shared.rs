@@ -9,8 +9,8 @@ use std::time::Duration;
 
 use rand::seq::SliceRandom;
 use wildfire::batch::{
-    Batch, BatchError, BatchPlan, JournalError, JournalKeeping, Lock, Merged, OutputFolder, RealDisk, Record, Slice,
-    Survey, batch_status, merge, read_rows,
+    Batch, BatchError, BatchPlan, JournalError, JournalKeeping, JournalScan, Lock, Merged, OutputFolder, RealDisk,
+    Record, Slice, batch_status, merge, read_rows,
 };
 
 use crate::made_up::{made_up_run, made_up_runs_until, outcomes, plan, run};
@@ -224,8 +224,8 @@ fn survey_says_what_is_missing_and_what_is_new() {
     let path = scratch.path();
     drop(join(path, 1, 3, JournalKeeping::default()).expect("it is free"));
     let plan = BatchPlan::read(path).expect("it was just written");
-    let mut survey = Survey::new(&existing(path), &plan).expect("a slice has begun");
-    let missing = |survey: &Survey| -> Vec<(u64, u64, u64)> {
+    let mut survey = JournalScan::new(&existing(path), &plan).expect("a slice has begun");
+    let missing = |survey: &JournalScan| -> Vec<(u64, u64, u64)> {
         survey.missing().iter().map(|slice| (slice.slice.number(), slice.missing, slice.of)).collect()
     };
     assert_eq!(survey.update().expect("readable"), 1);

@@ -1,6 +1,6 @@
 //! An audit that can fail: runs that were damaged on purpose, one rule each, and the rule that it names.
 
-use wildfire::audit::{Audited, SampleStep, Contact, Violation, ViolationKind, audit_timeline};
+use wildfire::audit::{Audited, Contact, SampleStep, Violation, ViolationKind, audit_timeline};
 use wildfire::geometry::{Cell, Pose};
 use wildfire::scenario;
 use wildfire::sim;

@@ -31,8 +31,8 @@ pub mod stats;
 mod table;
 
 pub use decisions::{
-    Answers, Attained, ChosenDecisions, DecisionTally, JudgeError, Judging, PlayedChoice, WhyReport, Worth, attain,
-    attain_all, judge_batch,
+    AlternativeAction, Answers, ChosenDecisions, DecisionTally, DecisionValue, HindsightBound, JudgeError,
+    JudgeProgress, WhyReport, attain, attain_all, judge_batch,
 };
 #[doc(hidden)]
 pub use drives::made_up_drives;
@@ -45,10 +45,10 @@ pub use drives::{
 };
 pub use execute::{
     AGENTS_FILE, Append, Batch, BatchError, BatchStatus, CALLS_PARQUET, CHARTS_FOLDER, CpuSplit, DECISIONS_PARQUET,
-    Disk, FailedRuns, Found, JournalError, JournalIndex, JournalKeeping, Lock, LostRecording, Machine, Machines,
-    MissingRuns, OutputFolder, Pilot, PlannerCall, RECORDINGS_FOLDER, REPORT_FILE, RUNS_FILE, RUNS_PARQUET, RealDisk,
-    RunDetail, RunEnd, RunResult, RunRow, RunScenario, STATE_STEPS, STATES_PARQUET, SliceState, Solution, StateCount,
-    Status, StrangeEntry, Survey, TABLES_FILE, Whole, batch_status, file_name_of, limit_threads, with_threads,
+    Disk, FailedRuns, Found, JournalError, JournalIndex, JournalKeeping, JournalScan, Lock, LostRecording, Machine,
+    Machines, MissingRuns, OutputFolder, Pilot, PlannerCall, RECORDINGS_FOLDER, REPORT_FILE, RUNS_FILE, RUNS_PARQUET,
+    RealDisk, RunDetail, RunEnd, RunResult, RunRow, RunScenario, STATE_STEPS, STATES_PARQUET, SliceState, Solution,
+    StateCount, Status, TABLES_FILE, UnexpectedFile, Whole, batch_status, file_name_of, limit_threads, with_threads,
 };
 pub use maps::{
     BatchMaps, BatchQuantity, BatchSide, Losses, MapDifference, MapSource, MapsError, MapsOptions, RunMean, map_batches,

@@ -39,11 +39,11 @@ struct Data {
     /// Set as soon as there is an instance; nothing runs before.
     parts: Option<Parts>,
     /// What is handed over when a module stops, and when it goes on.
-    desk: Desk,
+    desk: InstructionCounter,
 }
 
 /// Instructions: those that a module may run next, and then those that it has left with its slots.
-type Desk = Arc<Mutex<(i64, i32)>>;
+type InstructionCounter = Arc<Mutex<(i64, i32)>>;
 
 /// What functions of the host need of an instance.
 #[derive(Clone, Copy)]
@@ -85,7 +85,7 @@ impl Compiled {
 
     pub fn start(&self, host: SharedHost, limits: Limits) -> Result<Running, String> {
         let limits = StoreLimitsBuilder::new().memory_size(limits.memory).table_elements(MOST_TABLE_ELEMENTS).build();
-        let desk = Desk::default();
+        let desk = InstructionCounter::default();
         let data = Data { limits, host, parts: None, desk: Arc::clone(&desk) };
         let mut store = Store::new(self.0.module().engine(), data);
         store.limiter(|data| &mut data.limits);
@@ -123,7 +123,7 @@ impl Compiled {
 pub struct Running {
     /// Nobody polls it from two threads; a mutex says so.
     call: Mutex<Pin<Box<dyn Future<Output = Reason> + Send>>>,
-    desk: Desk,
+    desk: InstructionCounter,
 }
 
 impl fmt::Debug for Running {
@@ -146,7 +146,7 @@ impl Running {
     }
 }
 
-fn lock(desk: &Desk) -> std::sync::MutexGuard<'_, (i64, i32)> {
+fn lock(desk: &InstructionCounter) -> std::sync::MutexGuard<'_, (i64, i32)> {
     desk.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

@@ -77,17 +77,17 @@ impl fmt::Display for Stop {
 impl std::error::Error for Stop {}
 
 /// Why a function does not do what it was called for.
-enum Refusal {
+enum HostError {
     /// It returns an error number.
     Number(i32),
     /// It does not return.
     Stop(Stop),
 }
 
-type Access<T> = Result<T, Refusal>;
+type Access<T> = Result<T, HostError>;
 
 /// An attempt to use memory that a module does not have.
-const OUTSIDE: Refusal = Refusal::Number(FAULT);
+const OUTSIDE: HostError = HostError::Number(FAULT);
 
 /// A module that calls a function.
 pub struct Caller<'a> {
@@ -131,10 +131,10 @@ type Act = fn(&mut Caller<'_>, [u32; 4]) -> Access<()>;
 
 fn fd_read(caller: &mut Caller<'_>, [fd, list, count, moved_at]: [u32; 4]) -> Access<()> {
     if fd != 0 {
-        return Err(Refusal::Number(BAD_DESCRIPTOR));
+        return Err(HostError::Number(BAD_DESCRIPTOR));
     }
     if caller.host.input.is_empty() {
-        return Err(Refusal::Stop(Stop::NeedsInput));
+        return Err(HostError::Stop(Stop::NeedsInput));
     }
     let mut moved = 0;
     for (at, length) in caller.buffers(list, count)? {
@@ -149,7 +149,7 @@ fn fd_read(caller: &mut Caller<'_>, [fd, list, count, moved_at]: [u32; 4]) -> Ac
 
 fn fd_write(caller: &mut Caller<'_>, [fd, list, count, moved_at]: [u32; 4]) -> Access<()> {
     if fd != 1 && fd != 2 {
-        return Err(Refusal::Number(BAD_DESCRIPTOR));
+        return Err(HostError::Number(BAD_DESCRIPTOR));
     }
     let mut all = 0u32;
     for (at, length) in caller.buffers(list, count)? {
@@ -160,7 +160,7 @@ fn fd_write(caller: &mut Caller<'_>, [fd, list, count, moved_at]: [u32; 4]) -> A
         let room = most - to.len();
         to.extend(bytes.iter().take(room));
         if fd == 1 && bytes.len() > room {
-            return Err(Refusal::Stop(Stop::Flood));
+            return Err(HostError::Stop(Stop::Flood));
         }
     }
     caller.charge(all as usize);
@@ -171,7 +171,7 @@ fn fd_write(caller: &mut Caller<'_>, [fd, list, count, moved_at]: [u32; 4]) -> A
 fn fd_fdstat_get(caller: &mut Caller<'_>, [fd, at, ..]: [u32; 4]) -> Access<()> {
     const CHARACTER_DEVICE: u8 = 2;
     if fd > 2 {
-        return Err(Refusal::Number(BAD_DESCRIPTOR));
+        return Err(HostError::Number(BAD_DESCRIPTOR));
     }
     let mut status = [0u8; 24];
     status[0] = CHARACTER_DEVICE;
@@ -211,7 +211,7 @@ fn random_get(caller: &mut Caller<'_>, [at, length, ..]: [u32; 4]) -> Access<()>
 }
 
 fn proc_exit(_caller: &mut Caller<'_>, [code, ..]: [u32; 4]) -> Access<()> {
-    Err(Refusal::Stop(Stop::Exit(code.cast_signed())))
+    Err(HostError::Stop(Stop::Exit(code.cast_signed())))
 }
 
 /// Fills a list of numbers up with zeros.
@@ -252,8 +252,8 @@ impl Function {
             "proc_exit" => (&[I32], proc_exit),
             "sched_yield" => (&[], |_, _| Ok(())),
             "fd_close" => (&[I32], |_, _| Ok(())),
-            "fd_prestat_get" => (&[I32; 2], |_, _| Err(Refusal::Number(BAD_DESCRIPTOR))),
-            _ => (of.params(), |_, _| Err(Refusal::Number(NOT_SUPPORTED))),
+            "fd_prestat_get" => (&[I32; 2], |_, _| Err(HostError::Number(BAD_DESCRIPTOR))),
+            _ => (of.params(), |_, _| Err(HostError::Number(NOT_SUPPORTED))),
         };
         let results: &[ValType] = if name == "proc_exit" { &[] } else { &[I32] };
         if (of.params(), of.results()) != (parameters, results) {
@@ -269,8 +269,8 @@ impl Function {
     pub fn call(self, caller: &mut Caller<'_>, numbers: [u32; 4]) -> Result<i32, Stop> {
         match (self.0)(caller, numbers) {
             Ok(()) => Ok(SUCCESS),
-            Err(Refusal::Number(number)) => Ok(number),
-            Err(Refusal::Stop(stop)) => Err(stop),
+            Err(HostError::Number(number)) => Ok(number),
+            Err(HostError::Stop(stop)) => Err(stop),
         }
     }
 }

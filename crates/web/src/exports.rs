@@ -10,14 +10,14 @@ use crate::Session;
 
 /// What passes through the memory.
 #[derive(Default)]
-struct Desk {
+struct Server {
     session: Session,
     request: Vec<u8>,
     answer: Vec<u8>,
 }
 
 thread_local! {
-    static DESK: RefCell<Desk> = RefCell::default();
+    static DESK: RefCell<Server> = RefCell::default();
     static FAULT: RefCell<String> = RefCell::default();
 }
 

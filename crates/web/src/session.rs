@@ -69,7 +69,7 @@ impl From<AgentName> for AgentId {
 
 /// Why a request was refused, and where in the scenario's text the reason lies.
 #[derive(Debug, Serialize)]
-struct Refusal {
+struct SessionError {
     message: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     advice: Option<String>,
@@ -78,7 +78,7 @@ struct Refusal {
     place: Option<(usize, usize)>,
 }
 
-impl Refusal {
+impl SessionError {
     fn new(message: impl Into<String>) -> Self {
         Self { message: message.into(), advice: None, place: None }
     }
@@ -100,7 +100,7 @@ impl Refusal {
     }
 }
 
-impl From<RunError> for Refusal {
+impl From<RunError> for SessionError {
     fn from(error: RunError) -> Self {
         Self::new(match error {
             RunError::Memory(_) => {
@@ -114,37 +114,37 @@ impl From<RunError> for Refusal {
 /// A page's side of the program.
 #[derive(Default)]
 pub struct Session {
-    run: Option<Making>,
+    run: Option<LiveRun>,
 }
 
 /// The policies that decide for a player, by side.
-type Substitutes = Vec<(Side, Box<dyn Policy>)>;
+type StandInPolicies = Vec<(Side, Box<dyn Policy>)>;
 
 /// A run in the making.
-struct Making {
+struct LiveRun {
     game: Game,
     simulation: Simulation,
     /// Answers of a game that was opened, still to be carried out.
     given: std::vec::IntoIter<Answer>,
     /// The policies that the scenario names for the sides that are played.
-    substitutes: Substitutes,
+    substitutes: StandInPolicies,
 }
 
 impl Session {
     /// Answers a request, both in JSON: with what was asked for, or with `{"error": {"message": ..}}`.
     pub fn answer(&mut self, request: &str) -> String {
-        let request = serde_json::from_str(request).map_err(|error| Refusal::new(format!("no request: {error}")));
+        let request = serde_json::from_str(request).map_err(|error| SessionError::new(format!("no request: {error}")));
         let answered = request.and_then(|request| self.carry_out(request));
         answered.unwrap_or_else(|refusal| json!({ "error": refusal }).to_string())
     }
 
-    fn carry_out(&mut self, request: Request) -> Result<String, Refusal> {
+    fn carry_out(&mut self, request: Request) -> Result<String, SessionError> {
         match request {
             Request::Catalogue => Ok(catalogue().to_string()),
             Request::Open { scenario, changes, seed, plays, answers, searches } => {
                 // The memory of the run before is free for the next one.
                 self.run = None;
-                let making = Making::open(Game::new(scenario, changes, seed, plays), answers, searches)?;
+                let making = LiveRun::open(Game::new(scenario, changes, seed, plays), answers, searches)?;
                 let opened = making.opened();
                 self.run = Some(making);
                 Ok(opened.to_string())
@@ -174,7 +174,8 @@ impl Session {
             Request::Rival { changes } => {
                 let mut game = self.making()?.game.clone();
                 game.changes.extend(changes);
-                let scenario = game.load_unplayed().map_err(|error| Refusal::of_scenario(&error, &game.scenario))?;
+                let scenario =
+                    game.load_unplayed().map_err(|error| SessionError::of_scenario(&error, &game.scenario))?;
                 let options = RunOptions { memory: MEMORY, ..RunOptions::default() };
                 let run = wildfire_sim::run_with_options(&scenario.scenario, game.seed, &options)?;
                 Ok(result(&Outcome::new(&run.timeline)).to_string())
@@ -182,14 +183,14 @@ impl Session {
         }
     }
 
-    fn making(&mut self) -> Result<&mut Making, Refusal> {
-        self.run.as_mut().ok_or_else(|| Refusal::new("no run is open"))
+    fn making(&mut self) -> Result<&mut LiveRun, SessionError> {
+        self.run.as_mut().ok_or_else(|| SessionError::new("no run is open"))
     }
 }
 
-impl Making {
-    fn open(game: Game, answers: Vec<Answer>, searches: bool) -> Result<Self, Refusal> {
-        let refuse = |error: Box<ScenarioError>| Refusal::of_scenario(&error, &game.scenario);
+impl LiveRun {
+    fn open(game: Game, answers: Vec<Answer>, searches: bool) -> Result<Self, SessionError> {
+        let refuse = |error: Box<ScenarioError>| SessionError::of_scenario(&error, &game.scenario);
         let unplayed = game.load_unplayed().map_err(refuse)?.scenario;
         let scenario = game.load().map_err(refuse)?.scenario;
         let options =
@@ -209,13 +210,15 @@ impl Making {
     }
 
     /// Advances, and carries out answers that were given with the game as long as they fit.
-    fn advance(&mut self, target: SimTime) -> Result<(), Refusal> {
+    fn advance(&mut self, target: SimTime) -> Result<(), SessionError> {
         while let Some(asked) = self.simulation.advance_to_question(target).map(<[_]>::to_vec) {
             let Some(given) = self.given.next() else { break };
             let agent = given.agent();
             if given.t_ns != self.simulation.now().as_nanos() || !asked.contains(&agent) {
                 self.given = Vec::new().into_iter();
-                return Err(Refusal::new("this game was played with another version: its answers do not fit this run"));
+                return Err(SessionError::new(
+                    "this game was played with another version: its answers do not fit this run",
+                ));
             }
             self.answer(agent, given.choice)?;
         }
@@ -247,7 +250,7 @@ impl Making {
         })
     }
 
-    fn answer(&mut self, agent: AgentId, choice: GameChoice) -> Result<(), Refusal> {
+    fn answer(&mut self, agent: AgentId, choice: GameChoice) -> Result<(), SessionError> {
         let can = self.simulation.observe(|seen, asked| {
             let is_option = match choice {
                 GameChoice::Go(col, row) => seen.options(agent).contains(&Cell { col, row }),
@@ -257,8 +260,8 @@ impl Making {
         });
         match can {
             Some(true) => {}
-            Some(false) => return Err(Refusal::new(format!("{agent} is not asked, or cannot go there"))),
-            None => return Err(Refusal::new("nobody is asked")),
+            Some(false) => return Err(SessionError::new(format!("{agent} is not asked, or cannot go there"))),
+            None => return Err(SessionError::new("nobody is asked")),
         }
         let answer = Answer::new(self.simulation.now(), agent, choice);
         self.simulation.answer(vec![answer.told()]);
@@ -267,10 +270,10 @@ impl Making {
     }
 
     /// Answers as the scenario's own policy does, and returns what it chose.
-    fn decide(&mut self, name: AgentName) -> Result<GameChoice, Refusal> {
+    fn decide(&mut self, name: AgentName) -> Result<GameChoice, SessionError> {
         let agent = AgentId::from(name);
         let substitute = self.substitutes.iter_mut().find(|(side, _)| *side == name.side);
-        let (_, policy) = substitute.ok_or_else(|| Refusal::new("nobody plays this side"))?;
+        let (_, policy) = substitute.ok_or_else(|| SessionError::new("nobody plays this side"))?;
         let choices = self.simulation.observe(|seen, _| policy.choose(seen, &[agent])).unwrap_or_default();
         let choice =
             choices.into_iter().find(|&(id, _)| id == agent).map_or(GameChoice::Stay, |(_, choice)| choice.into());
@@ -293,12 +296,12 @@ impl Making {
         timeline
     }
 
-    fn finish(&self) -> Result<String, Refusal> {
+    fn finish(&self) -> Result<String, SessionError> {
         if !self.simulation.has_ended() {
-            return Err(Refusal::new("the run is not over"));
+            return Err(SessionError::new("the run is not over"));
         }
         let timeline = self.timeline();
-        let recording = file::encode(&timeline).map_err(|error| Refusal::new(error.to_string()))?;
+        let recording = file::encode(&timeline).map_err(|error| SessionError::new(error.to_string()))?;
         let name = format!("{}-seed-{}", timeline.setting.scenario, timeline.setting.seed);
         Ok(json!({
             "result": result(&Outcome::new(&timeline)),
@@ -311,7 +314,7 @@ impl Making {
 }
 
 /// Makes the policies that the scenario names for the sides that are played.
-fn substitutes(game: &Game, scenario: &Scenario) -> Result<Substitutes, Refusal> {
+fn substitutes(game: &Game, scenario: &Scenario) -> Result<StandInPolicies, SessionError> {
     let terrain = Terrain::from_scenario(scenario, game.seed).map_err(RunError::from)?;
     let lightable = terrain.lightable(scenario.fire.lights_ground());
     let site = RuleContext {
@@ -329,8 +332,10 @@ fn substitutes(game: &Game, scenario: &Scenario) -> Result<Substitutes, Refusal>
         .iter()
         .map(|&side| match named(side) {
             Some(NamedPolicy::BuiltIn(rule)) => Ok((side, rule.make(&site))),
-            Some(NamedPolicy::Own(name)) => Err(Refusal::new(format!("the policy `{name}` does not run in a page"))),
-            None => Err(Refusal::new(format!("the scenario has no {} to play", side.role().name()))),
+            Some(NamedPolicy::Own(name)) => {
+                Err(SessionError::new(format!("the policy `{name}` does not run in a page")))
+            }
+            None => Err(SessionError::new(format!("the scenario has no {} to play", side.role().name()))),
         })
         .collect()
 }

@@ -27,8 +27,9 @@ use wildfire_base::time::SimTime;
 use wildfire_base::time::wall::WallStopwatch;
 use wildfire_batch::{
     BatchError, BatchPlan, BatchStatus, ChosenQuantities, FailedRuns, FieldPicture, FinishedBatch, JournalError,
-    MissingRuns, NotableRun, OutputFolder, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts, Slice, SliceState,
-    Survey, batch_status, limit_threads, notable_runs, range_words, runs_with_pages, shell_word, write_report,
+    JournalScan, MissingRuns, NotableRun, OutputFolder, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts,
+    Slice, SliceState, batch_status, limit_threads, notable_runs, range_words, runs_with_pages, shell_word,
+    write_report,
 };
 use wildfire_picture::film::{FrameRequest, RunView, ViewOptions, still};
 
@@ -155,7 +156,7 @@ struct Waiting<'a> {
     folder: &'a OutputFolder,
     patience: Duration,
     quiet: bool,
-    survey: Option<Survey>,
+    survey: Option<JournalScan>,
     since_last_run: WallStopwatch,
 }
 
@@ -197,7 +198,7 @@ impl<'a> Waiting<'a> {
                 Err(PlanError::Missing { .. }) => return Ok(None),
                 plan => plan?,
             };
-            self.survey = match Survey::new(self.folder, &plan) {
+            self.survey = match JournalScan::new(self.folder, &plan) {
                 Err(BatchError::NoJournal { .. }) => return Ok(None),
                 survey => Some(survey?),
             };
@@ -235,7 +236,8 @@ fn merge_error(error: BatchError, folder: &OutputFolder, lock: &LockArguments) -
             return CliError::from_batch_error(error, &merge);
         }
     };
-    let survey = BatchPlan::read(folder.path()).map_err(BatchError::from).and_then(|plan| Survey::new(folder, &plan));
+    let survey =
+        BatchPlan::read(folder.path()).map_err(BatchError::from).and_then(|plan| JournalScan::new(folder, &plan));
     let missing = survey.and_then(|mut survey| survey.update().map(|_| survey.missing())).unwrap_or_default();
     let command = resume_command(folder.path(), first) + &lock.words();
     if missing.len() < 2 {

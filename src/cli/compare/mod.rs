@@ -12,7 +12,7 @@ use crate::cli::next_command::help_on_unfinished;
 use crate::cli::output_files::{Files, Format, write_all};
 use crate::cli::report::FormArguments;
 use wildfire_batch::TableError;
-use wildfire_batch::comparison::{Amount, BesideReport, ComparisonError, Questions, Selection, compare};
+use wildfire_batch::comparison::{Amount, ComparisonError, PublishedComparison, Questions, Selection, compare};
 
 const NOTES: &str = "\
 Examples:
@@ -112,7 +112,7 @@ pub fn run(arguments: &CompareArguments, quiet: bool) -> Result<ExitCode, CliErr
             write_all(&[(arguments.csv.as_deref(), &|path| table::write(path, &comparison))], quiet)?;
         }
         (Some(Published::Report), [batch]) => {
-            words.print(&form.render(&BesideReport::from_batch(batch, &selection)?))?;
+            words.print(&form.render(&PublishedComparison::from_batch(batch, &selection)?))?;
         }
         (Some(_), several) => {
             let sentence = format!("{} batches; expected a single one to compare with the report", several.len());

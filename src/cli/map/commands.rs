@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use serde::Serialize;
 
-use crate::cli::map::computed::{BadQuestion, Computed};
+use crate::cli::map::computed::{Computed, MapInputError};
 use crate::cli::map::options::FileArguments;
 use crate::cli::map::{fields, graphs, searches};
 use crate::cli::output_files::Format;
@@ -66,7 +66,7 @@ macro_rules! computations {
             }
 
             /// Does what the command asks, on a map.
-            pub fn compute(&self, occupied: &Grid<bool>) -> Result<Computed, BadQuestion> {
+            pub fn compute(&self, occupied: &Grid<bool>) -> Result<Computed, MapInputError> {
                 match self {
                     $(Self::$name(question) => $compute(occupied, &question.parameters),)*
                 }

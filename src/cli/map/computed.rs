@@ -26,7 +26,7 @@ pub struct Computed {
     pub value_name: &'static str,
     pub values: Values,
     /// Which cells have no value.
-    pub bare: Bare,
+    pub bare: NoData,
     /// Free cells that the wave never reaches, of a wavefront.
     pub unreached: Option<usize>,
     pub goal: Option<Place>,
@@ -43,7 +43,7 @@ pub struct Computed {
 
 /// Which cells have no value, and what they are called where they are free.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Bare {
+pub enum NoData {
     None,
     /// Obstacles, and cells whose value is 0.
     Zero(&'static str),
@@ -53,7 +53,7 @@ pub enum Bare {
 
 /// Why a question about a map has no answer.
 #[derive(Debug, thiserror::Error)]
-pub enum BadQuestion {
+pub enum MapInputError {
     /// A start or goal that the map does not allow.
     #[error("the {which} at {problem}")]
     End { which: &'static str, problem: BadPlace },
@@ -61,7 +61,7 @@ pub enum BadQuestion {
     TooLarge { cells: usize, command: &'static str },
 }
 
-impl BadQuestion {
+impl MapInputError {
     /// Returns what was probably meant by a place that lies on the map as column and row.
     pub fn help(&self) -> Option<String> {
         let Self::End { problem: BadPlace::Outside { place: (row, col), rows, cols }, .. } = *self else { return None };
@@ -77,7 +77,7 @@ impl Computed {
             title: title.into(),
             value_name,
             values,
-            bare: Bare::None,
+            bare: NoData::None,
             unreached: None,
             goal: None,
             walk: None,
@@ -100,18 +100,18 @@ pub fn title_with_neighbours(name: &str, Neighbours(number): Neighbours) -> Stri
 }
 
 /// Accepts maps that a search has room for.
-pub fn check_size(command: &'static str, occupied: &Grid<bool>) -> Result<(), BadQuestion> {
+pub fn check_size(command: &'static str, occupied: &Grid<bool>) -> Result<(), MapInputError> {
     let cells = occupied.values().len();
-    if cells > MOST_CELLS { Err(BadQuestion::TooLarge { cells, command }) } else { Ok(()) }
+    if cells > MOST_CELLS { Err(MapInputError::TooLarge { cells, command }) } else { Ok(()) }
 }
 
-pub fn check_free(which: &'static str, occupied: &Grid<bool>, place: Place) -> Result<(), BadQuestion> {
-    place::check_free(occupied, place).map_err(|problem| BadQuestion::End { which, problem })
+pub fn check_free(which: &'static str, occupied: &Grid<bool>, place: Place) -> Result<(), MapInputError> {
+    place::check_free(occupied, place).map_err(|problem| MapInputError::End { which, problem })
 }
 
-pub fn check_inside(which: &'static str, occupied: &Grid<bool>, place: Place) -> Result<(), BadQuestion> {
+pub fn check_inside(which: &'static str, occupied: &Grid<bool>, place: Place) -> Result<(), MapInputError> {
     match check_free(which, occupied, place) {
-        Err(BadQuestion::End { problem: BadPlace::Occupied { .. }, .. }) => Ok(()),
+        Err(MapInputError::End { problem: BadPlace::Occupied { .. }, .. }) => Ok(()),
         checked => checked,
     }
 }
@@ -121,7 +121,7 @@ pub fn check_problem(
     command: &'static str,
     occupied: &Grid<bool>,
     (start, goal): (Place, Place),
-) -> Result<(), BadQuestion> {
+) -> Result<(), MapInputError> {
     check_size(command, occupied)?;
     check_free("goal", occupied, goal)?;
     check_inside("start", occupied, start)

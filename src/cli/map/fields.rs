@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::cli::map::commands::ArgumentGroup;
 use crate::cli::map::computed::{
-    BadQuestion, Bare, Computed, MapPath, Values, Walk, check_free, check_inside, timed, title_with_neighbours,
+    Computed, MapInputError, MapPath, NoData, Values, Walk, check_free, check_inside, timed, title_with_neighbours,
 };
 use crate::cli::map::options::{
     CornerArguments, GoalArguments, NeighbourArguments, choices, parse_number, parse_place,
@@ -321,11 +321,11 @@ fn parse_scale(text: &str) -> Result<Scale, String> {
     }
 }
 
-pub fn occupancy(occupied: &Grid<bool>, _: &NoParameters) -> Result<Computed, BadQuestion> {
+pub fn occupancy(occupied: &Grid<bool>, _: &NoParameters) -> Result<Computed, MapInputError> {
     Ok(Computed::new("Occupancy", "occupied", timed(|| Values::Flags(occupied.clone()))))
 }
 
-pub fn brushfire(occupied: &Grid<bool>, arguments: &BrushfireArguments) -> Result<Computed, BadQuestion> {
+pub fn brushfire(occupied: &Grid<bool>, arguments: &BrushfireArguments) -> Result<Computed, MapInputError> {
     let neighbours = arguments.neighbours.connectivity;
     let (value_name, less) = match arguments.convention {
         Convention::ObstacleOne => ("distance + 1", 0),
@@ -345,18 +345,18 @@ fn brushfire_or_zero(occupied: &Grid<bool>, connectivity: Connectivity) -> Grid<
     brushfire::brushfire(occupied, connectivity).unwrap_or_else(none)
 }
 
-pub fn euclidean(occupied: &Grid<bool>, _: &NoParameters) -> Result<Computed, BadQuestion> {
+pub fn euclidean(occupied: &Grid<bool>, _: &NoParameters) -> Result<Computed, MapInputError> {
     let none = || Grid::filled(occupied.rows(), occupied.cols(), 0.0);
     let values = timed(|| Values::Reals(euclidean_distances(occupied).unwrap_or_else(none)));
     Ok(Computed::new("Euclidean distance", "distance in cells", values))
 }
 
-pub fn cost(occupied: &Grid<bool>, arguments: &CostArguments) -> Result<Computed, BadQuestion> {
+pub fn cost(occupied: &Grid<bool>, arguments: &CostArguments) -> Result<Computed, MapInputError> {
     let costs = || cost_map(&brushfire_or_zero(occupied, Connectivity::Four), &arguments.zones());
     Ok(Computed::new("Cost map", "cost", timed(|| Values::Reals(costs()))))
 }
 
-pub fn wave(occupied: &Grid<bool>, arguments: &WavefrontArguments) -> Result<Computed, BadQuestion> {
+pub fn wave(occupied: &Grid<bool>, arguments: &WavefrontArguments) -> Result<Computed, MapInputError> {
     let (goal, neighbours) = (arguments.goal.goal, arguments.neighbours.connectivity);
     let (connectivity, corners) = (neighbours.into(), arguments.corners.rule());
     check_free("goal", occupied, goal)?;
@@ -381,7 +381,7 @@ pub fn wave(occupied: &Grid<bool>, arguments: &WavefrontArguments) -> Result<Com
         Some(scale) => ("scaled value", Values::Reals(scaled(&steps, scale))),
         None => ("steps + 2", Values::Steps(steps)),
     };
-    let bare = Bare::Zero("unreached");
+    let bare = NoData::Zero("unreached");
     let title = title_with_neighbours("Wavefront", neighbours);
     let computed = Computed::new(title, value_name, (values, cpu_map));
     Ok(Computed { bare, unreached, goal: Some(goal), walk, cpu_path, ..computed })
@@ -394,7 +394,7 @@ fn scaled(values: &Grid<u32>, scale: f64) -> Grid<f64> {
     Grid::from_values(values.rows(), values.cols(), reals)
 }
 
-pub fn attraction(occupied: &Grid<bool>, arguments: &AttractionArguments) -> Result<Computed, BadQuestion> {
+pub fn attraction(occupied: &Grid<bool>, arguments: &AttractionArguments) -> Result<Computed, MapInputError> {
     let goal = arguments.goal.goal;
     check_inside("goal", occupied, goal)?;
     let values = timed(|| Values::Reals(attraction_field(occupied, goal, &arguments.attraction)));
@@ -405,14 +405,14 @@ fn attraction_field(occupied: &Grid<bool>, goal: Place, options: &AttractionOpti
     potential::attraction(occupied.rows(), occupied.cols(), goal, options.kind(), options.scale.0)
 }
 
-pub fn repulsion(occupied: &Grid<bool>, arguments: &RepulsionArguments) -> Result<Computed, BadQuestion> {
+pub fn repulsion(occupied: &Grid<bool>, arguments: &RepulsionArguments) -> Result<Computed, MapInputError> {
     let neighbours = arguments.neighbours.connectivity;
     let field = || potential::repulsion(&brushfire_or_zero(occupied, neighbours.into()), &arguments.repulsion.law());
     let title = title_with_neighbours("Repulsion", neighbours);
     Ok(Computed::new(title, "potential", timed(|| Values::Reals(field()))))
 }
 
-pub fn total(occupied: &Grid<bool>, arguments: &FieldArguments) -> Result<Computed, BadQuestion> {
+pub fn total(occupied: &Grid<bool>, arguments: &FieldArguments) -> Result<Computed, MapInputError> {
     let goal = arguments.goal.goal;
     check_inside("goal", occupied, goal)?;
     let title = title_with_neighbours("Total potential", arguments.neighbours.connectivity);
@@ -426,7 +426,7 @@ fn total_field(occupied: &Grid<bool>, arguments: &FieldArguments) -> Grid<f64> {
     potential::total(attraction, &brushfire, &arguments.repulsion.law())
 }
 
-pub fn descent(occupied: &Grid<bool>, arguments: &DescendArguments) -> Result<Computed, BadQuestion> {
+pub fn descent(occupied: &Grid<bool>, arguments: &DescendArguments) -> Result<Computed, MapInputError> {
     let (start, goal) = (arguments.start, arguments.field.goal.goal);
     let neighbours = arguments.field.neighbours.connectivity;
     let (connectivity, corners) = (neighbours.into(), arguments.corners.rule());

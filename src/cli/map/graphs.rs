@@ -7,7 +7,9 @@ use clap::Args;
 use serde::{Serialize, Serializer};
 
 use crate::cli::map::commands::ArgumentGroup;
-use crate::cli::map::computed::{BadQuestion, Bare, Computed, MapPath, Values, Walk, WalkResult, check_problem, timed};
+use crate::cli::map::computed::{
+    Computed, MapInputError, MapPath, NoData, Values, Walk, WalkResult, check_problem, timed,
+};
 use crate::cli::map::options::{PathArguments, parse_number};
 use crate::cli::map::traces::GraphTrace;
 use crate::cli::numbers;
@@ -179,7 +181,7 @@ pub fn parse_step(text: &str) -> Result<TreeStep, String> {
 /// Arguments of a search.
 pub type Search<P> = PathArguments<GraphFiles, P>;
 
-pub fn rrt(occupied: &Grid<bool>, Search { ends, parameters, .. }: &Search<Growth>) -> Result<Computed, BadQuestion> {
+pub fn rrt(occupied: &Grid<bool>, Search { ends, parameters, .. }: &Search<Growth>) -> Result<Computed, MapInputError> {
     let (ends, settings) = (ends.places(), parameters.settings(occupied, None));
     let found = answer(occupied, "rrt", ends, || grow_tree(occupied, ends, TreeKind::Rrt, &settings))?;
     Ok(Computed { title: "RRT".to_owned(), ..found })
@@ -188,7 +190,7 @@ pub fn rrt(occupied: &Grid<bool>, Search { ends, parameters, .. }: &Search<Growt
 pub fn rrt_star(
     occupied: &Grid<bool>,
     Search { ends, parameters: RrtStarParameters { growth, near }, .. }: &Search<RrtStarParameters>,
-) -> Result<Computed, BadQuestion> {
+) -> Result<Computed, MapInputError> {
     let (ends, settings) = (ends.places(), growth.settings(occupied, Some(near)));
     let found = answer(occupied, "rrt-star", ends, || grow_tree(occupied, ends, TreeKind::RrtStar, &settings))?;
     Ok(Computed { title: "RRT*".to_owned(), ..found })
@@ -197,7 +199,7 @@ pub fn rrt_star(
 pub fn roadmap(
     occupied: &Grid<bool>,
     Search { ends, parameters, .. }: &Search<PrmParameters>,
-) -> Result<Computed, BadQuestion> {
+) -> Result<Computed, MapInputError> {
     let (ends, settings) = (ends.places(), parameters.settings());
     let found = answer(occupied, "prm", ends, || probabilistic_roadmap(occupied, ends, &settings))?;
     Ok(Computed { title: "PRM".to_owned(), ..found })
@@ -209,7 +211,7 @@ fn answer<E: std::fmt::Debug>(
     command: &'static str,
     (start, goal): (Place, Place),
     search: impl FnOnce() -> Result<PointGraph, E>,
-) -> Result<Computed, BadQuestion> {
+) -> Result<Computed, MapInputError> {
     check_problem(command, occupied, (start, goal))?;
     let (graph, cpu_map) = timed(|| search().expect("both ends are on the map"));
     let mut least = Grid::filled(occupied.rows(), occupied.cols(), f64::INFINITY);
@@ -233,7 +235,7 @@ fn answer<E: std::fmt::Debug>(
     };
     let trace = GraphTrace { cost: graph.cost, samples: graph.samples, vertices: graph.points.len(), edges };
     Ok(Computed {
-        bare: Bare::Infinite("no point"),
+        bare: NoData::Infinite("no point"),
         goal: Some(goal),
         walk: Some(Walk { start, goal, path }),
         graph: Some(trace),

@@ -21,7 +21,7 @@ use clap::Subcommand;
 pub use options::{NO_IMAGE, parse_tolerance};
 
 use commands::Computation;
-use computed::BadQuestion;
+use computed::MapInputError;
 use page::PageArguments;
 use report::{MapReport, with_scene, write_film};
 use timing::TimingArguments;
@@ -68,7 +68,7 @@ fn compute_and_report(computation: &Computation, quiet: bool) -> Result<(), CliE
 }
 
 /// Words a question that has no answer.
-fn refused(map: &Path, problem: &BadQuestion) -> CliError {
+fn refused(map: &Path, problem: &MapInputError) -> CliError {
     CliError::bad_input(format_args!("{}: {problem}", map.display()), problem.help().as_deref())
 }
 

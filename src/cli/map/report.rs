@@ -8,7 +8,7 @@ use serde::{Serialize, Serializer};
 use serde_json::Value as Json;
 
 use crate::cli::map::commands::Computation;
-use crate::cli::map::computed::{Bare, Computed, Value, Walk};
+use crate::cli::map::computed::{Computed, NoData, Value, Walk};
 use crate::cli::map::fields::CostArguments;
 use crate::cli::map::options::NO_IMAGE;
 use crate::cli::map::traces::{GraphTrace, SearchTrace};
@@ -239,8 +239,8 @@ pub fn with_scene<T>(report: &MapReport, draw: impl FnOnce(&MapScene) -> T) -> T
     let scene = MapScene {
         subtitle: &subtitle,
         colourless: match computed.bare {
-            Bare::None => bare.colourless,
-            Bare::Zero(name) | Bare::Infinite(name) => name,
+            NoData::None => bare.colourless,
+            NoData::Zero(name) | NoData::Infinite(name) => name,
         },
         path: report.path_cells().unwrap_or_default(),
         track: computed.walk.as_ref().map_or(&[], |walk| walk.path.points.as_slice()),
@@ -267,9 +267,9 @@ pub fn with_scene<T>(report: &MapReport, draw: impl FnOnce(&MapScene) -> T) -> T
 fn drawn_value(report: &MapReport, place: Place) -> Option<f64> {
     let value = report.computed.values.at(place).as_f64();
     let is_bare = match report.computed.bare {
-        Bare::None => false,
-        Bare::Zero(_) => report.map.occupied[place] || value == 0.0,
-        Bare::Infinite(_) => value.is_infinite(),
+        NoData::None => false,
+        NoData::Zero(_) => report.map.occupied[place] || value == 0.0,
+        NoData::Infinite(_) => value.is_infinite(),
     };
     (!is_bare).then_some(value)
 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::cli::map::commands::ArgumentGroup;
 use crate::cli::map::computed::{
-    BadQuestion, Bare, Computed, Values, Walk, check_problem, check_size, timed, title_with_neighbours,
+    Computed, MapInputError, NoData, Values, Walk, check_problem, check_size, timed, title_with_neighbours,
 };
 use crate::cli::map::options::{
     CornerArguments, NeighbourArguments, Neighbours, PathArguments, choices, neighbours, parse_number, parse_place,
@@ -204,7 +204,7 @@ pub type Search<P> = PathArguments<SearchFiles, P>;
 pub fn best_first<P: Args + Ordered>(
     occupied: &Grid<bool>,
     Search { ends, parameters, .. }: &Search<P>,
-) -> Result<Computed, BadQuestion> {
+) -> Result<Computed, MapInputError> {
     let SearchParameters { neighbours, corners } = parameters.search();
     let (ends, neighbours, corners) = (ends.places(), neighbours.connectivity, corners.rule());
     let ((name, command), order, connectivity) = (parameters.names(), parameters.order(), neighbours.into());
@@ -222,7 +222,7 @@ pub fn best_first<P: Args + Ordered>(
 pub fn any_angle(
     occupied: &Grid<bool>,
     Search { ends, parameters, .. }: &Search<EightSearchParameters>,
-) -> Result<Computed, BadQuestion> {
+) -> Result<Computed, MapInputError> {
     let (ends, corners) = (ends.places(), parameters.corners.rule());
     let mut found = answer(occupied, "theta", ends, || theta_star(occupied, ends, corners))?;
     if let Some(Walk { path, .. }) = &mut found.walk {
@@ -235,7 +235,7 @@ pub fn any_angle(
 pub fn jumps(
     occupied: &Grid<bool>,
     Search { ends, parameters, .. }: &Search<EightSearchParameters>,
-) -> Result<Computed, BadQuestion> {
+) -> Result<Computed, MapInputError> {
     let (ends, corners) = (ends.places(), parameters.corners.rule());
     let found = answer(occupied, "jps", ends, || jump_point_search(occupied, ends, corners))?;
     Ok(Computed { title: with_corners("Jump point search, 8 neighbours".to_owned(), corners), ..found })
@@ -251,12 +251,12 @@ fn answer<E: std::fmt::Debug>(
     command: &'static str,
     (start, goal): (Place, Place),
     search: impl FnOnce() -> Result<PathSearch, E>,
-) -> Result<Computed, BadQuestion> {
+) -> Result<Computed, MapInputError> {
     check_problem(command, occupied, (start, goal))?;
     let (found, cpu_map) = timed(|| search().expect("both ends are on the map"));
     let PathSearch { route, cost, expanded, touched, swept, costs } = found;
     Ok(Computed {
-        bare: Bare::Infinite("not reached"),
+        bare: NoData::Infinite("not reached"),
         goal: Some(goal),
         walk: Some(Walk { start, goal, path: route.into() }),
         search: Some(SearchTrace { cost, shortest: None, expanded, touched, swept }),
@@ -265,7 +265,7 @@ fn answer<E: std::fmt::Debug>(
 }
 
 /// The Voronoi diagram, and a path that keeps to it.
-pub fn diagram(occupied: &Grid<bool>, arguments: &VoronoiArguments) -> Result<Computed, BadQuestion> {
+pub fn diagram(occupied: &Grid<bool>, arguments: &VoronoiArguments) -> Result<Computed, MapInputError> {
     check_size("voronoi", occupied)?;
     let corners = arguments.corners.rule();
     let ends = arguments.start.zip(arguments.goal);
@@ -285,7 +285,7 @@ pub fn diagram(occupied: &Grid<bool>, arguments: &VoronoiArguments) -> Result<Co
         *value = if is_on { *value } else { 0.0 };
     }
     let title = with_corners(format!("Voronoi diagram, {}", count(found.sites, "site")), corners);
-    let (bare, goal) = (Bare::Zero("off the diagram"), ends.map(|(_, goal)| goal));
+    let (bare, goal) = (NoData::Zero("off the diagram"), ends.map(|(_, goal)| goal));
     let computed = Computed::new(title, "clearance in cells", (Values::Reals(values), cpu_map));
     Ok(Computed { bare, goal, walk, cpu_path, ..computed })
 }

@@ -11,7 +11,7 @@ use super::card::data_card;
 use super::entry::class_of;
 use super::row::MOST_BYTES;
 use super::{ARENA_VERSION, ArenaEntry, ArenaError, ArenaRow, Class, TRACKS, Track, rows_hash};
-use crate::comparison::{Contender, RankedEntry, Ranking, ranked};
+use crate::comparison::{RankInput, RankedEntry, Ranking, ranked};
 use crate::plan::{COMMIT, EntryCard, PROGRAM_VERSION, Seeds};
 use crate::stats::{Interval, Series};
 use crate::table::Better;
@@ -374,7 +374,7 @@ impl TrackBoard {
             found.iter().map(|(entry, rows)| entry.decisive(track, rows)).collect();
         let runs: Vec<(u64, usize)> = decisive[0].iter().map(|&(seed, stratum, _)| (seed, stratum)).collect();
         let strata = runs.iter().map(|(_, stratum)| stratum + 1).max().unwrap_or(1);
-        let contenders = found.iter().zip(&decisive).map(|((entry, rows), decisive)| Contender {
+        let contenders = found.iter().zip(&decisive).map(|((entry, rows), decisive)| RankInput {
             entry: RankedEntry {
                 name: entry.card.name.clone(),
                 failed: rows.iter().filter(|row| row.score.is_none()).count(),

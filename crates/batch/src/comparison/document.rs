@@ -2,7 +2,8 @@
 
 use crate::comparison::questions::amount_words;
 use crate::comparison::{
-    AgainstA, Comparison, Contrast, CutOff, JudgedContrast, JudgedStrata, Method, Pairs, SideSummary, Verdict, p_words,
+    Comparison, ComparisonToA, Contrast, CutOff, JudgedContrast, JudgedStrata, Method, Pairs, SideSummary, Verdict,
+    p_words,
 };
 use crate::stats::Interval;
 use wildfire_base::document::number::{count, optional, percent, probability, rounded, two_digits};
@@ -43,7 +44,7 @@ impl From<&Comparison> for Document {
         let mut document = Self::new("Runs compared in pairs of the same seed");
         document.add_list(comparison.sides.iter().flat_map(|of| [side(of)].into_iter().chain(of.notes())).collect());
         for against in &comparison.against_a {
-            let AgainstA { letter, settings, pairs, judged } = against;
+            let ComparisonToA { letter, settings, pairs, judged } = against;
             document.add(Block::Heading(format!("{letter} against A")));
             document.add_list(settings.lines(*letter, pairs));
             document.add(Block::Text(settings.conclusion(*letter)));
@@ -145,7 +146,7 @@ fn levels(pairs: &Pairs) -> String {
     }
 }
 
-fn has_strata(against: &AgainstA) -> bool {
+fn has_strata(against: &ComparisonToA) -> bool {
     against.judged.iter().any(|judged| judged.by_stratum.is_some())
 }
 
@@ -154,7 +155,7 @@ fn verdict(judged: &JudgedContrast, letter: char) -> String {
 }
 
 /// Draws the differences of all metrics. Their units differ, so that each is a share of A's mean.
-fn forest(against: &AgainstA) -> Block {
+fn forest(against: &ComparisonToA) -> Block {
     let row = |judged: &JudgedContrast| {
         let Contrast { metric, means: [mean_a, _], .. } = &judged.contrast;
         let is_different = judged.verdict == Verdict::Difference;
@@ -187,7 +188,7 @@ fn forest(against: &AgainstA) -> Block {
     Block::Figure(Figure { svg: chart.draw(SCREEN_WIDTH).to_svg(), file: None, more_files: Vec::new() })
 }
 
-fn differences(against: &AgainstA) -> Table {
+fn differences(against: &ComparisonToA) -> Table {
     let letter = against.letter;
     let headings = ["Metric", "Pairs", "A", &letter.to_string(), &format!("{letter} − A"), "95% low", "95% high"];
     let row = |judged: &JudgedContrast| {
@@ -202,7 +203,7 @@ fn differences(against: &AgainstA) -> Table {
     Table::new(&headings, against.judged.iter().map(row).collect())
 }
 
-fn tests(against: &AgainstA) -> Table {
+fn tests(against: &ComparisonToA) -> Table {
     let has_strata = has_strata(against);
     let row = |judged: &JudgedContrast| {
         let contrast = &judged.contrast;
@@ -224,8 +225,8 @@ fn tests(against: &AgainstA) -> Table {
 }
 
 /// The strata of every metric in which they say something else than the mean, each with its own verdict.
-fn strata(against: &AgainstA) -> Vec<Block> {
-    let AgainstA { letter, pairs, judged, .. } = against;
+fn strata(against: &ComparisonToA) -> Vec<Block> {
+    let ComparisonToA { letter, pairs, judged, .. } = against;
     let of_metric = |judged: &JudgedContrast| {
         let found = judged.by_stratum.as_ref().filter(|_| judged.varies_by_stratum())?;
         let JudgedStrata { by, strata, p_adjusted, .. } = found;
@@ -250,7 +251,7 @@ fn sized(value: f64, contrast: &Contrast) -> String {
 }
 
 /// The power of the seeds at hand, and how many would suffice.
-fn power(against: &AgainstA, comparison: &Comparison) -> Option<Table> {
+fn power(against: &ComparisonToA, comparison: &Comparison) -> Option<Table> {
     comparison.questions.power.as_ref()?;
     let row = |judged: &JudgedContrast| {
         let contrast = &judged.contrast;
@@ -268,7 +269,7 @@ fn power(against: &AgainstA, comparison: &Comparison) -> Option<Table> {
 }
 
 /// Tests of whether the sides are equal within a margin.
-fn equivalence(against: &AgainstA, comparison: &Comparison) -> Option<Table> {
+fn equivalence(against: &ComparisonToA, comparison: &Comparison) -> Option<Table> {
     comparison.questions.equivalent.as_ref()?;
     let row = |judged: &JudgedContrast| {
         let contrast = &judged.contrast;
@@ -305,7 +306,7 @@ fn decimals(contrast: &Contrast) -> usize {
     }
 }
 
-fn notes(against: &AgainstA) -> Vec<String> {
+fn notes(against: &ComparisonToA) -> Vec<String> {
     let note = |judged: &JudgedContrast| {
         let cut_off = judged.contrast.cut_off.as_ref()?;
         Some(format!("{}: {}", judged.contrast.metric.name, cut_off_note(cut_off, against.letter)))

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use crate::execute::StrangeEntry;
+use crate::execute::UnexpectedFile;
 use crate::table::TableError;
 
 /// The reason why batches cannot be compared. Text from files is shown as
@@ -18,7 +18,7 @@ pub enum ComparisonError {
     #[error("{} has no runs.csv yet: the tables of its batch are not written", folder.display())]
     Stopped { folder: PathBuf },
     #[error(transparent)]
-    Strange(#[from] StrangeEntry),
+    Strange(#[from] UnexpectedFile),
     #[error("{}: expected a table that `wildfire batch` wrote: there is no column `{column}`", path.display())]
     NotATableOfRuns { path: PathBuf, column: &'static str },
     #[error("{}: more than {limit} rows; expected no more", path.display())]

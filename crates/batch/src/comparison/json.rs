@@ -6,7 +6,8 @@ use serde::{Serialize, Serializer};
 
 use crate::PROGRAM_VERSION;
 use crate::comparison::{
-    AgainstA, Comparison, Difference, JudgedContrast, JudgedStrata, Pairs, PowerAnswer, SettingsDifference, SideSummary,
+    Comparison, ComparisonToA, Difference, JudgedContrast, JudgedStrata, Pairs, PowerAnswer, SettingsDifference,
+    SideSummary,
 };
 use crate::stats::{CONFIDENCE, Equivalence};
 use wildfire_base::object;
@@ -27,8 +28,8 @@ impl Serialize for Comparison {
     }
 }
 
-fn against_a(comparison: &Comparison, against: &AgainstA) -> impl Serialize {
-    let AgainstA { letter, settings: differing, pairs, judged } = against;
+fn against_a(comparison: &Comparison, against: &ComparisonToA) -> impl Serialize {
+    let ComparisonToA { letter, settings: differing, pairs, judged } = against;
     let [in_first, in_second, in_both] = pairs.failed;
     let stratum = |index| object!(Stratum { values: levels(pairs, index), pairs: pairs.strata[index].pairs });
     let missing = comparison.missing.iter().filter(|(side, _)| side == letter);

@@ -43,13 +43,13 @@ pub use contrast::{ByStratum, Contrast, CutOff, Method, NumberPair};
 pub use error::ComparisonError;
 pub use metric::{Metric, MetricKind, NAMED_METRICS, NamedMetric};
 pub use pairs::{Pairs, Stratum};
-pub use published::{BesideReport, PublishedState, PublishedTime};
+pub use published::{PublishedComparison, PublishedState, PublishedTime};
 pub use questions::{Amount, PowerAnswer, Questions};
-pub(crate) use ranking::{Contender, ranked};
 pub use ranking::{
     EntryAudit, MAX_ENTRIES, RankedEntry, RankedPair, Ranking, RankingError, RankingRequest, USUAL_METRIC,
     USUALLY_FREE, WorstRun, decimals, rank, ranks,
 };
+pub(crate) use ranking::{RankInput, ranked};
 pub use settings::{Difference, SettingsDifference};
 pub use sides::{MAX_SIDES, Selection};
 
@@ -71,7 +71,7 @@ pub struct Comparison {
     /// The sides; A comes first.
     pub sides: Vec<SideSummary>,
     /// Every other side compared with A.
-    pub against_a: Vec<AgainstA>,
+    pub against_a: Vec<ComparisonToA>,
     /// Metrics that no pair has on both sides, with the letter of the other side.
     pub missing: Vec<(char, String)>,
     /// The additional questions about all metrics.
@@ -97,7 +97,7 @@ impl SideSummary {
 
 /// A side compared with A.
 #[derive(Clone, Debug, PartialEq)]
-pub struct AgainstA {
+pub struct ComparisonToA {
     pub letter: char,
     pub settings: SettingsDifference,
     pub pairs: Pairs,
@@ -191,14 +191,14 @@ pub fn compare(paths: &[PathBuf], selection: &Selection, metrics: &[String]) -> 
                 None => missing.push((other.letter, metric.name.to_string())),
             }
         }
-        against_a.push(Unjudged { letter: other.letter, settings, pairs, contrasts });
+        against_a.push(Untested { letter: other.letter, settings, pairs, contrasts });
     }
     let sides = sides.iter().map(summary).collect();
     Ok(Comparison { sides, against_a: judged(against_a), missing, questions: Questions::default() })
 }
 
 /// A side compared with A, before p-values are adjusted.
-struct Unjudged {
+struct Untested {
     letter: char,
     settings: SettingsDifference,
     pairs: Pairs,
@@ -226,10 +226,10 @@ fn summary(side: &Side<'_>) -> SideSummary {
 }
 
 /// Judges the contrasts of all sides together.
-fn judged(against_a: Vec<Unjudged>) -> Vec<AgainstA> {
+fn judged(against_a: Vec<Untested>) -> Vec<ComparisonToA> {
     let mut judged = judge(against_a.iter().flat_map(|against| against.contrasts.clone()).collect()).into_iter();
     let against_a = against_a.into_iter();
-    let of_side = |Unjudged { letter, settings, pairs, contrasts }: Unjudged| AgainstA {
+    let of_side = |Untested { letter, settings, pairs, contrasts }: Untested| ComparisonToA {
         letter,
         settings,
         pairs,

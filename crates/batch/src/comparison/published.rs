@@ -46,7 +46,7 @@ const DRAWS: usize = 20_000;
 
 /// A batch compared with the published tables.
 #[derive(Clone, Debug, PartialEq)]
-pub struct BesideReport {
+pub struct PublishedComparison {
     pub batch: SideSummary,
     pub states: Vec<PublishedState>,
     pub times: Vec<PublishedTime>,
@@ -75,7 +75,7 @@ pub struct PublishedTime {
     pub batch_s: f64,
 }
 
-impl BesideReport {
+impl PublishedComparison {
     /// Compares the finished runs of a batch, a folder or its table, with the published ones.
     pub fn from_batch(path: &Path, selection: &Selection) -> Result<Self, ComparisonError> {
         let columns = STATES.map(|(_, column, _)| column).into_iter().chain(CPU_TIMES.map(|(_, column, _)| column));

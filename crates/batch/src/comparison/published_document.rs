@@ -4,14 +4,14 @@ use serde::{Serialize, Serializer};
 use serde_json::json;
 
 use crate::PROGRAM_VERSION;
-use crate::comparison::{BesideReport, PublishedState, PublishedTime};
+use crate::comparison::{PublishedComparison, PublishedState, PublishedTime};
 use wildfire_base::document::number::{optional, probability, rounded, two_digits};
 use wildfire_base::document::{Block, Document, Table};
 
 const SOURCE: &str = "Published: five runs, A. Shaikh, \"RBE 550: Wildfire Assignment\", 2024, Tables I and II.";
 
-impl From<&BesideReport> for Document {
-    fn from(beside: &BesideReport) -> Self {
+impl From<&PublishedComparison> for Document {
+    fn from(beside: &PublishedComparison) -> Self {
         let batch = &beside.batch;
         let failed = if batch.failed == 0 { String::new() } else { format!(", {} of them failed", batch.failed) };
         let blocks = vec![
@@ -73,7 +73,7 @@ fn verdict(state: &PublishedState) -> String {
     format!("{}: {verdict}", state.name)
 }
 
-fn times(beside: &BesideReport) -> Table {
+fn times(beside: &PublishedComparison) -> Table {
     let row = |time: &PublishedTime| {
         let ratio = time.published_s / time.batch_s;
         let ratio = if ratio.is_finite() && ratio > 0.0 { rounded(ratio, two_digits(ratio)) } else { "-".into() };
@@ -82,7 +82,7 @@ fn times(beside: &BesideReport) -> Table {
     Table::new(&["Part", "Published", "Batch", "Ratio"], beside.times.iter().map(row).collect())
 }
 
-impl Serialize for BesideReport {
+impl Serialize for PublishedComparison {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let state = |state: &PublishedState| {
             json!({

@@ -21,7 +21,7 @@ use super::futures::nearest_options;
 
 /// A run with other answers, which loses less.
 #[derive(Clone, Debug)]
-pub struct Attained {
+pub struct HindsightBound {
     /// The bushes that the run lost by its own policies.
     pub lost: usize,
     /// The bushes that it loses with these answers.
@@ -48,7 +48,7 @@ pub fn attain(
     (scenario, seed): (&Scenario, u64),
     options: &RunOptions,
     (choices, budget): (usize, u32),
-) -> Result<Attained, RunError> {
+) -> Result<HindsightBound, RunError> {
     let start = Simulation::with(scenario, seed, options)?;
     if scenario.unimog.len() == 1
         && let Some(best) = exhaust(&start, (choices, budget))?
@@ -59,7 +59,7 @@ pub fn attain(
 }
 
 /// Plays all sequences of choices of a single truck; `None` if the budget is too small for them.
-fn exhaust(start: &Simulation, (choices, budget): (usize, u32)) -> Result<Option<Attained>, RunError> {
+fn exhaust(start: &Simulation, (choices, budget): (usize, u32)) -> Result<Option<HindsightBound>, RunError> {
     let mut tree = Tree { choices, left: budget, best: None };
     if !tree.descend(start, &mut Answers::new())? {
         return Ok(None);
@@ -67,7 +67,7 @@ fn exhaust(start: &Simulation, (choices, budget): (usize, u32)) -> Result<Option
     let own = played(start, false)?.lost();
     let (best, answers) = tree.best.expect("the run itself was played");
     let (attainable, runs) = (best.lost(), budget - tree.left);
-    Ok(Some(Attained { lost: own, attainable, answers, runs, is_exact: true, timeline: best.finish().timeline }))
+    Ok(Some(HindsightBound { lost: own, attainable, answers, runs, is_exact: true, timeline: best.finish().timeline }))
 }
 
 /// Plays a copy of a run to its end.
@@ -121,7 +121,7 @@ impl Tree {
 }
 
 /// Goes through decisions by time, and keeps every answer that loses less.
-fn improve(start: &Simulation, (choices, budget): (usize, u32)) -> Result<Attained, RunError> {
+fn improve(start: &Simulation, (choices, budget): (usize, u32)) -> Result<HindsightBound, RunError> {
     let mut search =
         Search { before: start.fork()?, fork: start.fork()?, answers: Answers::new(), given: None, left: budget };
     let mut decisions = search.play(None)?;
@@ -165,7 +165,7 @@ fn improve(start: &Simulation, (choices, budget): (usize, u32)) -> Result<Attain
     let Search { before, answers, left, .. } = search;
     debug_assert_eq!(before.lost(), attainable);
     // The loss of the run that is returned, whatever the search believed.
-    Ok(Attained {
+    Ok(HindsightBound {
         lost,
         attainable: before.lost(),
         answers,
@@ -184,7 +184,7 @@ pub fn attain_all(
     options: &RunOptions,
     how: (usize, u32),
     on_seed: impl Fn() + Sync,
-) -> Result<Vec<(u64, Attained)>, RunError> {
+) -> Result<Vec<(u64, HindsightBound)>, RunError> {
     let one = |&seed: &u64| {
         let attained = attain((scenario, seed), options, how)?;
         on_seed();

@@ -43,7 +43,7 @@ pub struct ChosenDecisions {
 
 /// A choice that an agent had and did not take.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PlayedChoice {
+pub struct AlternativeAction {
     pub cell: Cell,
     /// By how many bushes the agent's side would have done better, by future.
     pub gains: Vec<f64>,
@@ -57,35 +57,35 @@ pub struct PlayedChoice {
 
 /// A decision and the worth of its choices.
 #[derive(Clone, Debug)]
-pub struct Worth {
+pub struct DecisionValue {
     pub decision: Decision,
     /// Where the agent set out for; `None` if it stayed.
     pub chosen: Option<Cell>,
     /// By mean, the best first.
-    pub others: Vec<PlayedChoice>,
+    pub others: Vec<AlternativeAction>,
 }
 
-impl Worth {
+impl DecisionValue {
     /// Returns true if more futures can hardly change the verdict, among this number of decisions.
     fn is_settled(&self, decisions: usize) -> bool {
         self.others.iter().all(|other| other.is_settled(decisions))
     }
 
     /// Returns the best of the other choices if it is significantly better than what was chosen.
-    pub fn better(&self) -> Option<&PlayedChoice> {
+    pub fn better(&self) -> Option<&AlternativeAction> {
         self.others.first().filter(|best| best.p_adjusted < 1.0 - CONFIDENCE && best.mean > 0.0)
     }
 
     /// Returns the best of the other choices if all of them are significantly worse than what was chosen.
-    pub fn all_worse(&self) -> Option<&PlayedChoice> {
-        let is_worse = |other: &PlayedChoice| other.p_adjusted < 1.0 - CONFIDENCE && other.mean < 0.0;
+    pub fn all_worse(&self) -> Option<&AlternativeAction> {
+        let is_worse = |other: &AlternativeAction| other.p_adjusted < 1.0 - CONFIDENCE && other.mean < 0.0;
         self.others.first().filter(|_| self.others.iter().all(is_worse))
     }
 }
 
 /// The progress of a judgement.
 #[derive(Clone, Copy, Debug)]
-pub enum Judging<'a> {
+pub enum JudgeProgress<'a> {
     /// A round begins in which the choices of this number of decisions are played.
     Begins { decisions: usize },
     /// Those of one more decision have been played.
@@ -116,7 +116,7 @@ impl ChosenDecisions {
         scenario: &Scenario,
         seed: u64,
         options: &RunOptions,
-        tell: impl Fn(Judging<'_>) + Sync,
+        tell: impl Fn(JudgeProgress<'_>) + Sync,
     ) -> Result<WhyReport, RunError> {
         let mut run = Simulation::with(scenario, seed, options)?;
         run.record_decisions();
@@ -131,32 +131,32 @@ impl ChosenDecisions {
         let mut played = 0;
         for part in ROUNDS {
             let until = ((f64::from(self.futures) * part).round() as u32).clamp(FEWEST_FUTURES, self.futures);
-            let mut open: Vec<&mut Worth> =
+            let mut open: Vec<&mut DecisionValue> =
                 report.worths.iter_mut().filter(|worth| played == 0 || !worth.is_settled(count)).collect();
             if until == played || open.is_empty() {
                 continue;
             }
-            tell(Judging::Begins { decisions: open.len() });
+            tell(JudgeProgress::Begins { decisions: open.len() });
             let piece = open.len().div_ceil(PIECES_A_THREAD * rayon::current_num_threads());
             open.par_chunks_mut(piece).try_for_each(|piece| {
-                let mut bench = Bench::new(scenario, seed, options)?;
+                let mut bench = CounterfactualRunner::new(scenario, seed, options)?;
                 piece.iter_mut().try_for_each(|worth| {
                     bench.play_round(worth, played..until)?;
-                    tell(Judging::Played);
+                    tell(JudgeProgress::Played);
                     Ok::<(), RunError>(())
                 })
             })?;
             played = until;
             report.adjust();
             if played < self.futures {
-                tell(Judging::Known { futures: played, report: &report });
+                tell(JudgeProgress::Known { futures: played, report: &report });
             }
         }
         Ok(report)
     }
 
     /// Lists the decisions of a run that are looked at, with choices that have not been played.
-    fn of_run(&self, run: &Simulation) -> Vec<Worth> {
+    fn of_run(&self, run: &Simulation) -> Vec<DecisionValue> {
         let mut set_out: BTreeMap<(AgentId, SimTime), Cell> = BTreeMap::new();
         for event in run.facts() {
             if let Fact::Agent(agent, AgentFact::Planned { goal, .. }) = event.fact {
@@ -165,7 +165,7 @@ impl ChosenDecisions {
         }
         let is_meant =
             |agent: AgentId| self.agents.contains(&agent) || self.agents.is_empty() && agent.role.suppresses();
-        let mut decisions: Vec<Worth> = Vec::new();
+        let mut decisions: Vec<DecisionValue> = Vec::new();
         for decision in run.decisions() {
             let (agent, time) = (decision.agent.id, decision.time);
             if !is_meant(agent) || time < self.from || time > self.to {
@@ -173,8 +173,8 @@ impl ChosenDecisions {
             }
             let chosen = set_out.get(&(agent, time)).copied();
             let cells = nearest_options(decision, run.fires().frame(), chosen).into_iter();
-            let others = cells.take(self.choices.saturating_sub(1)).map(PlayedChoice::new).collect();
-            decisions.push(Worth { decision: decision.clone(), chosen, others });
+            let others = cells.take(self.choices.saturating_sub(1)).map(AlternativeAction::new).collect();
+            decisions.push(DecisionValue { decision: decision.clone(), chosen, others });
         }
         let count = decisions.len();
         match self.sample {
@@ -195,12 +195,12 @@ pub fn nearest_options(decision: &Decision, frame: &FieldFrame, except: Option<C
 }
 
 /// A run before a decision, and a copy of it that is played on.
-struct Bench {
+struct CounterfactualRunner {
     before: Simulation,
     fork: Simulation,
 }
 
-impl Bench {
+impl CounterfactualRunner {
     fn new(scenario: &Scenario, seed: u64, options: &RunOptions) -> Result<Self, RunError> {
         let before = Simulation::with(scenario, seed, options)?;
         let fork = before.fork()?;
@@ -208,8 +208,8 @@ impl Bench {
     }
 
     /// Plays the choices of a decision, which is not earlier than the last, in some futures.
-    fn play_round(&mut self, worth: &mut Worth, futures: Range<u32>) -> Result<(), RunError> {
-        let Worth { decision, others, .. } = worth;
+    fn play_round(&mut self, worth: &mut DecisionValue, futures: Range<u32>) -> Result<(), RunError> {
+        let DecisionValue { decision, others, .. } = worth;
         if decision.time > SimTime::ZERO {
             self.before.advance_to(decision.time - SimTime::from_nanos(1));
         }
@@ -225,7 +225,7 @@ impl Bench {
                 other.gains.push(sign * (lost - self.play(decision, Some(other.cell), future)?));
             }
         }
-        others.iter_mut().for_each(PlayedChoice::sum_up);
+        others.iter_mut().for_each(AlternativeAction::sum_up);
         others.sort_by(|a, b| b.mean.total_cmp(&a.mean));
         Ok(())
     }
@@ -243,7 +243,7 @@ impl Bench {
     }
 }
 
-impl PlayedChoice {
+impl AlternativeAction {
     fn new(cell: Cell) -> Self {
         Self { cell, gains: Vec::new(), mean: 0.0, interval: None, p_value: 1.0, p_adjusted: 1.0 }
     }
@@ -289,7 +289,8 @@ mod tests {
     #[test]
     fn a_few_equal_gains_settle_nothing() {
         let is_settled = |gains: &[f64]| {
-            let mut choice = PlayedChoice { gains: gains.to_vec(), ..PlayedChoice::new(Cell { col: 0, row: 0 }) };
+            let mut choice =
+                AlternativeAction { gains: gains.to_vec(), ..AlternativeAction::new(Cell { col: 0, row: 0 }) };
             choice.sum_up();
             (choice.is_settled(10), choice.interval.is_some())
         };

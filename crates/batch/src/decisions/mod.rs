@@ -13,7 +13,7 @@ mod futures;
 mod table;
 mod why;
 
-pub use attainable::{Answers, Attained, attain, attain_all};
-pub use futures::{ChosenDecisions, Judging, PlayedChoice, Worth};
+pub use attainable::{Answers, HindsightBound, attain, attain_all};
+pub use futures::{AlternativeAction, ChosenDecisions, DecisionValue, JudgeProgress};
 pub use table::{DECISION_COLUMNS, DecisionTally, JudgeError, judge_batch};
 pub use why::WhyReport;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::decisions::futures::{ChosenDecisions, PlayedChoice, Worth};
+use crate::decisions::futures::{AlternativeAction, ChosenDecisions, DecisionValue};
 use crate::decisions::why::WhyReport;
 use crate::execute::{BatchError, DECISIONS_PARQUET, RealDisk, RunResult, RunRow};
 use crate::plan::{PlannedRun, Value};
@@ -20,10 +20,10 @@ const ROWS_A_GROUP: usize = 16_384;
 /// A decision and one of the choices that were not taken.
 #[derive(Clone, Copy)]
 pub struct ChoiceRow<'a> {
-    worth: &'a Worth,
+    worth: &'a DecisionValue,
     /// The number of the decision among those of its run that were judged, from 0.
     number: usize,
-    choice: &'a PlayedChoice,
+    choice: &'a AlternativeAction,
     /// Distances from the agent to where it set out for, and to the choice, in metres.
     metres: (Option<f64>, f64),
 }
@@ -100,7 +100,7 @@ pub fn judge_batch(
 
 fn add(file: &mut ParquetWriter, run: &PlannedRun<'_>, report: &WhyReport) -> Result<(), BatchError> {
     let frame = run.variant.scenario.field.frame();
-    let metres = |worth: &Worth, cell: Cell| (frame.centre(cell) - worth.decision.agent.place).length();
+    let metres = |worth: &DecisionValue, cell: Cell| (frame.centre(cell) - worth.decision.agent.place).length();
     let mut rows: Vec<ChoiceRow<'_>> = Vec::new();
     for (number, worth) in report.worths.iter().enumerate() {
         let chosen_m = worth.chosen.map(|cell| metres(worth, cell));

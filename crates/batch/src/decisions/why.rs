@@ -6,7 +6,7 @@ use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::geometry::Cell;
 use wildfire_base::object;
 
-use super::futures::{PlayedChoice, Worth};
+use super::futures::{AlternativeAction, DecisionValue};
 use crate::stats::{Interval, holm};
 
 /// The most decisions that the table lists.
@@ -21,7 +21,7 @@ pub struct WhyReport {
     pub lost: usize,
     pub bushes: usize,
     /// By time.
-    pub worths: Vec<Worth>,
+    pub worths: Vec<DecisionValue>,
 }
 
 fn place(cell: Cell) -> String {
@@ -29,11 +29,11 @@ fn place(cell: Cell) -> String {
 }
 
 /// Returns the time of a decision in seconds, rounded down: a run that is forked there has not decided yet.
-fn time_before(worth: &Worth) -> String {
+fn time_before(worth: &DecisionValue) -> String {
     rounded((worth.decision.time.as_seconds() * 10.0).floor() / 10.0, 1)
 }
 
-fn went(worth: &Worth) -> String {
+fn went(worth: &DecisionValue) -> String {
     let who = worth.decision.agent.id;
     match worth.chosen {
         Some(cell) => format!("{who} went to {}", place(cell)),
@@ -41,7 +41,7 @@ fn went(worth: &Worth) -> String {
     }
 }
 
-fn bushes(choice: &PlayedChoice) -> String {
+fn bushes(choice: &AlternativeAction) -> String {
     let size = |bushes: f64| rounded(bushes, 1);
     let sign = if choice.mean < 0.0 { -1.0 } else { 1.0 };
     let about = match choice.interval {
@@ -64,15 +64,15 @@ impl WhyReport {
     }
 
     /// Lists the decisions that cost something, the worst first.
-    pub fn mistakes(&self) -> Vec<&Worth> {
-        let cost = |worth: &&Worth| worth.better().map_or(0.0, |better| better.mean);
-        let mut mistakes: Vec<&Worth> = self.worths.iter().filter(|worth| worth.better().is_some()).collect();
+    pub fn mistakes(&self) -> Vec<&DecisionValue> {
+        let cost = |worth: &&DecisionValue| worth.better().map_or(0.0, |better| better.mean);
+        let mut mistakes: Vec<&DecisionValue> = self.worths.iter().filter(|worth| worth.better().is_some()).collect();
         mistakes.sort_by(|a, b| cost(b).total_cmp(&cost(a)));
         mistakes
     }
 
     /// Lists the decisions that were better than all other choices.
-    pub fn good(&self) -> Vec<&Worth> {
+    pub fn good(&self) -> Vec<&DecisionValue> {
         self.worths.iter().filter(|worth| worth.all_worse().is_some()).collect()
     }
 
@@ -95,7 +95,7 @@ impl WhyReport {
                 place(better.cell)
             ));
         }
-        let were = |worths: &[&Worth], what: [&str; 2]| match worths.len() {
+        let were = |worths: &[&DecisionValue], what: [&str; 2]| match worths.len() {
             0 => format!("none was {}", what[0]),
             1 => format!("1 was {}", what[0]),
             several => format!("{several} were {}", what[1]),
@@ -117,9 +117,9 @@ impl WhyReport {
     }
 
     fn table(&self) -> Table {
-        let mut ranked: Vec<&Worth> = self.worths.iter().filter(|worth| !worth.others.is_empty()).collect();
+        let mut ranked: Vec<&DecisionValue> = self.worths.iter().filter(|worth| !worth.others.is_empty()).collect();
         ranked.sort_by(|a, b| b.others[0].mean.total_cmp(&a.others[0].mean));
-        let row = |worth: &&Worth| {
+        let row = |worth: &&DecisionValue| {
             let best = &worth.others[0];
             let verdict = match (worth.better().is_some(), worth.all_worse().is_some()) {
                 (true, _) => "mistake",
@@ -167,11 +167,11 @@ impl From<&WhyReport> for Document {
 impl Serialize for WhyReport {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let cell = |cell: Cell| [cell.col, cell.row];
-        let choice = |choice: &PlayedChoice| {
-            let PlayedChoice { mean, interval, p_value, p_adjusted, gains, .. } = choice.clone();
+        let choice = |choice: &AlternativeAction| {
+            let AlternativeAction { mean, interval, p_value, p_adjusted, gains, .. } = choice.clone();
             object!(Action { cell: cell(choice.cell), mean, interval, p_value, p_adjusted, gains })
         };
-        let decision = |worth: &Worth| {
+        let decision = |worth: &DecisionValue| {
             object!(Decision {
                 t_s: worth.decision.time.as_seconds(),
                 agent: worth.decision.agent.id.to_string(),

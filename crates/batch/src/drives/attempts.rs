@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use thiserror::Error;
 
-use crate::drives::checked::{Drive, SecondOpinion};
+use crate::drives::checked::{Drive, DriveAudit};
 use crate::drives::query::{DriveFailure, DriveQuery, QueryCost};
 use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_planning::collision::{ClearanceField, CollisionChecker};
@@ -90,7 +90,7 @@ pub fn attempts<'a>(problem: &'a Problem, question: &AttemptSettings<'_>) -> Res
     let field = Arc::new(ClearanceField::new(problem.terrain.frame, &problem.terrain.occupied));
     let checker = CollisionChecker::new(field, problem.truck.vehicle);
     let field_time = stopwatch.lap();
-    let opinion = SecondOpinion::new(problem, &checker);
+    let opinion = DriveAudit::new(problem, &checker);
     let kinds = GroundKinds::new(&problem.terrain);
     let mut by_planner = Vec::new();
     for planner in planners {

@@ -21,7 +21,7 @@ pub struct Drive {
 }
 
 /// Measures paths from the start of one problem and audits them with shapes that planners do not use.
-pub struct SecondOpinion<'a> {
+pub struct DriveAudit<'a> {
     start: Pose,
     checker: &'a CollisionChecker,
     judge: Judge,
@@ -29,7 +29,7 @@ pub struct SecondOpinion<'a> {
     limits: SpeedLimits,
 }
 
-impl<'a> SecondOpinion<'a> {
+impl<'a> DriveAudit<'a> {
     pub fn new(problem: &Problem, checker: &'a CollisionChecker) -> Self {
         let outline = Outline::new(&Body::Truck(problem.truck.vehicle));
         let audit_field = AuditField::new(problem.terrain.frame, &problem.terrain.bushes, outline);
@@ -99,7 +99,7 @@ mod tests {
         let terrain = Terrain::from_occupied(frame, occupied);
         let truck = Unimog::default();
         let problem = Problem { name: "test".into(), terrain, truck, start: START, goals: vec![goal] };
-        SecondOpinion::new(&problem, &checker).drive(goal, path)
+        DriveAudit::new(&problem, &checker).drive(goal, path)
     }
 
     fn pose(x: f64) -> Goal {

@@ -64,7 +64,7 @@ impl SliceFile {
 /// An entry in a batch's folder that the batch did not write.
 #[derive(Debug, Error)]
 #[error("{} is {found}; expected a {expected}", path.display())]
-pub struct StrangeEntry {
+pub struct UnexpectedFile {
     path: PathBuf,
     found: String,
     expected: &'static str,
@@ -72,7 +72,7 @@ pub struct StrangeEntry {
 
 /// Refuses a batch's folder in which a pipe, a device, a loop of links or a folder has the name of one of its files:
 /// reading it might never end. Links to files are accepted.
-pub fn expect_files(folder: &Path) -> Result<(), StrangeEntry> {
+pub fn expect_files(folder: &Path) -> Result<(), UnexpectedFile> {
     FILES.iter().try_for_each(|name| expect_file(&folder.join(name)))?;
     let is_of_slice =
         |name: &OsStr| name.to_str().is_some_and(|name| JOURNAL.slice(name).or(MACHINES.slice(name)).is_some());
@@ -86,18 +86,18 @@ pub fn expect_files(folder: &Path) -> Result<(), StrangeEntry> {
 }
 
 /// Refuses an entry that exists and is no file; an inaccessible one is left to the code that opens it.
-pub fn expect_file(path: &Path) -> Result<(), StrangeEntry> {
+pub fn expect_file(path: &Path) -> Result<(), UnexpectedFile> {
     expect(path, FileType::is_file, "file")
 }
 
-fn expect(path: &Path, is_expected: fn(&FileType) -> bool, expected: &'static str) -> Result<(), StrangeEntry> {
+fn expect(path: &Path, is_expected: fn(&FileType) -> bool, expected: &'static str) -> Result<(), UnexpectedFile> {
     let found = match fs::metadata(path) {
         Ok(found) if is_expected(&found.file_type()) => return Ok(()),
         Ok(found) => word_for(found.file_type()).to_owned(),
         Err(error) if is_not_there(error.kind()) || error.kind() == ErrorKind::PermissionDenied => return Ok(()),
         Err(error) => format!("a link that cannot be followed ({error})"),
     };
-    Err(StrangeEntry { path: path.to_owned(), found, expected })
+    Err(UnexpectedFile { path: path.to_owned(), found, expected })
 }
 
 fn is_not_there(kind: ErrorKind) -> bool {

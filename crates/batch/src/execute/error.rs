@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::execute::{JournalError, StrangeEntry};
+use crate::execute::{JournalError, UnexpectedFile};
 use crate::plan::{PLAN_FILE, PlanError, Slice};
 
 #[derive(Debug, Error)]
@@ -27,7 +27,7 @@ pub enum BatchError {
     #[error(transparent)]
     Journal(#[from] JournalError),
     #[error(transparent)]
-    Strange(#[from] StrangeEntry),
+    Strange(#[from] UnexpectedFile),
     #[error("{} has no {PLAN_FILE}, but {leftover}, left by a killed process: the batch had not begun", path.display())]
     NotYetBegun { path: PathBuf, leftover: String },
     #[error(

@@ -23,7 +23,7 @@ pub use detail::{PlannerCall, RunDetail, STATE_STEPS, Solution, StateCount};
 pub use disk::{Append, Disk, RealDisk, Whole};
 pub use entries::{
     AGENTS_FILE, CALLS_PARQUET, CHARTS_FOLDER, DECISIONS_PARQUET, MACHINES_FILE, RECORDINGS_FOLDER, REPORT_FILE,
-    RUNS_FILE, RUNS_PARQUET, STATES_PARQUET, SUMMARY_FILE, StrangeEntry, TABLES_FILE,
+    RUNS_FILE, RUNS_PARQUET, STATES_PARQUET, SUMMARY_FILE, TABLES_FILE, UnexpectedFile,
 };
 pub(super) use entries::{expect_file, expect_files};
 pub use error::BatchError;
@@ -36,5 +36,5 @@ pub use output_folder::{JournalKeeping, OutputFolder, file_name_of};
 pub use pilot::Pilot;
 pub use row::{RunResult, RunRow, Status};
 pub use session::{Batch, Found, LostRecording};
-pub use status::{BatchStatus, MissingRuns, SliceState, Survey, batch_status, slices_of};
+pub use status::{BatchStatus, JournalScan, MissingRuns, SliceState, batch_status, slices_of};
 pub use workers::{RunEnd, RunScenario, limit_threads, with_threads};

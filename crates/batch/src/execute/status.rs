@@ -99,7 +99,7 @@ pub struct MissingRuns {
 
 /// A survey of the lengths of all journals, which is cheap enough to repeat while others work.
 #[derive(Clone, Debug)]
-pub struct Survey {
+pub struct JournalScan {
     folder: OutputFolder,
     runs: u64,
     slices: Vec<Counted>,
@@ -113,7 +113,7 @@ struct Counted {
     bytes: u64,
 }
 
-impl Survey {
+impl JournalScan {
     /// Creates a survey without counts.
     ///
     /// # Errors

@@ -38,14 +38,14 @@ const LIMITS: [&str; 9] = [
 
 /// The keys in which entries may differ.
 #[derive(Clone, Debug)]
-pub struct Freedom {
+pub struct FreeParameters {
     /// Keys of scenarios.
     pub keys: FreeKeys,
     /// Limits of programs, by their keys.
     pub limits: FreeKeys,
 }
 
-impl Freedom {
+impl FreeParameters {
     /// The usual keys and these, which free limits of programs too.
     ///
     /// # Errors

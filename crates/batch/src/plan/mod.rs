@@ -23,7 +23,7 @@ pub(crate) use course::{AgentFile, Course};
 pub use course::{
     CONDITION_COLUMN, CourseError, CoursePlan, CourseRefusal, CourseRequest, EntryCard, read_card, rules_schema,
 };
-pub use equal_rules::{Freedom, TABLES_OF_PROGRAMS, USUALLY_FREE, kept_program, limits_of_programs, rules_of};
+pub use equal_rules::{FreeParameters, TABLES_OF_PROGRAMS, USUALLY_FREE, kept_program, limits_of_programs, rules_of};
 pub use file::{PLAN_TEMPLATE, schema as plan_schema};
 pub use free::{FreeKeys, FreeKeysError};
 pub use frozen::{PLAN_FILE, PlanError};

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::execute::{OutputFolder, RUNS_FILE, StrangeEntry, expect_file, expect_files};
+use crate::execute::{OutputFolder, RUNS_FILE, UnexpectedFile, expect_file, expect_files};
 use crate::plan::{BatchPlan, PLAN_FILE, PlanError, PlannedRun};
 use crate::table::columns::{RUN_COLUMNS, RunColumn};
 use crate::table::reader::{TableError, TableReader};
@@ -21,7 +21,7 @@ pub enum FinishedError {
     #[error(transparent)]
     Plan(#[from] PlanError),
     #[error(transparent)]
-    Strange(#[from] StrangeEntry),
+    Strange(#[from] UnexpectedFile),
     #[error("{} does not fit its plan: {reason}", path.display())]
     OtherRows { path: PathBuf, reason: String },
     #[error("cannot read {}: {reason}", path.display())]

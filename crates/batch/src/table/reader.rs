@@ -33,7 +33,7 @@ pub enum TableError {
 /// An open table at one of its rows.
 pub struct TableReader {
     path: PathBuf,
-    reader: Reader<Rationed>,
+    reader: Reader<LimitedReader>,
     columns: Vec<String>,
     row: ByteRecord,
 }
@@ -43,7 +43,7 @@ impl TableReader {
     pub fn open(path: &Path) -> Result<Self, TableError> {
         let path = path.to_owned();
         let file = match input_file::open(&path) {
-            Ok(file) => Rationed { file: TextReader::new(file), left: MAX_ROW_BYTES },
+            Ok(file) => LimitedReader { file: TextReader::new(file), left: MAX_ROW_BYTES },
             Err(source) => return Err(TableError::Unreadable { path, source }),
         };
         let mut reader = ReaderBuilder::new().buffer_capacity(1 << 16).from_reader(file);
@@ -147,12 +147,12 @@ fn damaged(path: PathBuf, line: u64, error: &csv::Error) -> TableError {
 }
 
 /// A file that gives a limited number of bytes at a time, so that a row without an end cannot fill the memory.
-struct Rationed {
+struct LimitedReader {
     file: TextReader<InputFile>,
     left: u64,
 }
 
-impl Read for Rationed {
+impl Read for LimitedReader {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         if self.left == 0 {
             return Err(ErrorKind::QuotaExceeded.into());

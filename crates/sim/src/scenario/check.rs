@@ -25,7 +25,7 @@ pub fn check_name(field: &str, name: &str) -> Check {
 }
 
 /// A value that is refused.
-pub struct Refusal {
+pub struct ValidationError {
     pub path: FieldPath,
     found: String,
     expected: Expected,
@@ -41,7 +41,7 @@ enum Expected {
     },
 }
 
-impl Refusal {
+impl ValidationError {
     pub fn fault(&self) -> Fault {
         let (field, found) = (self.path.to_string(), self.found.clone());
         match &self.expected {
@@ -55,12 +55,12 @@ impl Refusal {
 }
 
 /// The result of a check: nothing, or the first value that is refused.
-pub type Check = Result<(), Box<Refusal>>;
+pub type Check = Result<(), Box<ValidationError>>;
 
 /// Checks the number that a path leads to.
 pub fn check_number(path: FieldPath, number: f64, range: RangeInclusive<f64>) -> Check {
     check_range("", number, range).map_err(|OutOfRange { found, expected, .. }| {
-        Box::new(Refusal { path, found, expected: Expected::Words(expected) })
+        Box::new(ValidationError { path, found, expected: Expected::Words(expected) })
     })
 }
 
@@ -97,7 +97,7 @@ impl TablePath {
     pub fn settings(&self, settings: &dyn SettingsTable, frame: &FieldFrame) -> Check {
         settings.check(frame).map_err(|OutOfRange { name, found, expected }| {
             let path = FieldPath([self.0.0.clone(), FieldPath::parse(&name).0].concat());
-            Box::new(Refusal { path, found, expected: Expected::Words(expected) })
+            Box::new(ValidationError { path, found, expected: Expected::Words(expected) })
         })
     }
 
@@ -133,12 +133,12 @@ impl TablePath {
     }
 
     pub fn refuse_step(&self, step: PathStep, found: String, expected: String) -> Check {
-        Err(Box::new(Refusal { path: self.0.join(step), found, expected: Expected::Words(expected) }))
+        Err(Box::new(ValidationError { path: self.0.join(step), found, expected: Expected::Words(expected) }))
     }
 
     /// Refuses a name that nobody of this kind, planner or policy, has.
     pub fn refuse_name(&self, key: &str, kind: &'static str, found: &str, known: Vec<String>) -> Check {
         let path = self.0.join(PathStep::key(key));
-        Err(Box::new(Refusal { path, found: found.to_owned(), expected: Expected::Name { kind, known } }))
+        Err(Box::new(ValidationError { path, found: found.to_owned(), expected: Expected::Name { kind, known } }))
     }
 }

@@ -10,7 +10,7 @@ use rand::{Rng, RngExt};
 use toml::Value;
 
 use super::agents::SHOWN_SEED;
-use super::check::{Check, Refusal, TablePath};
+use super::check::{Check, TablePath, ValidationError};
 use super::path::{FieldPath, PathStep};
 use super::wording::shortened;
 use super::{Scenario, StartPose, Terrain, Unimog, Wumpus};
@@ -41,7 +41,7 @@ pub(super) struct AgentExpansion([Vec<usize>; 2]);
 
 impl AgentExpansion {
     /// Takes the `count` out of all entries and repeats them as often.
-    pub fn expand(root: &mut Value) -> Result<Self, Box<Refusal>> {
+    pub fn expand(root: &mut Value) -> Result<Self, Box<ValidationError>> {
         let mut copies = Self::default();
         for (kind, entries_of) in KINDS.into_iter().zip(&mut copies.0) {
             let Some(Value::Array(entries)) = root.get_mut(kind) else { continue };
@@ -134,7 +134,7 @@ impl AgentExpansion {
     }
 }
 
-fn refusal(kind: &str, entry: usize, found: String, expected: String) -> Box<Refusal> {
+fn refusal(kind: &str, entry: usize, found: String, expected: String) -> Box<ValidationError> {
     let refused = TablePath::entry(kind, entry).refuse("count", found, expected);
     refused.expect_err("a refusal is an error")
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 use super::change::Changes;
-use super::check::{Refusal, TablePath};
+use super::check::{TablePath, ValidationError};
 use super::contradictions::{self, GENERATED_ONLY};
 use super::copies::AgentExpansion;
 use super::error::{Fault, ScenarioError, SourceLocation};
@@ -180,7 +180,7 @@ impl WrittenScenario<'_> {
     }
 
     /// Words the refusal of a value of an entry, whose path has the entry's number in it and no agent's.
-    fn refuse_entry(&self, refusal: &Refusal) -> Box<ScenarioError> {
+    fn refuse_entry(&self, refusal: &ValidationError) -> Box<ScenarioError> {
         refusal.fault().at(self.location_as_written(&refusal.path, KeyOrValue::Value))
     }
 

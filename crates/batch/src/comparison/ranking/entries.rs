@@ -12,7 +12,8 @@ use crate::comparison::settings::{KnownSettings, merged, seed_words, value_words
 use crate::comparison::sides::{Selection, whole};
 use crate::comparison::words::listed;
 use crate::plan::{
-    ENTRY_COLUMN, FreeKeys, Freedom, RecordedPlan, TABLES_OF_PROGRAMS, kept_program, limits_of_programs, rules_of,
+    ENTRY_COLUMN, FreeKeys, FreeParameters, RecordedPlan, TABLES_OF_PROGRAMS, kept_program, limits_of_programs,
+    rules_of,
 };
 use wildfire_base::untrusted::visible_start;
 use wildfire_sim::scenario::nearest_name;
@@ -44,8 +45,8 @@ pub struct Run {
 }
 
 /// The rules of which entries may be ranked together.
-pub struct Admission {
-    pub freedom: Freedom,
+pub struct RankRules {
+    pub freedom: FreeParameters,
     /// The names of entries that are left out.
     pub without: Vec<String>,
 }
@@ -67,7 +68,7 @@ impl<'a> Entries<'a> {
         tables: &'a [RunsTable],
         settings: &'a [KnownSettings],
         selection: &Selection,
-        Admission { freedom, without }: &Admission,
+        RankRules { freedom, without }: &RankRules,
     ) -> Result<Self, RankingError> {
         let free = &freedom.keys;
         let mut entries = Vec::new();
@@ -136,7 +137,7 @@ impl<'a> Entries<'a> {
     }
 
     /// All entries ran by the same program, under the same limits, in scenarios that differ only in what is free.
-    fn refuse_other_rules(&self, freedom: &Freedom) -> Result<(), RankingError> {
+    fn refuse_other_rules(&self, freedom: &FreeParameters) -> Result<(), RankingError> {
         let [first, others @ ..] = &self.entries[..] else { unreachable!("there is a table, and it has runs") };
         let ours = first.rules(self.strata, &freedom.keys);
         let limits = first.limits_of_programs(&freedom.limits).into_iter();

@@ -22,13 +22,13 @@ const LETTERS: &str = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
 const MAX_GROUPS: usize = 200;
 
 /// The pairs of a list of entries, best first, that are significantly different.
-pub struct ToldApart {
+pub struct Significance {
     count: usize,
     /// For each entry the others that it is significantly different from, as bits.
     from: Vec<u128>,
 }
 
-impl ToldApart {
+impl Significance {
     /// Creates the set of significantly different pairs, of entries with numbers below `count`, which is at most
     /// [`MAX_ENTRIES`].
     pub fn new(count: usize, pairs: impl IntoIterator<Item = (usize, usize)>) -> Self {
@@ -93,7 +93,7 @@ mod tests {
     use wildfire_base::rng;
 
     fn letters(count: usize, pairs: &[(usize, usize)]) -> Vec<String> {
-        ToldApart::new(count, pairs.iter().copied()).letters().expect("few groups")
+        Significance::new(count, pairs.iter().copied()).letters().expect("few groups")
     }
 
     #[test]
@@ -123,7 +123,7 @@ mod tests {
                     }
                 }
             }
-            let Some(letters) = ToldApart::new(count, pairs.iter().copied()).letters() else { continue };
+            let Some(letters) = Significance::new(count, pairs.iter().copied()).letters() else { continue };
             for one in 0..count {
                 for other in one + 1..count {
                     let share = letters[one].chars().any(|letter| letters[other].contains(letter));
@@ -140,17 +140,17 @@ mod tests {
             let [a, b, c] = [0, 1, 2].map(|place| 3 * triple + place);
             [(a, b), (a, c), (b, c)]
         });
-        assert_eq!(ToldApart::new(MAX_ENTRIES, triples).letters(), None);
+        assert_eq!(Significance::new(MAX_ENTRIES, triples).letters(), None);
         // Everybody significantly different from everybody needs a letter each.
         let all = (0..60).flat_map(|one| (one + 1..60).map(move |other| (one, other)));
-        assert_eq!(ToldApart::new(60, all).letters(), None);
+        assert_eq!(Significance::new(60, all).letters(), None);
     }
 
     #[test]
     fn ranks_count_who_is_better_and_who_is_worse_for_sure() {
-        let told = ToldApart::new(4, [(0, 2), (0, 3), (1, 3)]);
+        let told = Significance::new(4, [(0, 2), (0, 3), (1, 3)]);
         let ranks: Vec<_> = (0..4).map(|entry| told.ranks(entry, |one, other| one < other)).collect();
         assert_eq!(ranks, [[1, 2], [1, 3], [2, 4], [3, 4]]);
-        assert_eq!(ToldApart::new(1, []).ranks(0, |one, other| one < other), [1, 1]);
+        assert_eq!(Significance::new(1, []).ranks(0, |one, other| one < other), [1, 1]);
     }
 }

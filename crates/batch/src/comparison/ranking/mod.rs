@@ -32,13 +32,13 @@ use crate::comparison::settings::{KnownSettings, seed_words};
 use crate::comparison::sides::Selection;
 use crate::comparison::words::listed;
 use crate::comparison::{Contrast, LEVEL, adjusted};
-use crate::plan::Freedom;
+use crate::plan::FreeParameters;
 pub use crate::plan::USUALLY_FREE;
 use crate::stats::Series;
 use crate::table::Better;
 use crate::table::QueryTally;
-use entries::{Admission, Entries, EntryRuns};
-use groups::ToldApart;
+use entries::{Entries, EntryRuns, RankRules};
+use groups::Significance;
 
 /// The metric by which entries are ranked by default.
 pub const USUAL_METRIC: &str = "saved";
@@ -179,7 +179,7 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
     let of_courses =
         settings[0].plan().free.iter().filter(|key| settings.iter().all(|it| it.plan().free.contains(key)));
     let asked: Vec<&str> = request.free.iter().chain(of_courses).map(String::as_str).collect();
-    let admission = Admission { freedom: Freedom::parse(&asked)?, without: request.without.clone() };
+    let admission = RankRules { freedom: FreeParameters::parse(&asked)?, without: request.without.clone() };
     let selection = Selection { by: None, only: request.only.clone() };
     let entries = Entries::new(&tables, &settings, &selection, &admission)?;
 
@@ -199,7 +199,7 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
             worst_runs: worst_runs(entry, &numbers, better),
             ..RankedEntry::default()
         };
-        Contender { entry, numbers }
+        RankInput { entry, numbers }
     });
     let runs: Vec<(u64, usize)> = entries.entries[0].runs.iter().map(|run| (run.seed, run.stratum)).collect();
     let by = (entries.strata > 1).then(|| listed(&entries.columns));
@@ -294,7 +294,7 @@ fn numbers(
 }
 
 /// An entry that is not ranked yet, and its number in each run.
-pub(crate) struct Contender {
+pub(crate) struct RankInput {
     pub entry: RankedEntry,
     pub numbers: Vec<f64>,
 }
@@ -302,13 +302,13 @@ pub(crate) struct Contender {
 /// Puts entries in order and gives them their means, ranks and groups; `runs` are the seeds and strata of all of them, and
 /// `by` is what the strata differ in, if there are several.
 pub(crate) fn ranked(
-    mut contenders: Vec<Contender>,
+    mut contenders: Vec<RankInput>,
     runs: &[(u64, usize)],
     by: Option<String>,
     metric: &Metric,
     better: Better,
 ) -> (Vec<RankedEntry>, Vec<RankedPair>) {
-    for Contender { entry, numbers } in &mut contenders {
+    for RankInput { entry, numbers } in &mut contenders {
         entry.mean = Series::from_values(numbers).mean().expect("every entry has runs");
     }
     contenders.sort_by(|one, other| {
@@ -317,12 +317,12 @@ pub(crate) fn ranked(
         by_mean.then_with(|| one.failed.cmp(&other.failed)).then_with(|| one.name.cmp(&other.name))
     });
     let pairs = pairs(&contenders, runs, by, metric);
-    let told = ToldApart::new(
+    let told = Significance::new(
         contenders.len(),
         pairs.iter().filter(|it| it.is_told_apart()).map(|it| (it.places[0], it.places[1])),
     );
     let letters = told.letters();
-    let entries = contenders.into_iter().enumerate().map(|(place, Contender { entry, .. })| RankedEntry {
+    let entries = contenders.into_iter().enumerate().map(|(place, RankInput { entry, .. })| RankedEntry {
         ranks: told.ranks(place, |one, other| one.cmp(&other) == Ordering::Less),
         groups: letters.as_ref().map(|letters| letters[place].clone()),
         ..entry
@@ -331,7 +331,7 @@ pub(crate) fn ranked(
 }
 
 /// Contrasts all pairs of contenders in their order.
-fn pairs(contenders: &[Contender], runs: &[(u64, usize)], by: Option<String>, metric: &Metric) -> Vec<RankedPair> {
+fn pairs(contenders: &[RankInput], runs: &[(u64, usize)], by: Option<String>, metric: &Metric) -> Vec<RankedPair> {
     let count = contenders.len();
     let places: Vec<[usize; 2]> =
         (0..count).flat_map(|first| (first + 1..count).map(move |second| [first, second])).collect();

@@ -23,14 +23,14 @@ pub struct OpenJournal {
     writer: Box<dyn Append>,
     index: JournalIndex,
     /// The place of a journal that is written elsewhere.
-    home: Option<Home>,
+    home: Option<FinalJournal>,
     sync_every: Duration,
     /// Since the first line that is not on the disk yet.
     unsynced: Option<WallStopwatch>,
 }
 
 /// The file that a journal on a local disk is brought to.
-struct Home {
+struct FinalJournal {
     path: PathBuf,
     file: File,
     writer: Box<dyn Append>,
@@ -86,7 +86,7 @@ impl LockedJournal {
             index = JournalIndex::read(&local_path, &local, plan, slice)?;
             drop_torn(&index, &local_path, &local)?;
             let end = file.metadata().map_err(|source| BatchError::unwritable(&path, source))?.len();
-            home = Some(Home { writer: writer_of(&path, &file)?, path, file, end });
+            home = Some(FinalJournal { writer: writer_of(&path, &file)?, path, file, end });
             index.note_torn(was_torn);
             (path, file) = (local_path, local);
         }
@@ -212,7 +212,7 @@ impl OpenJournal {
         home.writer.sync().map_err(unwritable)?;
         // What is left behind would be found by the next process and be no more than it has.
         let _ = fs::remove_file(&self.path);
-        let Home { path, file, writer, .. } = home;
+        let FinalJournal { path, file, writer, .. } = home;
         (self.path, self.file, self.writer) = (path, file, writer);
         Ok(())
     }

@@ -30,7 +30,8 @@ use toml::{Table, Value as TomlValue};
 
 use super::request::{MAX_PLAN_BYTES, RUNS_WITHOUT_FORCE};
 use super::{
-    BatchPlan, ENTRY_COLUMN, Freedom, MAX_RUNS, Record, RequestError, Seeds, Value, Variant, kept_program, rules_of,
+    BatchPlan, ENTRY_COLUMN, FreeParameters, MAX_RUNS, Record, RequestError, Seeds, Value, Variant, kept_program,
+    rules_of,
 };
 pub(crate) use agent_file::AgentFile;
 pub use agent_file::EntryCard;
@@ -221,7 +222,7 @@ impl SharedRules {
     fn admit(&mut self, course: &Course, variant: &Variant, name: String) -> Result<(), String> {
         let rules = course.path.display();
         let freed: Vec<&str> = course.free_keys.iter().map(String::as_str).collect();
-        let freedom = Freedom::parse(&freed).map_err(|error| error.to_string())?;
+        let freedom = FreeParameters::parse(&freed).map_err(|error| error.to_string())?;
         let scenario = serde_json::to_value(&variant.scenario).expect("scenarios hold names, numbers and lists only");
         if let Some(table) = kept_program(&scenario) {
             return Err(format!("{rules} sets `{table}.reuse` to true; in a course every run has its own process"));
