@@ -262,8 +262,8 @@ fn agents(is_short: bool, before: Option<&Path>) {
             println!("{count:6} {seconds:8.3} {megabytes:8.1} {plans:8} | {old}");
             cpu.push((count as f64, seconds));
         }
-        if let [(first, least), .., (last, most)] = cpu[..] {
-            println!("exponent of CPU in the number: {:.2}", ops::ln(most / least) / ops::ln(last / first));
+        if let [(first, min), .., (last, max)] = cpu[..] {
+            println!("exponent of CPU in the number: {:.2}", ops::ln(max / min) / ops::ln(last / first));
         }
     }
 }
@@ -306,12 +306,12 @@ fn run(program: &Path, trucks: usize, wumpuses: usize) -> Option<(f64, f64, u64)
 fn watch(child: Child) -> Option<(Vec<u8>, f64)> {
     let id = child.id().to_string();
     let reader = std::thread::spawn(move || child.wait_with_output());
-    let mut most = 0.0_f64;
+    let mut max = 0.0_f64;
     while !reader.is_finished() {
-        most = most.max(resident_megabytes(&id, "VmHWM"));
+        max = max.max(resident_megabytes(&id, "VmHWM"));
         std::thread::park_timeout(std::time::Duration::from_millis(2));
     }
-    Some((reader.join().ok()?.ok()?.stdout, most))
+    Some((reader.join().ok()?.ok()?.stdout, max))
 }
 
 /// Reads a figure of a process's memory, where the system tells it; else 0.

@@ -47,9 +47,9 @@ mod unix {
         for (rows, slices) in sizes {
             let scratch = tempfile::tempdir().expect("a scratch folder");
             let bytes = write_batch(scratch.path(), scenario, rows, slices);
-            let (cpu_s, most_mb) = merge(&scratch.path().join("out"));
+            let (cpu_s, max_mb) = merge(&scratch.path().join("out"));
             let journals = format!("{} MB", bytes >> 20);
-            println!("{scenario:>10} {rows:>8} {slices:>8} {journals:>10} {cpu_s:>8.1} {most_mb:>9.0}");
+            println!("{scenario:>10} {rows:>8} {slices:>8} {journals:>10} {cpu_s:>8.1} {max_mb:>9.0}");
         }
     }
 

@@ -78,11 +78,11 @@ fn run_field(coverage: f64, seed: u64, builds: &mut Builds, short: &mut Drives, 
     if seed <= FLOODED_FIELDS {
         builds.flood(&checker, &bushes);
     }
-    for (drives, least, most) in [(short, 10.0, 40.0), (far, 40.0, f64::INFINITY)] {
+    for (drives, min, max) in [(short, 10.0, 40.0), (far, 40.0, f64::INFINITY)] {
         let mut pose = START;
         for _ in 0..DRIVES {
             let here = checker.body().body_centre(pose);
-            let fits = |bush: &DVec2| (least..most).contains(&bush.distance(here));
+            let fits = |bush: &DVec2| (min..max).contains(&bush.distance(here));
             let fitting: Vec<DVec2> = bushes.iter().copied().filter(fits).collect();
             let bush = *fitting.choose(&mut rng).unwrap_or(&bushes[rng.random_range(0..bushes.len())]);
             let mut monitor = QueryMonitor::new(false);
@@ -204,9 +204,9 @@ impl Drives {
             ("least clearance, metres", &mut self.clearances),
         ] {
             let average = mean(values);
-            let [low, median, high, most] = [0.05, 0.5, 0.95, 1.0].map(|share| quantile(values, share));
+            let [low, median, high, max] = [0.05, 0.5, 0.95, 1.0].map(|share| quantile(values, share));
             println!(
-                "  {name:26} mean {average:8.2}  p5 {low:8.2}  median {median:8.2}  p95 {high:8.2}  max {most:9.2}"
+                "  {name:26} mean {average:8.2}  p5 {low:8.2}  median {median:8.2}  p95 {high:8.2}  max {max:9.2}"
             );
         }
     }

@@ -181,8 +181,8 @@ impl Drives {
             ("cusps", &mut self.cusps),
         ] {
             let mean = values.iter().sum::<f64>() / values.len() as f64;
-            let [low, median, high, most] = [0.05, 0.5, 0.95, 1.0].map(|share| quantile(values, share));
-            println!("  {name:24} mean {mean:8.3}  p5 {low:8.3}  median {median:8.3}  p95 {high:8.3}  max {most:9.3}");
+            let [low, median, high, max] = [0.05, 0.5, 0.95, 1.0].map(|share| quantile(values, share));
+            println!("  {name:24} mean {mean:8.3}  p5 {low:8.3}  median {median:8.3}  p95 {high:8.3}  max {max:9.3}");
         }
     }
 }

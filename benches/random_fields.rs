@@ -32,7 +32,7 @@ use wildfire::vehicle::Path;
 
 const FIELDS: u64 = 200;
 const COVERAGES: [f64; 5] = [0.02, 0.05, 0.1, 0.2, 0.3];
-const LEAST_ROOM_M: f64 = 0.5;
+const MIN_ROOM_M: f64 = 0.5;
 /// What the floods are asked for: the body's centre this near to where the drive should end.
 const NEAR_M: f64 = 1.0;
 
@@ -125,7 +125,7 @@ impl Problem {
         let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
         let checker = CollisionChecker::new(field, scenario.unimog[0].vehicle);
         let mut rng = rng::stream(seed, "bench/random-fields");
-        let ends: Vec<Pose> = free_poses(&checker, LEAST_ROOM_M, &mut rng).take(2).collect();
+        let ends: Vec<Pose> = free_poses(&checker, MIN_ROOM_M, &mut rng).take(2).collect();
         let &[start, goal] = ends.as_slice() else { panic!("the field of seed {seed} has no room") };
         Self { seed, terrain, checker, start, goal }
     }

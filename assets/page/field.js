@@ -7,14 +7,14 @@ const FOLLOWED_M = 100;
 // Panes whose shorter side has more pixels than this get wider lines and larger letters.
 const ORDINARY_SIDE = 900;
 // Cells with shorter sides than this are flat; those with longer ones than that are few, and drawn where they are.
-const LEAST_SPRITE = 8;
-const MOST_STAMP = 96;
+const MIN_SPRITE = 8;
+const MAX_STAMP = 96;
 const STAMP_WIDTH = 1.8;
 // Differently turned drawings of a bush.
 const VARIANTS = 6;
 // The share of its state's colour in the square of a bush.
 const TINT = 0.45;
-const LEAST_FIRE = 3;
+const MIN_FIRE = 3;
 
 // Pictures of a flickering fire, and the sizes in which it grows.
 const FIRE_FRAMES = 8;
@@ -26,7 +26,7 @@ const SMALLEST_FIRE = 0.45;
 const TONGUES = [[0.02, 0.02, 0.78], [-0.27, -0.2, 0.66], [0.27, -0.24, 0.6], [0.02, -0.4, 0.74]];
 const STRETCH = [0.0, 0.1, 0.16, 0.06, -0.06, -0.12, -0.04, 0.08];
 const LEAN = [0.0, 0.08, 0.14, 0.16, 0.06, -0.06, -0.14, -0.08];
-const LEAST_AGE = 22;
+const MIN_AGE = 22;
 
 const RING_LASTS_NS = 5e9;
 const SPREAD_LINE = "rgb(158, 50, 0)";
@@ -41,13 +41,13 @@ const STALE = 0.12;
 const FORWARD = [8, 5];
 const REVERSE = [2, 3];
 // Longer lines, in pixels, have no dashes, which would take a browser too long.
-const MOST_DASHED = 3e5;
+const MAX_DASHED = 3e5;
 // Chord of a drawn arc to the arc, in pixels.
 const ARC_TOLERANCE = 0.1;
 
 // Bodies shorter than this are drawn this long, with a ring about them.
-const LEAST_WUMPUS = 13;
-const LEAST_UNIMOG = 18;
+const MIN_WUMPUS = 13;
+const MIN_UNIMOG = 18;
 // The truck that the sprites are drawn for, in metres, and where its wheels are across.
 const DRAWN_TRUCK_M = [4.9, 2.2];
 const WHEEL_AT = 0.78;
@@ -57,10 +57,10 @@ const MARK_RADIUS = 3.4;
 const MARK_EDGE = 1;
 
 // Fields of so many cells whose cells are smaller than so many pixels are shown by sums.
-const LEAST_CELLS = 100;
-const LEAST_CELL = 3;
+const MIN_CELLS = 100;
+const MIN_CELL = 3;
 // With more agents than this they are summarized.
-const MOST_ONE_BY_ONE = 8;
+const MAX_ONE_BY_ONE = 8;
 
 // The em of the pictures' font in heights of its capitals.
 const EM = 2048 / 1409;
@@ -253,12 +253,12 @@ class FieldPane {
     }
 
     get isCrowded() {
-        return this.run.agents.length > MOST_ONE_BY_ONE;
+        return this.run.agents.length > MAX_ONE_BY_ONE;
     }
 
     // Whether cells are too small to see individually.
     get isByShares() {
-        return this.projection.cellSide < LEAST_CELL && Math.max(this.run.cols, this.run.rows) >= LEAST_CELLS;
+        return this.projection.cellSide < MIN_CELL && Math.max(this.run.cols, this.run.rows) >= MIN_CELLS;
     }
 
     get hasMarks() {
@@ -311,7 +311,7 @@ class FieldPane {
         const searches = this.shownSearches();
         const shown = searches.map(({ search }) => this.run.searches.indexOf(search));
         // Sprites stick out of their cells, and are drawn over what burns beside them.
-        const isBelowFire = this.run.ground !== null && this.projection.cellSide >= LEAST_SPRITE;
+        const isBelowFire = this.run.ground !== null && this.projection.cellSide >= MIN_SPRITE;
         const changed = isBelowFire ? 0 : this.run.changed;
         const key = [this.projection.key(), this.isDark, width, height, [...this.view.layers], shown, changed].join("|");
         if (key === this.groundKey) return;
@@ -399,14 +399,14 @@ class FieldPane {
 
     drawBushes(context) {
         if (this.isByShares) this.drawShares(context);
-        else if (this.projection.cellSide < LEAST_SPRITE) this.drawFlatCells(context);
+        else if (this.projection.cellSide < MIN_SPRITE) this.drawFlatCells(context);
         else this.drawBushSprites(context);
     }
 
     // Where several cells share a pixel, burning ones win, and are some pixels wide at least.
     drawFlatCells(context) {
         for (const isBurning of [false, true]) {
-            const beyond = isBurning && this.projection.cellSide < LEAST_FIRE ? 1 : 0;
+            const beyond = isBurning && this.projection.cellSide < MIN_FIRE ? 1 : 0;
             this.run.kinds.forEach((kind, bush) => {
                 if ((kind === BURNING) !== isBurning) return;
                 const [left, top, right, bottom] = this.projection.cell(this.run.cell(this.run.bushCells[bush]));
@@ -441,7 +441,7 @@ class FieldPane {
     // Lays down what `draw` draws about a place, drawn once for cells of one size.
     stamp(context, [x, y], name, draw) {
         const side = this.projection.cellSide;
-        if (side > MOST_STAMP) {
+        if (side > MAX_STAMP) {
             draw(context, [x, y], side);
             return;
         }
@@ -459,7 +459,7 @@ class FieldPane {
     drawFlames() {
         const { run, context, projection, ns } = this;
         const side = projection.cellSide;
-        if (side < LEAST_SPRITE) return;
+        if (side < MIN_SPRITE) return;
         const ages = [];
         for (let bush = run.kinds.length - 1; bush >= 0; bush--) {
             if (run.kinds[bush] !== BURNING) continue;
@@ -474,7 +474,7 @@ class FieldPane {
             this.stamp(context, at, `fire ${frame} ${size} ${isMirrored}`, (on, place, cell) => {
                 this.drawTongues(on, place, [grown * (isMirrored ? -cell : cell), grown * cell], frame);
             });
-            if (this.shows("ages") && side >= LEAST_AGE) ages.push([at, age]);
+            if (this.shows("ages") && side >= MIN_AGE) ages.push([at, age]);
         }
         // Over all flames, since those of the cell in front would hide them.
         ages.forEach(([at, age]) => this.drawAge(at, side, age));
@@ -639,7 +639,7 @@ class FieldPane {
 
     drawStretch(stretch, ink, width, dashes) {
         const { context } = this;
-        const isEndless = (stretch.toM - stretch.fromM) * this.projection.scale > MOST_DASHED;
+        const isEndless = (stretch.toM - stretch.fromM) * this.projection.scale > MAX_DASHED;
         if (dashes !== null && !isEndless) {
             context.setLineDash(dashes.map((length) => length * this.unit));
             context.lineDashOffset = stretch.fromM * this.projection.scale;
@@ -693,7 +693,7 @@ class FieldPane {
     // Pixels from end to end of a body, or its mark, as it is drawn.
     drawnLength(agent) {
         if (this.hasMarks) return this.unit * (agent.is_truck ? MARK_LENGTH : 2 * MARK_RADIUS);
-        const least = (agent.is_truck ? LEAST_UNIMOG : LEAST_WUMPUS) * this.unit;
+        const least = (agent.is_truck ? MIN_UNIMOG : MIN_WUMPUS) * this.unit;
         return Math.max(agent.lengthM * this.projection.scale, least);
     }
 

@@ -126,7 +126,7 @@ Object.assign(FieldPane.prototype, {
         this.layCells(context, run.ground.sheet);
         if (projection.cellSide < 1) this.drawSmallFires();
         if (this.shows("wet")) this.drawWet();
-        if (projection.cellSide >= LEAST_SPRITE) this.drawBushes(context);
+        if (projection.cellSide >= MIN_SPRITE) this.drawBushes(context);
         if (this.shows("arrival")) this.drawArrivalLines();
         if (this.shows("embers")) this.drawEmbers();
     },

@@ -135,7 +135,7 @@ class Panel {
     }
 
     showAgents(times) {
-        const isCrowded = this.runs.some((run) => run.agents.length > MOST_ONE_BY_ONE);
+        const isCrowded = this.runs.some((run) => run.agents.length > MAX_ONE_BY_ONE);
         setRows(this.parts.agents, isCrowded ? this.fleetRows(times) : this.agentRows(times));
     }
 

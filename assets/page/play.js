@@ -6,7 +6,7 @@ const AHEAD_S = 30;
 // The first slice, in simulated nanoseconds.
 const FIRST_SLICE_NS = 600 * NANOS;
 const FIRST_GAME_SPEED = 20;
-const MOST_CHOICES = 200;
+const MAX_CHOICES = 200;
 
 // The module in a thread: one answer per request, in order.
 class Module {
@@ -231,7 +231,7 @@ class Desk {
         const others = this.state.asked.length > 1 ? ` (${this.state.asked.length} agents are waiting for an answer)` : "";
         byId("asks").textContent = `Where should ${asked.agent} go?${others} Click a ringed place, or pick one below.`;
         const option = ({ cell, metres }) => Object.assign(element("option", `${run.cellName(cell)}, ${metres.toFixed(0)} m away${this.burns(cell)}`), { value: cell });
-        byId("choices").replaceChildren(...this.choices.slice(0, MOST_CHOICES).map(option));
+        byId("choices").replaceChildren(...this.choices.slice(0, MAX_CHOICES).map(option));
         byId("question").hidden = false;
         byId("go").disabled = this.choices.length === 0;
         this.pointAt(this.choices[0]?.cell ?? null);

@@ -258,6 +258,6 @@ fn goal_poses(checker: &CollisionChecker, goal: Goal, count: usize, clearance_m:
         let axle = centre + DVec2::new(cos, sin) * out_m - from_axle;
         Pose::new(axle.x, axle.y, heading)
     };
-    let most = u32::try_from(TRIES * count).unwrap_or(u32::MAX);
-    (1..=most).map(pose).filter(is_free).take(count).collect()
+    let max = u32::try_from(TRIES * count).unwrap_or(u32::MAX);
+    (1..=max).map(pose).filter(is_free).take(count).collect()
 }

@@ -79,9 +79,9 @@ impl Driver {
             let sentence = format!("the action ({steering}, {speed}) is invalid; expected two numbers from -1 to 1");
             return Err(PyValueError::new_err(sentence));
         }
-        let most_mps = if speed < 0.0 { drive.limits.reverse_mps } else { drive.limits.forward_mps };
+        let max_mps = if speed < 0.0 { drive.limits.reverse_mps } else { drive.limits.forward_mps };
         let curvature = steering * drive.checker.body().max_curvature();
-        let segment = Segment { curvature, length_m: speed * most_mps * STEP_S };
+        let segment = Segment { curvature, length_m: speed * max_mps * STEP_S };
         let before_m = drive.to_goal().length();
         if !drive.checker.motion_is_free(drive.pose, segment, 0.0) {
             return Ok((0.0, false, true));

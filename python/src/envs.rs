@@ -19,7 +19,7 @@ use crate::observation::{AGENT_NUMBERS, Layout, OwnArrays, SharedArrays, Sight};
 use crate::scenario::ScenarioLike;
 
 /// The largest number of contests side by side.
-const MOST_LANES: usize = 4096;
+const MAX_LANES: usize = 4096;
 
 /// One of the contests side by side.
 #[derive(Default)]
@@ -255,8 +255,8 @@ impl Contests {
     ) -> PyResult<Self> {
         let scenario = scenario.load(py, Vec::new())?;
         let mut scenario = scenario.get().library().clone();
-        if !(1..=MOST_LANES).contains(&lanes) {
-            return Err(PyValueError::new_err(format!("n is {lanes}; expected 1 to {MOST_LANES}")));
+        if !(1..=MAX_LANES).contains(&lanes) {
+            return Err(PyValueError::new_err(format!("n is {lanes}; expected 1 to {MAX_LANES}")));
         }
         if threads == 0 {
             return Err(PyValueError::new_err("threads is 0; expected 1 or more"));
@@ -264,7 +264,7 @@ impl Contests {
         if !(0.1..=1e6).contains(&wait_s) {
             return Err(PyValueError::new_err(format!("wait_s is {wait_s}; expected 0.1 to 1e6")));
         }
-        if nearest.is_some_and(|most| !(1..=1000).contains(&most)) {
+        if nearest.is_some_and(|max| !(1..=1000).contains(&max)) {
             return Err(PyValueError::new_err("k is outside of its range; expected 1 to 1000"));
         }
         let all = agents_of(&scenario);
@@ -401,8 +401,8 @@ impl Contests {
         let is_action =
             |&action: &i64| usize::try_from(action).is_ok_and(|action| action < self.rules.layout.actions());
         if let Some(wrong) = actions.iter().find(|action| !is_action(action)) {
-            let most = self.rules.layout.actions() - 1;
-            return Err(PyValueError::new_err(format!("the action {wrong} is invalid; expected 0 to {most}")));
+            let max = self.rules.layout.actions() - 1;
+            return Err(PyValueError::new_err(format!("the action {wrong} is invalid; expected 0 to {max}")));
         }
         let is_reset = |lane: usize| resets.iter().any(|&(reset, _)| reset == lane);
         if (0..self.lanes.len()).any(|lane| self.lanes[lane].episode.is_none() && !is_reset(lane)) {

@@ -106,12 +106,12 @@ impl Sight<'_> {
         arrays: &mut OwnArrays<'_>,
     ) -> Vec<Cell> {
         arrays.candidates.fill(0.0);
-        if let Some(most) = layout.nearest {
+        if let Some(max) = layout.nearest {
             arrays.action_mask.fill(0);
             arrays.action_mask[0] = 1;
             let own = asked.and_then(|(id, _)| self.agents.iter().find(|agent| agent.id == id));
             let (Some(agent), Some((_, options))) = (own, asked) else { return Vec::new() };
-            return self.write_candidates(layout, most, agent, options, arrays);
+            return self.write_candidates(layout, max, agent, options, arrays);
         }
         for cell in self.fires.with_fuel() {
             arrays.action_mask[1 + layout.frame.index(cell)] = 0;
@@ -126,7 +126,7 @@ impl Sight<'_> {
     fn write_candidates(
         &self,
         layout: &Layout,
-        most: usize,
+        max: usize,
         agent: &AgentView,
         options: &[Cell],
         arrays: &mut OwnArrays<'_>,
@@ -139,7 +139,7 @@ impl Sight<'_> {
             self.fires.flammable().map(|cell| (distance_m(cell), frame.index(cell), cell)).collect()
         };
         nearest.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        nearest.truncate(most);
+        nearest.truncate(max);
         let sizes = if suppresses { cluster_sizes(self.fires) } else { Vec::new() };
         for (place, &(distance_m, index, cell)) in nearest.iter().enumerate() {
             let is_free = options.binary_search_by_key(&index, |&option| frame.index(option)).is_ok();

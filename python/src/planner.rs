@@ -15,7 +15,7 @@ use rand::Rng;
 use wildfire::batch::{BatchPlan, Variant};
 use wildfire::collision::CollisionChecker;
 use wildfire::geometry::Pose;
-use wildfire::planning::judge::MOST_SEGMENTS;
+use wildfire::planning::judge::MAX_SEGMENTS;
 use wildfire::planning::{self, Goal, MakeError, NameError, Plan, PlanFailure, Planners, TruckPlanner};
 use wildfire::scenario::{Programs, Scenario};
 use wildfire::sim::{CustomRegistry, StartPrograms};
@@ -262,8 +262,8 @@ impl PythonPlanner {
             Err(_) => return refuse(),
         };
         let rows = rows.as_array();
-        if rows.nrows() > MOST_SEGMENTS {
-            return bad(format!("it has {} rows; expected at most {MOST_SEGMENTS}", rows.nrows()));
+        if rows.nrows() > MAX_SEGMENTS {
+            return bad(format!("it has {} rows; expected at most {MAX_SEGMENTS}", rows.nrows()));
         }
         match rows.ncols() {
             _ if rows.nrows() == 0 => Ok(Plan::from(Ok(Path::standing(start)))),

@@ -270,8 +270,8 @@ impl PythonPolicy {
         observation.set_item("agents", shaped(py, agents, (layout.agents, AGENT_NUMBERS))?)?;
         observation.set_item("time_s", PyArray1::from_slice(py, &time_s))?;
         observation.set_item("action_mask", PyArray1::from_vec(py, mask))?;
-        if let Some(most) = layout.nearest {
-            observation.set_item("candidates", shaped(py, candidates, (most, CANDIDATE_NUMBERS))?)?;
+        if let Some(max) = layout.nearest {
+            observation.set_item("candidates", shaped(py, candidates, (max, CANDIDATE_NUMBERS))?)?;
         }
         Ok((observation, targets))
     }

@@ -158,11 +158,11 @@ impl Run {
             Size::Side(side) => (side, side),
             Size::Sides(width, height) => (width, height),
         };
-        let most = FrameLayout::MOST_SIDE;
-        let (least_width, least_height) = (FrameLayout::LEAST_WIDTH, FrameLayout::LEAST_HEIGHT);
-        if !(least_width..=most).contains(&width) || !(least_height..=most).contains(&height) {
+        let max = FrameLayout::MAX_SIDE;
+        let (min_width, min_height) = (FrameLayout::MIN_WIDTH, FrameLayout::MIN_HEIGHT);
+        if !(min_width..=max).contains(&width) || !(min_height..=max).contains(&height) {
             let sentence = format!(
-                "size is {size:?}; expected width and height in pixels from {least_width} x {least_height} to {most} x {most}"
+                "size is {size:?}; expected width and height in pixels from {min_width} x {min_height} to {max} x {max}"
             );
             return Err(PyValueError::new_err(sentence));
         }

@@ -168,10 +168,10 @@ impl PaperArguments {
     /// If letters of this size have no room on this width.
     pub fn charts(&self) -> Result<PaperCharts, CliError> {
         let Self { pdf, pgf, width_mm, font_pt } = *self;
-        let least = PaperSize::least_width_mm(font_pt).ceil();
-        if (pdf || pgf) && width_mm < least {
+        let min = PaperSize::min_width_mm(font_pt).ceil();
+        if (pdf || pgf) && width_mm < min {
             let sentence =
-                format!("--width-mm {width_mm} is too narrow for a font of {font_pt} pt; expected at least {least}");
+                format!("--width-mm {width_mm} is too narrow for a font of {font_pt} pt; expected at least {min}");
             return Err(CliError::bad_input(sentence, Some("reduce the font size with --font-pt")));
         }
         Ok(PaperCharts { size: PaperSize { width_mm, font_pt }, pdf, pgf })

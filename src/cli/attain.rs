@@ -62,7 +62,7 @@ fn parse_runs(text: &str) -> Result<u32, String> {
 }
 
 /// Refuses more: each seed takes seconds to minutes.
-const MOST_SEEDS: u64 = 100_000;
+const MAX_SEEDS: u64 = 100_000;
 
 pub fn run(arguments: &AttainArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let changes = context.with_own_names(&arguments.scenario.overrides);
@@ -70,8 +70,8 @@ pub fn run(arguments: &AttainArguments, context: &CommandContext) -> Result<Exit
     context.expect_trusted(&scenario)?;
     context.note_doubts([&scenario]);
     let seeds = arguments.seeds.seeds()?;
-    if seeds.count() > MOST_SEEDS {
-        let sentence = format!("--seeds has {} seeds; expected at most {MOST_SEEDS}", seeds.count());
+    if seeds.count() > MAX_SEEDS {
+        let sentence = format!("--seeds has {} seeds; expected at most {MAX_SEEDS}", seeds.count());
         return Err(CliError::bad_input(sentence, None));
     }
     let seeds: Vec<u64> = seeds.iter().collect();

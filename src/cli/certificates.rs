@@ -22,14 +22,14 @@ use wildfire_base::whole_file::write_whole;
 use wildfire_batch::{Attempt, DriveTable, PROGRAM_VERSION, PlannerSummary, shortened_field};
 use wildfire_planning::Goal;
 use wildfire_planning::certificate::Certificate;
-use wildfire_planning::collision::{ClearanceField, CollisionChecker, LEAST_CLEARANCE_M};
+use wildfire_planning::collision::{ClearanceField, CollisionChecker, MIN_CLEARANCE_M};
 use wildfire_sim::scenario::Problem;
 
 /// The format of the file.
 const FORMAT: u32 = 1;
 
 /// The most bytes of a file that is read.
-const MOST_BYTES: u64 = 200_000_000;
+const MAX_BYTES: u64 = 200_000_000;
 
 /// The most sentences about faults.
 const SHOWN_FAULTS: usize = 10;
@@ -72,7 +72,7 @@ impl CertificateFile {
             let (_, checker) =
                 known.take_if(|(of, _)| std::ptr::eq(*of, problem)).unwrap_or_else(|| (problem, checker(problem)));
             let ends = (problem.start, goal);
-            if let Some(certificate) = Certificate::new(&checker, ends, LEAST_CLEARANCE_M, shortest_m) {
+            if let Some(certificate) = Certificate::new(&checker, ends, MIN_CLEARANCE_M, shortest_m) {
                 rows.iter_mut().for_each(|row| row.certified_bound_m = Some(certificate.bound_m));
                 certificates.push(Certified { field: problem.name.clone(), goal: own[0].goal, certificate });
             }
@@ -87,7 +87,7 @@ impl CertificateFile {
     }
 
     fn open(path: &Path) -> Result<Self, CliError> {
-        let text = input_file::read_text(path, MOST_BYTES).map_err(|error| CliError::unreadable(path, &error))?;
+        let text = input_file::read_text(path, MAX_BYTES).map_err(|error| CliError::unreadable(path, &error))?;
         let wrong = |fault: String| {
             let sentence = format!("{}: {fault}", path.display());
             CliError::bad_input(sentence, Some("expected a file that `wildfire plan --certify` wrote"))
@@ -111,7 +111,7 @@ pub fn gap_sentences(summaries: &[PlannerSummary], drives: &DriveTable) -> Vec<S
         let own = drives.rows.iter().filter(|row| row.planner == summary.planner);
         let gaps = own.filter_map(|row| Some(row.solved()?.length_m / row.certified_bound_m? - 1.0));
         let gaps: Vec<f64> = gaps.collect();
-        let (mean, most) = (gaps.iter().sum::<f64>() / gaps.len() as f64, gaps.iter().copied().fold(0.0, f64::max));
+        let (mean, max) = (gaps.iter().sum::<f64>() / gaps.len() as f64, gaps.iter().copied().fold(0.0, f64::max));
         let planner = visible_start(&summary.planner);
         if gaps.is_empty() {
             return format!("{planner}: no certified goal.");
@@ -120,7 +120,7 @@ pub fn gap_sentences(summaries: &[PlannerSummary], drives: &DriveTable) -> Vec<S
         format!(
             "{planner}: {goals}; paths are at most {} % longer than the shortest, mean of goals; worst {} %.",
             rounded(100.0 * mean, 2),
-            rounded(100.0 * most, 2)
+            rounded(100.0 * max, 2)
         )
     };
     summaries.iter().map(sentence).collect()

@@ -34,7 +34,7 @@ pub fn note(text: &str) {
 }
 
 /// Letters that are named, of those that a font lacks.
-const MOST_NAMED: usize = 8;
+const MAX_NAMED: usize = 8;
 
 /// Notes, once for all texts that a command draws into pictures, which letters of them the font lacks.
 pub fn note_unknown_letters<'a>(drawn: impl IntoIterator<Item = &'a str>, quiet: bool) {
@@ -42,9 +42,9 @@ pub fn note_unknown_letters<'a>(drawn: impl IntoIterator<Item = &'a str>, quiet:
     if unknown.is_empty() || quiet {
         return;
     }
-    let named = unknown.iter().take(MOST_NAMED).map(|&letter| format!("{letter} (U+{:04X})", u32::from(letter)));
+    let named = unknown.iter().take(MAX_NAMED).map(|&letter| format!("{letter} (U+{:04X})", u32::from(letter)));
     let mut named = named.collect::<Vec<_>>().join(", ");
-    if let Some(more @ 1..) = unknown.len().checked_sub(MOST_NAMED) {
+    if let Some(more @ 1..) = unknown.len().checked_sub(MAX_NAMED) {
         named.push_str(&format!(" and {more} more"));
     }
     note(&format!("pictures show boxes for {named}: their font covers Latin, Greek and Cyrillic"));

@@ -382,9 +382,9 @@ fn tests_of_strata_are_adjusted_together() {
     });
     let tests: Vec<_> = tests.collect();
     assert_eq!(tests.len(), 2, "all fires are out at the same times");
-    let least = tests.iter().map(|(alone, _)| *alone).fold(1.0, f64::min);
+    let min = tests.iter().map(|(alone, _)| *alone).fold(1.0, f64::min);
     for (alone, adjusted) in tests {
-        let expected = if alone == least { 2.0 * alone } else { alone.max(2.0 * least) };
+        let expected = if alone == min { 2.0 * alone } else { alone.max(2.0 * min) };
         assert!((adjusted - expected.min(1.0)).abs() <= 1e-12, "{alone} {adjusted}");
     }
 }

@@ -102,10 +102,10 @@ pub fn made_up_run(_: &Scenario, seed: u64) -> Result<Run, RunError> {
 
 /// Makes runs up, and stops the batch when so many have begun. The callback of rows would be too late: workers may have
 /// made all runs up before it is called.
-pub fn made_up_runs_until(most: u64, stop: &Arc<AtomicBool>) -> Box<RunScenario> {
+pub fn made_up_runs_until(max: u64, stop: &Arc<AtomicBool>) -> Box<RunScenario> {
     let (begun, stop) = (AtomicU64::new(0), Arc::clone(stop));
     Box::new(move |scenario: &Scenario, seed| {
-        if begun.fetch_add(1, Ordering::Relaxed) + 1 >= most {
+        if begun.fetch_add(1, Ordering::Relaxed) + 1 >= max {
             stop.store(true, Ordering::Relaxed);
         }
         made_up_run(scenario, seed)

@@ -220,8 +220,8 @@ fn failed_runs_count_as_the_worst_and_no_pair_is_dropped() {
     assert_eq!(ranking.entries[2].mean, 0.0);
     // Where lower is better the worst is the largest number of all.
     let ranking = ranked(&[&none, &half, &good], "burned");
-    let most = (1..=20).map(|seed| 250 - noise(seed)).max().expect("there are seeds");
-    assert_eq!((ranking.better, ranking.worst), (Better::Lower, Some(most as f64)));
+    let max = (1..=20).map(|seed| 250 - noise(seed)).max().expect("there are seeds");
+    assert_eq!((ranking.better, ranking.worst), (Better::Lower, Some(max as f64)));
     assert_eq!(names(&ranking)[2], "none");
     // Where all runs of all entries failed, all are equal.
     let other = scratch.batch("other", &runs("prm-rs", 1..=20, |_| None));

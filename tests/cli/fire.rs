@@ -207,7 +207,7 @@ fn bands_hold_what_rasters_of_one_quantity_hold() {
     for (band, name) in [(&bands[0], "arrival.tif"), (&bands[1], "type.asc"), (&of_run[3], "intensity.asc")] {
         let alone = raster::read(&story.path(name)).expect("it was written");
         assert!(alone.values == band.raster.values && alone.nodata == band.raster.nodata, "{name}");
-        assert!(alone.range().is_some_and(|(_, most)| most > 0.0), "{name}");
+        assert!(alone.range().is_some_and(|(_, max)| max > 0.0), "{name}");
     }
     // The head's intensity, as `fire behavior --wind-height 10m` has it, and its flames by Byram: 0.0775 I^0.46.
     for (band, expected) in [(2, 2.779), (3, 2398.0)] {

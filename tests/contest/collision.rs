@@ -28,7 +28,7 @@ struct Goal {
 
 #[test]
 fn starts_and_goals_of_the_reference_fields_keep_half_a_metre() {
-    let mut least = f64::INFINITY;
+    let mut min = f64::INFINITY;
     let files =
         both("plan").flat_map(|folder| (0..5).map(move |number| folder.join(format!("field_{number:02}.json"))));
     for file in files.filter(|file| file.exists()) {
@@ -54,8 +54,8 @@ fn starts_and_goals_of_the_reference_fields_keep_half_a_metre() {
             );
         }
         for [x, y, heading] in field.goals.iter().map(|goal| goal.pose).chain([field.start]) {
-            least = least.min(checker.clearance(Pose::new(x, y, heading)));
+            min = min.min(checker.clearance(Pose::new(x, y, heading)));
         }
     }
-    assert!((0.499..0.7).contains(&least), "the tightest pose keeps {least} m");
+    assert!((0.499..0.7).contains(&min), "the tightest pose keeps {min} m");
 }

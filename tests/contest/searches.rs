@@ -223,9 +223,9 @@ fn queries_settle_what_they_expand_and_the_roadmap_is_told_with_its_size() {
             panic!("the roadmap comes right after its size")
         };
         assert_eq!(*phase, SearchPhase::Roadmap);
-        let most = (*edges as usize).min(MAX_SEARCH_EDGES);
-        assert!(graph.places.len() as u32 <= *samples && graph.edges.len() <= most, "{planner}");
-        assert!(planner == TruckPlannerKind::PrmRs || graph.edges.len() == most, "its lines are all free");
+        let max = (*edges as usize).min(MAX_SEARCH_EDGES);
+        assert!(graph.places.len() as u32 <= *samples && graph.edges.len() <= max, "{planner}");
+        assert!(planner == TruckPlannerKind::PrmRs || graph.edges.len() == max, "its lines are all free");
         assert!(graph.edges.len() > 1_000, "{planner}: {} of {edges} edges", graph.edges.len());
         let mut queries = 0;
         for (graphs, event) in plans(&timeline, AgentId::unimog(0)) {

@@ -178,9 +178,9 @@ fn a_weak_pump_leaves_what_is_too_hot_for_it() {
         let rests = facts_of(&timeline, AgentId::unimog(0)).any(is_too_hot);
         (ground.extinguished, ground.burned, rests)
     };
-    let [none, some, most] = ["water.pump_lps=0.001", "water.pump_lps=1", "water.pump_lps=50"].map(put_out);
+    let [none, some, max] = ["water.pump_lps=0.001", "water.pump_lps=1", "water.pump_lps=50"].map(put_out);
     assert_eq!((none.0, none.2), (0, true));
-    assert!(!most.2 && most.1 < some.1 && some.1 < none.1, "{none:?}, {some:?}, {most:?}");
+    assert!(!max.2 && max.1 < some.1 && some.1 < none.1, "{none:?}, {some:?}, {max:?}");
 }
 
 #[test]

@@ -130,7 +130,7 @@ fn a_renderer_knows_what_it_shows() {
 fn looks(timeline: &Timeline) -> impl Iterator<Item = ViewOptions> + Clone {
     let agent = timeline.setting.agents.last().map(|agent| agent.id);
     let bush = timeline.setting.bushes.last().map(|&bush| (0, Selected::Bush(bush)));
-    [Camera::LEAST_ZOOM, 1.0, 13.0, Camera::MOST_ZOOM].into_iter().enumerate().map(move |(index, zoom)| ViewOptions {
+    [Camera::MIN_ZOOM, 1.0, 13.0, Camera::MAX_ZOOM].into_iter().enumerate().map(move |(index, zoom)| ViewOptions {
         camera: Camera { zoom, ..Camera::WHOLE },
         follows: [agent.map(CameraTarget::Agent), Some(CameraTarget::Fleet)][index % 2],
         layers: Layer::ALL.into_iter().collect(),
@@ -155,7 +155,7 @@ fn assert_can_be_shown(timeline: Timeline, size: (u32, u32)) {
 #[test]
 fn sheets_of_any_size_are_painted() {
     let (run, other) = (run(1, &[]), run(2, &[]));
-    let sizes = [(320, 240), (320, FrameLayout::MOST_SIDE), (FrameLayout::MOST_SIDE, 240), (641, 479), (700, 1500)];
+    let sizes = [(320, 240), (320, FrameLayout::MAX_SIDE), (FrameLayout::MAX_SIDE, 240), (641, 479), (700, 1500)];
     for (options, size) in looks(run.timeline()).cycle().zip(sizes) {
         for runs in [&[&run][..], &[&run, &other]] {
             let picture = still(&FrameRequest { runs, time: SimTime::from_seconds(70.0), options: &options }, size);

@@ -171,13 +171,13 @@ fn cpu_time_until_a_time_is_the_sum_of_what_was_spent() {
 
 fn sizes() -> impl Iterator<Item = (u32, u32)> {
     let mut rng = rng("tests/film/sizes");
-    let mut side = move |least: u32| match rng.random_range(0..4) {
-        0 => least,
-        1 => FrameLayout::MOST_SIDE,
-        2 => rng.random_range(least..=1500),
-        _ => rng.random_range(least..=FrameLayout::MOST_SIDE),
+    let mut side = move |min: u32| match rng.random_range(0..4) {
+        0 => min,
+        1 => FrameLayout::MAX_SIDE,
+        2 => rng.random_range(min..=1500),
+        _ => rng.random_range(min..=FrameLayout::MAX_SIDE),
     };
-    (0..2000).map(move |_| (side(FrameLayout::LEAST_WIDTH), side(FrameLayout::LEAST_HEIGHT)))
+    (0..2000).map(move |_| (side(FrameLayout::MIN_WIDTH), side(FrameLayout::MIN_HEIGHT)))
 }
 
 fn overlap(one: &PixelRect, other: &PixelRect) -> bool {

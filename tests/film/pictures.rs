@@ -263,7 +263,7 @@ const WAYS: [Rgb; 2] = [[214, 0, 110], [0, 114, 178]];
 fn draw_way(segments: &[Segment], body: Option<&Dimensions>) -> Picture {
     let path = Path { start: Pose::default(), segments: segments.to_vec() };
     let scene =
-        CurveScene { title: "A way", start: path.start, goal: path.end(), ways: &[("way", &path)], body, least_m: 1.0 };
+        CurveScene { title: "A way", start: path.start, goal: path.end(), ways: &[("way", &path)], body, min_m: 1.0 };
     draw_curves(&scene)
 }
 
@@ -293,7 +293,7 @@ fn ways_that_coincide_are_both_seen_and_the_truck_is_outlined() {
         goal: path.end(),
         ways: &[("one", &path), ("other", &path)],
         body: None,
-        least_m: 1.0,
+        min_m: 1.0,
     };
     let picture = draw_curves(&bare);
     assert!(WAYS.iter().all(|&colour| count(&picture, colour) > 600));

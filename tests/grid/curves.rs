@@ -201,10 +201,10 @@ fn no_word_is_shorter_than_the_shortest() {
     let mut winners = BTreeSet::new();
     for (from, to) in random_pairs("curves/shortest") {
         let all = candidates(from, to, &CurvePrice::LENGTH);
-        let least = all.iter().map(|priced| priced.curve.length_m).fold(f64::INFINITY, f64::min);
+        let min = all.iter().map(|priced| priced.curve.length_m).fold(f64::INFINITY, f64::min);
         let shortest = REEDS_SHEPP.shortest(from, to);
         assert_eq!(shortest.length_m, REEDS_SHEPP.length_m(from, to));
-        assert_eq!(shortest.length_m, least, "{from:?} to {to:?} by {}", shortest.word);
+        assert_eq!(shortest.length_m, min, "{from:?} to {to:?} by {}", shortest.word);
         winners.insert(shortest.word.to_string());
 
         let dubins = DUBINS.curves(from, to).map(|curve| curve.length_m).fold(f64::INFINITY, f64::min);
@@ -221,8 +221,8 @@ fn nothing_that_is_driven_is_shorter_than_the_curve() {
         let from = random_pose(&mut rng, 100.0);
         let mut segment = || {
             let steering = rng.random_range(-1..=1);
-            let most_m = if steering == 0 { 40.0 } else { FRAC_PI_2 * RADIUS_M };
-            Segment { curvature: f64::from(steering) / RADIUS_M, length_m: rng.random_range(-most_m..most_m) }
+            let max_m = if steering == 0 { 40.0 } else { FRAC_PI_2 * RADIUS_M };
+            Segment { curvature: f64::from(steering) / RADIUS_M, length_m: rng.random_range(-max_m..max_m) }
         };
         let driven = vehicle::Path { start: from, segments: (0..5).map(|_| segment()).collect() };
         assert!(REEDS_SHEPP.length_m(from, driven.end()) < driven.length_m() + 1e-9, "{driven:?}");
@@ -337,8 +337,8 @@ fn who_may_not_reverse_drives_a_dubins_curve() {
         let cheapest = REEDS_SHEPP.cheapest(from, to, &forbidding).curve;
         let letters_forward = |word: Word| word.letters().all(|letter| letter.gear == Gear::Forward);
         assert!(letters_forward(cheapest.word), "{}", cheapest.word);
-        let least = DUBINS.length_m(from, to);
-        assert!((cheapest.length_m - least).abs() < 1e-9, "{from:?} to {to:?}: {} and {least}", cheapest.length_m);
+        let min = DUBINS.length_m(from, to);
+        assert!((cheapest.length_m - min).abs() < 1e-9, "{from:?} to {to:?}: {} and {min}", cheapest.length_m);
     }
 }
 
@@ -362,8 +362,8 @@ fn no_other_curve_is_cheaper_than_the_cheapest() {
             let backwards = reverse_factor * DUBINS.length_m(to, from);
             let others =
                 [shortest, DUBINS.length_m(from, to), backwards, REEDS_SHEPP.cheapest_word(from, to, &price).price];
-            let least = others.into_iter().fold(f64::INFINITY, f64::min);
-            assert!(cheapest.price <= least + 1e-9, "{from:?} to {to:?}: {cheapest:?}, not {least}");
+            let min = others.into_iter().fold(f64::INFINITY, f64::min);
+            assert!(cheapest.price <= min + 1e-9, "{from:?} to {to:?}: {cheapest:?}, not {min}");
             assert_eq!(cheapest.price, price.cost(&cheapest.curve));
             let end = cheapest.curve.path(from).end();
             assert!((end.position() - to.position()).length() < 1e-8, "{from:?} to {to:?} ends in {end:?}");

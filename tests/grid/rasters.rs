@@ -160,7 +160,7 @@ fn gdal_reads_what_was_written() {
     let values = (0..rows * cols).map(|index| if index % 7 == 3 { -9999.0 } else { 0.5 * index as f32 }).collect();
     let (west_m, south_m, cell_m, nodata) = (-1_234_567.5, 2_345_670.0, 30.0, Some(-9999.0));
     let written = Raster { rows, cols, west_m, south_m, cell_m, values, nodata, crs: None };
-    let (least, most) = written.range().expect("most cells have a value");
+    let (min, max) = written.range().expect("most cells have a value");
     let (tif, asc) = (folder.path().join("map.tif"), folder.path().join("map.asc"));
     raster::write_geotiff(&tif, &written).expect("the scratch folder takes files");
     raster::write_asc(&asc, &written).expect("the scratch folder takes files");
@@ -177,7 +177,7 @@ fn gdal_reads_what_was_written() {
             "{found:#}"
         );
         let extremes = [&band["computedMin"], &band["computedMax"]].map(Json::as_f64);
-        assert_eq!(extremes, [Some(least.into()), Some(most.into())], "{found:#}");
+        assert_eq!(extremes, [Some(min.into()), Some(max.into())], "{found:#}");
         println!("{}: gdalinfo finds size, origin, cells, no-data value, least and greatest value", path.display());
     }
     let bands = folder.path().join("bands.tif");
@@ -190,7 +190,7 @@ fn gdal_reads_what_was_written() {
             (&Json::from(name), &Json::from(-9999.0)),
             "{found:#}"
         );
-        assert_eq!(band["computedMax"].as_f64(), Some(most.into()), "{found:#}");
+        assert_eq!(band["computedMax"].as_f64(), Some(max.into()), "{found:#}");
     }
 }
 

@@ -5,7 +5,7 @@ use crate::shell::{Shell, has};
 
 /// Plays and plans with a planner that is registered by this option, and that takes this time for a query at most, in the
 /// mean.
-fn expect_it_plays(shell: &Shell, own: [&str; 2], most_cpu_s: f64) {
+fn expect_it_plays(shell: &Shell, own: [&str; 2], max_cpu_s: f64) {
     let batch = ["batch", "contest", "--seeds", "3", "--planner", "mine", "--out", "out"];
     shell.run(&[&batch[..], &own].concat(), &[0]);
     shell.run(&["audit", "out", "--trust"], &[0]);
@@ -21,7 +21,7 @@ fn expect_it_plays(shell: &Shell, own: [&str; 2], most_cpu_s: f64) {
     }
     assert!(sum("extinguished") >= 100.0, "it saves 100 of 248 bushes without rescue: {rows}");
     let cpu_s = sum("cpu_unimog_total_s") / sum("truck_plans");
-    assert!(cpu_s < most_cpu_s, "{cpu_s} s a query");
+    assert!(cpu_s < max_cpu_s, "{cpu_s} s a query");
     let poses = ["plan", "--scenario", "contest", "--set", "field.coverage=0", "--goals", "12", "--csv", "poses.csv"];
     shell.run(&[&poses[..], &["--planner", "mine"], &own].concat(), &[0]);
     let rows = std::fs::read_to_string(shell.path("poses.csv")).expect("it was written");

@@ -33,7 +33,7 @@ pub const NEVER: u64 = u64::MAX;
 const NANOS: f64 = 1e9;
 
 /// Ellipses that are kept at least, where every cell has its own.
-const LEAST_KEPT: usize = 1 << 12;
+const MIN_KEPT: usize = 1 << 12;
 
 /// A change of a cell that its state follows from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -330,7 +330,7 @@ impl<'a> Arrivals<'a> {
         let plane = if let Relief::Plane(gradient) = landscape.relief { Some(gradient) } else { None };
         let plane = plane.filter(|_| !has_trees);
         if plane.is_none() {
-            let kept = (frame.cell_count() / 4).next_power_of_two().max(LEAST_KEPT);
+            let kept = (frame.cell_count() / 4).next_power_of_two().max(MIN_KEPT);
             arrivals.kept = vec![(NEVER, Ellipse::NEVER); kept];
         }
         arrivals.draw_lines(plane);
@@ -701,10 +701,10 @@ impl<'a> Arrivals<'a> {
 
     /// Says whether a cell that caught fire at a time flames longer than until another.
     fn flames_at(&self, index: usize, lit: u64, time: u64) -> bool {
-        let (Some(least), Some(fuel)) = (self.rules.burn_out, self.fuel[index]) else { return true };
+        let (Some(min), Some(fuel)) = (self.rules.burn_out, self.fuel[index]) else { return true };
         let interval = self.weather.interval_at(SimTime::from_nanos(lit));
         let residence = SimTime::from_seconds(self.beds[interval][usize::from(fuel)].residence_s());
-        lit.saturating_add(least.max(residence).as_nanos()) > time
+        lit.saturating_add(min.max(residence).as_nanos()) > time
     }
 }
 

@@ -10,7 +10,7 @@ use wildfire_fire::surface::{Ellipse, FuelBed, SurfaceOptions, WindLimit, unshel
 const FOOT_M: f64 = 0.3048;
 
 /// More than any wind that is looked for, m/s.
-const MOST_MPS: f64 = 1e6;
+const MAX_MPS: f64 = 1e6;
 
 /// Fuel below trees in one weather.
 pub struct UnderCanopy<'a> {
@@ -64,9 +64,9 @@ pub fn ellipse(canopy: &Canopy, below: &UnderCanopy, options: &SurfaceOptions, r
     }
     let rate = match rules.method {
         CrownMethod::Rothermel => surface.rate_mps,
-        CrownMethod::ScottReinhardt if flow(crown_at(MOST_MPS)) < 3.0 => surface.rate_mps,
+        CrownMethod::ScottReinhardt if flow(crown_at(MAX_MPS)) < 3.0 => surface.rate_mps,
         CrownMethod::ScottReinhardt => {
-            let (mut calm, mut windy) = (0.0, MOST_MPS);
+            let (mut calm, mut windy) = (0.0, MAX_MPS);
             loop {
                 let middle = f64::midpoint(calm, windy);
                 if middle <= calm || middle >= windy {

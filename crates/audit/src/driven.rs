@@ -113,8 +113,8 @@ impl<'a> DrivenLegs<'a> {
     /// Returns true if two poses are the same; what is not a number is never the same.
     fn is_same(&self, one: Pose, other: Pose, tolerance: Tolerance) -> bool {
         let (metres, radians) = gap(one, other);
-        let most_radians = if self.turns_on_the_spot { f64::INFINITY } else { tolerance.radians };
-        metres <= tolerance.metres && radians <= most_radians
+        let max_radians = if self.turns_on_the_spot { f64::INFINITY } else { tolerance.radians };
+        metres <= tolerance.metres && radians <= max_radians
     }
 
     fn violation(&self, time: SimTime, pose: Pose, kind: ViolationKind) -> Violation {

@@ -10,7 +10,7 @@ use wildfire_fire::FireRules;
 use wildfire_timeline::{Cause, Event, Fact, FireFact, Setting, Timeline};
 
 /// Looks at cells around fires that spread which one run may take.
-const MOST_LOOKS: u64 = 10_000_000_000;
+const MAX_LOOKS: u64 = 10_000_000_000;
 
 /// The state of a bush, as this check follows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,7 +128,7 @@ impl<'a> Fires<'a> {
         }
         let reach = self.cells_across(rules.spread_radius_m);
         self.looks += u64::from(reach) * u64::from(reach);
-        if self.looks > MOST_LOOKS {
+        if self.looks > MAX_LOOKS {
             return violation(from, ViolationKind::Endless);
         }
         let mut around = self.cells_around(from, reach.into());

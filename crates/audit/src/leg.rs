@@ -16,7 +16,7 @@ use wildfire_base::vehicle::Segment;
 const RELATIVE_NOISE: f64 = 1e-9;
 
 /// The work that one piece of a leg may take: poses, each with its share of the cells under the body.
-const MOST_WORK: f64 = 1e10;
+const MAX_WORK: f64 = 1e10;
 
 /// The work of a pose besides the cells under the body, in looks at a cell.
 const WORK_OF_POSE: f64 = 16.0;
@@ -118,7 +118,7 @@ impl LegAudit<'_> {
     fn turn(&self, now: LegMoment, heading: f64) -> Result<LegMoment, LegViolation> {
         let turned = ops::wrap_angle(heading - now.pose.heading).abs();
         match self.motion.turning_radius_m {
-            Some(least_m) if turned > SAME_POSE => Err(now.broken(ViolationKind::Curvature { radius_m: 0.0, least_m })),
+            Some(min_m) if turned > SAME_POSE => Err(now.broken(ViolationKind::Curvature { radius_m: 0.0, min_m })),
             _ => Ok(now.after(0.0, Pose::new(now.pose.x, now.pose.y, heading))),
         }
     }
@@ -135,7 +135,7 @@ impl LegAudit<'_> {
         }
         self.check_curvature(&segment).map_err(|kind| now.broken(kind))?;
         let way = Way::new(segment, self.step);
-        if way.count * work_of_pose(self.field) > MOST_WORK {
+        if way.count * work_of_pose(self.field) > MAX_WORK {
             return Err(now.broken(ViolationKind::Endless));
         }
         let start = UnitPose::new(now.pose);
@@ -161,8 +161,8 @@ impl LegAudit<'_> {
     fn check_curvature(&self, segment: &Segment) -> Result<(), ViolationKind> {
         let radius_m = 1.0 / segment.curvature.abs();
         match self.motion.turning_radius_m {
-            Some(least_m) if radius_m < least_m * (1.0 - RELATIVE_NOISE) && segment.length_m != 0.0 => {
-                Err(ViolationKind::Curvature { radius_m, least_m })
+            Some(min_m) if radius_m < min_m * (1.0 - RELATIVE_NOISE) && segment.length_m != 0.0 => {
+                Err(ViolationKind::Curvature { radius_m, min_m })
             }
             _ => Ok(()),
         }
@@ -369,7 +369,7 @@ mod tests {
         for curvature in [1.0 / 12.999, -1.0 / 12.999] {
             let tight = leg(Pose::new(20.0, 20.0, 0.0), vec![segment(0.0, 3.0), segment(curvature, 5.0)]);
             let violation = audit(&tight).expect_err("too tight");
-            assert!(matches!(violation.kind, ViolationKind::Curvature { least_m: 13.0, .. }), "{violation}");
+            assert!(matches!(violation.kind, ViolationKind::Curvature { min_m: 13.0, .. }), "{violation}");
             assert!((violation.place - DVec2::new(23.0, 20.0)).length() < 1e-9, "{violation}");
         }
         let spot = Trajectory::new(SimTime::ZERO, Pose::new(20.0, 20.0, 0.0), vec![Piece::Turn { heading: 0.01 }]);

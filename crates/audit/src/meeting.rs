@@ -6,7 +6,7 @@ use super::{SampleStep, Violation, ViolationKind};
 use wildfire_base::time::SimTime;
 
 /// Looks that one pair of trucks may take.
-const MOST_LOOKS: u64 = 1_000_000_000;
+const MAX_LOOKS: u64 = 1_000_000_000;
 
 /// A truck on its way, and its body.
 pub struct Driver<'a> {
@@ -63,7 +63,7 @@ impl<'a> Pair<'a> {
                 }
             }
             looks += 1;
-            if looks > MOST_LOOKS {
+            if looks > MAX_LOOKS {
                 return Err(violation(ViolationKind::Endless));
             }
             let Some(next) = self.next_look(time, gap_m) else { break };

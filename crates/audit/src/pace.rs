@@ -59,12 +59,12 @@ impl Wheels {
     }
 
     /// Sets a curvature in 1/m: an angle of the bicycle model.
-    fn set(&mut self, curvature: f64, most_s: f64) -> Result<(), ViolationKind> {
+    fn set(&mut self, curvature: f64, max_s: f64) -> Result<(), ViolationKind> {
         let angle_rad = ops::atan2(self.limits.wheelbase_m * curvature, 1.0);
         let turn_rad = (angle_rad - std::mem::replace(&mut self.angle_rad, angle_rad)).abs();
         self.behind_s = f64::max(0.0, self.behind_s + turn_rad / self.limits.rate_rad_s);
-        let is_late = self.behind_s > most_s + TURNING_NOISE_S;
-        if is_late { Err(ViolationKind::Steering { behind_s: self.behind_s, most_s }) } else { Ok(()) }
+        let is_late = self.behind_s > max_s + TURNING_NOISE_S;
+        if is_late { Err(ViolationKind::Steering { behind_s: self.behind_s, max_s }) } else { Ok(()) }
     }
 
     /// While the truck stands, they turn to what comes next.
@@ -250,7 +250,7 @@ mod tests {
         let ends_turned = Trajectory::new(SimTime::ZERO, path.start, pieces[..pieces.len() - 1].to_vec());
         for (leg, limits) in [(&leg, slower), (&at_once, limits), (&ends_turned, limits)] {
             let kind = audit_pace(leg, &limits).expect_err("its wheels are late").kind;
-            assert!(matches!(kind, ViolationKind::Steering { behind_s, most_s } if behind_s > most_s), "{kind:?}");
+            assert!(matches!(kind, ViolationKind::Steering { behind_s, max_s } if behind_s > max_s), "{kind:?}");
         }
     }
 

@@ -16,7 +16,7 @@ use wildfire_base::trajectory::Trajectory;
 use wildfire_timeline::{AgentStart, Body, Timeline};
 
 /// The work that the legs of one agent may take, in looks at a cell.
-const MOST_WORK: f64 = 1e11;
+const MAX_WORK: f64 = 1e11;
 
 /// The result of an audit.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,7 +77,7 @@ fn audit_legs(
         let violation = |violation| Violation { agent: Some(driven.id), ..violation };
         let looked_at = audit_leg(field, motion, leg, step).map_err(violation)?;
         work += looked_at.poses as f64 * work_of_pose(field);
-        if work > MOST_WORK {
+        if work > MAX_WORK {
             let (time, place) = (leg.end_time(), leg.end().position());
             return Err(violation(Violation { time, agent: None, place, kind: ViolationKind::Endless }));
         }

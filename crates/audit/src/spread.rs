@@ -21,7 +21,7 @@ const SAME_TIME: SimTime = SimTime::from_nanos(20);
 
 /// Looks at changes around cells near which trucks were at work, and at pairs of changes of one cell, which one run may
 /// take.
-const MOST_LOOKS: u64 = 2_000_000_000;
+const MAX_LOOKS: u64 = 2_000_000_000;
 
 /// The state of a cell, as this check follows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +46,7 @@ pub fn audit_spread(timeline: &Timeline) -> Result<(), Violation> {
     let (log, end) = (CellLog::new(setting, &changes), timeline.end_time());
     let busiest = log.cells().max_by_key(|of_cell| of_cell.len()).and_then(<[Change]>::first);
     let pairs: u64 = log.cells().map(|of_cell| (of_cell.len() as u64).pow(2)).sum();
-    if let Some(busiest) = busiest.filter(|_| pairs > MOST_LOOKS) {
+    if let Some(busiest) = busiest.filter(|_| pairs > MAX_LOOKS) {
         return Err(busiest.violation(setting, ViolationKind::Endless));
     }
     match spread {
@@ -282,7 +282,7 @@ impl<'a> ArrivalCheck<'a> {
         self.looks += around;
         for disturbed in self.disturbances(cell, wait) {
             self.looks += around;
-            if self.looks > MOST_LOOKS {
+            if self.looks > MAX_LOOKS {
                 return violation(disturbed, ViolationKind::Endless);
             }
             let due = self.earliest(cell, disturbed, None).0;

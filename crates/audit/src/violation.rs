@@ -19,7 +19,7 @@ pub enum ViolationKind {
     /// A turn of less than the smallest radius; 0 on the spot.
     Curvature {
         radius_m: f64,
-        least_m: f64,
+        min_m: f64,
     },
     /// The state at a time is not where the pieces of the leg lead.
     Astray {
@@ -45,7 +45,7 @@ pub enum ViolationKind {
     /// Front wheels that have not turned yet for the curvature of the way.
     Steering {
         behind_s: f64,
-        most_s: f64,
+        max_s: f64,
     },
     /// Speed changes at once where acceleration has a limit; at cusps a truck stands.
     SpeedJump {
@@ -205,8 +205,8 @@ impl fmt::Display for ViolationKind {
             Self::Overlap { other, depth_m } => {
                 write!(f, "its body overlaps that of {other} by {:.1} mm", 1e3 * depth_m)
             }
-            Self::Curvature { radius_m, least_m } => {
-                write!(f, "it turns with a radius of {radius_m:.4} m, below its turning radius of {least_m} m")
+            Self::Curvature { radius_m, min_m } => {
+                write!(f, "it turns with a radius of {radius_m:.4} m, below its turning radius of {min_m} m")
             }
             Self::Astray { metres, radians } => {
                 write!(f, "it is {metres:.6} m and {radians:.6} rad from where the pieces of its leg lead")
@@ -223,8 +223,8 @@ impl fmt::Display for ViolationKind {
             Self::Lateral { found_mps2, limit_mps2 } => {
                 write!(f, "it turns at {found_mps2:.4} m/s2 to the side where {limit_mps2} m/s2 is the limit")
             }
-            Self::Steering { behind_s, most_s } => {
-                write!(f, "its front wheels need {behind_s:.4} s more to turn where {most_s} s is the limit")
+            Self::Steering { behind_s, max_s } => {
+                write!(f, "its front wheels need {behind_s:.4} s more to turn where {max_s} s is the limit")
             }
             Self::SpeedJump { from_mps, to_mps } => {
                 write!(f, "its speed jumps from {from_mps:.4} m/s to {to_mps:.4} m/s")

@@ -49,28 +49,28 @@ pub fn open(path: &Path) -> io::Result<InputFile> {
     }
 }
 
-/// Reads an input of at most `most` bytes.
+/// Reads an input of at most `max` bytes.
 ///
 /// # Errors
 /// [`ErrorKind::FileTooLarge`] for an input that has more; one byte more than the limit is read of it.
-pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+pub fn read(path: &Path, max: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    open(path)?.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > most { Err(too_large(most)) } else { Ok(bytes) }
+    open(path)?.take(max.saturating_add(1)).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > max { Err(too_large(max)) } else { Ok(bytes) }
 }
 
-/// Returns the error of an input with more than `most` bytes.
-pub fn too_large(most: u64) -> io::Error {
-    let limit = most as f64 / 1e6;
+/// Returns the error of an input with more than `max` bytes.
+pub fn too_large(max: u64) -> io::Error {
+    let limit = max as f64 / 1e6;
     io::Error::new(ErrorKind::FileTooLarge, format!("it is too large; expected at most {limit} MB"))
 }
 
-/// Reads a text of at most `most` bytes, without its byte order mark.
+/// Reads a text of at most `max` bytes, without its byte order mark.
 ///
 /// # Errors
 /// Those of [`read`], and [`ErrorKind::InvalidData`] for what is no text.
-pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
-    text(read(path, most)?)
+pub fn read_text(path: &Path, max: u64) -> io::Result<String> {
+    text(read(path, max)?)
 }
 
 /// Returns the text of bytes, without a byte order mark.
@@ -206,17 +206,17 @@ impl<R: Read> Read for TextReader<R> {
     }
 }
 
-/// Reads a list of at most `MOST` items: an item of two bytes, such as `{}` with defaults, may take a thousand in
+/// Reads a list of at most `MAX` items: an item of two bytes, such as `{}` with defaults, may take a thousand in
 /// memory.
 ///
 /// # Errors
 /// A longer one, as soon as it is longer.
-pub fn list_of_at_most<'de, const MOST: usize, T: Deserialize<'de>, D: Deserializer<'de>>(
+pub fn list_of_at_most<'de, const MAX: usize, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<Vec<T>, D::Error> {
-    struct List<const MOST: usize, T>(PhantomData<T>);
+    struct List<const MAX: usize, T>(PhantomData<T>);
 
-    impl<'de, const MOST: usize, T: Deserialize<'de>> Visitor<'de> for List<MOST, T> {
+    impl<'de, const MAX: usize, T: Deserialize<'de>> Visitor<'de> for List<MAX, T> {
         type Value = Vec<T>;
 
         fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -226,15 +226,15 @@ pub fn list_of_at_most<'de, const MOST: usize, T: Deserialize<'de>, D: Deseriali
         fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Vec<T>, A::Error> {
             let mut items = Vec::new();
             while let Some(item) = seq.next_element()? {
-                if items.len() == MOST {
-                    return Err(A::Error::custom(format_args!("more than {MOST} entries; expected fewer")));
+                if items.len() == MAX {
+                    return Err(A::Error::custom(format_args!("more than {MAX} entries; expected fewer")));
                 }
                 items.push(item);
             }
             Ok(items)
         }
     }
-    deserializer.deserialize_seq(List::<MOST, T>(PhantomData))
+    deserializer.deserialize_seq(List::<MAX, T>(PhantomData))
 }
 
 impl Read for InputFile {

@@ -21,10 +21,10 @@ pub fn visible_lines(text: &str) -> Cow<'_, str> {
 /// The first 60 characters of a text, fit for a line as [`visible`] makes it; `…` says that there were more.
 pub fn visible_start(text: &str) -> String {
     /// The most characters.
-    const MOST: usize = 60;
-    let start: String = text.chars().take(MOST).collect();
+    const MAX: usize = 60;
+    let start: String = text.chars().take(MAX).collect();
     let mut shown = visible(&start).into_owned();
-    if text.chars().nth(MOST).is_some() {
+    if text.chars().nth(MAX).is_some() {
         shown.push('…');
     }
     shown

@@ -62,7 +62,7 @@ pub use plan::{
 };
 pub use report::{
     AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, ChartData, ChosenQuantities, Facet, FacetSeries,
-    Failures, FieldPicture, LISTED_VIOLATIONS, ListedViolation, MOST_PANELS, Merged, NotableRun, PaperCharts,
+    Failures, FieldPicture, LISTED_VIOLATIONS, ListedViolation, MAX_PANELS, Merged, NotableRun, PaperCharts,
     ReportError, ReportParts, RunObject, SHOWN_RUNS, Tables, Tally, VariantReport, WrittenReport, audit_all, merge,
     notable_runs, notes, read_report, read_rows, runs_with_pages, word_facets, write_chart, write_chart_data,
     write_paper_chart, write_report,

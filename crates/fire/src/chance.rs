@@ -67,12 +67,12 @@ pub fn normal(share: f64) -> f64 {
 }
 
 /// The largest mean of [`poisson`], far from where its first term would vanish.
-pub const MOST_MEAN: f64 = 500.0;
+pub const MAX_MEAN: f64 = 500.0;
 
 /// Returns the count below or at which more than this share of a Poisson distribution lies, by adding up its terms from 0
-/// on. Means above [`MOST_MEAN`] count as that.
+/// on. Means above [`MAX_MEAN`] count as that.
 pub fn poisson(mean: f64, share: f64) -> u32 {
-    let mean = mean.clamp(0.0, MOST_MEAN);
+    let mean = mean.clamp(0.0, MAX_MEAN);
     let mut term = ops::exp(-mean);
     let mut sum = term;
     let mut count = 0;
@@ -184,7 +184,7 @@ mod tests {
         }
         // Of mean 2, 13.53 % are none and 27.07 % one.
         assert_eq!([0.135, 0.136, 0.405, 0.407].map(|share| poisson(2.0, share)), [0, 1, 1, 2]);
-        let most = poisson(1e9, 1.0 - f64::EPSILON / 2.0);
-        assert!((500..800).contains(&most), "{most}");
+        let max = poisson(1e9, 1.0 - f64::EPSILON / 2.0);
+        assert!((500..800).contains(&max), "{max}");
     }
 }

@@ -18,8 +18,8 @@ use wildfire_base::geometry::{DVec2, ops};
 use crate::surface::{LengthToWidth, length_to_width};
 
 const ACRE: f64 = 10.0;
-const MOST_ACRES: f64 = 1000.0;
-const MOST_MINUTES: f64 = 1080.0;
+const MAX_ACRES: f64 = 1000.0;
+const MAX_MINUTES: f64 = 1080.0;
 
 /// People or machines that build line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -151,8 +151,8 @@ impl Attack {
             let area_acre = (swept.abs() + if is_closed { 0.0 } else { flank.outside(at, head) }) / ACRE;
             let status = match () {
                 () if is_closed => Status::Contained,
-                () if area_acre > MOST_ACRES => Status::SizeLimit,
-                () if time >= MOST_MINUTES => Status::TimeLimit,
+                () if area_acre > MAX_ACRES => Status::SizeLimit,
+                () if time >= MAX_MINUTES => Status::TimeLimit,
                 () if time >= last => Status::Exhausted,
                 () if steps >= 4 * self.min_steps => Status::Attacked,
                 () => continue,

@@ -99,7 +99,7 @@ const IGNITION: u32 = 2;
 const DRAWS: u32 = 4;
 
 /// The longest flight that is followed; no run is as long.
-const MOST_SECONDS: f64 = 1e7;
+const MAX_SECONDS: f64 = 1e7;
 
 impl Embers {
     /// Lists the embers of a cell that come down on the field, in the order of their numbers. Those that leave it are left
@@ -130,7 +130,7 @@ impl Embers {
             let aside_m = cross_sd_m * normal(draw(ACROSS));
             let lands_on = frame.cell_at(frame.centre(cell) + along * distance_m + across * aside_m)?;
             let seconds = distance_m / speed;
-            if seconds > MOST_SECONDS {
+            if seconds > MAX_SECONDS {
                 return None;
             }
             let lands = time + SimTime::from_seconds(seconds);
@@ -249,17 +249,17 @@ mod tests {
     #[test]
     fn any_settings_in_range_are_borne() {
         for extreme in [0.0, 1.0] {
-            let most = |largest: f64| extreme * largest;
+            let max = |largest: f64| extreme * largest;
             let settings = EmberSettings {
                 per_mj: 10.0,
                 i_min_kw_m: 0.0,
                 d0: 1000.0,
-                a: most(2.0),
-                b: most(2.0),
-                k: most(1e6),
-                cross_sd_m: most(1e5),
+                a: max(2.0),
+                b: max(2.0),
+                k: max(1e6),
+                cross_sd_m: max(1e5),
                 p_ign: 1.0,
-                delay_s: most(1e6),
+                delay_s: max(1e6),
             };
             settings.check(&FRAME).expect("these are in range");
             for wind in [1e-12, 5.0, 100.0] {

@@ -88,7 +88,7 @@ pub struct LineTask<'a> {
     /// The length that both flanks together build in a second at a time and place.
     pub rate_mps: &'a dyn Fn(f64, DVec2) -> f64,
     /// The greatest of these rates.
-    pub most_mps: f64,
+    pub max_mps: f64,
     /// No line is built from then on.
     pub until_s: f64,
 }
@@ -127,7 +127,7 @@ impl LineTask<'_> {
         let mut line = Line::default();
         let start = forecast.end_of_fire(self.start_s, tactic);
         let Some(mut anchor) = start.and_then(|place| forecast.on_front(place, self.start_s)) else { return line };
-        let step_s = forecast.frame.cell_m / STEPS_A_CELL / (self.most_mps / 2.0);
+        let step_s = forecast.frame.cell_m / STEPS_A_CELL / (self.max_mps / 2.0);
         let place = |(front, outwards): OnFront| front + offset_m * outwards;
         let (mut time_s, mut builders) = (self.start_s, [Some(anchor); 2]);
         // Enough for a line that passes all cells.
@@ -265,7 +265,7 @@ mod tests {
         let corners = [(12.0, 12.0), (150.0, 40.0), (150.0, 120.0), (30.0, 180.0)].map(|(x, y)| DVec2::new(x, y));
         let length_m: f64 = corners.windows(2).map(|ends| (ends[1] - ends[0]).length()).sum();
         let build = |until_s: f64, rate_mps: &dyn Fn(f64, DVec2) -> f64, other: &[DVec2]| {
-            let task = LineTask { start_s: 100.0, rate_mps, most_mps: 0.5, until_s };
+            let task = LineTask { start_s: 100.0, rate_mps, max_mps: 0.5, until_s };
             task.along_points([&corners, other], &frame)
         };
         let line = build(1e6, &|_, _| 0.5, &[]);

@@ -28,7 +28,7 @@ impl LoneFire {
     const BYTES_A_CELL: u64 = 48;
 
     /// Bounds the memory of a fire on a field and of its landscape.
-    pub fn most_bytes(frame: &FieldFrame) -> u64 {
+    pub fn max_bytes(frame: &FieldFrame) -> u64 {
         Self::BYTES_A_CELL * frame.cell_count() as u64
     }
 

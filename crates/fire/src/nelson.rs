@@ -19,7 +19,7 @@ use wildfire_base::geometry::ops;
 const NODES: usize = 11;
 
 /// The most that wood holds at any place.
-const MOST_MOISTURE: f64 = 0.35;
+const MAX_MOISTURE: f64 = 0.35;
 
 /// Density of dry wood with its cavities, g/cm3.
 const DENSITY: f64 = 0.4;
@@ -159,7 +159,7 @@ impl Stick {
             let biot = conductance * self.spacing_cm() / self.diffusivity[0];
             (inner + biot * equilibrium) / (1.0 + biot)
         }
-        .clamp(0.0, MOST_MOISTURE);
+        .clamp(0.0, MAX_MOISTURE);
     }
 
     /// Returns the temperature at which the surface gains as much heat as it loses: to the air, to the sky (3 degrees warm by
@@ -195,7 +195,7 @@ impl Stick {
                 (out * old[outside] + within * old[inside] + own * old[node]) / (out + within + own)
             };
             self.moisture[node] =
-                mixed(&moisture, self.diffusivity[outside], self.diffusivity[inside]).min(MOST_MOISTURE);
+                mixed(&moisture, self.diffusivity[outside], self.diffusivity[inside]).min(MAX_MOISTURE);
             self.temperature_c[node] = mixed(&temperature_c, HEAT_DIFFUSIVITY, HEAT_DIFFUSIVITY);
         }
         self.moisture[NODES - 1] = self.moisture[NODES - 2];
@@ -261,15 +261,15 @@ mod tests {
         for hour in 0..96 {
             let rain_cm = if hour == 40 { 0.5 } else { 0.0 };
             let air = if hour / 12 % 2 == 0 { Air { rain_cm, ..DAY } } else { Air { rain_cm, ..NIGHT } };
-            for (stick, [least, most]) in sticks.iter_mut().zip(&mut swings) {
+            for (stick, [min, max]) in sticks.iter_mut().zip(&mut swings) {
                 stick.advance_hour(&air);
                 let moisture = stick.median_moisture();
-                (*least, *most) = (least.min(moisture), most.max(moisture));
-                let nodes = stick.moisture.iter().all(|moisture| (0.0..=MOST_MOISTURE).contains(moisture));
+                (*min, *max) = (min.min(moisture), max.max(moisture));
+                let nodes = stick.moisture.iter().all(|moisture| (0.0..=MAX_MOISTURE).contains(moisture));
                 assert!(nodes, "hour {hour}: {:?}", stick.moisture);
             }
         }
-        let swings = swings.map(|[least, most]| most - least);
+        let swings = swings.map(|[min, max]| max - min);
         assert!(swings.is_sorted_by(|thin, thick| thin > thick), "{swings:?}");
     }
 

@@ -37,12 +37,12 @@ fn compare(case: u64, cells: f64) -> Compared {
     let rate_ch_h = fire.rate_mps * 3600.0 / CHAIN_M;
     let size_acre = rng.random_range(0.5..20.0_f64);
     let tactic = if rng.random_bool(0.5) { Tactic::Head } else { Tactic::Rear };
-    let least = if tactic == Tactic::Head { 2.0 } else { 1.0 };
+    let min = if tactic == Tactic::Head { 2.0 } else { 1.0 };
     let crews = rng.random_range(1..=3);
     let crew = |number: i32| Resource {
         arrival_min: rng.random_range(0.0..30.0_f64) + 10.0 * f64::from(number),
         duration_min: 3000.0,
-        production_ch_h: least * rate_ch_h * rng.random_range(0.8..4.0) / if number > 0 { 3.0 } else { 1.0 },
+        production_ch_h: min * rate_ch_h * rng.random_range(0.8..4.0) / if number > 0 { 3.0 } else { 1.0 },
     };
     let resources: Vec<Resource> = (0..crews).map(crew).collect();
     let attack = Attack { rate_ch_h, size_acre, length_to_width, tactic, offset_ch: 0.0, resources, min_steps: 2500 };
@@ -66,9 +66,9 @@ fn compare(case: u64, cells: f64) -> Compared {
     let crews: Vec<(f64, f64)> = attack.resources.iter().map(crew).collect();
     let rate_mps = |time_s: f64, _: DVec2| crews.iter().filter(|crew| crew.0 <= time_s).map(|crew| crew.1).sum();
     let start_s = crews.iter().map(|crew| crew.0).fold(f64::INFINITY, f64::min);
-    let most_mps = crews.iter().map(|crew| crew.1).sum();
+    let max_mps = crews.iter().map(|crew| crew.1).sum();
     // Contain gives up after 18 hours, and beyond 1000 acres.
-    let task = LineTask { start_s, rate_mps: &rate_mps, most_mps, until_s: report_s + 60.0 * 1080.0 };
+    let task = LineTask { start_s, rate_mps: &rate_mps, max_mps, until_s: report_s + 60.0 * 1080.0 };
     let line = task.along_front(&forecast, tactic, 0.0);
     for line in line.cells(&forecast) {
         let time = SimTime::from_seconds(line.time_s);

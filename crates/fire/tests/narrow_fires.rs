@@ -109,10 +109,10 @@ fn check_sizes(sizes: &[f64], heading_step: usize, neighbours: Neighbours) {
                 .step_by(heading_step)
                 .map(|degrees| burn(shape, f64::from(degrees), along, neighbours))
                 .collect();
-            let least_of = |of: fn(&Share) -> f64| shares.iter().map(of).fold(f64::INFINITY, f64::min);
-            let area = least_of(|share| share.area);
-            let head = least_of(|share| share.head);
-            let largest = -least_of(|share| -share.area);
+            let min_of = |of: fn(&Share) -> f64| shares.iter().map(of).fold(f64::INFINITY, f64::min);
+            let area = min_of(|share| share.area);
+            let head = min_of(|share| share.head);
+            let largest = -min_of(|share| -share.area);
             let micros = shares.iter().map(|share| share.micros_a_cell).sum::<f64>() / shares.len() as f64;
             println!(
                 "{:10}  {shape:15}  {along:11}  {area:13.4}, {largest:7.4}  {head:13.4}  {micros:7.3}",

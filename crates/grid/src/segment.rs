@@ -132,8 +132,8 @@ mod tests {
         let (rows, cols) = (to.row - from.row, to.col - from.col);
         let side = |row: i64, col: i64| rows * (col - from.col) - cols * (row - from.row);
         let corners = [(0, 0), (0, UNITS), (UNITS, 0), (UNITS, UNITS)].map(|(r, c)| side(top + r, left + c));
-        let (least, most) = (corners.iter().min().unwrap(), corners.iter().max().unwrap());
-        let is_beside = if closed { *least > 0 || *most < 0 } else { *least >= 0 || *most <= 0 };
+        let (min, max) = (corners.iter().min().unwrap(), corners.iter().max().unwrap());
+        let is_beside = if closed { *min > 0 || *max < 0 } else { *min >= 0 || *max <= 0 };
         let is_point = from == to;
         !apart(top, top + UNITS, from.row, to.row)
             && !apart(left, left + UNITS, from.col, to.col)

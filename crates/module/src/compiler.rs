@@ -12,13 +12,13 @@ use std::task::{Context, Poll, Waker};
 use wasmtime::{AsContextMut, Config, Engine, Error, Extern, Global, InstancePre, Linker, Memory, Store, StoreLimits};
 use wasmtime::{StoreLimitsBuilder, Trap, Val};
 
-use crate::count::{Counted, GAS, MOST_SLOTS, SLOTS};
+use crate::count::{Counted, GAS, MAX_SLOTS, SLOTS};
 use crate::host::{Caller, Function, SharedHost, Stop, WASI, four};
-use crate::instance::{Limits, MOST_TABLE_ELEMENTS, Pause, Reason};
+use crate::instance::{Limits, MAX_TABLE_ELEMENTS, Pause, Reason};
 
 /// Bytes of native stack for all slots: a value that is kept over a call takes eight bytes, and where the compiler keeps
 /// others too, they are few.
-const STACK_BYTES: usize = 8 * size_of::<u64>() * MOST_SLOTS as usize;
+const STACK_BYTES: usize = 8 * size_of::<u64>() * MAX_SLOTS as usize;
 
 /// Bytes of it that are left for functions of the host.
 const HOST_STACK_BYTES: usize = 1 << 20;
@@ -84,7 +84,7 @@ impl Compiled {
     }
 
     pub fn start(&self, host: SharedHost, limits: Limits) -> Result<Running, String> {
-        let limits = StoreLimitsBuilder::new().memory_size(limits.memory).table_elements(MOST_TABLE_ELEMENTS).build();
+        let limits = StoreLimitsBuilder::new().memory_size(limits.memory).table_elements(MAX_TABLE_ELEMENTS).build();
         let desk = InstructionCounter::default();
         let data = Data { limits, host, parts: None, desk: Arc::clone(&desk) };
         let mut store = Store::new(self.0.module().engine(), data);

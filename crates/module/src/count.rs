@@ -30,7 +30,7 @@ pub const GAS: &str = "wildfire:gas";
 pub const SLOTS: &str = "wildfire:slots";
 
 /// Slots of nested calls, eight bytes each in an interpreter. Engines need room for some multiple of them.
-pub const MOST_SLOTS: i32 = 1 << 20;
+pub const MAX_SLOTS: i32 = 1 << 20;
 
 /// Slots of a frame besides its values: where it returns to, and registers that it saves.
 pub const FRAME_SLOTS: u32 = 8;
@@ -197,7 +197,7 @@ impl Counter {
     fn add_globals(&self, globals: &mut GlobalSection) {
         let of = |val_type| GlobalType { val_type, mutable: true, shared: false };
         globals.global(of(ValType::I64), &ConstExpr::i64_const(0));
-        globals.global(of(ValType::I32), &ConstExpr::i32_const(MOST_SLOTS));
+        globals.global(of(ValType::I32), &ConstExpr::i32_const(MAX_SLOTS));
     }
 
     fn export_globals(&self, exports: &mut ExportSection) {

@@ -21,7 +21,7 @@ const FAULT: i32 = 21;
 const NOT_SUPPORTED: i32 = 58;
 
 /// The most bytes of stderr that are kept: the beginning of what a module writes between two answers.
-const MOST_SAID: usize = 4096;
+const MAX_SAID: usize = 4096;
 
 /// What a module has around it while it runs.
 #[derive(Debug)]
@@ -31,7 +31,7 @@ pub struct Host {
     /// What it has written to stdout and nobody has taken.
     pub output: Vec<u8>,
     /// The most bytes that `output` may hold.
-    pub most_output: usize,
+    pub max_output: usize,
     /// What it has written to stderr since the last answer.
     pub said: Vec<u8>,
     pub random: Xoshiro256PlusPlus,
@@ -156,8 +156,8 @@ fn fd_write(caller: &mut Caller<'_>, [fd, list, count, moved_at]: [u32; 4]) -> A
         let bytes = caller.read(at, length)?.to_vec();
         all = all.checked_add(length).ok_or(OUTSIDE)?;
         let host = &mut *caller.host;
-        let (to, most) = if fd == 1 { (&mut host.output, host.most_output) } else { (&mut host.said, MOST_SAID) };
-        let room = most - to.len();
+        let (to, max) = if fd == 1 { (&mut host.output, host.max_output) } else { (&mut host.said, MAX_SAID) };
+        let room = max - to.len();
         to.extend(bytes.iter().take(room));
         if fd == 1 && bytes.len() > room {
             return Err(HostError::Stop(Stop::Flood));

@@ -11,7 +11,7 @@ use crate::host::{Function, Host, SharedHost, Stop};
 use crate::interpreter;
 
 /// The most elements of a module's tables.
-pub const MOST_TABLE_ELEMENTS: usize = 1 << 20;
+pub const MAX_TABLE_ELEMENTS: usize = 1 << 20;
 
 /// What runs modules. All engines give the same answers and the same counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,8 +86,8 @@ fn checked(bytes: &[u8], limits: Limits) -> Result<Counted, String> {
     }
     let Some(memory) = counted.memory else { return Err("does not export its `memory`".to_owned()) };
     if memory > limits.memory as u64 {
-        let (asked, most) = (memory as f64 / 1e6, limits.memory as f64 / 1e6);
-        return Err(format!("begins with {asked:.1} MB of memory; at most {most} MB are allowed"));
+        let (asked, max) = (memory as f64 / 1e6, limits.memory as f64 / 1e6);
+        return Err(format!("begins with {asked:.1} MB of memory; at most {max} MB are allowed"));
     }
     Ok(counted)
 }
@@ -174,7 +174,7 @@ pub struct Instance {
     host: SharedHost,
     running: Running,
     has_failed: bool,
-    most_output: usize,
+    max_output: usize,
 }
 
 impl Instance {
@@ -186,7 +186,7 @@ impl Instance {
         let host = SharedHost::new(Host {
             input: Vec::new(),
             output: Vec::new(),
-            most_output: module.limits.answer,
+            max_output: module.limits.answer,
             said: Vec::new(),
             random: rng::stream(seed, "module"),
             name: module.name.clone(),
@@ -197,7 +197,7 @@ impl Instance {
             Compiled::Compiler(compiled) => compiled.start(host.clone(), module.limits).map(Running::Compiler),
         };
         let running = running.map_err(|words| format!("cannot be started: {words}"))?;
-        Ok(Self { host, running, has_failed: false, most_output: module.limits.answer })
+        Ok(Self { host, running, has_failed: false, max_output: module.limits.answer })
     }
 
     /// Gives a module a line and lets it run until it reads the next one; returns the line that it wrote. It may run
@@ -234,9 +234,7 @@ impl Instance {
                 (FailureKind::BadAnswer, "reads on without having answered".to_owned())
             }
             Reason::Stop(Stop::Exit(code)) => (FailureKind::Crashed, format!("ended with exit code {code}")),
-            Reason::Stop(Stop::Flood) => {
-                (FailureKind::BadAnswer, format!("wrote more than {} bytes", self.most_output))
-            }
+            Reason::Stop(Stop::Flood) => (FailureKind::BadAnswer, format!("wrote more than {} bytes", self.max_output)),
             Reason::End => (FailureKind::Crashed, "ended".to_owned()),
             Reason::Trap(words) => (FailureKind::Crashed, format!("trapped: {words}")),
         };

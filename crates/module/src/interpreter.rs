@@ -3,9 +3,9 @@
 use wasmi::{AsContextMut, Config, Error, Extern, ExternType, Func, Global, Linker, Memory, ResumableCall};
 use wasmi::{ResumableCallHostTrap, Store, StoreLimits, StoreLimitsBuilder, TrapCode, Val};
 
-use crate::count::{Counted, FRAME_SLOTS, GAS, MOST_SLOTS, SLOTS};
+use crate::count::{Counted, FRAME_SLOTS, GAS, MAX_SLOTS, SLOTS};
 use crate::host::{Caller, Function, SharedHost, Stop, WASI, four};
-use crate::instance::{Limits, MOST_TABLE_ELEMENTS, Pause, Reason};
+use crate::instance::{Limits, MAX_TABLE_ELEMENTS, Pause, Reason};
 
 impl wasmi::errors::HostError for Stop {}
 
@@ -39,8 +39,8 @@ impl Compiled {
     pub fn new(counted: &Counted) -> Result<Self, String> {
         let mut config = Config::default();
         // Slots are counted, so neither is ever reached.
-        config.set_max_recursion_depth(MOST_SLOTS as usize / FRAME_SLOTS as usize + 2);
-        config.set_max_stack_height(2 * size_of::<u64>() * MOST_SLOTS as usize);
+        config.set_max_recursion_depth(MAX_SLOTS as usize / FRAME_SLOTS as usize + 2);
+        config.set_max_stack_height(2 * size_of::<u64>() * MAX_SLOTS as usize);
         let engine = wasmi::Engine::new(&config);
         let module =
             wasmi::Module::new(&engine, &counted.bytes).map_err(|error| format!("cannot be compiled: {error}"))?;
@@ -65,7 +65,7 @@ impl Compiled {
     }
 
     pub fn start(&self, host: SharedHost, limits: Limits) -> Result<Running, String> {
-        let limits = StoreLimitsBuilder::new().memory_size(limits.memory).table_elements(MOST_TABLE_ELEMENTS).build();
+        let limits = StoreLimitsBuilder::new().memory_size(limits.memory).table_elements(MAX_TABLE_ELEMENTS).build();
         let mut store = Store::new(self.linker.engine(), Data { limits, host, parts: None, waiting: None });
         store.limiter(|data| &mut data.limits);
         let instance = self.linker.instantiate_and_start(&mut store, &self.module).map_err(|error| words(&error))?;

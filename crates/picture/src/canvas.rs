@@ -99,7 +99,7 @@ impl Canvas {
     /// Gives the pixels from (`left`, `top`) to before (`right`, `bottom`) one colour, as far as they are on the sheet.
     pub fn fill_pixels(&mut self, (left, top): (i32, i32), (right, bottom): (i32, i32), [red, green, blue]: Rgb) {
         let (width, height) = (self.width() as usize, self.height() as usize);
-        let place = |at: i32, most: usize| (at.max(0) as usize).min(most);
+        let place = |at: i32, max: usize| (at.max(0) as usize).min(max);
         let (left, right) = (place(left, width), place(right, width));
         for row in place(top, height)..place(bottom, height) {
             if left < right {
@@ -112,7 +112,7 @@ impl Canvas {
     /// below shows through. Cheaper than [`Canvas::fill_through`].
     pub fn tint_pixels(&mut self, (left, top): (i32, i32), (right, bottom): (i32, i32), ink: Ink) {
         let (width, height) = (self.width() as usize, self.height() as usize);
-        let place = |at: i32, most: usize| (at.max(0) as usize).min(most);
+        let place = |at: i32, max: usize| (at.max(0) as usize).min(max);
         let (left, right) = (place(left, width), place(right, width).max(place(left, width)));
         let weight = (256.0 * ink.opacity) as i32;
         for row in place(top, height)..place(bottom, height) {

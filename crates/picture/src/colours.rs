@@ -120,8 +120,8 @@ mod tests {
         for map in [ColourMap::Viridis, ColourMap::Jet] {
             for step in 0..=1000 {
                 let [red, green, blue] = map.colour(f64::from(step) / 1000.0);
-                let (least, most) = (red.min(green).min(blue), red.max(green).max(blue));
-                assert!(most - least > 30, "{map:?} is grey at {step}: {red}, {green}, {blue}");
+                let (min, max) = (red.min(green).min(blue), red.max(green).max(blue));
+                assert!(max - min > 30, "{map:?} is grey at {step}: {red}, {green}, {blue}");
             }
         }
     }

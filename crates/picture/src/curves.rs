@@ -26,7 +26,7 @@ pub struct CurveScene<'a> {
     /// The vehicle whose outline is drawn at both poses, if any.
     pub body: Option<&'a Dimensions>,
     /// Length in metres of what is shown at least: ways may have no length.
-    pub least_m: f64,
+    pub min_m: f64,
 }
 
 /// Draws the paths to scale, reverse dashed, with start, goal, cusps, a key, and metres east and north along the edges.
@@ -38,7 +38,7 @@ pub fn draw_curves(scene: &CurveScene) -> Picture {
     let driven = lines.iter().flatten().flat_map(|run| run.places.iter());
     let ends = [scene.start, scene.goal].map(|pose| (pose.x, pose.y));
     let places = driven.chain(outlines.iter().flatten()).chain(&ends).copied();
-    let frame = WorldFrame::fit(places, scene.least_m);
+    let frame = WorldFrame::fit(places, scene.min_m);
 
     let WorldSheet { mut canvas, frame } = WorldSheet::new(scene.title, frame, key(scene, &lines));
     for outline in &outlines {

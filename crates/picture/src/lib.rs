@@ -44,7 +44,7 @@ pub use gif_film::{ColourCounts, GifFilm, Palette};
 pub use ground::{GroundCover, bush_covers, ground_covers};
 pub use map::{draw_map, draw_overlay, draw_small_map};
 pub use map_film::{MapGrowth, write_map_film};
-pub use mcap::{MOST_CELLS_OF_MCAP, write_mcap};
+pub use mcap::{MAX_CELLS_OF_MCAP, write_mcap};
 pub use png::Picture;
 pub use scene::{MapScene, Spot, Zones};
 pub use surface::draw_surface;

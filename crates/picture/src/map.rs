@@ -205,8 +205,8 @@ impl<'a> Plate<'a> {
 
     /// Draws the first edges of a tree or a roadmap, those of many thinner.
     pub fn draw_edges(&mut self, count: usize) {
-        let least = if self.scene.edges.len() > MANY_EDGES { 0.5 } else { 1.0 };
-        let width = (0.08 * self.zoom.cell()).clamp(least * self.unit, 1.6 * least * self.unit);
+        let min = if self.scene.edges.len() > MANY_EDGES { 0.5 } else { 1.0 };
+        let width = (0.08 * self.zoom.cell()).clamp(min * self.unit, 1.6 * min * self.unit);
         for &[from, to] in &self.scene.edges[..count] {
             let ends = [self.spot(from), self.spot(to)];
             draw_line(&mut self.canvas, ends[0], ends[1], width, Ink::opaque(EDGE));

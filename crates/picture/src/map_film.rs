@@ -19,7 +19,7 @@ pub struct MapGrowth<'a> {
 }
 
 /// The most frames before the last one, which shows the path.
-const MOST_FRAMES: usize = 100;
+const MAX_FRAMES: usize = 100;
 /// In hundredths of a second.
 const DELAY: u16 = 6;
 const LAST_DELAY: u16 = 250;
@@ -32,7 +32,7 @@ pub fn write_map_film(scene: &MapScene, growth: &MapGrowth, path: &Path) -> io::
     let legend = Legend { values: bar(scene, scale.as_ref()), key: key(scene) };
     let zoom = Zoom::small(scene.occupied.rows(), scene.occupied.cols());
     let bare = Plate::with_zoom(scene, &legend, zoom);
-    let last = growth.steps.clamp(1, MOST_FRAMES);
+    let last = growth.steps.clamp(1, MAX_FRAMES);
     let paint = |frame: usize| {
         let done = growth.steps * frame / last;
         let mut plate = bare.clone();

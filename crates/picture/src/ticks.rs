@@ -7,7 +7,7 @@ use wildfire_base::geometry::ops;
 /// The distance, in steps, within which a value outside the range counts as its end: steps such as 0.1 are not exact.
 const ROUNDING: f64 = 1e-9;
 /// The most digits of a number that are shown.
-const MOST_DIGITS: i32 = 6;
+const MAX_DIGITS: i32 = 6;
 /// The most characters of a chosen value that is written as it is.
 const LONGEST: usize = 8;
 
@@ -18,19 +18,19 @@ pub struct Tick {
     pub label: String,
 }
 
-/// Values from `low` to `high` in steps of 1, 2 or 5 times a power of ten, but at least `least`, so that there are
-/// about `most` or fewer; the only value if `low` and `high` are equal.
-pub fn ticks(low: f64, high: f64, most: usize, least: f64) -> Vec<Tick> {
-    let step = round_step((high / most as f64 - low / most as f64).max(least));
+/// Values from `low` to `high` in steps of 1, 2 or 5 times a power of ten, but at least `min`, so that there are
+/// about `max` or fewer; the only value if `low` and `high` are equal.
+pub fn ticks(low: f64, high: f64, max: usize, min: f64) -> Vec<Tick> {
+    let step = round_step((high / max as f64 - low / max as f64).max(min));
     let (first, last) = ((low / step - ROUNDING).ceil(), (high / step + ROUNDING).floor());
     let largest = low.abs().max(high.abs());
-    let is_readable = step > 0.0 && step.is_finite() && exponent(largest) - exponent(step) < MOST_DIGITS;
+    let is_readable = step > 0.0 && step.is_finite() && exponent(largest) - exponent(step) < MAX_DIGITS;
     if !is_readable || last <= first {
         return ends(low, high);
     }
     let mut ticks = Vec::new();
     let mut index = first;
-    while index <= last && ticks.len() <= most {
+    while index <= last && ticks.len() <= max {
         let value = index * step;
         ticks.push(Tick { value: value.clamp(low, high), label: label(value, step, largest) });
         index += 1.0;
@@ -53,7 +53,7 @@ pub fn tick_at(value: f64) -> Tick {
 
 /// Decimal logarithms from `low` to `high`, of powers of ten and, where there is room, of 2 and 5 times these; labels are
 /// the numbers themselves. The ends if no such number lies between.
-pub fn log_ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
+pub fn log_ticks(low: f64, high: f64, max: usize) -> Vec<Tick> {
     const FACTORS: [(f64, u8); 3] = [(0.0, 1), (LOG10_2, 2), (1.0 - LOG10_2, 5)];
     #[expect(clippy::cast_possible_truncation, reason = "logarithms of numbers lie from -324 to 309")]
     let (first, last) = (low.floor() as i32, high.ceil() as i32);
@@ -64,11 +64,11 @@ pub fn log_ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
     };
     let fine = (first..=last).flat_map(|power| FACTORS.map(|factor| tick(power, factor)));
     let fine: Vec<Tick> = fine.filter(within).collect();
-    if (2..=most).contains(&fine.len()) {
+    if (2..=max).contains(&fine.len()) {
         return fine;
     }
     let powers: Vec<Tick> = (first..=last).map(|power| tick(power, FACTORS[0])).filter(within).collect();
-    let step = powers.len().div_ceil(most.max(1)).max(1);
+    let step = powers.len().div_ceil(max.max(1)).max(1);
     let powers: Vec<Tick> = powers.into_iter().step_by(step).collect();
     if powers.len() >= 2 {
         return powers;
@@ -77,18 +77,18 @@ pub fn log_ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
     if low == high { ends[..1].to_vec() } else { ends.to_vec() }
 }
 
-/// Rows or columns to be numbered, from 0 in steps of 1, 2 or 5 times a power of ten of at least `least`.
-pub fn indices(count: usize, least: f64) -> impl Iterator<Item = usize> {
+/// Rows or columns to be numbered, from 0 in steps of 1, 2 or 5 times a power of ten of at least `min`.
+pub fn indices(count: usize, min: f64) -> impl Iterator<Item = usize> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "steps are a few thousand at most")]
-    let step = round_step(least.max(1.0)) as usize;
+    let step = round_step(min.max(1.0)) as usize;
     (0..count).step_by(step.max(1))
 }
 
-/// The least of 1, 2, 5 times a power of ten that is not less than `least`.
-pub fn round_step(least: f64) -> f64 {
-    let power = power_of_ten(exponent(least));
+/// The least of 1, 2, 5 times a power of ten that is not less than `min`.
+pub fn round_step(min: f64) -> f64 {
+    let power = power_of_ten(exponent(min));
     let steps = [1.0, 2.0, 5.0].map(|factor| factor * power);
-    steps.into_iter().find(|&step| step >= least).unwrap_or(10.0 * power)
+    steps.into_iter().find(|&step| step >= min).unwrap_or(10.0 * power)
 }
 
 /// The exponent of the first decimal digit; taken from the digits, since logarithms are rounded.
@@ -179,8 +179,7 @@ mod tests {
 
     #[test]
     fn logarithms_are_labelled_with_their_numbers() {
-        let labels =
-            |low, high, most| log_ticks(low, high, most).into_iter().map(|tick| tick.label).collect::<Vec<_>>();
+        let labels = |low, high, max| log_ticks(low, high, max).into_iter().map(|tick| tick.label).collect::<Vec<_>>();
         assert_eq!(labels(-1.0, 1.0, 8), ["0.1", "0.2", "0.5", "1", "2", "5", "10"]);
         assert_eq!(labels(-2.1, 3.2, 8), ["0.01", "0.1", "1", "10", "100", "1000"]);
         assert_eq!(labels(-6.0, 6.0, 5), ["1e-6", "0.001", "1", "1000", "1e6"]);

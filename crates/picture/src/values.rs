@@ -37,8 +37,8 @@ impl ValueScale {
     }
 
     /// Round values in the range, in steps of at least 1 where all values are whole numbers.
-    pub fn ticks(&self, most: usize) -> Vec<Tick> {
-        ticks(self.low, self.high, most, if self.is_whole { 1.0 } else { 0.0 })
+    pub fn ticks(&self, max: usize) -> Vec<Tick> {
+        ticks(self.low, self.high, max, if self.is_whole { 1.0 } else { 0.0 })
     }
 
     /// Returns where a value lies in the range, 0 to 1; values outside count as its nearest end, and where all values

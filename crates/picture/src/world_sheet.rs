@@ -39,13 +39,13 @@ pub struct FrameRoom {
 }
 
 impl WorldFrame {
-    /// Shows all places, with the longer side at least `least_m` (positive) long.
-    pub fn fit(places: impl Iterator<Item = (f64, f64)>, least_m: f64) -> Self {
+    /// Shows all places, with the longer side at least `min_m` (positive) long.
+    pub fn fit(places: impl Iterator<Item = (f64, f64)>, min_m: f64) -> Self {
         let (mut low, mut high) = ((f64::INFINITY, f64::INFINITY), (f64::NEG_INFINITY, f64::NEG_INFINITY));
         for (x, y) in places {
             (low, high) = ((low.0.min(x), low.1.min(y)), (high.0.max(x), high.1.max(y)));
         }
-        let longer = (high.0 - low.0).max(high.1 - low.1).max(least_m);
+        let longer = (high.0 - low.0).max(high.1 - low.1).max(min_m);
         let half = |low: f64, high: f64| 0.5 * (high - low).max(SLENDEREST * longer) + RIM * longer;
         let (centre_x, centre_y) = (0.5 * (low.0 + high.0), 0.5 * (low.1 + high.1));
         let (half_x, half_y) = (half(low.0, high.0), half(low.1, high.1));
@@ -183,8 +183,8 @@ mod tests {
 
     #[test]
     fn a_metre_east_is_as_long_as_a_metre_north() {
-        for least_m in [1e-3, 1.0, 1e4] {
-            let frame = WorldFrame::fit(corners().into_iter(), least_m);
+        for min_m in [1e-3, 1.0, 1e4] {
+            let frame = WorldFrame::fit(corners().into_iter(), min_m);
             let [(left, bottom), (right, top)] = corners().map(|place| frame.at(place));
             let (east, north) = ((right - left) / 50.0, (bottom - top) / 20.0);
             assert!((east / north - 1.0).abs() < 1e-3, "{east} and {north}");
@@ -193,8 +193,8 @@ mod tests {
 
     #[test]
     fn a_single_place_and_far_ones_are_shown() {
-        for (place, least_m) in [((1e6, -1e6), 1e-6), ((0.0, 0.0), 1e3), ((-5.0, 7.0), 1.0)] {
-            let frame = WorldFrame::fit([place].into_iter(), least_m);
+        for (place, min_m) in [((1e6, -1e6), 1e-6), ((0.0, 0.0), 1e3), ((-5.0, 7.0), 1.0)] {
+            let frame = WorldFrame::fit([place].into_iter(), min_m);
             let (width, height) = frame.size();
             let (x, y) = frame.at(place);
             assert!((x - 0.5 * width).abs() < 1.0 && (y - 0.5 * height).abs() < 1.0, "{x}, {y}");

@@ -96,7 +96,7 @@ impl TruckPlanner for ValidatedPlanner {
         plan.cpu.get_or_insert(QueryCpu { time, starting: Duration::ZERO, source: CpuSource::Thread });
         // What it says of its effort is charged and added up: a lie must not overflow.
         let calls = (self.calls.load(Ordering::Relaxed) - calls).div_ceil(CALLS_OF_EXPANSION);
-        let counted = u32::try_from(calls).unwrap_or(u32::MAX).min(MOST_EXPANSIONS);
+        let counted = u32::try_from(calls).unwrap_or(u32::MAX).min(MAX_EXPANSIONS);
         plan.effort = Effort { roadmap_expansions: 0, local_expansions: total_expansions(plan.effort).max(counted) };
         self.judged(start, goal, plan)
     }
@@ -120,8 +120,8 @@ fn words_of_panic(panic: &(dyn Any + Send)) -> String {
 const CALLS_OF_EXPANSION: u64 = 8;
 
 /// The most expansions of one query that are believed.
-const MOST_EXPANSIONS: u32 = 1_000_000_000;
+const MAX_EXPANSIONS: u32 = 1_000_000_000;
 
 fn total_expansions(effort: Effort) -> u32 {
-    effort.roadmap_expansions.saturating_add(effort.local_expansions).min(MOST_EXPANSIONS)
+    effort.roadmap_expansions.saturating_add(effort.local_expansions).min(MAX_EXPANSIONS)
 }

@@ -8,17 +8,17 @@ use std::fmt;
 use glam::DVec2;
 
 use super::{END_M, END_RAD, Goal, GoalDisc};
-use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M, Obstacle};
+use crate::collision::{CollisionChecker, MIN_CLEARANCE_M, Obstacle};
 use wildfire_base::geometry::{Pose, ops};
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::{SpeedLimits, Trajectory};
 use wildfire_base::vehicle::{Dimensions, Path, ReedsShepp};
 
 /// The maximum number of segments of a path.
-pub const MOST_SEGMENTS: usize = 10_000;
+pub const MAX_SEGMENTS: usize = 10_000;
 
 /// The maximum length of a path, as a multiple of the sum of the field's sides.
-pub const MOST_FIELDS_LONG: f64 = 100.0;
+pub const MAX_FIELDS_LONG: f64 = 100.0;
 
 /// The distance between poses whose clearance is computed, in metres.
 pub const SPACING_M: f64 = 0.02;
@@ -45,17 +45,17 @@ pub struct PathPlace {
 /// The reason why a path is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BadPath {
-    /// More than [`MOST_SEGMENTS`].
+    /// More than [`MAX_SEGMENTS`].
     TooManySegments { found: usize },
     /// The path does not begin at the truck.
     OtherStart { found: Pose, truck: Pose },
     /// A curvature or a length that is not a finite number, or too small to compute with.
     NotANumber { place: PathPlace, what: &'static str, found: f64 },
-    /// More than [`MOST_FIELDS_LONG`] times the sum of the field's sides.
-    TooLong { found_m: f64, most_m: f64 },
+    /// More than [`MAX_FIELDS_LONG`] times the sum of the field's sides.
+    TooLong { found_m: f64, max_m: f64 },
     /// A turn that the truck cannot make.
-    TooSharp { place: PathPlace, found: f64, most: f64 },
-    /// Less than [`LEAST_CLEARANCE_M`] from something; not above 0 on contact.
+    TooSharp { place: PathPlace, found: f64, max: f64 },
+    /// Less than [`MIN_CLEARANCE_M`] from something; not above 0 on contact.
     TooNear { place: PathPlace, obstacle: Obstacle, found_m: f64 },
     /// The body's centre ends outside of the disc.
     MissesDisc { along_m: f64, centre: DVec2, disc: GoalDisc },
@@ -72,14 +72,14 @@ impl Judge {
     }
 
     /// Checks that a path leads from the truck's pose to the goal, turns no more sharply than the truck can, and keeps
-    /// [`LEAST_CLEARANCE_M`] everywhere.
+    /// [`MIN_CLEARANCE_M`] everywhere.
     ///
     /// Its cost is bounded, whatever the path: a path that is too long is refused before it is followed.
     ///
     /// # Errors
     /// The first thing that is wrong with it.
     pub fn check(&self, start: Pose, goal: Goal, path: &Path) -> Result<(), BadPath> {
-        if path.segments.len() > MOST_SEGMENTS {
+        if path.segments.len() > MAX_SEGMENTS {
             return Err(BadPath::TooManySegments { found: path.segments.len() });
         }
         // The truck's pose is not a number only if the path's is refused with it.
@@ -88,16 +88,16 @@ impl Judge {
         }
         check_numbers(path)?;
         let frame = self.checker.field().frame();
-        let (length_m, most_m) = (path.length_m(), MOST_FIELDS_LONG * (frame.width_m() + frame.height_m()));
-        if length_m > most_m {
-            return Err(BadPath::TooLong { found_m: length_m, most_m });
+        let (length_m, max_m) = (path.length_m(), MAX_FIELDS_LONG * (frame.width_m() + frame.height_m()));
+        if length_m > max_m {
+            return Err(BadPath::TooLong { found_m: length_m, max_m });
         }
         self.check_segments(path)?;
         self.check_end(goal, path.end(), length_m)
     }
 
     fn check_segments(&self, path: &Path) -> Result<(), BadPath> {
-        let most = self.checker.body().max_curvature();
+        let max = self.checker.body().max_curvature();
         let mut along_m = 0.0;
         for (index, (start, segment)) in path.legs().enumerate() {
             let place = |travelled_m: f64| PathPlace {
@@ -106,10 +106,10 @@ impl Judge {
                 along_m: along_m + travelled_m,
                 at: segment.pose_at(start, travelled_m.copysign(segment.length_m)).position(),
             };
-            if segment.curvature.abs() > most {
-                return Err(BadPath::TooSharp { place: place(0.0), found: segment.curvature.abs(), most });
+            if segment.curvature.abs() > max {
+                return Err(BadPath::TooSharp { place: place(0.0), found: segment.curvature.abs(), max });
             }
-            if let Some(travelled_m) = self.checker.refused_at(start, segment, LEAST_CLEARANCE_M) {
+            if let Some(travelled_m) = self.checker.refused_at(start, segment, MIN_CLEARANCE_M) {
                 let pose = segment.pose_at(start, travelled_m.copysign(segment.length_m));
                 let (obstacle, found_m) = self.checker.nearest_obstacle(pose);
                 return Err(BadPath::TooNear { place: place(travelled_m), obstacle, found_m });
@@ -238,7 +238,7 @@ impl fmt::Display for PathPlace {
 impl fmt::Display for BadPath {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::TooManySegments { found } => write!(f, "it has {found} segments; the limit is {MOST_SEGMENTS}"),
+            Self::TooManySegments { found } => write!(f, "it has {found} segments; the limit is {MAX_SEGMENTS}"),
             Self::OtherStart { found, truck } => {
                 let (metres, radians) = apart(found, truck);
                 let (Pose { x, y, .. }, Pose { x: truck_x, y: truck_y, .. }) = (found, truck);
@@ -251,14 +251,14 @@ impl fmt::Display for BadPath {
             Self::NotANumber { place, what, found } => {
                 write!(f, "{place}: its {what} is {found}; expected a finite number")
             }
-            Self::TooLong { found_m, most_m } => {
-                let (found, most) = (told_apart(found_m, most_m, 2), most_m);
-                write!(f, "it is {found} m long; the limit is {most} m, ")?;
-                write!(f, "{MOST_FIELDS_LONG} times width and height of the field")
+            Self::TooLong { found_m, max_m } => {
+                let (found, max) = (told_apart(found_m, max_m, 2), max_m);
+                write!(f, "it is {found} m long; the limit is {max} m, ")?;
+                write!(f, "{MAX_FIELDS_LONG} times width and height of the field")
             }
-            Self::TooSharp { place, found, most } => {
-                let (radius_m, least_m) = (1.0 / found, 1.0 / most);
-                write!(f, "{place}: a turn of radius {} m; the least is {least_m} m", told_apart(radius_m, least_m, 2))
+            Self::TooSharp { place, found, max } => {
+                let (radius_m, min_m) = (1.0 / found, 1.0 / max);
+                write!(f, "{place}: a turn of radius {} m; the least is {min_m} m", told_apart(radius_m, min_m, 2))
             }
             Self::TooNear { place, obstacle, found_m } => {
                 write!(f, "{place}: ")?;
@@ -267,7 +267,7 @@ impl fmt::Display for BadPath {
                     _ if found_m <= 0.0 => write!(f, "touching {}", Named(obstacle))?,
                     _ => write!(f, "{} from {}", Gap(found_m), Named(obstacle))?,
                 }
-                write!(f, ", the least is {}", Gap(LEAST_CLEARANCE_M))
+                write!(f, ", the least is {}", Gap(MIN_CLEARANCE_M))
             }
             Self::MissesDisc { along_m, centre, disc } => {
                 let (DVec2 { x, y }, gap_m, radius_m) = (centre, centre.distance(disc.centre), disc.radius_m);
@@ -311,7 +311,7 @@ impl fmt::Display for Gap {
         if self.0 >= 1.0 {
             return write!(f, "{:.2} m", self.0);
         }
-        write!(f, "{} mm", told_apart(1e3 * self.0, 1e3 * LEAST_CLEARANCE_M, 0))
+        write!(f, "{} mm", told_apart(1e3 * self.0, 1e3 * MIN_CLEARANCE_M, 0))
     }
 }
 
@@ -398,7 +398,7 @@ mod tests {
 
     #[test]
     fn paths_without_end_are_refused() {
-        let many = path(&vec![segment(0.0, 1e-4); MOST_SEGMENTS + 1]);
+        let many = path(&vec![segment(0.0, 1e-4); MAX_SEGMENTS + 1]);
         assert_eq!(refusal(&many), "it has 10001 segments; the limit is 10000");
         let round = [segment(1.0 / 13.0, 7500.0), segment(-1.0 / 13.0, -7500.01)];
         assert_eq!(
@@ -499,16 +499,16 @@ mod tests {
             for _ in 0..300 {
                 let (start, side) = (random_pose(&mut field.rng, 150.0), field.rng.random_range(-1..=1));
                 let segment = segment(f64::from(side) / 13.0, field.rng.random_range(-30.0..30.0));
-                let place = field.checker.refused_at(start, segment, LEAST_CLEARANCE_M);
-                assert_eq!(place.is_none(), field.checker.motion_is_free(start, segment, LEAST_CLEARANCE_M));
+                let place = field.checker.refused_at(start, segment, MIN_CLEARANCE_M);
+                assert_eq!(place.is_none(), field.checker.motion_is_free(start, segment, MIN_CLEARANCE_M));
                 let Some(metres) = place else { continue };
                 let pose = segment.pose_at(start, metres.copysign(segment.length_m));
                 let (_, gap_m) = field.checker.nearest_obstacle(pose);
-                assert!(gap_m < LEAST_CLEARANCE_M + 1e-9, "{start:?} {segment:?}: {gap_m} m at {metres} m");
+                assert!(gap_m < MIN_CLEARANCE_M + 1e-9, "{start:?} {segment:?}: {gap_m} m at {metres} m");
                 assert!((gap_m - field.checker.clearance(pose)).abs() < 1e-9);
                 let before = Path { start, segments: vec![segment.with_length((metres - 1e-6).max(0.0))] };
-                let least_m = least_clearance(&field.checker, &before);
-                assert!(metres == 0.0 || least_m > 0.0, "{start:?} {segment:?}: {least_m} m before {metres} m");
+                let min_m = least_clearance(&field.checker, &before);
+                assert!(metres == 0.0 || min_m > 0.0, "{start:?} {segment:?}: {min_m} m before {metres} m");
                 refused += 1;
                 grazed += u32::from(metres > 0.0);
             }

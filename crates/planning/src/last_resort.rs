@@ -9,7 +9,7 @@
 //! 3. from a start or to a goal pose that is tighter than the stages, a straight or an arc to where there is room, and the
 //!    planner itself between these places.
 
-use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
+use crate::collision::{CollisionChecker, MIN_CLEARANCE_M};
 use crate::kit::drive_cost::DriveCost;
 use crate::kit::relaxed_search::{RelaxedSearch, RelaxedSettings};
 use crate::kit::target::Target;
@@ -75,7 +75,7 @@ impl LastResort {
     }
 
     fn is_free(&self, path: &Path) -> bool {
-        path.legs().all(|(from, segment)| self.checker.motion_is_free(from, segment, LEAST_CLEARANCE_M))
+        path.legs().all(|(from, segment)| self.checker.motion_is_free(from, segment, MIN_CLEARANCE_M))
     }
 
     fn single_curve(&self, start: Pose, goal: Goal) -> Option<Path> {
@@ -159,7 +159,7 @@ impl LastResort {
         });
         let leads_out = |segment: &Segment| {
             self.checker.pose_is_free(segment.end(pose), TIGHT_M)
-                && self.checker.motion_is_free(pose, *segment, LEAST_CLEARANCE_M)
+                && self.checker.motion_is_free(pose, *segment, MIN_CLEARANCE_M)
         };
         ways.filter(leads_out).take(MAX_WAYS_OUT).map(Some).collect()
     }

@@ -26,12 +26,12 @@ pub fn plan_to_nearest(
         return Some(answer);
     }
     let mut order: Vec<(f64, usize)> =
-        discs.iter().enumerate().map(|(index, disc)| (least_m(body, start, disc), index)).collect();
+        discs.iter().enumerate().map(|(index, disc)| (min_m(body, start, disc), index)).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut best: Option<(usize, Plan)> = None;
     let (mut effort, mut cpu) = (Effort::default(), None);
-    for (least_m, index) in order {
-        if best.as_ref().and_then(|(_, plan)| length_m(plan)).is_some_and(|best_m| least_m >= best_m) {
+    for (min_m, index) in order {
+        if best.as_ref().and_then(|(_, plan)| length_m(plan)).is_some_and(|best_m| min_m >= best_m) {
             break;
         }
         let plan = planner.plan_observed(start, discs[index].into(), observer);
@@ -54,7 +54,7 @@ fn length_m(plan: &Plan) -> Option<f64> {
 }
 
 /// Returns what no drive into a disc is shorter than: the rear axle drives at least as far as it has to come nearer.
-fn least_m(body: &Dimensions, start: Pose, disc: &GoalDisc) -> f64 {
+fn min_m(body: &Dimensions, start: Pose, disc: &GoalDisc) -> f64 {
     let gap = |from: DVec2| from.distance(disc.centre) - disc.radius_m;
     if gap(body.body_centre(start)) <= 0.0 { 0.0 } else { (gap(start.position()) - body.centre_offset_m()).max(0.0) }
 }

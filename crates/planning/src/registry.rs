@@ -126,7 +126,7 @@ pub struct PlannerName(String);
 
 impl PlannerName {
     /// The maximum number of characters of a name.
-    pub const MOST: usize = 40;
+    pub const MAX: usize = 40;
 
     /// Checks a name.
     ///
@@ -134,7 +134,7 @@ impl PlannerName {
     /// If it is not of the form above.
     pub fn new(name: &str) -> Result<Self, NameError> {
         let is_known = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "+-_.".contains(c);
-        let fits = name.len() <= Self::MOST && name.starts_with(|c: char| c.is_ascii_lowercase());
+        let fits = name.len() <= Self::MAX && name.starts_with(|c: char| c.is_ascii_lowercase());
         if fits && name.chars().all(is_known) { Ok(Self(name.to_owned())) } else { Err(NameError::Malformed) }
     }
 

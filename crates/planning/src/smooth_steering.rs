@@ -11,14 +11,14 @@
 //! place. What touches something, or takes longer than the stop, is not done: it is tried again at half the speed, on a
 //! shorter clothoid, and so on; after four times the stop stays.
 //!
-//! A smooth path lies centimetres beside the one that was planned. It keeps [`LEAST_CLEARANCE_M`], and the clearance that the
+//! A smooth path lies centimetres beside the one that was planned. It keeps [`MIN_CLEARANCE_M`], and the clearance that the
 //! planner was asked for up to that.
 
 use glam::{DMat3, DVec2, DVec3};
 
 use super::observer::PlanningObserver;
 use super::{BuildReport, Goal, GoalDisc, NullObserver, Plan, TruckPlanner};
-use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
+use crate::collision::{CollisionChecker, MIN_CLEARANCE_M};
 use wildfire_base::geometry::{Pose, ops};
 use wildfire_base::trajectory::SpeedLimits;
 use wildfire_base::vehicle::{Path, Segment, SteeringLimits};
@@ -32,7 +32,7 @@ const LEVER_M: f64 = 10.0;
 /// The end of a smooth path is off by less than this, in metres, and radians over [`LEVER_M`].
 const END_M: f64 = 1e-9;
 /// Steps in which lengths are adjusted.
-const MOST_STEPS: u32 = 20;
+const MAX_STEPS: u32 = 20;
 /// Keeps steps finite where lengths cannot move the end every way.
 const DAMPING: f64 = 1e-9;
 
@@ -130,7 +130,7 @@ impl CurvatureSmoother {
     }
 
     fn is_free(&self, path: &Path) -> bool {
-        path.legs().all(|(start, segment)| self.checker.motion_is_free(start, segment, LEAST_CLEARANCE_M))
+        path.legs().all(|(start, segment)| self.checker.motion_is_free(start, segment, MIN_CLEARANCE_M))
     }
 }
 
@@ -157,7 +157,7 @@ impl Corners<'_> {
         // Where the heading does not count, its row is zero, and needs no more than to be solvable.
         let damping = DVec3::new(DAMPING, DAMPING, if ends_in_pose { DAMPING } else { 1.0 });
         let mut lengths_m = self.lengths_between();
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             let turns_back = |(length_m, segment): (&f64, &Segment)| length_m * segment.length_m.signum() <= 0.0;
             if lengths_m.iter().zip(self.segments).any(turns_back) {
                 return None;

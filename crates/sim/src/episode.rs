@@ -252,8 +252,8 @@ mod tests {
             // A time that has passed is put off, so that the contest ends.
             let until = if steps % 2 == 0 { SimTime::ZERO } else { last + SimTime::from_seconds(10.0) };
             episode.answer(&[(truck, Action::WaitUntil(until))]).expect("memory suffices");
-            let least = last + SimTime::from_nanos(1);
-            assert!(episode.now() >= least || episode.has_ended());
+            let min = last + SimTime::from_nanos(1);
+            assert!(episode.now() >= min || episode.has_ended());
             assert!(steps % 2 == 0 || episode.now() <= until || episode.asked().is_empty());
         }
         let outcome = Outcome::new(&episode.timeline());

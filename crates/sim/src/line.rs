@@ -134,7 +134,7 @@ impl Orders {
             let walk_s = |place: DVec2, crew: &Crew| (begin - place).length() / crew.speed_mps;
             let arrival = |(&(free_s, place), crew): (&(f64, DVec2), &Crew)| free_s + walk_s(place, crew);
             let arrivals: Vec<f64> = crews.iter().zip(&self.crews).map(arrival).collect();
-            let builders = arrivals.iter().zip(&self.crews).filter(|(_, crew)| crew.most_mps() > 0.0);
+            let builders = arrivals.iter().zip(&self.crews).filter(|(_, crew)| crew.max_mps() > 0.0);
             let start_s = builders.fold(f64::INFINITY, |first, (&arrival_s, _)| first.min(arrival_s));
             if start_s >= *latest_s {
                 continue;
@@ -161,8 +161,8 @@ impl Orders {
     }
 
     fn task<'a>(&self, start_s: f64, rate_mps: &'a dyn Fn(f64, DVec2) -> f64) -> LineTask<'a> {
-        let most_mps = self.crews.iter().map(Crew::most_mps).sum();
-        LineTask { start_s, rate_mps, most_mps, until_s: self.until.as_seconds() }
+        let max_mps = self.crews.iter().map(Crew::max_mps).sum();
+        LineTask { start_s, rate_mps, max_mps, until_s: self.until.as_seconds() }
     }
 }
 

@@ -19,7 +19,7 @@ use wildfire_base::trajectory::{SpeedLimits, Trajectory};
 use wildfire_base::vehicle::Dimensions;
 use wildfire_base::vehicle::Segment;
 use wildfire_planning::KnownMotions;
-use wildfire_planning::collision::{CollisionChecker, LEAST_CLEARANCE_M, MovingBody, first_conflict, gap_between};
+use wildfire_planning::collision::{CollisionChecker, MIN_CLEARANCE_M, MovingBody, first_conflict, gap_between};
 use wildfire_timeline::AgentId;
 
 pub use crate::scenario::TRUCK_MARGIN_M as MARGIN_M;
@@ -39,7 +39,7 @@ const GAIN_M: f64 = 1.0;
 const STOP_STEP_S: f64 = 0.25;
 
 /// The number of steps that are tried: where a truck is so slow that they do not suffice, they are longer.
-const MOST_STEPS: f64 = 1000.0;
+const MAX_STEPS: f64 = 1000.0;
 
 /// Boxes of two motions that are this far from each other prove that the bodies keep [`MARGIN_M`]: a gap may be taken for
 /// smaller than it is by the square root of 2, see [`first_conflict`].
@@ -182,7 +182,7 @@ impl<'a> Traffic<'a> {
     /// meets one, if that is farther; each with its wait and the time of the meeting.
     pub fn meetings(self, body: &Dimensions, leg: &Trajectory) -> Vec<(f64, Trajectory, SimTime)> {
         let mut farthest: Vec<(f64, Trajectory, SimTime)> = Vec::new();
-        let mut most_m = f64::NEG_INFINITY;
+        let mut max_m = f64::NEG_INFINITY;
         for wait_s in WAITS_S {
             let leg = after_waiting(leg, wait_s);
             let motion = MovingBody { body, trajectory: &leg };
@@ -191,8 +191,8 @@ impl<'a> Traffic<'a> {
             let times = near.filter_map(|other| first_conflict(motion, other.moving(), leg.sets_out_at(), MARGIN_M));
             let Some(meets_at) = times.min() else { continue };
             let free_m = leg.distance_m(meets_at);
-            if free_m > most_m + GAIN_M {
-                most_m = free_m;
+            if free_m > max_m + GAIN_M {
+                max_m = free_m;
                 farthest.truncate(1);
                 farthest.push((wait_s, leg, meets_at));
             }
@@ -227,7 +227,7 @@ impl<'a> Traffic<'a> {
         }
         let last = self.others().map(|other| other.leg.end_time()).max().unwrap_or_default();
         let longest_s = last.since(leg.start_time()).min(patience).as_seconds();
-        let step_s = WAIT_STEP_S.max(longest_s / MOST_STEPS);
+        let step_s = WAIT_STEP_S.max(longest_s / MAX_STEPS);
         let steps = (longest_s / step_s).ceil() as u32;
         let mut later = (1..=steps).map(|step| leg.after_waiting(f64::from(step) * step_s));
         later.find(|leg| conflict(leg).is_none()).ok_or(first.id)
@@ -246,7 +246,7 @@ impl<'a> Traffic<'a> {
         }
         let begin = now.max(leg.start_time());
         let left_s = leg.end_time().since(begin).as_seconds();
-        let step_s = STOP_STEP_S.max(left_s / MOST_STEPS);
+        let step_s = STOP_STEP_S.max(left_s / MAX_STEPS);
         let times = (1..).map(|step| f64::from(step) * step_s).take_while(|&after_s| after_s < left_s);
         let mut cuts = times.map(|after_s| leg.stopping(begin + SimTime::from_seconds(after_s), limits));
         // Its whole leg is its reservation, so at the latest it may stand at the end.
@@ -255,7 +255,7 @@ impl<'a> Traffic<'a> {
 
     /// Returns the field with the others standing at the ends of their legs, [`MARGIN_M`] larger than they are.
     pub fn with_others_standing(self, checker: &CollisionChecker) -> CollisionChecker {
-        let wider = MARGIN_M - LEAST_CLEARANCE_M;
+        let wider = MARGIN_M - MIN_CLEARANCE_M;
         let standing = self.others().map(|other| {
             let OrientedRect { centre, half_length, half_width } = other.body.footprint(other.leg.end());
             OrientedRect { centre, half_length: half_length + wider, half_width: half_width + wider }
@@ -325,10 +325,10 @@ mod tests {
         let (leg, other, entity) = crossing(9.0);
         let (body, others) = (Dimensions::default(), [other]);
         let traffic = Traffic::new(&others, entity);
-        for (at_s, least_m, most_m) in [(3.0, -16.0, -16.0), (4.5, 2.0, 6.0), (5.0, 2.0, 6.0), (7.0, 16.0, 16.0)] {
+        for (at_s, min_m, max_m) in [(3.0, -16.0, -16.0), (4.5, 2.0, 6.0), (5.0, 2.0, 6.0), (7.0, 16.0, 16.0)] {
             let now = SimTime::from_seconds(at_s);
             let cut = traffic.stopping(&body, &leg, now, &SpeedLimits::new(8.0, 8.0));
-            assert!(cut.end().x >= least_m && cut.end().x <= most_m, "asked at {at_s} s, stands at {:?}", cut.end());
+            assert!(cut.end().x >= min_m && cut.end().x <= max_m, "asked at {at_s} s, stands at {:?}", cut.end());
             assert_eq!(cut.pose_at(now), leg.pose_at(now));
         }
     }

@@ -29,16 +29,16 @@ const TOLERANCE_S: f64 = 1e-6;
 const RADIUS_TOLERANCE: f64 = 1e-9;
 /// Of more ignitions than this the second relaxation only asks which of them no truck can reach: chains take time with the
 /// square of them.
-const MOST_CHAINED: usize = 400;
+const MAX_CHAINED: usize = 400;
 /// And of more pairs of them than this for all trucks together.
-const MOST_PAIRS: usize = 1 << 23;
+const MAX_PAIRS: usize = 1 << 23;
 /// Bushes that spreading looks at before it is left out.
-const MOST_LOOKED_AT: usize = 1 << 24;
+const MAX_LOOKED_AT: usize = 1 << 24;
 
 /// Returns the number of bushes that burn out or burn at the end, at least, whatever the trucks of this run do: if all is lit
 /// where and when it was. `None` where only another rule than that of the radius says how fire goes on, where what was put out
 /// can burn again, or where a recording does not say what trucks can do.
-pub fn least_loss(timeline: &Timeline) -> Option<u32> {
+pub fn min_loss(timeline: &Timeline) -> Option<u32> {
     let setting = &timeline.setting;
     let fire = setting.rules.fire.filter(|fire| !fire.relight)?;
     if setting.spread.is_some() || setting.rules.relight {
@@ -151,7 +151,7 @@ impl<'a> Limits<'a> {
             if is_possible { lit.as_seconds() + steps * delay_s } else { f64::INFINITY }
         };
         let places: Vec<DVec2> = acts.iter().map(|&(bush, _)| place(bush)).collect();
-        let is_small = acts.len() <= MOST_CHAINED;
+        let is_small = acts.len() <= MAX_CHAINED;
         let job = |number: usize| {
             let (bush, lit) = acts[number];
             // What is lit later spreads later, so only those before matter; of too many it is taken for granted that they do.
@@ -192,7 +192,7 @@ impl<'a> Limits<'a> {
         }
         let (mut caught, mut lost, mut looked_at) = (BTreeSet::new(), 0, 0);
         while let Some(Reverse((now, is_lit, bush))) = due.pop() {
-            if now > self.setting.rules.duration || looked_at > MOST_LOOKED_AT {
+            if now > self.setting.rules.duration || looked_at > MAX_LOOKED_AT {
                 break;
             }
             let ignited: Vec<usize> = if is_lit { vec![bush] } else { self.within_radius(bush, &mut looked_at) };
@@ -242,7 +242,7 @@ impl<'a> Limits<'a> {
             jobs.iter().copied().filter(|job| self.trucks.iter().any(|truck| can_begin(truck, job))).collect();
         let out_of_reach = (jobs.len() - reachable.len()) as u32;
         let pairs = reachable.len() * reachable.len() * self.trucks.len();
-        if reachable.len() > MOST_CHAINED || pairs > MOST_PAIRS {
+        if reachable.len() > MAX_CHAINED || pairs > MAX_PAIRS {
             return out_of_reach;
         }
         let firsts: Vec<Vec<usize>> = self
@@ -253,7 +253,7 @@ impl<'a> Limits<'a> {
         let nexts: Vec<Vec<usize>> = (0..reachable.len())
             .map(|job| (job + 1..reachable.len()).filter(|&next| self.fit(&reachable[job], &reachable[next])).collect())
             .collect();
-        out_of_reach + least_uncovered(&firsts, &nexts)
+        out_of_reach + min_uncovered(&firsts, &nexts)
     }
 
     /// Returns whether one truck may put out both, in one order or the other.
@@ -286,7 +286,7 @@ fn travel_s(metres: f64, speed_mps: f64) -> f64 {
 /// It is a matching of least cost: each node is matched with the node or the chain that it follows, or with itself, at a
 /// cost of 1, if it is left out. Without chains all are left out. Each chain is one more to be followed, and shortest
 /// augmenting paths keep the cost least.
-fn least_uncovered(firsts: &[Vec<usize>], nexts: &[Vec<usize>]) -> u32 {
+fn min_uncovered(firsts: &[Vec<usize>], nexts: &[Vec<usize>]) -> u32 {
     let count = nexts.len();
     let followers =
         |leader: usize| -> &[usize] { if leader < count { &nexts[leader] } else { &firsts[leader - count] } };
@@ -371,7 +371,7 @@ mod tests {
     #[test]
     fn what_no_truck_can_reach_in_time_is_lost_with_what_it_sets_on_fire() {
         let neighbours = [(180, 181), (186, 180), (187, 180)];
-        let far = |time_s: f64| least_loss(&lit(&[(20.0, 20.0)], &[(time_s, (180, 180))], &neighbours));
+        let far = |time_s: f64| min_loss(&lit(&[(20.0, 20.0)], &[(time_s, (180, 180))], &neighbours));
         assert_eq!(far(0.0), Some(3), "1.2 km take longer than a minute; one bush lies beyond 30 m");
         assert_eq!(far(200.0), Some(0), "a truck that knows is there by then");
         // From about 154 s on a truck can be there: too late for what was lit, in time for some or all of its neighbours.
@@ -381,34 +381,34 @@ mod tests {
     #[test]
     fn one_truck_cannot_be_at_two_places_at_once() {
         let acts = [(500.0, (10, 10)), (500.0, (190, 190))];
-        assert_eq!(least_loss(&lit(&[(500.0, 500.0)], &acts, &[])), Some(1));
-        assert_eq!(least_loss(&lit(&[(500.0, 500.0), (510.0, 500.0)], &acts, &[])), Some(0));
+        assert_eq!(min_loss(&lit(&[(500.0, 500.0)], &acts, &[])), Some(1));
+        assert_eq!(min_loss(&lit(&[(500.0, 500.0), (510.0, 500.0)], &acts, &[])), Some(0));
         let apart = [(500.0, (10, 10)), (700.0, (190, 190))];
-        assert_eq!(least_loss(&lit(&[(500.0, 500.0)], &apart, &[])), Some(0));
+        assert_eq!(min_loss(&lit(&[(500.0, 500.0)], &apart, &[])), Some(0));
     }
 
     #[test]
     fn without_trucks_all_is_lost() {
         let timeline = lit(&[], &[(1.0, (10, 10)), (2.0, (50, 50))], &[(90, 90)]);
-        assert_eq!(least_loss(&timeline), Some(2));
+        assert_eq!(min_loss(&timeline), Some(2));
         assert_eq!(Outcome::new(&timeline).burned(), 2);
     }
 
     /// The most nodes that chains cover, by trying for each node in turn to end every chain with it, or to leave it.
-    fn most_covered(firsts: &[Vec<usize>], nexts: &[Vec<usize>], ends: &mut Vec<Option<usize>>, node: usize) -> u32 {
+    fn max_covered(firsts: &[Vec<usize>], nexts: &[Vec<usize>], ends: &mut Vec<Option<usize>>, node: usize) -> u32 {
         if node == nexts.len() {
             return 0;
         }
-        let mut most = most_covered(firsts, nexts, ends, node + 1);
+        let mut max = max_covered(firsts, nexts, ends, node + 1);
         for chain in 0..firsts.len() {
             let end = ends[chain];
             if end.map_or(&firsts[chain], |end| &nexts[end]).contains(&node) {
                 ends[chain] = Some(node);
-                most = most.max(1 + most_covered(firsts, nexts, ends, node + 1));
+                max = max.max(1 + max_covered(firsts, nexts, ends, node + 1));
                 ends[chain] = end;
             }
         }
-        most
+        max
     }
 
     #[test]
@@ -420,16 +420,16 @@ mod tests {
             let mut some = |from: usize| (from..count).filter(|_| rng.random_bool(share)).collect::<Vec<usize>>();
             let nexts: Vec<_> = (0..count).map(|node| some(node + 1)).collect();
             let firsts: Vec<_> = (0..chains).map(|_| some(0)).collect();
-            let covered = most_covered(&firsts, &nexts, &mut vec![None; chains], 0);
-            assert_eq!(least_uncovered(&firsts, &nexts), count as u32 - covered, "{firsts:?} {nexts:?}");
+            let covered = max_covered(&firsts, &nexts, &mut vec![None; chains], 0);
+            assert_eq!(min_uncovered(&firsts, &nexts), count as u32 - covered, "{firsts:?} {nexts:?}");
         }
     }
 
     /// The most fires that trucks can put out if all they do is known, ways are straight, and nothing spreads: every order of
     /// every share of the fires for each truck.
-    fn most_saved(limits: &Limits<'_>, jobs: &[Job], truck: usize, stands: Option<(DVec2, f64)>, taken: u32) -> u32 {
+    fn max_saved(limits: &Limits<'_>, jobs: &[Job], truck: usize, stands: Option<(DVec2, f64)>, taken: u32) -> u32 {
         let Some(reacher) = limits.trucks.get(truck) else { return 0 };
-        let mut most = most_saved(limits, jobs, truck + 1, None, taken);
+        let mut max = max_saved(limits, jobs, truck + 1, None, taken);
         for (number, job) in jobs.iter().enumerate().filter(|(number, _)| taken & (1 << number) == 0) {
             let arrives_s = match stands {
                 None => limits.arrival_s(reacher, job.place),
@@ -440,11 +440,11 @@ mod tests {
             };
             let out_s = arrives_s.max(job.lit.as_seconds()) + limits.dwell_s;
             if out_s <= job.due_s {
-                let rest = most_saved(limits, jobs, truck, Some((job.place, out_s)), taken | (1 << number));
-                most = most.max(1 + rest);
+                let rest = max_saved(limits, jobs, truck, Some((job.place, out_s)), taken | (1 << number));
+                max = max.max(1 + rest);
             }
         }
-        most
+        max
     }
 
     #[test]
@@ -464,7 +464,7 @@ mod tests {
                 }
             }
             let timeline = lit(trucks, &acts, &[]);
-            let bound = least_loss(&timeline).expect("the rules are those of the radius");
+            let bound = min_loss(&timeline).expect("the rules are those of the radius");
             let reachers = timeline.setting.agents.iter().map(|start| TruckBound {
                 start: start.body.centre(start.pose),
                 speed_mps: 8.0,
@@ -473,7 +473,7 @@ mod tests {
             let fire = timeline.setting.rules.fire.expect("it is set");
             let limits = Limits::new(&timeline.setting, fire, reachers.collect());
             let jobs = limits.jobs(&lit_by_somebody(&timeline));
-            let loss = 5 - most_saved(&limits, &jobs, 0, None, 0);
+            let loss = 5 - max_saved(&limits, &jobs, 0, None, 0);
             assert!(bound <= loss, "{bound} > {loss}: {trucks:?} {acts:?}");
             (bound_sum, loss_sum) = (bound_sum + bound, loss_sum + loss);
         }

@@ -226,7 +226,7 @@ impl Outcome {
     /// Returns the bushes burned beyond [`Outcome::least_burned`]: an upper bound on what another dispatcher could have
     /// saved, seldom near to what one can.
     pub fn burned_beyond_bound(&self) -> Option<u32> {
-        self.least_burned.map(|least| self.burned().saturating_sub(least))
+        self.least_burned.map(|min| self.burned().saturating_sub(min))
     }
 
     /// Returns the share of the bushes that never burned; like the other ratios 0 where nothing grows.

@@ -132,7 +132,7 @@ impl FlamingTimes {
                 let residence_s = FuelModel::by_number(number)
                     .filter(|model| model.burns())
                     .map_or(0.0, |model| FuelBed::new(model, moisture, rules.options.curing).residence_s());
-                rules.burn_out.map(|least| least.max(SimTime::from_seconds(residence_s)))
+                rules.burn_out.map(|min| min.max(SimTime::from_seconds(residence_s)))
             }
         };
         let intervals = spread.weather().intervals().iter();

@@ -47,14 +47,14 @@ impl WaterEnergy {
     /// the pump's water takes up (Van Wagner and Taylor, 2022; see [`wildfire_fire::water`]).
     pub fn litres(&self, front: Front, cell_m: f64) -> f64 {
         let Front { intensity_kw_m, heat_kj_m2 } = front;
-        if intensity_kw_m > self.most_kw_m() {
+        if intensity_kw_m > self.max_kw_m() {
             return f64::INFINITY;
         }
         self.applied * cell_m * litres_per_m(intensity_kw_m, fuel_kg_m2(heat_kj_m2))
     }
 
     /// Returns the intensity of the hottest front that the pump puts out.
-    pub fn most_kw_m(&self) -> f64 {
+    pub fn max_kw_m(&self) -> f64 {
         self.pump_lps * heat_kj_kg(AIR_C, STEAM_C) / self.jet_m
     }
 
@@ -116,8 +116,8 @@ mod tests {
         let litres = |intensity_kw_m: f64| energy.litres(Front { intensity_kw_m, heat_kj_m2: 18_608.0 }, 10.0);
         // 125 kcal/(s m): a flame 0.99 m deep, 0.0096 mm for it and 0.226 mm for a kilogram of fuel.
         assert!((litres(523.0) - 2.0 * 10.0 * 0.99 * 0.2356).abs() < 1e-9);
-        let most_kw_m = 620.0 * 4.184;
-        assert!(litres(most_kw_m - 0.01).is_finite() && litres(most_kw_m + 0.01) == f64::INFINITY);
+        let max_kw_m = 620.0 * 4.184;
+        assert!(litres(max_kw_m - 0.01).is_finite() && litres(max_kw_m + 0.01) == f64::INFINITY);
         assert_eq!([0.0, 10.0, 10.5, f64::INFINITY].map(|litres| energy.portions(litres)), [1, 1, 2, u32::MAX]);
         assert_eq!(energy.spraying(3), SimTime::from_seconds(6.0));
     }

@@ -63,7 +63,7 @@ impl FrameBuffer {
 
 fn within_limits((width, height): (u32, u32)) -> (u32, u32) {
     (
-        width.clamp(FrameLayout::LEAST_WIDTH, FrameLayout::MOST_SIDE),
-        height.clamp(FrameLayout::LEAST_HEIGHT, FrameLayout::MOST_SIDE),
+        width.clamp(FrameLayout::MIN_WIDTH, FrameLayout::MAX_SIDE),
+        height.clamp(FrameLayout::MIN_HEIGHT, FrameLayout::MAX_SIDE),
     )
 }

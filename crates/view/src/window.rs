@@ -84,8 +84,8 @@ fn primary_window((width, height): (u32, u32)) -> Window {
         name: Some("wildfire".into()),
         resolution: WindowResolution::new(width, height),
         resize_constraints: WindowResizeConstraints {
-            min_width: FrameLayout::LEAST_WIDTH as f32,
-            min_height: FrameLayout::LEAST_HEIGHT as f32,
+            min_width: FrameLayout::MIN_WIDTH as f32,
+            min_height: FrameLayout::MIN_HEIGHT as f32,
             ..WindowResizeConstraints::default()
         },
         present_mode: PresentMode::AutoVsync,

@@ -33,7 +33,7 @@ const BOARD: &str = "board";
 
 /// Seeds of each track that `submit-check` plays, and rows that differ which are listed.
 const CHECKED_SEEDS: usize = 3;
-const MOST_LISTED: usize = 20;
+const MAX_LISTED: usize = 20;
 
 #[derive(Debug, Subcommand)]
 pub enum ArenaCommand {
@@ -409,8 +409,8 @@ fn report_differences(what: &str, runs: usize, found: &[String], files: &[String
         let differ = if files.len() == 1 { "differs" } else { "differ" };
         verdict += &format!("; {} {differ} from what follows from the rows", count(files.len(), "file"));
     }
-    let mut lines: Vec<String> = found.iter().take(MOST_LISTED).cloned().collect();
-    lines.extend((found.len() > MOST_LISTED).then(|| format!("and {} more", found.len() - MOST_LISTED)));
+    let mut lines: Vec<String> = found.iter().take(MAX_LISTED).cloned().collect();
+    lines.extend((found.len() > MAX_LISTED).then(|| format!("and {} more", found.len() - MAX_LISTED)));
     lines.extend_from_slice(files);
     let mut document = Document::new(verdict);
     document.add_list(lines);
@@ -480,8 +480,8 @@ fn verify(arguments: &VerifyArguments, stage: &Stage) -> Result<ExitCode, CliErr
     let mut work = Vec::new();
     for track in chosen(&arguments.track)? {
         let seeds = track.public_seeds();
-        let most = arguments.seeds.map_or(usize::MAX, NonZeroUsize::get);
-        let first: Vec<String> = seeds.iter().take(most).map(|seed| seed.to_string()).collect();
+        let max = arguments.seeds.map_or(usize::MAX, NonZeroUsize::get);
+        let first: Vec<String> = seeds.iter().take(max).map(|seed| seed.to_string()).collect();
         let seeds = Seeds::from_file_text(&first.join("\n")).expect("some of a list");
         let plan = track.golden_plan(seeds)?;
         let played: std::collections::BTreeSet<u64> = plan.seeds.iter().collect();

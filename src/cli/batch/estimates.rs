@@ -5,7 +5,7 @@ use std::time::Duration;
 use wildfire_batch::{BatchPlan, RunEnd};
 
 /// Nothing is said of entries that take less.
-const LEAST: Duration = Duration::from_secs(60);
+const MIN: Duration = Duration::from_secs(60);
 
 /// The entries of which no run is over yet.
 pub struct Estimates {
@@ -30,6 +30,6 @@ impl Estimates {
         let all = end.wall.mul_f64(self.seeds as f64 / self.jobs as f64);
         let minutes = all.as_secs_f64() / 60.0;
         let time = if minutes < 120.0 { format!("{minutes:.0} min") } else { format!("{:.0} h", minutes / 60.0) };
-        (all >= LEAST).then(|| format!("{title}: about {time} for this entry, {} runs", self.seeds))
+        (all >= MIN).then(|| format!("{title}: about {time} for this entry, {} runs", self.seeds))
     }
 }

@@ -26,7 +26,7 @@ impl End {
 }
 
 /// The least extent of the picture, in turning radii.
-const LEAST_RADII: f64 = 1e-3;
+const MIN_RADII: f64 = 1e-3;
 
 /// The curves between one pair of poses.
 pub struct CurveReport {
@@ -221,7 +221,7 @@ impl CurveReport {
             goal: self.to.pose(),
             ways: &ways,
             body: (radius_m >= truck.wheelbase_m).then_some(&truck),
-            least_m: LEAST_RADII * radius_m,
+            min_m: MIN_RADII * radius_m,
         })
     }
 }

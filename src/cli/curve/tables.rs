@@ -41,15 +41,15 @@ pub fn write_lengths(input: &FilePath, output: &FilePath, radius_m: f64) -> Resu
 const COLUMNS: [&str; 6] = ["x0", "y0", "th0", "x1", "y1", "th1"];
 
 /// The most rows of a table.
-const MOST_ROWS: f64 = 1e6;
+const MAX_ROWS: f64 = 1e6;
 
 /// Refuses steps that would make the table longer than anybody reads.
 pub fn check_samples(curves: &[FoundCurve], step_m: f64) -> Result<(), CliError> {
     let rows = curves.iter().map(|curve| curve.length_m / step_m).sum::<f64>();
-    if rows <= MOST_ROWS {
+    if rows <= MAX_ROWS {
         return Ok(());
     }
-    let sentence = format!("--step is {step_m} m: the curves have {rows:.0} steps, expected at most {MOST_ROWS}");
+    let sentence = format!("--step is {step_m} m: the curves have {rows:.0} steps, expected at most {MAX_ROWS}");
     Err(CliError::bad_input(sentence, Some("choose a larger --step")))
 }
 

@@ -281,9 +281,9 @@ impl<'a> BehaviorReport<'a> {
             (true, true) => {}
         }
         if self.bed.burns() && self.fire.wind_is_limited {
-            let most = short((self.fire.effective_wind_mps * 100.0).round() / 100.0);
+            let max = short((self.fire.effective_wind_mps * 100.0).round() / 100.0);
             remarks.push(format!(
-                "Wind and slope are capped at {most} m/s at mid-flame height, the limit for this \
+                "Wind and slope are capped at {max} m/s at mid-flame height, the limit for this \
                 fuel"
             ));
         }

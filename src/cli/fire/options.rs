@@ -147,7 +147,7 @@ impl WindStep {
 pub struct WindSteps(pub Vec<WindStep>);
 
 /// The latest second that may be written.
-pub const MOST_SECONDS: f64 = 1e6;
+pub const MAX_SECONDS: f64 = 1e6;
 
 /// Reads `SECONDS:SPEED@FROM,...`; the first may do without its seconds, which are 0.
 pub fn wind_steps(text: &str) -> Result<WindSteps, String> {
@@ -155,13 +155,13 @@ pub fn wind_steps(text: &str) -> Result<WindSteps, String> {
     for (number, step) in text.split(',').enumerate() {
         let refuse = || {
             format!(
-                "found {step:?}, expected SECONDS:SPEED@FROM such as 0:2.5@270: seconds from 0 to {MOST_SECONDS}, metres \
+                "found {step:?}, expected SECONDS:SPEED@FROM such as 0:2.5@270: seconds from 0 to {MAX_SECONDS}, metres \
                  per second {}, and the azimuth it blows from",
                 numbers::range_words(&WINDS_MPS)
             )
         };
         let (seconds, wind) = match step.rsplit_once(':') {
-            Some((time, wind)) => (numbers::parse_time_within(time, &(0.0..=MOST_SECONDS)).ok(), wind),
+            Some((time, wind)) => (numbers::parse_time_within(time, &(0.0..=MAX_SECONDS)).ok(), wind),
             None => (Some(0.0).filter(|_| number == 0), step),
         };
         let (speed, from) = wind.split_once('@').ok_or_else(refuse)?;

@@ -13,7 +13,7 @@ use wildfire_base::trajectory::{SpeedLimits, Trajectory};
 use wildfire_base::vehicle::{Dimensions, Path, Segment};
 use wildfire_batch::missed;
 use wildfire_planning::collision::{ClearanceField, CollisionChecker};
-use wildfire_planning::judge::{DriveFigures, Judge, MOST_FIELDS_LONG, lower_bound_ratio};
+use wildfire_planning::judge::{DriveFigures, Judge, MAX_FIELDS_LONG, lower_bound_ratio};
 use wildfire_planning::{Goal, lower_bound_m};
 use wildfire_sim::scenario::Problem;
 use wildfire_timeline::Body;
@@ -115,9 +115,9 @@ impl<'a> PathJudge<'a> {
         let changes = poses.windows(2).skip(1).filter(|pair| pair[0].is_reverse != pair[1].is_reverse);
         let samples = || arcs.iter().flat_map(Arc::samples);
         let frame = self.problem.terrain.frame;
-        let most_m = MOST_FIELDS_LONG * (frame.width_m() + frame.height_m());
+        let max_m = MAX_FIELDS_LONG * (frame.width_m() + frame.height_m());
         // The way of a path without end is not looked at.
-        let is_endless = length_m > most_m;
+        let is_endless = length_m > max_m;
         let looked_at = samples().take(if is_endless { 0 } else { usize::MAX });
         let figures = DriveFigures {
             length_m,
@@ -127,7 +127,7 @@ impl<'a> PathJudge<'a> {
             drive_s: Trajectory::from_path(&path, SimTime::ZERO, self.limits).duration_s(),
         };
         if is_endless {
-            let [found, limit] = beside_limit(length_m, most_m, 2);
+            let [found, limit] = beside_limit(length_m, max_m, 2);
             return (figures, Some(format!("it is {found} m long; the limit is {limit} m")));
         }
         let begins = missed(Goal::Pose(self.problem.start), start, self.body());
@@ -146,20 +146,20 @@ impl<'a> PathJudge<'a> {
     /// Finds the first place where the arcs turn too sharply, do not lead on, or touch something.
     fn violation(&self, arcs: &[Arc]) -> Option<String> {
         let radius_m = self.body().turning_radius_m;
-        let most = (1.0 + CURVATURE_SHARE) / radius_m + CURVATURE_SLACK;
+        let max = (1.0 + CURVATURE_SHARE) / radius_m + CURVATURE_SLACK;
         let (mut along_m, mut slipped_m) = (0.0, 0.0_f64);
         for arc in arcs {
             let length_m = arc.segment.length_m.abs();
-            if arc.turn_rad > most * length_m + TURN_ROUNDING_RAD {
+            if arc.turn_rad > max * length_m + TURN_ROUNDING_RAD {
                 let found = arc.turn_rad / length_m;
-                let [found, limit] = beside_limit(found, most, 4);
+                let [found, limit] = beside_limit(found, max, 4);
                 let turn = match length_m {
                     0.0 => format!("it turns by {:.4} rad on the spot", arc.turn_rad),
                     _ => format!("a curvature of {found} 1/m; the limit is {limit} 1/m (turning radius {radius_m} m)"),
                 };
                 return Some(words(arc.line, along_m, arc.start, turn));
             }
-            let is_allowed = 0.25 * most * length_m * length_m + SLIP_SHARE * length_m;
+            let is_allowed = 0.25 * max * length_m * length_m + SLIP_SHARE * length_m;
             slipped_m = (slipped_m + arc.slip_m - is_allowed).max(0.0);
             if slipped_m > SLIP_ROUNDING_M {
                 let found = format!("it moves {:.1} mm sideways on {:.3} m", 1e3 * arc.slip_m, length_m);

@@ -19,20 +19,20 @@ use wildfire_base::untrusted::{bytes_of_cell, visible_start};
 use wildfire_sim::scenario::Problem;
 
 /// Two poses in a row are no farther apart than this, metres.
-pub const MOST_APART_M: f64 = 0.5;
+pub const MAX_APART_M: f64 = 0.5;
 
 /// Decimals of coordinates may make a step longer by so much, metres.
 const ROUNDING_M: f64 = 1e-6;
 
 /// A pose may be this far on the wrong side of the one before it, metres: rounding.
-const MOST_BACKWARDS_M: f64 = 1e-3;
+const MAX_BACKWARDS_M: f64 = 1e-3;
 
 /// The range of coordinates in metres, and of headings in radians.
 const NUMBERS: RangeInclusive<f64> = -1e6..=1e6;
 
 /// The most poses of a path, and planners of a table.
-const MOST_POSES: usize = 1_000_000;
-const MOST_PLANNERS: usize = 50;
+const MAX_POSES: usize = 1_000_000;
+const MAX_PLANNERS: usize = 50;
 
 /// The most characters of a planner's name.
 const LONGEST_NAME: usize = 100;
@@ -79,13 +79,13 @@ pub enum Fault {
     Goal { line: u64, found: String, field: String, last: usize },
     #[error("line {line}, column planner: found {found:?}, expected a name of 1 to {LONGEST_NAME} characters")]
     Planner { line: u64, found: String },
-    #[error("line {line}: this is planner number {}; expected at most {MOST_PLANNERS}", MOST_PLANNERS + 1)]
+    #[error("line {line}: this is planner number {}; expected at most {MAX_PLANNERS}", MAX_PLANNERS + 1)]
     TooManyPlanners { line: u64 },
     #[error("line {line}, column direction: found {found:?}, expected forward or reverse")]
     Direction { line: u64, found: String },
     #[error(
-        "line {line}: it is {} m from the pose of line {before}; expected at most {MOST_APART_M} m",
-        beside_limit(*metres, MOST_APART_M, 3)[0]
+        "line {line}: it is {} m from the pose of line {before}; expected at most {MAX_APART_M} m",
+        beside_limit(*metres, MAX_APART_M, 3)[0]
     )]
     Apart { line: u64, before: u64, metres: f64 },
     #[error(
@@ -98,7 +98,7 @@ pub enum Fault {
          one block"
     )]
     Again { line: u64, planner: String, goal: usize, field: String },
-    #[error("line {line}: the path has more than {MOST_POSES} poses; expected fewer")]
+    #[error("line {line}: the path has more than {MAX_POSES} poses; expected fewer")]
     TooManyPoses { line: u64 },
 }
 
@@ -210,7 +210,7 @@ impl<'a> PathTable<'a> {
                 break;
             }
             check_step(&poses[poses.len() - 1], &pose)?;
-            if poses.len() == MOST_POSES {
+            if poses.len() == MAX_POSES {
                 return Err(Fault::TooManyPoses { line: pose.line });
             }
             poses.push(pose);
@@ -282,7 +282,7 @@ fn planner(planners: &mut Vec<String>, line: u64, name: &str) -> Result<usize, F
     if name.is_empty() || name.chars().count() > LONGEST_NAME {
         return Err(Fault::Planner { line, found: visible_start(name) });
     }
-    if planners.len() == MOST_PLANNERS {
+    if planners.len() == MAX_PLANNERS {
         return Err(Fault::TooManyPlanners { line });
     }
     planners.push(name.to_owned());
@@ -305,16 +305,16 @@ fn check_step(from: &GivenPose, to: &GivenPose) -> Result<(), Fault> {
     let (line, before) = (to.line, from.line);
     let step = to.pose.position() - from.pose.position();
     let metres = step.length();
-    if metres > MOST_APART_M + ROUNDING_M {
+    if metres > MAX_APART_M + ROUNDING_M {
         return Err(Fault::Apart { line, before, metres });
     }
     let turn = ops::wrap_angle(to.pose.heading - from.pose.heading);
     let ahead_m = step.dot(Pose { heading: from.pose.heading + 0.5 * turn, ..from.pose }.direction());
     match to.is_reverse {
-        false if ahead_m < -MOST_BACKWARDS_M => {
+        false if ahead_m < -MAX_BACKWARDS_M => {
             Err(Fault::WrongSide { line, before, metres: -ahead_m, found: "behind", direction: "forward" })
         }
-        true if ahead_m > MOST_BACKWARDS_M => {
+        true if ahead_m > MAX_BACKWARDS_M => {
             Err(Fault::WrongSide { line, before, metres: ahead_m, found: "ahead of", direction: "reverse" })
         }
         _ => Ok(()),

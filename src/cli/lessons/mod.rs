@@ -125,12 +125,12 @@ mod tests {
         let data = grids::searches();
         for board in data["boards"].as_array().expect("boards") {
             let runs = board["runs"].as_array().expect("runs");
-            let least = runs[0]["cost"].as_f64().expect("Dijkstra's search finds a path");
+            let min = runs[0]["cost"].as_f64().expect("Dijkstra's search finds a path");
             for run in runs {
                 let (cost, name) = (run["cost"].as_f64().expect("a cost"), &run["name"]);
                 match run["bound"].as_f64() {
-                    Some(bound) => assert!(cost <= bound * least + 0.001, "{name}: {cost} of {least}"),
-                    None => assert!(cost >= least, "{name}"),
+                    Some(bound) => assert!(cost <= bound * min + 0.001, "{name}: {cost} of {min}"),
+                    None => assert!(cost >= min, "{name}"),
                 }
             }
         }

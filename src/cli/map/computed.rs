@@ -12,7 +12,7 @@ use wildfire_base::document::number::{count, rounded};
 use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_grid::descent::{Descent, Escape};
 use wildfire_grid::map_files::{MapValue, write_csv, write_npy};
-use wildfire_grid::path_search::MOST_CELLS;
+use wildfire_grid::path_search::MAX_CELLS;
 use wildfire_grid::place::octile_length;
 use wildfire_grid::{BadPlace, Grid, Place, Route, place};
 use wildfire_picture::Spot;
@@ -57,7 +57,7 @@ pub enum MapInputError {
     /// A start or goal that the map does not allow.
     #[error("the {which} at {problem}")]
     End { which: &'static str, problem: BadPlace },
-    #[error("the map has {cells} cells; expected at most {MOST_CELLS} for `{command}`")]
+    #[error("the map has {cells} cells; expected at most {MAX_CELLS} for `{command}`")]
     TooLarge { cells: usize, command: &'static str },
 }
 
@@ -102,7 +102,7 @@ pub fn title_with_neighbours(name: &str, Neighbours(number): Neighbours) -> Stri
 /// Accepts maps that a search has room for.
 pub fn check_size(command: &'static str, occupied: &Grid<bool>) -> Result<(), MapInputError> {
     let cells = occupied.values().len();
-    if cells > MOST_CELLS { Err(MapInputError::TooLarge { cells, command }) } else { Ok(()) }
+    if cells > MAX_CELLS { Err(MapInputError::TooLarge { cells, command }) } else { Ok(()) }
 }
 
 pub fn check_free(which: &'static str, occupied: &Grid<bool>, place: Place) -> Result<(), MapInputError> {

@@ -16,9 +16,9 @@ pub fn explanation<'a>(
     let of_dijkstra = find("dijkstra").map_or(0, expanded);
     let is_stuck = computed.walk.as_ref().is_some_and(|walk| walk.path.minimum.is_some());
     let has_path = computed.walk.as_ref().is_some_and(|walk| walk.path.answer == WalkResult::Reached);
-    let dearer = cost(computed).zip(find("astar").and_then(cost)).map(|(cost, least)| match cost - least {
-        excess if excess > 1e-9 * least => format!("{} % longer than that of A*", percent(excess / least)),
-        excess if excess < -1e-9 * least => format!("{} % shorter than that of A*", percent(-excess / least)),
+    let dearer = cost(computed).zip(find("astar").and_then(cost)).map(|(cost, min)| match cost - min {
+        excess if excess > 1e-9 * min => format!("{} % longer than that of A*", percent(excess / min)),
+        excess if excess < -1e-9 * min => format!("{} % shorter than that of A*", percent(-excess / min)),
         _ => "as long as that of A*".to_owned(),
     });
     let dearer = dearer.unwrap_or_else(|| "missing, so its length cannot be compared".to_owned());

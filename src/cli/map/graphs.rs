@@ -92,7 +92,7 @@ pub struct TreeStep {
 
 impl TreeStep {
     /// On maps of up to 100 cells.
-    const LEAST: f64 = 5.0;
+    const MIN: f64 = 5.0;
     /// Edges that span the longer side.
     const EDGES_ACROSS: f64 = 20.0;
 
@@ -102,7 +102,7 @@ impl TreeStep {
 
     /// Returns the step on a map of which the longer side has so many cells.
     fn on_side(&self, longer: usize) -> f64 {
-        let of_map = || (longer as f64 / Self::EDGES_ACROSS).max(Self::LEAST);
+        let of_map = || (longer as f64 / Self::EDGES_ACROSS).max(Self::MIN);
         self.given.unwrap_or_else(|| *self.of_map.get_or_init(of_map))
     }
 }
@@ -115,7 +115,7 @@ impl Serialize for TreeStep {
 
 impl Growth {
     fn check_with(&self, near: Option<&Near>) -> Result<(), BadParameter> {
-        self.settings_of_step(self.step.given.unwrap_or(TreeStep::LEAST), near).check()
+        self.settings_of_step(self.step.given.unwrap_or(TreeStep::MIN), near).check()
     }
 
     /// The settings of a tree on a map; RRT has no neighbours.
@@ -214,10 +214,10 @@ fn answer<E: std::fmt::Debug>(
 ) -> Result<Computed, MapInputError> {
     check_problem(command, occupied, (start, goal))?;
     let (graph, cpu_map) = timed(|| search().expect("both ends are on the map"));
-    let mut least = Grid::filled(occupied.rows(), occupied.cols(), f64::INFINITY);
+    let mut min = Grid::filled(occupied.rows(), occupied.cols(), f64::INFINITY);
     for (point, &cost) in graph.points.iter().zip(&graph.costs) {
         let cell = point.cell();
-        least[cell] = least[cell].min(cost);
+        min[cell] = min[cell].min(cost);
     }
     let spot = |number: u32| graph.points[number as usize].coordinates();
     let edges = graph.edges.iter().map(|edge| edge.map(spot)).collect();
@@ -239,7 +239,7 @@ fn answer<E: std::fmt::Debug>(
         goal: Some(goal),
         walk: Some(Walk { start, goal, path }),
         graph: Some(trace),
-        ..Computed::new("", "cost from start", (Values::Reals(least), cpu_map))
+        ..Computed::new("", "cost from start", (Values::Reals(min), cpu_map))
     })
 }
 

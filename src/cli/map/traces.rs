@@ -35,12 +35,12 @@ impl SearchTrace {
     pub fn sentence(&self) -> String {
         let cost = self.cost.map(|cost| format!(", cost {}", rounded(cost, 3))).unwrap_or_default();
         let expanded = format!("{} expanded, {} touched{cost}.", count(self.expanded.len(), "cell"), self.touched);
-        let Some((cost, ShortestCost { cost: least, bound })) = self.cost.zip(self.shortest) else { return expanded };
+        let Some((cost, ShortestCost { cost: min, bound })) = self.cost.zip(self.shortest) else { return expanded };
         let limit = bound.map_or(", without a bound".to_owned(), |bound| format!(", at most {} times", short(bound)));
-        let excess = if least > 0.0 { percent(cost / least - 1.0) } else { "0.0".to_owned() };
+        let excess = if min > 0.0 { percent(cost / min - 1.0) } else { "0.0".to_owned() };
         format!(
             "{expanded} The path may be longer than the shortest{limit}: the shortest costs {}, this one {excess} % more.",
-            rounded(least, 3)
+            rounded(min, 3)
         )
     }
 

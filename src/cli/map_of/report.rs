@@ -46,9 +46,9 @@ pub struct RunMapReport {
     pub fire_types: Option<Members<&'static str, usize>>,
     /// Cells with a value, and the least, the mean and the greatest of these.
     cells: usize,
-    least: Option<f64>,
+    min: Option<f64>,
     mean: Option<f64>,
-    most: Option<f64>,
+    max: Option<f64>,
 }
 
 impl RunMapReport {
@@ -60,7 +60,7 @@ impl RunMapReport {
             RunQuantity::Direction => ("direction of spread", "degrees"),
         };
         let found: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
-        let [least, most] = [f64::min as fn(f64, f64) -> f64, f64::max].map(|pick| found.iter().copied().reduce(pick));
+        let [min, max] = [f64::min as fn(f64, f64) -> f64, f64::max].map(|pick| found.iter().copied().reduce(pick));
         let has_mean = quantity != RunQuantity::Direction && !found.is_empty();
         Self {
             run: run.to_owned(),
@@ -73,9 +73,9 @@ impl RunMapReport {
             bushes: setting.bushes.len(),
             fire_types: None,
             cells: found.len(),
-            least,
+            min,
             mean: has_mean.then(|| found.iter().sum::<f64>() / found.len() as f64),
-            most,
+            max,
         }
     }
 }
@@ -105,9 +105,9 @@ impl From<&RunMapReport> for Document {
             let types: Vec<String> = types.iter().map(|(name, cells)| format!("{cells} by {name} fire")).collect();
             lines.push(format!("Cells: {}.", types.join(", ")));
         }
-        if let (Some(least), Some(most)) = (report.least, report.most) {
+        if let (Some(min), Some(max)) = (report.min, report.max) {
             let mean = report.mean.map_or(String::new(), |mean| format!(", mean {} {}", short(mean), report.unit));
-            lines.push(format!("{quantity}: {} to {} {}{mean}.", short(least), short(most), report.unit));
+            lines.push(format!("{quantity}: {} to {} {}{mean}.", short(min), short(max), report.unit));
         }
         let mut document = Self::new(format!("{quantity}: {}, seed {}", report.run, report.seed));
         document.add_list(lines);
@@ -137,7 +137,7 @@ struct SideObject {
     losses: Losses,
     /// Cells with a value above zero, and the greatest value.
     cells: usize,
-    most: Option<f64>,
+    max: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -147,8 +147,8 @@ struct DifferenceObject {
     /// Cells whose interval lies below zero, and above it.
     cells_below: usize,
     cells_above: usize,
-    least: Option<f64>,
-    most: Option<f64>,
+    min: Option<f64>,
+    max: Option<f64>,
 }
 
 impl From<&BatchSide> for SideObject {
@@ -157,7 +157,7 @@ impl From<&BatchSide> for SideObject {
             batch: side.title.clone(),
             losses: side.losses,
             cells: side.values.iter().filter(|value| **value > 0.0).count(),
-            most: side.values.iter().copied().filter(|value| value.is_finite()).reduce(f64::max),
+            max: side.values.iter().copied().filter(|value| value.is_finite()).reduce(f64::max),
         }
     }
 }
@@ -175,8 +175,8 @@ impl BatchMapReport {
                 losses: difference.losses,
                 cells_below: difference.upper.iter().filter(|upper| **upper < 0.0).count(),
                 cells_above: difference.lower.iter().filter(|lower| **lower > 0.0).count(),
-                least: found().reduce(f64::min),
-                most: found().reduce(f64::max),
+                min: found().reduce(f64::min),
+                max: found().reduce(f64::max),
             }
         });
         Self {
@@ -217,20 +217,20 @@ impl BatchMapReport {
         }
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
         for side in &self.sides {
-            if let Some(most) = side.most {
+            if let Some(max) = side.max {
                 let name = &side.batch;
                 lines.push(format!(
                     "{name}: {} burned in some run; greatest {}: {}{unit}.",
                     count(side.cells, "cell"),
                     self.quantity,
-                    short(most)
+                    short(max)
                 ));
             }
         }
-        if let Some(DifferenceObject { cells_below, cells_above, least: Some(least), most: Some(most), .. }) =
+        if let Some(DifferenceObject { cells_below, cells_above, min: Some(min), max: Some(max), .. }) =
             &self.difference
         {
-            lines.push(format!("Difference: {} to {}{unit}.", short(*least), short(*most)));
+            lines.push(format!("Difference: {} to {}{unit}.", short(*min), short(*max)));
             lines.push(format!(
                 "Cells whose 95 % interval does not hold zero: {cells_below} below it, {cells_above} above it."
             ));

@@ -33,7 +33,7 @@ impl Scene<'_> {
 }
 
 /// The most frames of a film: at twenty a second, an hour and a half.
-pub const MOST_FRAMES: u64 = 100_000;
+pub const MAX_FRAMES: u64 = 100_000;
 
 /// The moments that a film shows: evenly spaced from a first to a last one, both shown.
 #[derive(Clone, Copy, Debug)]
@@ -69,10 +69,10 @@ impl Moments {
         (until(frame + 1) - until(frame)) as u16
     }
 
-    /// Some frames from all over the film, at most `most`, the last among them.
-    pub fn sample(&self, most: u64) -> impl Iterator<Item = u64> + use<> {
+    /// Some frames from all over the film, at most `max`, the last among them.
+    pub fn sample(&self, max: u64) -> impl Iterator<Item = u64> + use<> {
         let last = self.count() - 1;
-        let stride = last.div_ceil(most - 1).max(1);
+        let stride = last.div_ceil(max - 1).max(1);
         (0..last).step_by(stride as usize).chain([last])
     }
 

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use clap::{ArgGroup, Args};
 
-use film::{FilmFiles, MOST_FRAMES, Moments, Scene, write_films};
+use film::{FilmFiles, MAX_FRAMES, Moments, Scene, write_films};
 
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
@@ -75,7 +75,7 @@ pub struct RenderArguments {
 }
 
 fn parse_fps(text: &str) -> Result<f64, String> {
-    numbers::parse_within(text, &(1.0..=100.0 / f64::from(GifFilm::LEAST_DELAY)), "a number")
+    numbers::parse_within(text, &(1.0..=100.0 / f64::from(GifFilm::MIN_DELAY)), "a number")
 }
 
 pub fn run(arguments: &RenderArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
@@ -141,8 +141,8 @@ fn moments(arguments: &RenderArguments, runs: &[&RunView], quiet: bool) -> Resul
         return Err(CliError::bad_input(sentence, None));
     }
     let moments = Moments { from, to, speed: arguments.speed, fps: arguments.fps };
-    if moments.count() > MOST_FRAMES {
-        let sentence = format!("the film would have {} frames; expected at most {MOST_FRAMES}", moments.count());
+    if moments.count() > MAX_FRAMES {
+        let sentence = format!("the film would have {} frames; expected at most {MAX_FRAMES}", moments.count());
         return Err(CliError::bad_input(
             sentence,
             Some("raise --speed, lower --fps, or shorten it with --from and --to"),

@@ -153,14 +153,14 @@ impl FromStr for Size {
     fn from_str(text: &str) -> Result<Self, String> {
         let sides = text.split_once(['x', 'X']).and_then(|(width, height)| {
             let (width, height) = (width.trim().parse().ok()?, height.trim().parse().ok()?);
-            let most = FrameLayout::MOST_SIDE;
-            let fits = (FrameLayout::LEAST_WIDTH..=most).contains(&width)
-                && (FrameLayout::LEAST_HEIGHT..=most).contains(&height);
+            let max = FrameLayout::MAX_SIDE;
+            let fits =
+                (FrameLayout::MIN_WIDTH..=max).contains(&width) && (FrameLayout::MIN_HEIGHT..=max).contains(&height);
             fits.then_some(Self { width, height })
         });
         sides.ok_or_else(|| {
-            let (width, height, most) = (FrameLayout::LEAST_WIDTH, FrameLayout::LEAST_HEIGHT, FrameLayout::MOST_SIDE);
-            format!("expected width and height in pixels from {width}x{height} to {most}x{most}")
+            let (width, height, max) = (FrameLayout::MIN_WIDTH, FrameLayout::MIN_HEIGHT, FrameLayout::MAX_SIDE);
+            format!("expected width and height in pixels from {width}x{height} to {max}x{max}")
         })
     }
 }
@@ -224,7 +224,7 @@ fn parse_point(text: &str) -> Result<DVec2, String> {
 }
 
 fn parse_zoom(text: &str) -> Result<f64, String> {
-    numbers::parse_within(text, &(Camera::LEAST_ZOOM..=Camera::MOST_ZOOM), "a number")
+    numbers::parse_within(text, &(Camera::MIN_ZOOM..=Camera::MAX_ZOOM), "a number")
 }
 
 /// A moment of a run.

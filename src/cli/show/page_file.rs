@@ -5,13 +5,13 @@ use std::path::Path;
 
 use crate::cli::error::CliError;
 use wildfire_base::whole_file::WholeFile;
-use wildfire_picture::film::{FrameRequest, MOST_GROUND_CELLS, RunView, page};
+use wildfire_picture::film::{FrameRequest, MAX_GROUND_CELLS, RunView, page};
 
 /// Refuses runs with more ground than a page has room for.
 pub fn check_grounds(runs: &[&RunView]) -> Result<(), CliError> {
     let cells = |run: &&RunView| run.index().ground().map_or(0, |_| run.timeline().setting.frame.cell_count());
-    let Some(cells) = runs.iter().map(cells).max().filter(|&cells| cells > MOST_GROUND_CELLS) else { return Ok(()) };
-    let sentence = format!("the field has {cells} cells of ground; expected at most {MOST_GROUND_CELLS} for a page");
+    let Some(cells) = runs.iter().map(cells).max().filter(|&cells| cells > MAX_GROUND_CELLS) else { return Ok(()) };
+    let sentence = format!("the field has {cells} cells of ground; expected at most {MAX_GROUND_CELLS} for a page");
     Err(CliError::bad_input(sentence, Some("write a still or a film instead")))
 }
 

@@ -11,7 +11,7 @@ use wildfire_picture::film::Verdict;
 use wildfire_timeline::Timeline;
 
 /// The largest file that is read: some thousand decisions with all gains.
-const MOST_BYTES: u64 = 256 << 20;
+const MAX_BYTES: u64 = 256 << 20;
 
 #[derive(Deserialize)]
 struct Why {
@@ -32,7 +32,7 @@ struct Decision {
 /// # Errors
 /// If the file is not the output of `wildfire why --json`, or that of another run.
 pub fn read(path: &Path, timeline: &Timeline) -> Result<Vec<(SimTime, Verdict)>, CliError> {
-    let text = input_file::read_text(path, MOST_BYTES).map_err(|error| CliError::unreadable(path, &error))?;
+    let text = input_file::read_text(path, MAX_BYTES).map_err(|error| CliError::unreadable(path, &error))?;
     let why: Why = serde_json::from_str(&text).map_err(|error| {
         let sentence = format!("{}: {error}; expected the output of `wildfire why --json`", path.display());
         CliError::bad_input(sentence, None)

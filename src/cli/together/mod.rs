@@ -23,7 +23,7 @@ use crate::cli::report::FormArguments;
 use wildfire_base::input_file;
 use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_base::whole_file::write_whole;
-use wildfire_planning::together::files::{FileFault, MOST_BYTES, read_instance, read_solution, write_solution};
+use wildfire_planning::together::files::{FileFault, MAX_BYTES, read_instance, read_solution, write_solution};
 use wildfire_planning::together::{Instance, Method, Mode, PlanTogether, plan};
 
 /// Rounds of repair after which an instance counts as unsolved; the limit on CPU time is usually reached before.
@@ -157,7 +157,7 @@ fn open_instance(path: &Path) -> Result<Instance, CliError> {
 }
 
 fn parsed<T>(path: &Path, read: fn(&str) -> Result<T, FileFault>) -> Result<T, CliError> {
-    let text = input_file::read_text(path, MOST_BYTES).map_err(|error| CliError::unreadable(path, &error))?;
+    let text = input_file::read_text(path, MAX_BYTES).map_err(|error| CliError::unreadable(path, &error))?;
     read(&text).map_err(|fault| CliError::bad_input(format_args!("{}: {fault}", path.display()), None))
 }
 

@@ -54,7 +54,7 @@ impl Checked {
 
 impl Figures {
     fn new(instance: &Instance, routes: &[Route]) -> Self {
-        let (sum_m, most_m) = instance.bounds_m();
+        let (sum_m, max_m) = instance.bounds_m();
         let flowtimes = || routes.iter().map(Route::flowtime_m);
         let (flowtime_m, makespan_m) = (flowtimes().sum::<f64>(), flowtimes().fold(0.0, f64::max));
         // Vehicles that are all at their goals have a bound of 0.
@@ -63,7 +63,7 @@ impl Figures {
             flowtime_m,
             flowtime_over_bound: over(flowtime_m, sum_m),
             makespan_m,
-            makespan_over_bound: over(makespan_m, most_m),
+            makespan_over_bound: over(makespan_m, max_m),
             cost: routes.iter().map(Route::cost).sum(),
             steps: routes.iter().map(|route| route.steps.len()).max().unwrap_or(0),
         }

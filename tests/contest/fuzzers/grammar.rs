@@ -193,9 +193,9 @@ impl Grammar {
             "number" => Value::Float(self.number(dice, default.as_f64().unwrap_or(1.0), path)),
             "string" => Value::String((*one_of(dice, &["x", "", MAP, "nowhere.txt", "é\u{202E}\n"])).to_owned()),
             "array" => {
-                let least = schema["minItems"].as_u64().unwrap_or(0) as usize;
-                let most = schema["maxItems"].as_u64().map_or(least + 3, |most| most as usize);
-                let count = least + below(dice, most - least + 1);
+                let min = schema["minItems"].as_u64().unwrap_or(0) as usize;
+                let max = schema["maxItems"].as_u64().map_or(min + 3, |max| max as usize);
+                let count = min + below(dice, max - min + 1);
                 let item = |index: usize| match &schema["prefixItems"] {
                     Json::Array(items) if index < items.len() => items[index].clone(),
                     _ => schema["items"].clone(),
@@ -209,36 +209,36 @@ impl Grammar {
 
     /// Draws a number, mostly near the default, else anywhere in the range, at its ends, or beyond.
     fn number(&self, dice: &mut Unstructured<'_>, default: f64, path: &str) -> f64 {
-        let [least, most] = self.ranges.get(path).copied().unwrap_or([0.0, 1e6]);
+        let [min, max] = self.ranges.get(path).copied().unwrap_or([0.0, 1e6]);
         let factor = *one_of(dice, &[1.0, 0.5, 2.0, 0.25, 4.0, 1.5, 0.1, 10.0, 0.999_999, 3.7]);
         match below(dice, 100) {
             0..65 if default == 0.0 => *one_of(dice, &[0.0, 0.01, 0.1, 1.0]),
-            0..65 => (default * factor).clamp(least, most),
+            0..65 => (default * factor).clamp(min, max),
             65..85 => {
                 // As likely in every power of ten.
                 let powers = std::iter::successors(Some(1e-3), |power| Some(10.0 * power));
-                let powers: Vec<f64> = powers.take_while(|power| *power <= most.max(1e-3)).collect();
-                (factor * one_of(dice, &powers)).clamp(least, most)
+                let powers: Vec<f64> = powers.take_while(|power| *power <= max.max(1e-3)).collect();
+                (factor * one_of(dice, &powers)).clamp(min, max)
             }
-            85..89 => least,
-            89..93 => most,
-            93 => least.next_down(),
-            94 => most.next_up(),
-            95 => least.next_up().min(most),
-            96 => most.next_down().max(least),
+            85..89 => min,
+            89..93 => max,
+            93 => min.next_down(),
+            94 => max.next_up(),
+            95 => min.next_up().min(max),
+            96 => max.next_down().max(min),
             97 => -0.0,
-            98 => least + 0.5 * (most - least),
+            98 => min + 0.5 * (max - min),
             _ => *one_of(dice, &[f64::NAN, f64::INFINITY, f64::MAX, 5e-324, -1.0, -1e308, 1e-300, 1e15]),
         }
     }
 
     fn whole_number(&self, dice: &mut Unstructured<'_>, schema: &Json, default: &Json, path: &str) -> Value {
         let number = self.number(dice, default.as_f64().unwrap_or(10.0), path);
-        let most = schema["maximum"].as_f64().unwrap_or(i64::MAX as f64);
+        let max = schema["maximum"].as_f64().unwrap_or(i64::MAX as f64);
         match below(dice, 64) {
             63 => Value::Float(number),
             62 => Value::Integer(i64::MIN),
-            _ => Value::Integer(number.round().clamp(0.0, most) as i64),
+            _ => Value::Integer(number.round().clamp(0.0, max) as i64),
         }
     }
 
@@ -317,8 +317,8 @@ fn range_of(path: &str) -> Option<[f64; 2]> {
     // A whole number must fit its type before its range is looked at.
     ["1e300", "4294967295", "65535"].into_iter().find_map(|number| {
         let expected = ask(number)?;
-        let (least, most) = expected.strip_prefix("a number from ")?.split_once(" to ")?;
-        Some([least.parse().ok()?, most.parse().ok()?])
+        let (min, max) = expected.strip_prefix("a number from ")?.split_once(" to ")?;
+        Some([min.parse().ok()?, max.parse().ok()?])
     })
 }
 

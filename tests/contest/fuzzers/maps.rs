@@ -244,10 +244,10 @@ fn pnm(dice: &mut Unstructured<'_>) -> Vec<u8> {
         _ => (1 + below(dice, 12)).to_string(),
     };
     let gap = *one_of(dice, &[" ", "\n", "\t", " # words\n", "\r\n"]);
-    let (width, height, most) = (side(dice), side(dice), one_of(dice, &["255", "1", "65535", "0", "65536", "100"]));
+    let (width, height, max) = (side(dice), side(dice), one_of(dice, &["255", "1", "65535", "0", "65536", "100"]));
     let has_most = !matches!(kind, 1 | 4);
     let header =
-        format!("P{kind}{gap}{width}{gap}{height}{}\n", if has_most { format!("{gap}{most}") } else { String::new() });
+        format!("P{kind}{gap}{width}{gap}{height}{}\n", if has_most { format!("{gap}{max}") } else { String::new() });
     let count = if chance(dice, 90) { 6 * 144 } else { below(dice, 900) };
     let pixels: Vec<u8> = match kind {
         1 => (0..count).map(|_| if chance(dice, 50) { b'1' } else { b'0' }).collect(),

@@ -30,7 +30,7 @@ const CASES: u64 = 10_000;
 const TEST: &str = "fuzzers::parsers::parsers_take_anything";
 
 /// The most memory that the fuzzer may have taken, in kilobytes: reading a recording may take most of it.
-const MOST_MEMORY_KB: u64 = 1 << 20;
+const MAX_MEMORY_KB: u64 = 1 << 20;
 
 /// Feeds a case to a parser, and looks whether a law is broken.
 type Feed = fn(&mut Case<'_>) -> Law;
@@ -72,9 +72,9 @@ fn parsers_take_anything() {
     for (_, name, _) in PARSERS {
         assert!(cases < CASES || tally.contains_key(*name), "no case was about {name}");
     }
-    if let Some(memory_kb) = most_memory_kb() {
+    if let Some(memory_kb) = max_memory_kb() {
         println!("at most {memory_kb} KB of memory");
-        assert!(memory_kb < MOST_MEMORY_KB, "{memory_kb} KB of memory were taken");
+        assert!(memory_kb < MAX_MEMORY_KB, "{memory_kb} KB of memory were taken");
     }
 }
 
@@ -98,7 +98,7 @@ fn broken_law_is_told_of_a_small_case() {
 }
 
 /// Reads the peak of memory as the system counts it, where it does.
-fn most_memory_kb() -> Option<u64> {
+fn max_memory_kb() -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     line.trim().strip_suffix("kB")?.trim().parse().ok()

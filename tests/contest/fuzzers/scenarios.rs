@@ -22,21 +22,21 @@ use super::grammar::{Grammar, MAP, WEATHER, WEATHER_TEXT, refusal_names_its_plac
 const CASES: u64 = 100;
 
 /// The most that a run may cost: simulated seconds, trucks, Wumpuses.
-const MOST_SECONDS: f64 = 200.0;
-const MOST_TRUCKS: usize = 3;
-const MOST_WUMPUSES: usize = 6;
+const MAX_SECONDS: f64 = 200.0;
+const MAX_TRUCKS: usize = 3;
+const MAX_WUMPUSES: usize = 6;
 /// The most of searches: samples, tries, expansions, bins, points.
-const MOST_SAMPLES: u32 = 300;
-const MOST_NEIGHBOURS: u32 = 20;
-const MOST_SHORTCUTS: u32 = 100;
-const MOST_EXPANSIONS: u32 = 3000;
-const MOST_BINS: f64 = 1e6;
-const MOST_POINTS: f64 = 1e4;
+const MAX_SAMPLES: u32 = 300;
+const MAX_NEIGHBOURS: u32 = 20;
+const MAX_SHORTCUTS: u32 = 100;
+const MAX_EXPANSIONS: u32 = 3000;
+const MAX_BINS: f64 = 1e6;
+const MAX_POINTS: f64 = 1e4;
 /// Square metres of a field with trucks, which the flood of poses may have to fill.
-const MOST_FIELD_M2: f64 = 260.0 * 260.0;
+const MAX_FIELD_M2: f64 = 260.0 * 260.0;
 
 /// The longest ways that are audited in the finest steps.
-const MOST_FINELY_AUDITED_M: f64 = 500.0;
+const MAX_FINELY_AUDITED_M: f64 = 500.0;
 
 static GRAMMAR: LazyLock<Grammar> = LazyLock::new(Grammar::new);
 
@@ -163,36 +163,36 @@ fn scenario_comes_back(scenario: &Scenario) -> Law {
 /// Returns the scenario with no more of anything than a test can afford; `None` if its field is too large.
 fn affordable(scenario: &Scenario) -> Option<Scenario> {
     let mut less = scenario.clone();
-    less.duration_s = less.duration_s.min(MOST_SECONDS);
-    less.unimog.truncate(MOST_TRUCKS);
-    less.wumpus.truncate(MOST_WUMPUSES);
+    less.duration_s = less.duration_s.min(MAX_SECONDS);
+    less.unimog.truncate(MAX_TRUCKS);
+    less.wumpus.truncate(MAX_WUMPUSES);
     let frame = less.field.frame();
     let area_m2 = frame.width_m() * frame.height_m();
-    if !less.unimog.is_empty() && area_m2 > MOST_FIELD_M2 || frame.cell_count() > 10_000 {
+    if !less.unimog.is_empty() && area_m2 > MAX_FIELD_M2 || frame.cell_count() > 10_000 {
         return None;
     }
     for truck in &mut less.unimog {
-        let few = |number: &mut u32, most| *number = (*number).min(most);
-        few(&mut truck.prm.samples, MOST_SAMPLES);
-        few(&mut truck.prm.neighbours, MOST_NEIGHBOURS);
-        few(&mut truck.prm_rs.samples, MOST_SAMPLES);
-        few(&mut truck.prm_rs.neighbours, MOST_NEIGHBOURS);
-        few(&mut truck.prm_rs.shortcuts, MOST_SHORTCUTS);
-        few(&mut truck.hybrid.shortcuts, MOST_SHORTCUTS);
-        few(&mut truck.hybrid.max_expansions, MOST_EXPANSIONS);
-        few(&mut truck.primitives.max_expansions, MOST_EXPANSIONS);
-        few(&mut truck.lattice.max_expansions, 100 * MOST_EXPANSIONS);
+        let few = |number: &mut u32, max| *number = (*number).min(max);
+        few(&mut truck.prm.samples, MAX_SAMPLES);
+        few(&mut truck.prm.neighbours, MAX_NEIGHBOURS);
+        few(&mut truck.prm_rs.samples, MAX_SAMPLES);
+        few(&mut truck.prm_rs.neighbours, MAX_NEIGHBOURS);
+        few(&mut truck.prm_rs.shortcuts, MAX_SHORTCUTS);
+        few(&mut truck.hybrid.shortcuts, MAX_SHORTCUTS);
+        few(&mut truck.hybrid.max_expansions, MAX_EXPANSIONS);
+        few(&mut truck.primitives.max_expansions, MAX_EXPANSIONS);
+        few(&mut truck.lattice.max_expansions, 100 * MAX_EXPANSIONS);
         for density in [&mut truck.prm.samples_per_hectare, &mut truck.prm_rs.samples_per_hectare] {
-            *density = density.map(|density| density.min(f64::from(MOST_SAMPLES) * 10_000.0 / area_m2));
+            *density = density.map(|density| density.min(f64::from(MAX_SAMPLES) * 10_000.0 / area_m2));
         }
         for (bin_m, headings) in
             [(&mut truck.hybrid.bin_m, truck.hybrid.headings), (&mut truck.primitives.bin_m, truck.primitives.headings)]
         {
-            *bin_m = bin_m.max((area_m2 * f64::from(headings) / MOST_BINS).sqrt());
+            *bin_m = bin_m.max((area_m2 * f64::from(headings) / MAX_BINS).sqrt());
         }
     }
     for wumpus in &mut less.wumpus {
-        wumpus.lattice_m = wumpus.lattice_m.filter(|lattice_m| area_m2 / (lattice_m * lattice_m) <= MOST_POINTS);
+        wumpus.lattice_m = wumpus.lattice_m.filter(|lattice_m| area_m2 / (lattice_m * lattice_m) <= MAX_POINTS);
     }
     Some(less)
 }
@@ -221,7 +221,7 @@ fn run_keeps_the_rules(case: &mut Case<'_>, scenario: &Scenario, seed: u64, run:
 /// Chooses the step of the audit: the default one where that takes few looks, a coarser one on long ways.
 fn step_of(outcome: &Outcome) -> SampleStep {
     let metres: f64 = outcome.agents.iter().map(|agent| agent.distance_m).sum();
-    let coarser = (metres / MOST_FINELY_AUDITED_M).max(1.0);
+    let coarser = (metres / MAX_FINELY_AUDITED_M).max(1.0);
     let SampleStep { metres, degrees } = SampleStep::default();
     SampleStep { metres: metres * coarser, degrees: degrees * coarser }
 }

@@ -98,10 +98,10 @@ fn greedy_search_arrives_where_astar_does_and_costs_no_less() {
             let greedy = search(&occupied, (start, goal), greedy_order(way.0), way);
             let astar = search(&occupied, (start, goal), SearchOrder::astar(way.0), way);
             assert_eq!(greedy.cost.is_some(), astar.cost.is_some(), "seed {seed}, {way:?}");
-            if let Some((cost, least)) = greedy.cost.zip(astar.cost) {
+            if let Some((cost, min)) = greedy.cost.zip(astar.cost) {
                 assert_is_walk(&occupied, cells(&greedy), start, goal, way);
-                assert!(cost >= least && cost == octile_length(cells(&greedy)), "seed {seed}, {way:?}");
-                longer += usize::from(cost > least);
+                assert!(cost >= min && cost == octile_length(cells(&greedy)), "seed {seed}, {way:?}");
+                longer += usize::from(cost > min);
             }
         }
     }
@@ -126,12 +126,12 @@ fn weighted_astar_keeps_its_bound_and_a_zero_estimate_is_dijkstras() {
                     if heuristic == Heuristic::Zero || weight == 0.0 {
                         assert_eq!(found, dijkstra, "{case}");
                     }
-                    let Some((cost, least)) = found.cost.zip(dijkstra.cost) else { continue };
+                    let Some((cost, min)) = found.cost.zip(dijkstra.cost) else { continue };
                     assert_is_walk(&occupied, cells(&found), start, goal, way);
                     let bound = order.cost_bound(way.0).expect("A* has a bound");
-                    assert!(cost >= least && cost <= bound * least + 1e-9, "{case}: {cost} and {least}");
-                    assert!(bound > 1.0 || cost == least, "{case}: {cost} and {least}");
-                    longer += usize::from(cost > least);
+                    assert!(cost >= min && cost <= bound * min + 1e-9, "{case}: {cost} and {min}");
+                    assert!(bound > 1.0 || cost == min, "{case}: {cost} and {min}");
+                    longer += usize::from(cost > min);
                     fewer += usize::from(weight > 1.0 && found.expanded.len() < astar.expanded.len());
                 }
             }

@@ -123,10 +123,10 @@ impl LatexBlocks {
 
     /// A label of plain letters from a caption, with a number if another table has it.
     fn label(&mut self, caption: &str) -> String {
-        const MOST_LETTERS: usize = 40;
+        const MAX_LETTERS: usize = 40;
         let plain = caption.to_lowercase().replace(|letter: char| !letter.is_ascii_alphanumeric(), "-");
         let words: Vec<&str> = plain.split('-').filter(|word| !word.is_empty()).collect();
-        let joined: String = words.join("-").chars().take(MOST_LETTERS).collect();
+        let joined: String = words.join("-").chars().take(MAX_LETTERS).collect();
         let label = format!("tab:{}", joined.trim_end_matches('-'));
         let same = self.labels.iter().filter(|known| **known == label).count();
         self.labels.push(label.clone());

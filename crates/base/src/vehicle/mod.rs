@@ -80,8 +80,8 @@ impl Dimensions {
             return refuse("turning_radius_m", self.turning_radius_m, expected);
         }
         if self.max_steering_rad().to_degrees() > MAX_STEERING_DEG {
-            let least_m = self.wheelbase_m / ops::tan(MAX_STEERING_DEG.to_radians());
-            let expected = format!("at least {least_m:.3}, which steering by {MAX_STEERING_DEG} degrees gives");
+            let min_m = self.wheelbase_m / ops::tan(MAX_STEERING_DEG.to_radians());
+            let expected = format!("at least {min_m:.3}, which steering by {MAX_STEERING_DEG} degrees gives");
             return refuse("turning_radius_m", self.turning_radius_m, expected);
         }
         Ok(())

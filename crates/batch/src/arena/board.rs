@@ -9,7 +9,7 @@ use serde::{Serialize, Serializer};
 
 use super::card::data_card;
 use super::entry::class_of;
-use super::row::MOST_BYTES;
+use super::row::MAX_BYTES;
 use super::{ARENA_VERSION, ArenaEntry, ArenaError, ArenaRow, Class, TRACKS, Track, rows_hash};
 use crate::comparison::{RankInput, RankedEntry, Ranking, ranked};
 use crate::plan::{COMMIT, EntryCard, PROGRAM_VERSION, Seeds};
@@ -81,7 +81,7 @@ impl Board {
     /// If the file is no file of rows, with the line.
     pub fn rows(&self, track: &Track) -> Result<Vec<ArenaRow>, ArenaError> {
         let path = self.file(track, "csv");
-        match input_file::read(&path, MOST_BYTES).and_then(input_file::utf8) {
+        match input_file::read(&path, MAX_BYTES).and_then(input_file::utf8) {
             Ok(bytes) => ArenaRow::read(&path, &bytes[..]),
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(Vec::new()),
             Err(source) => Err(ArenaError::Unreadable { path, source }),
@@ -288,7 +288,7 @@ fn difference_of_file((path, expected): &(PathBuf, String)) -> Option<String> {
     const SHOWN: usize = 50;
     const BEFORE: usize = 20;
     let name = path.file_name().unwrap_or_default().display();
-    let found = match input_file::read_text(path, MOST_BYTES) {
+    let found = match input_file::read_text(path, MAX_BYTES) {
         Ok(found) => found,
         Err(error) if error.kind() == ErrorKind::NotFound => return None,
         Err(error) => return Some(format!("{name}: {error}")),

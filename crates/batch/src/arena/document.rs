@@ -11,7 +11,7 @@ use wildfire_picture::charts::{
 };
 
 /// The most decimals of a score.
-const MOST_DECIMALS: usize = 4;
+const MAX_DECIMALS: usize = 4;
 
 const LEGEND: &str = "\
 Rank: the ranks that an entry may have with 95 % confidence. Score: the mean of what decides, with its 95 % interval. \
@@ -72,7 +72,7 @@ fn ends(interval: Option<Interval>, decimals: usize) -> [String; 2] {
 
 fn ranks_table(board: &TrackBoard) -> Table {
     let ranking = &board.ranking;
-    let decimals = decimals(ranking).min(MOST_DECIMALS);
+    let decimals = decimals(ranking).min(MAX_DECIMALS);
     let row = |(place, (entry, ranked)): (usize, (&BoardEntry, &RankedEntry))| {
         let next = ranking.pair(place, place + 1);
         let mut cells = vec![name(entry), ranks(ranked.ranks), rounded(ranked.mean, decimals)];

@@ -14,8 +14,8 @@ use wildfire_base::input_file;
 pub const ENTRY_FILE: &str = "entry.toml";
 
 /// The most files of an entry, and the most bytes of all of them.
-const MOST_FILES: usize = 100;
-const MOST_BYTES: u64 = 64_000_000;
+const MAX_FILES: usize = 100;
+const MAX_BYTES: u64 = 64_000_000;
 
 /// How the effort of an entry is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,7 +69,7 @@ impl ArenaEntry {
         let mut files = Vec::new();
         collect(folder, Path::new(""), &mut files).map_err(unreadable)?;
         files.sort();
-        let (mut hash, mut left) = (Sha256::new(), MOST_BYTES);
+        let (mut hash, mut left) = (Sha256::new(), MAX_BYTES);
         for file in &files {
             let bytes = input_file::read(&folder.join(file), left).map_err(unreadable)?;
             left -= bytes.len() as u64;
@@ -116,8 +116,8 @@ fn collect(root: &Path, below: &Path, files: &mut Vec<PathBuf>) -> io::Result<()
         } else if kind.is_file() {
             files.push(name);
         }
-        if files.len() > MOST_FILES {
-            let message = format!("more than {MOST_FILES} files; expected only those of the entry");
+        if files.len() > MAX_FILES {
+            let message = format!("more than {MAX_FILES} files; expected only those of the entry");
             return Err(io::Error::new(io::ErrorKind::FileTooLarge, message));
         }
     }

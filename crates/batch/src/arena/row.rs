@@ -64,7 +64,7 @@ pub const HASHED_COLUMNS: [&str; 46] = [
 pub(super) const HEADINGS: [&str; 6] = ["entry", "condition", "seed", "score", "effort", "hash"];
 
 /// The most bytes of a file of rows, and the most rows.
-pub(super) const MOST_BYTES: u64 = 64_000_000;
+pub(super) const MAX_BYTES: u64 = 64_000_000;
 
 /// Digits of a hash that a row shows.
 const HASH_DIGITS: usize = 16;

@@ -117,8 +117,8 @@ fn pairing(pairs: &Pairs, letter: char) -> String {
     }
     if let several @ [_, _, ..] = &pairs.strata[..] {
         let counts = || several.iter().map(|stratum| stratum.pairs);
-        let (least, most) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
-        let each = if least == most { format!("{least} pairs each") } else { format!("{least} to {most} pairs each") };
+        let (min, max) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
+        let each = if min == max { format!("{min} pairs each") } else { format!("{min} to {max} pairs each") };
         text += &format!(" Every difference is a mean over {}, {each}.", levels(pairs));
     }
     text
@@ -127,7 +127,7 @@ fn pairing(pairs: &Pairs, letter: char) -> String {
 /// Lists the values of the columns, `field.coverage (0.05, 0.1, 0.2)`; for several with the number of combinations.
 fn levels(pairs: &Pairs) -> String {
     /// The most values that are listed; more are counted.
-    const MOST: usize = 12;
+    const MAX: usize = 12;
     let of_column = |(index, column): (usize, &String)| {
         let mut values: Vec<String> = Vec::new();
         for stratum in &pairs.strata {
@@ -136,7 +136,7 @@ fn levels(pairs: &Pairs) -> String {
                 values.push(value);
             }
         }
-        let words = if values.len() > MOST { format!("{} values", values.len()) } else { values.join(", ") };
+        let words = if values.len() > MAX { format!("{} values", values.len()) } else { values.join(", ") };
         format!("{} ({words})", visible_start(column))
     };
     let columns: Vec<String> = pairs.columns.iter().enumerate().map(of_column).collect();

@@ -51,9 +51,9 @@ fn did_you_mean(nearest: Option<&str>) -> String {
 
 fn listed(names: &[String]) -> String {
     /// More names than this do not help.
-    const MOST: usize = 12;
-    let shown: Vec<_> = names.iter().take(MOST).map(|name| format!("`{name}`")).collect();
-    let rest = if names.len() > MOST { " and others" } else { "" };
+    const MAX: usize = 12;
+    let shown: Vec<_> = names.iter().take(MAX).map(|name| format!("`{name}`")).collect();
+    let rest = if names.len() > MAX { " and others" } else { "" };
     format!("{}{rest}", shown.join(", "))
 }
 

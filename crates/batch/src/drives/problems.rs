@@ -31,7 +31,7 @@ pub struct DriveProblems {
 
 impl DriveProblems {
     /// Returns the least possible number of goals, which is known before any field is.
-    pub fn least_goals(&self) -> usize {
+    pub fn min_goals(&self) -> usize {
         let is_drawn = self.fields.is_empty() && self.cells.is_none();
         if is_drawn { self.goals.unwrap_or(GOALS) } else { self.fields.len().max(1) }
     }

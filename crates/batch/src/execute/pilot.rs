@@ -8,7 +8,7 @@ use wildfire_base::time::wall::WallStopwatch;
 use wildfire_sim::{CustomRegistry, RunOptions};
 
 /// The most runs of a pilot.
-const MOST_RUNS: u64 = 20;
+const MAX_RUNS: u64 = 20;
 
 /// The time after which no further run is begun.
 const LONGEST: Duration = Duration::from_secs(60);
@@ -28,7 +28,7 @@ impl Pilot {
     /// this thread; at least one, and no more after a minute. Failed runs count with the time they took.
     pub fn run(plan: &BatchPlan, entrants: &CustomRegistry) -> Self {
         let options = RunOptions { memory: plan.memory, ..entrants.clone().into() };
-        let runs = plan.count().min(MOST_RUNS);
+        let runs = plan.count().min(MAX_RUNS);
         let mut pilot = Self { runs: 0, total: Duration::ZERO, longest: Duration::ZERO };
         for index in 0..runs {
             // The middle of each of as many parts; a plan has fewer than 2^53 runs, so this does not overflow.
@@ -60,7 +60,7 @@ mod tests {
 
     #[test]
     fn pilot_makes_some_runs_of_a_plan_and_all_of_a_small_one() {
-        for (seeds, expected) in [("1..3", 3), ("1..1000", MOST_RUNS)] {
+        for (seeds, expected) in [("1..3", 3), ("1..1000", MAX_RUNS)] {
             let request =
                 BatchRequest { scenarios: vec!["smoke".into()], seeds: seeds.parse().ok(), ..BatchRequest::default() };
             let plan = request.resolve(false).expect("a small batch");

@@ -95,9 +95,9 @@ pub struct RunMean {
 }
 
 impl RunMean {
-    fn new(numbers: &[f64], most: f64) -> Self {
+    fn new(numbers: &[f64], max: f64) -> Self {
         let series = Series::from_values(numbers);
-        Self { mean: series.mean().expect("there is a run"), interval: series.mean_interval_within((0.0, most)) }
+        Self { mean: series.mean().expect("there is a run"), interval: series.mean_interval_within((0.0, max)) }
     }
 
     /// Returns the same in another unit.
@@ -231,7 +231,7 @@ struct Sums {
     recorded: u64,
     simulated: u64,
     /// The most bushes of a field.
-    most_bushes: usize,
+    max_bushes: usize,
 }
 
 impl Sums {
@@ -247,7 +247,7 @@ impl Sums {
             runs: 0,
             recorded: 0,
             simulated: 0,
-            most_bushes: 0,
+            max_bushes: 0,
         }
     }
 
@@ -265,7 +265,7 @@ impl Sums {
             return Err(MapsError::OtherGround { seed: run.seed });
         }
         let setting = &maps[0].setting;
-        self.most_bushes = self.most_bushes.max(setting.bushes.len());
+        self.max_bushes = self.max_bushes.max(setting.bushes.len());
         let mut can_burn: Vec<bool> =
             (0..self.can_burn.len()).map(|index| setting.is_ground(setting.frame.cell(index))).collect();
         setting.bushes.iter().for_each(|&bush| can_burn[setting.frame.index(bush)] = true);
@@ -289,7 +289,7 @@ impl Sums {
     fn finish(self, sources: &[&MapSource], not_run: u64, unpaired: u64) -> BatchMaps {
         let Self { quantity, setting, can_burn, is_same_ground, sides, pairs, runs, recorded, simulated, .. } = self;
         let [all_cells, all_bushes] =
-            [can_burn.iter().filter(|can_burn| **can_burn).count(), self.most_bushes].map(|count| count as f64);
+            [can_burn.iter().filter(|can_burn| **can_burn).count(), self.max_bushes].map(|count| count as f64);
         let hectares = setting.frame.cell_m * setting.frame.cell_m / 10_000.0;
         let difference = pairs.map(|pairs| {
             let [mean, lower, upper] = pairs.finish(&can_burn);

@@ -6,7 +6,7 @@ use super::BatchPlan;
 use wildfire_sim::scenario::{Scenario, value_differences};
 
 /// The most differences that are named.
-const MOST: usize = 5;
+const MAX: usize = 5;
 
 /// In what a plan differs from the one that is asked for; empty if they are the same.
 pub fn differences(there: &BatchPlan, asked: &BatchPlan) -> Vec<String> {
@@ -51,9 +51,9 @@ fn cut(text: &str) -> String {
 fn shortened(mut found: Vec<String>) -> Vec<String> {
     // Variants that differ in one way all say the same.
     found.dedup();
-    if found.len() > MOST {
-        let more = found.len() - MOST;
-        found.truncate(MOST);
+    if found.len() > MAX {
+        let more = found.len() - MAX;
+        found.truncate(MAX);
         found.push(format!("and {more} more"));
     }
     found
@@ -83,8 +83,8 @@ mod tests {
     #[test]
     fn long_lists_of_differences_are_cut() {
         let found = differences_of_scenarios(&smoke(&[]), &scenario::load("contest", &[]).expect("it is built in"));
-        assert_eq!(found.len(), MOST + 1);
-        assert!(found[MOST].starts_with("and "), "{found:?}");
+        assert_eq!(found.len(), MAX + 1);
+        assert!(found[MAX].starts_with("and "), "{found:?}");
     }
 
     #[test]

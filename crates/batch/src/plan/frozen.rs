@@ -218,17 +218,17 @@ impl BatchPlan {
         read_json(&path, &file)
     }
 
-    /// Reads the text of the plan of a batch's folder as it was written; none if it is longer than `most` bytes.
+    /// Reads the text of the plan of a batch's folder as it was written; none if it is longer than `max` bytes.
     ///
     /// # Errors
     /// If there is no plan, or it cannot be read.
-    pub fn read_text(folder: &Path, most: u64) -> Result<Option<String>, PlanError> {
+    pub fn read_text(folder: &Path, max: u64) -> Result<Option<String>, PlanError> {
         let path = folder.join(PLAN_FILE);
         let file = open(folder, &path)?;
         let unreadable = |source| PlanError::Unreadable { path: path.clone(), source };
         let mut bytes = Vec::new();
-        file.take(most + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-        if bytes.len() as u64 > most {
+        file.take(max + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+        if bytes.len() as u64 > max {
             return Ok(None);
         }
         input_file::text(bytes).map(Some).map_err(unreadable)

@@ -247,7 +247,7 @@ impl AuditReport {
         self.recorded + self.simulated
     }
 
-    fn add(&mut self, run: String, finding: Finding, most: usize) {
+    fn add(&mut self, run: String, finding: Finding, max: usize) {
         let (verdict, difference) = match finding {
             Finding::Recorded(verdict, difference) => {
                 self.recorded += 1;
@@ -274,7 +274,7 @@ impl AuditReport {
         }
         let words = violation.map(|violation| violation.to_string()).or(difference);
         self.violations += u64::from(words.is_some());
-        if let Some(words) = words.filter(|_| self.listed.len() < most) {
+        if let Some(words) = words.filter(|_| self.listed.len() < max) {
             self.listed.push(ListedViolation { run, violation, words });
         }
     }

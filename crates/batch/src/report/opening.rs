@@ -173,12 +173,12 @@ fn of_several(variants: &[VariantReport]) -> String {
         return format!("{finished}; in each, {percent} of the bushes were saved.");
     }
     let interval = if interval.is_empty() { interval } else { format!(" ({interval})") };
-    let least = format!("{} the least, {}", name(worst.0), worst.1.percent().0);
-    format!("{finished}; {} saved the most bushes, {percent}{interval}, and {least}.", name(best.0))
+    let min = format!("{} the least, {}", name(worst.0), worst.1.percent().0);
+    format!("{finished}; {} saved the most bushes, {percent}{interval}, and {min}.", name(best.0))
 }
 
 /// The most variants that are named one by one.
-const MOST_NAMED: usize = 4;
+const MAX_NAMED: usize = 4;
 
 /// Describes variants of which some have failed runs: what those with finished runs saved, and which failed.
 fn of_several_with_failures(variants: &[VariantReport], labels: &Labels) -> String {
@@ -191,14 +191,14 @@ fn of_several_with_failures(variants: &[VariantReport], labels: &Labels) -> Stri
     let name = |index: usize| labels.label(index, &all);
     let saved = saved_by_variant(variants);
     let mut parts: Vec<String> = match extremes(&saved) {
-        Some([best, worst]) if saved.len() > MOST_NAMED => vec![
+        Some([best, worst]) if saved.len() > MAX_NAMED => vec![
             format!("{} saved the most bushes, {}", name(best.0), best.1.percent().0),
             format!("{} the least, {}", name(worst.0), worst.1.percent().0),
         ],
         _ => saved.iter().map(|(index, saved)| format!("{} saved {}", name(*index), saved.percent().0)).collect(),
     };
     let failed: Vec<usize> = (0..variants.len()).filter(|&index| variants[index].tally.not_done() > 0).collect();
-    parts.extend(failed.iter().take(MOST_NAMED).map(|&index| {
+    parts.extend(failed.iter().take(MAX_NAMED).map(|&index| {
         let words = match (variants[index].tally.not_done(), variants[index].tally.done) {
             (1, 0) => "failed".to_owned(),
             (2, 0) => "failed twice".to_owned(),
@@ -207,8 +207,8 @@ fn of_several_with_failures(variants: &[VariantReport], labels: &Labels) -> Stri
         };
         format!("{} {words}", name(index))
     }));
-    if failed.len() > MOST_NAMED {
-        let more = failed.len() - MOST_NAMED;
+    if failed.len() > MAX_NAMED {
+        let more = failed.len() - MAX_NAMED;
         parts.push(format!("{} failed too", count(more, "other variant")));
     }
     format!("{done} of {} finished: {}.", count_of(done + not_done), parts.join(", "))

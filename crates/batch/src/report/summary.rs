@@ -113,9 +113,9 @@ impl VariantReport {
 
     /// Returns the 95 % interval of the mean of a column, within the range of its values.
     pub fn interval(&self, place: usize) -> Option<Interval> {
-        let (least, most) = RUN_COLUMNS[place].range();
+        let (min, max) = RUN_COLUMNS[place].range();
         let bushes = self.column(OBSTACLES).largest().filter(|_| STATES.contains(&place));
-        self.column(place).mean_interval_within((least, bushes.unwrap_or(most)))
+        self.column(place).mean_interval_within((min, bushes.unwrap_or(max)))
     }
 
     /// Adds what a run's row in a table lacks: notes on its agents, and the CPU time per fact.
@@ -274,10 +274,7 @@ impl BatchReport {
 /// The decimals by which the largest of some numbers has four digits.
 fn decimals_of(numbers: [Option<f64>; 4]) -> usize {
     let largest = numbers.into_iter().flatten().fold(0.0_f64, |largest, number| largest.max(number.abs()));
-    [(100.0, 1), (10.0, 2), (1.0, 3), (0.01, 4)]
-        .into_iter()
-        .find(|(least, _)| largest >= *least)
-        .map_or(6, |found| found.1)
+    [(100.0, 1), (10.0, 2), (1.0, 3), (0.01, 4)].into_iter().find(|(min, _)| largest >= *min).map_or(6, |found| found.1)
 }
 
 impl VariantReport {

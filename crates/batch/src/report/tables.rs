@@ -22,21 +22,21 @@ struct Quantity {
     columns: &'static [usize],
     scale: f64,
     /// The largest number that it can have; `None` for that of the first quantity.
-    most: Option<f64>,
+    max: Option<f64>,
 }
 
 impl Quantity {
     /// A count of cells, which is the sum of these columns.
     const fn cells(heading: &'static str, columns: &'static [usize]) -> Self {
-        Self { heading, decimals: [0, 2], columns, scale: 1.0, most: None }
+        Self { heading, decimals: [0, 2], columns, scale: 1.0, max: None }
     }
 
     const fn ratio(heading: &'static str, columns: &'static [usize]) -> Self {
-        Self { heading, decimals: [3, 3], columns, scale: 1.0, most: Some(1.0) }
+        Self { heading, decimals: [3, 3], columns, scale: 1.0, max: Some(1.0) }
     }
 
     const fn milliseconds(heading: &'static str, columns: &'static [usize]) -> Self {
-        Self { heading, decimals: [3, 3], columns, scale: 1e3, most: Some(f64::INFINITY) }
+        Self { heading, decimals: [3, 3], columns, scale: 1e3, max: Some(f64::INFINITY) }
     }
 
     /// Returns the number of a run; `None` of a run that is not done.
@@ -65,7 +65,7 @@ static OBSTACLE_STATES: Layout = Layout {
     shows_seeds: true,
     shows_sums: false,
     quantities: &[
-        Quantity { most: Some(f64::INFINITY), ..Quantity::cells("Total", &[run_column("obstacles")]) },
+        Quantity { max: Some(f64::INFINITY), ..Quantity::cells("Total", &[run_column("obstacles")]) },
         Quantity::cells("Intact\ntotal", &[run_column("intact")]),
         Quantity::ratio("Intact\nratio", &[run_column("intact_ratio")]),
         Quantity::cells("Burned\ntotal", &[run_column("burning"), run_column("burned_out")]),
@@ -213,16 +213,16 @@ impl RunTable {
         rounded.into_iter().find(Table::fits_a_terminal).unwrap_or_else(|| self.rounded_to(0))
     }
 
-    fn rounded_to(&self, most_decimals: usize) -> Table {
+    fn rounded_to(&self, max_decimals: usize) -> Table {
         let mut rows = Vec::new();
         for (index, (seed, numbers)) in self.shown.iter().enumerate() {
             let number = |column: usize| numbers.as_ref().map(|numbers| numbers[column]);
-            let decimals = |quantity: &Quantity| quantity.decimals[0].min(most_decimals);
+            let decimals = |quantity: &Quantity| quantity.decimals[0].min(max_decimals);
             rows.push(self.row((index + 1).to_string(), seed.to_string(), decimals, number));
         }
         for (label, statistic) in STATISTICS.iter().filter(|(label, _)| self.layout.shows_sums || *label != "Sum") {
             let number = |column: usize| statistic(&self.series[column], self.interval(column));
-            let decimals = |quantity: &Quantity| quantity.decimals[1].min(most_decimals);
+            let decimals = |quantity: &Quantity| quantity.decimals[1].min(max_decimals);
             rows.push(self.row((*label).to_owned(), String::new(), decimals, number));
         }
         let labels: &[&str] = match (self.shown.is_empty(), self.layout.shows_seeds) {
@@ -238,8 +238,8 @@ impl RunTable {
     }
 
     fn interval(&self, column: usize) -> Option<Interval> {
-        let most = self.layout.quantities[column].most.or_else(|| self.series[0].largest())?;
-        self.series[column].mean_interval_within((0.0, most))
+        let max = self.layout.quantities[column].max.or_else(|| self.series[0].largest())?;
+        self.series[column].mean_interval_within((0.0, max))
     }
 
     fn row(

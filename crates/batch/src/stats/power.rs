@@ -11,7 +11,7 @@ use crate::stats::distributions::{noncentral_t_two_sided, t_reach};
 pub const POWER: f64 = 0.8;
 
 /// More pairs than this are not counted.
-const MOST_PAIRS: u64 = 1_000_000_000;
+const MAX_PAIRS: u64 = 1_000_000_000;
 
 /// Returns the probability that the test with this number of pairs detects an effect; `None` for fewer than two pairs.
 pub fn paired_power(effect: f64, pairs: u64) -> Option<f64> {
@@ -26,7 +26,7 @@ pub fn pairs_for_power(effect: f64) -> Option<u64> {
     let (mut too_few, mut enough) = (1, 2);
     while !suffices(enough) {
         (too_few, enough) = (enough, 2 * enough);
-        if too_few >= MOST_PAIRS {
+        if too_few >= MAX_PAIRS {
             return None;
         }
     }

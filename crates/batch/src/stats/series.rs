@@ -87,19 +87,19 @@ impl Series {
         Some(Interval::about(self.mean, t_reach((self.count - 1) as f64) * error))
     }
 
-    /// Returns the 95 % confidence interval of the mean of a quantity from `least` to `most`, which never leaves that
+    /// Returns the 95 % confidence interval of the mean of a quantity from `min` to `max`, which never leaves that
     /// range; differences are [`UNBOUNDED`]. `None` for fewer than two, or if all are equal: a few equal numbers do not
     /// show how much others would vary. `None` too if more than half of the numbers are an end of the range: the delta
     /// method needs an error that is small beside the distance of the mean from that end.
     ///
-    /// Student's interval on the log scale of the distance from `least`, or on the logit scale if `most` is finite too,
+    /// Student's interval on the log scale of the distance from `min`, or on the logit scale if `max` is finite too,
     /// with the standard error by the delta method (Oehlert, "A note on the delta method", The American Statistician 46,
-    /// 1992). The upper end for two numbers without a finite `most` is that of Student's plain interval: on the log scale
-    /// it can be 300,000 times the mean. Without a finite `least` the whole interval is the plain one.
-    pub fn mean_interval_within(&self, (least, most): (f64, f64)) -> Option<Interval> {
+    /// 1992). The upper end for two numbers without a finite `max` is that of Student's plain interval: on the log scale
+    /// it can be 300,000 times the mean. Without a finite `min` the whole interval is the plain one.
+    pub fn mean_interval_within(&self, (min, max): (f64, f64)) -> Option<Interval> {
         let plain = self.mean_interval().filter(|plain| plain.low < plain.high)?;
-        let (reach, below, above) = (plain.high - self.mean, self.mean - least, most - self.mean);
-        let [at_least, at_most] = [(self.smallest, least), (self.largest, most)].map(|(value, end)| value == end);
+        let (reach, below, above) = (plain.high - self.mean, self.mean - min, max - self.mean);
+        let [at_least, at_most] = [(self.smallest, min), (self.largest, max)].map(|(value, end)| value == end);
         let is_mostly = |is_at_end: bool, numbers: u64| is_at_end && 2 * numbers > self.count;
         if is_mostly(at_least, self.at_ends[0]) || is_mostly(at_most, self.at_ends[1]) {
             return None;
@@ -110,13 +110,13 @@ impl Series {
         }
         if above.is_infinite() {
             let factor = ops::exp(reach / below);
-            let high = if self.count == 2 { plain.high } else { least + below * factor };
-            return Some(Interval { low: least + below / factor, high });
+            let high = if self.count == 2 { plain.high } else { min + below * factor };
+            return Some(Interval { low: min + below / factor, high });
         }
-        let width = most - least;
+        let width = max - min;
         let factor = ops::exp(reach * width / (below * above));
         // The share of the range at the mean's odds times a factor, written so that no infinity is divided by another.
-        let end = |odds: f64| least + width / (1.0 + 1.0 / odds);
+        let end = |odds: f64| min + width / (1.0 + 1.0 / odds);
         Some(Interval { low: end(below / above / factor), high: end(below / above * factor) })
     }
 }

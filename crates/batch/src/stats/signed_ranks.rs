@@ -72,8 +72,8 @@ fn ranked(differences: &[f64]) -> Vec<Rank> {
 
 /// Returns twice the share of all choices of signs whose sum of ranks above zero is at most `smaller`.
 fn exact_p_value(ranked: &[Rank], smaller: u64) -> f64 {
-    let most: u64 = ranked.iter().map(|rank| rank.doubled).sum();
-    let mut choices = vec![0_u64; most as usize + 1];
+    let max: u64 = ranked.iter().map(|rank| rank.doubled).sum();
+    let mut choices = vec![0_u64; max as usize + 1];
     choices[0] = 1;
     for rank in ranked {
         let step = rank.doubled as usize;

@@ -117,8 +117,8 @@ fn asks(row: &RunRow, value: impl Fn(&PolicyTally) -> u64) -> Value {
 }
 
 fn cpu_source(cost: &RunCost) -> Option<String> {
-    let least_trusted = cost.agents.iter().filter_map(|agent| agent.source).max();
-    least_trusted.map(|source| source.name().to_owned())
+    let min_trusted = cost.agents.iter().filter_map(|agent| agent.source).max();
+    min_trusted.map(|source| source.name().to_owned())
 }
 
 fn winner(outcome: &Outcome) -> String {

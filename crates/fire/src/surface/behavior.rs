@@ -49,15 +49,15 @@ impl FuelBed {
         let together = unit(wind) * wind_factor + unit(uphill) * slope_factor;
         let mut factor = length(together);
         let mut effective = self.wind_of(factor);
-        let most = match options.wind_limit {
+        let max = match options.wind_limit {
             WindLimit::None => f64::INFINITY,
             WindLimit::Rothermel1972 => 0.9 * self.reaction_intensity,
             WindLimit::Andrews2013 => 96.8 * ops::pow(self.reaction_intensity, 1.0 / 3.0),
         };
-        let wind_is_limited = effective > most;
+        let wind_is_limited = effective > max;
         if wind_is_limited {
-            effective = most;
-            factor = self.wind_factor(most);
+            effective = max;
+            factor = self.wind_factor(max);
         }
         let along = match options.combine {
             Combine::Plane => together,

@@ -38,8 +38,8 @@ const CRITICAL_FLOW: f64 = 3.0;
 /// Heat of the fuel of crowns, Btu/lb.
 const HEAT: f64 = 8000.0;
 /// The lowest values with which Van Wagner's first criterion is computed.
-const LEAST_FOLIAR_MOISTURE: f64 = 0.3;
-const LEAST_BASE_M: f64 = 0.1;
+const MIN_FOLIAR_MOISTURE: f64 = 0.3;
+const MIN_BASE_M: f64 = 0.1;
 /// Kilograms in a pound.
 const POUND_KG: f64 = 0.453_592_37;
 
@@ -359,8 +359,8 @@ impl CrownFire {
     /// metres from the ground to the crowns, m foliar moisture in percent (Van Wagner, 1977).
     pub fn critical_intensity_kw_m(&self) -> f64 {
         let CrownConditions { canopy, foliar_moisture, units, .. } = &self.conditions;
-        let moisture = 100.0 * foliar_moisture.max(LEAST_FOLIAR_MOISTURE);
-        let heat = 0.010 * canopy.base_m.max(LEAST_BASE_M) * (460.0 + 25.9 * moisture);
+        let moisture = 100.0 * foliar_moisture.max(MIN_FOLIAR_MOISTURE);
+        let heat = 0.010 * canopy.base_m.max(MIN_BASE_M) * (460.0 + 25.9 * moisture);
         heat * heat.sqrt() * units.scales()[0]
     }
 

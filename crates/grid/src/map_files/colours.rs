@@ -18,13 +18,13 @@ const MAX_PIXEL_BYTES: u64 = 80_000_000;
 /// Reads a PNG image as red, green and blue, row 0 at the upper edge; transparent pixels are shown on white.
 ///
 /// # Errors
-/// If the file is no PNG image or has more than `most` pixels along a side. Sizes are checked before memory is taken.
-pub fn read_colours(path: &Path, most: u32) -> Result<Grid<[u8; 3]>, MapError> {
-    let read = input_file::read(path, MAX_IMAGE_BYTES).map_err(Fault::from).and_then(|bytes| colours(bytes, most));
+/// If the file is no PNG image or has more than `max` pixels along a side. Sizes are checked before memory is taken.
+pub fn read_colours(path: &Path, max: u32) -> Result<Grid<[u8; 3]>, MapError> {
+    let read = input_file::read(path, MAX_IMAGE_BYTES).map_err(Fault::from).and_then(|bytes| colours(bytes, max));
     read.map_err(|fault| MapError { path: path.to_owned(), fault })
 }
 
-fn colours(bytes: Vec<u8>, most: u32) -> Result<Grid<[u8; 3]>, Fault> {
+fn colours(bytes: Vec<u8>, max: u32) -> Result<Grid<[u8; 3]>, Fault> {
     let damaged = |error: image::ImageError| Fault::Image { message: error.to_string() };
     if !bytes.starts_with(SIGNATURE) {
         return Err(Fault::Image { message: "it is not a PNG image".into() });
@@ -33,8 +33,8 @@ fn colours(bytes: Vec<u8>, most: u32) -> Result<Grid<[u8; 3]>, Fault> {
     limits.max_alloc = Some(MAX_PIXEL_BYTES);
     let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(damaged)?;
     let (cols, rows) = decoder.dimensions();
-    if cols > most || rows > most || decoder.total_bytes() > MAX_PIXEL_BYTES {
-        let message = format!("it has {cols} x {rows} pixels; expected at most {most} along a side");
+    if cols > max || rows > max || decoder.total_bytes() > MAX_PIXEL_BYTES {
+        let message = format!("it has {cols} x {rows} pixels; expected at most {max} along a side");
         return Err(Fault::Image { message });
     }
     let image = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgba8();

@@ -58,8 +58,8 @@ pub enum Fault {
     Image { message: String },
     #[error("this kind of {format} is not supported: {reason}; convert it, e.g. to PNG")]
     Unread { format: &'static str, reason: String },
-    #[error("the file has more than {most} bytes, the limit for files of this kind")]
-    GoesBeyond { most: u64 },
+    #[error("the file has more than {max} bytes, the limit for files of this kind")]
+    GoesBeyond { max: u64 },
     #[error("the pixels of the image take {bytes} bytes, expected at most {limit}; 8-bit grey takes the least")]
     ImageTooLarge { bytes: u64, limit: u64 },
     #[error("this NumPy array {found}; expected {expected}")]

@@ -39,10 +39,10 @@ pub(super) fn read<R: BufRead + Seek>(
 pub(super) fn read_bytes(mut bytes: Vec<u8>, rest: impl Read) -> Result<Vec<u8>, Fault> {
     let header = PngHeader::parse(&bytes)?;
     check_size(header.rows, header.cols)?;
-    let most = header.most_bytes();
-    rest.take((most + 1).saturating_sub(bytes.len() as u64)).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > most {
-        let message = format!("it continues after {most} bytes, more than an image of its size needs");
+    let max = header.max_bytes();
+    rest.take((max + 1).saturating_sub(bytes.len() as u64)).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > max {
+        let message = format!("it continues after {max} bytes, more than an image of its size needs");
         return Err(Fault::Image { message });
     }
     Ok(bytes)
@@ -68,7 +68,7 @@ impl PngHeader {
     }
 
     /// An upper bound of the bytes of an image of this size: no image is much larger than its pixels.
-    fn most_bytes(&self) -> u64 {
+    fn max_bytes(&self) -> u64 {
         let channels = match self.colour_type {
             0 | 3 => 1,
             4 => 2,

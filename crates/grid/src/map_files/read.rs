@@ -182,14 +182,14 @@ fn read_stream(stream: impl Read, transparency: Transparency) -> Result<Content,
 
 /// Keeps all bytes of an input, of which there may be no more than such a file has, and reads them.
 fn read_whole(format: WholeFormat, source: impl Read, transparency: Transparency) -> Result<Content, Fault> {
-    let most = match format {
+    let max = match format {
         WholeFormat::Picture(_) | WholeFormat::Tiff => pictures::MAX_FILE,
         WholeFormat::Ros => ros::MAX_FILE,
     };
     let mut bytes = Vec::new();
-    source.take(most + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > most {
-        return Err(Fault::GoesBeyond { most });
+    source.take(max + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > max {
+        return Err(Fault::GoesBeyond { max });
     }
     match format {
         WholeFormat::Picture(format) => format.read(&bytes, transparency).map(Content::Grey),

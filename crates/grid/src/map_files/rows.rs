@@ -24,7 +24,7 @@ pub(super) fn read_rows<R: BufRead>(
     mut cells_of: impl FnMut(&[u8], &mut Vec<bool>) -> Result<(), BadCell>,
 ) -> Result<Grid<bool>, Fault> {
     let mut map = TextRows { cells: Vec::new(), rows: 0, cols: declared.map(|(_, cols)| cols) };
-    let most_rows = declared.map(|(rows, _)| rows);
+    let max_rows = declared.map(|(rows, _)| rows);
     let mut blank = false;
     while let Some(line) = lines.next()? {
         if line.is_empty() {
@@ -34,7 +34,7 @@ pub(super) fn read_rows<R: BufRead>(
         if blank {
             return Err(Fault::Blank { row: map.rows });
         }
-        if most_rows == Some(map.rows) {
+        if max_rows == Some(map.rows) {
             return Err(Fault::GoesOn { rows: map.rows });
         }
         if map.rows == 0 {

@@ -16,7 +16,7 @@ pub use theta::theta_star;
 use crate::{Grid, Place, Route};
 
 /// The maximum number of cells of a map to search: a search takes up to about 50 bytes per cell.
-pub const MOST_CELLS: usize = 1 << 25;
+pub const MAX_CELLS: usize = 1 << 25;
 
 /// The result of a search, and its trace.
 #[derive(Clone, Debug, PartialEq)]

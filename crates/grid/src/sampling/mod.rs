@@ -22,10 +22,10 @@ use wildfire_base::geometry::ops;
 const CORNERS: CornerCutting = CornerCutting::Forbidden;
 
 /// The maximum number of samples.
-pub const MOST_SAMPLES: u32 = 100_000;
+pub const MAX_SAMPLES: u32 = 100_000;
 
 /// The maximum number of neighbours to which a point is joined.
-pub const MOST_NEIGHBOURS: u32 = 1000;
+pub const MAX_NEIGHBOURS: u32 = 1000;
 
 /// The result of a query for a path between points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,13 +88,13 @@ fn squared_units(cells: Option<f64>) -> i64 {
 }
 
 fn check_samples(samples: u32) -> Result<(), BadParameter> {
-    let is_good = (1..=MOST_SAMPLES).contains(&samples);
+    let is_good = (1..=MAX_SAMPLES).contains(&samples);
     BadParameter::unless(is_good, "the number of samples", "from 1 to 100000", samples.into())
 }
 
 fn check_neighbours(neighbours: Option<u32>) -> Result<(), BadParameter> {
     let found = neighbours.unwrap_or(1);
-    let is_good = (1..=MOST_NEIGHBOURS).contains(&found);
+    let is_good = (1..=MAX_NEIGHBOURS).contains(&found);
     BadParameter::unless(is_good, "the number of neighbours", "from 1 to 1000", found.into())
 }
 

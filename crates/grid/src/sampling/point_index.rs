@@ -36,8 +36,8 @@ impl PointIndex {
         self.nearest_of_many(to, 1, i64::MAX).first().copied()
     }
 
-    /// Returns the `most` nearest points within a distance, whose square is given in units; nearest first.
-    pub fn nearest_of_many(&self, to: GridPoint, most: usize, squared_radius: i64) -> Vec<u32> {
+    /// Returns the `max` nearest points within a distance, whose square is given in units; nearest first.
+    pub fn nearest_of_many(&self, to: GridPoint, max: usize, squared_radius: i64) -> Vec<u32> {
         let (row, col) = self.square_of(to);
         let mut found: Vec<(i64, u32)> = Vec::new();
         let mut ring = 0;
@@ -50,14 +50,14 @@ impl PointIndex {
             let safe = self.room_around(to, ring);
             let is_near = |&&(square, _): &&(i64, u32)| square <= safe;
             // What lies in rings farther out is farther than `safe`.
-            if is_outside || safe >= squared_radius || found.iter().filter(is_near).count() >= most {
+            if is_outside || safe >= squared_radius || found.iter().filter(is_near).count() >= max {
                 break;
             }
             ring += 1;
         }
         found.retain(|&(square, _)| square <= squared_radius);
         found.sort_unstable();
-        found.truncate(most);
+        found.truncate(max);
         found.into_iter().map(|(_, number)| number).collect()
     }
 
@@ -65,8 +65,8 @@ impl PointIndex {
     fn room_around(&self, point: GridPoint, ring: usize) -> i64 {
         let (row, col) = point.units();
         let within = [row, col].map(|units| units.rem_euclid(self.side));
-        let least = within.map(|units| units.min(self.side - units)).into_iter().min().unwrap_or(0);
-        let room = least + ring as i64 * self.side;
+        let min = within.map(|units| units.min(self.side - units)).into_iter().min().unwrap_or(0);
+        let room = min + ring as i64 * self.side;
         room * room
     }
 
@@ -115,13 +115,13 @@ mod tests {
             let mut index = PointIndex::new(&occupied, rng.random_range(0..3000));
             (0..).zip(&points).for_each(|(number, &point)| index.add(number, point));
             for _ in 0..30 {
-                let (to, most) = (draw_point(&occupied, &mut rng), rng.random_range(1..20));
+                let (to, max) = (draw_point(&occupied, &mut rng), rng.random_range(1..20));
                 let radius = if rng.random_bool(0.5) { i64::MAX } else { (UNITS * rng.random_range(0..20)).pow(2) };
                 let mut expected: Vec<_> = (0..).zip(&points).map(|(k, &at)| (at.squared_units_to(to), k)).collect();
                 expected.retain(|&(square, _)| square <= radius);
                 expected.sort_unstable();
-                let expected: Vec<u32> = expected.into_iter().take(most).map(|(_, number)| number).collect();
-                assert_eq!(index.nearest_of_many(to, most, radius), expected);
+                let expected: Vec<u32> = expected.into_iter().take(max).map(|(_, number)| number).collect();
+                assert_eq!(index.nearest_of_many(to, max, radius), expected);
             }
         }
     }

@@ -85,13 +85,13 @@ pub fn probabilistic_roadmap(
 fn join(occupied: &Grid<bool>, points: &[GridPoint], settings: &PrmSettings) -> Vec<[u32; 2]> {
     let mut index = PointIndex::new(occupied, points.len());
     (0..).zip(points).for_each(|(number, &point)| index.add(number, point));
-    let most = settings.neighbours.map_or_else(|| neighbours_of_many(points.len()), |most| most as usize);
+    let max = settings.neighbours.map_or_else(|| neighbours_of_many(points.len()), |max| max as usize);
     let squared_radius = squared_units(settings.radius);
     let mut pairs = Vec::new();
     for (number, &point) in (0_u32..).zip(points) {
         // The point is the nearest to itself, or as near as another at the same place.
-        let near = index.nearest_of_many(point, most + 1, squared_radius);
-        let others = near.into_iter().filter(|&other| other != number).take(most);
+        let near = index.nearest_of_many(point, max + 1, squared_radius);
+        let others = near.into_iter().filter(|&other| other != number).take(max);
         pairs.extend(others.map(|other| [number.min(other), number.max(other)]));
     }
     pairs.sort_unstable();

@@ -95,9 +95,8 @@ pub fn grow_tree(
         let around = match kind {
             TreeKind::Rrt => Vec::new(),
             TreeKind::RrtStar => {
-                let most =
-                    settings.neighbours.map_or_else(|| neighbours_of_many(tree.points.len()), |most| most as usize);
-                index.nearest_of_many(point, most, squared_units(settings.radius))
+                let max = settings.neighbours.map_or_else(|| neighbours_of_many(tree.points.len()), |max| max as usize);
+                index.nearest_of_many(point, max, squared_units(settings.radius))
             }
         };
         let number = tree.join(point, nearest, &around);

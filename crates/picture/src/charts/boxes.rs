@@ -79,8 +79,8 @@ impl BoxChart {
         let places = self.places();
         let ends = boxes().flat_map(|own| own.values.first().into_iter().chain(own.values.last()));
         let scale = AxisScale::around(ends.map(|&end| (places.of(end), places.of(end))));
-        let most_rows = self.panels.iter().map(|panel| panel.boxes.len()).max().unwrap_or(0).max(1);
-        let sheets = sheets(&self.panels, |panel| &panel.name, (ROWS / most_rows).max(1));
+        let max_rows = self.panels.iter().map(|panel| panel.boxes.len()).max().unwrap_or(0).max(1);
+        let sheets = sheets(&self.panels, |panel| &panel.name, (ROWS / max_rows).max(1));
         let sheet = |(index, panels): (usize, &&[BoxPanel])| {
             let titles = numbered(&self.titles, index, sheets.len());
             let grid = PanelGrid { columns: 1, left, below: BELOW, above: LINE };
@@ -103,8 +103,8 @@ impl BoxChart {
 
     fn places(&self) -> Places {
         let values = self.panels.iter().flat_map(|panel| &panel.boxes).flat_map(|own| &own.values);
-        let least = values.copied().filter(|value| *value > 0.0).fold(f64::INFINITY, f64::min);
-        if self.is_logarithmic { Places::Logarithmic { least: least.min(f64::MAX) } } else { Places::Linear }
+        let min = values.copied().filter(|value| *value > 0.0).fold(f64::INFINITY, f64::min);
+        if self.is_logarithmic { Places::Logarithmic { min: min.min(f64::MAX) } } else { Places::Linear }
     }
 }
 
@@ -114,7 +114,7 @@ enum Places {
     Linear,
     /// By decimal logarithms; those of smaller values are that of the least.
     Logarithmic {
-        least: f64,
+        min: f64,
     },
 }
 
@@ -122,7 +122,7 @@ impl Places {
     fn of(self, value: f64) -> f64 {
         match self {
             Self::Linear => value,
-            Self::Logarithmic { least } => ops::ln(value.max(least)) / LN_10,
+            Self::Logarithmic { min } => ops::ln(value.max(min)) / LN_10,
         }
     }
 }

@@ -21,11 +21,11 @@ const PANELS: usize = 8;
 const BAND: f32 = 0.2;
 /// The distance between marks of curves at one place, and the share of the room between two places that they may take.
 const APART: f32 = 9.0;
-const MOST_OF_ROOM: f32 = 0.7;
+const MAX_OF_ROOM: f32 = 0.7;
 /// The reach of marks and whiskers to either side.
 const MARK: f32 = 5.0;
 /// The most places of marks that are the ticks of their axis; among more, round values are.
-const MOST_CHOSEN: usize = 12;
+const MAX_CHOSEN: usize = 12;
 
 /// Curves in pairs of axes, which are the same in all panels.
 #[derive(Clone, Debug, PartialEq)]
@@ -108,8 +108,8 @@ impl CurveChart {
 
     /// The scale with room at both ends for the marks of all curves, which are side by side.
     fn roomy(&self, x: AxisScale, plot: &Plot) -> AxisScale {
-        let most = self.panels.iter().map(|panel| panel.curves.len()).max().unwrap_or(0);
-        let aside = f64::from(0.5 * APART * most as f32 + MARK);
+        let max = self.panels.iter().map(|panel| panel.curves.len()).max().unwrap_or(0);
+        let aside = f64::from(0.5 * APART * max as f32 + MARK);
         let places =
             self.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points).map(|(x, _)| *x);
         let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
@@ -128,7 +128,7 @@ impl CurveChart {
         let mut places: Vec<f64> = points.map(|&(x, _)| x).filter(|x| x.is_finite()).collect();
         places.sort_by(f64::total_cmp);
         places.dedup();
-        let are_few = self.spread != Spread::Bands && (1..=MOST_CHOSEN).contains(&places.len());
+        let are_few = self.spread != Spread::Bands && (1..=MAX_CHOSEN).contains(&places.len());
         are_few.then(|| places.into_iter().map(tick_at).collect())
     }
 
@@ -188,7 +188,7 @@ impl Axes {
         for curve in curves {
             curve.style.line(drawing, self.line(curve, |estimate| estimate.value).collect());
         }
-        let apart = APART.min(MOST_OF_ROOM * self.least_room(curves) / curves.len().max(1) as f32);
+        let apart = APART.min(MAX_OF_ROOM * self.min_room(curves) / curves.len().max(1) as f32);
         for (index, curve) in curves.iter().enumerate() {
             let aside = apart * (index as f32 - 0.5 * (curves.len() - 1) as f32);
             for ((_, estimate), (x, y)) in curve.points.iter().zip(self.line(curve, |estimate| estimate.value)) {
@@ -203,7 +203,7 @@ impl Axes {
     }
 
     /// Units between the two places that are nearest to each other.
-    fn least_room(&self, curves: &[Curve]) -> f32 {
+    fn min_room(&self, curves: &[Curve]) -> f32 {
         let mut places: Vec<f32> =
             curves.iter().flat_map(|curve| self.line(curve, |estimate| estimate.value).map(|(x, _)| x)).collect();
         places.sort_by(f32::total_cmp);

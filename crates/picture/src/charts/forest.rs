@@ -47,8 +47,8 @@ impl ForestChart {
     }
 
     pub fn draw(&self, width: f32) -> Drawing {
-        let widest = |text: fn(&ForestRow) -> &str, most: f32| {
-            self.rows.iter().map(|row| width_of(text(row), LABEL)).fold(0.0, f32::max).min(most)
+        let widest = |text: fn(&ForestRow) -> &str, max: f32| {
+            self.rows.iter().map(|row| width_of(text(row), LABEL)).fold(0.0, f32::max).min(max)
         };
         let of_names = widest(|row| &row.name, WIDEST_NAME * width);
         let of_words = widest(|row| &row.words, WIDEST_TEXT * width - of_names);

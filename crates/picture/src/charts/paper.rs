@@ -29,7 +29,7 @@ const NARROWEST: f32 = 240.0;
 
 impl PaperSize {
     /// Returns the least width in millimetres of charts with letters of this size.
-    pub fn least_width_mm(font_pt: f32) -> f32 {
+    pub fn min_width_mm(font_pt: f32) -> f32 {
         NARROWEST * Self { width_mm: 1.0, font_pt }.points_per_unit() / POINTS_PER_MM
     }
 

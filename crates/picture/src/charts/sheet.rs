@@ -80,8 +80,8 @@ impl PanelGrid {
     /// The same with room for these names of panels on a sheet of this width.
     pub fn with_names<'a>(self, width: f32, names: impl Iterator<Item = &'a str>) -> Self {
         let part = self.panel_width(width);
-        let most = names.map(|name| name_lines(name, part, self.left).1.len()).max().unwrap_or(1);
-        Self { above: LINE + (most - 1) as f32 * Measures::of_width(width).line, ..self }
+        let max = names.map(|name| name_lines(name, part, self.left).1.len()).max().unwrap_or(1);
+        Self { above: LINE + (max - 1) as f32 * Measures::of_width(width).line, ..self }
     }
 
     /// The height of a panel on a sheet of this width: the usual one, or less in a column.
@@ -122,10 +122,10 @@ impl PanelGrid {
     }
 }
 
-/// Divides panels among sheets, `most` on each; a panel without a name has a sheet of its own.
-pub fn sheets<'a, T>(panels: &'a [T], name: impl Fn(&T) -> &str + 'a, most: usize) -> Vec<&'a [T]> {
+/// Divides panels among sheets, `max` on each; a panel without a name has a sheet of its own.
+pub fn sheets<'a, T>(panels: &'a [T], name: impl Fn(&T) -> &str + 'a, max: usize) -> Vec<&'a [T]> {
     let with_names = panels.chunk_by(move |one, next| !name(one).is_empty() && !name(next).is_empty());
-    with_names.flat_map(|together| together.chunks(most)).collect()
+    with_names.flat_map(|together| together.chunks(max)).collect()
 }
 
 /// The entries of a key for series of several panels, each once.
@@ -203,14 +203,14 @@ impl SheetLayout<'_> {
         2.0 * Measures::of_width(width).margin
     }
 
-    /// The same with a plot that is low enough for a column, if the sheet is for one: a single panel, no lower than `least`.
+    /// The same with a plot that is low enough for a column, if the sheet is for one: a single panel, no lower than `min`.
     #[must_use]
-    pub fn with_one_panel(self, least: f32) -> Self {
+    pub fn with_one_panel(self, min: f32) -> Self {
         if !is_column(self.width) {
             return self;
         }
         let besides = self.draw().0.height - self.height;
-        let height = self.height.min((HIGHEST * self.width - besides).max(least.min(self.height)));
+        let height = self.height.min((HIGHEST * self.width - besides).max(min.min(self.height)));
         Self { height, ..self }
     }
 
@@ -353,8 +353,8 @@ impl AxisScale {
     /// All of the values with a little room; those of values that cannot be negative begin at zero.
     pub fn around(ranges: impl Iterator<Item = (f64, f64)>) -> Self {
         let finite = ranges.filter(|(low, high)| low.is_finite() && high.is_finite());
-        let (low, high) = finite
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), (low, high)| (least.min(low), most.max(high)));
+        let (low, high) =
+            finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), (low, high)| (min.min(low), max.max(high)));
         if low > high {
             return Self { low: 0.0, high: 1.0 };
         }
@@ -393,7 +393,7 @@ impl Plot {
 
     /// Numbers to the left, and a line across at each.
     pub fn draw_y_axis(&self, drawing: &mut Drawing, scale: AxisScale) {
-        for tick in ticks(scale.low, scale.high, most_ticks(self.bottom - self.top, TICK_ROOM[1]), 0.0) {
+        for tick in ticks(scale.low, scale.high, max_ticks(self.bottom - self.top, TICK_ROOM[1]), 0.0) {
             let y = self.y(scale, tick.value);
             drawing.line(vec![(self.left, y), (self.right, y)], 1.0, FAINT_INK);
             drawing.text(&tick.label, (self.left - 7.0, y + LABEL / 2.0), Align::Right, LABEL, INK);
@@ -402,7 +402,7 @@ impl Plot {
 
     /// Numbers below, and a line upwards at each.
     pub fn draw_x_axis(&self, drawing: &mut Drawing, scale: AxisScale) {
-        for tick in ticks(scale.low, scale.high, most_ticks(self.right - self.left, TICK_ROOM[0]), 0.0) {
+        for tick in ticks(scale.low, scale.high, max_ticks(self.right - self.left, TICK_ROOM[0]), 0.0) {
             self.draw_x_tick(drawing, scale, &tick);
         }
     }
@@ -433,7 +433,7 @@ impl Plot {
 
     /// The same where the scale is of decimal logarithms.
     pub fn draw_log_x_axis(&self, drawing: &mut Drawing, scale: AxisScale) {
-        for tick in log_ticks(scale.low, scale.high, most_ticks(self.right - self.left, TICK_ROOM[0])) {
+        for tick in log_ticks(scale.low, scale.high, max_ticks(self.right - self.left, TICK_ROOM[0])) {
             let x = self.x(scale, tick.value);
             drawing.line(vec![(x, self.top), (x, self.bottom)], 1.0, FAINT_INK);
             drawing.text(&tick.label, (x, self.bottom + 9.0 + LABEL), Align::Centre, LABEL, INK);
@@ -446,7 +446,7 @@ impl Plot {
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a sheet has room for some dozen ticks")]
-fn most_ticks(length: f32, each: f32) -> usize {
+fn max_ticks(length: f32, each: f32) -> usize {
     (length / each).max(2.0) as usize
 }
 

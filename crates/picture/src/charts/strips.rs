@@ -14,13 +14,13 @@ use crate::text::Align;
 const ROW: f32 = 74.0;
 const ONE_ROW: f32 = 150.0;
 /// The least height of a row, in a column of a paper.
-const LEAST_ROW: f32 = 44.0;
+const MIN_ROW: f32 = 44.0;
 const QUANTILES: f32 = 16.0;
 /// The room above the columns of a row, for a number.
 const ABOVE: f32 = 16.0;
 /// The most of a row that each of these two takes.
-const MOST_OF_ROW: f32 = 0.27;
-const MOST_COLUMNS: usize = 48;
+const MAX_OF_ROW: f32 = 0.27;
+const MAX_COLUMNS: usize = 48;
 const WIDEST_NAME: f32 = 210.0;
 /// The height that a panel keeps free below, for numbers.
 const BELOW: f32 = 34.0;
@@ -77,20 +77,20 @@ impl StripChart {
             AxisScale::around(strips().filter_map(|strip| Some((*strip.values.first()?, *strip.values.last()?))));
         let in_panel = |panel: &StripPanel| panel.strips.iter().map(|strip| strip.values.len()).sum();
         let columns = columns(self.panels.iter().map(in_panel).max().unwrap_or(0));
-        let most_rows = self.panels.iter().map(|panel| panel.strips.len()).max().unwrap_or(0).max(1);
-        let sheets = sheets(&self.panels, |panel| &panel.name, (ROWS / most_rows).max(1));
+        let max_rows = self.panels.iter().map(|panel| panel.strips.len()).max().unwrap_or(0).max(1);
+        let sheets = sheets(&self.panels, |panel| &panel.name, (ROWS / max_rows).max(1));
         let sheet = |(index, panels): (usize, &&[StripPanel])| {
             let titles = numbered(&self.titles, index, sheets.len());
             let grid = PanelGrid { columns: 1, left, below: BELOW, above: LINE };
             let grid = grid.with_names(width, panels.iter().map(|panel| panel.name.as_str()));
-            let rows = most_rows as f32;
-            let row = row.min((grid.panel_height(width, row * rows) / rows).max(LEAST_ROW));
+            let rows = max_rows as f32;
+            let row = row.min((grid.panel_height(width, row * rows) / rows).max(MIN_ROW));
             let heights: Vec<f32> = panels.iter().map(|panel| row * panel.strips.len() as f32).collect();
             let is_alone = panels[0].name.is_empty();
             let height = if is_alone { heights[0] } else { grid.height(&heights) };
             let layout =
                 SheetLayout { titles: &titles, swatch: Swatch::Bar, key: Vec::new(), width, left, right: 0.0, height };
-            let layout = if is_alone { layout.with_one_panel(LEAST_ROW * rows) } else { layout };
+            let layout = if is_alone { layout.with_one_panel(MIN_ROW * rows) } else { layout };
             let (mut drawing, plot) = layout.draw();
             let parts = if is_alone { vec![plot] } else { grid.parts(&plot, &heights) };
             for (panel, part) in panels.iter().zip(&parts) {
@@ -116,7 +116,7 @@ fn draw_panel(
         let top = plot.top + index as f32 * row;
         let part = Plot { top, bottom: top + row, ..*plot };
         if has_names {
-            let name_at = (part.left - 10.0, part.bottom - QUANTILES.min(MOST_OF_ROW * row) - 6.0);
+            let name_at = (part.left - 10.0, part.bottom - QUANTILES.min(MAX_OF_ROW * row) - 6.0);
             drawing.text(&fitted(&strip.name, WIDEST_NAME, LABEL), name_at, Align::Right, LABEL, INK);
             rule(drawing, &part, part.bottom);
         }
@@ -128,8 +128,8 @@ fn draw_panel(
 fn draw_strip(drawing: &mut Drawing, part: &Plot, scale: AxisScale, columns: usize, strip: &Strip) {
     let counts = counts(scale, columns, &strip.values);
     let highest_count = counts.iter().copied().max().unwrap_or(0).max(1);
-    let most = MOST_OF_ROW * (part.bottom - part.top);
-    let (quantiles_height, above) = (QUANTILES.min(most), ABOVE.min(most));
+    let max = MAX_OF_ROW * (part.bottom - part.top);
+    let (quantiles_height, above) = (QUANTILES.min(max), ABOVE.min(max));
     let base = part.bottom - quantiles_height;
     let (width, height) = ((part.right - part.left) / columns as f32, base - part.top - above);
     for (index, &count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
@@ -161,7 +161,7 @@ fn draw_quantiles(drawing: &mut Drawing, y: f32, [p5, p25, p50, p75, p95]: [f32;
 /// Returns the number of columns: about twice the square root of the number of values.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number")]
 fn columns(values: usize) -> usize {
-    ((2.0 * (values as f64).sqrt()) as usize).clamp(8, MOST_COLUMNS)
+    ((2.0 * (values as f64).sqrt()) as usize).clamp(8, MAX_COLUMNS)
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "columns are counted from 0 to 48")]

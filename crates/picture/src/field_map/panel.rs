@@ -20,10 +20,10 @@ const GAP: f32 = 12.0;
 const BAR: f32 = 14.0;
 const TICK: f32 = 4.0;
 const SYMBOL: f32 = 22.0;
-const LEAST_WIDTH: f32 = 300.0;
+const MIN_WIDTH: f32 = 300.0;
 const LINE_WIDTH: f32 = 1.2;
 /// Lines of fewer pixels have no label.
-const LEAST_LABELLED: f32 = 80.0;
+const MIN_LABELLED: f32 = 80.0;
 /// The longer side of a map from which on texts grow with it.
 const USUAL_LENGTH: f32 = 1000.0;
 /// More ignitions than this are marked by small dots.
@@ -76,7 +76,7 @@ impl<'a> Panel<'a> {
     }
 
     pub fn width(&self) -> f32 {
-        self.map_size().0.max(LEAST_WIDTH * self.unit).max(measure_text(self.map.title, TITLE * self.unit))
+        self.map_size().0.max(MIN_WIDTH * self.unit).max(measure_text(self.map.title, TITLE * self.unit))
     }
 
     pub fn height(&self) -> f32 {
@@ -185,7 +185,7 @@ impl<'a> Panel<'a> {
         label: &str,
         others: &[(Point, &str, Rgb)],
     ) -> Option<Point> {
-        if to_f32(line.length()) * self.zoom.cell() < LEAST_LABELLED * self.unit {
+        if to_f32(line.length()) * self.zoom.cell() < MIN_LABELLED * self.unit {
             return None;
         }
         let (width, height) = self.map_size();
@@ -233,9 +233,9 @@ impl<'a> Panel<'a> {
     fn draw_length_bar(&self, canvas: &mut Canvas, (left, top): Point) {
         let frame = &self.map.frame;
         let metres_per_pixel = frame.cell_m / f64::from(self.zoom.cell());
-        let most = 0.33 * f64::from(self.map_size().0) * metres_per_pixel;
+        let max = 0.33 * f64::from(self.map_size().0) * metres_per_pixel;
         // The round length above a fifth of the most is no longer than the most.
-        let metres = [5.0, 2.5, 2.0, 1.0].map(|part| round_step(most / part)).into_iter().filter(|&step| step <= most);
+        let metres = [5.0, 2.5, 2.0, 1.0].map(|part| round_step(max / part)).into_iter().filter(|&step| step <= max);
         let metres = metres.fold(0.0, f64::max);
         let length = to_f32(metres / metres_per_pixel).round();
         let unit = self.unit;

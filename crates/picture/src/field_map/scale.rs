@@ -63,7 +63,7 @@ pub struct MapScale {
 }
 
 /// The number of values that are written beside the colours, about.
-const MOST_TICKS: usize = 8;
+const MAX_TICKS: usize = 8;
 /// Intensities span powers of ten; the lowest one shown is at most this many times lower than the highest.
 const SPAN: f64 = 1e4;
 
@@ -102,7 +102,7 @@ impl MapQuantity {
             range = Some(range.map_or((value, value), |(low, high)| (low.min(value), high.max(value))));
         }
         let (low, high) = range?;
-        let most = low.abs().max(high.abs());
+        let max = low.abs().max(high.abs());
         let (low, high) = match self {
             Self::Probability => (0.0, round_step(high).clamp(0.1, 1.0)),
             Self::Direction => (0.0, 360.0),
@@ -110,8 +110,8 @@ impl MapQuantity {
             Self::ArrivalTime => (low.min(0.0), high),
             Self::Intensity => (low.max(high / SPAN).min(high), high),
             Self::FlameLength | Self::Rate => (low.min(0.0), high),
-            Self::ProbabilityDifference => (-most.max(0.01), most.max(0.01)),
-            Self::TimeDifference | Self::IntensityDifference => (-most.max(1.0), most.max(1.0)),
+            Self::ProbabilityDifference => (-max.max(0.01), max.max(0.01)),
+            Self::TimeDifference | Self::IntensityDifference => (-max.max(1.0), max.max(1.0)),
         };
         let is_logarithmic = self == Self::Intensity && high > 4.0 * low && low > 0.0;
         let (ticks, unit) = match self {
@@ -122,7 +122,7 @@ impl MapQuantity {
                 (FireType::ALL.map(tick).into(), "")
             }
             Self::Intensity if is_logarithmic => (decade_ticks(low, high), ""),
-            _ => (ticks(low, high, MOST_TICKS, 0.0), ""),
+            _ => (ticks(low, high, MAX_TICKS, 0.0), ""),
         };
         let name = if unit.is_empty() { self.name().to_owned() } else { format!("{}, {unit}", self.name()) };
         Some(MapScale { low, high, name, ticks, shades: self.shades(), is_logarithmic })
@@ -187,8 +187,8 @@ const CLOCK_STEPS: [f64; 18] = [
 
 /// Round times in a range of seconds, written in the unit that is named beside them.
 fn time_ticks(low: f64, high: f64) -> (Vec<Tick>, &'static str) {
-    let least = (high - low) / MOST_TICKS as f64;
-    let step = CLOCK_STEPS.into_iter().find(|&step| step >= least && least >= 0.1);
+    let min = (high - low) / MAX_TICKS as f64;
+    let step = CLOCK_STEPS.into_iter().find(|&step| step >= min && min >= 0.1);
     let (unit_s, unit) = match step {
         Some(step) if step < MINUTE => (1.0, "s"),
         Some(step) if step < HOUR => (MINUTE, "min"),
@@ -197,7 +197,7 @@ fn time_ticks(low: f64, high: f64) -> (Vec<Tick>, &'static str) {
         _ => (DAY, "days"),
     };
     let Some(step) = step else {
-        let scaled = ticks(low / unit_s, high / unit_s, MOST_TICKS, 0.0);
+        let scaled = ticks(low / unit_s, high / unit_s, MAX_TICKS, 0.0);
         return (scaled.into_iter().map(|tick| Tick { value: tick.value * unit_s, ..tick }).collect(), unit);
     };
     let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);

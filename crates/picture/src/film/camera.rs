@@ -14,15 +14,15 @@ use wildfire_timeline::State;
 pub struct Camera {
     /// The point in the middle of the pane, as shares of the field's width and height from its south-west corner.
     pub centre: DVec2,
-    /// How many times larger than where the whole field just fits its pane; from [`Camera::LEAST_ZOOM`] to
-    /// [`Camera::MOST_ZOOM`].
+    /// How many times larger than where the whole field just fits its pane; from [`Camera::MIN_ZOOM`] to
+    /// [`Camera::MAX_ZOOM`].
     pub zoom: f64,
 }
 
 impl Camera {
     pub const WHOLE: Self = Self { centre: DVec2::new(0.5, 0.5), zoom: 1.0 };
-    pub const LEAST_ZOOM: f64 = 0.5;
-    pub const MOST_ZOOM: f64 = 200.0;
+    pub const MIN_ZOOM: f64 = 0.5;
+    pub const MAX_ZOOM: f64 = 200.0;
 
     /// The most that is seen about an agent that is followed, along the field's longer side.
     const FOLLOWED_M: f64 = 100.0;
@@ -31,7 +31,7 @@ impl Camera {
     #[must_use]
     pub fn zoomed(self, frame: &FieldFrame, pane: (f64, f64), factor: f64, at: (f64, f64)) -> Self {
         let under = Projection::new(frame, self, pane).world(at);
-        let zoomed = Self { zoom: (self.zoom * factor).clamp(Self::LEAST_ZOOM, Self::MOST_ZOOM), ..self };
+        let zoomed = Self { zoom: (self.zoom * factor).clamp(Self::MIN_ZOOM, Self::MAX_ZOOM), ..self };
         zoomed.moved(frame, under - Projection::new(frame, zoomed, pane).world(at))
     }
 
@@ -53,7 +53,7 @@ impl Camera {
         let near = frame.width_m().max(frame.height_m()) / Self::FOLLOWED_M;
         Self {
             centre: (point / DVec2::new(frame.width_m(), frame.height_m())).clamp(DVec2::ZERO, DVec2::ONE),
-            zoom: self.zoom.max(near).min(Self::MOST_ZOOM),
+            zoom: self.zoom.max(near).min(Self::MAX_ZOOM),
         }
     }
 
@@ -64,7 +64,7 @@ impl Camera {
         let side = part.high - part.low;
         let fitting = (Projection::room(width) / side.x).min(Projection::room(height) / side.y) / whole;
         let near = frame.width_m().max(frame.height_m()) / Self::FOLLOWED_M;
-        let zoom = fitting.min(near).clamp(1.0, Self::MOST_ZOOM);
+        let zoom = fitting.min(near).clamp(1.0, Self::MAX_ZOOM);
         let field = DVec2::new(frame.width_m(), frame.height_m());
         // The share of the field that is seen; where that is all of it, the middle of the field is in the middle.
         let seen = (DVec2::new(width, height) / (whole * zoom * field)).min(DVec2::ONE);
@@ -193,7 +193,7 @@ mod tests {
                 let [before, after] = [camera, zoomed].map(|camera| Projection::new(&FRAME, camera, PANE).world(at));
                 let is_at_border = [zoomed.centre.x, zoomed.centre.y].iter().any(|&at| at == 0.0 || at == 1.0);
                 assert!(is_at_border || (before - after).length() < 1e-9, "{camera:?} by {factor}");
-                assert!((Camera::LEAST_ZOOM..=Camera::MOST_ZOOM).contains(&zoomed.zoom));
+                assert!((Camera::MIN_ZOOM..=Camera::MAX_ZOOM).contains(&zoomed.zoom));
             }
         }
     }

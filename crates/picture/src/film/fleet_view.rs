@@ -18,7 +18,7 @@ const STEPS: u64 = 6;
 
 /// The margin about the trucks: a share of the longer side of their box, and metres, so that the fire beside a truck is seen.
 const MARGIN: f64 = 0.08;
-const LEAST_MARGIN_M: f64 = 30.0;
+const MIN_MARGIN_M: f64 = 30.0;
 
 /// A part of a field, from its south-west corner to its north-east corner, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +37,7 @@ impl FieldBox {
     }
 
     fn with_margin(self) -> Self {
-        let margin = MARGIN * (self.high - self.low).max_element() + LEAST_MARGIN_M;
+        let margin = MARGIN * (self.high - self.low).max_element() + MIN_MARGIN_M;
         Self { low: self.low - margin, high: self.high + margin }
     }
 }

@@ -63,26 +63,26 @@ const COLUMN: u32 = 26;
 const PANEL_BELOW: u32 = 24;
 const CHART_OF_ONE: u32 = 17;
 const CHART_OF_TWO: u32 = 27;
-const LEAST_PANE: u32 = 20;
+const MIN_PANE: u32 = 20;
 const LEFT_OF_TIMELINE: u32 = 10;
 const RIGHT_OF_TIMELINE: u32 = 3;
 
 impl FrameLayout {
-    pub const LEAST_WIDTH: u32 = 320;
-    pub const LEAST_HEIGHT: u32 = 240;
-    pub const MOST_SIDE: u32 = 8192;
+    pub const MIN_WIDTH: u32 = 320;
+    pub const MIN_HEIGHT: u32 = 240;
+    pub const MAX_SIDE: u32 = 8192;
 
     /// Lays out a frame of one run or two; the panel goes where it leaves the larger panes.
     ///
     /// # Panics
     /// If a side is not within the limits, or there are no runs.
     pub fn new(size: (u32, u32), runs: usize) -> Self {
-        assert!(size.0 >= Self::LEAST_WIDTH && size.1 >= Self::LEAST_HEIGHT && runs > 0, "a frame has room and a run");
+        assert!(size.0 >= Self::MIN_WIDTH && size.1 >= Self::MIN_HEIGHT && runs > 0, "a frame has room and a run");
         let text = 5 + size.0.min(size.1) / 200;
         let beside = Self::with_panel(size, runs, text, (COLUMN * text, 0));
         let below = Self::with_panel(size, runs, text, (0, PANEL_BELOW * text));
-        let best = if below.least_side() > beside.least_side() { below } else { beside };
-        if best.least_side() < LEAST_PANE * text { Self::with_panel(size, runs, text, (0, 0)) } else { best }
+        let best = if below.min_side() > beside.min_side() { below } else { beside };
+        if best.min_side() < MIN_PANE * text { Self::with_panel(size, runs, text, (0, 0)) } else { best }
     }
 
     /// Lays out a frame with a panel as wide as `beside` right of the panes, or as high as `below` under them.
@@ -108,7 +108,7 @@ impl FrameLayout {
         Self { width, height, text, fields: fields.collect(), panel, chart, timeline }
     }
 
-    fn least_side(&self) -> u32 {
+    fn min_side(&self) -> u32 {
         self.fields.iter().map(|pane| pane.width.min(pane.height)).min().unwrap_or(0)
     }
 

@@ -23,7 +23,7 @@ impl RunViewId {
 
 /// Runs with more agents than this are told of by sums, since a panel has no room for all of them one by one, and their numbers
 /// are written where there is room.
-const MOST_ONE_BY_ONE: usize = 8;
+const MAX_ONE_BY_ONE: usize = 8;
 
 /// The verdict on a decision of an agent, as `wildfire why` finds it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,7 +107,7 @@ impl RunView {
 
     /// Returns whether it has more agents than can be told of one by one.
     pub fn is_crowded(&self) -> bool {
-        self.timeline().setting.agents.len() > MOST_ONE_BY_ONE
+        self.timeline().setting.agents.len() > MAX_ONE_BY_ONE
     }
 
     pub fn end_time(&self) -> SimTime {

@@ -40,7 +40,7 @@ struct Changed {
 
 impl GifFilm {
     /// The shortest time that a frame is shown, in hundredths of a second; viewers give less another meaning.
-    pub const LEAST_DELAY: u16 = 2;
+    pub const MIN_DELAY: u16 = 2;
 
     /// Begins a file of frames of that width and height in pixels.
     pub fn create(path: &Path, (width, height): (u32, u32), palette: Palette) -> io::Result<Self> {
@@ -62,7 +62,7 @@ impl GifFilm {
             *index = self.palette.nearest([red, green, blue]);
         }
         let changed = Changed::between(&self.shown, &self.next, usize::from(self.width));
-        let frame = self.frame_of(changed, hundredths.max(Self::LEAST_DELAY));
+        let frame = self.frame_of(changed, hundredths.max(Self::MIN_DELAY));
         self.encoder.write_frame(&frame).map_err(into_io)?;
         std::mem::swap(&mut self.shown, &mut self.next);
         Ok(())

@@ -6,7 +6,7 @@ use crate::colours::Rgb;
 pub const TRANSPARENT: u8 = 0;
 
 /// The most colours of a palette.
-const MOST_COLOURS: usize = 255;
+const MAX_COLOURS: usize = 255;
 
 /// One for each colour of three bytes.
 const COLOURS: usize = 1 << 24;
@@ -110,7 +110,7 @@ struct Group {
 impl Group {
     fn new(members: Vec<Weighted>) -> Self {
         let spreads = [0, 1, 2].map(|channel| (channel, spread(&members, channel)));
-        let widest = spreads.into_iter().reduce(|most, other| if other.1 > most.1 { other } else { most });
+        let widest = spreads.into_iter().reduce(|max, other| if other.1 > max.1 { other } else { max });
         Self { members, widest: widest.expect("there are three channels") }
     }
 
@@ -131,13 +131,13 @@ impl Group {
     }
 }
 
-/// Splits colours into groups of alike ones, at most [`MOST_COLOURS`].
+/// Splits colours into groups of alike ones, at most [`MAX_COLOURS`].
 ///
 /// The group whose colours differ most is parted, again and again, so that each cut takes off as much of the error as
 /// one cut can. (Wan, Wong and Prusinkiewicz, "An Algorithm for Multidimensional Data Clustering", 1988, section 3.)
 fn split(colours: Vec<Weighted>) -> Vec<Group> {
     let mut groups = if colours.is_empty() { Vec::new() } else { vec![Group::new(colours)] };
-    while groups.len() < MOST_COLOURS {
+    while groups.len() < MAX_COLOURS {
         let widest = (0..groups.len()).max_by(|&one, &other| groups[one].widest.1.total_cmp(&groups[other].widest.1));
         let Some(widest) = widest.filter(|&widest| groups[widest].widest.1 > 0.0) else { break };
         // Of equals the last one is parted; the order of groups decides nothing else but places in the palette.
@@ -191,7 +191,7 @@ mod tests {
         let colours: Vec<Rgb> =
             (0..4096).map(|number: u32| [1, 16, 256].map(|unit| (number / unit % 16 * 16) as u8)).collect();
         let mut palette = counted(&colours).palette();
-        assert_eq!(palette.colours.len(), MOST_COLOURS);
+        assert_eq!(palette.colours.len(), MAX_COLOURS);
         for &colour in &colours {
             let place = palette.nearest(colour);
             let distance = squared_distance(colour, palette.colours[usize::from(place) - 1]);

@@ -32,21 +32,21 @@ use wildfire_timeline::export::{CellChange, ExportError, Sampling, cell_changes,
 use wildfire_timeline::{AgentFact, AgentId, AgentState, Event, Fact, FollowedLeg, GroundEvent, RunIndex, Timeline};
 
 /// The most cells of a field whose states are written.
-pub const MOST_CELLS_OF_MCAP: usize = 1 << 22;
+pub const MAX_CELLS_OF_MCAP: usize = 1 << 22;
 
 /// The bytes that the states of cells may take in a file: if they would take more, they are written less often.
-const MOST_BYTES_OF_CELLS: usize = 1 << 27;
+const MAX_BYTES_OF_CELLS: usize = 1 << 27;
 
 /// Writes a run as MCAP: agents where they are sampled, all else when it happens.
 ///
 /// # Errors
-/// More samples than [`MOST_SAMPLES`](wildfire_timeline::export::MOST_SAMPLES), a field of more cells than
-/// [`MOST_CELLS_OF_MCAP`], and those of the disk.
+/// More samples than [`MAX_SAMPLES`](wildfire_timeline::export::MAX_SAMPLES), a field of more cells than
+/// [`MAX_CELLS_OF_MCAP`], and those of the disk.
 pub fn write_mcap(timeline: &Timeline, sampling: &Sampling, to: impl Write) -> Result<(), ExportError> {
     sampling.check_count()?;
     let found = timeline.setting.frame.cell_count();
-    if found > MOST_CELLS_OF_MCAP {
-        return Err(ExportError::FieldTooLarge { found, limit: MOST_CELLS_OF_MCAP });
+    if found > MAX_CELLS_OF_MCAP {
+        return Err(ExportError::FieldTooLarge { found, limit: MAX_CELLS_OF_MCAP });
     }
     let index = RunIndex::new(timeline);
     let mut scene = SceneWriter::begin(&index, sampling, to)?;
@@ -94,8 +94,8 @@ fn cell_moments<'a>(index: &RunIndex<'_>) -> Vec<(SimTime, Moment<'a>)> {
     let end = index.end_time();
     let changes = cell_changes(index);
     let instants = changes.chunk_by(|one, other| one.time == other.time).count();
-    let most = (MOST_BYTES_OF_CELLS / CellGrid::message_bytes(index.timeline().setting.frame).max(1)).max(2);
-    let gap = if instants < most { 0 } else { end.as_nanos() / (most as u64 - 1) };
+    let max = (MAX_BYTES_OF_CELLS / CellGrid::message_bytes(index.timeline().setting.frame).max(1)).max(2);
+    let gap = if instants < max { 0 } else { end.as_nanos() / (max as u64 - 1) };
     let mut moments: Vec<(SimTime, Vec<CellChange>)> = vec![(SimTime::ZERO, Vec::new())];
     for change in changes {
         let (last, pending) = moments.last_mut().expect("there is one");

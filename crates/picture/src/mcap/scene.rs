@@ -28,7 +28,7 @@ const WAY_PIXELS: f64 = 2.0;
 const SEARCH_PIXELS: f64 = 1.0;
 /// Of a way, an arc has a point for each turn by this much, in radians, and no more than these.
 const TURN_RAD: f64 = 0.05;
-const MOST_ON_PIECE: f64 = 128.0;
+const MAX_ON_PIECE: f64 = 128.0;
 
 /// The states of all cells, as a message has them.
 pub struct CellGrid {
@@ -148,7 +148,7 @@ fn points(leg: &Trajectory) -> Vec<Vector3> {
         if places.is_empty() {
             places.push(start.position());
         }
-        let steps = ((segment.curvature * segment.length_m).abs() / TURN_RAD).ceil().clamp(1.0, MOST_ON_PIECE);
+        let steps = ((segment.curvature * segment.length_m).abs() / TURN_RAD).ceil().clamp(1.0, MAX_ON_PIECE);
         let shares = (1..=steps as u32).map(|step| f64::from(step) / steps);
         places.extend(shares.map(|share| segment.pose_at(start, share * segment.length_m).position()));
     }

@@ -8,7 +8,7 @@ use crate::zoom::{BlockFace, CellBlock, Zoom};
 use wildfire_grid::{Grid, Place};
 
 /// The most tiles along a side; larger maps are drawn with tiles of several cells.
-const MOST_TILES: usize = 256;
+const MAX_TILES: usize = 256;
 
 /// Tiles of one cell or a square of cells. Tiles with values join into a smooth surface; obstacles and tiles without
 /// value lie flat at their own level, with steep sides.
@@ -35,7 +35,7 @@ impl Relief {
     /// `heights` spans the values of all cells, obstacles included.
     pub fn new(scene: &MapScene, heights: Option<&ValueScale>) -> Self {
         let size = (scene.occupied.rows(), scene.occupied.cols());
-        let cells = size.0.max(size.1).div_ceil(MOST_TILES).max(1);
+        let cells = size.0.max(size.1).div_ceil(MAX_TILES).max(1);
         let zoom = Zoom { cells, pixels: 1 };
         let (rows, cols) = (zoom.blocks(size.0), zoom.blocks(size.1));
         let places = (0..rows).flat_map(|row| (0..cols).map(move |col| (row, col)));

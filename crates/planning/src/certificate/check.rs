@@ -11,8 +11,8 @@ use wildfire_base::geometry::{Pose, ops};
 use wildfire_base::vehicle::ReedsShepp;
 
 /// The most corners that a certificate may have, and the most positions within its bound: they limit the time of a check.
-pub(super) const MOST_CORNERS: usize = 2_000;
-pub(super) const MOST_POSITIONS: f64 = 20_000.0;
+pub(super) const MAX_CORNERS: usize = 2_000;
+pub(super) const MAX_POSITIONS: f64 = 20_000.0;
 
 /// Two potentials may differ by this much more than the distance, in metres; all of them together by less than
 /// [`SURE_M`].
@@ -96,12 +96,12 @@ impl Certificate {
         let is_finite = |numbers: &[f64]| numbers.iter().all(|number| number.is_finite() && number.abs() < 1e6);
         range(is_finite(&self.start), "start", "numbers below a million")?;
         range(is_finite(&self.goal), "goal", "numbers below a million")?;
-        range(self.corners.len() <= MOST_CORNERS, "corners", "at most 2000")?;
+        range(self.corners.len() <= MAX_CORNERS, "corners", "at most 2000")?;
         range(self.corners.iter().all(|corner| is_finite(corner)), "corners", "numbers below a million")?;
         range(self.clearance_m >= 0.0 && self.clearance_m < 1e3, "clearance_m", "0 to 1000")?;
         range(self.bound_m > 0.0 && self.bound_m < 1e6, "bound_m", "more than 0, below a million")?;
         range(self.step_m >= 1e-4 && self.step_m <= 0.5, "step_m", "0.0001 to 0.5")?;
-        range(self.bound_m / self.step_m <= MOST_POSITIONS, "step_m", "at most 20000 positions within the bound")?;
+        range(self.bound_m / self.step_m <= MAX_POSITIONS, "step_m", "at most 20000 positions within the bound")?;
         range(self.cut > 0.0 && self.cut < 1.0, "cut", "more than 0, less than 1")
     }
 
@@ -132,7 +132,7 @@ impl Certificate {
                 // Ways as long as all that is claimed need no look.
                 let ways = ways.filter(|way| way.0 < self.bound_m + self.step_m);
                 let open = ways.filter(|&(_, corner)| !bushes.part(corner, at, shrunk_m));
-                open.fold(self.bound_m + self.step_m, |least_m, way| way.0.min(least_m)) - half_m
+                open.fold(self.bound_m + self.step_m, |min_m, way| way.0.min(min_m)) - half_m
             });
             let parts = [(start, taut_m[0]), (goal, taut_m[1])];
             let needed_m = self.bound_m + SURE_M;

@@ -26,7 +26,7 @@ use wildfire_base::geometry::{Pose, ops};
 use wildfire_base::vehicle::{Dimensions, ReedsShepp};
 
 pub use check::BadCertificate;
-use check::{MOST_CORNERS, MOST_POSITIONS};
+use check::{MAX_CORNERS, MAX_POSITIONS};
 
 /// A lower bound on the length of all paths from a start to a goal pose that keep a clearance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -60,13 +60,13 @@ const CUTS: [f64; 19] =
 const STEPS_M: [f64; 2] = [0.1, 0.02];
 
 /// Intervals of heading are halved down to this half-width, in radians.
-const LEAST_TURN: f64 = 0.002;
+const MIN_TURN: f64 = 0.002;
 
 /// The length in metres by which a certificate claims less than was computed, so that rounding does not refuse it.
 const ROUNDING_M: f64 = 1e-3;
 
 /// The least distance in metres of the cut from the start and the goal.
-const LEAST_GAP_M: f64 = 1.0;
+const MIN_GAP_M: f64 = 1.0;
 
 /// Returns the radius of the largest disc about the middle of the rear axle that lies in the body.
 fn inner_radius_m(body: &Dimensions) -> f64 {
@@ -85,7 +85,7 @@ impl Certificate {
         let cut = Self::with_cut(checker, ends, clearance_m, reach_m);
         let [start, goal] = [ends.0, ends.1].map(|pose| [pose.x, pose.y, pose.heading]);
         let bound_m = curve_m - ROUNDING_M;
-        let step_m = STEPS_M[1].max(bound_m / MOST_POSITIONS);
+        let step_m = STEPS_M[1].max(bound_m / MAX_POSITIONS);
         let without = Self { start, goal, clearance_m, bound_m, cut: 0.5, step_m, corners: Vec::new() };
         cut.filter(|cut| cut.bound_m > bound_m).or_else(|| (bound_m > 0.0).then_some(without))
     }
@@ -99,14 +99,14 @@ impl Certificate {
         let terrain = Terrain::new(checker, clearance_m);
         let (from, to) = (start.position(), goal.position());
         let span_m = from.distance(to);
-        let steps_m = STEPS_M.map(|step_m| step_m.max(reach_m / MOST_POSITIONS));
+        let steps_m = STEPS_M.map(|step_m| step_m.max(reach_m / MAX_POSITIONS));
         let is_meant = reach_m.is_finite() && reach_m > span_m && clearance_m >= 0.0;
-        let least_gap_m = LEAST_GAP_M.max(7.0 * steps_m[0]);
-        if !is_meant || CUTS[0] * span_m < least_gap_m || terrain.radius_m < 1.1 * steps_m[0] {
+        let min_gap_m = MIN_GAP_M.max(7.0 * steps_m[0]);
+        if !is_meant || CUTS[0] * span_m < min_gap_m || terrain.radius_m < 1.1 * steps_m[0] {
             return None;
         }
         let corners = terrain.corners(from, to, reach_m);
-        if corners.len() > MOST_CORNERS {
+        if corners.len() > MAX_CORNERS {
             return None;
         }
         let ends = [(start, to), (goal, from)].map(|(end, other)| {
@@ -270,7 +270,7 @@ impl Cut<'_> {
             }
         }
         crossings.sort_by(|(one, _), (two, _)| (one[0] + one[1]).total_cmp(&(two[0] + two[1])));
-        crossings.into_iter().fold(reach_m, |least_m, (lengths, at)| self.least_at(lengths, at, least_m))
+        crossings.into_iter().fold(reach_m, |min_m, (lengths, at)| self.min_at(lengths, at, min_m))
     }
 
     fn taut_length_m(&self, end: &End<'_>, polygon: &[DVec2], at: DVec2, reach_m: f64) -> f64 {
@@ -282,11 +282,11 @@ impl Cut<'_> {
         seen.map_or(reach_m, |(length_m, _)| length_m)
     }
 
-    /// The least sum of both parts' bounds over all headings at a position, or `least_m` if that is less.
-    fn least_at(&self, lengths: [f64; 2], at: DVec2, mut least_m: f64) -> f64 {
+    /// The least sum of both parts' bounds over all headings at a position, or `min_m` if that is less.
+    fn min_at(&self, lengths: [f64; 2], at: DVec2, mut min_m: f64) -> f64 {
         let floor_m = lengths[0] + lengths[1];
-        if floor_m >= least_m {
-            return least_m;
+        if floor_m >= min_m {
+            return min_m;
         }
         const PARTS: usize = 8;
         let half = std::f64::consts::PI / PARTS as f64;
@@ -294,16 +294,16 @@ impl Cut<'_> {
         while let Some((heading, half)) = open.pop() {
             let pose = Pose::new(at.x, at.y, heading);
             let sum_m: f64 = (0..2).map(|end| lengths[end].max(self.curve_m(self.ends[end].pose, pose, half))).sum();
-            if sum_m >= least_m {
+            if sum_m >= min_m {
                 continue;
             }
-            if half <= LEAST_TURN {
-                least_m = sum_m;
+            if half <= MIN_TURN {
+                min_m = sum_m;
             } else {
                 open.extend([(heading - 0.5 * half, 0.5 * half), (heading + 0.5 * half, 0.5 * half)]);
             }
         }
-        least_m
+        min_m
     }
 
     /// A lower bound of Reeds-Shepp curves from an end to all poses of a box.

@@ -12,7 +12,7 @@ use wildfire_base::geometry::{Cell, OrientedRect, Pose, ops};
 use wildfire_base::vehicle::{Dimensions, Segment};
 
 /// The clearance in metres that a body keeps in any case, whatever is asked for.
-pub const LEAST_CLEARANCE_M: f64 = 0.01;
+pub const MIN_CLEARANCE_M: f64 = 0.01;
 
 /// The distance in metres by which a motion may undercut the minimum clearance between sampled poses. For clearances
 /// below 0.06 m it is half of the clearance.
@@ -42,7 +42,7 @@ pub struct CollisionChecker {
     /// Of every disc.
     cover_radius: f64,
     /// The clearance that the body keeps in any case, metres.
-    least_clearance_m: f64,
+    min_clearance_m: f64,
     /// Other bodies that stand on the field.
     obstacles: Vec<Rectangle>,
     /// Questions that it and its copies were asked, where somebody counts them.
@@ -71,13 +71,13 @@ impl CollisionChecker {
     /// Creates a checker for a body on a field without other bodies.
     pub fn new(field: Arc<ClearanceField>, body: Dimensions) -> Self {
         let (discs, cover_radius) = cover(&body);
-        let least_clearance_m = LEAST_CLEARANCE_M;
-        Self { field, body, discs, cover_radius, least_clearance_m, obstacles: Vec::new(), calls: None }
+        let min_clearance_m = MIN_CLEARANCE_M;
+        Self { field, body, discs, cover_radius, min_clearance_m, obstacles: Vec::new(), calls: None }
     }
 
-    /// Returns a checker that keeps another clearance than [`LEAST_CLEARANCE_M`] in any case.
-    pub fn with_least_clearance(self, least_clearance_m: f64) -> Self {
-        Self { least_clearance_m, ..self }
+    /// Returns a checker that keeps another clearance than [`MIN_CLEARANCE_M`] in any case.
+    pub fn with_min_clearance(self, min_clearance_m: f64) -> Self {
+        Self { min_clearance_m, ..self }
     }
 
     /// Returns a checker with these rectangles as additional obstacles.
@@ -128,14 +128,14 @@ impl CollisionChecker {
         if cover >= NEAR_M { cover } else { rectangle.bush_gap(&self.field, EXACT_REACH_M).min(border) }
     }
 
-    /// Returns whether the body at this pose keeps at least `min_clearance` metres, and [`LEAST_CLEARANCE_M`] in any
+    /// Returns whether the body at this pose keeps at least `min_clearance` metres, and [`MIN_CLEARANCE_M`] in any
     /// case.
     pub fn pose_is_free(&self, pose: Pose, min_clearance: f64) -> bool {
         self.count_call();
-        self.clearance_from(&self.place(pose), min_clearance.max(self.least_clearance_m)).is_some()
+        self.clearance_from(&self.place(pose), min_clearance.max(self.min_clearance_m)).is_some()
     }
 
-    /// Returns whether the body keeps at least `min_clearance` metres, and [`LEAST_CLEARANCE_M`] in any case, all along
+    /// Returns whether the body keeps at least `min_clearance` metres, and [`MIN_CLEARANCE_M`] in any case, all along
     /// a segment from `start`, ends included.
     ///
     /// A motion that keeps it everywhere is accepted. An accepted motion keeps it at every pose that was looked at and
@@ -202,7 +202,7 @@ impl CollisionChecker {
     }
 
     fn clearance_and_tolerance(&self, min_clearance: f64) -> (f64, f64) {
-        let min_clearance = min_clearance.max(self.least_clearance_m);
+        let min_clearance = min_clearance.max(self.min_clearance_m);
         (min_clearance, MOTION_TOLERANCE_M.min(0.5 * min_clearance))
     }
 
@@ -228,15 +228,15 @@ impl CollisionChecker {
         if border < min_clearance {
             return None;
         }
-        let mut least_squared = f64::INFINITY;
+        let mut min_squared = f64::INFINITY;
         for disc in &self.discs {
             let bound = self.field.interpolate(rectangle.centre + rectangle.axis * disc.offset);
             if bound.is_surely_below(disc.inner_radius + min_clearance) {
                 return None;
             }
-            least_squared = least_squared.min(bound.least_squared());
+            min_squared = min_squared.min(bound.min_squared());
         }
-        let cover = least_squared.max(0.0).sqrt() - self.cover_radius;
+        let cover = min_squared.max(0.0).sqrt() - self.cover_radius;
         if cover >= min_clearance + AMPLE_M {
             return Some(cover.min(border));
         }
@@ -255,7 +255,7 @@ impl CollisionChecker {
         let squared = self
             .discs
             .iter()
-            .map(|disc| self.field.interpolate(rectangle.centre + rectangle.axis * disc.offset).least_squared());
+            .map(|disc| self.field.interpolate(rectangle.centre + rectangle.axis * disc.offset).min_squared());
         squared.fold(f64::INFINITY, f64::min).max(0.0).sqrt() - self.cover_radius
     }
 }
@@ -396,7 +396,7 @@ mod tests {
                 assert!(clearance <= exact + 1e-9, "{pose:?}: {clearance}, truly {exact}");
                 assert!(exact >= 1.0 || (clearance - exact).abs() < 1e-9, "{pose:?}: {clearance}, truly {exact}");
                 let floor: f64 = rng.random_range(-0.5..1.5);
-                let wanted = exact >= floor.max(LEAST_CLEARANCE_M);
+                let wanted = exact >= floor.max(MIN_CLEARANCE_M);
                 assert_eq!(checker.pose_is_free(pose, floor), wanted, "{pose:?}: {exact}, floor {floor}");
             }
         }
@@ -419,23 +419,21 @@ mod tests {
                 let (floor, tolerance) = checker.clearance_and_tolerance(floor);
                 let steps = (segment.length_m.abs() / 0.02).ceil().max(1.0);
                 let places = (0..=steps as u32).map(|k| segment.length_m * f64::from(k) / steps);
-                let least = places
+                let min = places
                     .map(|place| test.rectangle_distance(&checker.body().footprint(segment.pose_at(start, place))));
-                let least = least.fold(f64::INFINITY, f64::min);
+                let min = min.fold(f64::INFINITY, f64::min);
                 let answer = checker.motion_is_free(start, segment, floor);
                 if answer {
                     free += 1;
-                    assert!(least > 0.0 && least >= floor - tolerance - 1e-9, "{start:?} {segment:?}: {least}");
+                    assert!(min > 0.0 && min >= floor - tolerance - 1e-9, "{start:?} {segment:?}: {min}");
                 } else {
                     refused += 1;
                     // Between two samples, the clearance can be less by half their distance, times the rate.
-                    assert!(least < floor + 0.03, "{start:?} {segment:?}: {least}");
+                    assert!(min < floor + 0.03, "{start:?} {segment:?}: {min}");
                 }
                 let prefix = checker.motion_prefix_free(start, segment, floor);
                 assert!((0.0..=segment.length_m.abs()).contains(&prefix));
-                assert!(
-                    !checker.pose_is_free(start, floor) || least < floor + 0.03 || prefix == segment.length_m.abs()
-                );
+                assert!(!checker.pose_is_free(start, floor) || min < floor + 0.03 || prefix == segment.length_m.abs());
                 let cut = Segment { length_m: prefix.copysign(segment.length_m), ..segment };
                 let within = (0..=20).map(|k| cut.pose_at(start, cut.length_m * f64::from(k) / 20.0));
                 for pose in within.filter(|_| prefix > 0.0) {

@@ -65,22 +65,22 @@ pub(super) struct Interpolated {
     distance_m: f64,
     spread_m2: f64,
     /// Another lower bound of the squared distance.
-    least_m2: f64,
+    min_m2: f64,
 }
 
 impl Interpolated {
     /// A lower bound of the squared distance; it may be negative.
     #[inline]
-    pub fn least_squared(self) -> f64 {
-        (self.distance_m * self.distance_m - self.spread_m2).max(self.least_m2)
+    pub fn min_squared(self) -> f64 {
+        (self.distance_m * self.distance_m - self.spread_m2).max(self.min_m2)
     }
 
     /// An upper bound of the distance.
-    pub fn most(self) -> f64 {
+    pub fn max(self) -> f64 {
         self.distance_m * (1.0 + LACKING) + self.spread_m2.sqrt()
     }
 
-    /// Returns whether the true distance is certainly less than `limit` metres: whether [`Interpolated::most`] is,
+    /// Returns whether the true distance is certainly less than `limit` metres: whether [`Interpolated::max`] is,
     /// without its root.
     #[inline]
     pub fn is_surely_below(self, limit: f64) -> bool {
@@ -134,7 +134,7 @@ impl ClearanceField {
     #[inline]
     pub fn lower_bound(&self, point: DVec2) -> f64 {
         let border = self.frame.border_distance(point);
-        if border > 0.0 { self.interpolate(point).least_squared().max(0.0).sqrt().min(border) } else { border }
+        if border > 0.0 { self.interpolate(point).min_squared().max(0.0).sqrt().min(border) } else { border }
     }
 
     /// Returns the exact distance in metres to the nearest bush or border; zero or less inside a bush or outside.
@@ -144,7 +144,7 @@ impl ClearanceField {
             return border;
         }
         // Beyond rounding, so that the box about a point on a bush's edge meets the bush from every side.
-        let reach = (self.interpolate(point).most() + LACKING * self.spacing_m).min(border);
+        let reach = (self.interpolate(point).max() + LACKING * self.spacing_m).min(border);
         let half = DVec2::splat(0.5 * self.frame.cell_m);
         let squared_gap = |centre: DVec2| ((point - centre).abs() - half).max(DVec2::ZERO).length_squared();
         let nearest = self.bushes_near(point, DVec2::splat(reach)).map(squared_gap).fold(f64::INFINITY, f64::min);
@@ -190,7 +190,7 @@ impl ClearanceField {
         // Metres to the columns and rows before, of and after the cell.
         let (across, along) = ([west, 0.0, cell_m - west], [south, 0.0, cell_m - south]);
         let beyond = cell_m + across[0].min(across[2]).min(along[0]).min(along[2]);
-        let mut least_m2 = beyond * beyond;
+        let mut min_m2 = beyond * beyond;
         let mut is_exact = false;
         for (step, gap_y) in along.into_iter().enumerate() {
             let Some(line) = (row + step).checked_sub(1).filter(|&row| row < rows).map(|row| self.occupied.row(row))
@@ -199,17 +199,17 @@ impl ClearanceField {
             };
             for (step, gap_x) in across.into_iter().enumerate() {
                 let squared = gap_x * gap_x + gap_y * gap_y;
-                if squared < least_m2 && (col + step).checked_sub(1).and_then(|col| line.get(col)) == Some(&true) {
-                    (least_m2, is_exact) = (squared, true);
+                if squared < min_m2 && (col + step).checked_sub(1).and_then(|col| line.get(col)) == Some(&true) {
+                    (min_m2, is_exact) = (squared, true);
                 }
             }
         }
-        let distance_m = least_m2.sqrt() * (1.0 - ROUNDED_DOWN);
-        let least_m2 = distance_m * distance_m;
+        let distance_m = min_m2.sqrt() * (1.0 - ROUNDED_DOWN);
+        let min_m2 = distance_m * distance_m;
         if is_exact {
-            Interpolated { distance_m, spread_m2: 0.0, least_m2 }
+            Interpolated { distance_m, spread_m2: 0.0, min_m2 }
         } else {
-            Interpolated { least_m2, ..by_lattice }
+            Interpolated { min_m2, ..by_lattice }
         }
     }
 
@@ -228,7 +228,7 @@ impl ClearanceField {
         Interpolated {
             distance_m: low + u * (high - low),
             spread_m2: self.spacing_m * self.spacing_m * (t * (1.0 - t) + u * (1.0 - u)),
-            least_m2: f64::NEG_INFINITY,
+            min_m2: f64::NEG_INFINITY,
         }
     }
 
@@ -274,7 +274,7 @@ mod tests {
                 let (bound, distance) = (test.field.lower_bound(point), test.point_distance(point));
                 assert!(bound <= distance, "{point}: bound {bound}, distance {distance}");
                 assert!((test.field.distance(point) - distance).abs() < 1e-9, "{point}");
-                assert!(test.field.interpolate(point).most().min(bound.max(distance)) >= distance - 1e-9);
+                assert!(test.field.interpolate(point).max().min(bound.max(distance)) >= distance - 1e-9);
                 greatest_loss = greatest_loss.max(distance - bound);
             }
         }
@@ -324,10 +324,10 @@ mod tests {
                 let radius = rng.random_range(0.0..4.0);
                 let steps = ((to - from).length() / 0.02).ceil();
                 let places = (0..=steps as u32).map(|k| from.lerp(to, f64::from(k) / steps));
-                let least = places.map(|place| test.field.distance(place)).fold(f64::INFINITY, f64::min);
+                let min = places.map(|place| test.field.distance(place)).fold(f64::INFINITY, f64::min);
                 let answer = test.field.line_is_free(from, to, radius);
-                assert!(!answer || least >= radius, "{from} to {to}: {least} m, wanted {radius}");
-                assert!(answer || least <= radius + LINE_SLACK_M + 0.01, "{from} to {to}: {least} m, wanted {radius}");
+                assert!(!answer || min >= radius, "{from} to {to}: {min} m, wanted {radius}");
+                assert!(answer || min <= radius + LINE_SLACK_M + 0.01, "{from} to {to}: {min} m, wanted {radius}");
                 if answer { free += 1 } else { refused += 1 }
             }
         }
@@ -372,7 +372,7 @@ mod tests {
                 let border = frame.border_distance(point);
                 if border > 0.0 {
                     let known = test.field.interpolate(point);
-                    assert!(known.most().min(border) >= distance - 1e-9, "{point}: {known:?}, {distance}");
+                    assert!(known.max().min(border) >= distance - 1e-9, "{point}: {known:?}, {distance}");
                     assert!(!known.is_surely_below(distance) || distance >= border, "{point}: {known:?}, {distance}");
                     assert!((test.field.distance(point) - distance).abs() < 1e-6, "{point}");
                 }

@@ -43,14 +43,14 @@ impl Rectangle {
     #[inline]
     pub fn bush_gap(&self, field: &ClearanceField, reach: f64) -> f64 {
         let half_cell = 0.5 * field.frame().cell_m;
-        let mut least = reach * reach;
+        let mut min = reach * reach;
         for centre in field.bushes_near(self.centre, self.half_box() + DVec2::splat(reach)) {
-            least = self.squared_gap_to_square(centre, half_cell, least);
-            if least == 0.0 {
+            min = self.squared_gap_to_square(centre, half_cell, min);
+            if min == 0.0 {
                 break;
             }
         }
-        least.sqrt()
+        min.sqrt()
     }
 
     /// Returns the squared distance to an axis-parallel square, or `limit` if that is less; 0 on contact.
@@ -72,16 +72,16 @@ impl Rectangle {
         if separation * separation >= limit {
             return limit;
         }
-        let mut least = limit;
+        let mut min = limit;
         let half = DVec2::new(self.half_length, self.half_width);
         for (along, across) in [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)] {
             let own = self.axis * (along * half.x) + self.axis.perp() * (across * half.y);
-            least = least.min(((own - offset).abs() - half_side).max(DVec2::ZERO).length_squared());
+            min = min.min(((own - offset).abs() - half_side).max(DVec2::ZERO).length_squared());
             let other = offset + DVec2::new(along, across) * half_side;
             let seen = DVec2::new(other.dot(self.axis), self.axis.perp_dot(other));
-            least = least.min((seen.abs() - half).max(DVec2::ZERO).length_squared());
+            min = min.min((seen.abs() - half).max(DVec2::ZERO).length_squared());
         }
-        least
+        min
     }
 }
 

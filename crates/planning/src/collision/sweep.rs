@@ -71,14 +71,14 @@ mod tests {
             let excess = |at: f64| posts.iter().map(|post| (at - post).abs()).fold(f64::INFINITY, f64::min) - 1.0;
             let places = (0..=10_000).map(|k| f64::from(k) * 1e-3);
             let failure = places.clone().find(|&place| excess(place) < 0.0).unwrap_or(10.0);
-            let least = places.map(excess).fold(f64::INFINITY, f64::min);
+            let min = places.map(excess).fold(f64::INFINITY, f64::min);
             let mut calls = 0;
             let answer = holds_everywhere(10.0, 1.0, 0.03, |place| {
                 calls += 1;
                 (excess(place) >= 0.0).then(|| excess(place))
             });
-            assert!(!answer || least >= -0.03, "{least} at {posts:?}");
-            assert!(answer || least < 0.001, "{least} at {posts:?}");
+            assert!(!answer || min >= -0.03, "{min} at {posts:?}");
+            assert!(answer || min < 0.001, "{min} at {posts:?}");
             assert!(calls <= 2 * 10 * 17, "{calls} places for 10 m, though none proves less than 6 cm");
             let prefix = proven_prefix(10.0, 1.0, 0.03, |place| (excess(place) >= 0.0).then(|| excess(place)));
             assert!(prefix == 0.0 || prefix <= failure + 0.031, "{prefix} m, but it fails at {failure} m");

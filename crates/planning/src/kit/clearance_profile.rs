@@ -126,14 +126,14 @@ impl ClearanceProfile {
 }
 
 /// Reeds-Shepp curves have no more segments.
-const MOST_OF_A_CURVE: usize = 5;
+const MAX_OF_A_CURVE: usize = 5;
 
 /// Returns consecutive segments from `pose`, each with the pose at which it begins, the longest first.
 ///
 /// A long one is the likeliest to be in the way of something, so that a way that is not free is known sooner.
 pub fn longest_first(pose: Pose, segments: impl IntoIterator<Item = Segment>) -> Vec<(Pose, Segment)> {
     let mut pose = pose;
-    let mut row: Vec<(Pose, Segment)> = Vec::with_capacity(MOST_OF_A_CURVE);
+    let mut row: Vec<(Pose, Segment)> = Vec::with_capacity(MAX_OF_A_CURVE);
     for segment in segments {
         row.push((pose, segment));
         pose = segment.end(pose);
@@ -175,8 +175,8 @@ mod tests {
                     let asked = profile.at(there) - RAMP * PIECE_M;
                     assert!(kept > 0.0 && kept >= asked.min(1.0) - MOTION_TOLERANCE_M - 1e-9, "{kept}, not {asked}");
                 }
-                let least = least_clearance(&field.checker, &Path { start: pose, segments: vec![segment] });
-                if least >= 1.0 { full += 1 } else { less += 1 }
+                let min = least_clearance(&field.checker, &Path { start: pose, segments: vec![segment] });
+                if min >= 1.0 { full += 1 } else { less += 1 }
             }
         }
         assert!(full > 100 && less > 50, "{full} with room, {less} without");

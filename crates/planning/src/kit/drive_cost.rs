@@ -58,7 +58,7 @@ impl CostModel {
     }
 
     /// Returns a lower bound of the cost of a metre.
-    pub fn least_per_metre(&self) -> f64 {
+    pub fn min_per_metre(&self) -> f64 {
         match self {
             Self::Length { .. } => 1.0,
             Self::Time { limits } => (limits.forward_mps / limits.reverse_mps).min(1.0),
@@ -102,7 +102,7 @@ mod tests {
                 [vec![segment(0.0, 40.0)], vec![segment(0.0, -40.0)], vec![segment(0.07, 9.0), segment(0.0, -3.0)]]
             {
                 let metres: f64 = way.iter().map(|segment| segment.length_m.abs()).sum();
-                assert!(cost.of(&way) >= cost.least_per_metre() * metres - 1e-9, "{cost:?} {way:?}");
+                assert!(cost.of(&way) >= cost.min_per_metre() * metres - 1e-9, "{cost:?} {way:?}");
             }
         }
     }

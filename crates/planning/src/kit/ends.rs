@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec2;
 use rand::{Rng, RngExt};
 
-use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
+use crate::collision::{CollisionChecker, MIN_CLEARANCE_M};
 use wildfire_base::geometry::{Pose, ops};
 
 use crate::{GoalDisc, PlanFailure};
@@ -47,7 +47,7 @@ const HEADINGS: u32 = 24;
 /// Returns whether the body fits somewhere in a disc, centre inside: on rings of places half a metre apart in a disc of
 /// 10 m.
 pub fn has_free_pose(checker: &CollisionChecker, disc: GoalDisc) -> bool {
-    free_poses_in(checker, disc, RINGS, LEAST_CLEARANCE_M).next().is_some()
+    free_poses_in(checker, disc, RINGS, MIN_CLEARANCE_M).next().is_some()
 }
 
 /// Returns the reason of a failure, which is different if the body fits nowhere in any of the discs.

@@ -89,8 +89,8 @@ impl Heuristic {
         }
         let found = self.steering.best_into(pose, disc, after_reverse);
         let expansion = found.map(|found| AnalyticExpansion::new(found.pieces(), found.cost));
-        let most = straight + DETOUR_CAP_M;
-        HeuristicValue { cost_to_go: expansion.map_or(most, |way| way.cost.min(most)), expansion }
+        let max = straight + DETOUR_CAP_M;
+        HeuristicValue { cost_to_go: expansion.map_or(max, |way| way.cost.min(max)), expansion }
     }
 
     /// Returns the path of an empty field, if it keeps the clearance.

@@ -33,7 +33,7 @@ const JITTER_M: f64 = 5.0;
 const NEAR_BEST_M: f64 = 0.05;
 /// How far the middle of a bend is moved to a side at first. What gains nothing is tried with half of it, down to the least.
 const FIRST_MOVE_M: f64 = 0.8;
-const LEAST_MOVE_M: f64 = 0.05;
+const MIN_MOVE_M: f64 = 0.05;
 /// How much it is turned, for every metre that it would be moved.
 const TURN_PER_M: f64 = 0.12;
 /// The way is changed from this far before the middle of a bend to this far behind it.
@@ -89,7 +89,7 @@ impl PathImprover {
         let Improvement { shortcuts, pulls } = improvement;
         let mut way = Way::new(path.start, path.segments.iter().copied(), &self.cost);
         // Without pulls paths are those that shortcuts alone have always made.
-        let best_m = if pulls > 0 { self.least_cost(&way) + NEAR_BEST_M } else { f64::NEG_INFINITY };
+        let best_m = if pulls > 0 { self.min_cost(&way) + NEAR_BEST_M } else { f64::NEG_INFINITY };
         if shortcuts > 0 && way.cost > best_m {
             self.cut_between_knots(&mut way, profile);
             if way.cost > best_m {
@@ -103,7 +103,7 @@ impl PathImprover {
     }
 
     /// Returns the cost of the cheapest curve between the ends of a way, free or not.
-    fn least_cost(&self, way: &Way) -> f64 {
+    fn min_cost(&self, way: &Way) -> f64 {
         self.curves.cheapest_word(way.start(), way.pose_at(way.length_m()), &self.price).price
     }
 
@@ -146,7 +146,7 @@ impl PathImprover {
             }
             if !is_cheaper {
                 move_m *= 0.5;
-                if move_m < LEAST_MOVE_M {
+                if move_m < MIN_MOVE_M {
                     return;
                 }
             }
@@ -178,8 +178,8 @@ impl PathImprover {
     /// Returns what a way must cost less than between two places for the whole to cost less than the limit: what remains of
     /// that after the rest of the way at the least price.
     fn bound_between(&self, way: &Way, (from_m, to_m): (f64, f64), limit: f64) -> f64 {
-        let least = self.cost.least_per_metre();
-        limit - least * from_m - least * (way.length_m() - to_m)
+        let min = self.cost.min_per_metre();
+        limit - min * from_m - min * (way.length_m() - to_m)
     }
 
     /// Replaces what lies between two places of a way by a curve, if that makes the way cheaper and is free.

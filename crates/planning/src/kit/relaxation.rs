@@ -1,6 +1,6 @@
 //! Relaxation schedules: the clearances that are tried in turn if the wanted one leads nowhere.
 
-use crate::collision::LEAST_CLEARANCE_M;
+use crate::collision::MIN_CLEARANCE_M;
 
 /// A stage of a schedule: an attempt to find a path that keeps a share of the wanted clearance.
 #[derive(Clone, Copy, Debug)]
@@ -12,10 +12,10 @@ pub struct Stage<E> {
 }
 
 impl<E> Stage<E> {
-    /// Returns the clearance to keep, in metres: a share of the wanted one, at most `most_m`, and at least what every
+    /// Returns the clearance to keep, in metres: a share of the wanted one, at most `max_m`, and at least what every
     /// body keeps.
-    pub fn min_clearance_m(&self, wanted_m: f64, most_m: f64) -> f64 {
-        (self.share * wanted_m).min(most_m).max(LEAST_CLEARANCE_M)
+    pub fn min_clearance_m(&self, wanted_m: f64, max_m: f64) -> f64 {
+        (self.share * wanted_m).min(max_m).max(MIN_CLEARANCE_M)
     }
 
     /// Returns whether less than the wanted clearance is kept.

@@ -29,7 +29,7 @@ use super::relaxation::Stage;
 use super::target::Target;
 
 /// Share of the wanted clearance that the last stages keep.
-const LEAST_SHARE: f64 = 0.04;
+const MIN_SHARE: f64 = 0.04;
 /// The last stages look for any way, and a greedy search finds one in fewer expansions: their heuristic has this weight at
 /// least. On fields with 30 % of their cells under bushes a weight of 1.2 misses 12 drives of a hundred, one of 1.5 three.
 const LAST_WEIGHT: f64 = 1.5;
@@ -56,9 +56,9 @@ const fn searches(share: f64, lattice: LatticeKind, forward: u32, backward: u32)
 }
 
 /// Nodes that a search of the coarse lattice expands at most.
-const MOST_COARSE: u32 = 5_000;
+const MAX_COARSE: u32 = 5_000;
 /// The maximum number of expansions of the first stage.
-pub const MOST_FIRST_EXPANSIONS: u32 = MOST_COARSE;
+pub const MAX_FIRST_EXPANSIONS: u32 = MAX_COARSE;
 
 /// Returns the stages, the first of which may expand this number of nodes. The first that succeeds gives the path.
 ///
@@ -69,9 +69,9 @@ const fn schedule(first_expansions: u32) -> [Stage<StageMethod>; 6] {
         searches(1.0, LatticeKind::Coarse, first_expansions, 0),
         searches(2.0 / 3.0, LatticeKind::Coarse, 150, 150),
         searches(1.0 / 3.0, LatticeKind::Coarse, 250, 250),
-        searches(LEAST_SHARE, LatticeKind::Coarse, MOST_COARSE, MOST_COARSE),
-        Stage { share: LEAST_SHARE, effort: StageMethod::Flood },
-        searches(LEAST_SHARE, LatticeKind::Fine, 20_000, 20_000),
+        searches(MIN_SHARE, LatticeKind::Coarse, MAX_COARSE, MAX_COARSE),
+        Stage { share: MIN_SHARE, effort: StageMethod::Flood },
+        searches(MIN_SHARE, LatticeKind::Fine, 20_000, 20_000),
     ]
 }
 
@@ -204,7 +204,7 @@ impl RelaxedSearch {
                         Target::Discs(discs) => discs.iter().flat_map(free_poses).collect(),
                     };
                     let weight = self.settings.heuristic_weight;
-                    let weight = if stage.share == LEAST_SHARE { weight.max(LAST_WEIGHT) } else { weight };
+                    let weight = if stage.share == MIN_SHARE { weight.max(LAST_WEIGHT) } else { weight };
                     let path = self.search(lattice, [forward, backward], drive, &profile, &starts_behind, weight);
                     self.show(lattice, backward > 0, observer);
                     let by = match lattice {

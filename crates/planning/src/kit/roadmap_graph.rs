@@ -15,7 +15,7 @@ pub struct RoadmapGraph {
     /// Links of milestone i are those from `first[i]` to `first[i + 1]`.
     first: Vec<u32>,
     links: Vec<Link>,
-    most_links: usize,
+    max_links: usize,
 }
 
 impl RoadmapGraph {
@@ -27,7 +27,7 @@ impl RoadmapGraph {
         for milestone in edges.clone().flatten() {
             first[milestone as usize + 1] += 1;
         }
-        let most_links = first.iter().copied().max().unwrap_or(0) as usize;
+        let max_links = first.iter().copied().max().unwrap_or(0) as usize;
         for milestone in 0..milestones {
             first[milestone + 1] += first[milestone];
         }
@@ -39,7 +39,7 @@ impl RoadmapGraph {
                 next[milestone as usize] += 1;
             }
         }
-        Self { first, links, most_links }
+        Self { first, links, max_links }
     }
 
     /// Returns the links of a milestone, each with its number.
@@ -57,7 +57,7 @@ impl RoadmapGraph {
     }
 
     /// Returns the maximum number of links of a milestone.
-    pub fn most_links(&self) -> usize {
-        self.most_links
+    pub fn max_links(&self) -> usize {
+        self.max_links
     }
 }

@@ -19,7 +19,7 @@ use wildfire_grid::{Connectivity, Grid};
 /// Along lines and motions `s` is read in the middle of equal pieces, no longer than this share of a cell's side.
 const PIECE: f64 = 0.5;
 /// But in no more pieces than this.
-const MOST_PIECES: f64 = 200.0;
+const MAX_PIECES: f64 = 200.0;
 
 /// The map that says how near bushes are, and its weight.
 ///
@@ -154,7 +154,7 @@ impl Safety {
 
     /// Returns what a way of this length costs more than that; `at` gives the place after a share of it.
     pub fn surcharge_along(&self, length_m: f64, at: impl Fn(f64) -> DVec2) -> f64 {
-        let pieces = (length_m / (PIECE * self.frame.cell_m)).ceil().clamp(1.0, MOST_PIECES);
+        let pieces = (length_m / (PIECE * self.frame.cell_m)).ceil().clamp(1.0, MAX_PIECES);
         let sum: f64 = (0..pieces as u32).map(|k| self.surcharge_at(at((f64::from(k) + 0.5) / pieces))).sum();
         length_m * sum / pieces
     }

@@ -307,8 +307,8 @@ mod tests {
                 continue;
             }
             let aims = all(&steering, pose, disc, None);
-            let least = aims.iter().map(|aim| aim.cost).fold(f64::INFINITY, f64::min);
-            assert_eq!(steering.best_into(pose, disc, None).map_or(f64::INFINITY, |best| best.cost), least);
+            let min = aims.iter().map(|aim| aim.cost).fold(f64::INFINITY, f64::min);
+            assert_eq!(steering.best_into(pose, disc, None).map_or(f64::INFINITY, |best| best.cost), min);
             for aim in &aims {
                 let path = Path { start: pose, segments: aim.pieces().collect() };
                 let end = body.body_centre(path.end()).distance(centre);

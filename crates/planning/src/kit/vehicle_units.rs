@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use crate::collision::{ClearanceField, CollisionChecker, LEAST_CLEARANCE_M};
+use crate::collision::{ClearanceField, CollisionChecker, MIN_CLEARANCE_M};
 use crate::observer::{PlanningObserver, PlanningWork};
 use crate::{Goal, GoalDisc};
 use wildfire_base::geometry::{FieldFrame, Pose};
@@ -45,8 +45,8 @@ impl VehicleUnits {
             steering_rate_deg_s: body.steering_rate_deg_s,
         };
         let field = Arc::new(ClearanceField::new(frame, checker.field().occupied()));
-        let least_m = LEAST_CLEARANCE_M * (scale * (1.0 + ROUNDING)).max(1.0);
-        let checker = CollisionChecker::new(field, scaled_body).with_least_clearance(least_m);
+        let min_m = MIN_CLEARANCE_M * (scale * (1.0 + ROUNDING)).max(1.0);
+        let checker = CollisionChecker::new(field, scaled_body).with_min_clearance(min_m);
         Some(Self { scale, checker, max_curvature: body.max_curvature() })
     }
 

@@ -16,12 +16,12 @@ use wildfire_base::geometry::Pose;
 use wildfire_base::untrusted::visible_start;
 
 /// Most bytes of a file.
-pub const MOST_BYTES: u64 = 32 << 20;
-const MOST_VEHICLES: usize = 500;
-const MOST_OBSTACLES: usize = 2000;
+pub const MAX_BYTES: u64 = 32 << 20;
+const MAX_VEHICLES: usize = 500;
+const MAX_OBSTACLES: usize = 2000;
 const SIDE_M: RangeInclusive<f64> = 1.0..=2000.0;
 /// Most states of all vehicles of a solution.
-const MOST_STATES: usize = 200_000;
+const MAX_STATES: usize = 200_000;
 /// Lists and mappings inside each other.
 const DEEPEST: usize = 8;
 
@@ -106,12 +106,12 @@ impl Value {
         found.ok_or_else(|| FileFault { line: self.line, message: format!("there is no `{key}` here") })
     }
 
-    fn list(&self, name: &str, most: usize) -> Result<&[Self], FileFault> {
+    fn list(&self, name: &str, max: usize) -> Result<&[Self], FileFault> {
         match &self.content {
-            Content::List(items) if items.len() <= most => Ok(items),
+            Content::List(items) if items.len() <= max => Ok(items),
             // A key without a value.
             Content::Word(word) if word.is_empty() => Ok(&[]),
-            _ => Err(self.unlike(name, &format!("a list of at most {most}"))),
+            _ => Err(self.unlike(name, &format!("a list of at most {max}"))),
         }
     }
 
@@ -144,7 +144,7 @@ pub fn read_instance(text: &str) -> Result<Instance, FileFault> {
     let map = file.member("map")?;
     let [width_m, height_m] = map.member("dimensions")?.numbers("dimensions", &SIDE_M)?;
     let mut obstacles = Vec::new();
-    for obstacle in map.member("obstacles")?.list("obstacles", MOST_OBSTACLES)? {
+    for obstacle in map.member("obstacles")?.list("obstacles", MAX_OBSTACLES)? {
         let [x, y] = obstacle.numbers("obstacles", &ANY)?;
         // Instances without obstacles list one outside the map.
         if (x, y) != (-1.0, -1.0) {
@@ -153,7 +153,7 @@ pub fn read_instance(text: &str) -> Result<Instance, FileFault> {
     }
     let agents = file.member("agents")?;
     let mut vehicles: Vec<Vehicle> = Vec::new();
-    for agent in agents.list("agents", MOST_VEHICLES)? {
+    for agent in agents.list("agents", MAX_VEHICLES)? {
         let pose = |key: &str| -> Result<Pose, FileFault> {
             let value = agent.member(key)?;
             let [x, y, yaw] = value.numbers(key, &ANY)?;
@@ -186,7 +186,7 @@ pub fn read_solution(text: &str) -> Result<Vec<Schedule>, FileFault> {
     let Content::Mapping(members) = &schedule.content else {
         return Err(schedule.unlike("schedule", "a list of states for each vehicle"));
     };
-    let mut left = MOST_STATES;
+    let mut left = MAX_STATES;
     let mut schedules = Vec::new();
     for (name, states) in members {
         let mut poses = Vec::new();

@@ -205,8 +205,8 @@ impl Step {
         }
         let curvature = turn / length_m;
         // Rounded poses of a short arc say little about its radius.
-        let least_m = RADIUS_M * turn.abs() * (1.0 - TIGHTER) - ROUNDING_M;
-        if length_m.abs() < least_m || length_m == 0.0 {
+        let min_m = RADIUS_M * turn.abs() * (1.0 - TIGHTER) - ROUNDING_M;
+        if length_m.abs() < min_m || length_m == 0.0 {
             return None;
         }
         // From the middle of the chord at a right angle, so that the turn ends exactly at the next pose.

@@ -185,15 +185,15 @@ fn every_method_stops_at_its_limit() {
     let instance = random_instance(4, 6, 30);
     for method in [Method::Prioritised, Method::Repair] {
         let mut stopped = 0;
-        for most_calls in 0..60 {
+        for max_calls in 0..60 {
             let mut calls = 0;
             let mut is_stopped = || {
                 calls += 1;
-                calls > most_calls
+                calls > max_calls
             };
             let settings = PlanTogether { method, ..settings(Mode::Exact, 1) };
             let (found, effort) = plan(&instance, &settings, &mut is_stopped);
-            assert!(effort.expansions <= 16 * most_calls, "{effort:?} after {most_calls} looks at the limit");
+            assert!(effort.expansions <= 16 * max_calls, "{effort:?} after {max_calls} looks at the limit");
             match found {
                 Ok(routes) => {
                     assert_eq!(judge::check(&instance, Mode::Exact, &schedules(&instance, &routes)).0, []);

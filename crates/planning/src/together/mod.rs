@@ -150,6 +150,6 @@ impl Instance {
     /// sum and the maximum of [`Route::flowtime_m`].
     pub fn bounds_m(&self) -> (f64, f64) {
         let lengths = self.vehicles.iter().map(|vehicle| CURVES.length_m(vehicle.start, vehicle.goal));
-        lengths.fold((0.0, 0.0), |(sum, most), length| (sum + length, f64::max(most, length)))
+        lengths.fold((0.0, 0.0), |(sum, max), length| (sum + length, f64::max(max, length)))
     }
 }

@@ -177,7 +177,7 @@ impl<'a> Team<'a> {
         }
         // The longest first: they meet the most others and end the last.
         let mut order: Vec<usize> = (0..self.routes.len()).collect();
-        order.sort_by(|&a, &b| self.least_m(b).total_cmp(&self.least_m(a)));
+        order.sort_by(|&a, &b| self.min_m(b).total_cmp(&self.min_m(a)));
         match self.settings.method {
             Method::Prioritised => self.try_orders(order)?,
             Method::Repair => {
@@ -221,7 +221,7 @@ impl<'a> Team<'a> {
         Ok(())
     }
 
-    fn least_m(&self, vehicle: usize) -> f64 {
+    fn min_m(&self, vehicle: usize) -> f64 {
         self.drives[vehicle].first().map_or(0.0, |drive| drive.length_m)
     }
 
@@ -283,10 +283,10 @@ impl<'a> Team<'a> {
                 (best_m, best) = (found.price_m, Some(found.route));
             }
         }
-        let least_m = self.least_m(vehicle);
-        if best_m > least_m + 0.05 {
+        let min_m = self.min_m(vehicle);
+        if best_m > min_m + 0.05 {
             // What only waits costs little, and a search for less ends early.
-            let expansions = if best_m < least_m + care.penalty_m { care.expansions / 4 } else { care.expansions };
+            let expansions = if best_m < min_m + care.penalty_m { care.expansions / 4 } else { care.expansions };
             let query = Query {
                 ground: &self.grounds[vehicle],
                 vehicle: own,
@@ -306,17 +306,17 @@ impl<'a> Team<'a> {
 
     /// Plans in one order after the other until nobody conflicts.
     fn try_orders(&mut self, mut order: Vec<usize>) -> Result<(), Unsolved> {
-        let mut least = usize::MAX;
+        let mut min = usize::MAX;
         for round in 0..self.settings.rounds.div_ceil(10) {
             self.rounds = round;
             self.replan(&order, SearchBudget { penalty_m: FORBIDDEN_M, expansions: 2000 })?;
             if self.pairs() == 0 {
                 return Ok(());
             }
-            least = least.min(self.pairs());
+            min = min.min(self.pairs());
             order.shuffle(&mut self.random);
         }
-        Err(Unsolved::Conflicts { pairs: least })
+        Err(Unsolved::Conflicts { pairs: min })
     }
 
     fn repair(&mut self) -> Result<(), Unsolved> {
@@ -344,9 +344,8 @@ impl<'a> Team<'a> {
     fn polish(&mut self) -> Result<(), Unsolved> {
         let vehicles = self.routes.len();
         for _ in 0..self.settings.polish as usize * vehicles {
-            let excess: Vec<f64> = (0..vehicles)
-                .map(|vehicle| (self.metres(&[vehicle]) - self.least_m(vehicle) - 0.05).max(0.0))
-                .collect();
+            let excess: Vec<f64> =
+                (0..vehicles).map(|vehicle| (self.metres(&[vehicle]) - self.min_m(vehicle) - 0.05).max(0.0)).collect();
             let sum: f64 = excess.iter().sum();
             if sum <= 0.0 {
                 break;
@@ -387,7 +386,7 @@ impl<'a> Team<'a> {
 
     /// Chooses vehicles to plan again with one: those that conflict with it, those on its shortest drive, and some beside it.
     fn group_around(&mut self, seed: usize) -> Vec<usize> {
-        let most = self.random.random_range(2..=8).min(self.routes.len());
+        let max = self.random.random_range(2..=8).min(self.routes.len());
         let mut group = vec![seed];
         let mut near = self.conflicts[seed].clone();
         if let Some(drive) = self.drives[seed].first() {
@@ -396,12 +395,12 @@ impl<'a> Team<'a> {
         }
         near.shuffle(&mut self.random);
         for other in near {
-            if group.len() < most && !group.contains(&other) {
+            if group.len() < max && !group.contains(&other) {
                 group.push(other);
             }
         }
         let mut tries = 0;
-        while group.len() < most && tries < 16 {
+        while group.len() < max && tries < 16 {
             tries += 1;
             let member = group[self.random.random_range(0..group.len())];
             let next = match &self.conflicts[member][..] {

@@ -19,9 +19,9 @@ use wildfire_base::vehicle::{CurvePrice, Segment};
 /// The wait of a step.
 const WAIT: Segment = Segment { curvature: 0.0, length_m: 0.0 };
 /// Most drives that a vehicle keeps.
-const MOST_DRIVES: usize = 8;
+const MAX_DRIVES: usize = 8;
 /// Most waits along a drive.
-const MOST_WAITS: usize = 40;
+const MAX_WAITS: usize = 40;
 /// Expansions between two looks at the limit.
 const EXPANSIONS_A_LOOK: u32 = 16;
 /// Nodes of one search with the same bin of place, heading and step compete.
@@ -103,9 +103,9 @@ pub fn wait_along(drive: &Drive, others: &Others, bound_m: f64) -> Option<Costed
     prices[0] = 0.0;
     let mut waited: Vec<Vec<bool>> = Vec::new();
     let (mut best_m, mut best_waits) = (bound_m, None);
-    for waits in 0..=MOST_WAITS {
+    for waits in 0..=MAX_WAITS {
         let mut waited_at = vec![false; steps + 1];
-        let mut least_m = f64::INFINITY;
+        let mut min_m = f64::INFINITY;
         for at in 0..=steps {
             let arrived = at + waits;
             let mut price_m = if waits == 0 && at == 0 { 0.0 } else { f64::INFINITY };
@@ -127,7 +127,7 @@ pub fn wait_along(drive: &Drive, others: &Others, bound_m: f64) -> Option<Costed
             }
             prices[at] = price_m;
             if at < steps {
-                least_m = least_m.min(price_m + ahead_m[at]);
+                min_m = min_m.min(price_m + ahead_m[at]);
             }
         }
         waited.push(waited_at);
@@ -135,7 +135,7 @@ pub fn wait_along(drive: &Drive, others: &Others, bound_m: f64) -> Option<Costed
         if price_m < best_m {
             (best_m, best_waits) = (price_m, Some(waits));
         }
-        if least_m + STEP_M >= best_m {
+        if min_m + STEP_M >= best_m {
             break;
         }
     }
@@ -168,7 +168,7 @@ pub fn drives(
     CURVES.candidates(vehicle.start, vehicle.goal, &CurvePrice::LENGTH, &mut curves);
     let shortest_m = curves[0].price;
     for curve in curves.iter().take_while(|curve| curve.price < 1.2 * shortest_m + 4.0 * RADIUS_M) {
-        if found.len() == MOST_DRIVES - 2 {
+        if found.len() == MAX_DRIVES - 2 {
             break;
         }
         let drive = Drive::new(vehicle.start, steps_of(curve.curve.segments()));
@@ -195,7 +195,7 @@ pub fn keep(drives: &mut Vec<Drive>, drive: Drive) {
     }
     let place = drives.partition_point(|own| own.length_m <= drive.length_m);
     drives.insert(place, drive);
-    drives.truncate(MOST_DRIVES);
+    drives.truncate(MAX_DRIVES);
 }
 
 /// Shortens a route's drive by Reeds-Shepp curves between its poses, until it is stopped, and drops its waits.

@@ -14,7 +14,7 @@ const MARGIN_M: f64 = 0.004;
 const SLACK: f64 = 0.75;
 /// What may be lost at least: it bounds the instants that are looked at where bodies touch. An end may overlap by as much,
 /// so that both together are what the judge takes for rounding.
-const LEAST_SLACK_M: f64 = 0.5 * TOLERANCE_M;
+const MIN_SLACK_M: f64 = 0.5 * TOLERANCE_M;
 /// Rear points stay this far inside the border in exact planning: an arc leaves the chord between instants an eighth of a
 /// step apart by less.
 const BORDER_M: f64 = 0.004;
@@ -83,7 +83,7 @@ impl<'a> Ground<'a> {
                 ground.border_m = ground.border_m.min(x.min(y));
             }
             let is_tested = is_goal || mode == Mode::Exact;
-            if is_tested && (ground.margin_m < -LEAST_SLACK_M || !ground.allows(&Motion::standing(pose))) {
+            if is_tested && (ground.margin_m < -MIN_SLACK_M || !ground.allows(&Motion::standing(pose))) {
                 return Err(is_goal);
             }
         }
@@ -146,10 +146,10 @@ fn margin_at(gap_m: f64) -> f64 {
 /// Says whether a gap becomes less than a margin within a step, in which it changes by no more than `change_m`: by
 /// conservative advancement, as in [`crate::collision::first_conflict`].
 ///
-/// It looks at no more than `change_m / LEAST_SLACK_M` instants, and a gap that it lets pass never falls below the margin
-/// by more than [`SLACK`] of it or [`LEAST_SLACK_M`].
+/// It looks at no more than `change_m / MIN_SLACK_M` instants, and a gap that it lets pass never falls below the margin
+/// by more than [`SLACK`] of it or [`MIN_SLACK_M`].
 fn comes_near(change_m: f64, margin_m: f64, gap_at: impl Fn(f64) -> f64) -> bool {
-    let slack_m = (SLACK * margin_m).max(LEAST_SLACK_M);
+    let slack_m = (SLACK * margin_m).max(MIN_SLACK_M);
     let mut share = 0.0;
     while share < 1.0 {
         let room_m = gap_at(share) - margin_m;
@@ -188,7 +188,7 @@ impl Traffic {
     pub fn make_room_for(&mut self, poses: &[Pose]) {
         let bodies: Vec<Rectangle> = poses.iter().map(|&pose| Motion::standing(pose).body_at(0.0)).collect();
         let gaps = bodies.iter().enumerate().flat_map(|(at, one)| bodies[..at].iter().map(|other| one.gap_to(other)));
-        let margins = gaps.map(margin_at).filter(|&margin_m| margin_m >= -LEAST_SLACK_M);
+        let margins = gaps.map(margin_at).filter(|&margin_m| margin_m >= -MIN_SLACK_M);
         self.margin_m = margins.fold(self.margin_m, f64::min);
     }
 

@@ -160,13 +160,13 @@ impl WalkLattice {
         let squared = |point: usize| (self.position(point) - place).length_squared();
         let (row, col) = self.nearest(place);
         // A place outside is farther from all rings, so the bound holds for the point of the lattice next to it too.
-        let least_squared = |ring: usize| {
-            let least = (ring as f64 - 0.5 - TOUCH) * self.step_m;
-            least.max(0.0) * least
+        let min_squared = |ring: usize| {
+            let min = (ring as f64 - 0.5 - TOUCH) * self.step_m;
+            min.max(0.0) * min
         };
         let mut best: Option<usize> = None;
         for ring in 0..self.rows().max(self.cols()) {
-            if best.is_some_and(|best| least_squared(ring) > squared(best)) {
+            if best.is_some_and(|best| min_squared(ring) > squared(best)) {
                 break;
             }
             let nearest_of_ring = self

@@ -19,10 +19,10 @@ const ADDED_M: f64 = 20.0;
 const APART_M: f64 = 150.0;
 
 /// The farthest that is counted, metres: where fire goes farther, all of the field is in reach anyway.
-const MOST_COUNTED_M: f64 = 100.0;
+const MAX_COUNTED_M: f64 = 100.0;
 
 /// The share of a cell's worth that is left right beside others: where everything is near to them something has to be chosen.
-const LEAST_SHARE: f64 = 0.05;
+const MIN_SHARE: f64 = 0.05;
 
 /// Chooses the cell with most to burn around it per metre of walk. Ties go to the smaller cell index.
 #[derive(Clone, Debug)]
@@ -35,7 +35,7 @@ pub struct Densest {
 impl Densest {
     /// Creates the rule for a spread radius in metres.
     pub fn new(frame: &FieldFrame, spread_m: f64, keeps_apart: bool) -> Self {
-        let spread_m = spread_m.min(MOST_COUNTED_M);
+        let spread_m = spread_m.min(MAX_COUNTED_M);
         let cells = (spread_m / frame.cell_m).floor().min(f64::from(frame.cols.max(frame.rows))) as i32;
         let is_reached =
             |&(cols, rows): &(i32, i32)| ops::hypot(f64::from(cols), f64::from(rows)) * frame.cell_m <= spread_m;
@@ -72,7 +72,7 @@ impl Densest {
     /// Returns the worth of a place with so many bushes around it to an agent that comes from another.
     pub fn worth(&self, thickness: f64, place: DVec2, from: DVec2, others: &[DVec2]) -> f64 {
         let nearest = others.iter().map(|other| (*other - place).length()).fold(f64::INFINITY, f64::min);
-        let share = (nearest / APART_M).clamp(LEAST_SHARE, 1.0);
+        let share = (nearest / APART_M).clamp(MIN_SHARE, 1.0);
         thickness * share / ((place - from).length() + ADDED_M)
     }
 
@@ -86,15 +86,15 @@ impl Densest {
         let mut best: Option<(f64, Cell)> = None;
         for ring in 0..i32::from(frame.cols.max(frame.rows)) {
             // Were all in its reach to burn, no cell from here on would be worth more than this.
-            let least_way_m = (f64::from(ring) - 1.0).max(0.0) * frame.cell_m + ADDED_M;
-            if best.is_some_and(|(worth, _)| self.reached.len() as f64 / least_way_m < worth) {
+            let min_way_m = (f64::from(ring) - 1.0).max(0.0) * frame.cell_m + ADDED_M;
+            if best.is_some_and(|(worth, _)| self.reached.len() as f64 / min_way_m < worth) {
                 break;
             }
             for cell in ring_around(frame, middle, ring).filter(|&cell| seen.is_option(agent.id, cell)) {
                 let place = frame.centre(cell);
                 let worth = self.worth(self.thickness(seen, cell) as f64, place, agent.place, &others);
-                let is_better = |(most, so_far): (f64, Cell)| {
-                    worth > most || (worth == most && frame.index(cell) < frame.index(so_far))
+                let is_better = |(max, so_far): (f64, Cell)| {
+                    worth > max || (worth == max && frame.index(cell) < frame.index(so_far))
                 };
                 if best.is_none_or(is_better) {
                     best = Some((worth, cell));
@@ -164,13 +164,13 @@ mod tests {
                 let seen = Observation { now: SimTime::ZERO, fires: &fires, agents: &agents, options_of: &none };
                 let worth = |cell: &Cell| {
                     let place = FRAME.centre(*cell);
-                    let apart = ((agents[1].place - place).length() / APART_M).clamp(LEAST_SHARE, 1.0);
+                    let apart = ((agents[1].place - place).length() / APART_M).clamp(MIN_SHARE, 1.0);
                     let share = if keeps_apart { apart } else { 1.0 };
                     let way_m = (place - agents[0].place).length() + ADDED_M;
                     rule.thickness(&seen, *cell) as f64 * share / way_m
                 };
-                let most = bushes.iter().map(worth).fold(0.0, f64::max);
-                let first = bushes.iter().copied().find(|cell| worth(cell) == most);
+                let max = bushes.iter().map(worth).fold(0.0, f64::max);
+                let first = bushes.iter().copied().find(|cell| worth(cell) == max);
                 assert_eq!(chosen(&bushes, &agents, keeps_apart), first);
             }
         }

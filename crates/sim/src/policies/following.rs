@@ -354,14 +354,14 @@ impl PolicySet {
 }
 
 /// The most points of a line that a policy answers.
-pub const MOST_LINE_POINTS: usize = 10_000;
+pub const MAX_LINE_POINTS: usize = 10_000;
 
 /// Refuses points that are no line on the field, in words.
 fn check_line(points: &[DVec2], frame: &FieldFrame) -> Result<(), String> {
-    if !(2..=MOST_LINE_POINTS).contains(&points.len()) {
+    if !(2..=MAX_LINE_POINTS).contains(&points.len()) {
         let count = points.len();
         return Err(format!(
-            "no line of {count} points can be built; expected 2 to {MOST_LINE_POINTS}; crews build none"
+            "no line of {count} points can be built; expected 2 to {MAX_LINE_POINTS}; crews build none"
         ));
     }
     let (width_m, height_m) = (frame.width_m(), frame.height_m());

@@ -34,7 +34,7 @@ use wildfire_planning::PlanFailure;
 use wildfire_timeline::{Activity, AgentId};
 
 pub use following::{
-    ActionOverride, CustomPolicyStats, Decision, MOST_LINE_POINTS, PendingDecision, PolicyId, PolicyQuery, PolicySet,
+    ActionOverride, CustomPolicyStats, Decision, MAX_LINE_POINTS, PendingDecision, PolicyId, PolicyQuery, PolicySet,
 };
 pub use largest_cluster::cluster_sizes;
 pub use registry::{BuiltIn, MakePolicy, NamedPolicy, Policies, PolicyContext, PolicyNameError, RuleContext};

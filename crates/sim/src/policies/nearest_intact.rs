@@ -39,15 +39,14 @@ fn nearest_cell(frame: &FieldFrame, place: DVec2, is_wanted: impl Fn(Cell) -> bo
     let mut best: Option<(f64, Cell)> = None;
     for ring in 0..cols.max(rows) {
         // The place is in the middle cell, so at least half a cell less than the ring from every centre on it.
-        let least_m = (f64::from(ring) - 0.5 - ROUNDING_CELLS).max(0.0) * frame.cell_m;
-        if best.is_some_and(|(squared, _)| squared < least_m * least_m) {
+        let min_m = (f64::from(ring) - 0.5 - ROUNDING_CELLS).max(0.0) * frame.cell_m;
+        if best.is_some_and(|(squared, _)| squared < min_m * min_m) {
             break;
         }
         for cell in ring_around(frame, (col, row), ring) {
             let squared = squared_m(cell);
-            let is_nearer = best.is_none_or(|(least, known)| {
-                squared < least || (squared == least && frame.index(cell) < frame.index(known))
-            });
+            let is_nearer = best
+                .is_none_or(|(min, known)| squared < min || (squared == min && frame.index(cell) < frame.index(known)));
             if is_nearer && is_wanted(cell) {
                 best = Some((squared, cell));
             }

@@ -6,7 +6,7 @@ use wildfire_module::{Failure, FailureKind, Instance};
 
 use super::process::{Launch, Process, ProcessError, ProcessErrorKind, QueryLimits, say};
 use super::protocol::ToProgram;
-use super::supervisor::MOST_SAID;
+use super::supervisor::MAX_SAID;
 
 /// Something that answers a line with a line.
 #[derive(Debug)]
@@ -95,7 +95,7 @@ impl WasmInstance {
     fn exchange(&mut self, message: &[u8], budget: u64) -> Result<Vec<u8>, ProcessError> {
         let answer = self.instance.exchange(message, budget, self.instructions);
         for line in String::from_utf8_lossy(&self.instance.said()).lines() {
-            if self.said < MOST_SAID {
+            if self.said < MAX_SAID {
                 say(&self.name, line);
             }
             self.said += 1;

@@ -10,7 +10,7 @@ use wildfire_base::time::wall::WallStopwatch;
 
 /// Queries in a row over its instructions after which a module is given up for the rest of a run. All later ones count as one
 /// over its instructions does, so that a module that loops has the same outcomes, and a run takes no hours.
-const MOST_SPENT_IN_A_ROW: u32 = 10;
+const MAX_SPENT_IN_A_ROW: u32 = 10;
 
 /// A program on a field, through failures and new starts.
 #[derive(Debug)]
@@ -85,9 +85,9 @@ impl ExternalClient {
         query: impl FnOnce(u64) -> Vec<u8>,
         check: impl FnOnce(&FromProgram) -> Result<(), &'static str>,
     ) -> Reply {
-        if self.spent_in_a_row == MOST_SPENT_IN_A_ROW {
+        if self.spent_in_a_row == MAX_SPENT_IN_A_ROW {
             let budget = self.program.query_instructions;
-            let words = format!("was given up after {MOST_SPENT_IN_A_ROW} queries in a row over {budget} instructions");
+            let words = format!("was given up after {MAX_SPENT_IN_A_ROW} queries in a row over {budget} instructions");
             let answer = Err(ProcessError { kind: ProcessErrorKind::BudgetSpent, words });
             return Reply { answer, cpu: None, starting: Duration::ZERO, instructions: Some(budget) };
         }

@@ -42,7 +42,7 @@ impl TruckPlanner for ProgramPlanner {
 
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
         let respondent = self.respondent.as_mut().expect("it is given back when this is dropped");
-        let least = respondent.expansions_per_query();
+        let min = respondent.expansions_per_query();
         let goal = match goal {
             Goal::Disc(disc) => GoalMessage::Disc([disc.centre.x, disc.centre.y, disc.radius_m]),
             Goal::Pose(pose) => GoalMessage::Pose(numbers(pose)),
@@ -57,7 +57,7 @@ impl TruckPlanner for ProgramPlanner {
         let counted =
             instructions.map(|count| u32::try_from(count.div_ceil(INSTRUCTIONS_PER_EXPANSION)).unwrap_or(u32::MAX));
         let effort = |reported: Option<u32>| Effort {
-            local_expansions: counted.or(reported).unwrap_or(0).max(least),
+            local_expansions: counted.or(reported).unwrap_or(0).max(min),
             ..Effort::default()
         };
         let reported_s = |cpu_s: Option<f64>| cpu_s.filter(|_| instructions.is_none());

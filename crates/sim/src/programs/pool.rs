@@ -21,12 +21,12 @@ use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::trajectory::SpeedLimits;
 use wildfire_base::vehicle::{Dimensions, ReedsShepp};
 use wildfire_module::{Engine, Module};
-use wildfire_planning::collision::{ClearanceField, LEAST_CLEARANCE_M};
+use wildfire_planning::collision::{ClearanceField, MIN_CLEARANCE_M};
 use wildfire_planning::{MakeError, NameError, PlannerContext, PlannerName, Planners, TruckPlanner};
 use wildfire_timeline::AgentId;
 
 /// The most processes of a program at once.
-const MOST_PROCESSES: usize = 16;
+const MAX_PROCESSES: usize = 16;
 
 /// Bits of a seed that a program gets: all whole numbers below 2^53 are f64.
 const SEED_BITS: u32 = 53;
@@ -228,7 +228,7 @@ impl<'a> FieldMessage<'a> {
             cells_cr,
             vehicle: None,
             limits: None,
-            least_clearance: LEAST_CLEARANCE_M,
+            least_clearance: MIN_CLEARANCE_M,
             settings,
             agents: None,
             plays: None,
@@ -282,6 +282,6 @@ fn launch(name: &PlannerName, table: &Program) -> Launch {
         module: None,
         start_instructions: table.start_instructions(),
         query_instructions: table.query_instructions(),
-        limits: Limits { memory_mb: table.memory_limit_mb.into(), processes: MOST_PROCESSES },
+        limits: Limits { memory_mb: table.memory_limit_mb.into(), processes: MAX_PROCESSES },
     }
 }

@@ -19,8 +19,8 @@ use nix::sys::signal::{Signal, killpg};
 use nix::unistd::Pid;
 
 use super::process_tree::GroupClock;
-use super::protocol::MOST_BYTES;
-use super::supervisor::{self, Exceeded, ExitCause, GRACE, Limits, MOST_SAID, Report, SupervisorCommand};
+use super::protocol::MAX_BYTES;
+use super::supervisor::{self, Exceeded, ExitCause, GRACE, Limits, MAX_SAID, Report, SupervisorCommand};
 use wildfire_base::time::wall::WallStopwatch;
 use wildfire_base::untrusted::visible;
 use wildfire_module::Module;
@@ -33,10 +33,10 @@ const TIDYING: Duration = Duration::from_secs(3);
 const LAST_BREATH: Duration = Duration::from_secs(1);
 
 /// The shortest time between two looks at the CPU time of a program that is limited.
-const LEAST_CPU_LOOK: Duration = Duration::from_millis(5);
+const MIN_CPU_LOOK: Duration = Duration::from_millis(5);
 
 /// The most characters of an answer that a message quotes.
-const MOST_QUOTED: usize = 200;
+const MAX_QUOTED: usize = 200;
 
 /// A program: what starts it, and what it may take.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,7 +101,7 @@ impl ProcessError {
 
     /// The program said itself that it cannot play.
     pub fn refused(message: &str) -> Self {
-        let quoted: String = message.chars().take(MOST_QUOTED).collect();
+        let quoted: String = message.chars().take(MAX_QUOTED).collect();
         Self { kind: ProcessErrorKind::BadAnswer, words: format!("refuses the field: {}", visible(&quoted)) }
     }
 
@@ -112,9 +112,9 @@ impl ProcessError {
     /// An answer that is none; quotes its beginning.
     pub fn bad_answer(answer: &[u8], words: &str) -> Self {
         // A character has four bytes at most.
-        let beginning = String::from_utf8_lossy(&answer[..answer.len().min(4 * MOST_QUOTED)]);
-        let quoted: String = beginning.chars().take(MOST_QUOTED).collect();
-        let more = if beginning.chars().nth(MOST_QUOTED).is_some() { "…" } else { "" };
+        let beginning = String::from_utf8_lossy(&answer[..answer.len().min(4 * MAX_QUOTED)]);
+        let quoted: String = beginning.chars().take(MAX_QUOTED).collect();
+        let more = if beginning.chars().nth(MAX_QUOTED).is_some() { "…" } else { "" };
         Self {
             kind: ProcessErrorKind::BadAnswer,
             words: format!("answered `{}{more}`: {words}", visible(quoted.trim_end())),
@@ -247,8 +247,8 @@ impl Process {
             if let Some(line) = self.take_line() {
                 return Ok(line);
             }
-            if self.received.len() >= MOST_BYTES {
-                let words = format!("it is longer than {MOST_BYTES} bytes");
+            if self.received.len() >= MAX_BYTES {
+                let words = format!("it is longer than {MAX_BYTES} bytes");
                 return Err(ProcessError::bad_answer(&self.received, &words));
             }
             let elapsed = watch.elapsed();
@@ -277,7 +277,7 @@ impl Process {
                 }
                 // It cannot take more than all that there is.
                 let at_once = available_parallelism().map_or(1, |cores| cores.get() as u32);
-                wait = wait.min((left / at_once).max(LEAST_CPU_LOOK));
+                wait = wait.min((left / at_once).max(MIN_CPU_LOOK));
             }
             let ready = self.wait(wait, !unsent.is_empty());
             if ready.report {
@@ -327,7 +327,7 @@ impl Process {
 
     /// Takes in what was written, up to one line more than is wanted.
     fn receive(&mut self) {
-        while self.received.len() < MOST_BYTES {
+        while self.received.len() < MAX_BYTES {
             match self.from.read(&mut self.scratch) {
                 Ok(0) => {
                     self.has_closed_output = true;
@@ -394,7 +394,7 @@ impl Process {
                 }
             }
             Report::SaidTooMuch => {
-                say(&self.name, &format!("more than {MOST_SAID} lines; the rest of this run is left out"));
+                say(&self.name, &format!("more than {MAX_SAID} lines; the rest of this run is left out"));
             }
             Report::SaidLast { line } => self.fate.last_said = Some(line),
             Report::Exceeded { limit } => self.fate.exceeded = Some(limit),

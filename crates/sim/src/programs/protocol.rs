@@ -12,29 +12,29 @@ use serde::de::{IgnoredAny, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 
-use crate::policies::{FirelineContext, MOST_LINE_POINTS, Observation};
+use crate::policies::{FirelineContext, MAX_LINE_POINTS, Observation};
 use crate::scenario::Crew;
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::input_file::list_of_at_most;
 use wildfire_fire::BushState;
 use wildfire_planning::MAX_SEARCH_EDGES;
-use wildfire_planning::judge::MOST_SEGMENTS;
+use wildfire_planning::judge::MAX_SEGMENTS;
 use wildfire_timeline::AgentId;
 
 /// The version of the protocol, which both sides say in their first message.
 pub const VERSION: u32 = 1;
 
 /// The most bytes of a line, its end included.
-pub const MOST_BYTES: usize = 16_000_000;
+pub const MAX_BYTES: usize = 16_000_000;
 
 /// What is kept of the segments, or poses, of a path: one more than may pass the gate.
-const KEPT_SEGMENTS: usize = MOST_SEGMENTS + 1;
+const KEPT_SEGMENTS: usize = MAX_SEGMENTS + 1;
 
 /// The most choices of an answer: as many as a scenario has agents.
-const MOST_CHOICES: usize = 10_000;
+const MAX_CHOICES: usize = 10_000;
 
 /// The most squares of a forecast along a side of the field.
-const MOST_SQUARES: u16 = 100;
+const MAX_SQUARES: u16 = 100;
 
 /// The largest coordinate or heading of a pose that curves are laid through.
 const POSES: RangeInclusive<f64> = -1e6..=1e6;
@@ -307,7 +307,7 @@ pub struct PolicyAnswer {
     /// That of the query.
     pub id: u64,
     /// The choices; an agent that is left out waits for the next change.
-    #[serde(deserialize_with = "list_of_at_most::<MOST_CHOICES, _, _>")]
+    #[serde(deserialize_with = "list_of_at_most::<MAX_CHOICES, _, _>")]
     pub choices: Vec<ChoiceMessage>,
 }
 
@@ -316,7 +316,7 @@ pub struct LineAnswer {
     /// That of the query.
     pub id: u64,
     /// East and north of 2 to 10,000 points, in metres from the south-west corner, in the order in which crews build.
-    #[serde(deserialize_with = "list_of_at_most::<MOST_LINE_POINTS, _, _>")]
+    #[serde(deserialize_with = "list_of_at_most::<MAX_LINE_POINTS, _, _>")]
     pub points: Vec<[f64; 2]>,
 }
 
@@ -542,7 +542,7 @@ pub fn question(
 impl<'a> From<&FirelineContext<'a>> for LineMessage<'a> {
     fn from(&FirelineContext { crews, wind_mps, forecast }: &FirelineContext<'a>) -> Self {
         let FieldFrame { cols, rows, cell_m } = forecast.frame;
-        let side = cols.max(rows).div_ceil(MOST_SQUARES);
+        let side = cols.max(rows).div_ceil(MAX_SQUARES);
         let first = |row: u16, col: u16| {
             let cells = (row..rows.min(row + side))
                 .flat_map(|row| (col..cols.min(col + side)).map(move |col| Cell { col, row }));
@@ -618,7 +618,7 @@ mod tests {
 
     #[test]
     fn of_long_lists_the_beginning_is_kept() {
-        let pairs = vec!["[0,1]"; 2 * MOST_SEGMENTS].join(",");
+        let pairs = vec!["[0,1]"; 2 * MAX_SEGMENTS].join(",");
         let line = format!("{{\"type\":\"path\",\"id\":1,\"segments\":[{pairs}]}}");
         let Ok(FromProgram::Path(path)) = FromProgram::parse(line.as_bytes()) else { panic!("it is a path") };
         assert_eq!(path.segments.map(|segments| segments.len()), Some(KEPT_SEGMENTS), "which the gate refuses");

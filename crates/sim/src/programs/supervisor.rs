@@ -53,13 +53,13 @@ pub const GRACE: Duration = Duration::from_secs(2);
 const GIVE_UP: Duration = Duration::from_secs(10);
 
 /// The most lines of stderr that are handed on in a run.
-pub const MOST_SAID: u64 = 10_000;
+pub const MAX_SAID: u64 = 10_000;
 
 /// The most bytes of a line of stderr that are handed on.
-const MOST_SAID_BYTES: usize = 2000;
+const MAX_SAID_BYTES: usize = 2000;
 
 /// The most bytes that wait for us to read them.
-const MOST_WAITING: usize = 1 << 16;
+const MAX_WAITING: usize = 1 << 16;
 
 /// A process may reserve this multiple of what all may use. This ends programs that fill the memory between two looks.
 const RESERVED: u64 = 4;
@@ -327,17 +327,17 @@ fn hand_on(stderr: ChildStderr, outbox: &SendBuffer, said: &Mutex<u64>) {
             *said
         };
         let report = match said {
-            ..=MOST_SAID => Report::Said { line },
+            ..=MAX_SAID => Report::Said { line },
             _ => {
                 last = Some(line);
-                if said > MOST_SAID + 1 {
+                if said > MAX_SAID + 1 {
                     continue;
                 }
                 Report::SaidTooMuch
             }
         };
         let mut waiting = outbox.send(&report);
-        while waiting > MOST_WAITING {
+        while waiting > MAX_WAITING {
             pause(TICK);
             waiting = outbox.flush();
         }
@@ -361,7 +361,7 @@ fn line_of_limited_length(reader: &mut impl BufRead) -> Option<String> {
         has_begun = true;
         let end = bytes.iter().position(|&byte| byte == b'\n');
         let part = &bytes[..end.unwrap_or(bytes.len())];
-        line.extend_from_slice(&part[..part.len().min(MOST_SAID_BYTES - line.len())]);
+        line.extend_from_slice(&part[..part.len().min(MAX_SAID_BYTES - line.len())]);
         let used = end.map_or(bytes.len(), |end| end + 1);
         reader.consume(used);
         if end.is_some() {

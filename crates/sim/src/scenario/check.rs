@@ -115,8 +115,8 @@ impl TablePath {
         Ok(())
     }
 
-    pub fn count(&self, name: &str, count: usize, most: usize) -> Check {
-        if count <= most { Ok(()) } else { self.refuse(name, count.to_string(), format!("at most {most}")) }
+    pub fn count(&self, name: &str, count: usize, max: usize) -> Check {
+        if count <= max { Ok(()) } else { self.refuse(name, count.to_string(), format!("at most {max}")) }
     }
 
     pub fn inside(&self, name: &str, corners: &[DVec2], frame: &FieldFrame) -> Check {

@@ -21,16 +21,16 @@ use wildfire_base::rng;
 pub(super) const KINDS: [&str; 2] = ["wumpus", "unimog"];
 
 /// The most agents of a kind that entries ask for together.
-pub(super) const MOST_COPIES: usize = 1000;
+pub(super) const MAX_COPIES: usize = 1000;
 
 /// Places that are drawn for a start, of which the best is taken.
 const CANDIDATES: usize = 12;
 
 /// Draws after which no more places are looked for.
-const MOST_DRAWS: usize = 4000;
+const MAX_DRAWS: usize = 4000;
 
 /// The least room between the circles round two bodies at their starts, metres.
-const LEAST_GAP_M: f64 = 1.0;
+const MIN_GAP_M: f64 = 1.0;
 
 /// The seed of the stream of starts, which are the same in every run.
 const SEED: u64 = 0;
@@ -51,12 +51,12 @@ impl AgentExpansion {
                     None => 1,
                     Some(Value::Integer(count @ 0..=1000)) => count as usize,
                     Some(other) => {
-                        let expected = format!("a whole number from 0 to {MOST_COPIES}");
+                        let expected = format!("a whole number from 0 to {MAX_COPIES}");
                         return Err(refusal(kind, number, shortened(&other.to_string()), expected));
                     }
                 };
-                if count > 1 && expanded.len() + count > MOST_COPIES {
-                    let expected = format!("at most {MOST_COPIES} agents of this kind in all entries");
+                if count > 1 && expanded.len() + count > MAX_COPIES {
+                    let expected = format!("at most {MAX_COPIES} agents of this kind in all entries");
                     return Err(refusal(kind, number, count.to_string(), expected));
                 }
                 entries_of.extend(std::iter::repeat_n(number, count));
@@ -208,7 +208,7 @@ impl Placed for Wumpus {
 fn best_candidate<A: Placed>(agent: &A, field: &OpenField, taken: &[(DVec2, f64)], rng: &mut impl Rng) -> Option<A> {
     let mut best: Option<(f64, A)> = None;
     let mut candidates = 0;
-    for _ in 0..MOST_DRAWS {
+    for _ in 0..MAX_DRAWS {
         let candidate = agent.elsewhere(&field.frame, rng);
         let (centre, radius_m) = candidate.circle();
         if !field.is_open((centre, radius_m)) {
@@ -216,10 +216,10 @@ fn best_candidate<A: Placed>(agent: &A, field: &OpenField, taken: &[(DVec2, f64)
         }
         let gaps = taken.iter().map(|&(other, other_m)| (centre - other).length() - radius_m - other_m);
         let gap_m = gaps.fold(f64::INFINITY, f64::min);
-        if gap_m < LEAST_GAP_M {
+        if gap_m < MIN_GAP_M {
             continue;
         }
-        if best.as_ref().is_none_or(|(most_m, _)| gap_m > *most_m) {
+        if best.as_ref().is_none_or(|(max_m, _)| gap_m > *max_m) {
             best = Some((gap_m, candidate));
         }
         candidates += 1;

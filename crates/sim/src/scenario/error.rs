@@ -67,8 +67,8 @@ pub enum MapFault {
     UnknownCharacter { found: char },
     #[error("this row has {found} cells; expected {expected} as in the first row")]
     Ragged { found: usize, expected: usize },
-    #[error("the map has more than {most} cells along a side; expected at most {most}")]
-    TooLarge { most: u16 },
+    #[error("the map has more than {max} cells along a side; expected at most {max}")]
+    TooLarge { max: u16 },
     #[error("{message}")]
     Json { message: String },
     #[error("the map does not give its number of cells; expected `n`, or `size_m` as a whole number of cells")]
@@ -80,13 +80,13 @@ pub enum MapFault {
     #[error("a point of the polygons has coordinates that are not degrees, and the file names no other system")]
     Coordinate,
     #[error(
-        "the polygons extend over {} x {} m, more than {most} cells of {cell_m} m along a side; larger cells are \
+        "the polygons extend over {} x {} m, more than {max} cells of {cell_m} m along a side; larger cells are \
          expected, by `field.cell_m` (coordinates within 180 and 90 are degrees unless a `crs` names another system)",
         .size[0].round(), .size[1].round()
     )]
-    TooWide { size: [f64; 2], cell_m: f64, most: u16 },
-    #[error("the outlines of the polygons cross the rows of cells {found} times; at most {most} are expected")]
-    TooFine { found: usize, most: usize },
+    TooWide { size: [f64; 2], cell_m: f64, max: u16 },
+    #[error("the outlines of the polygons cross the rows of cells {found} times; at most {max} are expected")]
+    TooFine { found: usize, max: usize },
 }
 
 /// A span of a file, or of an option of the command line.

@@ -195,8 +195,8 @@ impl Field {
             return table.refuse("size_m", number_text(self.size_m), expected);
         }
         table.number("coverage", self.coverage, 0.0..=MAX_COVERAGE)?;
-        let most = (MAX_COVERAGE * self.frame().cell_count() as f64 / 4.0) as usize;
-        table.count("pieces", self.pieces.unwrap_or(0) as usize, most)?;
+        let max = (MAX_COVERAGE * self.frame().cell_count() as f64 / 4.0) as usize;
+        table.count("pieces", self.pieces.unwrap_or(0) as usize, max)?;
         let is_repeated = (1..self.shapes.len()).any(|n| self.shapes[..n].contains(&self.shapes[n]));
         if self.shapes.is_empty() || is_repeated {
             let expected = "a list of different shapes, at least one".into();

@@ -54,18 +54,18 @@ pub(super) fn is_geojson(text: &str) -> bool {
 /// A field with its bushes, and the number of objects that were passed over.
 type ReadField = (FieldFrame, Grid<bool>, usize);
 
-/// Reads the polygons of a GeoJSON text on cells of this side, at most `most` of them a side of the field; objects of other
+/// Reads the polygons of a GeoJSON text on cells of this side, at most `max` of them a side of the field; objects of other
 /// types are passed over, and counted.
 ///
 /// # Errors
 /// Fails if the text is not GeoJSON, as the JSON reader says, or as [`Shapes::field`] does.
-pub(super) fn parse(text: &str, cell_m: f64, most: u16) -> Result<Result<ReadField, MapFault>, serde_json::Error> {
+pub(super) fn parse(text: &str, cell_m: f64, max: u16) -> Result<Result<ReadField, MapFault>, serde_json::Error> {
     let mut shapes = Shapes::default();
     let mut json = serde_json::Deserializer::from_str(text);
     Member(&mut shapes).deserialize(&mut json)?;
     json.end()?;
     let left_out = shapes.left_out;
-    Ok(shapes.field(cell_m, most).map(|(frame, occupied)| (frame, occupied, left_out)))
+    Ok(shapes.field(cell_m, max).map(|(frame, occupied)| (frame, occupied, left_out)))
 }
 
 /// Reads the lines of a GeoJSON text, in metres of the landscape's files or, without any, of the field, and marks by 1 the
@@ -105,7 +105,7 @@ impl Shapes {
     ///
     /// # Errors
     /// Fails if there is no polygon, if the field would have too many cells, or if the outlines are too fine for them.
-    fn field(mut self, cell_m: f64, most: u16) -> Result<(FieldFrame, Grid<bool>), MapFault> {
+    fn field(mut self, cell_m: f64, max: u16) -> Result<(FieldFrame, Grid<bool>), MapFault> {
         if self.points.is_empty() {
             return Err(MapFault::NoPolygon);
         }
@@ -115,8 +115,8 @@ impl Shapes {
         self.project()?;
         let (low, high) = self.bounds();
         let size = ((high - low) / cell_m).ceil().max(DVec2::ONE);
-        if size.max_element() > f64::from(most) {
-            return Err(MapFault::TooWide { size: [high.x - low.x, high.y - low.y], cell_m, most });
+        if size.max_element() > f64::from(max) {
+            return Err(MapFault::TooWide { size: [high.x - low.x, high.y - low.y], cell_m, max });
         }
         let frame = FieldFrame { cols: size.x as u16, rows: size.y as u16, cell_m };
         let mut occupied = Grid::filled(frame.rows.into(), frame.cols.into(), false);
@@ -180,7 +180,7 @@ impl Shapes {
         };
         let all: usize = self.edges(0..self.ring_ends.len()).map(|(a, b)| crossed(a, b).len()).sum();
         if all > MAX_CROSSINGS {
-            return Err(MapFault::TooFine { found: all, most: MAX_CROSSINGS });
+            return Err(MapFault::TooFine { found: all, max: MAX_CROSSINGS });
         }
         let mut first_ring = 0;
         for &end_ring in &self.polygon_ends {
@@ -479,10 +479,10 @@ impl<'de> Visitor<'de> for Nest<'_> {
 mod tests {
     use super::*;
 
-    const MOST: u16 = 4096;
+    const MAX: u16 = 4096;
 
     fn rows(text: &str, cell_m: f64) -> Vec<String> {
-        let (_, occupied, _) = parse(text, cell_m, MOST).expect("GeoJSON").expect("a field");
+        let (_, occupied, _) = parse(text, cell_m, MAX).expect("GeoJSON").expect("a field");
         let row = |row: usize| occupied.row(row).iter().map(|&cell| if cell { '#' } else { '.' }).collect();
         (0..occupied.rows()).rev().map(row).collect()
     }
@@ -510,7 +510,7 @@ mod tests {
             {"type": "MultiPolygon", "coordinates": [[[[0,0],[20,0],[20,10],[0,10]]], [[[10,0],[30,0],[30,10],[10,10]]]]},
             {"type": "MultiPolygon", "coordinates": []}]}"#;
         assert_eq!(rows(&metres(several), 10.0), ["###"]);
-        let (_, _, left_out) = parse(&metres(several), 10.0, MOST).expect("GeoJSON").expect("a field");
+        let (_, _, left_out) = parse(&metres(several), 10.0, MAX).expect("GeoJSON").expect("a field");
         assert_eq!(left_out, 2);
     }
 
@@ -519,7 +519,7 @@ mod tests {
         // 0.001 degrees of latitude are 111.195 m, of longitude at 60 degrees half as much.
         let text = r#"{"type": "FeatureCollection", "features": [{"type": "Feature", "geometry": null}, {"type": "Feature",
             "geometry": {"type": "Polygon", "coordinates": [[[10,59.9995],[10.001,59.9995],[10.001,60.0005],[10,60.0005]]]}}]}"#;
-        let (frame, occupied, left_out) = parse(text, 10.0, MOST).expect("GeoJSON").expect("a field");
+        let (frame, occupied, left_out) = parse(text, 10.0, MAX).expect("GeoJSON").expect("a field");
         assert_eq!(left_out, 0, "a feature without geometry is nothing");
         assert_eq!((frame.cols, frame.rows), (6, 12));
         assert_eq!(occupied.values().iter().filter(|&&cell| cell).count(), 6 * 11);
@@ -578,18 +578,18 @@ mod tests {
     fn lines_cost_at_most_a_bounded_number_of_cells() {
         let there_and_back = "[5,-1e9],[5,1e9],".repeat(1_100);
         let text = format!(r#"{{"type": "LineString", "coordinates": [{there_and_back}[0,0]]}}"#);
-        let frame = FieldFrame { cols: 1, rows: MOST, cell_m: 10.0 };
+        let frame = FieldFrame { cols: 1, rows: MAX, cell_m: 10.0 };
         let refused = road_cells(&text, &frame, None).expect("GeoJSON");
         assert!(refused.expect_err("it is too long").contains("cross more than 16777216 cells"));
     }
 
     #[test]
     fn what_is_no_field_is_refused() {
-        let fault = |text: &str| parse(text, 1.0, MOST).expect("GeoJSON").expect_err("no field");
+        let fault = |text: &str| parse(text, 1.0, MAX).expect("GeoJSON").expect_err("no field");
         assert_eq!(fault(r#"{"type": "Point", "coordinates": [1, 2]}"#), MapFault::NoPolygon);
         assert_eq!(fault(r#"{"type": "FeatureCollection", "features": []}"#), MapFault::NoPolygon);
         let wide = r#"{"type": "Polygon", "coordinates": [[[0,0],[9000,0],[0,10]]]}"#;
-        assert!(matches!(fault(wide), MapFault::TooWide { most: 4096, .. }));
+        assert!(matches!(fault(wide), MapFault::TooWide { max: 4096, .. }));
         for wrong in [
             r#"{"type": "Polygon", "coordinates": [[1, 2], [3, 4]]}"#,
             r#"{"type": "Polygon", "coordinates": [[[1], [3, 4]]]}"#,
@@ -598,7 +598,7 @@ mod tests {
             r#"{"type": "Polygon", "coordinates": "here"}"#,
             r#"{"type": "Polygon", "coordinates": []} 1"#,
         ] {
-            assert!(parse(wrong, 1.0, MOST).is_err(), "{wrong}");
+            assert!(parse(wrong, 1.0, MAX).is_err(), "{wrong}");
         }
         assert!(!is_geojson(r#"{"n": 3, "cells_cr": []}"#) && !is_geojson(r#"{"type": "map"}"#));
     }
@@ -607,7 +607,7 @@ mod tests {
     fn coordinates_are_metres_on_the_ground_in_whatever_system_the_file_names() {
         let size = |crs: &str, points: &str| {
             let text = format!(r#"{{"type": "Polygon", "crs": {crs}, "coordinates": [{points}]}}"#);
-            let field = parse(&text, 1.0, MOST).expect("GeoJSON")?;
+            let field = parse(&text, 1.0, MAX).expect("GeoJSON")?;
             Ok::<_, MapFault>((field.0.cols, field.0.rows))
         };
         let named = |name: &str| format!(r#"{{"type": "name", "properties": {{"name": "{name}"}}}}"#);

@@ -53,7 +53,7 @@ pub struct MapError {
     pub span: Range<usize>,
 }
 
-const TOO_LARGE: MapFault = MapFault::TooLarge { most: MAX_CELLS_A_SIDE };
+const TOO_LARGE: MapFault = MapFault::TooLarge { max: MAX_CELLS_A_SIDE };
 
 impl MapFault {
     fn at(self, span: Range<usize>) -> MapError {

@@ -111,20 +111,20 @@ fn describe_relief(landscape: &Landscape) -> String {
             return format!("The ground is a plane that rises by {slope} degrees toward {toward} deg.");
         }
         Relief::Elevation(heights) => {
-            let (least, most) =
+            let (min, max) =
                 heights.iter().fold((f32::MAX, f32::MIN), |(l, m), &height| (l.min(height), m.max(height)));
-            format!("Elevations from {} to {} m; slopes", tenths(least.into()), tenths(most.into()))
+            format!("Elevations from {} to {} m; slopes", tenths(min.into()), tenths(max.into()))
         }
         Relief::Gradient(_) => "Slopes".into(),
     };
     let count = landscape.fuel.len();
-    let (mut most, mut sum) = (0.0_f64, 0.0);
+    let (mut max, mut sum) = (0.0_f64, 0.0);
     for index in 0..count {
         let slope = slope_deg(landscape, index);
-        most = most.max(slope);
+        max = max.max(slope);
         sum += slope;
     }
-    format!("{heights} up to {} degrees, {} on average.", tenths(most), tenths(sum / count as f64))
+    format!("{heights} up to {} degrees, {} on average.", tenths(max), tenths(sum / count as f64))
 }
 
 /// Describes the weather of a scenario, wind in both conventions.

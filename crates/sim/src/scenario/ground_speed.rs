@@ -13,7 +13,7 @@ use wildfire_fire::fuel::FuelModel;
 const OTHER: &str = "other";
 
 /// The least share of its speed that a truck keeps.
-const LEAST_SHARE: f64 = 0.01;
+const MIN_SHARE: f64 = 0.01;
 
 /// Shares of a truck's speed by the code of a fuel, or for all other ground.
 pub type SpeedByGround = BTreeMap<String, f64>;
@@ -24,7 +24,7 @@ pub(super) fn check(table: &TablePath, shares: &SpeedByGround) -> Check {
         if name != OTHER && FuelModel::by_name(name).is_none() {
             return table.refuse(name, name.clone(), format!("the code of a fuel such as `NB9`, or `{OTHER}`"));
         }
-        table.number(name, share, LEAST_SHARE..=1.0)
+        table.number(name, share, MIN_SHARE..=1.0)
     })
 }
 

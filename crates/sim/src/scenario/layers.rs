@@ -550,7 +550,7 @@ impl LayerKind {
     fn contradiction(self, bands: &[Band]) -> Option<String> {
         /// How far means may differ, as a share, and how steep ground must be on average.
         const TOLERANCE: f64 = 0.15;
-        const LEAST_DEG: f64 = 1.0;
+        const MIN_DEG: f64 = 1.0;
         if !matches!(self, Self::Elevation | Self::Slope | Self::Aspect) {
             return None;
         }
@@ -589,7 +589,7 @@ impl LayerKind {
                 slope.add(found.into(), rise);
             }
             if let Some(found) = aspects.as_ref().map(|(_, it)| it.value(row, col))
-                && expected > LEAST_DEG
+                && expected > MIN_DEG
                 && (0.0..=360.0).contains(&found)
             {
                 let apart = |angle: f64| ((f64::from(found) - angle + 540.0).rem_euclid(360.0) - 180.0).abs();
@@ -599,7 +599,7 @@ impl LayerKind {
             }
         }
         let of_slopes = slopes.map_or(0, |(number, _)| number);
-        if slope.expected[0] > LEAST_DEG * slope.count && slope.errors[0] > TOLERANCE * slope.expected[0] {
+        if slope.expected[0] > MIN_DEG * slope.count && slope.errors[0] > TOLERANCE * slope.expected[0] {
             let fits = |way: usize| slope.errors[way] < TOLERANCE * slope.expected[way];
             if fits(1) {
                 return Some(format!(

@@ -26,7 +26,7 @@ pub struct Learned {
 }
 
 /// The greatest weight, and the least with a minus sign.
-const MOST: f64 = 1e6;
+const MAX: f64 = 1e6;
 
 impl Learned {
     /// The inputs for a bush and a recent ignition.
@@ -51,8 +51,8 @@ impl Learned {
             if !weights.is_empty() && weights.len() != size {
                 return table.refuse(key, format!("a list of {}", weights.len()), format!("{size} weights"));
             }
-            if let Some(weight) = weights.iter().find(|weight| !weight.is_finite() || weight.abs() > MOST) {
-                return table.refuse(key, weight.to_string(), format!("weights from -{MOST:e} to {MOST:e}"));
+            if let Some(weight) = weights.iter().find(|weight| !weight.is_finite() || weight.abs() > MAX) {
+                return table.refuse(key, weight.to_string(), format!("weights from -{MAX:e} to {MAX:e}"));
             }
         }
         Ok(())

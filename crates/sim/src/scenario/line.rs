@@ -105,7 +105,7 @@ impl Crew {
     }
 
     /// Returns the greatest of these rates.
-    pub fn most_mps(&self) -> f64 {
+    pub fn max_mps(&self) -> f64 {
         f64::from(self.count) * self.rate_by_fuel.values().copied().fold(self.rate_m_h, f64::max) / 3600.0
     }
 }
@@ -154,7 +154,7 @@ impl Scenario {
             at_ns: SimTime::from_seconds(crew.at_s).as_nanos(),
             start_m: [crew.x_m, crew.y_m],
             walking_mps: crew.speed_mps,
-            rate_mps: crew.most_mps(),
+            rate_mps: crew.max_mps(),
         });
         let can_be_lost = self.line.as_ref().is_some_and(|line| line.holds == LineHolds::Flame);
         (!self.crew.is_empty()).then(|| LineRules { crews: crews.collect(), can_be_lost })

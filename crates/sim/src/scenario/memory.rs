@@ -318,14 +318,14 @@ mod tests {
     fn built_in_scenarios_stay_far_below_the_limit() {
         for (name, _) in BUILT_IN {
             let estimate = estimate(name, &[]);
-            let most = match *name {
+            let max = match *name {
                 // Four trucks on 40,000 cells of ground; twenty trucks on 160,000.
                 "landscape" | "brigade" => 120_000_000,
                 // Four million cells.
                 "county" => 600_000_000,
                 _ => 60_000_000,
             };
-            assert!(estimate.needed() < most, "{name}: {estimate:?}");
+            assert!(estimate.needed() < max, "{name}: {estimate:?}");
             assert!(estimate.meter(MemoryLimit::default()).is_ok(), "{name}");
         }
     }

@@ -134,7 +134,7 @@ pub fn schema() -> schemars::Schema {
              others at random places, the same in every run."),
             "type": "integer",
             "minimum": 0,
-            "maximum": copies::MOST_COPIES,
+            "maximum": copies::MAX_COPIES,
             "default": 1,
         });
         let properties = schema.pointer_mut(&format!("/$defs/{kind}/properties"));

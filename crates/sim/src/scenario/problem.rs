@@ -29,8 +29,8 @@ use wildfire_planning::{Goal, GoalDisc};
 pub const MAX_GOALS: usize = 10_000;
 
 /// The most goals, and numbers of one place, that are kept of a file before it is refused for having too many.
-const MOST_GOAL_MEMBERS: usize = 10 * MAX_GOALS;
-const MOST_NUMBERS: usize = 100;
+const MAX_GOAL_MEMBERS: usize = 10 * MAX_GOALS;
+const MAX_NUMBERS: usize = 100;
 
 /// The largest coordinates, radii and angles that are read.
 const LARGEST: f64 = 1e6;
@@ -88,9 +88,9 @@ impl Problem {
 struct Members {
     field: Option<Name>,
     vehicle: Option<VehicleMembers>,
-    #[serde(deserialize_with = "list_of_at_most::<MOST_NUMBERS, _, _>")]
+    #[serde(deserialize_with = "list_of_at_most::<MAX_NUMBERS, _, _>")]
     start: Vec<Option<f64>>,
-    #[serde(default, deserialize_with = "list_of_at_most::<MOST_GOAL_MEMBERS, _, _>")]
+    #[serde(default, deserialize_with = "list_of_at_most::<MAX_GOAL_MEMBERS, _, _>")]
     goals: Vec<GoalMembers>,
 }
 
@@ -142,7 +142,7 @@ struct GoalMembers {
 
 #[derive(Deserialize)]
 #[serde(transparent)]
-struct Numbers(#[serde(deserialize_with = "list_of_at_most::<MOST_NUMBERS, _, _>")] Vec<Option<f64>>);
+struct Numbers(#[serde(deserialize_with = "list_of_at_most::<MAX_NUMBERS, _, _>")] Vec<Option<f64>>);
 
 type ReadResult<T> = Result<T, Box<ScenarioError>>;
 

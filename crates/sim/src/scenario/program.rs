@@ -18,7 +18,7 @@ use super::Scenario;
 use super::check::{Check, TablePath};
 use super::path::PathStep;
 #[cfg(unix)]
-use crate::programs::protocol::MOST_BYTES;
+use crate::programs::protocol::MAX_BYTES;
 use wildfire_base::input_file::{self, list_of_at_most};
 use wildfire_base::or_none;
 use wildfire_base::ranges;
@@ -40,10 +40,10 @@ const START_INSTRUCTIONS: u64 = 10_000_000_000;
 
 /// The largest memory of a module.
 #[cfg(unix)]
-const MOST_MODULE_MB: u32 = 256;
+const MAX_MODULE_MB: u32 = 256;
 
 /// The largest file of a module, bytes.
-const MOST_MODULE_BYTES: u64 = 64_000_000;
+const MAX_MODULE_BYTES: u64 = 64_000_000;
 
 /// The most words of a command, and files of a table.
 const MAX_WORDS: usize = 1000;
@@ -166,12 +166,12 @@ impl Program {
     /// Returns what a module may take.
     #[cfg(unix)]
     pub fn module_limits(&self) -> Limits {
-        Limits { memory: self.memory_limit_mb.min(MOST_MODULE_MB) as usize * 1_000_000, answer: MOST_BYTES }
+        Limits { memory: self.memory_limit_mb.min(MAX_MODULE_MB) as usize * 1_000_000, answer: MAX_BYTES }
     }
 
     /// Reads the file of a module.
     pub fn read_module(&self, file: &Path) -> io::Result<Vec<u8>> {
-        input_file::read(&self.works_in.join(file), MOST_MODULE_BYTES)
+        input_file::read(&self.works_in.join(file), MAX_MODULE_BYTES)
     }
 
     /// Fills in where it works, given the scenario's folder, and the hashes of the files that belong to it.

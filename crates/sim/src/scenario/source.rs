@@ -136,9 +136,9 @@ pub fn can_be_read_again(source: &str) -> bool {
     BUILT_IN.iter().any(|(name, _)| *name == source) || fs::metadata(source).is_ok_and(|found| found.is_file())
 }
 
-/// Reads the text of a file; a file of more bytes than `most` is refused.
-pub(super) fn read_text(path: &Path, most: u64) -> Result<String, Fault> {
-    input_file::read_text(path, most).map_err(|error| unreadable(path, &error))
+/// Reads the text of a file; a file of more bytes than `max` is refused.
+pub(super) fn read_text(path: &Path, max: u64) -> Result<String, Fault> {
+    input_file::read_text(path, max).map_err(|error| unreadable(path, &error))
 }
 
 /// Words why something at a path cannot be read.

@@ -152,10 +152,10 @@ impl Unimog {
             Some(kind) => Some(kind.maker().charge(&self.planner_settings())),
             None => programs.get(&self.planner).map(Program::charge),
         };
-        let least = self.seconds_per_expansion;
-        own.map_or(Charge { roadmap_s: least, local_s: least }, |Charge { roadmap_s, local_s }| Charge {
-            roadmap_s: roadmap_s.max(least),
-            local_s: local_s.max(least),
+        let min = self.seconds_per_expansion;
+        own.map_or(Charge { roadmap_s: min, local_s: min }, |Charge { roadmap_s, local_s }| Charge {
+            roadmap_s: roadmap_s.max(min),
+            local_s: local_s.max(min),
         })
     }
 

@@ -130,10 +130,10 @@ impl Water {
         let tank =
             format!("A full tank is enough for {} stops; an empty one is filled in {fill_s} s.", self.full_tank());
         let Some(energy) = self.energy() else { return tank };
-        let most_kw_m = energy.most_kw_m();
+        let max_kw_m = energy.max_kw_m();
         let tank = tank.replace("stops", "portions");
         format!(
-            "{tank} Stops take as many as the heat of the fire demands; fronts above {most_kw_m:.0} kW/m are too hot."
+            "{tank} Stops take as many as the heat of the fire demands; fronts above {max_kw_m:.0} kW/m are too hot."
         )
     }
 

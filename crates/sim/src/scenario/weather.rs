@@ -23,7 +23,7 @@ use wildfire_fire::surface::FuelMoisture;
 use wildfire_fire::{Weather, WeatherInterval};
 
 /// The driest that dead fuel gets by chance.
-const LEAST_MOISTURE: f64 = 0.01;
+const MIN_MOISTURE: f64 = 0.01;
 
 /// Moisture in the course of a run, and how uncertain the weather is.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -162,7 +162,7 @@ pub fn weather(scenario: &Scenario, seed: u64) -> Weather {
         for (_, moisture) in &mut moistures {
             for dead in [&mut moisture.d1, &mut moisture.d10, &mut moisture.d100] {
                 if settings.moisture_sd > 0.0 {
-                    *dead = (*dead + settings.moisture_sd * moister).max(LEAST_MOISTURE);
+                    *dead = (*dead + settings.moisture_sd * moister).max(MIN_MOISTURE);
                 }
             }
         }

@@ -205,12 +205,12 @@ impl<'a> CsvTable<'a> {
         }
     }
 
-    pub fn number(&self, row: &CsvRow<'_>, column: usize, least: f64, most: f64) -> Result<f64, String> {
-        let number = row.cell(column).parse::<f64>().ok().filter(|number| (least..=most).contains(number));
+    pub fn number(&self, row: &CsvRow<'_>, column: usize, min: f64, max: f64) -> Result<f64, String> {
+        let number = row.cell(column).parse::<f64>().ok().filter(|number| (min..=max).contains(number));
         // The sign of a zero says nothing.
         number
             .map(|number| number + 0.0)
-            .ok_or_else(|| self.wrong(row, column, &format!("a number from {least} to {most}")))
+            .ok_or_else(|| self.wrong(row, column, &format!("a number from {min} to {max}")))
     }
 
     pub fn wrong(&self, row: &CsvRow<'_>, column: usize, expected: &str) -> String {

@@ -459,13 +459,13 @@ fn warn_of_idle_wumpuses(wumpuses: &[Wumpus], terrain: &Terrain, found: &mut Vec
             bushes.len() as f64 * across * across <= MAX_LOOKS
         };
         let farther = iter::successors(Some(terrain.frame.cell_m), |metres| Some(2.0 * metres));
-        let least_m = farther.take_while(is_quick).find_map(nearest);
+        let min_m = farther.take_while(is_quick).find_map(nearest);
         found.push(format!(
             "On the field of seed {SHOWN_SEED} Wumpus {number} can light none of the {} bushes: no bush's centre is \
              within `reach_m`, {} m, of a place that it can reach{}.",
             bushes.len(),
             wumpus.reach_m,
-            least_m.map_or(String::new(), |least_m| format!("; the nearest is {least_m:.3} m away"))
+            min_m.map_or(String::new(), |min_m| format!("; the nearest is {min_m:.3} m away"))
         ));
     }
 }

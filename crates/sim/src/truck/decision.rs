@@ -25,7 +25,7 @@ use wildfire_planning::{Effort, FoundBy};
 use wildfire_timeline::{AgentFact, RestReason};
 
 /// Of its options a truck that goes to the nearest by drive looks at this number of the nearest in a straight line.
-const MOST_GOALS: usize = 6;
+const MAX_GOALS: usize = 6;
 
 /// A decision in progress.
 #[derive(Clone, Debug)]
@@ -279,7 +279,7 @@ impl Fleet<'_, '_> {
         let mut nearest = options.to_vec();
         nearest.sort_by(|a, b| squared_m(a).total_cmp(&squared_m(b)));
         let first = *nearest.first()?;
-        nearest.truncate(MOST_GOALS);
+        nearest.truncate(MAX_GOALS);
         nearest.retain(|cell| !truck.failed_goals.contains(cell));
         if nearest.len() > 1 && truck.reach_m.is_finite() {
             let mut begun = truck.deliberation.take()?;

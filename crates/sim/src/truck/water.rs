@@ -36,7 +36,7 @@ impl Fleet<'_, '_> {
         match self.trucks.one(entity).0.stops_left {
             Some(0) => true,
             Some(left) if self.needs.is_some() => {
-                self.least_portions(entity, fires).is_some_and(|least| least > left && self.is_in_tank(entity, least))
+                self.min_portions(entity, fires).is_some_and(|min| min > left && self.is_in_tank(entity, min))
             }
             _ => false,
         }
@@ -44,10 +44,10 @@ impl Fleet<'_, '_> {
 
     /// Returns true if not even a full tank suffices for any of the fires that a truck may go for.
     pub fn is_too_hot(&self, entity: Entity, fires: &FireField) -> bool {
-        self.needs.is_some() && self.least_portions(entity, fires).is_some_and(|least| !self.is_in_tank(entity, least))
+        self.needs.is_some() && self.min_portions(entity, fires).is_some_and(|min| !self.is_in_tank(entity, min))
     }
 
-    fn least_portions(&self, entity: Entity, fires: &FireField) -> Option<u32> {
+    fn min_portions(&self, entity: Entity, fires: &FireField) -> Option<u32> {
         self.unclaimed(&[entity], fires).into_iter().map(|cell| self.portions(cell)).min()
     }
 

@@ -32,7 +32,7 @@ mod motion {
 /// Writes a run as arrays: the field, sampled poses, changes of cells, legs. `docs/output-files.md` lists them.
 ///
 /// # Errors
-/// More than [`MOST_SAMPLES`](super::MOST_SAMPLES), and those of the disk.
+/// More than [`MAX_SAMPLES`](super::MAX_SAMPLES), and those of the disk.
 pub fn write_npz(timeline: &Timeline, sampling: &Sampling, to: impl Write) -> Result<(), ExportError> {
     sampling.check_count()?;
     let index = RunIndex::new(timeline);

@@ -25,7 +25,7 @@ use super::AgentId;
 pub use arrays::write_npz;
 pub use changes::{CellChange, cell_changes};
 pub use object::{schema, write_json};
-pub use sampling::{FINEST_STEP_S, MOST_SAMPLES, Sampling};
+pub use sampling::{FINEST_STEP_S, MAX_SAMPLES, Sampling};
 pub use tables::{event_words, ground_event_words, write_events, write_trace};
 
 /// The reason why a run was not written.
@@ -35,7 +35,7 @@ pub enum ExportError {
     Step { found: f64 },
     #[error("there is no {found} in this run, only {known}")]
     NoSuchAgent { found: AgentId, known: String },
-    #[error("{found} samples of agents; expected at most {MOST_SAMPLES}: choose a longer step, or fewer agents")]
+    #[error("{found} samples of agents; expected at most {MAX_SAMPLES}: choose a longer step, or fewer agents")]
     TooManySamples { found: u64 },
     #[error("the field has {found} cells; expected at most {limit} for this formatat")]
     FieldTooLarge { found: usize, limit: usize },

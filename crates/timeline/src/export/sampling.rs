@@ -8,7 +8,7 @@ use wildfire_base::time::SimTime;
 pub const FINEST_STEP_S: f64 = 1e-3;
 
 /// The maximum number of samples, of all agents together, that are kept in memory or in one file.
-pub const MOST_SAMPLES: u64 = 5_000_000;
+pub const MAX_SAMPLES: u64 = 5_000_000;
 
 /// Samples at 0, at multiples of a step, and at the end of the run, of all or some agents.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,12 +38,12 @@ impl Sampling {
         Ok(Self { step_s, end: timeline.end_time(), agents })
     }
 
-    /// Refuses more than [`MOST_SAMPLES`].
+    /// Refuses more than [`MAX_SAMPLES`].
     pub fn check_count(&self) -> Result<(), ExportError> {
         let moments = (self.end.as_seconds() / self.step_s).ceil() as u64;
         let moments = moments.saturating_add(1);
         let found = moments.saturating_mul(self.agents.len().max(1) as u64);
-        if found <= MOST_SAMPLES { Ok(()) } else { Err(ExportError::TooManySamples { found }) }
+        if found <= MAX_SAMPLES { Ok(()) } else { Err(ExportError::TooManySamples { found }) }
     }
 
     /// Iterates over multiples of the step, each rounded to the nanosecond, and the end of the run.
@@ -107,6 +107,6 @@ mod tests {
         assert!(sampling(0.1).check_count().is_ok());
         let agents = timeline.setting.agents.len() as u64;
         let moments = (timeline.end_time().as_seconds() / FINEST_STEP_S).ceil() as u64 + 1;
-        assert_eq!(sampling(FINEST_STEP_S).check_count().is_ok(), moments * agents <= MOST_SAMPLES);
+        assert_eq!(sampling(FINEST_STEP_S).check_count().is_ok(), moments * agents <= MAX_SAMPLES);
     }
 }

@@ -621,7 +621,7 @@ mod tests {
         let Some(SpreadSetting::Rothermel { landscape, rules, .. }) = &mut timeline.setting.spread else {
             panic!("the sample burns by Rothermel's equations")
         };
-        let layer = |least: u16| (0..landscape.fuel.len()).map(|index| least + (index % 7) as u16).collect();
+        let layer = |min: u16| (0..landscape.fuel.len()).map(|index| min + (index % 7) as u16).collect();
         let canopy = Some(CanopyLayers([150, 20, 9, 50].map(layer)));
         *landscape = Arc::new(Landscape { canopy, ..Landscape::clone(landscape) });
         rules.crowns = Some(CrownRules { method: CrownMethod::Rothermel, foliar_moisture: 0.9 });

@@ -12,7 +12,7 @@ const NANOS_PER_SECOND: f64 = 1e9;
 
 /// Between two kept states there are at least this many changes, and as many as there are bushes, so that all of them
 /// together are not larger than the changes.
-const LEAST_STRIDE: usize = 256;
+const MIN_STRIDE: usize = 256;
 
 /// The bushes by state, and the number of changes of each kind so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -94,7 +94,7 @@ impl BushHistory {
             changes: Vec::new(),
             by_bush: Vec::new(),
             counts: vec![(SimTime::ZERO, counts)],
-            stride: bushes.max(LEAST_STRIDE),
+            stride: bushes.max(MIN_STRIDE),
             kept: vec![vec![BushState::Intact; bushes]],
         }
     }

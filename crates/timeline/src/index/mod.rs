@@ -249,7 +249,7 @@ impl<'a> Reader<'a> {
             wumpus_stuck_s: stuck_s(false),
             ended_s: end.as_seconds(),
             agents: outcomes,
-            least_burned: clairvoyant::least_loss(self.timeline),
+            least_burned: clairvoyant::min_loss(self.timeline),
             ground: self.ground.map(|ground| ground.outcome(self.timeline)),
             ..outcome
         };

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::cli::args::{parse_jobs, parse_seed};
-use crate::cli::fire::options::{MOST_SECONDS, SlopeArguments, azimuth, choice};
+use crate::cli::fire::options::{MAX_SECONDS, SlopeArguments, azimuth, choice};
 use crate::cli::numbers;
 use wildfire_base::geometry::ops;
 use wildfire_base::time::SimTime;
@@ -82,7 +82,7 @@ fn runs(text: &str) -> Result<u32, String> {
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
-    numbers::parse_time_within(text, &(0.001..=MOST_SECONDS))
+    numbers::parse_time_within(text, &(0.001..=MAX_SECONDS))
 }
 
 impl AutomatonArguments {

@@ -17,7 +17,7 @@ use automaton_arguments::AutomatonArguments;
 use canopy::CanopyArguments;
 use perimeters::PerimeterArguments;
 
-use super::options::{ChoiceArguments, MOST_SECONDS, SlopeArguments, WindStep, WindSteps, cell, moisture, wind_steps};
+use super::options::{ChoiceArguments, MAX_SECONDS, SlopeArguments, WindStep, WindSteps, cell, moisture, wind_steps};
 use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::cli::report::FormArguments;
@@ -31,7 +31,7 @@ use wildfire_sim::scenario::MemoryLimit;
 /// The ranges of sides of a field in cells, of sides of cells in metres, and of times in seconds.
 const SIDES: RangeInclusive<u16> = 1..=4000;
 const CELLS_M: RangeInclusive<f64> = 0.01..=10_000.0;
-const TIMES_S: RangeInclusive<f64> = 0.0..=MOST_SECONDS;
+const TIMES_S: RangeInclusive<f64> = 0.0..=MAX_SECONDS;
 
 /// The sides of a field that neither a raster nor an option gives.
 const USUAL_SIDE: u16 = 201;

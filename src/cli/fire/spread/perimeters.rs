@@ -18,7 +18,7 @@ use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_grid::map_files::raster::GeoKeys;
 
 /// The most perimeters of a file.
-const MOST: f64 = 1000.0;
+const MAX: f64 = 1000.0;
 
 #[derive(Debug, Args)]
 pub struct PerimeterArguments {
@@ -36,8 +36,8 @@ pub struct PerimeterArguments {
 impl PerimeterArguments {
     /// Lists the times of the perimeters: after each interval, and at the end.
     pub fn times_s(&self, duration_s: f64) -> Result<Vec<f64>, CliError> {
-        if self.perimeters.is_some() && self.every * MOST < duration_s {
-            let expected = format!("expected at least {} s, a thousandth of the duration", duration_s / MOST);
+        if self.perimeters.is_some() && self.every * MAX < duration_s {
+            let expected = format!("expected at least {} s, a thousandth of the duration", duration_s / MAX);
             return Err(CliError::bad_input(format!("--every is {} s; {expected}", self.every), None));
         }
         let mut times: Vec<f64> =

@@ -121,8 +121,8 @@ impl<'a> Benchmark<'a> {
     /// Makes every problem once, so that one that cannot be made is known before hours of work, and counts the queries.
     fn check_size(&self) -> Result<(), CliError> {
         let asked = self.planners.iter().map(Vec::len).sum::<usize>() as u64;
-        let least = self.arguments.problems.problems().least_goals() as u64;
-        let mut queries = asked.saturating_mul(self.plan.seeds.count()).saturating_mul(least);
+        let min = self.arguments.problems.problems().min_goals() as u64;
+        let mut queries = asked.saturating_mul(self.plan.seeds.count()).saturating_mul(min);
         if queries <= MAX_QUERIES {
             queries = 0;
             for number in 1..=self.plan.count() {

@@ -1,8 +1,7 @@
 //! The charts of a benchmark: a box of every planner's numbers, and medians over each number that is swept.
 
 use wildfire_batch::{
-    ChartData, DriveTable, FacetSeries, MEASURES, MOST_PANELS, Measure, PlannerSummary, Value, file_name_of,
-    word_facets,
+    ChartData, DriveTable, FacetSeries, MAX_PANELS, MEASURES, Measure, PlannerSummary, Value, file_name_of, word_facets,
 };
 use wildfire_picture::charts::{
     BoxChart, BoxPanel, BoxSeries, Curve, CurveChart, CurvePanel, Drawing, Estimate, Spread, Titles,
@@ -57,12 +56,12 @@ impl Charts {
 
     /// Says whether a chart has few enough panels; if not, notes in a sentence that it is not drawn.
     fn admits(&mut self, what: &str, panels: usize) -> bool {
-        if panels > MOST_PANELS {
+        if panels > MAX_PANELS {
             let sentence =
-                format!("No charts of {what}: they would need {panels} panels; at most {MOST_PANELS} are drawn.");
+                format!("No charts of {what}: they would need {panels} panels; at most {MAX_PANELS} are drawn.");
             self.refused.extend((!self.refused.contains(&sentence)).then_some(sentence));
         }
-        panels <= MOST_PANELS
+        panels <= MAX_PANELS
     }
 }
 

@@ -121,8 +121,8 @@ impl View {
     pub fn outer_arcs(&self, middle: &Middle, bound: f64) -> Option<OuterArcs> {
         let rest = self.turn - middle.turn;
         // Two arcs in the same sense turn by `rest` together; two in opposite senses differ by it.
-        let least = if middle.turns_on { full_turn(rest) } else { rest.abs().min(TAU - rest.abs()) };
-        if middle.length + least >= bound {
+        let min = if middle.turns_on { full_turn(rest) } else { rest.abs().min(TAU - rest.abs()) };
+        if middle.length + min >= bound {
             return None;
         }
         let heading = self.half.rotate(self.vector.rotate(middle.lean));
@@ -131,8 +131,8 @@ impl View {
             return None;
         }
         let first = full_turn(ops::atan2(heading.y, heading.x));
-        let (first, last) = if middle.turns_on { self.share(first, least) } else { (first, full_turn(first - rest)) };
-        let total = if middle.turns_on && first + last <= least + PI { least } else { first + last };
+        let (first, last) = if middle.turns_on { self.share(first, min) } else { (first, full_turn(first - rest)) };
+        let total = if middle.turns_on && first + last <= min + PI { min } else { first + last };
         Some(OuterArcs { first, last, total: middle.length + total })
     }
 
@@ -170,14 +170,14 @@ fn full_turn(angle: f64) -> f64 {
     if turn > TAU - SLACK { 0.0 } else { turn }
 }
 
-/// `value`, raised to `least` where it lies below by rounding only; nothing where it lies farther below.
+/// `value`, raised to `min` where it lies below by rounding only; nothing where it lies farther below.
 #[inline(always)]
-pub fn at_least(least: f64, value: f64) -> Option<f64> {
-    (value >= least - SLACK).then(|| value.max(least))
+pub fn at_least(min: f64, value: f64) -> Option<f64> {
+    (value >= min - SLACK).then(|| value.max(min))
 }
 
-/// `value`, lowered to `most` where it lies above by rounding only; nothing where it lies farther above.
+/// `value`, lowered to `max` where it lies above by rounding only; nothing where it lies farther above.
 #[inline(always)]
-pub fn at_most(most: f64, value: f64) -> Option<f64> {
-    (value <= most + SLACK).then(|| value.min(most))
+pub fn at_most(max: f64, value: f64) -> Option<f64> {
+    (value <= max + SLACK).then(|| value.min(max))
 }

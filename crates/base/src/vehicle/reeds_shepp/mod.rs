@@ -30,7 +30,7 @@ impl ReedsShepp {
 
     /// Length of the shortest curve, if that is less than `bound_m`.
     pub fn length_below(&self, from: Pose, to: Pose, bound_m: f64) -> Option<f64> {
-        if self.least_length_m(from, to) >= bound_m {
+        if self.min_length_m(from, to) >= bound_m {
             return None;
         }
         let solved = Pair::new(from, to, self.radius_m).shortest(bound_m / self.radius_m)?;
@@ -58,7 +58,7 @@ impl ReedsShepp {
 
     /// The curve of the lowest price, if that is less than `bound`.
     pub fn cheapest_below(&self, from: Pose, to: Pose, price: &CurvePrice, bound: f64) -> Option<PricedCurve> {
-        if price.least_factor() * self.least_length_m(from, to) >= bound {
+        if price.min_factor() * self.min_length_m(from, to) >= bound {
             return None;
         }
         let pair = Pair::new(from, to, self.radius_m);
@@ -76,7 +76,7 @@ impl ReedsShepp {
 
     /// The curve of [`Self::cheapest_word`], if its price is less than `bound`.
     pub fn cheapest_word_below(&self, from: Pose, to: Pose, price: &CurvePrice, bound: f64) -> Option<PricedCurve> {
-        if price.least_factor() * self.least_length_m(from, to) >= bound {
+        if price.min_factor() * self.min_length_m(from, to) >= bound {
             return None;
         }
         Pair::new(from, to, self.radius_m).cheapest(price, bound)
@@ -96,7 +96,7 @@ impl ReedsShepp {
     }
 
     /// A curve is no shorter than the straight line, and over a turning radius of it the heading changes by at most a radian.
-    fn least_length_m(&self, from: Pose, to: Pose) -> f64 {
+    fn min_length_m(&self, from: Pose, to: Pose) -> f64 {
         let straight = from.position().distance(to.position());
         straight.max(self.radius_m * ops::wrap_angle(to.heading - from.heading).abs())
     }

@@ -51,7 +51,7 @@ impl CurvePrice {
     }
 
     /// The least that any metre costs.
-    pub(super) fn least_factor(&self) -> f64 {
+    pub(super) fn min_factor(&self) -> f64 {
         self.reverse_factor.min(1.0)
     }
 }
@@ -128,19 +128,19 @@ impl Pair {
 
     /// The cheapest curve of the 48 words, if it is cheaper than `bound`.
     pub fn cheapest(&self, price: &CurvePrice, bound: f64) -> Option<PricedCurve> {
-        let least_per_radius = price.least_factor() * self.radius_m;
-        let shortest = self.shortest(bound / least_per_radius)?;
-        let least = least_per_radius * shortest.total();
+        let min_per_radius = price.min_factor() * self.radius_m;
+        let shortest = self.shortest(bound / min_per_radius)?;
+        let min = min_per_radius * shortest.total();
         let mut bound = bound;
         let mut best = self.cheaper_than(bound, &shortest, price);
         for word in Word::ALL {
             bound = best.map_or(bound, |curve| curve.price);
             let cusps = price.cusp_m * f64::from(word.cusps());
             // No word is shorter than the shortest, and from here on none has fewer cusps.
-            if least + cusps >= bound {
+            if min + cusps >= bound {
                 break;
             }
-            if let Some(solved) = self.solve(word, (bound - cusps) / least_per_radius) {
+            if let Some(solved) = self.solve(word, (bound - cusps) / min_per_radius) {
                 best = self.cheaper_than(bound, &solved, price).or(best);
             }
         }

@@ -8,10 +8,10 @@ use wildfire_base::untrusted::visible_start;
 use wildfire_picture::charts::{ForestChart, SCREEN_WIDTH, Titles};
 
 /// The most pairs that are all shown; of more, each entry with the next one.
-const MOST_PAIRS: usize = 15;
+const MAX_PAIRS: usize = 15;
 
 /// The most entries whose differences from the first are drawn.
-const MOST_DRAWN: usize = 60;
+const MAX_DRAWN: usize = 60;
 
 /// The most characters of a name in a table.
 const LONGEST_NAME: usize = 24;
@@ -123,7 +123,7 @@ fn forest(ranking: &Ranking) -> Block {
         x: format!("{metric} minus the first's ({unit})"),
         y: String::new(),
     };
-    let chart = ForestChart { titles, rows: rows.take(MOST_DRAWN).collect() };
+    let chart = ForestChart { titles, rows: rows.take(MAX_DRAWN).collect() };
     Block::Figure(Figure { svg: chart.draw(SCREEN_WIDTH).to_svg(), file: None, more_files: Vec::new() })
 }
 
@@ -170,7 +170,7 @@ fn audit_words(ranking: &Ranking) -> Vec<String> {
 }
 
 fn shows_all(ranking: &Ranking) -> bool {
-    ranking.pairs.len() <= MOST_PAIRS
+    ranking.pairs.len() <= MAX_PAIRS
 }
 
 /// Pairs of entries: all, or of many each with the next.
@@ -195,11 +195,11 @@ fn notes(ranking: &Ranking) -> Vec<String> {
         return Vec::new();
     }
     let apart = ranking.pairs.iter().filter(|pair| pair.is_told_apart());
-    let least = apart.clone().map(|pair| pair.p_adjusted).fold(0.0, f64::max);
+    let min = apart.clone().map(|pair| pair.p_adjusted).fold(0.0, f64::max);
     let mut lines = vec![format!("Only neighbours are shown; --json has all {} pairs", ranking.pairs.len())];
     let differing = apart.count();
     if differing > 0 {
-        lines.push(format!("{differing} pairs differ significantly, the least certain with {}", p_words(least)));
+        lines.push(format!("{differing} pairs differ significantly, the least certain with {}", p_words(min)));
     }
     lines
 }

@@ -22,7 +22,7 @@ use wildfire_sim::scenario::nearest_name;
 const COLUMNS_OF_ENTRIES: [&str; 3] = [ENTRY_COLUMN, "planner", "policy"];
 
 /// The most differences that a refusal names.
-const MOST_NAMED: usize = 5;
+const MAX_NAMED: usize = 5;
 
 /// The runs of an entry.
 #[derive(Debug)]
@@ -153,8 +153,8 @@ impl<'a> Entries<'a> {
             }
             differences.dedup();
             if !differences.is_empty() {
-                let more = differences.len().saturating_sub(MOST_NAMED);
-                differences.truncate(MOST_NAMED);
+                let more = differences.len().saturating_sub(MAX_NAMED);
+                differences.truncate(MAX_NAMED);
                 differences.extend((more > 0).then(|| format!("and {more} more")));
                 return Err(RankingError::OtherRules { names, differences: differences.join("; ") });
             }

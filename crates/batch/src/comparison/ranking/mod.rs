@@ -44,7 +44,7 @@ use groups::Significance;
 pub const USUAL_METRIC: &str = "saved";
 
 /// The most runs that are kept for their bad values.
-const MOST_WORST_RUNS: usize = 3;
+const MAX_WORST_RUNS: usize = 3;
 
 /// The requested order.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -243,7 +243,7 @@ fn worst_runs(entry: &EntryRuns<'_>, numbers: &[f64], better: Better) -> Vec<Wor
     let mut runs: Vec<_> = runs.map(|(run, &value)| WorstRun { seed: run.seed, value, row: run.index }).collect();
     // Runs of equal values stay in the order of their seeds.
     runs.sort_by(|one, other| better.best_first(other.value, one.value));
-    runs.truncate(MOST_WORST_RUNS);
+    runs.truncate(MAX_WORST_RUNS);
     runs
 }
 

@@ -16,8 +16,8 @@ use wildfire_sim::scenario::{Fault, FieldPath, PathStep};
 const ENTRY_TABLE: &str = "entry";
 
 /// The most bytes of a name, and of all other texts of a card.
-const MOST_NAME: usize = 40;
-const MOST_CARD_BYTES: usize = 4000;
+const MAX_NAME: usize = 40;
+const MAX_CARD_BYTES: usize = 4000;
 
 /// The most values of a file.
 const MAX_VALUES: usize = 500;
@@ -53,14 +53,14 @@ impl EntryCard {
     fn from_value(value: TomlValue) -> Result<Self, String> {
         let card: Self = value.try_into().map_err(|error: toml::de::Error| format!("[entry]: {}", error.message()))?;
         let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "-+._".contains(letter);
-        if !(1..=MOST_NAME).contains(&card.name.len()) || !card.name.chars().all(is_plain) || card.name.starts_with('.')
+        if !(1..=MAX_NAME).contains(&card.name.len()) || !card.name.chars().all(is_plain) || card.name.starts_with('.')
         {
             let letters = "expected 1 to 40 letters, digits, `-`, `+`, `_` and `.`, not beginning with a dot";
             return Err(format!("[entry]: `name` is {:?}; {letters}", card.name));
         }
         let texts = [&card.licence, &card.about].into_iter().chain(&card.authors).chain(&card.tracks);
-        match texts.map(String::len).sum::<usize>() > MOST_CARD_BYTES {
-            true => Err(format!("[entry] is too long; expected at most {MOST_CARD_BYTES} bytes")),
+        match texts.map(String::len).sum::<usize>() > MAX_CARD_BYTES {
+            true => Err(format!("[entry] is too long; expected at most {MAX_CARD_BYTES} bytes")),
             false => Ok(card),
         }
     }

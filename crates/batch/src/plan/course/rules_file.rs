@@ -235,10 +235,10 @@ impl Course {
         }
         // Every planner pays alike, whichever table is its own.
         let charged = scenario.unimog.iter().map(|truck| truck.seconds_per_expansion);
-        if let Some(least) = course.limits.seconds_per_expansion
-            && charged.clone().any(|charge| charge < least)
+        if let Some(min) = course.limits.seconds_per_expansion
+            && charged.clone().any(|charge| charge < min)
         {
-            let price = charged.fold(least, f64::max);
+            let price = charged.fold(min, f64::max);
             course.changes.push(format!("unimog.seconds_per_expansion={price}"));
             course
                 .scenario(&course.changes)

@@ -16,7 +16,7 @@ use wildfire_base::document::number::{count, rounded, short, two_digits};
 use wildfire_picture::charts::Estimate;
 
 /// The most of those that are not significantly different from the best that are named.
-const MOST_NAMED: usize = 3;
+const MAX_NAMED: usize = 3;
 
 /// The answer of a batch: one sentence, and more where variants are compared.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -77,10 +77,10 @@ fn of_one(planner: &str, values: &Values, tally: &Tally) -> String {
         .map(|(share, bushes)| share * bushes)
         .filter(|number| number.is_finite())
         .collect();
-    let most = bushes.iter().copied().fold(0.0, f64::max);
-    let Some(saved) = mean_of(&saved, (0.0, most)) else { return format!("{who}: {ending}") };
+    let max = bushes.iter().copied().fold(0.0, f64::max);
+    let Some(saved) = mean_of(&saved, (0.0, max)) else { return format!("{who}: {ending}") };
     let all = mean_of(&bushes, (0.0, f64::INFINITY)).map_or(0.0, |mean| mean.value);
-    let all = if all == most { short(all) } else { format!("{} (on average)", rounded(all, 1)) };
+    let all = if all == max { short(all) } else { format!("{} (on average)", rounded(all, 1)) };
     let decimals = decimals(&saved, 1.0);
     let mut percent = format!("{} %", rounded(100.0 * share.value, 0));
     if let Some((low, high)) = saved.interval {
@@ -137,12 +137,12 @@ fn compared(compared: &Compared) -> String {
         [] if others.len() == 1 => "a significant difference".into(),
         [] if others.len() == 2 => format!("significantly ahead of both others; last is {}", last.name),
         [] => format!("significantly ahead of all {} others; last is {}", others.len(), last.name),
-        names if names.len() > MOST_NAMED => format!("no evidence of a difference from {} others", names.len()),
+        names if names.len() > MAX_NAMED => format!("no evidence of a difference from {} others", names.len()),
         names => format!("no evidence of a difference from {}", names.join("; ")),
     };
     let pairs = if others.len() > 1 { "paired by seed, p adjusted by Holm's method" } else { "paired by seed" };
     let dependence = others.iter().filter_map(|other| dependence(compared, other));
-    format!("{subject}, {difference}, {verdict} ({pairs}).{}", dependence.take(MOST_NAMED).collect::<String>())
+    format!("{subject}, {difference}, {verdict} ({pairs}).{}", dependence.take(MAX_NAMED).collect::<String>())
 }
 
 /// Says where the difference from another is, if it is not the same in all strata, or not significant in all.

@@ -16,7 +16,7 @@ use wildfire_base::document::number::two_digits;
 use wildfire_picture::charts::{Estimate, ForestChart, Titles};
 
 /// The most rows of a chart of differences that is not over a key.
-const MOST_ROWS: usize = 60;
+const MAX_ROWS: usize = 60;
 
 /// The best variant of a batch and the others.
 pub struct Compared {
@@ -210,7 +210,7 @@ impl Compared {
         });
         let Titles { title, note, y, .. } = self.titles();
         let titles = Titles { title, note, x: y, y: String::new() };
-        ForestChart { titles, rows: rows.take(MOST_ROWS).collect() }
+        ForestChart { titles, rows: rows.take(MAX_ROWS).collect() }
     }
 }
 

@@ -10,7 +10,7 @@ use crate::plan::BatchPlan;
 use wildfire_picture::charts::{STYLES, Style};
 
 /// The maximum number of panels of a chart; one with more is not drawn, which the report states.
-pub const MOST_PANELS: usize = 120;
+pub const MAX_PANELS: usize = 120;
 
 /// A panel of a chart.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use super::chart_files::ChartData;
 use super::collected::{Collected, Values};
 use super::compared::Compared;
-use super::facets::{Facet, FacetSeries, MOST_PANELS, variant_facets};
+use super::facets::{Facet, FacetSeries, MAX_PANELS, variant_facets};
 use super::labels::Labels;
 use super::over_time::StateCurves;
 use super::quantities::{
@@ -128,12 +128,12 @@ impl FigureSource<'_> {
 impl Figures {
     /// Returns whether a chart has few enough panels; if not, notes in a sentence that it is not drawn.
     fn admits(&mut self, what: &str, panels: usize) -> bool {
-        if panels > MOST_PANELS {
+        if panels > MAX_PANELS {
             let sentence =
-                format!("No charts of {what}: they would need {panels} panels; at most {MOST_PANELS} are drawn.");
+                format!("No charts of {what}: they would need {panels} panels; at most {MAX_PANELS} are drawn.");
             self.refused.extend((!self.refused.contains(&sentence)).then_some(sentence));
         }
-        panels <= MOST_PANELS
+        panels <= MAX_PANELS
     }
 
     /// Adds the sheets of a chart, of which those after the first have a number, and what it shows.
@@ -321,7 +321,7 @@ fn state_curves(curves: &StateCurves, shown: &[&'static Metric]) -> Vec<Curve> {
 }
 
 /// The curves of intact obstacles are left out where no other curve or band is higher than this.
-const LEAST_OF_HEIGHT: f64 = 0.2;
+const MIN_OF_HEIGHT: f64 = 0.2;
 
 fn over_time(of: &str, mut panels: Vec<CurvePanel>) -> CurveChart {
     let intact = STATES[0].label();
@@ -330,7 +330,7 @@ fn over_time(of: &str, mut panels: Vec<CurvePanel>) -> CurveChart {
         .flat_map(|curve| &curve.points)
         .map(|(_, share)| share.interval.map_or(share.value, |(_, high)| high.max(share.value)));
     let highest = ends.fold(0.0, f64::max);
-    let is_dwarfed = highest > 0.0 && highest <= LEAST_OF_HEIGHT;
+    let is_dwarfed = highest > 0.0 && highest <= MIN_OF_HEIGHT;
     let has_left_out = is_dwarfed && panels.iter().flat_map(|panel| &panel.curves).any(|curve| curve.name == intact);
     if has_left_out {
         panels.iter_mut().for_each(|panel| panel.curves.retain(|curve| curve.name != intact));

@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 pub use chart_files::{ChartData, write_chart, write_chart_data, write_paper_chart};
-pub use facets::{Facet, FacetSeries, MOST_PANELS, word_facets};
+pub use facets::{Facet, FacetSeries, MAX_PANELS, word_facets};
 pub(in crate::report) use labels::Labels;
 pub use notable::{NotableRun, notable_runs, runs_with_pages};
 pub use quantities::ChosenQuantities;

@@ -53,9 +53,9 @@ pub fn notable_runs(batch: &FinishedBatch) -> Result<Vec<NotableRun>, ReportErro
     }
     burned.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
     let Some(last) = burned.len().checked_sub(1) else { return Ok(Vec::new()) };
-    let most = burned.partition_point(|run| run.0 < burned[last].0);
+    let max = burned.partition_point(|run| run.0 < burned[last].0);
     let mut notable: Vec<NotableRun> = Vec::new();
-    for (word, place) in WORDS.into_iter().zip([0, most, last / 2]) {
+    for (word, place) in WORDS.into_iter().zip([0, max, last / 2]) {
         let (burned_ratio, number) = burned[place];
         if notable.iter().all(|run| run.number != number) {
             notable.push(NotableRun { word, number, burned_ratio });

@@ -51,11 +51,11 @@ impl DirectionSet {
             let last = coarse[(place + 1) % coarse.len()];
             let mut from = first;
             let mut pending = vec![last];
-            let needed = if least_acuteness(ellipses, first, last) < 0.0 { REFINED_ACUTENESS } else { 0.0 };
+            let needed = if min_acuteness(ellipses, first, last) < 0.0 { REFINED_ACUTENESS } else { 0.0 };
             while let Some(&to) = pending.last() {
                 let between = (from.0 + to.0, from.1 + to.1);
                 let is_in_reach = between.0.abs().max(between.1.abs()) <= MAX_REACH;
-                if is_in_reach && least_acuteness(ellipses, from, to) < needed {
+                if is_in_reach && min_acuteness(ellipses, from, to) < needed {
                     pending.push(between);
                 } else {
                     steps.push(from);
@@ -100,7 +100,7 @@ impl DirectionSet {
     }
 }
 
-fn least_acuteness(ellipses: &[Ellipse], first: (i32, i32), second: (i32, i32)) -> f64 {
+fn min_acuteness(ellipses: &[Ellipse], first: (i32, i32), second: (i32, i32)) -> f64 {
     let [first, second] = [first, second].map(|(cols, rows)| DVec2::new(f64::from(cols), f64::from(rows)));
     let burning = ellipses.iter().filter(|ellipse| ellipse.burns());
     burning.map(|ellipse| ellipse.acuteness(first, second)).fold(1.0, f64::min)
@@ -170,7 +170,7 @@ mod tests {
                 for (place, &one) in steps.iter().enumerate() {
                     let other = steps[(place + 1) % steps.len()];
                     assert_eq!(one.0 * other.1 - one.1 * other.0, 1);
-                    assert!(least_acuteness(&[narrow], one, other) >= 0.0, "{one:?} {other:?}");
+                    assert!(min_acuteness(&[narrow], one, other) >= 0.0, "{one:?} {other:?}");
                 }
             }
         }

@@ -20,7 +20,7 @@ pub const BARRIER: u8 = u8::MAX;
 
 /// Cells for each ellipse that is kept, where every cell has its own: most cells are far from the front.
 const CELLS_PER_KEPT: usize = 8;
-const LEAST_KEPT: usize = 4096;
+const MIN_KEPT: usize = 4096;
 
 /// The ellipse of a fire's spread in horizontal metres: `s |v'| - b.v` seconds along v, where v' is v lifted onto the
 /// slope, `s = 1 / (R (1 - e))` and b is `s e` times the heading, as it acts on horizontal vectors.
@@ -86,8 +86,8 @@ pub struct Pair {
     /// From a's beginning to the point of the line that is nearest to the cell, as a part of |w|, with its sign turned.
     foot: f64,
     /// Bounds of the difference in time between which the first fire comes from between both cells, for slowness 1.
-    least: f64,
-    most: f64,
+    min: f64,
+    max: f64,
 }
 
 impl Pair {
@@ -102,8 +102,8 @@ impl Pair {
             square,
             height: area / square,
             foot: along / square,
-            least: -(along + square) / length_on(gradient, b),
-            most: -along / length_on(gradient, a),
+            min: -(along + square) / length_on(gradient, b),
+            max: -along / length_on(gradient, a),
         }
     }
 
@@ -111,7 +111,7 @@ impl Pair {
     /// taken off, is `later`.
     #[inline]
     pub fn is_between(&self, slowness: f64, later: f64) -> bool {
-        slowness * self.least < later && later < slowness * self.most
+        slowness * self.min < later && later < slowness * self.max
     }
 
     /// Returns the seconds that the fire needs from a's time on, with a's drift taken off, if it comes from between.
@@ -160,7 +160,7 @@ impl Rates {
         let crown_beds = with_crowns.map(ten).collect();
         let kept = match landscape.relief {
             Relief::Plane(_) if !has_crowns => 0,
-            _ => (landscape.fuel.len() / CELLS_PER_KEPT).next_power_of_two().max(LEAST_KEPT),
+            _ => (landscape.fuel.len() / CELLS_PER_KEPT).next_power_of_two().max(MIN_KEPT),
         };
         let kept = vec![(u64::MAX, nothing); kept];
         let (beds, plane) = (vec![None; intervals], vec![None; intervals]);
@@ -203,8 +203,8 @@ impl Rates {
 
     /// Returns how long a fuel flames that catches fire in an interval; `None` forever.
     pub fn flaming(&mut self, interval: usize, fuel: u8) -> Option<SimTime> {
-        let least = self.rules.burn_out?;
-        Some(least.max(SimTime::from_seconds(self.beds(interval)[usize::from(fuel)].residence_s())))
+        let min = self.rules.burn_out?;
+        Some(min.max(SimTime::from_seconds(self.beds(interval)[usize::from(fuel)].residence_s())))
     }
 
     /// Returns the ellipses of all fuels on a plane.

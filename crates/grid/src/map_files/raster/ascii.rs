@@ -36,8 +36,8 @@ pub(super) fn parse(bytes: &[u8], coordinates: Option<Coordinates>) -> Result<Ra
 
     let cells = rows * cols;
     // A value takes at least a digit and what parts it from the next one.
-    let most = words.left().div_ceil(2);
-    if most < cells {
+    let max = words.left().div_ceil(2);
+    if max < cells {
         let at = words.count();
         return Err(RasterFault::Ends { row: at / cols, col: at % cols, rows, cols });
     }

@@ -91,7 +91,7 @@ impl Raster {
     pub fn range(&self) -> Option<(f32, f32)> {
         let mut values = self.values.iter().copied().filter(|&value| !self.is_nodata(value));
         let first = values.next()?;
-        Some(values.fold((first, first), |(least, most), value| (least.min(value), most.max(value))))
+        Some(values.fold((first, first), |(min, max), value| (min.min(value), max.max(value))))
     }
 }
 

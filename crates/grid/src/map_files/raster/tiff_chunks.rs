@@ -43,26 +43,26 @@ const MAX_STRINGS: usize = 4096;
 
 pub(in crate::map_files) type TiffDecoder<'a> = Decoder<Cursor<Cow<'a, [u8]>>>;
 
-/// Opens an image whose strips and tiles the crate `tiff` can read, with buffers of at most `most` bytes.
+/// Opens an image whose strips and tiles the crate `tiff` can read, with buffers of at most `max` bytes.
 ///
 /// # Errors
 /// Returns a sentence with the place of a chunk that is damaged or ends early; inside, the error of the decoder.
-pub(in crate::map_files) fn open(bytes: &[u8], most: usize) -> Result<TiffResult<TiffDecoder<'_>>, String> {
-    let plain = unpack(bytes, 2 * most)?.map_or(Cow::Borrowed(bytes), Cow::Owned);
+pub(in crate::map_files) fn open(bytes: &[u8], max: usize) -> Result<TiffResult<TiffDecoder<'_>>, String> {
+    let plain = unpack(bytes, 2 * max)?.map_or(Cow::Borrowed(bytes), Cow::Owned);
     let mut limits = Limits::default();
-    limits.decoding_buffer_size = most;
-    limits.intermediate_buffer_size = most;
+    limits.decoding_buffer_size = max;
+    limits.intermediate_buffer_size = max;
     Ok(Decoder::new(Cursor::new(plain)).map(|decoder| decoder.with_limits(limits)))
 }
 
-/// Returns the file with unpacked chunks if they are packed in a way that is read here, at most `most` bytes of them, and
+/// Returns the file with unpacked chunks if they are packed in a way that is read here, at most `max` bytes of them, and
 /// with the highest bit of each byte first.
 ///
 /// `None` if there is nothing to do, or the head is damaged in a way that a decoder will name.
 ///
 /// # Errors
 /// Returns a sentence with the place of a chunk that is damaged or ends early.
-fn unpack(bytes: &[u8], most: usize) -> Result<Option<Vec<u8>>, String> {
+fn unpack(bytes: &[u8], max: usize) -> Result<Option<Vec<u8>>, String> {
     let Some(head) = TiffHead::find(bytes) else { return Ok(None) };
     let number = |tag| head.entry(bytes, tag).and_then(|entry| entry.value).map(|number| number as usize);
     let packing = number(COMPRESSION).unwrap_or_default() as u64;
@@ -102,8 +102,8 @@ fn unpack(bytes: &[u8], most: usize) -> Result<Option<Vec<u8>>, String> {
         };
         let start = plain.len();
         let limit = needed.map(|needed| start.saturating_add(needed));
-        let Some(limit) = limit.filter(|limit| limit - bytes.len() <= most && u32::try_from(*limit).is_ok()) else {
-            return Err(format!("its cells take more than {most} bytes"));
+        let Some(limit) = limit.filter(|limit| limit - bytes.len() <= max && u32::try_from(*limit).is_ok()) else {
+            return Err(format!("its cells take more than {max} bytes"));
         };
         match packing {
             _ if packed.is_empty() => {}

@@ -15,8 +15,8 @@ use wildfire_base::vehicle::Dimensions;
 use wildfire_timeline::{Activity, AgentId, Body, Role};
 
 /// Bodies shorter than this, in thin lines, are drawn this long, and a ring says so.
-const LEAST_WUMPUS: f32 = 13.0;
-const LEAST_UNIMOG: f32 = 18.0;
+const MIN_WUMPUS: f32 = 13.0;
+const MIN_UNIMOG: f32 = 18.0;
 
 /// Marks of agents that are too many to be drawn as bodies, in thin lines: the length of a truck's, which points where it is
 /// headed, the radius of a Wumpus's, and the width of the pale edge of both.
@@ -130,11 +130,11 @@ pub fn drawn_length(pane: &Pane, body: &Body) -> f32 {
     if pane.has_marks() {
         return pane.unit() * if let Body::Square { .. } = body { 2.0 * MARK_RADIUS } else { MARK_LENGTH };
     }
-    let least = match body {
-        Body::Square { .. } => LEAST_WUMPUS,
-        Body::Truck(_) => LEAST_UNIMOG,
+    let min = match body {
+        Body::Square { .. } => MIN_WUMPUS,
+        Body::Truck(_) => MIN_UNIMOG,
     };
-    true_length(pane, body).max(least * pane.unit())
+    true_length(pane, body).max(min * pane.unit())
 }
 
 fn true_length(pane: &Pane, body: &Body) -> f32 {

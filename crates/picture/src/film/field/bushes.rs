@@ -10,11 +10,11 @@ use wildfire_base::geometry::Cell;
 use wildfire_fire::BushStateKind;
 
 /// Cells with shorter sides than this, in pixels, are flat.
-pub const LEAST_SPRITE: f32 = 8.0;
+pub const MIN_SPRITE: f32 = 8.0;
 
 /// Burning cells with shorter sides than this, in pixels, are drawn a pixel larger to all sides, so that one finds
 /// them.
-const LEAST_FIRE: f32 = 3.0;
+const MIN_FIRE: f32 = 3.0;
 
 /// The share of its state's colour in the square of a bush, the area that bodies may not touch.
 const TINT: f64 = 0.45;
@@ -35,7 +35,7 @@ fn sprite(kind: BushStateKind) -> &'static Sprite {
 pub fn draw_bushes(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind], stamps: &mut Stamps) {
     if pane.is_heat_map() {
         HeatMap::new(pane).draw(canvas, kinds);
-    } else if pane.cell_side() < LEAST_SPRITE {
+    } else if pane.cell_side() < MIN_SPRITE {
         draw_flat_cells(canvas, pane, kinds);
     } else {
         draw_bush_squares(canvas, pane, kinds);
@@ -49,7 +49,7 @@ fn draw_flat_cells(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind]) {
         let bushes = pane.setting().bushes.iter().zip(kinds);
         for (&cell, kind) in bushes.filter(|(_, kind)| (**kind == BushStateKind::Burning) == is_burning) {
             let (from, to) = pane.projection.cell(pane.frame(), cell);
-            let beyond = i32::from(is_burning && pane.cell_side() < LEAST_FIRE);
+            let beyond = i32::from(is_burning && pane.cell_side() < MIN_FIRE);
             canvas.fill_pixels((from.0 - beyond, from.1 - beyond), (to.0 + beyond, to.1 + beyond), bush_colour(*kind));
         }
     }
@@ -93,7 +93,7 @@ pub fn scatter(cell: Cell) -> u32 {
 }
 
 /// Cells with longer sides than this, in pixels, are few: their sprites are drawn where they are.
-const MOST_STAMP_SIDE: f32 = 96.0;
+const MAX_STAMP_SIDE: f32 = 96.0;
 
 /// The width of a stamp in sides of a cell, so that what sticks out of its cell is on it.
 const STAMP_WIDTH: f32 = 1.8;
@@ -116,7 +116,7 @@ impl Stamps {
     /// Lays down what `draw` draws about a place, for cells of the present side; `number` tells one drawing from
     /// others.
     pub fn lay(&mut self, canvas: &mut Canvas, (x, y): Point, number: usize, draw: impl Fn(&mut Canvas, Point, f32)) {
-        if self.side > MOST_STAMP_SIDE {
+        if self.side > MAX_STAMP_SIDE {
             return draw(canvas, (x, y), self.side);
         }
         let half = (0.5 * STAMP_WIDTH * self.side).ceil() as u32 + 1;

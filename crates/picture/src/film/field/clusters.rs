@@ -95,10 +95,10 @@ pub fn draw_glows(canvas: &mut Canvas, pane: &Pane) {
     let changed = bushes.map(|(&cell, bush)| (cell, bush.kind())).filter(|(_, kind)| *kind != BushStateKind::Intact);
     let places = changed.map(|(cell, kind)| (pane.frame().centre(cell), kind));
     let side = FIRE_SQUARE * pane.unit() / pane.cell_side();
-    let most = SEEN * side * side;
+    let max = SEEN * side * side;
     for (at, kinds) in clusters(pane, (FIRE_SQUARE, 0.0), places) {
         let radius = (GLOW + GLOW_PER_DOUBLING * kinds.len().ilog2() as f32) * pane.unit();
-        if (kinds.len() as f32) < most && pane.is_near(at, radius) {
+        if (kinds.len() as f32) < max && pane.is_near(at, radius) {
             draw_glow(canvas, at, radius, mean_colour(&kinds));
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::canvas::{Canvas, Ink, Pen, Point};
 use crate::colours::{BURNING, INK, PAPER, Rgb};
-use crate::film::field::bushes::{BUSH_STAMPS, LEAST_SPRITE, Stamps, scatter};
+use crate::film::field::bushes::{BUSH_STAMPS, MIN_SPRITE, Stamps, scatter};
 use crate::film::field::sprite::{FLAME_SPRITE, Placement};
 use crate::film::field::{Layer, Pane};
 use crate::text::{Align, draw_text, measure_text};
@@ -20,7 +20,7 @@ const GROWS_FOR_S: f64 = 4.0;
 const SMALLEST: f32 = 0.45;
 
 /// Cells with shorter sides than this, in pixels, have no room for a number.
-const LEAST_AGE: f32 = 22.0;
+const MIN_AGE: f32 = 22.0;
 
 /// Tongues of a fire, the ones behind first: place of the foot in the cell, from its centre, and height; in cells.
 const TONGUES: [(Point, f32); 4] =
@@ -33,12 +33,12 @@ const LEAN: [f32; FRAMES] = [0.0, 0.08, 0.14, 0.16, 0.06, -0.06, -0.14, -0.08];
 /// Draws the flames of all that burns, from north to south, and the seconds since ignition on them.
 pub fn draw_flames(canvas: &mut Canvas, pane: &Pane, stamps: &mut Stamps) {
     let side = pane.cell_side();
-    if side < LEAST_SPRITE {
+    if side < MIN_SPRITE {
         return;
     }
     let state = pane.view.state;
     let mut ages = Vec::new();
-    let shows_ages = pane.shows(Layer::Ages) && side >= LEAST_AGE;
+    let shows_ages = pane.shows(Layer::Ages) && side >= MIN_AGE;
     for (&cell, bush) in pane.setting().bushes.iter().zip(&state.bushes).rev() {
         let BushState::Burning { since } = *bush else { continue };
         let at = pane.cell_centre(cell);

@@ -15,10 +15,10 @@ const DIFFERENT: Rgb = [255, 0, 220];
 
 /// Width of an outline in sides of a cell, and in pixels at least; it lies outside of what it is about.
 const LINE: f32 = 0.1;
-const LEAST_LINE: f32 = 1.5;
+const MIN_LINE: f32 = 1.5;
 /// Dark edges on both sides of an outline, in its widths, and in pixels at least.
 const CASING: f32 = 0.3;
-const LEAST_CASING: f32 = 0.75;
+const MIN_CASING: f32 = 0.75;
 
 /// Outlines areas of bushes whose state differs from that in the other run; on fields with other bushes none.
 pub fn draw_differences(canvas: &mut Canvas, pane: &Pane) {
@@ -33,8 +33,8 @@ pub fn draw_differences(canvas: &mut Canvas, pane: &Pane) {
     let is_outside = |cell: Cell, (cols, rows): (i32, i32)| {
         !frame.offset(cell, cols, rows).is_some_and(|other| differs[frame.index(other)])
     };
-    let width = (LINE * pane.cell_side()).max(LEAST_LINE * pane.unit());
-    let casing = (CASING * width).max(LEAST_CASING * pane.unit());
+    let width = (LINE * pane.cell_side()).max(MIN_LINE * pane.unit());
+    let casing = (CASING * width).max(MIN_CASING * pane.unit());
     for (from, to, colour) in [(-casing, width + casing, INK), (0.0, width, DIFFERENT)] {
         for &cell in &differing {
             for side in [(1, 0), (-1, 0), (0, 1), (0, -1)].into_iter().filter(|&side| is_outside(cell, side)) {

@@ -59,15 +59,15 @@ impl Dashes {
 /// Returns where a piece enters a pane and leaves it, as shares of its length (Liang and Barsky, "A New Concept and
 /// Method for Line Clipping", ACM Transactions on Graphics 3(1), 1984).
 fn clip(from: DVec2, to: DVec2, (width, height): (u32, u32)) -> Option<(f64, f64)> {
-    let most = DVec2::new(f64::from(width), f64::from(height)) + BEYOND;
+    let max = DVec2::new(f64::from(width), f64::from(height)) + BEYOND;
     let (mut first, mut last) = (0.0_f64, 1.0_f64);
-    for (at, step, most) in [(from.x, to.x - from.x, most.x), (from.y, to.y - from.y, most.y)] {
+    for (at, step, max) in [(from.x, to.x - from.x, max.x), (from.y, to.y - from.y, max.y)] {
         if step == 0.0 {
-            if !(-BEYOND..=most).contains(&at) {
+            if !(-BEYOND..=max).contains(&at) {
                 return None;
             }
         } else {
-            let (a, b) = ((-BEYOND - at) / step, (most - at) / step);
+            let (a, b) = ((-BEYOND - at) / step, (max - at) / step);
             (first, last) = (first.max(a.min(b)), last.min(a.max(b)));
         }
     }

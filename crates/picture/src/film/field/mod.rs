@@ -26,7 +26,7 @@ pub use clusters::draw_glow;
 pub use highlights::pick;
 
 use agents::draw_agents;
-use bushes::{LEAST_SPRITE, Stamps, draw_bushes};
+use bushes::{MIN_SPRITE, Stamps, draw_bushes};
 use clusters::draw_glows;
 use fires::{draw_flames, draw_spreads};
 use ground::{GroundView, draw_wet};
@@ -56,12 +56,12 @@ const ORDINARY_SIDE: f32 = 900.0;
 
 /// Fields whose cells have shorter sides than this, in pixels, are shown as heat maps if a side has this many cells: those of
 /// smaller fields are as small only on small sheets, where each can still be drawn.
-const LEAST_CELL: f64 = 3.0;
-const LEAST_CELLS: u16 = 100;
+const MIN_CELL: f64 = 3.0;
+const MIN_CELLS: u16 = 100;
 
 /// Returns whether a field whose cells have that side in pixels is shown as a heat map.
 pub fn is_summed(frame: &FieldFrame, cell_side: f64) -> bool {
-    cell_side < LEAST_CELL && frame.cols.max(frame.rows) >= LEAST_CELLS
+    cell_side < MIN_CELL && frame.cols.max(frame.rows) >= MIN_CELLS
 }
 
 /// Lines of the grid are at least this many pixels apart; where cells are smaller, some are left out.
@@ -160,7 +160,7 @@ impl FieldRenderer {
         if let Some(landscape) = &self.landscape {
             // Sprites stick out of their cells, so that bushes are drawn once more over what burns beside them; flat ones
             // do not, and fire on the ground leaves them alone.
-            let has_sprites = pane.cell_side() >= LEAST_SPRITE;
+            let has_sprites = pane.cell_side() >= MIN_SPRITE;
             if let Some(backdrop) = self.backdrop.last().filter(|_| has_sprites) {
                 sheet.copy_from(backdrop, (0, 0));
             }
@@ -261,12 +261,12 @@ fn draw_backdrop(
 fn draw_grid_lines(canvas: &mut Canvas, pane: &Pane) {
     let (frame, colour) = (pane.frame(), blend(FIELD, INK, 0.25));
     let ((left, top), (right, bottom)) = pane.field_box();
-    let least = GRID_LINES / f64::from(pane.cell_side());
-    for col in ticks::indices(frame.cols.into(), least).skip(1) {
+    let min = GRID_LINES / f64::from(pane.cell_side());
+    for col in ticks::indices(frame.cols.into(), min).skip(1) {
         let ((x, _), _) = pane.projection.cell(frame, Cell { col: col as u16, row: 0 });
         canvas.fill_pixels((x, top), (x + 1, bottom), colour);
     }
-    for row in ticks::indices(frame.rows.into(), least).skip(1) {
+    for row in ticks::indices(frame.rows.into(), min).skip(1) {
         let (_, (_, y)) = pane.projection.cell(frame, Cell { col: 0, row: row as u16 });
         canvas.fill_pixels((left, y - 1), (right, y), colour);
     }
@@ -438,7 +438,7 @@ pub(super) mod tests {
         let layers = Layer::ALL.into_iter().collect();
         for scale in [1.0, 1e-6, 1e6, 1e-290, 1e290] {
             let run = RunView::new(scaled(scale), None);
-            for zoom in [Camera::LEAST_ZOOM, 1.0, Camera::MOST_ZOOM] {
+            for zoom in [Camera::MIN_ZOOM, 1.0, Camera::MAX_ZOOM] {
                 let camera = Camera { zoom, ..Camera::WHOLE };
                 for follows in [None, Some(CameraTarget::Agent(AgentId::unimog(0))), Some(CameraTarget::Fleet)] {
                     let options = ViewOptions { camera, layers, follows, ..ViewOptions::default() };

@@ -44,12 +44,12 @@ pub fn draw_length_bar(canvas: &mut Canvas, pane: &Pane) {
     }
 }
 
-/// The longest of 1, 2 or 5 times a power of ten that is not longer than `most`, if that lies between a tenth of a
+/// The longest of 1, 2 or 5 times a power of ten that is not longer than `max`, if that lies between a tenth of a
 /// millimetre and a million kilometres.
-fn round_length(most: f64) -> f64 {
+fn round_length(max: f64) -> f64 {
     let mut length = 1e-4;
     for factor in [2.0, 2.5, 2.0].into_iter().cycle().take(39) {
-        if length * factor > most {
+        if length * factor > max {
             break;
         }
         length *= factor;
@@ -123,15 +123,15 @@ mod tests {
 
     #[test]
     fn lengths_are_round_and_as_long_as_may_be() {
-        for (most, expected) in [(49.9, 20.0), (50.0, 50.0), (0.3, 0.2), (7300.0, 5000.0), (1.0, 1.0), (0.01, 0.01)] {
-            assert_eq!(round_length(most), expected, "of {most}");
+        for (max, expected) in [(49.9, 20.0), (50.0, 50.0), (0.3, 0.2), (7300.0, 5000.0), (1.0, 1.0), (0.01, 0.01)] {
+            assert_eq!(round_length(max), expected, "of {max}");
         }
     }
 
     #[test]
     fn any_length_has_an_answer() {
-        for most in [0.0, f64::NAN, f64::INFINITY, 1e-300, 1e300] {
-            assert!(round_length(most).is_finite());
+        for max in [0.0, f64::NAN, f64::INFINITY, 1e-300, 1e300] {
+            assert!(round_length(max).is_finite());
         }
     }
 }

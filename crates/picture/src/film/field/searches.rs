@@ -81,11 +81,11 @@ pub(super) fn draw_searches(canvas: &mut Canvas, pane: &Pane, searches: &[ShownS
     for ShownSearch { graph, style, .. } in searches {
         let width = style.width * pane.unit();
         let radius = style.disc * pane.cell_side();
-        let most = graph.edges.len().saturating_sub(1).max(1) as f64;
+        let max = graph.edges.len().saturating_sub(1).max(1) as f64;
         for (index, ends) in graph.lines().enumerate() {
             let ends = ends.map(|end| pane.at(end));
             if may_be_seen(pane, &ends) {
-                let colour = blend(style.colours[0], style.colours[1], index as f64 / most);
+                let colour = blend(style.colours[0], style.colours[1], index as f64 / max);
                 draw_line(canvas, ends[0], ends[1], width, Ink { colour, opacity: style.opacity });
                 if radius > 0.0 {
                     canvas.fill_disc_with(ends[1], radius, Ink { colour, opacity: style.opacity });
@@ -98,6 +98,6 @@ pub(super) fn draw_searches(canvas: &mut Canvas, pane: &Pane, searches: &[ShownS
 /// Returns whether the two ends do not lie beyond the same side of the pane.
 fn may_be_seen(pane: &Pane, [a, b]: &[Point; 2]) -> bool {
     let (width, height) = (pane.size.0 as f32, pane.size.1 as f32);
-    let overlaps = |a: f32, b: f32, most: f32| a.max(b) >= 0.0 && a.min(b) <= most;
+    let overlaps = |a: f32, b: f32, max: f32| a.max(b) >= 0.0 && a.min(b) <= max;
     overlaps(a.0, b.0, width) && overlaps(a.1, b.1, height)
 }

@@ -13,7 +13,7 @@ use wildfire_timeline::{Activity, Body};
 /// Drops of the jet, in pixels, and how fast they fly: pixels in a simulated second.
 const DROP: f64 = 7.0;
 const DROPS_PER_SECOND: f64 = 60.0;
-const LEAST_JET: f32 = 2.0;
+const MIN_JET: f32 = 2.0;
 /// Width of a full jet in metres.
 const JET_M: f64 = 0.4;
 /// Chords of a full ring.
@@ -48,7 +48,7 @@ fn draw_jet(canvas: &mut Canvas, pane: &Pane, from: DVec2, cell: Cell) {
     let to = pane.frame().centre(cell);
     let short = 0.4 * pane.frame().cell_m / (to - from).length();
     let line = [from, to - (to - from) * short.min(1.0)].map(|point| pane.projection.place(point));
-    let width = pane.projection.length(JET_M).max(LEAST_JET * pane.unit());
+    let width = pane.projection.length(JET_M).max(MIN_JET * pane.unit());
     let flown = pane.view.state.time.as_seconds() * DROPS_PER_SECOND % (2.0 * DROP);
     let drops = Dashes { length: DROP, gap: DROP, offset: 2.0 * DROP - flown };
     draw_visible_line(canvas, pane, &line, Pen::opaque(WATER, width + 2.0), None);

@@ -15,9 +15,9 @@ use wildfire_timeline::{AgentId, Setting};
 
 const OPACITY: f64 = 0.7;
 
-/// Clearance is computed at this many points along a side, at least one a cell and at most [`MOST_STEPS`].
+/// Clearance is computed at this many points along a side, at least one a cell and at most [`MAX_STEPS`].
 const POINTS: usize = 800;
-const MOST_STEPS: usize = 16;
+const MAX_STEPS: usize = 16;
 
 /// Which values are shown, and all that they follow from beside the field.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -131,7 +131,7 @@ fn occupied(setting: &Setting) -> Grid<bool> {
 /// Exact metres to the nearest bush or the field's edge, at the vertices of a lattice; and its spacing.
 fn clearances(setting: &Setting) -> (Grid<f64>, f64) {
     let frame = &setting.frame;
-    let steps = (POINTS / usize::from(frame.cols.max(frame.rows))).clamp(1, MOST_STEPS);
+    let steps = (POINTS / usize::from(frame.cols.max(frame.rows))).clamp(1, MAX_STEPS);
     let step_m = frame.cell_m / steps as f64;
     let (rows, cols) = (usize::from(frame.rows) * steps + 1, usize::from(frame.cols) * steps + 1);
     let mut values = Grid::filled(rows, cols, f64::INFINITY);

@@ -33,7 +33,7 @@ const MARKED_GOAL: f32 = 3.0;
 /// The chord of a drawn arc is nowhere farther from it than this, in pixels.
 const TOLERANCE: f64 = 0.1;
 /// Pieces of an arc, as far as that bound goes.
-const MOST_PIECES: f64 = 2000.0;
+const MAX_PIECES: f64 = 2000.0;
 
 /// A part of a way between changes of direction.
 struct Stretch {
@@ -162,7 +162,7 @@ fn sample(
     let pieces = if segment.curvature == 0.0 {
         1.0
     } else {
-        (turn * (radius / (8.0 * TOLERANCE)).sqrt()).ceil().clamp(1.0, MOST_PIECES)
+        (turn * (radius / (8.0 * TOLERANCE)).sqrt()).ceil().clamp(1.0, MAX_PIECES)
     };
     (1..=pieces as u32).map(move |piece| {
         let along = first + (last - first) * f64::from(piece) / pieces;

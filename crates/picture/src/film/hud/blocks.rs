@@ -54,14 +54,14 @@ pub fn title_block(view: &HudView) -> PanelBlock {
         [title].into_iter().chain(changes)
     });
     let mut lines: Vec<PanelLine> = lines.collect();
-    let least = lines.len();
+    let min = lines.len();
     let sentence = run_sentence(&view.runs[0].timeline().setting);
     if view.runs.iter().all(|run| run_sentence(&run.timeline().setting) == sentence) {
         // Beside the names of two runs there is no room for the size of their field.
         let (deeds, _) = sentence.split_once(", on a field").unwrap_or((&sentence, ""));
         lines.extend(wrapped_lines(&if view.runs.len() > 1 { format!("{deeds}.") } else { sentence }));
     }
-    PanelBlock::new(3, lines).with_least(least)
+    PanelBlock::new(3, lines).with_min(min)
 }
 
 pub fn clock_block(view: &HudView) -> PanelBlock {

@@ -74,8 +74,8 @@ fn is_too_late(run: &RunView, state: &State, index: usize, agent: &AgentState) -
 /// The blocks that sum up trucks, then Wumpuses; where there is little room, what most of them do is left.
 pub fn fleet_blocks(view: &HudView) -> Vec<PanelBlock> {
     let roles = [(AgentId::unimog(0), FIRST_AGENT_RANK), (AgentId::wumpus(0), FIRST_AGENT_RANK + 1)];
-    let least = |any: AgentId| usize::from(view.is_comparison()) + if any.role.drives() { 4 } else { 2 };
-    let block = |(any, rank)| Some(PanelBlock::new(rank, role_lines(view, any)?).with_least(least(any)));
+    let min = |any: AgentId| usize::from(view.is_comparison()) + if any.role.drives() { 4 } else { 2 };
+    let block = |(any, rank)| Some(PanelBlock::new(rank, role_lines(view, any)?).with_min(min(any)));
     roles.into_iter().filter_map(block).collect()
 }
 
@@ -83,7 +83,7 @@ pub fn fleet_blocks(view: &HudView) -> Vec<PanelBlock> {
 fn role_lines(view: &HudView, any: AgentId) -> Option<Vec<PanelLine>> {
     let sums: Vec<RoleSums> =
         view.runs.iter().zip(view.states).map(|(run, state)| RoleSums::new(run, state, any.role, view.time)).collect();
-    let most = sums.iter().map(|sums| sums.agents).max().filter(|&agents| agents > 0)?;
+    let max = sums.iter().map(|sums| sums.agents).max().filter(|&agents| agents > 0)?;
     let face = TextFace { colour: agent_colour(any), ..TextFace::STRONG };
     let line = |name: &str, count: fn(&RoleSums) -> u32| {
         let counts = values(sums.iter().map(|sums| count(sums).to_string()), TextFace::STRONG);
@@ -95,7 +95,7 @@ fn role_lines(view: &HudView, any: AgentId) -> Option<Vec<PanelLine>> {
     } else {
         let done = format!("{} {}", sums[0].cells, cells_word(any));
         PanelLine::new(vec![
-            LineMark::left(format!("{most} {noun}"), face),
+            LineMark::left(format!("{max} {noun}"), face),
             LineMark::right(done, TextFace { colour: agent_colour(any), ..TextFace::STRONG }),
         ])
     };

@@ -141,7 +141,7 @@ pub fn legend_block(view: &HudView) -> PanelBlock {
     });
     all.extend(pairs);
     all.extend(wrapped_lines(&points_sentence(&view.runs[0].timeline().setting)));
-    PanelBlock::new(RANK, all).with_least(PATHS)
+    PanelBlock::new(RANK, all).with_min(PATHS)
 }
 
 /// Breaks a sentence into faint lines that fit into a column of the panel.

@@ -10,7 +10,7 @@ use crate::text::Align;
 use wildfire_fire::BushStateKind;
 
 // In heights of text.
-const LEAST_COLUMN: f32 = 26.0;
+const MIN_COLUMN: f32 = 26.0;
 const MARGIN: f32 = 1.6;
 /// Between two blocks, and from the line between them to the lower one.
 const GAP: f32 = 1.6;
@@ -21,7 +21,7 @@ pub fn draw_panel(pen: &mut TextPen, panel: PixelRect, blocks: Vec<PanelBlock>) 
     let [left, top, right, bottom] = edges(panel);
     pen.fill((left, top), (right - left, bottom - top), PAPER);
     pen.fill((left, top), if top > 0.0 { (right - left, 1.0) } else { (1.0, bottom - top) }, FAINT_INK);
-    let columns = ((right - left) / pen.length(LEAST_COLUMN)).floor().max(1.0);
+    let columns = ((right - left) / pen.length(MIN_COLUMN)).floor().max(1.0);
     let width = (right - left) / columns;
     let room = (bottom - top) / pen.text - 2.0 * MARGIN;
     let (blocks, places) = fit(blocks, columns as usize, room);
@@ -44,7 +44,7 @@ fn fit(mut blocks: Vec<PanelBlock>, columns: usize, room: f32) -> (Vec<PanelBloc
             return (blocks, places);
         }
         // The last one of the highest rank: `max_by_key` takes the last of equals.
-        let can_spare = |index: &usize| blocks[*index].lines.len() > blocks[*index].least;
+        let can_spare = |index: &usize| blocks[*index].lines.len() > blocks[*index].min;
         if let Some(longest) = (0..blocks.len()).filter(can_spare).max_by_key(|&index| blocks[index].rank) {
             blocks[longest].lines.pop();
             continue;
@@ -78,7 +78,7 @@ pub struct PanelBlock {
     pub rank: u8,
     pub lines: Vec<PanelLine>,
     /// The lines that it keeps as long as it is there; those after them are left out before any block is.
-    pub least: usize,
+    pub min: usize,
 }
 
 /// A line of a block.
@@ -186,11 +186,11 @@ fn draw_bar(pen: &mut TextPen, shares: &[(f64, Rgb)], (left, right): (f32, f32),
 
 impl PanelBlock {
     pub fn new(rank: u8, lines: Vec<PanelLine>) -> Self {
-        Self { rank, least: lines.len(), lines }
+        Self { rank, min: lines.len(), lines }
     }
 
-    pub fn with_least(self, least: usize) -> Self {
-        Self { least, ..self }
+    pub fn with_min(self, min: usize) -> Self {
+        Self { min, ..self }
     }
 
     /// In heights of text.
@@ -230,7 +230,7 @@ mod tests {
 
     #[test]
     fn lines_that_can_be_spared_give_way_before_blocks() {
-        let blocks = vec![block(0, 4).with_least(2), block(1, 2), block(9, 6).with_least(3)];
+        let blocks = vec![block(0, 4).with_min(2), block(1, 2), block(9, 6).with_min(3)];
         let lines = |room| fit(blocks.clone(), 1, room).0.iter().map(|block| block.lines.len()).collect::<Vec<_>>();
         assert_eq!(lines(100.0), [4, 2, 6]);
         assert_eq!(lines(21.0), [4, 2, 4]);

@@ -80,7 +80,7 @@ fn whole(at: f32) -> i32 {
 /// The width of a sign's canvas in widths of its bush, so that flames have room.
 const SIGN_ROOM: f32 = 1.4;
 /// Smaller signs, in pixels, are flat, as cells are that are small.
-const LEAST_DRAWN: f32 = 11.0;
+const MIN_DRAWN: f32 = 11.0;
 const FLAT: f32 = 0.75;
 
 /// Drawings of bushes by state, all for cells of one size.
@@ -103,7 +103,7 @@ impl Signs {
 fn draw_sign_canvas(kind: BushStateKind, side: f32) -> Canvas {
     let mut sheet = Canvas::sized(SIGN_ROOM * side, SIGN_ROOM * side, PAPER);
     let middle = 0.5 * sheet.width() as f32;
-    if side < LEAST_DRAWN {
+    if side < MIN_DRAWN {
         let (corner, flat) = (middle - 0.5 * FLAT * side, FLAT * side);
         sheet.fill_rect(corner, corner, flat, flat, bush_colour(kind));
     } else {

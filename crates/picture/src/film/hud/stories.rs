@@ -96,7 +96,7 @@ fn compared_agent_lines(view: &HudView, id: AgentId) -> Vec<PanelLine> {
 }
 
 /// The number of last changes of a bush that are listed, those to come included.
-const MOST_CHANGES: usize = 6;
+const MAX_CHANGES: usize = 6;
 
 pub fn story_block(view: &HudView) -> Option<PanelBlock> {
     let (run_index, selected) = view.options.selected?;
@@ -140,7 +140,7 @@ fn bush_story(run: &RunView, cell: Cell, now: SimTime) -> Option<Vec<PanelLine>>
             burns_since = Some(event.time);
         }
     }
-    let dropped = lines.len().saturating_sub(2 * MOST_CHANGES);
+    let dropped = lines.len().saturating_sub(2 * MAX_CHANGES);
     Some(lines.split_off(dropped))
 }
 

@@ -224,7 +224,7 @@ impl RunData {
             reach_m: setting.rules.suppression_reach_m,
             spread_radius_m: setting.rules.fire.map(|fire| fire.spread_radius_m),
             burn_out_ns: setting.rules.fire.and_then(|fire| fire.burn_out).map(SimTime::as_nanos),
-            without_intact: scale.most(),
+            without_intact: scale.max(),
             agents,
             changes,
             counts: count_table(run, &setting.rules),

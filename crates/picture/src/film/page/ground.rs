@@ -15,7 +15,7 @@ use crate::film::{Layer, RunView};
 use wildfire_base::time::SimTime;
 
 /// A page has a number for each cell of ground, and a browser a pixel: more would be too much for either.
-pub const MOST_GROUND_CELLS: usize = 2048 * 2048;
+pub const MAX_GROUND_CELLS: usize = 2048 * 2048;
 
 const NANOS_PER_MILLI: u64 = 1_000_000;
 /// Parts of a cell in which lines are written.

@@ -12,7 +12,7 @@ use data_encoding::BASE64;
 use miniz_oxide::deflate::compress_to_vec_zlib;
 use serde::Serialize;
 
-pub use ground::MOST_GROUND_CELLS;
+pub use ground::MAX_GROUND_CELLS;
 
 use data::{RunData, hex};
 
@@ -214,7 +214,7 @@ impl PageData {
                 .filter(|binding| !WINDOW_ONLY.contains(&binding.keys))
                 .map(|binding| [binding.keys, binding.does])
                 .collect(),
-            zooms: [Camera::LEAST_ZOOM, Camera::MOST_ZOOM],
+            zooms: [Camera::MIN_ZOOM, Camera::MAX_ZOOM],
             colours: colours(),
             state_names: BushStateKind::ALL.map(BushStateKind::name),
             state_colours: BushStateKind::ALL.map(|kind| hex(bush_colour(kind))),

@@ -90,13 +90,13 @@ impl LocalSearch {
             return Err(PlanFailure::StartBlocked);
         }
         // More clearance than a goal pose has cannot be kept; a share of it, so that rounding does not decide.
-        let most_m = match goal {
+        let max_m = match goal {
             Goal::Pose(end) => END_SHARE * self.checker.clearance(end),
             Goal::Disc(_) => f64::INFINITY,
         };
         let mut ending = SearchFailure::Exhausted;
         for stage in SCHEDULE {
-            let min_clearance_m = stage.min_clearance_m(self.settings.clearance_m, most_m);
+            let min_clearance_m = stage.min_clearance_m(self.settings.clearance_m, max_m);
             let profile = ClearanceProfile::from_start(min_clearance_m, start, start_clearance);
             let budget = self.settings.max_expansions;
             let limit = self.expansions.saturating_add(part_of(budget, stage.effort)).min(budget);

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::kit::closed_set::check_bins;
-use crate::kit::relaxed_search::MOST_FIRST_EXPANSIONS;
+use crate::kit::relaxed_search::MAX_FIRST_EXPANSIONS;
 use wildfire_base::ranges;
 
 /// Settings of the planner `hybrid-astar`. Lengths are metres.
@@ -58,5 +58,5 @@ impl Default for HybridSettings {
 ranges! { HybridSettings {
     clearance_m: 0.01..=100.0, step_m: 0.1..=1000.0, bin_m: 0.01..=1000.0, headings: 4.0..=360.0,
     cusp_cost: 0.0..=1e6, heuristic_weight: 0.0..=1000.0, shortcuts: 0.0..=1e6, pulls: 0.0..=1000.0,
-    first_expansions: 1.0..=MOST_FIRST_EXPANSIONS as f64, max_expansions: 1.0..=1e6, seconds_per_expansion: 0.0..=1e6,
+    first_expansions: 1.0..=MAX_FIRST_EXPANSIONS as f64, max_expansions: 1.0..=1e6, seconds_per_expansion: 0.0..=1e6,
 } and |own, frame| check_bins(own.bin_m, frame) }

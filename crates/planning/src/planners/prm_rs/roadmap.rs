@@ -206,9 +206,9 @@ impl Roadmap {
     }
 
     /// Returns the maximum number of links of a node.
-    pub fn most_links(&self) -> usize {
+    pub fn max_links(&self) -> usize {
         match &self.mode {
-            RoadmapMode::Eager { graph, .. } => graph.most_links(),
+            RoadmapMode::Eager { graph, .. } => graph.max_links(),
             RoadmapMode::Lazy { .. } => self.neighbours_when_lazy(),
         }
     }
@@ -219,9 +219,9 @@ impl Roadmap {
     }
 
     /// Discards the grown part if it has more nodes than this. Growing it again gives the same poses and edges.
-    pub fn forget_beyond(&mut self, most: usize) {
+    pub fn forget_beyond(&mut self, max: usize) {
         if let RoadmapMode::Lazy { tiles, links, .. } = &mut self.mode
-            && self.nodes.len() > most
+            && self.nodes.len() > max
         {
             tiles.clear();
             (*links, self.nodes, self.edges, self.ways) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -436,8 +436,8 @@ impl Roadmap {
     }
 
     /// Returns what no way between two nodes is shorter than.
-    pub fn least_m(&self, from: u32, to: u32) -> f64 {
-        least_length_m(self.curves.radius_m, self.pose(from), self.pose(to))
+    pub fn min_m(&self, from: u32, to: u32) -> f64 {
+        min_length_m(self.curves.radius_m, self.pose(from), self.pose(to))
     }
 
     fn way(&mut self, edge: u32) -> &PricedCurve {
@@ -499,7 +499,7 @@ impl Roadmap {
 }
 
 /// Returns what no curve between two poses is shorter than: the straight line, and what turning takes.
-pub fn least_length_m(radius_m: f64, from: Pose, to: Pose) -> f64 {
+pub fn min_length_m(radius_m: f64, from: Pose, to: Pose) -> f64 {
     let turn = ops::wrap_angle(to.heading - from.heading).abs();
     from.position().distance(to.position()).max(radius_m * turn)
 }
@@ -546,7 +546,7 @@ mod tests {
                     assert!((passage.cost - path.length_m() - 2.0 * f64::from(path.cusps())).abs() < 1e-6);
                     assert_eq!(passage.departs_reverse, path.segments[0].is_reverse());
                     assert_eq!(passage.arrives_reverse, path.segments[path.segments.len() - 1].is_reverse());
-                    assert!(roadmap.least_m(node, link.to) <= passage.cost + 1e-9);
+                    assert!(roadmap.min_m(node, link.to) <= passage.cost + 1e-9);
                     if roadmap.is_free(link.edge, 0) {
                         free += 1;
                         assert!(least_clearance(&field.checker, &path) > roadmap.clearance_m(0) - 0.03 - 1e-6);

@@ -16,7 +16,7 @@ use wildfire_base::geometry::Pose;
 use wildfire_base::vehicle::reeds_shepp::PricedCurve;
 use wildfire_base::vehicle::{Dimensions, Path, Segment};
 
-use super::roadmap::{ClearanceLevel, Roadmap, least_length_m};
+use super::roadmap::{ClearanceLevel, Roadmap, min_length_m};
 
 /// Milestones as near as this to the start, or to the goal, are tried for a way from or to there.
 const LINK_M: f64 = 40.0;
@@ -31,8 +31,8 @@ const LOCAL_M: f64 = 30.0;
 const WEIGHT_GROWING: f64 = 1.3;
 /// and enter no more milestones than this, and this number for every metre of the straight line. Most drives that it
 /// serves take less; others are served better by the lattice search.
-const MOST_ENTERED: f64 = 30.0;
-const MOST_ENTERED_A_METRE: f64 = 0.1;
+const MAX_ENTERED: f64 = 30.0;
+const MAX_ENTERED_A_METRE: f64 = 0.1;
 /// The lattice of poses about the start.
 const LATTICE: Lattice = Lattice { bin_m: 2.5, headings: 24, step_m: 4.0 };
 
@@ -135,10 +135,10 @@ impl RoadmapSearch {
         self.notes.begin();
         let limits = if roadmap.is_lazy() {
             let straight_m = query.target.straight_m(query.start.position());
-            let most_entered = (MOST_ENTERED + MOST_ENTERED_A_METRE * straight_m) as u32;
-            SearchLimits { weight: WEIGHT_GROWING, most_entered }
+            let max_entered = (MAX_ENTERED + MAX_ENTERED_A_METRE * straight_m) as u32;
+            SearchLimits { weight: WEIGHT_GROWING, max_entered }
         } else {
-            SearchLimits { weight: WEIGHT, most_entered: u32::MAX }
+            SearchLimits { weight: WEIGHT, max_entered: u32::MAX }
         };
         let mut space = RoadmapSpace { query, roadmap, notes: &mut self.notes, limits };
         self.search.begin(&mut space, [query.start], Mark { via: NodeEntry::Motion, expansion: None });
@@ -204,7 +204,7 @@ struct RoadmapSpace<'a> {
 struct SearchLimits {
     /// Costs-to-go are multiplied with this.
     weight: f64,
-    most_entered: u32,
+    max_entered: u32,
 }
 
 impl RoadmapSpace<'_> {
@@ -219,15 +219,15 @@ impl RoadmapSpace<'_> {
     }
 
     /// Returns what no way from a pose to the goal is shorter than.
-    fn least_cost_to_go(&self, pose: Pose) -> f64 {
+    fn min_cost_to_go(&self, pose: Pose) -> f64 {
         let body = self.query.checker.body();
         match self.query.target {
-            Target::Pose(end) => least_length_m(body.turning_radius_m, pose, end),
+            Target::Pose(end) => min_length_m(body.turning_radius_m, pose, end),
             Target::Discs(discs) => {
-                let least = |disc: &GoalDisc| {
+                let min = |disc: &GoalDisc| {
                     (pose.position().distance(disc.centre) - body.centre_offset_m() - disc.radius_m).max(0.0)
                 };
-                discs.iter().map(least).fold(f64::INFINITY, f64::min)
+                discs.iter().map(min).fold(f64::INFINITY, f64::min)
             }
         }
     }
@@ -243,8 +243,8 @@ impl RoadmapSpace<'_> {
         self.notes.know(self.roadmap);
         for &(_, to) in &self.notes.near {
             let pose = self.roadmap.pose(to);
-            let cost = least_length_m(self.query.checker.body().turning_radius_m, start, pose);
-            let key = cost + self.limits.weight * self.least_cost_to_go(pose);
+            let cost = min_length_m(self.query.checker.body().turning_radius_m, start, pose);
+            let key = cost + self.limits.weight * self.min_cost_to_go(pose);
             search.push(key.max(from.key), cost, from.node, Step::Own(Along::Curve { to }));
         }
     }
@@ -340,8 +340,8 @@ impl RoadmapSpace<'_> {
                 continue;
             }
             // What a link costs at least holds whether its curve is known or not.
-            let cost = from.cost + self.roadmap.least_m(node, link.to);
-            let key = cost + self.limits.weight * self.least_cost_to_go(self.roadmap.pose(link.to));
+            let cost = from.cost + self.roadmap.min_m(node, link.to);
+            let key = cost + self.limits.weight * self.min_cost_to_go(self.roadmap.pose(link.to));
             search.push(key.max(from.key), cost, reached, Step::Own(Along::Link { link: number }));
         }
     }
@@ -366,10 +366,10 @@ impl SearchSpace for RoadmapSpace<'_> {
     /// milestones as it may ends as one without memory does, and the planner asks for less.
     fn has_room(&mut self, search: &mut SearchOf<Self>) -> bool {
         let Self { roadmap, notes, .. } = self;
-        if notes.effort.roadmap_expansions >= self.limits.most_entered {
+        if notes.effort.roadmap_expansions >= self.limits.max_entered {
             return false;
         }
-        let offered = search.motions.len().max(roadmap.most_links());
+        let offered = search.motions.len().max(roadmap.max_links());
         let lists = notes.curves.bytes_after(1) + notes.expansions.bytes_after(2) + notes.near.bytes_after(0);
         let states = if roadmap.is_lazy() { notes.states.bytes_after(0) } else { 0 };
         let bytes = search.bytes_after(1, offered) + lists + states;

@@ -22,7 +22,7 @@ use wildfire_base::time::SimTime;
 use wildfire_timeline::AgentId;
 
 /// Fires in a route at most: by the time of a tenth all has changed.
-const MOST_STOPS: usize = 10;
+const MAX_STOPS: usize = 10;
 
 /// Fires near the start of a route, and near each stop in it, that a truck looks at.
 const LOOKED_AT: usize = 8;
@@ -137,7 +137,7 @@ struct Auctioneer<'a> {
 impl Auctioneer<'_> {
     /// Draws up a truck's bids for fires that nobody has won, the best last.
     fn bids(&self, route: &Route<'_>, won: &[bool], effort: &mut u64) -> Vec<Bid> {
-        if route.stops.len() >= MOST_STOPS {
+        if route.stops.len() >= MAX_STOPS {
             return Vec::new();
         }
         let (team, truck) = (self.open.team, route.truck);
@@ -335,7 +335,7 @@ mod tests {
     }
 
     /// The most bushes that the trucks can save, by trying all routes.
-    fn most_saved(
+    fn max_saved(
         open: &OpenFires<'_>,
         threats: &[u32],
         trucks: &[TeamTruck],
@@ -345,20 +345,20 @@ mod tests {
         let Some((truck, others)) = trucks.split_first() else { return 0 };
         // The last `own` of what is taken is this truck's route.
         let Some((_, saved)) = drive(open, threats, truck, &taken[taken.len() - own..]) else { return 0 };
-        let mut most = saved + most_saved(open, threats, others, taken, 0);
+        let mut max = saved + max_saved(open, threats, others, taken, 0);
         for fire in 0..open.fires.len() {
             if !taken.contains(&fire) {
                 taken.push(fire);
-                most = most.max(most_saved(open, threats, trucks, taken, own + 1));
+                max = max.max(max_saved(open, threats, trucks, taken, own + 1));
                 taken.pop();
             }
         }
-        most
+        max
     }
 
     #[test]
     fn an_auction_saves_nearly_what_the_best_routes_save() {
-        let (mut saved, mut most) = (0, 0);
+        let (mut saved, mut max) = (0, 0);
         for seed in 0..60 {
             let sample = Sample::drawn(seed, 2, 5);
             let team = sample.team();
@@ -371,12 +371,12 @@ mod tests {
                     drive(&open, &threats, route.truck, &fires).expect("nobody is late").1
                 })
                 .sum();
-            let of_best = most_saved(&open, &threats, &team.trucks, &mut Vec::new(), 0);
+            let of_best = max_saved(&open, &threats, &team.trucks, &mut Vec::new(), 0);
             assert!(of_auction <= of_best, "seed {seed}: {of_auction} bushes, {of_best} at most");
             saved += of_auction;
-            most += of_best;
+            max += of_best;
         }
-        assert!(saved * 20 >= most * 19, "{saved} of {most}");
+        assert!(saved * 20 >= max * 19, "{saved} of {max}");
     }
 
     #[test]

@@ -18,7 +18,7 @@ use wildfire_base::time::SimTime;
 /// How far a forecast looks ahead: two fires after each other, from ignition to burn-out, under the rules of the contest.
 const HORIZON: SimTime = SimTime::from_nanos(180_000_000_000);
 /// A fire that spreads without end is followed up to so many bushes.
-const MOST_FIRES: usize = 4000;
+const MAX_FIRES: usize = 4000;
 
 /// The loss in a forecast: bushes first, then the time in which bushes burn.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -193,7 +193,7 @@ impl Future<'_> {
         let team = self.of.team;
         for &(cols, rows) in &self.of.near {
             let Some(cell) = team.frame.offset(from, cols, rows) else { continue };
-            if self.fires.len() >= MOST_FIRES || !team.intact.is_intact(cell) || !self.lit.insert(cell) {
+            if self.fires.len() >= MAX_FIRES || !team.intact.is_intact(cell) || !self.lit.insert(cell) {
                 continue;
             }
             let delay = team.rules.spread.filter(|_| team.rules.caught_spreads).map(|(_, delay)| delay);

@@ -52,7 +52,7 @@ impl Assignment for Hungarian {
             }
             costs[number * width + columns.len() + number] = 0.0;
         }
-        let columns_of = least_total(asked.len(), width, |row, column| costs[row * width + column]);
+        let columns_of = min_total(asked.len(), width, |row, column| costs[row * width + column]);
         let goals = columns_of.iter().enumerate().filter_map(|(row, &column)| Some((row, *columns.get(column)?)));
         goals.map(|(row, fire)| (team.trucks[asked[row]].id, open.fires[fire].cell)).collect()
     }
@@ -71,13 +71,13 @@ pub fn bushes_saved(open: &OpenFires<'_>, threats: &[u32], fire: usize, out_at: 
 /// Assigns each row a column of its own at the least total cost, and returns the columns by row. There must be at least
 /// as many columns as rows, and a choice of finite costs. Rows are added one by one, and of columns at equal cost the
 /// first is preferred, so ties are always broken alike.
-pub fn least_total(rows: usize, columns: usize, cost: impl Fn(usize, usize) -> f64) -> Vec<usize> {
+pub fn min_total(rows: usize, columns: usize, cost: impl Fn(usize, usize) -> f64) -> Vec<usize> {
     // Rows and columns count from 1: column 0 stands for the row that comes in, row 0 for nobody.
     let (mut row_price, mut column_price) = (vec![0.0; rows + 1], vec![0.0; columns + 1]);
     let mut row_of = vec![0; columns + 1];
     for incoming in 1..=rows {
         // Dijkstra's search over columns, by costs less prices, which never are negative; it ends at a free column.
-        let (mut least, mut before) = (vec![f64::INFINITY; columns + 1], vec![0; columns + 1]);
+        let (mut min, mut before) = (vec![f64::INFINITY; columns + 1], vec![0; columns + 1]);
         let mut is_done = vec![false; columns + 1];
         row_of[0] = incoming;
         let mut column = 0;
@@ -87,11 +87,11 @@ pub fn least_total(rows: usize, columns: usize, cost: impl Fn(usize, usize) -> f
             let (mut step, mut next) = (f64::INFINITY, 0);
             for other in (1..=columns).filter(|&other| !is_done[other]) {
                 let reduced = cost(row - 1, other - 1) - row_price[row] - column_price[other];
-                if reduced < least[other] {
-                    (least[other], before[other]) = (reduced, column);
+                if reduced < min[other] {
+                    (min[other], before[other]) = (reduced, column);
                 }
-                if least[other] < step {
-                    (step, next) = (least[other], other);
+                if min[other] < step {
+                    (step, next) = (min[other], other);
                 }
             }
             assert!(next != 0, "every row can have a column at a finite cost");
@@ -101,7 +101,7 @@ pub fn least_total(rows: usize, columns: usize, cost: impl Fn(usize, usize) -> f
                     row_price[row_of[other]] += step;
                     column_price[other] -= step;
                 } else {
-                    least[other] -= step;
+                    min[other] -= step;
                 }
             }
             column = next;
@@ -147,7 +147,7 @@ mod tests {
                 _ => f64::from(rng.random_range(-4..12)),
             };
             let table: Vec<Vec<f64>> = (0..rows).map(|row| (0..columns).map(|c| cost(row, c)).collect()).collect();
-            let columns_of = least_total(rows, columns, |row, column| table[row][column]);
+            let columns_of = min_total(rows, columns, |row, column| table[row][column]);
             let mut distinct = columns_of.clone();
             distinct.sort_unstable();
             distinct.dedup();
@@ -191,9 +191,9 @@ mod tests {
                 seconds += (out_at - team.now).as_seconds();
             }
             let asked: Vec<usize> = team.asked().map(|truck| usize::from(truck.id.number)).collect();
-            let (most, least_s) = best(&open, &threats, &asked, 0);
-            assert_eq!(saved, most, "seed {seed}");
-            assert!((seconds - least_s).abs() < 1e-6, "seed {seed}: {seconds} s, {least_s} s would do");
+            let (max, min_s) = best(&open, &threats, &asked, 0);
+            assert_eq!(saved, max, "seed {seed}");
+            assert!((seconds - min_s).abs() < 1e-6, "seed {seed}: {seconds} s, {min_s} s would do");
         }
     }
 }

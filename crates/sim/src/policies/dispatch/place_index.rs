@@ -5,7 +5,7 @@ use glam::DVec2;
 use wildfire_base::geometry::FieldFrame;
 
 /// Buckets a side at most: more would cost more to build than they save.
-const MOST_BUCKETS: f64 = 64.0;
+const MAX_BUCKETS: f64 = 64.0;
 
 /// Places on a field, by bucket. They are named by their numbers in the list that the index was built from.
 #[derive(Clone, Debug)]
@@ -24,7 +24,7 @@ impl PlaceIndex {
     /// Builds the index, in time linear in the number of places.
     pub fn new(frame: &FieldFrame, places: Vec<DVec2>) -> Self {
         // About one place a bucket if they are spread evenly; fires are not, and a bucket of many is searched in a line.
-        let across = (places.len() as f64).sqrt().ceil().clamp(1.0, MOST_BUCKETS);
+        let across = (places.len() as f64).sqrt().ceil().clamp(1.0, MAX_BUCKETS);
         let bucket_m = frame.width_m().max(frame.height_m()) / across;
         let (cols, rows) = ((frame.width_m() / bucket_m).ceil() as i64, (frame.height_m() / bucket_m).ceil() as i64);
         let mut index = Self { places, bucket_m, cols, rows, begins: Vec::new(), order: Vec::new() };
@@ -41,22 +41,22 @@ impl PlaceIndex {
         index
     }
 
-    /// Finds the `count` nearest accepted places at most `most_m` away: distances and numbers, nearest first; ties go
+    /// Finds the `count` nearest accepted places at most `max_m` away: distances and numbers, nearest first; ties go
     /// to the smaller number.
     pub fn nearest(
         &self,
         from: DVec2,
         count: usize,
-        most_m: f64,
+        max_m: f64,
         mut accept: impl FnMut(usize) -> bool,
     ) -> Vec<(f64, usize)> {
         let mut found: Vec<(f64, usize)> = Vec::new();
         let (col, row) = self.bucket_of(from);
         for ring in 0..self.cols.max(self.rows) {
             // Nothing in this ring or beyond is nearer than that; places as far as the last one found may still win by number.
-            let least_m = (ring - 1) as f64 * self.bucket_m;
-            let is_full = found.len() == count && found.last().is_some_and(|&(last_m, _)| last_m < least_m);
-            if least_m > most_m || is_full {
+            let min_m = (ring - 1) as f64 * self.bucket_m;
+            let is_full = found.len() == count && found.last().is_some_and(|&(last_m, _)| last_m < min_m);
+            if min_m > max_m || is_full {
                 break;
             }
             for across in row - ring..=row + ring {
@@ -71,7 +71,7 @@ impl PlaceIndex {
                     for &number in &self.order[self.begins[bucket] as usize..self.begins[bucket + 1] as usize] {
                         let (metres, number) = ((self.places[number as usize] - from).length(), number as usize);
                         let at = found.partition_point(|&known| known < (metres, number));
-                        if metres <= most_m && at < count && accept(number) {
+                        if metres <= max_m && at < count && accept(number) {
                             found.truncate(count - 1);
                             found.insert(at, (metres, number));
                         }
@@ -112,14 +112,14 @@ mod tests {
             let index = PlaceIndex::new(&frame, places.clone());
             for _ in 0..60 {
                 let from = DVec2::new(rng.random_range(-20.0..220.0), rng.random_range(-20.0..150.0));
-                let (count, most_m) = (rng.random_range(1..6), rng.random_range(1.0..250.0));
+                let (count, max_m) = (rng.random_range(1..6), rng.random_range(1.0..250.0));
                 let accept = |number: usize| number % 3 != 1;
                 let metres = |number: usize| (places[number] - from).length();
                 let mut all: Vec<_> = (0..size).filter(|&number| accept(number)).map(|n| (metres(n), n)).collect();
-                all.retain(|&(metres, _)| metres <= most_m);
+                all.retain(|&(metres, _)| metres <= max_m);
                 all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
                 all.truncate(count);
-                assert_eq!(index.nearest(from, count, most_m, accept), all, "{size} places, from {from}");
+                assert_eq!(index.nearest(from, count, max_m, accept), all, "{size} places, from {from}");
             }
         }
     }

@@ -204,8 +204,8 @@ mod tests {
             let open = OpenFires::new(&team);
             let all = (0..open.fires.len()).filter(|&fire| open.prospect(&team.trucks[0], fire).is_some());
             let all = all.map(|fire| loss(&team, &[(team.trucks[0].id, open.fires[fire].cell)]));
-            let least = all.chain([loss(&team, &[])]).min_by(Loss::cmp).expect("to wait is one");
-            assert!(!beats(least, found), "seed {seed}: {least:?} is less than {found:?}");
+            let min = all.chain([loss(&team, &[])]).min_by(Loss::cmp).expect("to wait is one");
+            assert!(!beats(min, found), "seed {seed}: {min:?} is less than {found:?}");
         }
     }
 }

@@ -39,18 +39,18 @@ impl Sample {
     }
 
     /// Creates random trucks and fires up to these numbers; some trucks are busy, some are driving.
-    pub fn drawn(seed: u64, most_trucks: u16, most_fires: usize) -> Self {
+    pub fn drawn(seed: u64, max_trucks: u16, max_fires: usize) -> Self {
         let mut rng = rng::stream(seed, "team");
         let mut sample = Self::with_trucks(&[]);
         sample.now_s = 100.0;
         sample.intact = (0..FRAME.cell_count()).map(|_| rng.random_bool(0.1)).collect();
         // Half of them in one corner, so that some threaten the same bushes.
-        for number in 0..rng.random_range(1..=most_fires) {
+        for number in 0..rng.random_range(1..=max_fires) {
             let side = if number % 2 == 0 { 50 } else { 15 };
             let cell = Cell { col: rng.random_range(0..side), row: rng.random_range(0..side) };
             sample.burn_since(cell, 100.0 - rng.random_range(0.0..60.0));
         }
-        for number in 0..rng.random_range(1..=most_trucks) {
+        for number in 0..rng.random_range(1..=max_trucks) {
             let place = DVec2::new(rng.random_range(5.0..245.0), rng.random_range(5.0..245.0));
             let mut truck = truck_at(number, place);
             let goal = sample.fires[rng.random_range(0..sample.fires.len())].cell;

@@ -6,7 +6,7 @@ use super::team::{Fire, Team};
 use wildfire_base::geometry::Cell;
 
 /// Pairs of a fire and a cell at most; where a radius reaches over whole fields nothing tells fires apart.
-const MOST_PAIRS: usize = 1 << 22;
+const MAX_PAIRS: usize = 1 << 22;
 
 /// Distances between cell centres are exact multiples of the cell size; this absorbs the rounding of their product.
 const RADIUS_TOLERANCE: f64 = 1e-9;
@@ -20,7 +20,7 @@ pub fn threats(team: &Team<'_>, fires: &[Fire]) -> Vec<u32> {
     };
     let spreads = |fire: &&Fire| fire.spreads_at > team.now && fire.spreads_at < fire.burns_out.min(team.end);
     let spreading: Vec<&Fire> = team.fires.iter().filter(spreads).collect();
-    if spreading.len().saturating_mul(offsets.len()) > MOST_PAIRS {
+    if spreading.len().saturating_mul(offsets.len()) > MAX_PAIRS {
         return vec![0; fires.len()];
     }
     let reached = |fire: usize| {
@@ -48,8 +48,8 @@ pub fn threats(team: &Team<'_>, fires: &[Fire]) -> Vec<u32> {
 pub fn cells_within(radius_m: f64, team: &Team<'_>) -> Vec<(i32, i32)> {
     let across = radius_m / team.frame.cell_m;
     let limit = across * across * (1.0 + RADIUS_TOLERANCE);
-    let most = |count: u16| limit.sqrt().floor().min(f64::from(count) - 1.0) as i32;
-    let (cols, rows) = (most(team.frame.cols), most(team.frame.rows));
+    let max = |count: u16| limit.sqrt().floor().min(f64::from(count) - 1.0) as i32;
+    let (cols, rows) = (max(team.frame.cols), max(team.frame.rows));
     let all = (-rows..=rows).flat_map(|row| (-cols..=cols).map(move |col| (col, row)));
     let is_near = |&(col, row): &(i32, i32)| (col, row) != (0, 0) && f64::from(col * col + row * row) <= limit;
     all.filter(is_near).collect()

@@ -47,7 +47,7 @@ impl LearnedArsonist {
             let thickness = self.density.thickness(seen, cell) as f64;
             let worth = self.density.worth(thickness, place, agent.place, &around.others);
             let value = ops::ln(worth) + self.network.value(&around.inputs(agent.place, place, thickness));
-            if best.is_none_or(|(most, _)| value > most) {
+            if best.is_none_or(|(max, _)| value > max) {
                 best = Some((value, cell));
             }
         }

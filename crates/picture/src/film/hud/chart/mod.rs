@@ -25,8 +25,8 @@ const AHEAD: f64 = 0.35;
 
 /// The intact bushes are left out of a chart where they would never take less of its height than this many fifths, and where
 /// the bushes are so many that one of them is not seen: what one looks for would be a line at the lower edge.
-const MOST_FIFTHS: u32 = 4;
-const LEAST_BUSHES: u32 = 1000;
+const MAX_FIFTHS: u32 = 4;
+const MIN_BUSHES: u32 = 1000;
 /// The share of the height that what is left takes at most, so that the words above it have room.
 const FILLED: f64 = 0.8;
 
@@ -89,7 +89,7 @@ pub enum CountScale {
     /// All bushes of a run take the whole height.
     All,
     /// The intact ones are left out, and this many bushes take the whole height.
-    WithoutIntact { most: f64 },
+    WithoutIntact { max: f64 },
 }
 
 impl CountScale {
@@ -99,24 +99,24 @@ impl CountScale {
         let changed_and_all: Vec<(u32, u32)> =
             counts.map(|counts| (counts.bushes() - counts.count(BushStateKind::Intact), counts.bushes())).collect();
         let is_dwarfed = |&(changed, all): &(u32, u32)| {
-            all >= LEAST_BUSHES && u64::from(changed) * 5 <= u64::from(all) * u64::from(5 - MOST_FIFTHS)
+            all >= MIN_BUSHES && u64::from(changed) * 5 <= u64::from(all) * u64::from(5 - MAX_FIFTHS)
         };
-        let most = changed_and_all.iter().map(|&(changed, _)| changed).max().unwrap_or(0);
-        if most > 0 && changed_and_all.iter().all(is_dwarfed) {
+        let max = changed_and_all.iter().map(|&(changed, _)| changed).max().unwrap_or(0);
+        if max > 0 && changed_and_all.iter().all(is_dwarfed) {
             // Round, since a strip of little height has no number but those at its ends.
-            let most = f64::from(most) / FILLED;
-            let step = round_step(most / 20.0);
-            Self::WithoutIntact { most: step * (most / step).ceil() }
+            let max = f64::from(max) / FILLED;
+            let step = round_step(max / 20.0);
+            Self::WithoutIntact { max: step * (max / step).ceil() }
         } else {
             Self::All
         }
     }
 
     /// Returns how many bushes take the whole height, where the intact ones are left out.
-    pub fn most(self) -> Option<f64> {
+    pub fn max(self) -> Option<f64> {
         match self {
             Self::All => None,
-            Self::WithoutIntact { most } => Some(most),
+            Self::WithoutIntact { max } => Some(max),
         }
     }
 }
@@ -146,11 +146,11 @@ fn draw_chart(runs: &[&RunView], layout: &FrameLayout, lettering: &mut Lettering
             draw_event_lanes(&mut pen, rows, run);
         }
         draw_stacked_counts(&mut pen, strip.area, run);
-        let most = match scale {
+        let max = match scale {
             CountScale::All => f64::from(run.counts_at(SimTime::ZERO).bushes()),
-            CountScale::WithoutIntact { most } => most,
+            CountScale::WithoutIntact { max } => max,
         };
-        draw_value_axis(&mut pen, strip.area, (0.0, most));
+        draw_value_axis(&mut pen, strip.area, (0.0, max));
         if scale != CountScale::All {
             draw_without_intact(&mut pen, strip.area, run);
         }
@@ -272,8 +272,8 @@ fn draw_time_axis(ChartPen { canvas, lettering, plan, end, .. }: &mut ChartPen) 
     let last = end.as_seconds() / unit_s;
     let (left, width) = (plan.columns.0 as f32, plan.columns.1 as f32);
     let base = plan.axis_base as f32;
-    let most = (width / plan.length(BETWEEN_TIMES)) as usize;
-    for tick in ticks(0.0, last, most.max(1), 0.0) {
+    let max = (width / plan.length(BETWEEN_TIMES)) as usize;
+    for tick in ticks(0.0, last, max.max(1), 0.0) {
         let x = left + width * to_f32(tick.value / last.max(f64::MIN_POSITIVE));
         let (mark, top) = (plan.length(0.35), base - plan.length(1.7));
         canvas.fill_rect(x, top, 1.0, mark, INK);
@@ -290,10 +290,10 @@ fn draw_value_axis(
     (low, high): (f64, f64),
 ) {
     let (top, height) = (top as f32, height as f32);
-    let most = (height / plan.length(BETWEEN_VALUES)) as usize;
+    let max = (height / plan.length(BETWEEN_VALUES)) as usize;
     let right = plan.columns.0 as f32 - 1.0;
     canvas.fill_rect(right, top, 1.0, height, FAINT_INK);
-    for tick in ticks(low, high, most.max(1), 1.0) {
+    for tick in ticks(low, high, max.max(1), 1.0) {
         let share = (tick.value - low) / (high - low).max(f64::MIN_POSITIVE);
         let y = top + height * (1.0 - to_f32(share));
         canvas.fill_rect(right - plan.length(0.3), y.min(top + height - 1.0), plan.length(0.3), 1.0, INK);
@@ -328,7 +328,7 @@ mod tests {
 
     #[test]
     fn intact_bushes_are_left_out_where_they_would_take_most_of_the_height() {
-        for (bushes, lit, most) in [
+        for (bushes, lit, max) in [
             (2000, 400, Some(500.0)),
             (2000, 401, None),
             (2000, 0, None),
@@ -336,11 +336,11 @@ mod tests {
             (1000, 8, Some(10.0)),
             (10_000, 1671, Some(2200.0)),
         ] {
-            let expected = most.map_or(CountScale::All, |most| CountScale::WithoutIntact { most });
+            let expected = max.map_or(CountScale::All, |max| CountScale::WithoutIntact { max });
             assert_eq!(CountScale::new(&[&run(bushes, lit)]), expected, "{lit} of {bushes}");
         }
         let (calm, wild) = (run(2000, 8), run(2000, 80));
-        assert_eq!(CountScale::new(&[&calm, &wild]), CountScale::WithoutIntact { most: 100.0 });
+        assert_eq!(CountScale::new(&[&calm, &wild]), CountScale::WithoutIntact { max: 100.0 });
         assert_eq!(CountScale::new(&[&calm, &run(2000, 1000)]), CountScale::All);
     }
 

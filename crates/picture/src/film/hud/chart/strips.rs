@@ -43,13 +43,13 @@ fn column_time(column: u32, width: u32, end: SimTime) -> SimTime {
 /// Returns how far down the upper edge of each part lies, in rows.
 fn edges(counts: &BushCounts, scale: CountScale, height: u32) -> [f64; 4] {
     let (mut below, height) = (0, f64::from(height));
-    let most = match scale {
+    let max = match scale {
         CountScale::All => f64::from(counts.bushes().max(1)),
-        CountScale::WithoutIntact { most } => most,
+        CountScale::WithoutIntact { max } => max,
     };
     STACKED.map(|kind| {
         below += counts.count(kind);
-        height * (1.0 - f64::from(below) / most)
+        height * (1.0 - f64::from(below) / max)
     })
 }
 

@@ -41,7 +41,7 @@ const LOOKED_AT_PER_NEIGHBOUR: usize = 5;
 const ROAD_SQUARE_M: f64 = 15.0;
 
 /// Where more than this share of a field is as fast as any, that is no road.
-const MOST_ROADS: f64 = 0.3;
+const MAX_ROADS: f64 = 0.3;
 
 /// Milestones and the free straight lines between them.
 #[derive(Debug)]
@@ -86,7 +86,7 @@ impl Roadmap {
         let cells = || (0..frame.cell_count()).map(|index| (ground.share(index), frame.cell(index)));
         let fastest = cells().map(|(share, _)| share).fold(0.0, f64::max);
         let roads = || cells().filter(|&(share, _)| share == fastest).map(|(_, cell)| frame.centre(cell));
-        if roads().count() as f64 > MOST_ROADS * frame.cell_count() as f64 {
+        if roads().count() as f64 > MAX_ROADS * frame.cell_count() as f64 {
             return self;
         }
         let mut squares: BTreeMap<[i32; 2], (f64, DVec2)> = BTreeMap::new();
@@ -220,20 +220,20 @@ fn find_edges(
     edges
 }
 
-/// Replaces what `near` holds by the nearest milestones within a distance (inclusive), at most `most`, nearest first,
+/// Replaces what `near` holds by the nearest milestones within a distance (inclusive), at most `max`, nearest first,
 /// ties by index.
 pub fn neighbours_by_distance(
     tree: &ImmutableKdTree<f64, 2>,
     milestones: &[DVec2],
     here: DVec2,
     max_m: f64,
-    most: NonZero<usize>,
+    max: NonZero<usize>,
     near: &mut Vec<(f64, u32)>,
 ) {
     // The tree only preselects, with a little more radius; our own arithmetic decides.
     let radius_squared = max_m * max_m * 1.000_001;
     let query = here.to_array();
-    let found = tree.query(&query).nearest_n::<SquaredEuclidean<f64>>(most).within(radius_squared).execute();
+    let found = tree.query(&query).nearest_n::<SquaredEuclidean<f64>>(max).within(radius_squared).execute();
     near.clear();
     near.extend(found.iter().map(|hit| (here.distance(milestones[hit.item as usize]), hit.item)));
     near.retain(|&(distance, _)| distance <= max_m);

@@ -353,9 +353,9 @@ mod tests {
                 };
                 let places = (GOAL..=GOAL + GOAL_PLACES).filter(free);
                 let metres = places.map(|number| place.distance(query.goal_place(number, link)));
-                let least = metres.fold(f64::INFINITY, f64::min);
-                if least < f64::INFINITY {
-                    graph.update_edge(if link == START { from } else { nodes[link as usize] }, to, least);
+                let min = metres.fold(f64::INFINITY, f64::min);
+                if min < f64::INFINITY {
+                    graph.update_edge(if link == START { from } else { nodes[link as usize] }, to, min);
                 }
             }
         }

@@ -6,14 +6,14 @@
 
 use glam::DVec2;
 
-use super::super::hungarian::least_total;
+use super::super::hungarian::min_total;
 use super::super::team::{AS_GOOD_M, StagingRule, Team, TeamTruck};
 use super::spread_out::{BushDensity, spread_out};
 use wildfire_timeline::AgentId;
 
 /// A truck goes to a new place only if it is at least this far from where it is, or was sent before: a shorter way gains less
 /// than the drive disturbs.
-const LEAST_WORTH_M: f64 = 25.0;
+const MIN_WORTH_M: f64 = 25.0;
 
 /// The same as a share of the room that each idle truck has, the side of its square of the field. Whenever one of them leaves
 /// for a fire or comes back, all places shift a little; to follow that would keep all trucks driving all the time.
@@ -42,7 +42,7 @@ impl StagingRule for Centroids {
 /// Returns the shortest distance that is worth a drive if this number of trucks share the field.
 pub fn worth_m(team: &Team<'_>, trucks: usize) -> f64 {
     let room_m2 = team.frame.width_m() * team.frame.height_m() / trucks.max(1) as f64;
-    (WORTH_SHARE * room_m2.sqrt()).max(LEAST_WORTH_M)
+    (WORTH_SHARE * room_m2.sqrt()).max(MIN_WORTH_M)
 }
 
 /// Returns the place at which a truck waits, or to which it has been sent to wait.
@@ -55,7 +55,7 @@ pub fn waits_at(truck: &TeamTruck) -> DVec2 {
 pub fn posts(trucks: &[&TeamTruck], sites: &[DVec2], worth_m: f64) -> Vec<(AgentId, DVec2)> {
     // Squares prefer two ways of middle length to a short one and a long one, which takes longer until all are there.
     let site_of =
-        least_total(trucks.len(), sites.len(), |truck, site| (trucks[truck].place - sites[site]).length_squared());
+        min_total(trucks.len(), sites.len(), |truck, site| (trucks[truck].place - sites[site]).length_squared());
     let is_worth = |truck: &TeamTruck, site: DVec2| {
         let left_m = (waits_at(truck) - truck.place).length();
         let is_there = left_m <= AS_GOOD_M;

@@ -20,7 +20,7 @@ const REMEMBERED: usize = 8;
 const FORGOTTEN: SimTime = SimTime::from_nanos(300_000_000_000);
 
 /// The least weight of a bush: none is left out altogether.
-const LEAST: f64 = 0.02;
+const MIN: f64 = 0.02;
 
 /// Sends idle trucks to centroids of weighted bushes.
 #[derive(Clone, Debug)]
@@ -56,7 +56,7 @@ impl LearnedPosts {
             let age_s = now.since(*since).as_seconds();
             weight += self.network.value(&[(*lit - place).length() / 100.0, age_s / 60.0, idle_share]);
         }
-        weight.max(LEAST)
+        weight.max(MIN)
     }
 }
 

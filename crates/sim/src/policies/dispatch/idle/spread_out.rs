@@ -16,7 +16,7 @@ use wildfire_base::time::SimTime;
 const BLOCKS: f64 = 32.0;
 /// Bushes are counted again after this time at the earliest: in so few seconds centroids hardly move.
 const COUNT_EVERY: SimTime = SimTime::from_nanos(20_000_000_000);
-const MOST_ROUNDS: usize = 50;
+const MAX_ROUNDS: usize = 50;
 /// Sites that move no farther than this have come to rest.
 const REST_M: f64 = 1.0;
 
@@ -65,7 +65,7 @@ pub fn spread_out(blocks: &[Block], sites: &mut [DVec2]) {
     if sites.is_empty() || blocks.is_empty() {
         return;
     }
-    for _ in 0..MOST_ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let mut sums = vec![(DVec2::ZERO, 0.0); sites.len()];
         let mut worst_first: Vec<(f64, usize)> = Vec::with_capacity(blocks.len());
         for (number, block) in blocks.iter().enumerate() {
