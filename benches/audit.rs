@@ -22,9 +22,9 @@ fn main() {
         for seed in 1..=SEEDS {
             let mut watch = CpuStopwatch::start();
             let run = sim::run(&scenario, seed).expect("it takes place");
-            simulated_s += watch.lap().as_secs_f64();
+            simulated_s += watch.elapsed_since_last().as_secs_f64();
             let verdict = audit_timeline(&run.timeline, SampleStep::default());
-            audited_s += watch.lap().as_secs_f64();
+            audited_s += watch.elapsed_since_last().as_secs_f64();
             assert!(verdict.violation.is_none(), "{name}, seed {seed}: {verdict:?}");
             audited += verdict.audited;
         }

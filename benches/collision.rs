@@ -102,7 +102,7 @@ fn median_ns(mut work: impl FnMut()) -> f64 {
         .map(|_| {
             let mut watch = CpuStopwatch::start();
             work();
-            watch.lap().as_nanos()
+            watch.elapsed_since_last().as_nanos()
         })
         .collect();
     costs.sort_unstable();

@@ -72,7 +72,7 @@ fn team<'a>(bushes: &'a Bushes, trucks: u16, fires: usize, rng: &mut impl Rng) -
             free_at: SimTime::ZERO,
             speed_mps: 8.0,
             goal: None,
-            post: None,
+            staging_point: None,
             start: place,
             is_asked: true,
             stops_left: u32::MAX,
@@ -120,7 +120,7 @@ fn main() {
                     let (mut assignment, _) = make(rule, IdleRule::Stay, &networks);
                     let mut watch = CpuStopwatch::start();
                     assignment.assign(&team, &mut effort);
-                    spent_ms += watch.lap().as_secs_f64() * 1e3;
+                    spent_ms += watch.elapsed_since_last().as_secs_f64() * 1e3;
                 }
                 print!("  {rule_name} {:.2} ({})", spent_ms / f64::from(DECISIONS), effort / u64::from(DECISIONS));
             }
@@ -131,15 +131,15 @@ fn main() {
             let idle: Vec<AgentId> = team.trucks.iter().map(|truck| truck.id).collect();
             let (_, mut positioning) = make(AssignmentRule::Auction, IdleRule::Centroids, &networks);
             let mut watch = CpuStopwatch::start();
-            let posts = positioning.post(&team, &idle);
-            let first_ms = watch.lap().as_secs_f64() * 1e3;
+            let posts = positioning.staging_points(&team, &idle);
+            let first_ms = watch.elapsed_since_last().as_secs_f64() * 1e3;
             let mut settled = team;
-            for (id, post) in posts {
-                settled.trucks[usize::from(id.number)].post = Some(post);
+            for (id, staging_point) in posts {
+                settled.trucks[usize::from(id.number)].staging_point = Some(staging_point);
             }
             let mut watch = CpuStopwatch::start();
-            positioning.post(&settled, &idle);
-            let next_ms = watch.lap().as_secs_f64() * 1e3;
+            positioning.staging_points(&settled, &idle);
+            let next_ms = watch.elapsed_since_last().as_secs_f64() * 1e3;
             println!("{name:>5}, {trucks:3} idle trucks: centroids {first_ms:.2} first, {next_ms:.2} then");
         }
     }

@@ -97,7 +97,7 @@ fn main() {
                         fire.fires().burning().len()
                     })
                     .sum();
-                let micros = stopwatch.lap().as_secs_f64() * 1e6 / burned as f64;
+                let micros = stopwatch.elapsed_since_last().as_secs_f64() * 1e6 / burned as f64;
                 let count = neighbours.count();
                 println!("{side:6}  {count:10}  {kind:8}  {:8}  {micros:7.3}", burned / times);
             }

@@ -28,18 +28,18 @@ fn main() {
         scenario.duration_s = scenario.duration_s.min(LONGEST_S);
         let mut watch = CpuStopwatch::start();
         let expected = sim::run(&scenario, 1).expect("it takes place").timeline;
-        let run = watch.lap();
+        let run = watch.elapsed_since_last();
         let mut parent = Simulation::new(&scenario, 1).expect("it takes place");
         let mut other = parent.fork().expect("its policies are built in");
         let (mut forks, mut forking, mut copying) = (Vec::new(), 0.0, 0.0);
         for instant in 0..INSTANTS {
             let share = f64::from(instant) / f64::from(INSTANTS);
             parent.advance_to(SimTime::from_seconds(expected.end_time().as_seconds() * share));
-            watch.lap();
+            watch.elapsed_since_last();
             forks.push(parent.fork().expect("its policies are built in"));
-            forking += watch.lap().as_secs_f64();
+            forking += watch.elapsed_since_last().as_secs_f64();
             other.become_fork_of(&parent).expect("its policies are built in");
-            copying += watch.lap().as_secs_f64();
+            copying += watch.elapsed_since_last().as_secs_f64();
         }
         assert_eq!(ended(parent), expected, "{name}");
         for fork in forks {

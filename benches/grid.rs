@@ -204,7 +204,7 @@ fn median_ms(mut work: impl FnMut()) -> f64 {
 fn ms(work: impl FnOnce()) -> f64 {
     let mut watch = CpuStopwatch::start();
     work();
-    watch.lap().as_secs_f64() * 1e3
+    watch.elapsed_since_last().as_secs_f64() * 1e3
 }
 
 /// The most memory that this process held at once, where the system tells.

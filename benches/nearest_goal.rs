@@ -51,7 +51,7 @@ impl Answers {
     fn take(&mut self, query: impl FnOnce() -> Option<Plan>) {
         let mut watch = CpuStopwatch::start();
         let plan = query();
-        self.ms.push(1e3 * watch.lap().as_secs_f64());
+        self.ms.push(1e3 * watch.elapsed_since_last().as_secs_f64());
         self.length_m += plan.and_then(|plan| plan.path.ok()).map_or(0.0, |path| path.length_m());
     }
 

@@ -56,7 +56,7 @@ fn run_field(coverage: f64, seed: u64, builds: &mut Builds, short: &mut Drives, 
     let bushes: Vec<DVec2> = terrain.bushes.iter().map(|&cell| terrain.frame.centre(cell)).collect();
     let mut watch = CpuStopwatch::start();
     let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
-    builds.field.push(micros(watch.lap()));
+    builds.field.push(micros(watch.elapsed_since_last()));
     let checker = CollisionChecker::new(field, Dimensions::default());
     let mut rng = rng::stream(seed, "bench");
     let truck = Unimog::default();
@@ -120,7 +120,7 @@ impl Builds {
         for &centre in bushes {
             let mut watch = CpuStopwatch::start();
             self.reached += u32::from(reachability.reaches(GoalDisc { centre, radius_m: REACH_M }));
-            self.answers.push(micros(watch.lap()));
+            self.answers.push(micros(watch.elapsed_since_last()));
         }
     }
 

@@ -111,7 +111,7 @@ fn measure_planner(kind: TruckPlannerKind, problems: &[Problem], truck: &Unimog)
             settings: &settings,
         };
         let mut planner = kind.maker().make(&site);
-        builds.push(watch.lap().as_secs_f64() * 1e3);
+        builds.push(watch.elapsed_since_last().as_secs_f64() * 1e3);
         let curves = ReedsShepp { radius_m: checker.body().turning_radius_m };
         for (number, &goal) in problem.goals.iter().enumerate() {
             let bound_m = curves.length_m(problem.start, goal);

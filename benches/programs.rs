@@ -71,7 +71,7 @@ mod unix {
                 let plan = planner.plan(start, Goal::Disc(goal));
                 own += plan.cpu.map_or(0.0, |cpu| cpu.time.as_secs_f64());
             }
-            let (ours, queries) = (stopwatch.lap().as_secs_f64(), f64::from(QUERIES));
+            let (ours, queries) = (stopwatch.elapsed_since_last().as_secs_f64(), f64::from(QUERIES));
             println!(
                 "{segments:4} segments: {:6.1} us, the program's own {:6.1} us",
                 1e6 * ours / queries,

@@ -44,7 +44,7 @@ fn main() {
             for path in paths {
                 let mut watch = CpuStopwatch::start();
                 let smooth = smoother.smooth(path, false);
-                cpu_s += watch.lap().as_secs_f64();
+                cpu_s += watch.elapsed_since_last().as_secs_f64();
                 stops_s += limits.drive_s(&path.segments);
                 smooth_s += limits.drive_s(&smooth.segments);
                 before += stops_at_corners(path, &limits);

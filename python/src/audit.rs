@@ -138,11 +138,11 @@ fn source(path: PathBuf) -> PyResult<AuditSource> {
 
 fn audit_source(py: Python<'_>, source: &AuditSource, factories: &Factories, jobs: usize) -> PyResult<Vec<Violation>> {
     let interruption: Arc<Interruption> = Arc::default();
-    let entrants = factories.entrants(py, &interruption);
+    let registry = factories.registry(py, &interruption);
     if let AuditSource::Batch(batch) = source {
-        batch.expect_entrants(&entrants).map_err(error)?;
+        batch.expect_registry(&registry).map_err(error)?;
     }
-    let options = AuditOptions { jobs, step: SampleStep::default(), entrants: &entrants, listed: usize::MAX };
+    let options = AuditOptions { jobs, step: SampleStep::default(), registry: &registry, listed: usize::MAX };
     let report = interruption.work_aside(py, || audit_all(std::slice::from_ref(source), &options, || {}))?;
     if let Some(exception) = interruption.take() {
         return Err(exception);

@@ -519,8 +519,8 @@ fn run_missing(
             let run = interruption.run(|| {
                 // Attaching the thread to Python for the whole run saves doing so in each query.
                 Python::try_attach(|py| {
-                    let entrants = factories.entrants_of(py, Some(scenario), &interruption);
-                    let options = RunOptions { memory, ..entrants.into() };
+                    let registry = factories.registry_of(py, Some(scenario), &interruption);
+                    let options = RunOptions { memory, ..registry.into() };
                     py.detach(|| simulate(scenario, seed, &options, || interruption.is_set()))
                 })
             });

@@ -103,7 +103,7 @@ impl Interruption {
         }
         let mut stopwatch = CpuStopwatch::start();
         let answer = call();
-        let cpu_s = stopwatch.lap().as_secs_f64();
+        let cpu_s = stopwatch.elapsed_since_last().as_secs_f64();
         let mut was_raised = false;
         if let Ok((thread, ..)) = here {
             let mut calls = self.calls(py);

@@ -72,8 +72,8 @@ pub fn plan<'py>(
         memory: MemoryLimit::default(),
     };
     let interruption: Arc<Interruption> = Arc::default();
-    let entrants = factories.entrants(py, &interruption);
-    let answer = py.detach(|| request.plan(&entrants));
+    let registry = factories.registry(py, &interruption);
+    let answer = py.detach(|| request.plan(&registry));
     if let Some(exception) = interruption.take() {
         return Err(exception);
     }

@@ -81,12 +81,12 @@ impl Factories {
     }
 
     /// Returns the planners and policies for one run, with default limits.
-    pub fn entrants(&self, py: Python<'_>, interruption: &Arc<Interruption>) -> CustomRegistry {
-        self.entrants_of(py, None, interruption)
+    pub fn registry(&self, py: Python<'_>, interruption: &Arc<Interruption>) -> CustomRegistry {
+        self.registry_of(py, None, interruption)
     }
 
     /// Returns the same with the limits of a scenario's tables.
-    pub fn entrants_of(
+    pub fn registry_of(
         &self,
         py: Python<'_>,
         scenario: Option<&Scenario>,

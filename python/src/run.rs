@@ -387,7 +387,7 @@ pub fn run(
     scenario.get().expect_known(&factories)?;
     let library = scenario.get().library();
     let interruption: Arc<Interruption> = Arc::default();
-    let options = RunOptions::from(factories.entrants_of(py, Some(library), &interruption));
+    let options = RunOptions::from(factories.registry_of(py, Some(library), &interruption));
     // Python can be interrupted between two slices.
     let check =
         || Python::attach(|py| -> PyResult<()> { py.check_signals() }).map_err(|exception| interruption.set(exception));
@@ -431,6 +431,6 @@ pub fn simulate(
     }
     simulation.expect_within_memory()?;
     let mut run = simulation.finish();
-    run.cost.total = stopwatch.lap();
+    run.cost.total = stopwatch.elapsed_since_last();
     Ok(run)
 }

@@ -60,7 +60,7 @@ pub fn run(arguments: &AuditArguments, context: &CommandContext) -> Result<ExitC
     let jobs = jobs_or_all(arguments.jobs);
     let step = SampleStep { metres: arguments.step, ..SampleStep::default() };
     let progress = Progress::new(sources.iter().map(AuditSource::count).sum(), "runs", context.quiet);
-    let options = AuditOptions { jobs, step, entrants: &context.entrants, listed: LISTED_VIOLATIONS };
+    let options = AuditOptions { jobs, step, registry: &context.registry, listed: LISTED_VIOLATIONS };
     let report = audit_all(&sources, &options, || progress.advance());
     progress.end();
     conclude(&report?, arguments.form)
@@ -81,7 +81,7 @@ fn source(path: &Path, context: &CommandContext) -> Result<AuditSource, CliError
     }
     match FinishedBatch::open(path) {
         Ok(batch) => {
-            batch.expect_entrants(&context.entrants)?;
+            batch.expect_registry(&context.registry)?;
             if batch.plan().record != Record::All {
                 context.expect_trusted_plan(batch.plan())?;
             }

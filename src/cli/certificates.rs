@@ -171,9 +171,9 @@ struct Checked {
 impl Checked {
     fn new(Certified { field, goal, certificate }: Certified, ends: (Pose, Goal), checker: &CollisionChecker) -> Self {
         let numbers = |pose: Pose| [pose.x, pose.y, pose.heading];
-        let is_meant = certificate.start == numbers(ends.0)
+        let matches = certificate.start == numbers(ends.0)
             && matches!(ends.1, Goal::Pose(pose) if certificate.goal == numbers(pose));
-        let found = if is_meant {
+        let found = if matches {
             certificate.check(checker).err().map(|fault| fault.to_string())
         } else {
             Some("it is for another start or goal than the field's".to_owned())

@@ -17,22 +17,22 @@ use wildfire_sim::{CustomRegistry, RunOptions};
 pub struct CommandContext {
     pub quiet: bool,
     /// Planners and policies by name.
-    pub entrants: CustomRegistry,
+    pub registry: CustomRegistry,
     /// The programs of the command line, and whether those of files are trusted.
     programs: ProgramArguments,
 }
 
 impl CommandContext {
-    pub fn new(quiet: bool, entrants: CustomRegistry) -> Self {
-        Self { quiet, entrants, programs: ProgramArguments::default() }
+    pub fn new(quiet: bool, registry: CustomRegistry) -> Self {
+        Self { quiet, registry, programs: ProgramArguments::default() }
     }
 
     /// Returns the same with the programs that the arguments of a command name or trust.
     pub fn with_programs(&self, programs: &ProgramArguments) -> Self {
         let mut context = Self { programs: programs.clone(), ..self.clone() };
         #[cfg(unix)]
-        if context.entrants.programs.is_none() {
-            context.entrants.programs = Some(std::sync::Arc::new(ProgramPool::new(context.trust())));
+        if context.registry.programs.is_none() {
+            context.registry.programs = Some(std::sync::Arc::new(ProgramPool::new(context.trust())));
         }
         context
     }
@@ -54,12 +54,12 @@ impl CommandContext {
             let kinds = if is_built_in_policy(name.name()) { &["planner"][..] } else { &["planner", "policy"] };
             kinds.iter().map(move |kind| format!("{kind}.\"{name}\".{key}={value}")).collect::<Vec<_>>()
         });
-        own_names(&self.entrants).chain(programs).chain(changes.iter().cloned()).collect()
+        own_names(&self.registry).chain(programs).chain(changes.iter().cloned()).collect()
     }
 
     /// Returns the options of a run.
     pub fn run_options(&self, records_searches: bool, memory: MemoryLimit) -> RunOptions {
-        RunOptions { records_searches, memory, ..self.entrants.clone().into() }
+        RunOptions { records_searches, memory, ..self.registry.clone().into() }
     }
 
     /// Notes, once each, what of the files of scenarios may have been misread or was left out, and which ignitions light nothing.
@@ -108,7 +108,7 @@ impl CommandContext {
 
     /// Returns the planners that are known on a field of this scenario's run.
     pub fn planners_of(&self, scenario: &Scenario) -> Result<Planners, CliError> {
-        let planners = self.entrants.planners.clone();
+        let planners = self.registry.planners.clone();
         #[cfg(unix)]
         return ProgramPool::new(self.trust())
             .planners_of(scenario, planners)

@@ -87,7 +87,7 @@ pub fn run(
         CliError::environment(format_args!("cannot create the folder {}: {error}", folder.display()))
     })?;
     let shown = folder.display().to_string();
-    let quiet = CommandContext::new(true, context.entrants.clone());
+    let quiet = CommandContext::new(true, context.registry.clone());
     for (index, Step { why, command }) in STEPS.iter().enumerate() {
         let gap = if index == 0 { "" } else { "\n" };
         let typed = command.replace("DIR", &shell_word(&shown));

@@ -99,7 +99,7 @@ pub fn run(arguments: &ForkArguments, context: &CommandContext) -> Result<ExitCo
         parent.fork_into(before, &after, &options).map_err(|error| CliError::bad_input(error, None))?
     };
     let mut fork = ended(fork, answer)?;
-    fork.cost.total = cpu.lap() + fork.cost.elsewhere();
+    fork.cost.total = cpu.elapsed_since_last() + fork.cost.elsewhere();
     let row = RunRow::done(RunLabel::from_scenario(&after, seed), result_of(&fork), stopwatch.elapsed());
     let parent = ended(parent, None)?;
     let (own, was) = (Outcome::new(&fork.timeline).burned(), Outcome::new(&parent.timeline).burned());

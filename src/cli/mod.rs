@@ -200,19 +200,19 @@ pub fn main() -> ExitCode {
 
 /// Does the same with custom planners, or custom planners and policies, besides the built-in ones: the whole program, and
 /// they are known by their names wherever a name may stand.
-pub fn main_with(entrants: impl Into<CustomRegistry>) -> ExitCode {
-    main_from(env::args_os().collect(), entrants)
+pub fn main_with(registry: impl Into<CustomRegistry>) -> ExitCode {
+    main_from(env::args_os().collect(), registry)
 }
 
 /// Does the same with other words than the arguments of the process; the first is the program's name.
-pub fn main_from(words: Vec<OsString>, entrants: impl Into<CustomRegistry>) -> ExitCode {
+pub fn main_from(words: Vec<OsString>, registry: impl Into<CustomRegistry>) -> ExitCode {
     #[cfg(unix)]
     if let Some(code) = supervisor::run_if_asked(words.get(1..).unwrap_or_default()) {
         return ExitCode::from(code);
     }
     interrupt::install();
     let arguments = Arguments::try_parse_from(&words).unwrap_or_else(|error| refuse(&words, &error));
-    let context = CommandContext::new(arguments.quiet, entrants.into());
+    let context = CommandContext::new(arguments.quiet, registry.into());
     dispatch(&arguments, &context).unwrap_or_else(CliError::print)
 }
 

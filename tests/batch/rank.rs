@@ -191,7 +191,7 @@ fn thirty_entries_of_a_hundred_seeds_of_which_two_are_alike() {
     let [one, copy] = [one, copy].map(|place| &ranking.entries[place]);
     assert_eq!((one.ranks, &one.groups, one.mean), (copy.ranks, &copy.groups, copy.mean));
     let pair = ranking.pairs.iter().find(|pair| pair.contrast.difference == 0.0).expect("the copies");
-    assert_eq!((pair.is_told_apart(), pair.p_adjusted), (false, 1.0));
+    assert_eq!((pair.is_significant(), pair.p_adjusted), (false, 1.0));
     // Holm's method keeps the order of the p-values, and makes none of them smaller.
     let mut ordered: Vec<_> =
         ranking.pairs.iter().map(|it| (it.contrast.p_value.unwrap_or(1.0), it.p_adjusted)).collect();

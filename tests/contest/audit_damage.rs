@@ -423,22 +423,22 @@ fn water_that_does_not_suffice_for_the_heat_is_found() {
     let timeline = run_with_seed("initial-attack", &heat, 3);
     audit(&timeline).expect("nothing is wrong yet");
     let mut stops = timeline.events.iter().enumerate().filter_map(|(place, event)| match event.fact {
-        Fact::Agent(agent, AgentFact::Suppressing { portions: 2.., cell }) => Some((place, (agent, cell))),
+        Fact::Agent(agent, AgentFact::Suppressing { water_units: 2.., cell }) => Some((place, (agent, cell))),
         _ => None,
     });
     // One that puts its goal out.
     let ended = |it: (AgentId, Cell)| Fact::Agent(it.0, AgentFact::SuppressionEnded { cell: it.1 });
     let is_over = |it| timeline.events.iter().any(|event| event.fact == ended(it));
     let (stop, _) = stops.find(|&(_, it)| !is_over(it)).expect("it puts something out");
-    let with_portions = |change: &dyn Fn(u32) -> u32| {
+    let with_water_units = |change: &dyn Fn(u32) -> u32| {
         let mut damaged = timeline.clone();
-        if let Fact::Agent(_, AgentFact::Suppressing { portions, .. }) = &mut damaged.events[stop].fact {
-            *portions = change(*portions);
+        if let Fact::Agent(_, AgentFact::Suppressing { water_units, .. }) = &mut damaged.events[stop].fact {
+            *water_units = change(*water_units);
         }
         violation(&damaged).kind
     };
-    for other in [|portions| portions - 1, |portions| portions + 1] {
-        let found = with_portions(&other);
+    for other in [|water_units| water_units - 1, |water_units| water_units + 1] {
+        let found = with_water_units(&other);
         assert!(matches!(found, ViolationKind::TooLittleWater { .. }), "{found}");
     }
     let mut weaker = timeline.clone();

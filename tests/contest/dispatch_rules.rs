@@ -84,7 +84,7 @@ struct Arsonist {
 struct Truck {
     way: Way,
     goal: Option<Cell>,
-    post: Option<DVec2>,
+    staging_point: Option<DVec2>,
     stops_until: Option<SimTime>,
     start: DVec2,
 }
@@ -178,7 +178,13 @@ impl World {
             targets.shuffle(&mut rng::stream(seed, &format!("wumpus/{number}")));
             Arsonist { targets, next: 0, walk: Way::stand(stand) }
         };
-        let truck = |&start: &DVec2| Truck { way: Way::stand(start), goal: None, post: None, stops_until: None, start };
+        let truck = |&start: &DVec2| Truck {
+            way: Way::stand(start),
+            goal: None,
+            staging_point: None,
+            stops_until: None,
+            start,
+        };
         let mut world = Self {
             now: SimTime::ZERO,
             end: contest.duration,
@@ -319,7 +325,7 @@ impl World {
                 free_at: if is_asked { now } else { free_at },
                 speed_mps: TRUCK_MPS,
                 goal: truck.goal,
-                post: truck.post,
+                staging_point: truck.staging_point,
                 start: truck.start,
                 is_asked,
                 stops_left: u32::MAX,
@@ -349,14 +355,14 @@ impl World {
         let goals = assignment.assign(&team, &mut 0);
         let goal_of = |id: AgentId| goals.iter().find(|(asked, _)| *asked == id).map(|&(_, cell)| cell);
         let idle: Vec<AgentId> = team.asked().map(|truck| truck.id).filter(|&id| goal_of(id).is_none()).collect();
-        let posts = positioning.post(&team, &idle);
+        let posts = positioning.staging_points(&team, &idle);
         let asked: Vec<AgentId> = team.asked().map(|truck| truck.id).collect();
         let mut orders = Vec::new();
         for id in asked {
-            let post = posts.iter().find(|(posted, _)| *posted == id).map(|&(_, post)| post);
-            orders.push((usize::from(id.number), goal_of(id), post));
+            let staging_point = posts.iter().find(|(posted, _)| *posted == id).map(|&(_, staging_point)| staging_point);
+            orders.push((usize::from(id.number), goal_of(id), staging_point));
         }
-        for (number, goal, post) in orders {
+        for (number, goal, staging_point) in orders {
             let truck = &mut self.trucks[number];
             let place = truck.way.place_at(now);
             if goal != truck.goal {
@@ -364,7 +370,7 @@ impl World {
                 truck.goal = goal;
                 self.score.driven_m += truck.way.driven_m(now);
                 truck.way = Way::stand(place);
-                truck.post = None;
+                truck.staging_point = None;
                 if let Some(goal) = goal {
                     truck.way = Way::new(now, place, self.field.frame.centre(goal), (REACH_M, TRUCK_MPS));
                     if truck.way.arrives <= now {
@@ -372,10 +378,10 @@ impl World {
                     }
                 }
             }
-            if let Some(post) = post {
+            if let Some(staging_point) = staging_point {
                 self.score.driven_m += truck.way.driven_m(now);
-                truck.post = Some(post);
-                truck.way = Way::new(now, place, post, (0.0, TRUCK_MPS));
+                truck.staging_point = Some(staging_point);
+                truck.way = Way::new(now, place, staging_point, (0.0, TRUCK_MPS));
             }
         }
     }

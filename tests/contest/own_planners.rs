@@ -115,8 +115,8 @@ fn a_batch_runs_planners_of_ones_own_and_its_rows_are_those_of_single_runs() {
     let mut batch = Batch::begin(plan, folder).expect("it begins");
     let planners = planners("own", short_curves);
     let never = Arc::new(AtomicBool::new(false));
-    let entrants = CustomRegistry { planners: planners.clone(), ..CustomRegistry::default() };
-    batch.run(&entrants, 2, &never, |_| {}).expect("all runs take place");
+    let registry = CustomRegistry { planners: planners.clone(), ..CustomRegistry::default() };
+    batch.run(&registry, 2, &never, |_| {}).expect("all runs take place");
     batch.finish(&never).expect("it is written");
     let finished = FinishedBatch::open(&scratch.path().join("own")).expect("it is finished");
     let runs: Vec<_> = finished.runs().collect();

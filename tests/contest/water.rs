@@ -154,12 +154,15 @@ fn stops_take_the_water_that_the_heat_demands() {
         let timeline = run(&loaded("initial-attack", &changes.concat()), seed);
         let verdict = audit_timeline(&timeline, SampleStep::default());
         assert_eq!(verdict.violation, None, "{policy}, seed {seed}");
-        let portions = timeline.events.iter().filter_map(|event| match event.fact {
-            Fact::Agent(_, AgentFact::Suppressing { portions, .. }) => Some(portions),
+        let water_units = timeline.events.iter().filter_map(|event| match event.fact {
+            Fact::Agent(_, AgentFact::Suppressing { water_units, .. }) => Some(water_units),
             _ => None,
         });
-        let portions: Vec<u32> = portions.collect();
-        assert!(portions.iter().any(|&some| some > 1) && portions.iter().all(|&some| some <= 10), "{portions:?}");
+        let water_units: Vec<u32> = water_units.collect();
+        assert!(
+            water_units.iter().any(|&some| some > 1) && water_units.iter().all(|&some| some <= 10),
+            "{water_units:?}"
+        );
         assert_eq!(Outcome::new(&timeline).truck_stuck_s, 0.0, "{policy}, seed {seed}");
         let bytes = file::encode(&timeline).expect("it can be recorded");
         assert!(file::decode(&bytes).expect("and read") == timeline, "{policy}, seed {seed}");

@@ -268,7 +268,7 @@ impl Fuzzer {
                 return TriggerEvent::Broken(format!("{found}\n{small}\n{}", self.again(case)));
             }
             summary.cases += 1;
-            let cpu = clock.lap();
+            let cpu = clock.elapsed_since_last();
             summary.cpu += cpu;
             summary.slowest = summary.slowest.max((cpu, case));
             case += order.jobs;

@@ -75,13 +75,13 @@ fn audit_legs(
     let mut work = 0.0;
     for leg in std::iter::once(&start).chain(driven.legs()) {
         let violation = |violation| Violation { agent: Some(driven.id), ..violation };
-        let looked_at = audit_leg(field, motion, leg, step).map_err(violation)?;
-        work += looked_at.poses as f64 * work_of_pose(field);
+        let examined = audit_leg(field, motion, leg, step).map_err(violation)?;
+        work += examined.poses as f64 * work_of_pose(field);
         if work > MAX_WORK {
             let (time, place) = (leg.end_time(), leg.end().position());
             return Err(violation(Violation { time, agent: None, place, kind: ViolationKind::Endless }));
         }
-        *audited += looked_at;
+        *audited += examined;
     }
     Ok(())
 }

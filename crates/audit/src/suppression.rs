@@ -98,7 +98,7 @@ impl Actor {
             (self.pose, self.stands_since, self.stops_here) = (leg.end(), leg.end_time(), false);
         }
         match (&event.fact, &setting.water) {
-            (&Fact::Agent(_, AgentFact::Suppressing { portions, .. }), Some(_)) => self.take_water(portions),
+            (&Fact::Agent(_, AgentFact::Suppressing { water_units, .. }), Some(_)) => self.take_water(water_units),
             (&Fact::Agent(_, AgentFact::Refilling { until }), Some(water)) => self.refill(water, event.time, until),
             (Fact::Agent(_, AgentFact::Refilling { .. }), None) => Err(ViolationKind::WrongAgent),
             _ => Ok(()),
@@ -106,9 +106,9 @@ impl Actor {
     }
 
     /// A stop takes its water when it begins.
-    fn take_water(&mut self, portions: u32) -> Result<(), ViolationKind> {
+    fn take_water(&mut self, water_units: u32) -> Result<(), ViolationKind> {
         let left = self.stops_left.unwrap_or_default();
-        self.stops_left = Some(left.checked_sub(portions).ok_or(ViolationKind::EmptyTank)?);
+        self.stops_left = Some(left.checked_sub(water_units).ok_or(ViolationKind::EmptyTank)?);
         self.stops_here = true;
         Ok(())
     }

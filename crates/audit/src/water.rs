@@ -30,8 +30,8 @@ pub fn audit_water(timeline: &Timeline) -> Result<(), Violation> {
     };
     let mut stops = BTreeMap::<AgentId, Vec<(SimTime, u32, f64)>>::new();
     for Event { time, fact } in &timeline.events {
-        if let &Fact::Agent(id, AgentFact::Suppressing { portions, .. }) = fact {
-            stops.entry(id).or_default().push((*time, portions, 0.0));
+        if let &Fact::Agent(id, AgentFact::Suppressing { water_units, .. }) = fact {
+            stops.entry(id).or_default().push((*time, water_units, 0.0));
         }
     }
     for change in &changes {
@@ -39,9 +39,9 @@ pub fn audit_water(timeline: &Timeline) -> Result<(), Violation> {
         let stop = stops.get_mut(&by).and_then(|stops| stops.iter_mut().rfind(|(begins, ..)| *begins < change.time));
         let lit = ignition(change.cell, change.time);
         let front = lit.and_then(|lit| spread.front(lit, |near| Some(ignition(near, lit.1)?.1)));
-        let is_right = stop.zip(lit).zip(front).is_some_and(|(((begins, portions, litres), lit), front)| {
+        let is_right = stop.zip(lit).zip(front).is_some_and(|(((begins, water_units, litres), lit), front)| {
             *litres += litres_of(front, energy, setting.frame.cell_m);
-            let taken_l = f64::from(*portions) * energy.portion_l;
+            let taken_l = f64::from(*water_units) * energy.portion_l;
             let sprayed = SimTime::from_seconds(taken_l / energy.pump_lps);
             lit.1 <= *begins
                 && *litres <= taken_l * (1.0 + ROUNDING)

@@ -153,7 +153,7 @@ pub trait FireModel: fmt::Debug + DynClone + Send + Sync {
     }
 
     /// Draws what chance decides from now on by another seed.
-    fn redraw(&mut self, _seed: u64) {}
+    fn reseed(&mut self, _seed: u64) {}
 }
 
 dyn_clone::clone_trait_object!(FireModel);

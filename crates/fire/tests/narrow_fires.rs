@@ -79,7 +79,7 @@ fn burn(length_to_width: f64, heading_deg: f64, cells_along: f64, neighbours: Ne
     let mut stopwatch = CpuStopwatch::start();
     let mut fire = LoneFire::new(landscape, weather, rules, &[(SimTime::ZERO, lit)]);
     fire.burn_until(SimTime::from_seconds(head_m / exact.rate_mps));
-    let seconds = stopwatch.lap().as_secs_f64();
+    let seconds = stopwatch.elapsed_since_last().as_secs_f64();
     let cells = (0..frame.cell_count()).map(|index| frame.cell(index));
     let burned: Vec<Cell> = cells.filter(|&cell| fire.arrival(cell).is_some()).collect();
     for &cell in &burned {

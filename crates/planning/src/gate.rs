@@ -49,7 +49,7 @@ impl ValidatedPlanner {
         let mut stopwatch = CpuStopwatch::start();
         let (checker, calls) = context.checker.counting();
         let planner = maker.make(&PlannerContext { checker: &checker, ..*context })?;
-        let making = stopwatch.lap();
+        let making = stopwatch.elapsed_since_last();
         let report = planner.build_report();
         // What it measured itself is part of that.
         let (sampling, connecting) = (Duration::ZERO, Duration::ZERO);
@@ -92,7 +92,7 @@ impl TruckPlanner for ValidatedPlanner {
         // A planner of somebody else's costs a query when it panics, and never a run.
         let asked = catch_unwind(AssertUnwindSafe(|| self.planner.plan_observed(start, goal, observer)));
         let mut plan = asked.unwrap_or_else(|panic| Plan::failed(PlanFailure::Crashed, words_of_panic(&*panic)));
-        let time = stopwatch.lap();
+        let time = stopwatch.elapsed_since_last();
         plan.cpu.get_or_insert(QueryCpu { time, starting: Duration::ZERO, source: CpuSource::Thread });
         // What it says of its effort is charged and added up: a lie must not overflow.
         let calls = (self.calls.load(Ordering::Relaxed) - calls).div_ceil(CALLS_OF_EXPANSION);

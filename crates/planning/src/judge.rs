@@ -252,13 +252,13 @@ impl fmt::Display for BadPath {
                 write!(f, "{place}: its {what} is {found}; expected a finite number")
             }
             Self::TooLong { found_m, max_m } => {
-                let (found, max) = (told_apart(found_m, max_m, 2), max_m);
+                let (found, max) = (significant(found_m, max_m, 2), max_m);
                 write!(f, "it is {found} m long; the limit is {max} m, ")?;
                 write!(f, "{MAX_FIELDS_LONG} times width and height of the field")
             }
             Self::TooSharp { place, found, max } => {
                 let (radius_m, min_m) = (1.0 / found, 1.0 / max);
-                write!(f, "{place}: a turn of radius {} m; the least is {min_m} m", told_apart(radius_m, min_m, 2))
+                write!(f, "{place}: a turn of radius {} m; the least is {min_m} m", significant(radius_m, min_m, 2))
             }
             Self::TooNear { place, obstacle, found_m } => {
                 write!(f, "{place}: ")?;
@@ -272,7 +272,7 @@ impl fmt::Display for BadPath {
             Self::MissesDisc { along_m, centre, disc } => {
                 let (DVec2 { x, y }, gap_m, radius_m) = (centre, centre.distance(disc.centre), disc.radius_m);
                 write!(f, "its end, {along_m:.2} m along, with the body's centre at ({x:.2}, {y:.2}): ")?;
-                write!(f, "{} m from the centre of the goal's disc, ", told_apart(gap_m, radius_m, 2))?;
+                write!(f, "{} m from the centre of the goal's disc, ", significant(gap_m, radius_m, 2))?;
                 write!(f, "the most is {radius_m} m")
             }
             Self::MissesPose { along_m, end, goal } => {
@@ -292,11 +292,11 @@ impl fmt::Display for BadPath {
 fn apart(pose: Pose, other: Pose) -> (String, String) {
     let turn = ops::wrap_angle(pose.heading - other.heading).abs();
     let metres = pose.position().distance(other.position());
-    (told_apart(metres, END_M, 4), told_apart(turn, END_RAD, 4))
+    (significant(metres, END_M, 4), significant(turn, END_RAD, 4))
 }
 
 /// Writes a number with as few decimals as show on which side of the limit it is, and no fewer than asked for.
-fn told_apart(found: f64, limit: f64, decimals: usize) -> String {
+fn significant(found: f64, limit: f64, decimals: usize) -> String {
     let shows_side =
         |text: &String| text.parse().is_ok_and(|shown: f64| shown.partial_cmp(&limit) == found.partial_cmp(&limit));
     let written = (decimals..=15).map(|decimals| format!("{found:.decimals$}"));
@@ -311,7 +311,7 @@ impl fmt::Display for Gap {
         if self.0 >= 1.0 {
             return write!(f, "{:.2} m", self.0);
         }
-        write!(f, "{} mm", told_apart(1e3 * self.0, 1e3 * MIN_CLEARANCE_M, 0))
+        write!(f, "{} mm", significant(1e3 * self.0, 1e3 * MIN_CLEARANCE_M, 0))
     }
 }
 

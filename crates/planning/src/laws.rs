@@ -230,7 +230,7 @@ struct CountsLines(usize);
 impl PlanningObserver for CountsLines {
     fn begins(&mut self, _work: Option<super::PlanningWork>) {}
 
-    fn looked_at(&mut self, _phase: SearchPhase, lines: &mut dyn Iterator<Item = [DVec2; 2]>) {
+    fn on_edges_examined(&mut self, _phase: SearchPhase, lines: &mut dyn Iterator<Item = [DVec2; 2]>) {
         self.0 += lines.count();
     }
 }

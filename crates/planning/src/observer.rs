@@ -27,7 +27,7 @@ pub trait PlanningObserver {
 
     /// A search of this phase looked at straight lines, in this order, in metres; where it began there is a line of length
     /// zero. Lines that are not asked for are not worked out.
-    fn looked_at(&mut self, phase: SearchPhase, lines: &mut dyn Iterator<Item = [DVec2; 2]>);
+    fn on_edges_examined(&mut self, phase: SearchPhase, lines: &mut dyn Iterator<Item = [DVec2; 2]>);
 }
 
 /// Observes nothing.
@@ -37,7 +37,7 @@ pub struct NullObserver;
 impl PlanningObserver for NullObserver {
     fn begins(&mut self, _work: Option<PlanningWork>) {}
 
-    fn looked_at(&mut self, _phase: SearchPhase, _lines: &mut dyn Iterator<Item = [DVec2; 2]>) {}
+    fn on_edges_examined(&mut self, _phase: SearchPhase, _lines: &mut dyn Iterator<Item = [DVec2; 2]>) {}
 }
 
 /// CPU time of one query, by kind of work.
@@ -71,7 +71,7 @@ impl QueryMonitor {
 
 impl PlanningObserver for QueryMonitor {
     fn begins(&mut self, work: Option<PlanningWork>) {
-        let spent = self.watch.lap();
+        let spent = self.watch.elapsed_since_last();
         match self.work {
             Some(PlanningWork::Roadmap) => self.time.roadmap += spent,
             Some(PlanningWork::Local) => self.time.local += spent,
@@ -80,7 +80,7 @@ impl PlanningObserver for QueryMonitor {
         self.work = work;
     }
 
-    fn looked_at(&mut self, phase: SearchPhase, lines: &mut dyn Iterator<Item = [DVec2; 2]>) {
+    fn on_edges_examined(&mut self, phase: SearchPhase, lines: &mut dyn Iterator<Item = [DVec2; 2]>) {
         self.recorder.add(phase, lines);
     }
 }

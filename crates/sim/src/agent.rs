@@ -50,7 +50,7 @@ pub struct Agent {
     pub activity: Activity,
     pub goal: Option<Cell>,
     /// The place that the policy sent the agent to, until it is sent elsewhere.
-    pub post: Option<DVec2>,
+    pub staging_point: Option<DVec2>,
     /// True if something happened on the drive and the policy has not been asked about it yet.
     pub is_called: bool,
     /// The number of stops that the water in the tank lasts for; `None` where water does not matter.
@@ -72,7 +72,7 @@ impl Agent {
             revision: 0,
             activity: Activity::Idle,
             goal: None,
-            post: None,
+            staging_point: None,
             is_called: false,
             stops_left: None,
             busy_until: SimTime::ZERO,
@@ -93,8 +93,8 @@ impl Agent {
         let place = self.body.centre(pose);
         let (free_at, free_place) = self.free_from(now, place);
         let (id, activity) = (self.id, self.shown_activity(now));
-        let (goal, post, stops_left) = (self.goal, self.post, self.stops_left);
-        AgentView { id, place, pose, activity, goal, post, stops_left, free_at, free_place }
+        let (goal, staging_point, stops_left) = (self.goal, self.staging_point, self.stops_left);
+        AgentView { id, place, pose, activity, goal, staging_point, stops_left, free_at, free_place }
     }
 
     /// Returns when and where it can set out for something else; it is at `place` now.
@@ -103,7 +103,7 @@ impl Agent {
             Activity::Suppressing | Activity::Refilling => (self.busy_until, place),
             Activity::Planning if self.goal.is_none() => (self.busy_until, place),
             // It comes to a stop, or drives aside.
-            Activity::Moving if self.goal.is_none() && self.post.is_none() => {
+            Activity::Moving if self.goal.is_none() && self.staging_point.is_none() => {
                 (self.trajectory.end_time().max(now), self.body.centre(self.trajectory.end()))
             }
             _ => (now, place),
@@ -121,7 +121,7 @@ impl Agent {
 
     /// Returns true if the agent drives to a place where it will wait.
     pub fn is_relocating(&self, now: SimTime) -> bool {
-        self.activity == Activity::Moving && self.goal.is_none() && self.post.is_some() && !self.stands(now)
+        self.activity == Activity::Moving && self.goal.is_none() && self.staging_point.is_some() && !self.stands(now)
     }
 
     /// Returns true if the agent has reached the end of its last leg.
@@ -171,7 +171,7 @@ impl Agent {
         queue: &mut SimQueue,
     ) {
         self.revision += 1;
-        (self.goal, self.post) = (Some(goal), None);
+        (self.goal, self.staging_point) = (Some(goal), None);
         self.activity = Activity::Moving;
         if trajectory.start_time() > now {
             self.activity = Activity::Planning;
@@ -183,7 +183,7 @@ impl Agent {
 
     /// Starts towards a place to wait, and schedules a decision for the arrival.
     pub fn relocate(&mut self, entity: Entity, place: DVec2, leg: Trajectory, queue: &mut SimQueue) {
-        (self.post, self.activity) = (Some(place), Activity::Moving);
+        (self.staging_point, self.activity) = (Some(place), Activity::Moving);
         self.reconsider(entity, leg.end_time(), queue);
         self.trajectory = leg;
     }
@@ -198,7 +198,7 @@ impl Agent {
         recorder: &mut Recorder,
     ) {
         recorder.record_agent(now, self.id, AgentFact::Halted { trajectory: cut.clone() });
-        self.post = None;
+        self.staging_point = None;
         self.come_to_a_stop(entity, now, cut, queue);
     }
 

@@ -39,7 +39,7 @@ fn break_deadlocks(mut fleet: Fleet) {
     for (_, wake) in waiting {
         let is_valid = fleet.trucks.one(wake.agent).0.revision == wake.revision;
         if is_valid && let Some(way_out) = DeadlockResolution::for_truck(&fleet, wake.agent) {
-            way_out.carry_out(&mut fleet);
+            way_out.execute(&mut fleet);
         }
     }
 }
@@ -82,7 +82,7 @@ impl DeadlockResolution {
         Some(Self { first, leg, making_way })
     }
 
-    fn carry_out(self, fleet: &mut Fleet) {
+    fn execute(self, fleet: &mut Fleet) {
         let to = fleet.id_of(self.first);
         for (entity, way) in self.making_way {
             fleet.give_way(entity, to, way);

@@ -72,14 +72,14 @@ impl Episode {
     }
 
     /// Returns a copy of the contest at this instant; what is left to chance afterwards is drawn again if a future has a
-    /// number, see [`Simulation::redraw`].
+    /// number, see [`Simulation::reseed`].
     ///
     /// # Errors
     /// If an agent that is not played follows a policy that cannot be copied.
     pub fn fork(&self, future: Option<u32>) -> Result<Self, RunError> {
         let mut simulation = self.simulation.fork()?;
         if let Some(future) = future {
-            simulation.redraw(future);
+            simulation.reseed(future);
         }
         let Self { asked, agents, points, counted, .. } = self;
         Ok(Self { simulation, asked: asked.clone(), agents: agents.clone(), points: *points, counted: *counted })

@@ -138,7 +138,7 @@ fn change_cells(
         let mut expected = Vec::new();
         model.follow(field, now, change, &mut expected);
         expect(&mut queue, expected);
-        if listeners.hear_of(change, now, field, &mut queue) {
+        if listeners.notify(change, now, field, &mut queue) {
             return;
         }
     }

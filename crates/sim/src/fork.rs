@@ -107,10 +107,10 @@ impl Simulation {
 
     /// Draws what is left to chance from now on again: the bushes that a random arsonist goes for next, and whether fire
     /// spreads where the model of the fire leaves it to chance. Runs of one seed and one number share their luck.
-    pub fn redraw(&mut self, future: u32) {
+    pub fn reseed(&mut self, future: u32) {
         let seed = rng::key(self.setting.seed, &format!("future/{future}"));
-        self.world.resource_mut::<PolicySet>().redraw(seed);
-        self.world.resource_mut::<Fires>().model.redraw(seed);
+        self.world.resource_mut::<PolicySet>().reseed(seed);
+        self.world.resource_mut::<Fires>().model.reseed(seed);
     }
 
     /// Gives an agent this choice when it is asked next, in place of its policy's. At that instant its policy does not
@@ -227,7 +227,7 @@ mod tests {
                 parent.advance_to(SimTime::from_seconds(end * f64::from(instant) / f64::from(instants)));
                 forks.push(parent.fork().expect("its policies are built in"));
                 // It was a fork already, and its Wumpuses had gone for other bushes.
-                other.redraw(instant as u32);
+                other.reseed(instant as u32);
                 other.advance_to(SimTime::from_seconds(0.5 * end));
                 other.become_fork_of(&parent).expect("its policies are built in");
                 assert_eq!(other.now(), parent.now());
@@ -261,7 +261,7 @@ mod tests {
         parent.advance_to(middle);
         let future = |number| {
             let mut fork = parent.fork().expect("its policies are built in");
-            fork.redraw(number);
+            fork.reseed(number);
             ended(fork)
         };
         let unchanged = ended(parent.fork().expect("its policies are built in"));

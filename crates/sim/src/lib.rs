@@ -90,7 +90,7 @@ pub fn run_with_options(scenario: &Scenario, seed: u64, options: &RunOptions) ->
     }
     simulation.expect_within_memory()?;
     let mut run = simulation.finish();
-    run.cost.total = stopwatch.lap() + run.cost.elsewhere();
+    run.cost.total = stopwatch.elapsed_since_last() + run.cost.elsewhere();
     Ok(run)
 }
 

@@ -232,7 +232,7 @@ pub fn plan_line(
 fn forecast(fires: &Fires, queue: &SimQueue, until: SimTime, seed: u64) -> Forecast {
     let Fires { mut field, mut model } = fires.clone();
     let mut queue = queue.clone();
-    model.redraw(rng::key(seed, "line/forecast"));
+    model.reseed(rng::key(seed, "line/forecast"));
     while let Some(now) = queue.next_time().filter(|&now| now <= until) {
         let due = queue.next(now).copied();
         queue.drop_next();

@@ -257,7 +257,7 @@ impl From<Policies> for CustomRegistry {
 
 impl RunOptions {
     /// Returns the planners and policies of a run, those of programs among them.
-    pub(super) fn entrants_of(&self, scenario: &Scenario) -> Result<(Planners, Policies), RunError> {
+    pub(super) fn registry_of(&self, scenario: &Scenario) -> Result<(Planners, Policies), RunError> {
         let (planners, policies) = (self.planners.clone(), self.policies.clone());
         match &self.programs {
             Some(programs) => {

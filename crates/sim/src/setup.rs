@@ -36,13 +36,13 @@ pub fn fill(
     memory: &MemoryMeter,
     options: &RunOptions,
 ) -> Result<(Setting, RunCost), RunError> {
-    let (planners, known_policies) = options.entrants_of(scenario)?;
+    let (planners, known_policies) = options.registry_of(scenario)?;
     let mut cost = RunCost::default();
     let mut stopwatch = CpuStopwatch::start();
     let terrain = Terrain::from_scenario(scenario, seed)?;
-    cost.terrain = stopwatch.lap();
+    cost.terrain = stopwatch.elapsed_since_last();
     let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
-    cost.clearance_field = stopwatch.lap();
+    cost.clearance_field = stopwatch.elapsed_since_last();
 
     let spread = spread_setting(scenario, seed, &terrain);
     world.insert_resource(Fires {
@@ -130,7 +130,7 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies)
                 };
                 let mut stopwatch = CpuStopwatch::start();
                 let made = known.make(&site).map_err(|reason| RunError::NoPolicy { name: name.clone(), reason })?;
-                following.add_own(&plays, name, made, stopwatch.lap());
+                following.add_own(&plays, name, made, stopwatch.elapsed_since_last());
                 if is_meant(&agents.len()) {
                     following.lead_crews();
                 }

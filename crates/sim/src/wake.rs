@@ -128,7 +128,7 @@ pub struct WakeTargets<'w, 's> {
 
 impl WakeTargets<'_, '_> {
     /// Wakes the agents that a change concerns, in the order of their names; returns false if there are none.
-    pub fn hear_of(&self, change: FireChange, now: SimTime, fires: &FireField, queue: &mut SimQueue) -> bool {
+    pub fn notify(&self, change: FireChange, now: SimTime, fires: &FireField, queue: &mut SimQueue) -> bool {
         let mut is_heard = false;
         for news in TriggerEvent::of_change(change, fires) {
             for &entity in &self.roster.0 {

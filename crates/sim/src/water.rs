@@ -45,8 +45,8 @@ impl WaterNeeds {
     }
 
     /// Returns the portions that it takes by itself.
-    pub fn portions(&self, cell: Cell) -> u32 {
-        self.energy.portions(self.litres(cell))
+    pub fn water_units(&self, cell: Cell) -> u32 {
+        self.energy.water_units(self.litres(cell))
     }
 
     /// Chooses the cells that a stop puts out with some portions: its goal, then others in their order as far as the water
@@ -55,11 +55,11 @@ impl WaterNeeds {
         let (mut cells, mut litres) = (Vec::new(), 0.0);
         for cell in std::iter::once(goal).chain(others) {
             let with = litres + self.litres(cell);
-            if self.energy.portions(with) <= left {
+            if self.energy.water_units(with) <= left {
                 litres = with;
                 cells.push(cell);
             }
         }
-        (cells, self.energy.portions(litres))
+        (cells, self.energy.water_units(litres))
     }
 }

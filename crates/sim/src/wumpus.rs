@@ -207,7 +207,7 @@ impl Turn<'_> {
         let mut monitor = QueryMonitor::new(recorder.records_searches);
         let walk =
             planners.lock(wumpus.planner).plan(&wumpus.lattice, wumpus.point, (goal, wumpus.reach_m), &mut monitor);
-        agent.cost.local_search += stopwatch.lap();
+        agent.cost.local_search += stopwatch.elapsed_since_last();
         *ready += wumpus.charge(walk.expansions);
         recorder.record_searches(*now, agent.id, monitor.finish().1);
         if walk.is_stuck() && walk.minimum == Some(wumpus.point) {

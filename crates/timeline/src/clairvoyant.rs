@@ -33,7 +33,7 @@ const MAX_CHAINED: usize = 400;
 /// And of more pairs of them than this for all trucks together.
 const MAX_PAIRS: usize = 1 << 23;
 /// Bushes that spreading looks at before it is left out.
-const MAX_LOOKED_AT: usize = 1 << 24;
+const MAX_EXAMINED: usize = 1 << 24;
 
 /// Returns the number of bushes that burn out or burn at the end, at least, whatever the trucks of this run do: if all is lit
 /// where and when it was. `None` where only another rule than that of the radius says how fire goes on, where what was put out
@@ -117,7 +117,7 @@ struct Limits<'a> {
     dwell_s: f64,
     end_s: f64,
     /// True if a stop may put out more than one.
-    puts_out_all: bool,
+    extinguish_all: bool,
 }
 
 impl<'a> Limits<'a> {
@@ -132,7 +132,7 @@ impl<'a> Limits<'a> {
             reach_m: rules.suppression_reach_m.unwrap_or(f64::INFINITY),
             dwell_s: rules.suppression_dwell.as_seconds(),
             end_s: rules.duration.as_seconds(),
-            puts_out_all: rules.extinguishes_all.unwrap_or(true),
+            extinguish_all: rules.extinguishes_all.unwrap_or(true),
         }
     }
 
@@ -190,12 +190,12 @@ impl<'a> Limits<'a> {
             jobs_of.insert(job.bush, job);
             due.push(Reverse((job.lit, true, job.bush)));
         }
-        let (mut caught, mut lost, mut looked_at) = (BTreeSet::new(), 0, 0);
+        let (mut caught, mut lost, mut examined) = (BTreeSet::new(), 0, 0);
         while let Some(Reverse((now, is_lit, bush))) = due.pop() {
-            if now > self.setting.rules.duration || looked_at > MAX_LOOKED_AT {
+            if now > self.setting.rules.duration || examined > MAX_EXAMINED {
                 break;
             }
-            let ignited: Vec<usize> = if is_lit { vec![bush] } else { self.within_radius(bush, &mut looked_at) };
+            let ignited: Vec<usize> = if is_lit { vec![bush] } else { self.within_radius(bush, &mut examined) };
             for bush in ignited {
                 if !caught.insert(bush) {
                     continue;
@@ -222,14 +222,14 @@ impl<'a> Limits<'a> {
     }
 
     /// Lists the bushes that one sets on fire.
-    fn within_radius(&self, from: usize, looked_at: &mut usize) -> Vec<usize> {
+    fn within_radius(&self, from: usize, examined: &mut usize) -> Vec<usize> {
         let (bushes, frame) = (&self.setting.bushes, &self.setting.frame);
         let (centre, radius_m) = (frame.centre(bushes[from]), self.fire.spread_radius_m * (1.0 + RADIUS_TOLERANCE));
         let rows = (radius_m / frame.cell_m).ceil().min(f64::from(u16::MAX)) as u16;
         let row = |bush: &Cell| bush.row;
         let first = bushes.partition_point(|bush| row(bush) < bushes[from].row.saturating_sub(rows));
         let last = bushes.partition_point(|bush| row(bush) <= bushes[from].row.saturating_add(rows));
-        *looked_at += last - first;
+        *examined += last - first;
         (first..last).filter(|&bush| (frame.centre(bushes[bush]) - centre).length() <= radius_m).collect()
     }
 
@@ -261,7 +261,7 @@ impl<'a> Limits<'a> {
         let apart_m = (one.place - other.place).length() - 2.0 * self.reach_m;
         let way_s = travel_s(apart_m - self.widest_swing_m, self.fastest_mps);
         let done_s = |job: &Job| {
-            if self.puts_out_all {
+            if self.extinguish_all {
                 // The dwell may have begun for another fire.
                 job.first_burns_s().max(job.arrival_s + self.dwell_s)
             } else {
@@ -269,7 +269,7 @@ impl<'a> Limits<'a> {
             }
         };
         let in_turn = |first: &Job, next: &Job| done_s(first) + way_s + self.dwell_s <= next.due_s + TOLERANCE_S;
-        let at_once = self.puts_out_all
+        let at_once = self.extinguish_all
             && apart_m <= 0.0
             && one.first_burns_s().max(other.first_burns_s()) <= one.due_s.min(other.due_s) + TOLERANCE_S;
         at_once || in_turn(one, other) || in_turn(other, one)

@@ -182,7 +182,7 @@ pub enum AgentFact {
     /// which may be later than it could.
     Dropped { goal: Cell, trajectory: Trajectory },
     /// A truck arrived and begins to suppress, with this water: one stop's, or portions by the heat of the fire.
-    Suppressing { cell: Cell, portions: u32 },
+    Suppressing { cell: Cell, water_units: u32 },
     /// A suppression ended early because its cell stopped burning.
     SuppressionEnded { cell: Cell },
     /// The agent stands and has no option, for this reason.

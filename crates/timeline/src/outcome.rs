@@ -404,10 +404,10 @@ mod tests {
             at(10.0, planned(TRUCK, A, leg(10.0, pose, 8.0, &[80.0]))),
             at(10.0, truck_rests(SECOND_TRUCK)),
             at(14.0, ignited(B)),
-            at(20.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: A, portions: 1 })),
+            at(20.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: A, water_units: 1 })),
             at(25.0, Fact::Fire(FireFact::Extinguished { cell: A, by: TRUCK })),
             at(25.0, planned(TRUCK, B, leg(25.0, pose, 8.0, &[8.0]))),
-            at(26.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: B, portions: 1 })),
+            at(26.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: B, water_units: 1 })),
             at(31.0, Fact::Fire(FireFact::Extinguished { cell: B, by: TRUCK })),
         ];
         let outcome = Outcome::new(&run(&[TRUCK, SECOND_TRUCK], events));
@@ -448,7 +448,7 @@ mod tests {
             at(1.0, ignited(A)),
             at(2.0, Fact::Agent(TRUCK, AgentFact::Halted { trajectory: halt.clone() })),
             at(2.0, planned(TRUCK, A, leg(2.0, halt.end(), 8.0, &[-16.0]))),
-            at(4.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: A, portions: 1 })),
+            at(4.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: A, water_units: 1 })),
             at(9.0, Fact::Fire(FireFact::Extinguished { cell: A, by: TRUCK })),
             at(9.0, ignited(B)),
             at(9.0, Fact::Agent(TRUCK, AgentFact::Rested { reason: RestReason::Chosen })),
@@ -526,7 +526,7 @@ mod tests {
             at(0.0, ignited(A)),
             at(0.0, ignited(B)),
             at(0.0, planned(TRUCK, B, leg(0.0, pose, 8.0, &[80.0]))),
-            at(10.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: B, portions: 1 })),
+            at(10.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: B, water_units: 1 })),
             at(15.0, Fact::Fire(FireFact::Extinguished { cell: A, by: TRUCK })),
             at(15.0, Fact::Fire(FireFact::Extinguished { cell: B, by: TRUCK })),
         ];

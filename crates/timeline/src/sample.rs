@@ -142,7 +142,7 @@ pub fn by_hand() -> Timeline {
         at(10.0, Fact::Fire(FireFact::Ignited { cell: A, cause: Cause::Lit(WUMPUS) })),
         at(10.0, planned(WUMPUS, B, leg(10.0, first_walk.end(), 2.0, &[20.0]))),
         at(10.0, planned(TRUCK, A, first_drive.clone())),
-        at(15.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: A, portions: 1 })),
+        at(15.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: A, water_units: 1 })),
         at(16.0, Fact::Fire(FireFact::Ignited { cell: B, cause: Cause::Spread(A) })),
         at(16.0, Fact::Agent(WUMPUS, AgentFact::Dropped { goal: B, trajectory: cut_walk })),
         at(17.0, Fact::Agent(WUMPUS, AgentFact::LocalMinimum { goal: D, x_m: 34.5, y_m: -0.0 })),
@@ -158,7 +158,7 @@ pub fn by_hand() -> Timeline {
         at(76.0, Fact::Fire(FireFact::BurnedOut { cell: B })),
         at(80.0, ignited(C)),
         at(82.0, by_lattice),
-        at(83.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: C, portions: 1 })),
+        at(83.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: C, water_units: 1 })),
         at(85.0, Fact::Fire(FireFact::BurnedOut { cell: C })),
         at(85.0, Fact::Agent(TRUCK, AgentFact::SuppressionEnded { cell: C })),
         at(90.0, Fact::Ended { reason: EndReason::NothingLeft }),
@@ -178,7 +178,7 @@ pub fn meeting() -> Timeline {
         at(10.0, Fact::Agent(TRUCK, AgentFact::Blocked { goal: A, by: SECOND_TRUCK })),
         at(14.0, Fact::Agent(SECOND_TRUCK, AgentFact::GaveWay { to: TRUCK, trajectory: aside })),
         at(14.0, planned(TRUCK, A, drive)),
-        at(18.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: A, portions: 1 })),
+        at(18.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: A, water_units: 1 })),
         at(23.0, Fact::Fire(FireFact::Extinguished { cell: A, by: TRUCK })),
         at(30.0, Fact::Ended { reason: EndReason::Duration }),
     ];
@@ -246,7 +246,7 @@ pub fn on_ground() -> Timeline {
         at(2.0, Fact::Agent(TRUCK, AgentFact::OutOfReach { cells: vec![A, cell(0, 9), first] })),
         at(13.0, Fact::Fire(FireFact::Ignited { cell: B, cause: Cause::Spread(first) })),
         at(13.0, planned(TRUCK, goal, leg(13.0, pose, 8.0, &[80.0]))),
-        at(25.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: goal, portions: 1 })),
+        at(25.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: goal, water_units: 1 })),
         at(30.0, Fact::Agent(TRUCK, AgentFact::Rested { reason: RestReason::NothingReachable })),
         at(33.0, Fact::Fire(FireFact::BurnedOut { cell: B })),
         at(45.0, Fact::Fire(FireFact::Ignited { cell: D, cause: Cause::Spotted(cell(0, 9)) })),
@@ -407,7 +407,7 @@ impl World {
             }
             Due::TruckArrives if !outdated => {
                 let cell = self.goals[1].expect("it drove to a goal");
-                self.tell(Fact::Agent(TRUCK, AgentFact::Suppressing { cell, portions: 1 }));
+                self.tell(Fact::Agent(TRUCK, AgentFact::Suppressing { cell, water_units: 1 }));
                 self.queue.push(self.now + seconds(5.0), 0, (revision, Due::TruckDone));
             }
             Due::TruckDone if !outdated => {

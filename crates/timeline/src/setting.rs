@@ -203,8 +203,8 @@ impl Setting {
     }
 
     /// Returns how long a stop at a fire takes that sprays some portions of water.
-    pub fn stop_time(&self, portions: u32) -> SimTime {
-        let spraying = self.water.as_ref().map_or(SimTime::ZERO, |water| water.spraying(portions));
+    pub fn stop_time(&self, water_units: u32) -> SimTime {
+        let spraying = self.water.as_ref().map_or(SimTime::ZERO, |water| water.spraying(water_units));
         self.rules.suppression_dwell + spraying
     }
 

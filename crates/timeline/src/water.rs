@@ -59,13 +59,13 @@ impl WaterEnergy {
     }
 
     /// Returns the portions that some litres are, at least one.
-    pub fn portions(&self, litres: f64) -> u32 {
+    pub fn water_units(&self, litres: f64) -> u32 {
         (litres / self.portion_l).ceil().max(1.0) as u32
     }
 
     /// Returns how long the pump takes for some portions.
-    pub fn spraying(&self, portions: u32) -> SimTime {
-        SimTime::from_seconds(f64::from(portions) * self.portion_l / self.pump_lps)
+    pub fn spraying(&self, water_units: u32) -> SimTime {
+        SimTime::from_seconds(f64::from(water_units) * self.portion_l / self.pump_lps)
     }
 }
 
@@ -77,8 +77,8 @@ impl WaterRules {
     }
 
     /// Returns how long a stop takes longer than its dwell.
-    pub fn spraying(&self, portions: u32) -> SimTime {
-        self.energy.map_or(SimTime::ZERO, |energy| energy.spraying(portions))
+    pub fn spraying(&self, water_units: u32) -> SimTime {
+        self.energy.map_or(SimTime::ZERO, |energy| energy.spraying(water_units))
     }
 
     /// Lists the places, nearest first.
@@ -118,7 +118,7 @@ mod tests {
         assert!((litres(523.0) - 2.0 * 10.0 * 0.99 * 0.2356).abs() < 1e-9);
         let max_kw_m = 620.0 * 4.184;
         assert!(litres(max_kw_m - 0.01).is_finite() && litres(max_kw_m + 0.01) == f64::INFINITY);
-        assert_eq!([0.0, 10.0, 10.5, f64::INFINITY].map(|litres| energy.portions(litres)), [1, 1, 2, u32::MAX]);
+        assert_eq!([0.0, 10.0, 10.5, f64::INFINITY].map(|litres| energy.water_units(litres)), [1, 1, 2, u32::MAX]);
         assert_eq!(energy.spraying(3), SimTime::from_seconds(6.0));
     }
 

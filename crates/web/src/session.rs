@@ -134,11 +134,11 @@ impl Session {
     /// Answers a request, both in JSON: with what was asked for, or with `{"error": {"message": ..}}`.
     pub fn answer(&mut self, request: &str) -> String {
         let request = serde_json::from_str(request).map_err(|error| SessionError::new(format!("no request: {error}")));
-        let answered = request.and_then(|request| self.carry_out(request));
+        let answered = request.and_then(|request| self.execute(request));
         answered.unwrap_or_else(|refusal| json!({ "error": refusal }).to_string())
     }
 
-    fn carry_out(&mut self, request: Request) -> Result<String, SessionError> {
+    fn execute(&mut self, request: Request) -> Result<String, SessionError> {
         match request {
             Request::Catalogue => Ok(catalogue().to_string()),
             Request::Open { scenario, changes, seed, plays, answers, searches } => {

@@ -176,7 +176,7 @@ fn chosen(names: &[String]) -> Result<Vec<&'static Track>, CliError> {
 }
 
 /// Those of these tracks that an entry enters.
-fn entered(entry: &ArenaEntry, asked: &[&'static Track]) -> Result<Vec<&'static Track>, CliError> {
+fn tracks_of(entry: &ArenaEntry, asked: &[&'static Track]) -> Result<Vec<&'static Track>, CliError> {
     let enters = |track: &&'static Track| entry.card.tracks.iter().any(|name| name == track.name);
     let tracks: Vec<&'static Track> = asked.iter().copied().filter(enters).collect();
     if tracks.is_empty() {
@@ -254,12 +254,12 @@ impl Stage {
         #[cfg(unix)]
         let pool = ProgramPool::new(self.context.trust());
         let planners_of = |scenario: &Scenario| {
-            let planners = self.context.entrants.planners.clone();
+            let planners = self.context.registry.planners.clone();
             #[cfg(unix)]
             let planners = pool.planners_of(scenario, planners).map_err(|error| error.to_string())?;
             Ok(planners)
         };
-        let players = Players { entrants: &self.context.entrants, planners_of: &planners_of, jobs: self.jobs };
+        let players = Players { registry: &self.context.registry, planners_of: &planners_of, jobs: self.jobs };
         Ok(play(track, plan, numbers, &players, || progress.advance())?)
     }
 
@@ -295,7 +295,7 @@ fn add_to_board(arguments: &RunArguments, stage: &Stage) -> Result<ExitCode, Cli
     fs::create_dir_all(&arguments.board).map_err(|error| CliError::unwritable(&arguments.board, &error))?;
     let mut work = Vec::new();
     for entry in &entries {
-        for track in entered(entry, &asked)? {
+        for track in tracks_of(entry, &asked)? {
             let plan = ArenaEntry::plan(std::slice::from_ref(entry), track, seeds_of(track, &arguments.seeds)?)?;
             stage.context.expect_trusted_plan(&plan)?;
             work.push((entry, track, plan));
@@ -505,7 +505,7 @@ fn submit_check(arguments: &SubmitArguments, stage: &Stage) -> Result<ExitCode, 
     let entry = ArenaEntry::read(&arguments.entry)?;
     let mut rows = Vec::new();
     let (mut objects, mut refusals, mut remarks) = (Vec::new(), Vec::new(), Vec::new());
-    for track in entered(&entry, &chosen(&arguments.track)?)? {
+    for track in tracks_of(&entry, &chosen(&arguments.track)?)? {
         let public = track.public_seeds();
         let first: Vec<String> = public.iter().take(CHECKED_SEEDS).map(|seed| seed.to_string()).collect();
         let seeds = Seeds::from_file_text(&first.join("\n")).expect("some of a list");

@@ -53,7 +53,7 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
                 context.expect_trusted_plan(&plan)?;
             }
             let batch = Batch::resume(path, slice)?;
-            batch.plan().expect_entrants(&context.entrants, folder).map_err(BatchError::from)?;
+            batch.plan().expect_registry(&context.registry, folder).map_err(BatchError::from)?;
             batch
         }
         None => {
@@ -69,7 +69,7 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
                 }
                 None => match frozen_plan(arguments)? {
                     Some(plan) => {
-                        plan.expect_entrants(&context.entrants, Path::new(&arguments.sources[0]))
+                        plan.expect_registry(&context.registry, Path::new(&arguments.sources[0]))
                             .map_err(BatchError::from)?;
                         plan
                     }
@@ -266,7 +266,7 @@ fn run_with_progress(
     // Only of a batch from its beginning, whose runs are all still to come.
     let is_new = held == 0 && batch.progress().slice().is_whole() && !context.quiet;
     let mut estimates = is_new.then(|| Estimates::new(batch.plan(), jobs));
-    let done = batch.run(&context.entrants, jobs, stop, |end| {
+    let done = batch.run(&context.registry, jobs, stop, |end| {
         if let Some(sentence) = estimates.as_mut().and_then(|estimates| estimates.sentence(end)) {
             progress.note(&sentence);
         }

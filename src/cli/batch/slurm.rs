@@ -46,7 +46,7 @@ pub fn script(arguments: &BatchArguments, plan: &BatchPlan, context: &CommandCon
     if !context.quiet {
         terminal::note("sizing the tasks with a pilot of at most one minute or one run");
     }
-    let pilot = Pilot::run(plan, &context.entrants);
+    let pilot = Pilot::run(plan, &context.registry);
     let jobs = arguments.jobs.map_or(1, |jobs| jobs.get() as u64);
     let tasks = Tasks::new(plan.count(), &pilot, jobs, &arguments.slurm);
     let name = &plan.variants[0].scenario.name;

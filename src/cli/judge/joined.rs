@@ -118,11 +118,11 @@ impl<'a> PathJudge<'a> {
         let max_m = MAX_FIELDS_LONG * (frame.width_m() + frame.height_m());
         // The way of a path without end is not looked at.
         let is_endless = length_m > max_m;
-        let looked_at = samples().take(if is_endless { 0 } else { usize::MAX });
+        let examined = samples().take(if is_endless { 0 } else { usize::MAX });
         let figures = DriveFigures {
             length_m,
             lower_bound_ratio: lower_bound_ratio(length_m, bound_m),
-            min_clearance_m: self.judge.min_clearance_m(std::iter::once(start).chain(looked_at)),
+            min_clearance_m: self.judge.min_clearance_m(std::iter::once(start).chain(examined)),
             cusps: changes.count() as u32,
             drive_s: Trajectory::from_path(&path, SimTime::ZERO, self.limits).duration_s(),
         };

@@ -92,7 +92,7 @@ impl Computed {
 pub fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     let mut stopwatch = CpuStopwatch::start();
     let result = work();
-    (result, stopwatch.lap())
+    (result, stopwatch.elapsed_since_last())
 }
 
 pub fn title_with_neighbours(name: &str, Neighbours(number): Neighbours) -> String {

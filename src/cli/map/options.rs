@@ -111,7 +111,7 @@ impl ReadingArguments {
         if let Some(MapSize { cols, rows }) = self.resize {
             map.resize(rows, cols).map_err(|fault| MapError { path: path.to_owned(), fault })?;
         }
-        Ok((map, stopwatch.lap()))
+        Ok((map, stopwatch.elapsed_since_last()))
     }
 }
 

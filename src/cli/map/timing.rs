@@ -133,7 +133,7 @@ fn median_s(mut work: impl FnMut()) -> f64 {
     while laps.len() < MIN_REPETITIONS || sum < MIN_CPU {
         let mut stopwatch = CpuStopwatch::start();
         work();
-        laps.push(stopwatch.lap());
+        laps.push(stopwatch.elapsed_since_last());
         sum += laps[laps.len() - 1];
     }
     laps.sort_unstable();

@@ -208,7 +208,7 @@ fn shown_run(arguments: &MapOfArguments, context: &CommandContext) -> Result<(Sh
     if folder.is_dir() && arguments.overrides.is_empty() {
         let source = open_batch(folder, &arguments.only, context)?;
         let run = source.run(arguments.seed)?;
-        let found = source.timeline(&run, &context.entrants)?;
+        let found = source.timeline(&run, &context.registry)?;
         let (timeline, _) = found.ok_or_else(|| CliError::run_failed(format_args!("{} failed", source.title())))?;
         let run = ShownRun { title: source.title(), timeline, cpu_samples: None, verdicts: Vec::new() };
         return Ok((run, MapPlace::new(Some(source.scenario()))));
@@ -248,7 +248,7 @@ fn over_batch(
     let jobs = jobs_or_all(arguments.jobs);
     let count = batch.count() + minus.as_ref().map_or(0, MapSource::count);
     let progress = Progress::new(count, "runs", context.quiet);
-    let options = MapsOptions { quantity, jobs, entrants: &context.entrants };
+    let options = MapsOptions { quantity, jobs, registry: &context.registry };
     let maps = map_batches(&batch, minus.as_ref(), &options, || progress.advance());
     progress.end();
     let maps = maps?;
@@ -258,7 +258,7 @@ fn over_batch(
 
 fn open_batch(folder: &Path, only: &[(String, String)], context: &CommandContext) -> Result<MapSource, CliError> {
     let source = MapSource::open(folder, only)?;
-    source.batch().expect_entrants(&context.entrants)?;
+    source.batch().expect_registry(&context.registry)?;
     if source.batch().plan().record != Record::All {
         context.expect_trusted_plan(source.batch().plan())?;
     }

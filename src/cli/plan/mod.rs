@@ -40,7 +40,7 @@ pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCo
         let output = (arguments.problems.seed, arguments.form, &arguments.csv);
         return together::run(&arguments.together, output, context);
     }
-    if benchmark::is_meant(arguments)? {
+    if benchmark::matches(arguments)? {
         return benchmark::run(arguments, context);
     }
     let loaded = LoadedScenario::open(&arguments.scenario, &context.with_own_names(&arguments.overrides))?;
@@ -65,7 +65,7 @@ fn report<'a>(
     loaded: &'a LoadedScenario,
     (problems, planners): (&'a [Problem], &'a [PlannerName]),
 ) -> Result<PlanReport<'a>, CliError> {
-    expect_known_planners(&context.entrants, &loaded.scenario, planners)?;
+    expect_known_planners(&context.registry, &loaded.scenario, planners)?;
     context.expect_trusted_planners(&loaded.scenario, planners)?;
     let ask = || {
         // Programs start again each time, those too that could play on.

@@ -120,7 +120,7 @@ fn audit(
     let jobs = jobs_or_all(jobs);
     let sources = ranking.entries.iter().map(|entry| source(entry, runs, context)).collect::<Result<Vec<_>, _>>()?;
     let progress = Progress::new(sources.iter().map(AuditSource::count).sum(), "runs", context.quiet);
-    let options = AuditOptions { jobs, step: SampleStep::default(), entrants: &context.entrants, listed: 1 };
+    let options = AuditOptions { jobs, step: SampleStep::default(), registry: &context.registry, listed: 1 };
     for (entry, source) in ranking.entries.iter_mut().zip(sources) {
         let report = audit_all(&[source], &options, || progress.advance())?;
         let first_violation = report.listed.first().map(ToString::to_string);
@@ -135,7 +135,7 @@ fn audit(
 fn source(entry: &RankedEntry, runs: usize, context: &CommandContext) -> Result<AuditSource, CliError> {
     let folder = entry.table.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let batch = FinishedBatch::open(folder)?;
-    batch.plan().expect_entrants(&context.entrants, folder).map_err(FinishedError::from)?;
+    batch.plan().expect_registry(&context.registry, folder).map_err(FinishedError::from)?;
     let count = entry.run_numbers.len();
     let runs = runs.min(count);
     let places = (0..runs).map(|place| (place * (count - 1)).checked_div(runs - 1).unwrap_or(0));

@@ -109,7 +109,7 @@ pub fn run(
         let mut stopwatch = CpuStopwatch::start();
         let mut spent = Duration::ZERO;
         let mut is_stopped = || {
-            spent += stopwatch.lap();
+            spent += stopwatch.elapsed_since_last();
             spent >= limit
         };
         let (found, effort) = plan(instance, &settings, &mut is_stopped);

@@ -35,7 +35,7 @@ impl CpuStopwatch {
     }
 
     /// CPU time since the start, or since the last lap.
-    pub fn lap(&mut self) -> Duration {
+    pub fn elapsed_since_last(&mut self) -> Duration {
         let now = ThreadTime::now();
         let span = now.duration_since(self.0);
         self.0 = now;

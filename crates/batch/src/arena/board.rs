@@ -437,7 +437,7 @@ fn entry(board: &TrackBoard, place: usize) -> impl Serialize {
             difference: pair.contrast.difference,
             interval: pair.contrast.interval,
             p_adjusted: pair.p_adjusted,
-            told_apart: pair.is_told_apart(),
+            significant: pair.is_significant(),
         })
     });
     let conditions = entry.by_condition.iter();

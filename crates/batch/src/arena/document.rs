@@ -94,7 +94,7 @@ fn chart(board: &TrackBoard) -> Block {
     let decimals = decimals(ranking);
     let rows = ranking.entries.iter().enumerate().skip(1).filter_map(|(place, entry)| {
         let pair = ranking.pair(0, place)?;
-        Some(pair.contrast.forest_row(entry.name.clone(), decimals, pair.is_told_apart()))
+        Some(pair.contrast.forest_row(entry.name.clone(), decimals, pair.is_significant()))
     });
     let titles = Titles {
         title: format!("Difference from {}, 95 % intervals", ranking.entries[0].name),

@@ -20,7 +20,7 @@ use wildfire_timeline::Outcome;
 /// Who plays, and on how many threads.
 #[derive(Clone, Copy)]
 pub struct Players<'a> {
-    pub entrants: &'a CustomRegistry,
+    pub registry: &'a CustomRegistry,
     /// The planners that a scenario names, programs and modules among them, or why there are none.
     pub planners_of: &'a (dyn Fn(&Scenario) -> Result<Planners, String> + Sync),
     pub jobs: usize,
@@ -55,7 +55,7 @@ pub fn play(
 ) -> Result<Vec<Played>, ArenaError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(players.jobs).build();
     let pool = pool.map_err(|error| BatchError::NoWorkers { jobs: players.jobs, reason: error.to_string() })?;
-    let options = RunOptions { memory: plan.memory, ..players.entrants.clone().into() };
+    let options = RunOptions { memory: plan.memory, ..players.registry.clone().into() };
     let make = |&number: &u64| {
         let run = plan.run(number);
         let played = match track.kind {

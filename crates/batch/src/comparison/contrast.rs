@@ -158,12 +158,12 @@ impl Contrast {
 
 impl Contrast {
     /// Returns the row of a chart of differences.
-    pub(crate) fn forest_row(&self, name: String, decimals: usize, is_told_apart: bool) -> ForestRow {
+    pub(crate) fn forest_row(&self, name: String, decimals: usize, is_significant: bool) -> ForestRow {
         let interval = self.interval.map(|Interval { low, high }| (low, high));
         let number = |value| rounded(value, decimals);
         let ends = interval.map_or_else(String::new, |(low, high)| format!(" ({} to {})", number(low), number(high)));
         let words = format!("{}{ends}", number(self.difference));
-        ForestRow { name, difference: Some(Estimate { value: self.difference, interval }), words, is_told_apart }
+        ForestRow { name, difference: Some(Estimate { value: self.difference, interval }), words, is_significant }
     }
 }
 

@@ -233,7 +233,7 @@ impl CounterfactualRunner {
     /// Plays one future, in which the agent goes for a cell if one is named, and returns what is lost.
     fn play(&mut self, decision: &Decision, cell: Option<Cell>, future: u32) -> Result<f64, RunError> {
         self.fork.become_fork_of(&self.before)?;
-        self.fork.redraw(future);
+        self.fork.reseed(future);
         if let Some(cell) = cell {
             self.fork.force(decision.agent.id, Action::Go(cell));
         }

@@ -89,7 +89,7 @@ pub fn attempts<'a>(problem: &'a Problem, question: &AttemptSettings<'_>) -> Res
     let mut stopwatch = CpuStopwatch::start();
     let field = Arc::new(ClearanceField::new(problem.terrain.frame, &problem.terrain.occupied));
     let checker = CollisionChecker::new(field, problem.truck.vehicle);
-    let field_time = stopwatch.lap();
+    let field_time = stopwatch.elapsed_since_last();
     let opinion = DriveAudit::new(problem, &checker);
     let kinds = GroundKinds::new(&problem.terrain);
     let mut by_planner = Vec::new();
@@ -109,13 +109,13 @@ pub fn attempts<'a>(problem: &'a Problem, question: &AttemptSettings<'_>) -> Res
         };
         let no_planner = |reason| AttemptError::NoPlanner { name: planner.clone(), reason };
         let mut prepared = truck.make_planner(&context).map_err(no_planner)?;
-        let build = field_time + stopwatch.lap();
+        let build = field_time + stopwatch.elapsed_since_last();
         let mut attempts = Vec::new();
         for (goal, &target) in problem.goals.iter().enumerate() {
             // The time spent on measuring the last path is not part of this query.
-            stopwatch.lap();
+            stopwatch.elapsed_since_last();
             let plan = prepared.plan(problem.start, target);
-            let spent = stopwatch.lap();
+            let spent = stopwatch.elapsed_since_last();
             let query = plan.cpu.map_or(spent, |cpu| cpu.time);
             let expansions = u64::from(plan.effort.roadmap_expansions) + u64::from(plan.effort.local_expansions);
             let drive = plan.path.map(|path| opinion.drive(target, path));

@@ -26,21 +26,21 @@ pub struct DriveRequest {
 }
 
 impl DriveRequest {
-    /// Asks every planner for every goal, including those of `entrants`; programs that files name are not started.
+    /// Asks every planner for every goal, including those of `registry`; programs that files name are not started.
     ///
     /// # Errors
     /// If the scenario, a field or a planner is refused.
-    pub fn plan(&self, entrants: &CustomRegistry) -> Result<DriveTable, DriveError> {
-        let changes = own_names(entrants).chain(self.changes.iter().cloned()).collect::<Vec<_>>();
+    pub fn plan(&self, registry: &CustomRegistry) -> Result<DriveTable, DriveError> {
+        let changes = own_names(registry).chain(self.changes.iter().cloned()).collect::<Vec<_>>();
         let LoadedScenario { scenario, .. } = LoadedScenario::open(&self.scenario, &changes)?;
         let problems = self.problems.load(&scenario, self.seed)?;
         let planners = asked_planners(&self.planners, &scenario);
-        expect_known_planners(entrants, &scenario, &planners)?;
+        expect_known_planners(registry, &scenario, &planners)?;
         #[cfg(unix)]
         let makers =
-            ProgramPool::new(Trust::Only(Default::default())).planners_of(&scenario, entrants.planners.clone())?;
+            ProgramPool::new(Trust::Only(Default::default())).planners_of(&scenario, registry.planners.clone())?;
         #[cfg(not(unix))]
-        let makers = entrants.planners.clone();
+        let makers = registry.planners.clone();
         let programs = &scenario.planner;
         let question =
             AttemptSettings { planners: &planners, makers: &makers, programs, seed: self.seed, limit: self.memory };
@@ -61,8 +61,8 @@ pub fn ask_all<'a>(problems: &'a [Problem], question: &AttemptSettings<'_>) -> R
 }
 
 /// Returns changes of a scenario that declare the registered planners and policies.
-pub fn own_names(entrants: &CustomRegistry) -> impl Iterator<Item = String> {
-    let CustomRegistry { planners, policies, .. } = entrants;
+pub fn own_names(registry: &CustomRegistry) -> impl Iterator<Item = String> {
+    let CustomRegistry { planners, policies, .. } = registry;
     let planners = planners.own_names().map(|name| format!("planner.\"{name}\".command=[]"));
     planners.chain(policies.own_names().map(|name| format!("policy.\"{name}\".command=[]")))
 }
@@ -89,11 +89,11 @@ pub fn asked_planners(names: &[PlannerName], scenario: &Scenario) -> Vec<Planner
 
 /// Refuses unknown planners: names that are neither built in nor registered, and have no table in the scenario.
 pub fn expect_known_planners(
-    entrants: &CustomRegistry,
+    registry: &CustomRegistry,
     scenario: &Scenario,
     asked: &[PlannerName],
 ) -> Result<(), DriveError> {
-    let is_known = |name: &PlannerName| entrants.planners.knows(name) || scenario.planner.contains_key(name);
+    let is_known = |name: &PlannerName| registry.planners.knows(name) || scenario.planner.contains_key(name);
     let Some(unknown) = asked.iter().find(|name| !is_known(name)) else { return Ok(()) };
     let tables = scenario.planner.keys().map(PlannerName::name);
     let known = TruckPlannerKind::ALL.map(TruckPlannerKind::name).into_iter().chain(tables).map(str::to_owned);

@@ -26,8 +26,8 @@ pub struct Pilot {
 impl Pilot {
     /// Executes runs that are spread evenly over the plan, so that every variant has its share if there are enough, on
     /// this thread; at least one, and no more after a minute. Failed runs count with the time they took.
-    pub fn run(plan: &BatchPlan, entrants: &CustomRegistry) -> Self {
-        let options = RunOptions { memory: plan.memory, ..entrants.clone().into() };
+    pub fn run(plan: &BatchPlan, registry: &CustomRegistry) -> Self {
+        let options = RunOptions { memory: plan.memory, ..registry.clone().into() };
         let runs = plan.count().min(MAX_RUNS);
         let mut pilot = Self { runs: 0, total: Duration::ZERO, longest: Duration::ZERO };
         for index in 0..runs {

@@ -12,7 +12,7 @@ use sha2::{Digest, Sha256};
 use crate::execute::entries::JOURNAL;
 use crate::execute::journal::{JournalError, LockedJournal, OpenJournal, RowReader};
 use crate::execute::machines::note_machine;
-use crate::execute::workers::{RunEnd, Task, Work, work_off};
+use crate::execute::workers::{RunEnd, Task, Work, run_all};
 use crate::execute::{BatchError, Disk, JournalIndex, OutputFolder, RUNS_FILE, RealDisk, RunScenario};
 use crate::plan::{BatchPlan, ENTRY_COLUMN, PLAN_FILE, PlanError, Record, Slice};
 use wildfire_base::whole_file::sync_folder_of;
@@ -158,12 +158,12 @@ impl Batch {
     /// of them the batch can be resumed.
     pub fn run(
         &mut self,
-        entrants: &CustomRegistry,
+        registry: &CustomRegistry,
         jobs: usize,
         stop: &Arc<AtomicBool>,
         on_run: impl FnMut(RunEnd),
     ) -> Result<(), BatchError> {
-        let options = RunOptions { memory: self.plan.memory, ..entrants.clone().into() };
+        let options = RunOptions { memory: self.plan.memory, ..registry.clone().into() };
         let run = move |scenario: &Scenario, seed| wildfire_sim::run_with_options(scenario, seed, &options);
         self.run_with(Box::new(run), jobs, stop, on_run)
     }
@@ -192,7 +192,7 @@ impl Batch {
             stop: Arc::clone(stop),
             tasks: Mutex::new(Box::new(lost.into_iter().map(Task::RecordAgain).chain(missing.map(Task::Run)))),
         };
-        let worked_off = work_off(work, jobs, &mut self.journal, on_run);
+        let worked_off = run_all(work, jobs, &mut self.journal, on_run);
         // Whatever ended the work, the runs that are over are to be kept.
         let brought = self.journal.bring_home();
         let recorded_again = worked_off?;

@@ -90,7 +90,7 @@ enum Finished {
 type Message = Result<Finished, BatchError>;
 
 /// Executes runs until the work is done or stopped, and syncs the journal. Returns how many runs were recorded again.
-pub fn work_off(
+pub fn run_all(
     work: Work,
     jobs: usize,
     journal: &mut OpenJournal,
@@ -130,14 +130,14 @@ fn start_workers(work: &Arc<Work>, jobs: usize) -> Result<Receiver<Message>, Bat
     let (sender, receiver) = sync_channel(jobs * WAITING_ROWS);
     for _ in 0..jobs {
         let (work, sender) = (Arc::clone(work), sender.clone());
-        let started = thread::Builder::new().spawn(move || work.work_off(&sender));
+        let started = thread::Builder::new().spawn(move || work.run_all(&sender));
         started.map_err(|error| BatchError::NoWorkers { jobs, reason: error.to_string() })?;
     }
     Ok(receiver)
 }
 
 impl Work {
-    fn work_off(&self, sender: &SyncSender<Message>) {
+    fn run_all(&self, sender: &SyncSender<Message>) {
         while let Some(task) = self.next_task() {
             let Some(message) = self.perform(task) else { break };
             let is_last = message.is_err();

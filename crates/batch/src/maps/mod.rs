@@ -42,7 +42,7 @@ pub struct MapsOptions<'a> {
     /// The number of threads.
     pub jobs: usize,
     /// The planners and policies of runs that are repeated.
-    pub entrants: &'a CustomRegistry,
+    pub registry: &'a CustomRegistry,
 }
 
 /// Maps over one batch, or over two and their difference.
@@ -194,7 +194,7 @@ pub fn map_batches(
 
 /// Reads a run and the cells of the map; `None` if it could not take place.
 fn read_run(source: &MapSource, run: &PlannedRun<'_>, options: &MapsOptions<'_>) -> Result<Option<RunMap>, MapsError> {
-    let Some((timeline, is_recorded)) = source.timeline(run, options.entrants)? else { return Ok(None) };
+    let Some((timeline, is_recorded)) = source.timeline(run, options.registry)? else { return Ok(None) };
     let map = RunMap::new(timeline, is_recorded, options.quantity);
     map.map(Some).ok_or_else(|| MapsError::NoIntensity { run: source.batch().name_of(run) })
 }

@@ -112,7 +112,7 @@ impl MapSource {
     ///
     /// # Errors
     /// If the recording cannot be read or is of another run.
-    pub fn timeline(&self, run: &PlannedRun<'_>, entrants: &CustomRegistry) -> Result<Option<FoundRun>, MapsError> {
+    pub fn timeline(&self, run: &PlannedRun<'_>, registry: &CustomRegistry) -> Result<Option<FoundRun>, MapsError> {
         if let Some(path) = self.batch.recording(run) {
             let timeline = file::read(&path).map_err(|source| MapsError::Unreadable { path: path.clone(), source })?;
             let (scenario, seed) = (timeline.setting.scenario.clone(), timeline.setting.seed);
@@ -121,7 +121,7 @@ impl MapSource {
             }
             return Ok(Some((timeline, true)));
         }
-        let options = RunOptions { memory: self.batch.plan().memory, ..entrants.clone().into() };
+        let options = RunOptions { memory: self.batch.plan().memory, ..registry.clone().into() };
         let again = panics::catch(|| wildfire_sim::run_with_options(&run.variant.scenario, run.seed, &options));
         Ok(again.ok().and_then(Result::ok).map(|run| (run.timeline, false)))
     }

@@ -261,7 +261,7 @@ impl BatchPlan {
 
     /// Refuses a batch whose runs cannot be made here: a planner or a policy of them was registered, and none of
     /// that name is registered here.
-    pub fn expect_entrants(&self, entrants: &CustomRegistry, folder: &Path) -> Result<(), PlanError> {
+    pub fn expect_registry(&self, registry: &CustomRegistry, folder: &Path) -> Result<(), PlanError> {
         let is_program = |table: &Programs, name| table.get(name).is_some_and(Program::is_external);
         for Variant { scenario, .. } in &self.variants {
             let planners = scenario.unimog.iter().map(|truck| ("planner", &truck.planner));
@@ -275,8 +275,8 @@ impl BatchPlan {
             });
             let crews = scenario.own_line_policy().map(|name| ("policy", name));
             let missing = planners.chain(trucks).chain(wumpuses).chain(crews).find(|&(kind, name)| match kind {
-                "planner" => !entrants.planners.knows(name) && !is_program(&scenario.planner, name),
-                _ => !entrants.policies.own_names().any(|own| own == name) && !is_program(&scenario.policy, name),
+                "planner" => !registry.planners.knows(name) && !is_program(&scenario.planner, name),
+                _ => !registry.policies.own_names().any(|own| own == name) && !is_program(&scenario.policy, name),
             });
             if let Some((kind, name)) = missing {
                 return Err(PlanError::HandedIn { path: folder.to_owned(), kind, name: name.clone() });

@@ -130,7 +130,7 @@ pub struct AuditOptions<'a> {
     pub jobs: usize,
     pub step: SampleStep,
     /// The planners and policies of runs that are repeated.
-    pub entrants: &'a CustomRegistry,
+    pub registry: &'a CustomRegistry,
     /// The maximum number of listed runs with a violation.
     pub listed: usize,
 }
@@ -180,7 +180,7 @@ impl Subject<'_> {
     }
 
     fn look(&self, options: &AuditOptions<'_>) -> Finding {
-        let &AuditOptions { step, entrants, .. } = options;
+        let &AuditOptions { step, registry, .. } = options;
         match self {
             Self::Recording(path) => look_at_file(path, step, |_| None),
             Self::Run { batch, run, row, recording } => match recording {
@@ -190,7 +190,7 @@ impl Subject<'_> {
                 }),
                 None => {
                     let memory = batch.plan().memory;
-                    let options = RunOptions { memory, ..entrants.clone().into() };
+                    let options = RunOptions { memory, ..registry.clone().into() };
                     look_again(run, &options, row.as_ref(), step)
                 }
             },

@@ -85,9 +85,9 @@ impl FinishedBatch {
         path.exists().then_some(path)
     }
 
-    /// Refuses a batch of which a run would have to be repeated and cannot, see [`BatchPlan::expect_entrants`].
-    pub fn expect_entrants(&self, entrants: &CustomRegistry) -> Result<(), FinishedError> {
-        match self.plan.expect_entrants(entrants, &self.folder) {
+    /// Refuses a batch of which a run would have to be repeated and cannot, see [`BatchPlan::expect_registry`].
+    pub fn expect_registry(&self, registry: &CustomRegistry) -> Result<(), FinishedError> {
+        match self.plan.expect_registry(registry, &self.folder) {
             Err(_) if self.runs().all(|run| self.recording(&run).is_some()) => Ok(()),
             known => Ok(known?),
         }

@@ -224,7 +224,7 @@ fn length(v: DVec2) -> f64 {
 }
 
 impl FireModel for Alexandridis {
-    fn redraw(&mut self, seed: u64) {
+    fn reseed(&mut self, seed: u64) {
         self.chance = Chance::new(seed, CHANCE);
     }
 

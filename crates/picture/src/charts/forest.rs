@@ -34,7 +34,7 @@ pub struct ForestRow {
     /// Words to the right of it, such as the same in its own unit.
     pub words: String,
     /// True if there is evidence of a difference: the mark is filled.
-    pub is_told_apart: bool,
+    pub is_significant: bool,
 }
 
 impl ForestChart {
@@ -103,7 +103,7 @@ fn draw_difference(drawing: &mut Drawing, plot: &Plot, scale: AxisScale, middle:
     let mut square =
         |reach: f32, colour| drawing.rect((x - reach, middle - reach), (x + reach, middle + reach), colour);
     square(MARK, colour);
-    if !row.is_told_apart {
+    if !row.is_significant {
         square(MARK - 1.6, PAPER);
     }
 }
@@ -116,11 +116,11 @@ mod tests {
 
     #[test]
     fn differences_are_on_their_side_of_zero_within_their_intervals() {
-        let row = |value: f64, is_told_apart| ForestRow {
+        let row = |value: f64, is_significant| ForestRow {
             name: "a metric with a long name".into(),
             difference: Some(Estimate { value, interval: Some((value - 2.0, value + 3.0)) }),
             words: "5 (3 to 8)".into(),
-            is_told_apart,
+            is_significant,
         };
         let without = ForestRow { difference: None, ..row(0.0, false) };
         let rows = vec![row(5.0, true), row(-1.0, false), without];
@@ -161,7 +161,7 @@ mod tests {
                 name: name.into(),
                 difference: Some(Estimate { value: -0.68, interval: Some((-1.46, 0.11)) }),
                 words: "-0.68 (-1.46 to 0.11)".into(),
-                is_told_apart: false,
+                is_significant: false,
             };
             let drawing = ForestChart { titles: Titles::default(), rows: vec![row] }.draw(340.0);
             let texts = drawing.texts().collect::<Vec<_>>().join(" ");

@@ -297,9 +297,9 @@ impl RelaxedSearch {
             LatticeKind::Coarse => &self.coarse,
             LatticeKind::Fine => self.fine.as_ref().expect("it was searched"),
         };
-        observer.looked_at(SearchPhase::Local, &mut forward.lines());
+        observer.on_edges_examined(SearchPhase::Local, &mut forward.lines());
         if is_two_sided {
-            observer.looked_at(SearchPhase::Local, &mut backward.lines());
+            observer.on_edges_examined(SearchPhase::Local, &mut backward.lines());
         }
     }
 

@@ -87,7 +87,7 @@ impl PlanningObserver for UnscaledLines<'_> {
         self.observer.begins(work);
     }
 
-    fn looked_at(&mut self, phase: SearchPhase, lines: &mut dyn Iterator<Item = [DVec2; 2]>) {
-        self.observer.looked_at(phase, &mut lines.map(|line| line.map(|place| place / self.units.scale)));
+    fn on_edges_examined(&mut self, phase: SearchPhase, lines: &mut dyn Iterator<Item = [DVec2; 2]>) {
+        self.observer.on_edges_examined(phase, &mut lines.map(|line| line.map(|place| place / self.units.scale)));
     }
 }

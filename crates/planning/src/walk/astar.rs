@@ -39,7 +39,10 @@ pub fn walk(
         Estimate::ParentEuclidean => weight * (lattice.position(parent) - centre).length(),
     };
     let found = memory.search(lattice.moves(), start, costs, |point| query.is_goal(point), estimate);
-    observer.looked_at(SearchPhase::Walk, &mut memory.settled().map(|ends| ends.map(|point| lattice.position(point))));
+    observer.on_edges_examined(
+        SearchPhase::Walk,
+        &mut memory.settled().map(|ends| ends.map(|point| lattice.position(point))),
+    );
     Walk::straight(found.path, found.expansions)
 }
 

@@ -51,7 +51,7 @@ impl PotentialField {
             let lowest = query.lattice.steps(here).map(|(_, next)| next);
             let lowest = lowest.min_by(|&a, &b| potential.at(a).total_cmp(&potential.at(b)));
             let Some(next) = lowest.filter(|&next| potential.at(next) < potential.at(here)) else {
-                observer.looked_at(SearchPhase::Walk, &mut query.lines(&path));
+                observer.on_edges_examined(SearchPhase::Walk, &mut query.lines(&path));
                 if !self.settings.escapes {
                     return Walk { minimum: Some(here), ..Walk::straight(Some(path), expansions) };
                 }
@@ -65,7 +65,7 @@ impl PotentialField {
             here = next;
             path.push(here);
         }
-        observer.looked_at(SearchPhase::Walk, &mut query.lines(&path));
+        observer.on_edges_examined(SearchPhase::Walk, &mut query.lines(&path));
         Walk::straight(Some(path), expansions)
     }
 

@@ -17,7 +17,7 @@ pub fn walk(costs: &WalkCosts, query: &WalkQuery<'_>, observer: &mut dyn Plannin
     let WalkQuery { lattice, start, goals, .. } = *query;
     let to_go = cost_to_go(lattice.moves(), goals.iter().copied(), costs);
     let to_go = to_go.values();
-    observer.looked_at(SearchPhase::Walk, &mut std::iter::once_with(|| wave(costs, lattice, to_go)).flatten());
+    observer.on_edges_examined(SearchPhase::Walk, &mut std::iter::once_with(|| wave(costs, lattice, to_go)).flatten());
     let expansions = to_go.iter().filter(|cost| cost.is_finite()).count() as u32;
     if to_go[start].is_infinite() {
         return Walk::straight(None, expansions);

@@ -118,7 +118,7 @@ mod tests {
     fn agent(number: u16, place: DVec2) -> AgentView {
         let pose = Pose::new(place.x, place.y, 0.0);
         let (id, activity, free_at, free_place) = (AgentId::wumpus(number), Activity::Standing, SimTime::ZERO, place);
-        AgentView { id, place, pose, activity, goal: None, post: None, stops_left: None, free_at, free_place }
+        AgentView { id, place, pose, activity, goal: None, staging_point: None, stops_left: None, free_at, free_place }
     }
 
     fn chosen(bushes: &[Cell], agents: &[AgentView], keeps_apart: bool) -> Option<Cell> {

@@ -226,9 +226,9 @@ impl PolicySet {
     }
 
     /// Draws what policies leave to chance from now on by another seed.
-    pub fn redraw(&mut self, seed: u64) {
+    pub fn reseed(&mut self, seed: u64) {
         for PolicyEntry { policy, .. } in &mut self.policies {
-            policy.redraw(seed);
+            policy.reseed(seed);
         }
     }
 
@@ -274,7 +274,7 @@ impl PolicySet {
         let mut stopwatch = CpuStopwatch::start();
         let mut points = policy.line(seen, line);
         let mut report = policy.take_report();
-        self.own.add_cpu(stopwatch.lap(), report.elsewhere);
+        self.own.add_cpu(stopwatch.elapsed_since_last(), report.elsewhere);
         if let Err(words) = check_line(&points, seen.fires.frame()) {
             points.clear();
             report.failure = report.failure.or(Some((PlanFailure::BadAnswer, words)));
@@ -321,7 +321,8 @@ impl PolicySet {
             if let Some(name) = own {
                 let mut report = policy.take_report();
                 // The time of a team's policy is measured with what else its decision takes.
-                let here = if policy.asking() == PolicyScope::Each { stopwatch.lap() } else { Duration::ZERO };
+                let here =
+                    if policy.asking() == PolicyScope::Each { stopwatch.elapsed_since_last() } else { Duration::ZERO };
                 self.own.add_cpu(here, report.elsewhere);
                 let is_team = policy.asking() != PolicyScope::Each;
                 let illegal = refuse_illegal(&mut choices, &agents, &by_name, is_team);

@@ -91,7 +91,7 @@ pub struct AgentView {
     /// The cell that it goes for.
     pub goal: Option<Cell>,
     /// The place that it was sent to, if it is driving there or waits there.
-    pub post: Option<DVec2>,
+    pub staging_point: Option<DVec2>,
     /// The number of stops that the water in its tank lasts for; `None` where water does not matter.
     pub stops_left: Option<u32>,
     /// The time at which it can set out for something else: now, unless it has to finish something first.
@@ -214,7 +214,7 @@ pub trait Policy: Send + Sync {
     }
 
     /// Draws what it leaves to chance from now on by another seed.
-    fn redraw(&mut self, _seed: u64) {}
+    fn reseed(&mut self, _seed: u64) {}
 }
 
 /// Chooses for one agent at a time.

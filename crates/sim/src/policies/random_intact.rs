@@ -60,7 +60,7 @@ impl Policy for RandomIntact {
         Some(Box::new(self.clone()))
     }
 
-    fn redraw(&mut self, seed: u64) {
+    fn reseed(&mut self, seed: u64) {
         self.seed = seed;
         self.turns.clear();
     }

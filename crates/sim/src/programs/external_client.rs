@@ -60,7 +60,7 @@ impl ExternalClient {
         let again = before.and_then(|session| session.play_again(&program, &field));
         let (session, built) = match again {
             Some(mut session) => {
-                let built = session.lap();
+                let built = session.elapsed_since_last();
                 (session, built)
             }
             None => {
@@ -121,7 +121,7 @@ impl ExternalClient {
         if answer.is_err() {
             session.peer.kill();
         }
-        let cpu = session.lap().map(|lap| lap + starting);
+        let cpu = session.elapsed_since_last().map(|elapsed_since_last| elapsed_since_last + starting);
         let instructions = session.peer.take_instructions();
         if answer.is_ok() {
             self.session = Some(session);
@@ -170,7 +170,7 @@ impl Session {
             Err(error) => return (Err(error), None),
         };
         let greeted = session.greet(program, watch).and_then(|()| session.show(program, field, watch));
-        let cpu = session.lap();
+        let cpu = session.elapsed_since_last();
         (greeted.map(|()| session), cpu)
     }
 
@@ -221,11 +221,11 @@ impl Session {
     }
 
     /// Returns its CPU time since the last lap.
-    fn lap(&mut self) -> Option<Duration> {
+    fn elapsed_since_last(&mut self) -> Option<Duration> {
         let now = self.peer.cpu()?;
-        let lap = now.saturating_sub(self.counted);
+        let elapsed_since_last = now.saturating_sub(self.counted);
         self.counted = now;
-        Some(lap)
+        Some(elapsed_since_last)
     }
 
     /// Says goodbye, and waits until nothing of it is left.

@@ -135,6 +135,6 @@ fn cpu_of((measured, starting): (Option<Duration>, Duration), reported_s: Option
 fn show(searched: Option<&[[f64; 4]]>, observer: &mut dyn PlanningObserver) {
     if let Some(lines) = searched {
         let ends = |&[x0, y0, x1, y1]: &[f64; 4]| [DVec2::new(x0, y0), DVec2::new(x1, y1)];
-        observer.looked_at(SearchPhase::Local, &mut lines.iter().map(ends));
+        observer.on_edges_examined(SearchPhase::Local, &mut lines.iter().map(ends));
     }
 }

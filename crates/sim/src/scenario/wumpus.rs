@@ -28,7 +28,7 @@ const MAX_LATTICE_POINTS: f64 = 4e9;
 const MAX_TRIES: f64 = 2.5e7;
 
 /// The most points of all lattices on which is looked for what can be lit, and for free places: a fifth of a second.
-const MAX_POINTS_LOOKED_AT: f64 = 5e6;
+const MAX_POINTS_EXAMINED: f64 = 5e6;
 
 /// The memory that a Wumpus takes alone: its walk as it is computed and taken, of up to 20,000 points, which a walk across
 /// the largest field has, and its small things.
@@ -331,7 +331,7 @@ impl AgentList for Vec<Wumpus> {
     fn blocked_starts(&self, field: &ScenarioField<'_>) -> BlockedStarts {
         let terrain = field.terrain;
         let has_place = |wumpus: &Wumpus, shape: LatticeShape| {
-            let is_large = WalkLattice::point_count(&terrain.frame, &shape) > MAX_POINTS_LOOKED_AT;
+            let is_large = WalkLattice::point_count(&terrain.frame, &shape) > MAX_POINTS_EXAMINED;
             let lattice = || WalkLattice::new(terrain.frame, &terrain.occupied, shape);
             is_large || lattice().nearest_free(wumpus.start_centre()).is_some()
         };
@@ -428,7 +428,7 @@ fn warn_of_idle_wumpuses(wumpuses: &[Wumpus], terrain: &Terrain, found: &mut Vec
         let shape = wumpus.lattice_shape(&terrain.frame);
         if known.as_ref().is_none_or(|(known, _)| *known != shape) {
             points += WalkLattice::point_count(&terrain.frame, &shape);
-            if points > MAX_POINTS_LOOKED_AT {
+            if points > MAX_POINTS_EXAMINED {
                 return;
             }
             known = Some((shape, WalkLattice::new(terrain.frame, &terrain.occupied, shape)));

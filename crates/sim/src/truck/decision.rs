@@ -378,18 +378,18 @@ impl Fleet<'_, '_> {
 }
 
 /// Lets trucks whose turn it is follow their policies, keep their goals, wait for other trucks, or rest.
-pub fn decide(mut fleet: Fleet, fires: Res<Fires>, mut books: DecisionResources) {
+pub fn decide(mut fleet: Fleet, fires: Res<Fires>, mut resources: DecisionResources) {
     let (now, fires) = (fleet.now(), &fires.field);
     while let Some(wake) = fleet.queue.next_for(now, AgentEvent::Decision, |entity| fleet.trucks.contains(entity)) {
         let (agent, _) = fleet.trucks.one(wake.agent);
-        let policy = *books.followers.get(wake.agent).expect("every truck follows a policy");
+        let policy = *resources.followers.get(wake.agent).expect("every truck follows a policy");
         // Something may have ignited just as it arrived.
         if agent.revision != wake.revision || agent.activity == Activity::Suppressing {
             fleet.queue.drop_next();
             continue;
         }
-        if matches!(books.following.asking(policy), PolicyScope::Team { .. }) {
-            if !fleet.decide_for_team(policy, fires, &mut books) {
+        if matches!(resources.following.asking(policy), PolicyScope::Team { .. }) {
+            if !fleet.decide_for_team(policy, fires, &mut resources) {
                 return;
             }
             continue;
@@ -403,14 +403,14 @@ pub fn decide(mut fleet: Fleet, fires: Res<Fires>, mut books: DecisionResources)
                 let (agent, _) = fleet.trucks.one(due.agent);
                 let is_meant = agent.revision == due.revision && agent.activity != Activity::Suppressing;
                 let who = (agent.id, due.agent);
-                if is_meant && books.followers.get(due.agent) == Ok(&policy) && !asked.contains(&who) {
+                if is_meant && resources.followers.get(due.agent) == Ok(&policy) && !asked.contains(&who) {
                     asked.push(who);
                 }
             }
             let trucks = fleet.trucks.agents().map(|agent| agent.view(now));
-            let agents = trucks.chain(books.others.iter().map(|agent| agent.view(now))).collect();
+            let agents = trucks.chain(resources.others.iter().map(|agent| agent.view(now))).collect();
             let inquiry = PolicyQuery { now, fires, agents, asked };
-            books.following.ask(policy, inquiry, &|entity: Entity| fleet.options(entity, &[entity], fires))
+            resources.following.ask(policy, inquiry, &|entity: Entity| fleet.options(entity, &[entity], fires))
         };
         if choices.is_empty() {
             return;
@@ -421,7 +421,7 @@ pub fn decide(mut fleet: Fleet, fires: Res<Fires>, mut books: DecisionResources)
                 // It may be called several times at one instant without changing its mind.
                 fleet.queue.drop_next();
             }
-            fleet.act(entity, choice, fires, &mut books.cpu_log);
+            fleet.act(entity, choice, fires, &mut resources.cpu_log);
         }
     }
 }

@@ -99,7 +99,7 @@ impl Truck {
         let mut monitor = QueryMonitor::new(recorder.records_searches);
         let planner = &mut **self.planner.lock();
         let (index, plan) = plan_to_nearest(planner, &self.body, outset.pose, &discs, &mut monitor)?;
-        let (path, found_by) = settle(plan, monitor, outset.now, spent, cost, recorder).ok()?;
+        let (path, found_by) = finish_query(plan, monitor, outset.now, spent, cost, recorder).ok()?;
         Some(Drive { goal: goals[index], path, back_m: 0.0, effort: *spent, found_by })
     }
 
@@ -114,14 +114,14 @@ impl Truck {
     ) -> Result<(Path, FoundBy), (PlanFailure, Effort)> {
         let mut monitor = QueryMonitor::new(recorder.records_searches);
         let plan = self.planner.lock().plan_observed(outset.pose, disc.into(), &mut monitor);
-        settle(plan, monitor, outset.now, spent, cost, recorder).map_err(|reason| (reason, std::mem::take(spent)))
+        finish_query(plan, monitor, outset.now, spent, cost, recorder).map_err(|reason| (reason, std::mem::take(spent)))
     }
 
     /// Finds a drive to a goal that the planner failed on; `None` if the reachability flood does not reach it.
     pub fn plan_by_flood(&mut self, goal: Cell, outset: DepartureContext<'_>, cost: &mut AgentCost) -> Option<Drive> {
         let mut stopwatch = CpuStopwatch::start();
         let drive = self.find_by_flood(goal, outset, cost);
-        cost.reachability += stopwatch.lap();
+        cost.reachability += stopwatch.elapsed_since_last();
         drive
     }
 
@@ -196,7 +196,7 @@ impl Truck {
         let free_m = outset.traffic.free_m(&self.body, &leg)?;
         let (path, spent) =
             replan_around(&outset.traffic.with_others_standing(&self.checker), &blocked.path, free_m, disc);
-        cost.local_search += stopwatch.lap();
+        cost.local_search += stopwatch.elapsed_since_last();
         let mut effort = blocked.effort;
         effort += spent;
         self.depart(Drive { path: path?, effort, ..blocked.clone() }, outset).ok()
@@ -225,7 +225,7 @@ impl Truck {
             effort += spent;
             found.extend(path.map(|path| (path, wait_s)));
         }
-        cost.local_search += stopwatch.lap();
+        cost.local_search += stopwatch.elapsed_since_last();
         let legs = found.into_iter().filter_map(|(path, wait_s)| {
             let leg = after_waiting(&self.leg(&path, ready(&effort)), wait_s);
             let leg = outset.traffic.departure(&self.body, &leg).ok()?;
@@ -236,7 +236,7 @@ impl Truck {
 }
 
 /// Books what a query took, and returns the path that it found.
-fn settle(
+fn finish_query(
     plan: Plan,
     monitor: QueryMonitor,
     now: SimTime,

@@ -128,7 +128,7 @@ impl Fleet<'_, '_> {
         truck.blocked.clear();
         let fact = AgentFact::GaveWay { to, trajectory: way.clone() };
         self.recorder.record_agent(self.clock.0, agent.id, fact);
-        (agent.activity, agent.post) = (Activity::Moving, None);
+        (agent.activity, agent.staging_point) = (Activity::Moving, None);
         agent.trajectory = way;
         let arrives = agent.trajectory.end_time();
         agent.reconsider(entity, arrives, &mut self.queue);
@@ -220,11 +220,11 @@ pub fn end_dwell(mut fleet: Fleet, fires: Res<Fires>) {
         let goal = agent.goal.take().expect("a truck that suppresses has a goal");
         agent.activity = Activity::Idle;
         agent.reconsider(wake.agent, now, &mut fleet.queue);
-        stops.push((Stop::new(&agent, &truck, goal), truck.puts_out.take()));
+        stops.push((Stop::new(&agent, &truck, goal), truck.extinguish_set.take()));
     }
     let (field, frame) = (&fires.field, fires.field.frame());
-    for (stop, puts_out) in &stops {
-        let put_out: Vec<Cell> = match puts_out {
+    for (stop, extinguish_set) in &stops {
+        let put_out: Vec<Cell> = match extinguish_set {
             Some(cells) => {
                 cells.iter().filter(|&&(cell, time)| field.goes_on(cell, time)).map(|&(cell, _)| cell).collect()
             }
@@ -253,20 +253,20 @@ pub fn arrive(mut fleet: Fleet, fires: Res<Fires>) {
         }
         agent.activity = Activity::Suppressing;
         let cell = agent.goal.expect("a truck drives to a goal");
-        let mut portions = 1;
+        let mut water_units = 1;
         if let (Some(needs), Some(left)) = (&fleet.needs, agent.stops_left) {
             let stop = Stop::new(&agent, &truck, cell);
             let mut others: Vec<Cell> = stop.others(field).collect();
             let away = |cell: &Cell| (field.frame().centre(*cell) - stop.centre).length_squared();
             others.sort_by(|a, b| away(a).total_cmp(&away(b)));
             let (cells, taken) = needs.of_stop(cell, others, left);
-            truck.puts_out = Some(cells.into_iter().map(|cell| (cell, field.episode(cell))).collect());
-            portions = taken;
+            truck.extinguish_set = Some(cells.into_iter().map(|cell| (cell, field.episode(cell))).collect());
+            water_units = taken;
         }
-        fleet.recorder.record_agent(now, agent.id, AgentFact::Suppressing { cell, portions });
-        let spraying = truck.water.as_ref().map_or(SimTime::ZERO, |water| water.spraying(portions));
+        fleet.recorder.record_agent(now, agent.id, AgentFact::Suppressing { cell, water_units });
+        let spraying = truck.water.as_ref().map_or(SimTime::ZERO, |water| water.spraying(water_units));
         agent.busy_until = now + truck.dwell + spraying;
-        agent.stops_left = agent.stops_left.map(|stops| stops.saturating_sub(portions));
+        agent.stops_left = agent.stops_left.map(|stops| stops.saturating_sub(water_units));
         fleet.queue.push_for(agent.busy_until, AgentEvent::DwellEnd, agent.wake(wake.agent));
     }
 }

@@ -84,7 +84,7 @@ pub struct Truck {
     /// The rules of water, if there are any.
     water: Option<Arc<WaterRules>>,
     /// The cells that its present stop puts out, and the episode of each; only where heat matters.
-    puts_out: Option<Vec<(Cell, u32)>>,
+    extinguish_set: Option<Vec<(Cell, u32)>>,
     /// Places that it found no way to.
     closed_posts: Vec<UnreachableStaging>,
 }

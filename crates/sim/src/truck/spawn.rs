@@ -82,7 +82,7 @@ pub fn spawn(
         blocked: Vec::new(),
         deliberation: None,
         water: arena.water.clone(),
-        puts_out: None,
+        extinguish_set: None,
         closed_posts: Vec::new(),
     };
     let following = world.resource::<PolicySet>();

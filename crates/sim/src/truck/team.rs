@@ -65,9 +65,9 @@ impl Fleet<'_, '_> {
         &mut self,
         policy: PolicyId,
         fires: &FireField,
-        books: &mut DecisionResources<'_, '_>,
+        resources: &mut DecisionResources<'_, '_>,
     ) -> bool {
-        let mut called = self.called(policy, books);
+        let mut called = self.called(policy, resources);
         if called.asked.is_empty() {
             self.queue.drop_next();
             return true;
@@ -81,12 +81,12 @@ impl Fleet<'_, '_> {
         for &entity in &all {
             if self.has_blocked_drives(entity) && self.options(entity, &all, fires).is_empty() {
                 let conclusion = self.stop_looking(entity, fires);
-                changed.extend(self.conclude_in_team(entity, conclusion, books).then_some(entity));
+                changed.extend(self.conclude_in_team(entity, conclusion, resources).then_some(entity));
                 called.asked.retain(|&(_, other)| other != entity);
             }
         }
         if !called.asked.is_empty() {
-            let orders = self.ask_team(policy, &called, fires, books);
+            let orders = self.ask_team(policy, &called, fires, resources);
             if orders.is_empty() {
                 return false;
             }
@@ -94,8 +94,8 @@ impl Fleet<'_, '_> {
                 changed.extend(self.call_off(entity, choice).then_some(entity));
             }
             for &(entity, choice) in orders.iter().filter(|(entity, _)| !called.moving.contains(entity)) {
-                if let Some(conclusion) = self.carry_out(entity, choice, fires) {
-                    changed.extend(self.conclude_in_team(entity, conclusion, books).then_some(entity));
+                if let Some(conclusion) = self.execute(entity, choice, fires) {
+                    changed.extend(self.conclude_in_team(entity, conclusion, resources).then_some(entity));
                 }
             }
         }
@@ -109,12 +109,12 @@ impl Fleet<'_, '_> {
     }
 
     /// Lists the trucks of a policy that decide now.
-    fn called(&self, policy: PolicyId, books: &DecisionResources<'_, '_>) -> DueTrucks {
+    fn called(&self, policy: PolicyId, resources: &DecisionResources<'_, '_>) -> DueTrucks {
         let now = self.now();
         let mut called = DueTrucks { asked: Vec::new(), moving: Vec::new() };
         for due in self.queue.decisions(now).filter(|due| self.trucks.contains(due.agent)) {
             let (agent, _) = self.trucks.one(due.agent);
-            let is_meant = agent.revision == due.revision && books.followers.get(due.agent) == Ok(&policy);
+            let is_meant = agent.revision == due.revision && resources.followers.get(due.agent) == Ok(&policy);
             let stands = agent.goal.is_none() && agent.stands(now);
             let is_called_off = agent.is_called && agent.may_be_called_off(now);
             let who = (agent.id, due.agent);
@@ -134,17 +134,17 @@ impl Fleet<'_, '_> {
         policy: PolicyId,
         called: &DueTrucks,
         fires: &FireField,
-        books: &mut DecisionResources<'_, '_>,
+        resources: &mut DecisionResources<'_, '_>,
     ) -> Vec<(Entity, Action)> {
         let now = self.now();
         let trucks = self.trucks.agents().map(|agent| agent.view(now));
-        let agents = trucks.chain(books.others.iter().map(|agent| agent.view(now))).collect();
+        let agents = trucks.chain(resources.others.iter().map(|agent| agent.view(now))).collect();
         let inquiry = PolicyQuery { now, fires, agents, asked: called.asked.clone() };
         let all = called.entities();
         let mut stopwatch = CpuStopwatch::start();
-        let choices = books.following.ask(policy, inquiry, &|entity| self.options(entity, &all, fires));
-        books.following.team_cpu += stopwatch.lap();
-        let delay = books.following.charge(policy);
+        let choices = resources.following.ask(policy, inquiry, &|entity| self.options(entity, &all, fires));
+        resources.following.team_cpu += stopwatch.elapsed_since_last();
+        let delay = resources.following.charge(policy);
         if choices.is_empty() {
             return Vec::new();
         }
@@ -163,20 +163,22 @@ impl Fleet<'_, '_> {
     /// Lets a truck that is under way stop if it is to go elsewhere; returns true if so.
     fn call_off(&mut self, entity: Entity, choice: Action) -> bool {
         let (agent, _) = self.trucks.one(entity);
-        match (agent.goal, agent.post, choice) {
+        match (agent.goal, agent.staging_point, choice) {
             (Some(goal), _, Action::Go(cell)) if cell != goal => self.drop_goal(entity),
             (Some(_), _, Action::Move(_) | Action::Refill) => self.drop_goal(entity),
             // It is on its way to water.
             (None, ..) if agent.stops_left == Some(0) => return false,
             (None, _, Action::Go(_) | Action::GoToNearest) => self.halt(entity),
-            (None, Some(post), Action::Move(place)) if (place - post).length() > AS_GOOD_M => self.halt(entity),
+            (None, Some(staging_point), Action::Move(place)) if (place - staging_point).length() > AS_GOOD_M => {
+                self.halt(entity)
+            }
             _ => return false,
         }
         true
     }
 
     /// Lets a truck that stands do what was chosen for it. Returns `None` if that fails and it is to be asked again.
-    fn carry_out(&mut self, entity: Entity, choice: Action, fires: &FireField) -> Option<DecisionOutcome> {
+    fn execute(&mut self, entity: Entity, choice: Action, fires: &FireField) -> Option<DecisionOutcome> {
         let options = self.options(entity, &[entity], fires);
         match choice {
             _ if self.is_out_of_water(entity, fires) => Some(self.refill(entity, fires)),
@@ -212,9 +214,9 @@ impl Fleet<'_, '_> {
         &mut self,
         entity: Entity,
         conclusion: DecisionOutcome,
-        books: &mut DecisionResources<'_, '_>,
+        resources: &mut DecisionResources<'_, '_>,
     ) -> bool {
-        let Some(concluded) = self.conclude(entity, conclusion, &mut books.cpu_log) else { return false };
+        let Some(concluded) = self.conclude(entity, conclusion, &mut resources.cpu_log) else { return false };
         // One that was blocked and rests now, or the other way round, stays in place. If that woke others, two could
         // wake each other forever.
         let waited = |activity| matches!(activity, Activity::Resting(_) | Activity::Blocked);
@@ -225,7 +227,7 @@ impl Fleet<'_, '_> {
     fn relocate(&mut self, entity: Entity, place: DVec2, fires: &FireField) -> DecisionOutcome {
         let (mut agent, truck) = self.trucks.one_mut(entity);
         if (truck.body.body_centre(agent.trajectory.start()) - place).length() <= AS_GOOD_M {
-            agent.post = Some(place);
+            agent.staging_point = Some(place);
             return DecisionOutcome::Stays(None);
         }
         self.drive_to(entity, GoalDisc { centre: place, radius_m: POST_RADIUS_M }, fires)

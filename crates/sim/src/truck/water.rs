@@ -22,13 +22,13 @@ const WELL_IN_REACH: f64 = 0.9;
 
 impl Fleet<'_, '_> {
     /// Returns the portions of water that a burning cell takes.
-    fn portions(&self, cell: Cell) -> u32 {
-        self.needs.as_ref().map_or(1, |needs| needs.portions(cell))
+    fn water_units(&self, cell: Cell) -> u32 {
+        self.needs.as_ref().map_or(1, |needs| needs.water_units(cell))
     }
 
     /// Returns true if a truck has the water for a stop at a burning cell.
     pub fn has_water_for(&self, agent: &Agent, cell: Cell) -> bool {
-        agent.stops_left.is_none_or(|left| self.portions(cell) <= left)
+        agent.stops_left.is_none_or(|left| self.water_units(cell) <= left)
     }
 
     /// Returns true if a truck has too little water for another stop, and a full tank would suffice.
@@ -36,7 +36,7 @@ impl Fleet<'_, '_> {
         match self.trucks.one(entity).0.stops_left {
             Some(0) => true,
             Some(left) if self.needs.is_some() => {
-                self.min_portions(entity, fires).is_some_and(|min| min > left && self.is_in_tank(entity, min))
+                self.min_water_units(entity, fires).is_some_and(|min| min > left && self.is_in_tank(entity, min))
             }
             _ => false,
         }
@@ -44,15 +44,15 @@ impl Fleet<'_, '_> {
 
     /// Returns true if not even a full tank suffices for any of the fires that a truck may go for.
     pub fn is_too_hot(&self, entity: Entity, fires: &FireField) -> bool {
-        self.needs.is_some() && self.min_portions(entity, fires).is_some_and(|min| !self.is_in_tank(entity, min))
+        self.needs.is_some() && self.min_water_units(entity, fires).is_some_and(|min| !self.is_in_tank(entity, min))
     }
 
-    fn min_portions(&self, entity: Entity, fires: &FireField) -> Option<u32> {
-        self.unclaimed(&[entity], fires).into_iter().map(|cell| self.portions(cell)).min()
+    fn min_water_units(&self, entity: Entity, fires: &FireField) -> Option<u32> {
+        self.unclaimed(&[entity], fires).into_iter().map(|cell| self.water_units(cell)).min()
     }
 
-    fn is_in_tank(&self, entity: Entity, portions: u32) -> bool {
-        self.trucks.one(entity).1.water.as_ref().is_none_or(|water| portions <= water.full_tank)
+    fn is_in_tank(&self, entity: Entity, water_units: u32) -> bool {
+        self.trucks.one(entity).1.water.as_ref().is_none_or(|water| water_units <= water.full_tank)
     }
 
     /// Lets a standing truck fill its tank, or sends it to the nearest water that it finds a path to.

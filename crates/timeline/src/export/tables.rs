@@ -172,7 +172,9 @@ fn detail(fact: &Fact) -> String {
         Fact::Agent(_, AgentFact::Rested { reason, .. }) => format!("reason={reason}"),
         Fact::Agent(_, AgentFact::LocalMinimum { x_m, y_m, .. }) => format!("x_m={x_m}; y_m={y_m}"),
         Fact::Ended { reason } => format!("reason={reason}"),
-        &Fact::Agent(_, AgentFact::Suppressing { portions, .. }) if portions > 1 => format!("portions={portions}"),
+        &Fact::Agent(_, AgentFact::Suppressing { water_units, .. }) if water_units > 1 => {
+            format!("portions={water_units}")
+        }
         Fact::Fire(FireFact::BurnedOut { .. })
         | Fact::Fire(FireFact::Extinguished { .. })
         | Fact::Agent(_, AgentFact::Suppressing { .. })

@@ -218,9 +218,11 @@ impl<'a> FactWriter<'a> {
                 self.record(kind::DROPPED, &[agent, self.cell(*goal)]);
                 self.leg(agent, trajectory);
             }
-            AgentFact::Suppressing { cell, portions: 1 } => self.record(kind::SUPPRESSING, &[agent, self.cell(*cell)]),
-            AgentFact::Suppressing { cell, portions } => {
-                self.record(kind::SPRAYING, &[agent, self.cell(*cell), *portions]);
+            AgentFact::Suppressing { cell, water_units: 1 } => {
+                self.record(kind::SUPPRESSING, &[agent, self.cell(*cell)])
+            }
+            AgentFact::Suppressing { cell, water_units } => {
+                self.record(kind::SPRAYING, &[agent, self.cell(*cell), *water_units]);
             }
             AgentFact::SuppressionEnded { cell } => self.record(kind::SUPPRESSION_ENDED, &[agent, self.cell(*cell)]),
             AgentFact::Rested { reason } => self.record(kind::RESTED, &[agent, number_of(&REST_REASONS, reason)]),
@@ -469,14 +471,14 @@ impl<'a> FactReader<'a> {
                 AgentFact::PlanFailed { goal, reason, effort, until: self.later(charged_ns)? }
             }
             kind::DROPPED => AgentFact::Dropped { goal: self.cell()?, trajectory: self.leg(place)? },
-            kind::SUPPRESSING => AgentFact::Suppressing { cell: self.cell()?, portions: 1 },
+            kind::SUPPRESSING => AgentFact::Suppressing { cell: self.cell()?, water_units: 1 },
             kind::SPRAYING => {
-                let (cell, portions) = (self.cell()?, self.number()?);
+                let (cell, water_units) = (self.cell()?, self.number()?);
                 let full_tank = self.setting.water.as_ref().map_or(0, |water| water.full_tank);
-                if portions > full_tank {
+                if water_units > full_tank {
                     return Err(FileError::Impossible("a stop takes more water than a tank holds".into()));
                 }
-                AgentFact::Suppressing { cell, portions }
+                AgentFact::Suppressing { cell, water_units }
             }
             kind::SUPPRESSION_ENDED => AgentFact::SuppressionEnded { cell: self.cell()? },
             kind::RESTED => AgentFact::Rested { reason: word_of(&REST_REASONS, self.number()?)? },

@@ -537,7 +537,7 @@ mod tests {
         stray_bush.setting.bushes[3] = Cell { col: 10, row: 9 };
         let unknown_cell = tiny(vec![at(1.0, sample::ignited(Cell { col: 0, row: 0 }))]);
         let unknown_agent =
-            tiny(vec![at(1.0, Fact::Agent(sample::SECOND_TRUCK, AgentFact::Suppressing { cell: A, portions: 1 }))]);
+            tiny(vec![at(1.0, Fact::Agent(sample::SECOND_TRUCK, AgentFact::Suppressing { cell: A, water_units: 1 }))]);
         let endless = tiny(vec![at(1.0, planned(TRUCK, A, leg(1.0, Pose::default(), 0.0, &[1.0])))]);
         let back_in_time = tiny(vec![at(9.0, planned(TRUCK, A, leg(8.0, Pose::default(), 1.0, &[1.0])))]);
         let (reason, until, effort) = (PlanFailure::GoalBlocked, SimTime::ZERO, sample::effort(1, 1));
@@ -638,12 +638,12 @@ mod tests {
         let (written, mut watch) = (
             {
                 let mut watch = watch;
-                watch.lap()
+                watch.elapsed_since_last()
             },
             CpuStopwatch::start(),
         );
         let back = decode(&bytes).expect("it was just written");
-        println!("{} bytes, written in {written:?}, read in {:?} of CPU time", bytes.len(), watch.lap());
+        println!("{} bytes, written in {written:?}, read in {:?} of CPU time", bytes.len(), watch.elapsed_since_last());
         assert!(back == timeline && bytes.len() < 8_000_000, "{} bytes", bytes.len());
     }
 

@@ -363,7 +363,7 @@ impl<'a> AgentReader<'a> {
             AgentFact::LocalMinimum { .. } => self.outcome.local_minima += 1,
             AgentFact::Dropped { .. } => self.end_drive(now),
             AgentFact::GaveWay { .. } => self.outcome.deadlocks += 1,
-            AgentFact::Suppressing { cell, portions } => self.history.stops.push((now, *cell, *portions)),
+            AgentFact::Suppressing { cell, water_units } => self.history.stops.push((now, *cell, *water_units)),
             AgentFact::Searched { .. } => self.history.searches.push((now, index)),
             AgentFact::StartMoved { .. }
             | AgentFact::SuppressionEnded { .. }

@@ -154,7 +154,7 @@ impl<'a> RunIndex<'a> {
     pub fn stop_at(&self, agent: usize, time: SimTime) -> Option<(SimTime, Cell, SimTime)> {
         let stops = &self.agents[agent].stops;
         let stop = stops[..stops.partition_point(|(from, ..)| *from <= time)].last();
-        stop.map(|&(since, cell, portions)| (since, cell, self.timeline.setting.stop_time(portions)))
+        stop.map(|&(since, cell, water_units)| (since, cell, self.timeline.setting.stop_time(water_units)))
     }
 
     /// Returns the last search of an agent and phase that was recorded up to a time, with its place among the facts.

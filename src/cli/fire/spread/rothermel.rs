@@ -54,7 +54,7 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     let mut fire = LoneFire::new(Arc::clone(&landscape), Arc::clone(&weather), rules, &ignitions);
     let mut stopwatch = CpuStopwatch::start();
     fire.burn_until(SimTime::from_seconds(arguments.duration));
-    let cpu = stopwatch.lap();
+    let cpu = stopwatch.elapsed_since_last();
     let fire_types: Vec<f64> = match &landscape.canopy {
         Some(_) => (0..landscape.frame.cell_count())
             .map(|index| fire.fire_type(landscape.frame.cell(index)).map_or(f64::NAN, |kind| f64::from(kind as u8)))

@@ -87,7 +87,7 @@ impl<'a> Benchmark<'a> {
         let planners: Vec<_> =
             plan.variants.iter().map(|variant| asked_planners(&arguments.planners, &variant.scenario)).collect();
         for (variant, asked) in plan.variants.iter().zip(&planners) {
-            expect_known_planners(&context.entrants, &variant.scenario, asked)?;
+            expect_known_planners(&context.registry, &variant.scenario, asked)?;
             context.expect_trusted_planners(&variant.scenario, asked)?;
         }
         let mut values: Vec<Vec<Value>> = Vec::new();

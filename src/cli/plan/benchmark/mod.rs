@@ -34,7 +34,7 @@ const QUERIES_FILE: &str = "queries.csv";
 const PAGE_FILE: &str = "report.html";
 
 /// Says whether the arguments ask for several seeds or variants, or for a report on them.
-pub fn is_meant(arguments: &PlanArguments) -> Result<bool, CliError> {
+pub fn matches(arguments: &PlanArguments) -> Result<bool, CliError> {
     let mut request = BatchRequest::default();
     arguments.overrides.iter().try_for_each(|option| request.add_option(option)).map_err(RequestError::from)?;
     Ok(arguments.seeds.is_some() || arguments.report.is_some() || !request.sweeps.is_empty())

@@ -113,7 +113,7 @@ fn forest(ranking: &Ranking) -> Block {
     let decimals = decimals(ranking);
     let rows = ranking.entries.iter().enumerate().skip(1).filter_map(|(place, entry)| {
         let pair = ranking.pair(0, place)?;
-        Some(pair.contrast.forest_row(visible_start(&entry.name), decimals, pair.is_told_apart()))
+        Some(pair.contrast.forest_row(visible_start(&entry.name), decimals, pair.is_significant()))
     });
     let symbol = ranking.metric.about.unit.symbol();
     let (metric, unit) = (visible_start(&ranking.metric.name), if symbol.is_empty() { "1" } else { symbol });
@@ -180,7 +180,7 @@ fn pairs(ranking: &Ranking) -> Table {
         let [first, second] = pair.places.map(|place| name(&ranking.entries[place]));
         let Contrast { difference, interval, .. } = &pair.contrast;
         let decimals = interval.map_or_else(|| decimals(ranking), |it| two_digits(0.5 * (it.high - it.low)));
-        let differs = if pair.is_told_apart() { "yes" } else { "no" };
+        let differs = if pair.is_significant() { "yes" } else { "no" };
         let ends = Interval::ends(*interval).map(|end| optional(end, decimals));
         let cells = [first, second, differs.into(), rounded(*difference, decimals)];
         cells.into_iter().chain(ends).chain([probability(pair.p_adjusted)]).collect()
@@ -194,7 +194,7 @@ fn notes(ranking: &Ranking) -> Vec<String> {
     if shows_all(ranking) {
         return Vec::new();
     }
-    let apart = ranking.pairs.iter().filter(|pair| pair.is_told_apart());
+    let apart = ranking.pairs.iter().filter(|pair| pair.is_significant());
     let min = apart.clone().map(|pair| pair.p_adjusted).fold(0.0, f64::max);
     let mut lines = vec![format!("Only neighbours are shown; --json has all {} pairs", ranking.pairs.len())];
     let differing = apart.count();

@@ -145,7 +145,7 @@ pub struct RankedPair {
 
 impl RankedPair {
     /// Returns whether there is evidence that the entries differ.
-    pub fn is_told_apart(&self) -> bool {
+    pub fn is_significant(&self) -> bool {
         self.p_adjusted <= LEVEL
     }
 }
@@ -319,7 +319,7 @@ pub(crate) fn ranked(
     let pairs = pairs(&contenders, runs, by, metric);
     let told = Significance::new(
         contenders.len(),
-        pairs.iter().filter(|it| it.is_told_apart()).map(|it| (it.places[0], it.places[1])),
+        pairs.iter().filter(|it| it.is_significant()).map(|it| (it.places[0], it.places[1])),
     );
     let letters = told.letters();
     let entries = contenders.into_iter().enumerate().map(|(place, RankInput { entry, .. })| RankedEntry {

@@ -116,7 +116,7 @@ fn compared(compared: &Compared) -> String {
     };
     let (unit, factor) = quantity.in_words();
     let amount = amount(best_mean, unit, factor);
-    if others.iter().all(|other| compared.better_by(other).value == 0.0 && !compared.is_told_apart(other)) {
+    if others.iter().all(|other| compared.better_by(other).value == 0.0 && !compared.is_significant(other)) {
         let all = if others.len() > 1 { format!("all {count} {kind}") } else { format!("both {kind}") };
         let [verb, of_what] = aim.equal;
         return format!("No difference: {all} {verb} {amount}{of_what}.");
@@ -132,7 +132,7 @@ fn compared(compared: &Compared) -> String {
         interval_words(&better_by, scale, decimals)
     );
     let alike: Vec<&str> =
-        others.iter().filter(|other| !compared.is_told_apart(other)).map(|it| it.name.as_str()).collect();
+        others.iter().filter(|other| !compared.is_significant(other)).map(|it| it.name.as_str()).collect();
     let verdict = match &alike[..] {
         [] if others.len() == 1 => "a significant difference".into(),
         [] if others.len() == 2 => format!("significantly ahead of both others; last is {}", last.name),

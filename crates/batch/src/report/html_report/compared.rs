@@ -158,7 +158,7 @@ impl Compared {
         }
     }
 
-    pub fn is_told_apart(&self, other: &Other) -> bool {
+    pub fn is_significant(&self, other: &Other) -> bool {
         other.judged.as_ref().is_some_and(|judged| self.side(judged) == Ordering::Greater)
     }
 

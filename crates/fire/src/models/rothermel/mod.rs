@@ -126,9 +126,9 @@ impl Rothermel {
 }
 
 impl FireModel for Rothermel {
-    fn redraw(&mut self, seed: u64) {
+    fn reseed(&mut self, seed: u64) {
         if let Some(sparks) = &mut self.sparks {
-            sparks.redraw(seed);
+            sparks.reseed(seed);
         }
     }
 

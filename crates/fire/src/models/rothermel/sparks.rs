@@ -27,7 +27,7 @@ impl Sparks {
     }
 
     /// Draws embers that fly from now on by another seed.
-    pub fn redraw(&mut self, seed: u64) {
+    pub fn reseed(&mut self, seed: u64) {
         self.embers.seed = seed;
     }
 

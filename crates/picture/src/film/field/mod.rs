@@ -428,7 +428,7 @@ pub(super) mod tests {
         let events = vec![
             at(0.0, Fact::Fire(FireFact::Ignited { cell: goal, cause: wildfire_timeline::Cause::Scheduled })),
             at(0.0, Fact::Agent(truck, AgentFact::Planned { goal, trajectory, effort, found_by: None })),
-            at(8.0, Fact::Agent(truck, AgentFact::Suppressing { cell: goal, portions: 1 })),
+            at(8.0, Fact::Agent(truck, AgentFact::Suppressing { cell: goal, water_units: 1 })),
         ];
         Timeline { setting, events, ground: Vec::new() }
     }

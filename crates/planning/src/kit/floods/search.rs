@@ -156,7 +156,7 @@ impl FloodSearch {
             let flood = floods.on(place);
             let left = self.left;
             let found = self.meet(flood, goal, &profile);
-            observer.looked_at(SearchPhase::Local, &mut flood.reached(left - self.left));
+            observer.on_edges_examined(SearchPhase::Local, &mut flood.reached(left - self.left));
             if let Some(found) = found {
                 path = Ok(found);
                 break;

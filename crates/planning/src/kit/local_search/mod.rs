@@ -146,7 +146,7 @@ impl LocalSearch {
             let leg = PrimitiveQuery { start: pose, waypoints, goal, ..*query };
             let found = self.search.run(&leg, limit.saturating_sub(self.expansions));
             self.expansions += self.search.expansions();
-            observer.looked_at(SearchPhase::Local, &mut self.search.lines());
+            observer.on_edges_examined(SearchPhase::Local, &mut self.search.lines());
             let found = found?;
             pose = found.end();
             path.segments.extend(found.segments);

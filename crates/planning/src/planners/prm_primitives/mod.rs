@@ -52,7 +52,7 @@ impl PrmPrimitives {
         let safety = Safety::new(*field.frame(), field.occupied(), safety);
         let safety = Safety::on_ground(safety, field, context.ground).map(Arc::new);
         let sampled = Roadmap::sampled(checker, prm, &mut rng).along_roads(context.ground).priced_by(safety.clone());
-        let sampling = watch.lap();
+        let sampling = watch.elapsed_since_last();
         let roadmap = sampled.connected();
         let report = BuildReport {
             samples: roadmap.milestones().len() as u32,
@@ -60,7 +60,7 @@ impl PrmPrimitives {
             edges: roadmap.edge_count(),
             components: roadmap.component_count(),
             sampling,
-            connecting: watch.lap(),
+            connecting: watch.elapsed_since_last(),
             ..BuildReport::default()
         };
         Self {
@@ -130,7 +130,7 @@ impl PrmPrimitives {
         observer: &mut dyn PlanningObserver,
     ) -> Result<Route, PlanFailure> {
         let route = self.roadmap.route(centre, goal, &mut self.scratch);
-        observer.looked_at(SearchPhase::Query, &mut self.roadmap.looked_at(centre, &self.scratch));
+        observer.on_edges_examined(SearchPhase::Query, &mut self.roadmap.examined(centre, &self.scratch));
         let mut route = route?;
         if self.thin_waypoints {
             self.roadmap.tighten(centre, &mut route);
@@ -159,7 +159,7 @@ impl TruckPlanner for PrmPrimitives {
     }
 
     fn show_roadmap(&mut self, observer: &mut dyn PlanningObserver) {
-        observer.looked_at(SearchPhase::Roadmap, &mut self.roadmap.lines());
+        observer.on_edges_examined(SearchPhase::Roadmap, &mut self.roadmap.lines());
     }
 
     fn plan(&mut self, start: Pose, goal: Goal) -> Plan {

@@ -144,8 +144,8 @@ impl PrmRs {
                 target,
             };
             let path = self.search.run(&query, &mut self.roadmap);
-            observer.looked_at(SearchPhase::Query, &mut self.search.lines(false));
-            observer.looked_at(SearchPhase::Local, &mut self.search.lines(true));
+            observer.on_edges_examined(SearchPhase::Query, &mut self.search.lines(false));
+            observer.on_edges_examined(SearchPhase::Local, &mut self.search.lines(true));
             *effort += self.search.effort();
             if let Ok(path) = path {
                 let by = match self.search.used_roadmap() {
@@ -180,7 +180,7 @@ fn whole_roadmap(context: &PlannerContext<'_>) -> (Roadmap, BuildReport) {
     let mut sampler = Sampler::new(checker, settings.clearance_m, &mut rng);
     let mut poses = sampler.draw(settings.samples_on(checker.field().frame()));
     poses.extend(sampler.corner_samples(settings.corner_places));
-    let sampling = watch.lap();
+    let sampling = watch.elapsed_since_last();
     let mut roadmap = Roadmap::new(&roadmap_site(context));
     roadmap.add_milestones(poses);
     let (tried, components) = match settings.join {
@@ -194,7 +194,7 @@ fn whole_roadmap(context: &PlannerContext<'_>) -> (Roadmap, BuildReport) {
         edges: roadmap.edge_count() as u32,
         components,
         sampling,
-        connecting: watch.lap(),
+        connecting: watch.elapsed_since_last(),
         ..BuildReport::default()
     };
     (roadmap, report)
@@ -212,7 +212,7 @@ impl TruckPlanner for PrmRs {
     }
 
     fn show_roadmap(&mut self, observer: &mut dyn PlanningObserver) {
-        observer.looked_at(SearchPhase::Roadmap, &mut self.roadmap.free_lines());
+        observer.on_edges_examined(SearchPhase::Roadmap, &mut self.roadmap.free_lines());
     }
 
     fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
@@ -267,8 +267,8 @@ struct ConnectionsOnly<'a>(&'a mut dyn PlanningObserver);
 impl PlanningObserver for ConnectionsOnly<'_> {
     fn begins(&mut self, _work: Option<PlanningWork>) {}
 
-    fn looked_at(&mut self, phase: SearchPhase, lines: &mut dyn Iterator<Item = [DVec2; 2]>) {
-        self.0.looked_at(phase, &mut lines.filter(|[from, to]| from != to));
+    fn on_edges_examined(&mut self, phase: SearchPhase, lines: &mut dyn Iterator<Item = [DVec2; 2]>) {
+        self.0.on_edges_examined(phase, &mut lines.filter(|[from, to]| from != to));
     }
 }
 

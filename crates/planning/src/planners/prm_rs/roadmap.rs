@@ -68,7 +68,7 @@ pub struct Roadmap {
     joined: UnionFind<u32>,
     components: u32,
     /// The number of edges of which it is known whether they join components.
-    looked_at: usize,
+    examined: usize,
     /// The memory of the ways.
     memory: MemoryShare,
 }
@@ -186,7 +186,7 @@ impl Roadmap {
             mode,
             joined: UnionFind::new_empty(),
             components: 0,
-            looked_at: 0,
+            examined: 0,
             memory: memory.holder(MemoryKind::Curves),
         }
     }
@@ -360,7 +360,7 @@ impl Roadmap {
 
     /// Sweeps those of the edges that were not looked at yet which would join components.
     fn sweep_between_components(&mut self) {
-        for edge in std::mem::replace(&mut self.looked_at, self.edges.len())..self.edges.len() {
+        for edge in std::mem::replace(&mut self.examined, self.edges.len())..self.edges.len() {
             let [a, b] = self.edges[edge].nodes;
             if self.joined.equiv(a, b) {
                 continue;

@@ -25,7 +25,7 @@ use wildfire_timeline::AgentId;
 const MAX_STOPS: usize = 10;
 
 /// Fires near the start of a route, and near each stop in it, that a truck looks at.
-const LOOKED_AT: usize = 8;
+const EXAMINED: usize = 8;
 
 /// A goal that a truck already has counts as so much nearer in time, so that nobody turns back and forth between two that are
 /// equally good. Without it trucks turn round three times as often.
@@ -153,7 +153,7 @@ impl Auctioneer<'_> {
                     team.sets_out_at(truck) + drive <= team.due(&self.open.fires[fire])
                 }
             };
-            near.extend(self.open.index.nearest(place, LOOKED_AT, range_m, is_free).into_iter().map(|(_, fire)| fire));
+            near.extend(self.open.index.nearest(place, EXAMINED, range_m, is_free).into_iter().map(|(_, fire)| fire));
         }
         near.sort_unstable();
         near.dedup();
@@ -325,7 +325,7 @@ mod tests {
     #[test]
     fn lists_of_bids_lead_to_the_routes_of_a_search_through_all() {
         for seed in 0..60 {
-            let sample = Sample::drawn(seed, 5, LOOKED_AT);
+            let sample = Sample::drawn(seed, 5, EXAMINED);
             let team = sample.team();
             let open = OpenFires::new(&team);
             let found: Vec<Vec<usize>> =

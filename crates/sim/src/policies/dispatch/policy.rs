@@ -73,14 +73,14 @@ impl Policy for DispatchPolicy {
             free.partition(|truck| truck.stops_left >= full_tank);
         let idle: Vec<AgentId> = full.iter().map(|truck| truck.id).collect();
         let posts = match &mut self.positioning {
-            Some(positioning) if !idle.is_empty() => positioning.post(&team, &idle),
+            Some(positioning) if !idle.is_empty() => positioning.staging_points(&team, &idle),
             _ => Vec::new(),
         };
         let choice = |id: AgentId| {
             let truck = team.trucks.iter().find(|truck| truck.id == id)?;
-            let post = posts.iter().find(|(idle, _)| *idle == id).map(|&(_, place)| place);
+            let staging_point = posts.iter().find(|(idle, _)| *idle == id).map(|&(_, place)| place);
             let refills = !truck.is_asked || to_refill.iter().any(|other| other.id == id);
-            let choice = match (goal_of(id), post, truck.goal) {
+            let choice = match (goal_of(id), staging_point, truck.goal) {
                 (None, ..) if refills => Action::Refill,
                 (Some(_), _, _) if self.assignment.is_by_drive() => Action::GoToNearest,
                 (Some(cell), _, _) => Action::Go(cell),
@@ -197,7 +197,7 @@ impl<'a> FleetKnowledge<'a> {
                 free_at: view.free_at,
                 speed_mps: own.speed_mps,
                 goal: view.goal,
-                post: view.post,
+                staging_point: view.staging_point,
                 start: own.start,
                 is_asked: asked.contains(&own.id) && view.stops_left != Some(0),
                 stops_left: view.stops_left.unwrap_or(u32::MAX),
@@ -299,7 +299,17 @@ mod tests {
         let place = DVec2::new(x, 12.0);
         let pose = Pose::new(x, 12.0, 0.0);
         let (activity, free_at) = (Activity::Standing, SimTime::from_seconds(20.0));
-        AgentView { id, place, pose, activity, goal: None, post: None, stops_left: None, free_at, free_place: place }
+        AgentView {
+            id,
+            place,
+            pose,
+            activity,
+            goal: None,
+            staging_point: None,
+            stops_left: None,
+            free_at,
+            free_place: place,
+        }
     }
 
     /// The cells that burn, which bushes are intact, and the number of Wumpuses that a team saw.

@@ -153,7 +153,7 @@ fn truck_at(number: u16, place: DVec2) -> TeamTruck {
         free_at: SimTime::ZERO,
         speed_mps: 8.0,
         goal: None,
-        post: None,
+        staging_point: None,
         start: place,
         is_asked: true,
         stops_left: u32::MAX,

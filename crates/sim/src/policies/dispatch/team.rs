@@ -42,7 +42,7 @@ pub struct TeamTruck {
     /// The fire that it drives to or extinguishes.
     pub goal: Option<Cell>,
     /// The place that it has been sent to, if it is driving there or waits there.
-    pub post: Option<DVec2>,
+    pub staging_point: Option<DVec2>,
     /// The position at which it began the run.
     pub start: DVec2,
     /// True if a decision may assign it another goal: it is free, or it is driving and may change its mind, and its
@@ -142,7 +142,7 @@ dyn_clone::clone_trait_object!(Assignment);
 /// Chooses where trucks without a goal wait.
 pub trait StagingRule: DynClone + Send + Sync {
     /// Returns places for some of these trucks, which are asked and have no goal; the others stay where they are.
-    fn post(&mut self, team: &Team<'_>, idle: &[AgentId]) -> Vec<(AgentId, DVec2)>;
+    fn staging_points(&mut self, team: &Team<'_>, idle: &[AgentId]) -> Vec<(AgentId, DVec2)>;
 }
 
 dyn_clone::clone_trait_object!(StagingRule);

@@ -12,7 +12,7 @@ use wildfire_base::geometry::{Cell, FieldFrame, ops};
 use wildfire_timeline::AgentId;
 
 /// The cells that are looked at, nearest first by square rings.
-const LOOKED_AT: usize = 300;
+const EXAMINED: usize = 300;
 
 /// The distance beyond which others do not matter, metres.
 const FAR_M: f64 = 300.0;
@@ -39,7 +39,7 @@ impl LearnedArsonist {
         let middle = (agent.place / frame.cell_m).floor();
         let rings = 0..i32::from(frame.cols.max(frame.rows));
         let cells = rings.flat_map(|ring| ring_around(frame, (middle.x as i32, middle.y as i32), ring));
-        let options = cells.filter(|&cell| seen.is_option(agent.id, cell)).take(LOOKED_AT);
+        let options = cells.filter(|&cell| seen.is_option(agent.id, cell)).take(EXAMINED);
         let around = Around::new(seen, agent, &self.density);
         let mut best: Option<(f64, Cell)> = None;
         for cell in options {

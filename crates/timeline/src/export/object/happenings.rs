@@ -84,7 +84,7 @@ enum Happened<'a> {
         cell: [u16; 2],
         /// Portions of water that the stop takes, if several.
         #[serde(skip_serializing_if = "Option::is_none")]
-        portions: Option<u32>,
+        water_units: Option<u32>,
     },
     /// Its cell burns no more before it is done.
     SuppressionEnded { agent: AgentName, cell: [u16; 2] },
@@ -208,9 +208,11 @@ fn of_agent(agent: AgentName, fact: &AgentFact, leg: Option<u32>) -> Happened<'_
             Happened::PlanFailed { agent, goal, reason: Word(*reason), effort, until_ns: until.as_nanos() }
         }
         AgentFact::Dropped { goal, .. } => Happened::Dropped { agent, goal: pair(*goal), leg },
-        &AgentFact::Suppressing { cell, portions } => {
-            Happened::Suppressing { agent, cell: pair(cell), portions: Some(portions).filter(|&portions| portions > 1) }
-        }
+        &AgentFact::Suppressing { cell, water_units } => Happened::Suppressing {
+            agent,
+            cell: pair(cell),
+            water_units: Some(water_units).filter(|&water_units| water_units > 1),
+        },
         AgentFact::SuppressionEnded { cell } => Happened::SuppressionEnded { agent, cell: pair(*cell) },
         AgentFact::Rested { reason } => Happened::Rested { agent, reason: Word(*reason) },
         &AgentFact::LocalMinimum { goal, x_m, y_m } => Happened::LocalMinimum { agent, goal: pair(goal), x_m, y_m },

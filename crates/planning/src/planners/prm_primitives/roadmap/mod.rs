@@ -35,7 +35,7 @@ use wildfire_base::trajectory::GroundSpeed;
 const MAX_DRAWS_PER_SAMPLE: u32 = 100;
 
 /// For each neighbour wanted, this number of the nearest milestones is looked at, lest dense roadmaps try all pairs.
-const LOOKED_AT_PER_NEIGHBOUR: usize = 5;
+const EXAMINED_PER_NEIGHBOUR: usize = 5;
 
 /// The side of the squares in which roads have a milestone, metres.
 const ROAD_SQUARE_M: f64 = 15.0;
@@ -198,10 +198,10 @@ fn find_edges(
     let mut tried = TriedLines::new(milestones.len());
     let mut edges = Vec::with_capacity(milestones.len() * settings.neighbours as usize);
     let mut near = Vec::new();
-    let looked_at = settings.neighbours as usize * LOOKED_AT_PER_NEIGHBOUR + 1;
-    let looked_at = NonZero::new(looked_at).expect("one more than something");
+    let examined = settings.neighbours as usize * EXAMINED_PER_NEIGHBOUR + 1;
+    let examined = NonZero::new(examined).expect("one more than something");
     for (index, &here) in milestones.iter().enumerate() {
-        neighbours_by_distance(tree, milestones, here, settings.max_edge_m, looked_at, &mut near);
+        neighbours_by_distance(tree, milestones, here, settings.max_edge_m, examined, &mut near);
         let mut joined = 0;
         for &(_, other) in near.iter().filter(|&&(_, other)| other as usize != index) {
             if joined == settings.neighbours {

@@ -140,7 +140,7 @@ impl Roadmap {
 
     /// Returns what the last query, which began at `start`, examined: the milestones that it settled, each after its
     /// predecessor, and the start after itself.
-    pub fn looked_at(&self, start: DVec2, scratch: &RoadmapScratch) -> impl Iterator<Item = [DVec2; 2]> {
+    pub fn examined(&self, start: DVec2, scratch: &RoadmapScratch) -> impl Iterator<Item = [DVec2; 2]> {
         let position = move |place: u32| if place == START { start } else { self.milestones[place as usize] };
         let settled = scratch.closed.iter().map(|&milestone| (scratch.visits[milestone as usize].parent, milestone));
         std::iter::once((START, START)).chain(settled).map(move |(from, to)| [from, to].map(position))

@@ -31,7 +31,7 @@ pub struct Centroids {
 }
 
 impl StagingRule for Centroids {
-    fn post(&mut self, team: &Team<'_>, idle: &[AgentId]) -> Vec<(AgentId, DVec2)> {
+    fn staging_points(&mut self, team: &Team<'_>, idle: &[AgentId]) -> Vec<(AgentId, DVec2)> {
         let trucks: Vec<&TeamTruck> = team.trucks.iter().filter(|truck| idle.contains(&truck.id)).collect();
         let mut sites: Vec<DVec2> = trucks.iter().map(|truck| waits_at(truck)).collect();
         spread_out(self.census.blocks(team), &mut sites);
@@ -47,7 +47,7 @@ pub fn worth_m(team: &Team<'_>, trucks: usize) -> f64 {
 
 /// Returns the place at which a truck waits, or to which it has been sent to wait.
 pub fn waits_at(truck: &TeamTruck) -> DVec2 {
-    truck.post.unwrap_or(truck.place)
+    truck.staging_point.unwrap_or(truck.place)
 }
 
 /// Assigns each truck a site and returns those that are far enough away to be worth a drive. There are as many sites as
@@ -82,27 +82,27 @@ mod tests {
     fn trucks_spread_over_the_field_and_then_stay() {
         let mut sample = grown();
         let idle: Vec<AgentId> = sample.trucks.iter().map(|truck| truck.id).collect();
-        let posts = Centroids::default().post(&sample.team(), &idle);
+        let posts = Centroids::default().staging_points(&sample.team(), &idle);
         assert_eq!(posts.len(), 4, "a quarter of the field for each");
-        for (number, (id, post)) in posts.iter().enumerate() {
+        for (number, (id, staging_point)) in posts.iter().enumerate() {
             assert_eq!(*id, idle[number]);
-            sample.trucks[number].post = Some(*post);
+            sample.trucks[number].staging_point = Some(*staging_point);
             for (_, other) in &posts[..number] {
-                assert!((*post - *other).length() > 80.0, "{post} and {other} are one place");
+                assert!((*staging_point - *other).length() > 80.0, "{staging_point} and {other} are one place");
             }
         }
         // Under way, and when they are there, nobody is sent anywhere else.
-        assert_eq!(Centroids::default().post(&sample.team(), &idle), []);
+        assert_eq!(Centroids::default().staging_points(&sample.team(), &idle), []);
         for truck in &mut sample.trucks {
-            truck.place = truck.post.expect("each has one");
+            truck.place = truck.staging_point.expect("each has one");
         }
-        assert_eq!(Centroids::default().post(&sample.team(), &idle), []);
+        assert_eq!(Centroids::default().staging_points(&sample.team(), &idle), []);
     }
 
     #[test]
     fn a_truck_on_its_way_is_sent_to_a_place_that_is_much_nearer_or_goes_on() {
         let mut truck = Sample::with_trucks(&[(20.0, 20.0)]).trucks[0];
-        truck.post = Some(DVec2::new(120.0, 20.0));
+        truck.staging_point = Some(DVec2::new(120.0, 20.0));
         let sent = |site: DVec2| posts(&[&truck], &[site], 25.0).len();
         assert_eq!(sent(DVec2::new(20.0, 71.0)), 0);
         assert_eq!(sent(DVec2::new(20.0, 69.0)), 1);
@@ -113,9 +113,9 @@ mod tests {
     #[test]
     fn only_idle_trucks_are_sent() {
         let sample = grown();
-        let posts = Centroids::default().post(&sample.team(), &[AgentId::unimog(2)]);
-        let [(id, post)] = posts[..] else { panic!("one truck is idle: {posts:?}") };
+        let posts = Centroids::default().staging_points(&sample.team(), &[AgentId::unimog(2)]);
+        let [(id, staging_point)] = posts[..] else { panic!("one truck is idle: {posts:?}") };
         assert_eq!(id, AgentId::unimog(2));
-        assert!((post - DVec2::splat(125.0)).length() < 1e-6, "alone it waits in the middle: {post}");
+        assert!((staging_point - DVec2::splat(125.0)).length() < 1e-6, "alone it waits in the middle: {staging_point}");
     }
 }

@@ -61,7 +61,7 @@ impl LearnedPosts {
 }
 
 impl StagingRule for LearnedPosts {
-    fn post(&mut self, team: &Team<'_>, idle: &[AgentId]) -> Vec<(AgentId, DVec2)> {
+    fn staging_points(&mut self, team: &Team<'_>, idle: &[AgentId]) -> Vec<(AgentId, DVec2)> {
         self.remember(team);
         let trucks: Vec<&TeamTruck> = team.trucks.iter().filter(|truck| idle.contains(&truck.id)).collect();
         let share = trucks.len() as f64 / team.trucks.len() as f64;
@@ -86,13 +86,13 @@ mod tests {
         let mut sample = Sample::with_trucks(&[(10.0, 10.0)]);
         let cells: Vec<(u16, u16)> = (0..50).flat_map(|col| (0..50).map(move |row| (col, row))).collect();
         sample.grow(&cells);
-        let post = |sample: &Sample| {
+        let staging_point = |sample: &Sample| {
             let mut posts = LearnedPosts::new(Networks::new(None).posts);
-            posts.post(&sample.team(), &[sample.trucks[0].id])[0].1
+            posts.staging_points(&sample.team(), &[sample.trucks[0].id])[0].1
         };
-        assert!((post(&sample) - DVec2::splat(125.0)).length() < 1e-6, "without fires it is in the middle");
+        assert!((staging_point(&sample) - DVec2::splat(125.0)).length() < 1e-6, "without fires it is in the middle");
         sample.burn((45, 45));
-        let near = post(&sample);
+        let near = staging_point(&sample);
         assert!(near.x > 135.0 && near.y > 135.0, "{near}");
     }
 

@@ -18,7 +18,7 @@ pub use regions::{Regions, RegionsFirst};
 pub struct Stay;
 
 impl StagingRule for Stay {
-    fn post(&mut self, _: &Team<'_>, _: &[AgentId]) -> Vec<(AgentId, DVec2)> {
+    fn staging_points(&mut self, _: &Team<'_>, _: &[AgentId]) -> Vec<(AgentId, DVec2)> {
         Vec::new()
     }
 }

@@ -18,7 +18,7 @@ pub struct Regions {
 }
 
 impl StagingRule for Regions {
-    fn post(&mut self, team: &Team<'_>, idle: &[AgentId]) -> Vec<(AgentId, DVec2)> {
+    fn staging_points(&mut self, team: &Team<'_>, idle: &[AgentId]) -> Vec<(AgentId, DVec2)> {
         let starts = starts(team);
         let blocks = self.census.blocks(team);
         let mut all = Vec::new();
@@ -122,10 +122,14 @@ mod tests {
         sample.grow(&cells);
         let team = sample.team();
         let idle: Vec<AgentId> = team.trucks.iter().map(|truck| truck.id).collect();
-        let posts = Regions::default().post(&team, &idle);
-        for (id, post) in &posts {
+        let posts = Regions::default().staging_points(&team, &idle);
+        for (id, staging_point) in &posts {
             let start = team.trucks[usize::from(id.number)].start;
-            assert_eq!(region_of(&starts(&team), *post), region_of(&starts(&team), start), "{id} waits at {post}");
+            assert_eq!(
+                region_of(&starts(&team), *staging_point),
+                region_of(&starts(&team), start),
+                "{id} waits at {staging_point}"
+            );
         }
         let [(_, one), (_, two)] = posts[..] else { panic!("the two who share a start share its region: {posts:?}") };
         assert!((one - two).length() > 50.0);
