@@ -135,10 +135,9 @@ impl<'py> FromPyObject<'_, 'py> for Numbers {
         if let Ok(number) = given.extract::<f64>() {
             return Ok(Self::One(number));
         }
-        let wrong = |_| {
+        let many = given.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>().map_err(|_| {
             PyValueError::new_err(format!("expected a number, or numbers of shape (n,), found {}", described(&given)))
-        };
-        let many = given.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>().map_err(wrong)?;
+        })?;
         Ok(Self::Many(many.as_array().to_vec()))
     }
 }

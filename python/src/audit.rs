@@ -151,6 +151,9 @@ fn audit_source(py: Python<'_>, source: &AuditSource, factories: &Factories, job
     if let Some((reason, _)) = report.first_unreadable {
         return Err(error(reason));
     }
-    let found = |ListedViolation { run, violation, words }| Violation::new(run, words, violation);
-    Ok(report.listed.into_iter().map(found).collect())
+    Ok(report
+        .listed
+        .into_iter()
+        .map(|ListedViolation { run, violation, words }| Violation::new(run, words, violation))
+        .collect())
 }

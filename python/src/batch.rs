@@ -105,7 +105,8 @@ impl Batch {
     }
 
     fn __repr__(&self) -> String {
-        let (variants, runs) = (self.plan.variants.len(), self.plan.count());
+        let variants = self.plan.variants.len();
+        let runs = self.plan.count();
         let read = if self.was_read { format!(", read from {}", self.folder.path().display()) } else { String::new() };
         format!("<Batch of {runs} runs, {variants} variants, seeds {}{read}>", self.plan.seeds)
     }
@@ -397,8 +398,11 @@ fn seeds_from(seeds: &Bound<'_, PyAny>) -> PyResult<Seeds> {
     let numbers: Vec<u64> = if seeds.is_instance_of::<PyInt>() {
         vec![seeds.extract()?]
     } else {
-        let expected = |_| PyTypeError::new_err("seeds are a string such as `1..50`, or integers");
-        seeds.try_iter().map_err(expected)?.map(|seed| seed?.extract()).collect::<PyResult<_>>()?
+        seeds
+            .try_iter()
+            .map_err(|_| PyTypeError::new_err("seeds are a string such as `1..50`, or integers"))?
+            .map(|seed| seed?.extract())
+            .collect::<PyResult<_>>()?
     };
     // Consecutive numbers form one range.
     let mut ranges: Vec<(u64, u64)> = Vec::new();
@@ -484,8 +488,7 @@ fn interruptible<T: Send>(
     work: impl FnOnce(&Arc<Interruption>) -> Result<T, BatchError> + Send,
 ) -> PyResult<T> {
     let interruption: Arc<Interruption> = Arc::default();
-    let work = || with_threads(jobs, || work(&interruption)).and_then(|done| done);
-    let ended = interruption.work_aside(py, work)?;
+    let ended = interruption.work_aside(py, || with_threads(jobs, || work(&interruption)).and_then(|done| done))?;
     match (ended, interruption.take()) {
         (Ok(done), _) => Ok(done),
         (Err(BatchError::Stopped), Some(exception)) => Err(exception),
@@ -514,7 +517,8 @@ fn run_missing(
 ) -> Result<(), BatchError> {
     let memory = batch.plan().memory;
     let run = {
-        let (factories, interruption) = (Arc::clone(factories), Arc::clone(interruption));
+        let factories = Arc::clone(factories);
+        let interruption = Arc::clone(interruption);
         move |scenario: &wildfire::scenario::Scenario, seed| {
             let run = interruption.run(|| {
                 // Attaching the thread to Python for the whole run saves doing so in each query.

@@ -163,7 +163,8 @@ impl Checker {
         curvature.expect(poses.len(), "curvature")?;
         length.expect(poses.len(), "length")?;
         let ask = |(index, &pose): (usize, &Pose)| {
-            let (curvature, length_m) = (curvature.get(index), length.get(index));
+            let curvature = curvature.get(index);
+            let length_m = length.get(index);
             let is_sane = is_sane_pose(&pose) && is_sane(curvature) && is_sane(length_m);
             is_sane && self.0.motion_is_free(pose, Segment { curvature, length_m }, clearance)
         };
@@ -252,7 +253,8 @@ fn goal_poses(checker: &CollisionChecker, goal: Goal, count: usize, clearance_m:
     let pose = |index: u32| {
         let [out, turn, heading] = [2, 3, 5].map(|base| radical_inverse(base, index));
         // The square root makes positions as dense at the rim as at the centre.
-        let (out_m, (sin, cos)) = (WITHIN * radius_m * out.sqrt(), ops::sin_cos(TAU * turn));
+        let out_m = WITHIN * radius_m * out.sqrt();
+        let (sin, cos) = ops::sin_cos(TAU * turn);
         let heading = ops::wrap_angle(TAU * heading);
         let from_axle = checker.body().body_centre(Pose { x: 0.0, y: 0.0, heading });
         let axle = centre + DVec2::new(cos, sin) * out_m - from_axle;

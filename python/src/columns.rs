@@ -33,7 +33,9 @@ impl TableBuilder {
 
     /// Builds the Python object `Columns`.
     pub fn finish(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
-        let (arrays, units, words) = (PyDict::new(py), PyDict::new(py), PyDict::new(py));
+        let arrays = PyDict::new(py);
+        let units = PyDict::new(py);
+        let words = PyDict::new(py);
         for ColumnBuilder { about, values } in self.0 {
             let name = about.name.as_ref();
             arrays.set_item(name, array(py, about.kind, &values)?)?;

@@ -122,15 +122,17 @@ impl Drive {
     }
 
     fn clearances(&self) -> Vec<f32> {
-        let (ahead, centre) = (self.pose.direction(), self.checker.body().body_centre(self.pose));
+        let ahead = self.pose.direction();
+        let centre = self.checker.body().body_centre(self.pose);
         let left = ahead.perp();
         let offset = |index: usize| (index as f64 - 0.5 * (SIDE - 1) as f64) * SPACING_M;
         let points = (0..SIDE).flat_map(|row| (0..SIDE).map(move |col| (offset(row), offset(col))));
-        let clearance = |(side, front): (f64, f64)| {
-            let metres = self.checker.field().distance(centre + side * left + front * ahead);
-            (metres / CLEARANCE_UNIT_M).clamp(-1.0, 10.0) as f32
-        };
-        points.map(clearance).collect()
+        points
+            .map(|(side, front)| {
+                let metres = self.checker.field().distance(centre + side * left + front * ahead);
+                (metres / CLEARANCE_UNIT_M).clamp(-1.0, 10.0) as f32
+            })
+            .collect()
     }
 }
 
@@ -141,8 +143,10 @@ fn begin(scenario: &Scenario, truck: usize, seed: u64) -> Result<Drive, String> 
     let checker = CollisionChecker::new(field, settings.vehicle);
     let mut dice = rng::stream(seed, &format!("drive/{truck}"));
     let draw = |dice: &mut Xoshiro256PlusPlus| {
-        let (width_m, height_m) = (terrain.frame.width_m(), terrain.frame.height_m());
-        let (x, y) = (dice.random::<f64>() * width_m, dice.random::<f64>() * height_m);
+        let width_m = terrain.frame.width_m();
+        let height_m = terrain.frame.height_m();
+        let x = dice.random::<f64>() * width_m;
+        let y = dice.random::<f64>() * height_m;
         Pose::new(x, y, dice.random::<f64>() * std::f64::consts::TAU)
     };
     let is_free = |pose: &Pose| checker.pose_is_free(*pose, 0.5);

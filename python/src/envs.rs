@@ -164,7 +164,8 @@ impl Rules {
         let sight = Sight { now: episode.now(), fires: episode.fires(), agents: episode.agents() };
         sight.write(&self.layout, |id| asked.iter().any(|asked| asked.agent == id), &mut board.shared);
         lane.candidates.resize(self.seats(), Vec::new());
-        let (actions, numbers) = (self.layout.actions(), self.layout.candidate_numbers());
+        let actions = self.layout.actions();
+        let numbers = self.layout.candidate_numbers();
         for seat in 0..self.seats() {
             let own = asked.iter().find(|asked| self.seat_of(asked.agent) == Some(seat));
             board.asked[seat] = own.is_some();
@@ -289,7 +290,8 @@ impl Contests {
         };
         let settings = format!("{scenario:?} {played:?} {nearest:?} {wait_s} {together}");
         let rules = Rules { scenario, played, layout, together, key: rng::key(0, &settings) };
-        let (cells, seats) = (lanes * rules.layout.frame.cell_count(), lanes * rules.seats());
+        let cells = lanes * rules.layout.frame.cell_count();
+        let seats = lanes * rules.seats();
         let arrays = Arrays {
             cells: zeros(py, cells),
             burning_s: zeros(py, cells),
@@ -393,9 +395,11 @@ impl Contests {
 
     /// Steps all contests, except those that it restarts. `actions` has a number for each seat.
     fn step(&mut self, py: Python<'_>, actions: PyReadonlyArray1<'_, i64>, resets: Vec<(usize, u64)>) -> PyResult<()> {
-        let (actions, seats) = (actions.as_slice()?.to_vec(), self.rules.seats());
+        let actions = actions.as_slice()?.to_vec();
+        let seats = self.rules.seats();
         if actions.len() != self.lanes.len() * seats {
-            let (found, expected) = (actions.len(), self.lanes.len() * seats);
+            let found = actions.len();
+            let expected = self.lanes.len() * seats;
             return Err(PyValueError::new_err(format!("found {found} actions, expected {expected}")));
         }
         let is_action =
@@ -441,8 +445,11 @@ impl Contests {
 
     /// Draws the current state of a contest: an array of height, width and red, green, blue.
     fn picture<'py>(&self, py: Python<'py>, lane: usize, size: (u32, u32)) -> PyResult<Bound<'py, PyAny>> {
-        let none = || PyIndexError::new_err("there is no contest to draw yet: call reset first");
-        let episode = self.lanes.get(lane).and_then(|lane| lane.episode.as_ref()).ok_or_else(none)?;
+        let episode = self
+            .lanes
+            .get(lane)
+            .and_then(|lane| lane.episode.as_ref())
+            .ok_or_else(|| PyIndexError::new_err("there is no contest to draw yet: call reset first"))?;
         let pixels = py.detach(|| {
             let view = RunView::new(episode.timeline(), None);
             let options = ViewOptions::default();
@@ -464,8 +471,8 @@ impl Contests {
     fn tasks<'a>(&self, resets: &[(usize, u64)], otherwise: impl Fn(usize) -> Task<'a>) -> PyResult<Vec<Task<'a>>> {
         let mut tasks: Vec<Task<'a>> = (0..self.lanes.len()).map(otherwise).collect();
         for &(lane, seed) in resets {
-            let none = || PyIndexError::new_err(format!("there is no contest {lane}"));
-            *tasks.get_mut(lane).ok_or_else(none)? = Task::Reset(seed);
+            *tasks.get_mut(lane).ok_or_else(|| PyIndexError::new_err(format!("there is no contest {lane}")))? =
+                Task::Reset(seed);
         }
         Ok(tasks)
     }

@@ -51,11 +51,14 @@ fn nested(value: &Bound<'_, PyAny>, depth: usize) -> PyResult<String> {
         return Ok(text(&value.extract::<String>()?));
     }
     if let Ok(table) = value.cast::<PyMapping>() {
-        let member = |item: Bound<'_, PyAny>| {
-            let (key, value) = item.extract::<(String, Bound<'_, PyAny>)>()?;
-            Ok(format!("{} = {}", text(&key), nested(&value, depth + 1)?))
-        };
-        let members = table.items()?.iter().map(member).collect::<PyResult<Vec<_>>>()?;
+        let members = table
+            .items()?
+            .iter()
+            .map(|item| {
+                let (key, value) = item.extract::<(String, Bound<'_, PyAny>)>()?;
+                Ok(format!("{} = {}", text(&key), nested(&value, depth + 1)?))
+            })
+            .collect::<PyResult<Vec<_>>>()?;
         return Ok(format!("{{ {} }}", members.join(", ")));
     }
     if let Ok(list) = value.cast::<PySequence>() {

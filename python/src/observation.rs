@@ -77,7 +77,8 @@ impl Sight<'_> {
             (arrays.cells[index], arrays.burning_s[index]) = (code, burning_s);
         }
         for (agent, numbers) in self.agents.iter().zip(arrays.agents.chunks_exact_mut(AGENT_NUMBERS)) {
-            let (sin, cos) = (agent.pose.direction().y, agent.pose.direction().x);
+            let sin = agent.pose.direction().y;
+            let cos = agent.pose.direction().x;
             let goal = agent.goal.map_or([-1.0, -1.0], |cell| layout.frame.centre(cell).to_array());
             let activity = match agent.activity {
                 Activity::Standing => 0.0,
@@ -131,7 +132,8 @@ impl Sight<'_> {
         options: &[Cell],
         arrays: &mut OwnArrays<'_>,
     ) -> Vec<Cell> {
-        let (frame, suppresses) = (&layout.frame, agent.id.role.suppresses());
+        let frame = &layout.frame;
+        let suppresses = agent.id.role.suppresses();
         let distance_m = |cell: Cell| (frame.centre(cell) - agent.place).length();
         let mut nearest: Vec<(f64, usize, Cell)> = if suppresses {
             self.fires.burning().map(|cell| (distance_m(cell), frame.index(cell), cell)).collect()

@@ -141,7 +141,9 @@ impl Path {
     }
 
     fn __repr__(&self) -> String {
-        let (segments, metres, cusps) = (self.0.segments.len(), self.0.length_m(), self.0.cusps());
+        let segments = self.0.segments.len();
+        let metres = self.0.length_m();
+        let cusps = self.0.cusps();
         format!("<Path: {segments} segments, {metres:.2} m, {cusps} cusps>")
     }
 }

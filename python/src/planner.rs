@@ -162,8 +162,12 @@ struct PythonPlannerFactory {
 impl PythonPlannerFactory {
     fn make(&self, site: &planning::PlannerContext<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> {
         let made = Python::try_attach(|py| {
-            let about = || format!("the factory of the planner `{}`", self.name);
-            let made = self.interruption.watched(py, about, None, || self.call(py, site));
+            let made = self.interruption.watched(
+                py,
+                || format!("the factory of the planner `{}`", self.name),
+                None,
+                || self.call(py, site),
+            );
             made.map_err(MakeError::new)?.map_err(|exception| {
                 let words = words(py, &exception);
                 self.settle(py, exception);

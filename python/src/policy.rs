@@ -39,7 +39,8 @@ pub struct Given {
 
 impl Given {
     fn clone_ref(&self, py: Python<'_>) -> Self {
-        let (policy, act) = (self.policy.clone_ref(py), self.act.clone_ref(py));
+        let policy = self.policy.clone_ref(py);
+        let act = self.act.clone_ref(py);
         Self { name: self.name.clone(), policy, act, ..*self }
     }
 }
@@ -187,11 +188,15 @@ impl PythonPolicy {
     fn ask(&mut self, py: Python<'_>, seen: &Observation<'_>, agent: AgentId) -> Action {
         let options = seen.options(agent);
         let waiting = self.layout.waiting(seen.now);
-        let about = || format!("the policy `{}`, asked for {agent},", self.name);
-        let answered = self.interruption.watched(py, about, Some(self.limit_s), || {
-            let (observation, candidates) = self.shown(py, seen, agent, &options)?;
-            Ok((self.act.bind(py).call1((observation,))?, candidates))
-        });
+        let answered = self.interruption.watched(
+            py,
+            || format!("the policy `{}`, asked for {agent},", self.name),
+            Some(self.limit_s),
+            || {
+                let (observation, candidates) = self.shown(py, seen, agent, &options)?;
+                Ok((self.act.bind(py).call1((observation,))?, candidates))
+            },
+        );
         let Some((answer, candidates)) = self.answer(py, answered) else { return waiting };
         if answer.is_none() {
             return waiting;
@@ -216,18 +221,22 @@ impl PythonPolicy {
         seen: &Observation<'_>,
         line: &FirelineContext<'_>,
     ) -> Option<Vec<DVec2>> {
-        let about = || format!("the policy `{}`, asked where crews build line,", self.name);
-        let answered = self.interruption.watched(py, about, Some(self.limit_s), || {
-            let text = PyBytes::new(py, &question(1, seen, &[], Some(line)));
-            let answer = self.act.bind(py).call1((py.import("json")?.call_method1("loads", (text,))?,))?;
-            match answer.extract::<PyArrayLike2<'_, f64, AllowTypeChange>>() {
-                Ok(points) if points.as_array().ncols() == 2 => {
-                    Ok(Ok(points.as_array().rows().into_iter().map(|row| DVec2::new(row[0], row[1])).collect()))
+        let answered = self.interruption.watched(
+            py,
+            || format!("the policy `{}`, asked where crews build line,", self.name),
+            Some(self.limit_s),
+            || {
+                let text = PyBytes::new(py, &question(1, seen, &[], Some(line)));
+                let answer = self.act.bind(py).call1((py.import("json")?.call_method1("loads", (text,))?,))?;
+                match answer.extract::<PyArrayLike2<'_, f64, AllowTypeChange>>() {
+                    Ok(points) if points.as_array().ncols() == 2 => {
+                        Ok(Ok(points.as_array().rows().into_iter().map(|row| DVec2::new(row[0], row[1])).collect()))
+                    }
+                    Err(exception) if is_an_end(py, &exception) => Err(exception),
+                    _ => Ok(Err(format!("answered with {}; expected points of shape (n, 2)", described(&answer)))),
                 }
-                Err(exception) if is_an_end(py, &exception) => Err(exception),
-                _ => Ok(Err(format!("answered with {}; expected points of shape (n, 2)", described(&answer)))),
-            }
-        });
+            },
+        );
         let points = self.answer(py, answered)?;
         points.map_err(|words| self.report.failure = Some((PlanFailure::BadAnswer, words))).ok()
     }
@@ -253,10 +262,14 @@ impl PythonPolicy {
         agent: AgentId,
         options: &[Cell],
     ) -> PyResult<(Bound<'py, PyDict>, Vec<Cell>)> {
-        let (layout, cell_count) = (&self.layout, self.layout.frame.cell_count());
-        let (mut cells, mut burning_s) = (vec![0; cell_count], vec![0.0; cell_count]);
-        let (mut agents, mut time_s) = (vec![0.0; layout.agents * AGENT_NUMBERS], [0.0; 2]);
-        let (mut mask, mut candidates) = (vec![0; layout.actions()], vec![0.0; layout.candidate_numbers()]);
+        let layout = &self.layout;
+        let cell_count = self.layout.frame.cell_count();
+        let mut cells = vec![0; cell_count];
+        let mut burning_s = vec![0.0; cell_count];
+        let mut agents = vec![0.0; layout.agents * AGENT_NUMBERS];
+        let mut time_s = [0.0; 2];
+        let mut mask = vec![0; layout.actions()];
+        let mut candidates = vec![0.0; layout.candidate_numbers()];
         let sight = Sight { now: seen.now, fires: seen.fires, agents: seen.agents };
         let mut shared =
             SharedArrays { cells: &mut cells, burning_s: &mut burning_s, agents: &mut agents, time_s: &mut time_s };

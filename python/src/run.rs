@@ -159,7 +159,8 @@ impl Run {
             Size::Sides(width, height) => (width, height),
         };
         let max = FrameLayout::MAX_SIDE;
-        let (min_width, min_height) = (FrameLayout::MIN_WIDTH, FrameLayout::MIN_HEIGHT);
+        let min_width = FrameLayout::MIN_WIDTH;
+        let min_height = FrameLayout::MIN_HEIGHT;
         if !(min_width..=max).contains(&width) || !(min_height..=max).contains(&height) {
             let sentence = format!(
                 "size is {size:?}; expected width and height in pixels from {min_width} x {min_height} to {max} x {max}"

@@ -95,7 +95,9 @@ fn parse_command(text: &str) -> Result<NamedCommand, String> {
 /// Splits a command into words as a POSIX shell does: at blanks, but not within quotes or after a backslash. Nothing else
 /// has a meaning.
 fn shell_words(command: &str) -> Result<Vec<String>, String> {
-    let (mut words, mut word, mut quote) = (Vec::new(), None::<String>, None);
+    let mut words = Vec::new();
+    let mut word = None::<String>;
+    let mut quote = None;
     let mut letters = command.chars();
     while let Some(letter) = letters.next() {
         match (quote, letter) {
@@ -207,8 +209,7 @@ pub fn parse_jobs(text: &str) -> Result<NonZeroUsize, String> {
 /// Returns the threads that are asked for, or those that this process is given: by Slurm, where it says so, as a task
 /// that is not bound to its processors sees all of its machine; else by the machine.
 pub fn jobs_or_usual(asked: Option<NonZeroUsize>) -> usize {
-    let of_task = || parse_jobs(&env::var("SLURM_CPUS_PER_TASK").ok()?).ok();
-    jobs_or_all(asked.or_else(of_task))
+    jobs_or_all(asked.or_else(|| parse_jobs(&env::var("SLURM_CPUS_PER_TASK").ok()?).ok()))
 }
 
 /// Returns the threads that are asked for, or as many as the machine runs at once.

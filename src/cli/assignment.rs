@@ -41,8 +41,8 @@ pub fn write(folder: &Path) -> Result<(), CliError> {
         let path = folder.join(name);
         write_whole(&path, text.as_bytes()).map_err(|error| CliError::unwritable(&path, &error))?;
     }
-    let file = |name: &str| shell_word(&folder.join(name).display().to_string());
-    let [rules, anna, ben, cem] = ["rules.toml", "anna.toml", "ben.toml", "cem.toml"].map(file);
+    let [rules, anna, ben, cem] = ["rules.toml", "anna.toml", "ben.toml", "cem.toml"]
+        .map(|name| shell_word(&folder.join(name).display().to_string()));
     terminal::print(&format!(
         "{} holds the rules, {SEEDS} secret seeds ({SEEDS_FILE}), three sample entries and a handout.\n\
          Give rules.toml and handout.md to the students, and keep {SEEDS_FILE}. Then:\n\n  \

@@ -15,13 +15,10 @@ use crate::cli::terminal::Progress;
 use crate::cli::{numbers, terminal};
 use wildfire_base::document::number::{optional, rounded};
 use wildfire_base::document::{Block, Document, Table};
-use wildfire_base::geometry::Cell;
 use wildfire_base::object;
-use wildfire_base::time::SimTime;
 use wildfire_batch::stats::{Interval, Series, UNBOUNDED};
 use wildfire_batch::{HindsightBound, attain_all, limit_threads};
 use wildfire_sim::scenario;
-use wildfire_timeline::AgentId;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -132,7 +129,8 @@ impl From<&AttainReport> for Document {
         }));
         let headings = ["Seed", "Lost", "Attainable", "Regret", "Answers", "Runs"];
         let [(_, lost), _, (_, headroom)] = &series;
-        let (mean, lost) = (headroom.mean().unwrap_or(0.0), lost.mean().unwrap_or(0.0));
+        let mean = headroom.mean().unwrap_or(0.0);
+        let lost = lost.mean().unwrap_or(0.0);
         Self::new(format!("{}: what dispatchers who know the future could save", report.scenario)).with([
             Block::Text(format!(
                 "Of {} bushes that a run loses, at least {} could be saved, on average over {} seeds.",
@@ -153,10 +151,13 @@ impl From<&AttainReport> for Document {
 impl Serialize for AttainReport {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let row = |(seed, row): &(u64, HindsightBound)| {
-            let answer = |(time, (agent, cell)): (&SimTime, &(AgentId, Cell))| {
-                object!(Answer { t_s: time.as_seconds(), agent: agent.to_string(), cell: [cell.col, cell.row] })
-            };
-            let answers = row.answers.iter().map(answer).collect::<Vec<_>>();
+            let answers = row
+                .answers
+                .iter()
+                .map(|(time, (agent, cell))| {
+                    object!(Answer { t_s: time.as_seconds(), agent: agent.to_string(), cell: [cell.col, cell.row] })
+                })
+                .collect::<Vec<_>>();
             object!(Row {
                 seed: *seed,
                 lost: row.lost,

@@ -111,7 +111,8 @@ pub fn gap_sentences(summaries: &[PlannerSummary], drives: &DriveTable) -> Vec<S
         let own = drives.rows.iter().filter(|row| row.planner == summary.planner);
         let gaps = own.filter_map(|row| Some(row.solved()?.length_m / row.certified_bound_m? - 1.0));
         let gaps: Vec<f64> = gaps.collect();
-        let (mean, max) = (gaps.iter().sum::<f64>() / gaps.len() as f64, gaps.iter().copied().fold(0.0, f64::max));
+        let mean = gaps.iter().sum::<f64>() / gaps.len() as f64;
+        let max = gaps.iter().copied().fold(0.0, f64::max);
         let planner = visible_start(&summary.planner);
         if gaps.is_empty() {
             return format!("{planner}: no certified goal.");

@@ -79,7 +79,9 @@ impl CitedBatch {
         planners.sort();
         planners.dedup();
         let swept = plan.swept_keys.clone();
-        let (seeds, runs, content_sha256) = (plan.seeds.to_string(), plan.count(), plan.content_sha256());
+        let seeds = plan.seeds.to_string();
+        let runs = plan.count();
+        let content_sha256 = plan.content_sha256();
         Ok(Self { scenarios, planners, swept, seeds, runs, content_sha256, commit, compiler })
     }
 }

@@ -163,7 +163,8 @@ fn bash(program: Command) -> String {
             .expect("a string takes any text");
     }
     let asked_first = BASH.replace("CASES", cases.trim_end());
-    let (script, registered) = (generated(Shell::Bash, program), "complete -F _wildfire ");
+    let script = generated(Shell::Bash, program);
+    let registered = "complete -F _wildfire ";
     assert!(script.contains(registered), "the script registers its function");
     asked_first + &script.replace(registered, "complete -F _wildfire_with_names ")
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::cli::args::{NamedCommand, ProgramArguments};
+use crate::cli::args::ProgramArguments;
 use crate::cli::error::CliError;
 use crate::cli::terminal;
 use wildfire_batch::{BatchPlan, own_names};
@@ -121,10 +121,13 @@ impl CommandContext {
     pub fn trust(&self) -> Trust {
         match self.programs.trust {
             true => Trust::All,
-            false => {
-                let kinds = |own: &NamedCommand| ["planner", "policy"].map(|kind| (kind, own.name.clone()));
-                Trust::Only(self.programs.commands.iter().flat_map(kinds).collect())
-            }
+            false => Trust::Only(
+                self.programs
+                    .commands
+                    .iter()
+                    .flat_map(|own| ["planner", "policy"].map(|kind| (kind, own.name.clone())))
+                    .collect(),
+            ),
         }
     }
 }

@@ -141,8 +141,7 @@ fn named_separator(row: &[u8]) -> Option<u8> {
 }
 
 fn likely_separator(header: &[u8]) -> u8 {
-    let count = |separator: &u8| fields(header, *separator).count();
-    SEPARATORS.into_iter().rev().max_by_key(count).unwrap_or(SEPARATORS[0])
+    SEPARATORS.into_iter().rev().max_by_key(|separator| fields(header, *separator).count()).unwrap_or(SEPARATORS[0])
 }
 
 fn fields(row: &[u8], separator: u8) -> impl Iterator<Item = &[u8]> {

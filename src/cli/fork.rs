@@ -57,7 +57,8 @@ pub struct ForkArguments {
 fn parse_answer(text: &str) -> Result<(AgentId, Cell), String> {
     let answer = text.split_once('=').and_then(|(agent, cell)| {
         let (col, row) = cell.split_once(',')?;
-        let (col, row) = (numbers::parse(col.trim())?, numbers::parse(row.trim())?);
+        let col = numbers::parse(col.trim())?;
+        let row = numbers::parse(row.trim())?;
         Some((parse_agent(agent).ok()?, Cell { col, row }))
     });
     answer.ok_or_else(|| "expected AGENT=COLUMN,ROW, such as unimog/0=35,44".to_owned())
@@ -66,7 +67,8 @@ fn parse_answer(text: &str) -> Result<(AgentId, Cell), String> {
 pub fn run(arguments: &ForkArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let ForkArguments { at, answer, .. } = *arguments;
     let ScenarioArguments { source: name, overrides, .. } = &arguments.run.scenario;
-    let (seed, memory) = (arguments.run.seed.unwrap_or(1), &arguments.run.memory);
+    let seed = arguments.run.seed.unwrap_or(1);
+    let memory = &arguments.run.memory;
     let source = source_of_runs(name, overrides, memory.memory, context)?;
     let before = source.expect_scenario(name, context)?;
     context.expect_trusted(before)?;
@@ -85,7 +87,8 @@ pub fn run(arguments: &ForkArguments, context: &CommandContext) -> Result<ExitCo
     let words = files.check()?;
 
     let options = context.run_options(false, memory.limit());
-    let (stopwatch, mut cpu) = (WallStopwatch::start(), CpuStopwatch::start());
+    let stopwatch = WallStopwatch::start();
+    let mut cpu = CpuStopwatch::start();
     let mut parent = Simulation::with(before, seed, &options).map_err(CliError::run_failed)?;
     if at > 0.0 {
         parent.advance_to(SimTime::from_seconds(at) - SimTime::from_nanos(1));
@@ -102,7 +105,8 @@ pub fn run(arguments: &ForkArguments, context: &CommandContext) -> Result<ExitCo
     fork.cost.total = cpu.elapsed_since_last() + fork.cost.elsewhere();
     let row = RunRow::done(RunLabel::from_scenario(&after, seed), result_of(&fork), stopwatch.elapsed());
     let parent = ended(parent, None)?;
-    let (own, was) = (Outcome::new(&fork.timeline).burned(), Outcome::new(&parent.timeline).burned());
+    let own = Outcome::new(&fork.timeline).burned();
+    let was = Outcome::new(&parent.timeline).burned();
     let verdict = match own.cmp(&was) {
         std::cmp::Ordering::Less => format!("{} fewer than without the change", was - own),
         std::cmp::Ordering::Equal => "as many as without the change".to_owned(),

@@ -43,8 +43,9 @@ pub fn parse_time(text: &str) -> Option<f64> {
 
 /// Reads a time that lies in a range of seconds, for an option.
 pub fn parse_time_within(text: &str, range: &RangeInclusive<f64>) -> Result<f64, String> {
-    let expected = || format!("expected seconds {}, or h:mm:ss", range_words(range));
-    parse_time(text).filter(|seconds| range.contains(seconds)).ok_or_else(expected)
+    parse_time(text)
+        .filter(|seconds| range.contains(seconds))
+        .ok_or_else(|| format!("expected seconds {}, or h:mm:ss", range_words(range)))
 }
 
 /// Reads an instant of a run.

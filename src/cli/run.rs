@@ -109,7 +109,8 @@ fn run_once(scenario: &Scenario, seed: u64, options: &RunOptions) -> Result<(Run
     let stopwatch = WallStopwatch::start();
     // The panic has been printed by then, with a backtrace if one was asked for.
     let caught = panic::catch_unwind(AssertUnwindSafe(|| wildfire_sim::run_with_options(scenario, seed, options)));
-    let (wall, label) = (stopwatch.elapsed(), RunLabel::from_scenario(scenario, seed));
+    let wall = stopwatch.elapsed();
+    let label = RunLabel::from_scenario(scenario, seed);
     match caught.map_err(|_| CliError::run_failed("the run panicked: this is a bug in wildfire"))? {
         Ok(run) => {
             let result = RunResult { asks: run.asks, ..RunResult::new(Outcome::new(&run.timeline), run.cost) };
@@ -146,7 +147,8 @@ impl<'a> Outputs<'a> {
             (Format::Csv, &arguments.trace),
         ]);
         let words = files.check()?;
-        let (events, trace) = (arguments.events.as_deref(), arguments.trace.as_deref());
+        let events = arguments.events.as_deref();
+        let trace = arguments.trace.as_deref();
         Ok((Self { recording, events, trace, step_s, agents: &arguments.agents }, words))
     }
 
@@ -178,7 +180,8 @@ pub fn check_agents(option: &str, named: &[AgentId], scenario: &Scenario) -> Res
     let Some(stranger) = named.iter().find(|agent| usize::from(agent.number) >= count(agent.role)) else {
         return Ok(());
     };
-    let (role, found) = (stranger.role.name(), count(stranger.role));
+    let role = stranger.role.name();
+    let found = count(stranger.role);
     let sentence = format!(
         "{option} names {stranger}; the scenario has {found} of this kind, expected {role}/N with N below that"
     );
@@ -263,7 +266,8 @@ fn ground(outcome: &Outcome) -> Option<String> {
     let GroundOutcome { cells, burned, extinguished, spotted, burned_ha, reached_edge_s, line, .. } = outcome.ground?;
     let embers = if spotted > 0 { format!(", {spotted} fires by embers") } else { String::new() };
     let built = line.map(|line| {
-        let (built_m, lost_m) = (rounded(line.built_m, 0), rounded(line.lost_m, 0));
+        let built_m = rounded(line.built_m, 0);
+        let lost_m = rounded(line.lost_m, 0);
         format!(" Line: {built_m} m built, {lost_m} m of it lost.")
     });
     let edge = reached_edge_s.map(|edge_s| format!("; at the edge of the field after {} s", rounded(edge_s, 1)));
@@ -277,7 +281,8 @@ fn ground(outcome: &Outcome) -> Option<String> {
 
 fn verdict(result: &RunResult) -> String {
     let outcome = &result.outcome;
-    let (wumpus, truck) = (outcome.wumpus_score, outcome.truck_score);
+    let wumpus = outcome.wumpus_score;
+    let truck = outcome.truck_score;
     if result.trucks().next().is_none() || result.wumpuses().next().is_none() {
         return format!("No contest: one side has no agents. Points: Wumpus {wumpus}, Unimog {truck}.");
     }
@@ -337,10 +342,10 @@ fn cpu_times(result: &RunResult) -> Table {
         ("whole run", cpu.run_s),
     ];
     let share = |seconds: f64| if cpu.run_s > 0.0 { percent(seconds / cpu.run_s) } else { "-".into() };
-    let row = |(phase, seconds): (&str, f64)| vec![phase.to_owned(), rounded(seconds * 1e3, 3), share(seconds)];
     let is_optional = |phase| OPTIONAL.contains(&phase) || ROADMAP.contains(&phase) && cpu.has_custom_planner();
     let shown = parts.into_iter().filter(|&(phase, seconds)| seconds > 0.0 || !is_optional(phase));
-    let rows: Vec<_> = shown.map(row).collect();
+    let rows: Vec<_> =
+        shown.map(|(phase, seconds)| vec![phase.to_owned(), rounded(seconds * 1e3, 3), share(seconds)]).collect();
     Table { rules_before: vec![rows.len() - 1], ..Table::new(&["Phase", "CPU\nms", "%"], rows) }
 }
 
@@ -349,6 +354,7 @@ fn cpu_per_plan(result: &RunResult) -> String {
     let truck_plans = result.trucks().map(|agent| agent.plans).sum();
     let wumpus_plans = result.wumpuses().map(|agent| agent.plans).sum();
     let queries_s = result.cpu.roadmap_search_s + result.cpu.local_search_s + result.cpu.custom_queries_s;
-    let (truck, wumpus) = (per_plan(queries_s, truck_plans), per_plan(result.cpu.wumpus_s, wumpus_plans));
+    let truck = per_plan(queries_s, truck_plans);
+    let wumpus = per_plan(result.cpu.wumpus_s, wumpus_plans);
     format!("CPU per plan: truck {truck} us ({truck_plans} plans), Wumpus {wumpus} us ({wumpus_plans} plans).")
 }

@@ -229,8 +229,8 @@ pub fn list_or_show(arguments: &ScenariosArguments) -> Result<ExitCode, CliError
     match &arguments.show {
         Some(name) => terminal::print(built_in(name)?)?,
         None => {
-            let listed = |&(name, text): &(&'static str, &str)| ListedScenario { name, purpose: first_sentence(text) };
-            let scenarios = BUILT_IN.iter().map(listed).collect();
+            let scenarios =
+                BUILT_IN.iter().map(|&(name, text)| ListedScenario { name, purpose: first_sentence(text) }).collect();
             let answer = ScenariosAnswer { program_version: PROGRAM_VERSION, scenarios };
             terminal::print(&arguments.form.render(&answer))?;
         }
@@ -323,7 +323,8 @@ fn scenario_from_map(map: &Path, options: &MapArguments, file: Option<&Path>, qu
             notes_on_map(map, options, &scenario)?.into_iter().map(|note| format!("{}: {note}", map.display()));
         of_map.chain(scenario::warnings_of_map(&scenario)).for_each(|note| terminal::note(&note));
     }
-    let (frame, given) = (scenario.field.frame(), scenario.field.given.as_ref().expect("it has a map"));
+    let frame = scenario.field.frame();
+    let given = scenario.field.given.as_ref().expect("it has a map");
     let bushes = given.occupied.values().iter().filter(|&&occupied| occupied).count();
     let metres = |side_m: f64| number_text((1e3 * side_m).round() / 1e3);
     let [wumpus, truck] = [scenario.wumpus[0].start_m, [scenario.unimog[0].start.x_m, scenario.unimog[0].start.y_m]];

@@ -121,7 +121,9 @@ impl Progress {
     }
 
     fn line(&self) -> String {
-        let (done, count, gone) = (self.bar.position(), self.bar.length().unwrap_or(0), self.bar.elapsed());
+        let done = self.bar.position();
+        let count = self.bar.length().unwrap_or(0);
+        let gone = self.bar.elapsed();
         let left = gone.mul_f64(count.saturating_sub(done) as f64 / done.saturating_sub(self.held).max(1) as f64);
         let message = self.bar.message();
         let space = if message.is_empty() { "" } else { " " };

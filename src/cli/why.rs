@@ -107,7 +107,8 @@ pub fn run(arguments: &WhyArguments, context: &CommandContext) -> Result<ExitCod
     check_agents("--agent", &arguments.agents, scenario)?;
     let options = context.run_options(false, arguments.run.memory.limit());
     let progress = Progress::new(0, "decisions", context.quiet);
-    let (begun, futures) = (AtomicU64::new(0), arguments.futures);
+    let begun = AtomicU64::new(0);
+    let futures = arguments.futures;
     let judged =
         chosen(arguments).judge(scenario, arguments.run.seed.unwrap_or(1), &options, |judging| match judging {
             JudgeProgress::Begins { decisions } => {

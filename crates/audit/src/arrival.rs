@@ -106,7 +106,8 @@ impl FireHistory {
             (self.first[index], self.is_source[index]) = (nanos, is_source);
             return;
         }
-        let (first, is_source) = (self.first[index], self.is_source[index]);
+        let first = self.first[index];
+        let is_source = self.is_source[index];
         let list = self.more.entry(index as u32).or_insert_with(|| {
             (first != NEVER).then_some((first, CellChange::Ignited { is_source })).into_iter().collect()
         });
@@ -395,8 +396,9 @@ impl<'a> Arrivals<'a> {
             let seconds = self.lines.iter().chain(&self.disc).map(|line| ellipse.travel_s(line.v)).collect();
             (ellipse, seconds)
         };
-        let of_interval = |interval| (0..self.models.len()).map(|fuel| of_fuel(interval, fuel)).collect();
-        (0..self.beds.len()).map(of_interval).collect()
+        (0..self.beds.len())
+            .map(|interval| (0..self.models.len()).map(|fuel| of_fuel(interval, fuel)).collect())
+            .collect()
     }
 
     fn new_ellipse(&self, interval: usize, fuel: usize, gradient: DVec2) -> Ellipse {
@@ -475,7 +477,8 @@ impl<'a> Arrivals<'a> {
         before: SimTime,
         parent: Option<Cell>,
     ) -> EarliestArrival {
-        let (to, before) = (self.frame.index(cell), before.as_nanos());
+        let to = self.frame.index(cell);
+        let before = before.as_nanos();
         let parent = parent.map_or(usize::MAX, |parent| self.frame.index(parent));
         let mut earliest = EarliestArrival { time: NEVER, from_parent: NEVER };
         let Some(fuel) = self.fuel[to] else { return earliest };
@@ -653,7 +656,8 @@ impl<'a> Arrivals<'a> {
         if !ellipse.burns() {
             return NEVER;
         }
-        let (v1, v2) = (self.lines[one.line].v, self.lines[other.line].v);
+        let v1 = self.lines[one.line].v;
+        let v2 = self.lines[other.line].v;
         let [beyond1, beyond2] = self.beyond(cell, [one, other], interval);
         let between_s = (other.time as f64 - one.time as f64) / NANOS;
         // Times of the two beginnings without the drift on the way from them, which is linear along the line between.
@@ -715,7 +719,9 @@ fn later(time: u64, seconds: f64) -> u64 {
 
 /// Says of each cell whether all cells in reach are inside the field and have its fuel.
 fn alike(frame: FieldFrame, fuel: &[Option<u8>], reach: i32) -> Vec<bool> {
-    let (cols, rows, reach) = (usize::from(frame.cols), usize::from(frame.rows), reach as usize);
+    let cols = usize::from(frame.cols);
+    let rows = usize::from(frame.rows);
+    let reach = reach as usize;
     // Along rows first: how many cells up to this one have its fuel.
     let is_row = |index: usize| {
         let col = index % cols;

@@ -74,7 +74,8 @@ pub fn ellipse(canopy: &Canopy, below: &UnderCanopy, options: &SurfaceOptions, r
                 }
                 if flow(crown_at(middle)) < 3.0 { calm = middle } else { windy = middle }
             }
-            let (first, last) = (critical / heat, surface_at(windy).rate_mps);
+            let first = critical / heat;
+            let last = surface_at(windy).rate_mps;
             let burned = if last > first { ((surface.rate_mps - first) / (last - first)).clamp(0.0, 1.0) } else { 0.0 };
             surface.rate_mps * (1.0 - burned) + crown * burned
         }

@@ -77,7 +77,8 @@ fn ember_source(
         Cause::Spread(from) => fire.front_normal_rate_mps(frame.centre(cell) - frame.centre(from)),
         Cause::Spotted(_) | Cause::Lit(_) | Cause::Scheduled => fire.rate_mps,
     };
-    let (intensity_kw_m, heat_kj_m2) = (fire.intensity_kw_m(rate_mps), fire.heat_kj_m2());
+    let intensity_kw_m = fire.intensity_kw_m(rate_mps);
+    let heat_kj_m2 = fire.heat_kj_m2();
     Some(EmberSource { cell, episode, time, intensity_kw_m, heat_kj_m2 })
 }
 

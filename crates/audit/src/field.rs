@@ -182,7 +182,8 @@ impl AuditField {
 
     fn mark_border(&mut self) {
         let radius_m = self.outline.radius_m() + MARGIN_M;
-        let (side_m, [cols, rows]) = (self.side_m, self.squares);
+        let side_m = self.side_m;
+        let [cols, rows] = self.squares;
         let is_inside = |square: usize, extent: f64| {
             square as f64 * side_m >= radius_m && (square + 1) as f64 * side_m <= extent - radius_m
         };

@@ -67,7 +67,8 @@ impl<'a> Fires<'a> {
     }
 
     fn caught(&mut self, index: usize, cause: Cause, time: SimTime) -> Result<Bush, ViolationKind> {
-        let (cell, bush) = (self.setting.bushes[index], self.bushes[index]);
+        let cell = self.setting.bushes[index];
+        let bush = self.bushes[index];
         if !self.can_burn(bush) {
             return Err(ViolationKind::CannotBurn { cell });
         }
@@ -93,7 +94,8 @@ impl<'a> Fires<'a> {
         if !spreads || since + rules.spread_delay != time {
             return Err(ViolationKind::NoSource { cell, from });
         }
-        let (metres, radius_m) = (self.metres(cell, from), rules.spread_radius_m);
+        let metres = self.metres(cell, from);
+        let radius_m = rules.spread_radius_m;
         let is_near = metres <= radius_m + SAME_POSE;
         if is_near { Ok(()) } else { Err(ViolationKind::TooFarToSpread { cell, from, metres, radius_m }) }
     }

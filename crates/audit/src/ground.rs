@@ -21,7 +21,8 @@ const NOISE: f64 = 1e-6;
 pub fn audit_ground(setting: &Setting, driven: &DrivenLegs<'_>, limits: Option<SpeedLimits>) -> Result<(), Violation> {
     let shares = setting.ground_shares.iter().find(|(truck, _)| *truck == driven.id).map(|(_, shares)| shares);
     let (Some(shares), Some(spread), Some(limits)) = (shares, &setting.spread, limits) else { return Ok(()) };
-    let (frame, landscape) = (setting.frame, spread.landscape());
+    let frame = setting.frame;
+    let landscape = spread.landscape();
     let share_near = |place: DVec2| {
         let [low, high] = [place - CLOSE * frame.cell_m, place + CLOSE * frame.cell_m].map(|at| clamped(&frame, at));
         let cells =
@@ -38,7 +39,8 @@ pub fn audit_ground(setting: &Setting, driven: &DrivenLegs<'_>, limits: Option<S
                     let travelled_m = segment.length_m * f64::from(look) / f64::from(looks);
                     let place = segment.pose_at(start, travelled_m).position();
                     let squared = speed_mps * speed_mps + 2.0 * acceleration_mps2 * travelled_m.abs();
-                    let (found_mps, limit_mps) = (squared.max(0.0).sqrt(), limit_mps * share_near(place));
+                    let found_mps = squared.max(0.0).sqrt();
+                    let limit_mps = limit_mps * share_near(place);
                     if found_mps > limit_mps * (1.0 + NOISE) {
                         let time = leg.start_time() + SimTime::from_seconds(elapsed_s);
                         let kind = ViolationKind::Speed { found_mps, limit_mps };

@@ -201,7 +201,8 @@ impl LegMoment {
 /// Checks that the timeline says the same.
 fn check_state(leg: &Trajectory, elapsed_s: f64, at: UnitPose, tolerance: Tolerance) -> Result<(), LegViolation> {
     let said = UnitPose::new(leg.pose_at(leg.start_time() + SimTime::from_seconds(elapsed_s)));
-    let (metres, radians) = ((said.place - at.place).length(), (said.facing - at.facing).length());
+    let metres = (said.place - at.place).length();
+    let radians = (said.facing - at.facing).length();
     if metres <= tolerance.metres && radians <= tolerance.radians {
         return Ok(());
     }
@@ -313,7 +314,8 @@ mod tests {
     fn steps_lead_where_the_closed_form_does() {
         let ways = [(1.0 / 13.0, 77.7), (-1.0 / 13.0, -40.0), (0.0, -9.99), (1e-9, 30.0), (0.2, 1e-7), (1e-3, 300.0)];
         for (curvature, length_m) in ways {
-            let (start, segment) = (Pose::new(3.0, -2.0, 2.9), segment(curvature, length_m));
+            let start = Pose::new(3.0, -2.0, 2.9);
+            let segment = segment(curvature, length_m);
             let way = Way::new(segment, SampleStep::default());
             let mut at = UnitPose::new(start);
             for step in 1..=way.count as u64 {
@@ -328,12 +330,14 @@ mod tests {
     #[test]
     fn roundings_of_steps_do_not_add_up_over_a_long_way() {
         for (curvature, length_m) in [(0.0, 60_000.0), (2e-5, -60_000.0), (1.0 / 13.0, 20_000.0)] {
-            let (start, segment) = (Pose::new(20_000.0, 30_000.0, 0.7), segment(curvature, length_m));
+            let start = Pose::new(20_000.0, 30_000.0, 0.7);
+            let segment = segment(curvature, length_m);
             let leg = Trajectory::from_path(&Path { start, segments: vec![segment] }, SimTime::ZERO, LIMITS);
             let way = Way::new(segment, SampleStep::default());
             let start = UnitPose::new(start);
             let at = (1..=way.count as u64).fold(start, |at, step| way.advance(start, at, step));
-            let (end, granted) = (UnitPose::new(leg.end()), Tolerance::from_leg(&leg));
+            let end = UnitPose::new(leg.end());
+            let granted = Tolerance::from_leg(&leg);
             let metres = (end.place - at.place).length();
             let rounding = granted.metres - SAME_POSE;
             assert!(metres < rounding && rounding < 1e-6, "{curvature}: {metres} m of {rounding}");

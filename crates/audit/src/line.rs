@@ -23,11 +23,14 @@ struct Flank {
 
 /// Holds the line of a run against the rules of its crews; returns the first violation.
 pub fn audit_line(timeline: &Timeline) -> Result<(), Violation> {
-    let (setting, frame) = (&timeline.setting, timeline.setting.frame);
+    let setting = &timeline.setting;
+    let frame = timeline.setting.frame;
     let mut flanks = Vec::new();
     for &GroundEvent { time, cell, fact } in &timeline.ground {
         let GroundFact::Cleared { flank, along_mm, holds } = fact else { continue };
-        let (place, number, along_m) = (frame.centre(cell), usize::from(flank), f64::from(along_mm) / 1000.0);
+        let place = frame.centre(cell);
+        let number = usize::from(flank);
+        let along_m = f64::from(along_mm) / 1000.0;
         let rules = setting.line.as_ref().filter(|rules| holds || rules.can_be_lost);
         flanks.resize(flanks.len().max(number + 1), None);
         let built = Flank { first: place, first_m: along_m, last: place, along_m, cells: 0.0 };

@@ -78,7 +78,8 @@ fn audit_legs(
         let examined = audit_leg(field, motion, leg, step).map_err(violation)?;
         work += examined.poses as f64 * work_of_pose(field);
         if work > MAX_WORK {
-            let (time, place) = (leg.end_time(), leg.end().position());
+            let time = leg.end_time();
+            let place = leg.end().position();
             return Err(violation(Violation { time, agent: None, place, kind: ViolationKind::Endless }));
         }
         *audited += examined;

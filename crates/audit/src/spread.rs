@@ -43,7 +43,8 @@ pub fn audit_spread(timeline: &Timeline) -> Result<(), Violation> {
     let mut states = States::new(setting, spread);
     let followed = changes.iter().try_for_each(|change| states.follow(change));
     let followed = followed.and_then(|()| states.finish(timeline.end_time()));
-    let (log, end) = (CellLog::new(setting, &changes), timeline.end_time());
+    let log = CellLog::new(setting, &changes);
+    let end = timeline.end_time();
     let busiest = log.cells().max_by_key(|of_cell| of_cell.len()).and_then(<[Change]>::first);
     let pairs: u64 = log.cells().map(|of_cell| (of_cell.len() as u64).pow(2)).sum();
     if let Some(busiest) = busiest.filter(|_| pairs > MAX_LOOKS) {
@@ -256,7 +257,8 @@ impl<'a> ArrivalCheck<'a> {
         if !self.arrivals.has_fuel(index) && ignitions.is_empty() {
             return Ok(());
         }
-        let (cell, relight) = (self.setting.frame.cell(index), self.setting.rules.relight);
+        let cell = self.setting.frame.cell(index);
+        let relight = self.setting.rules.relight;
         let mut from = Some(SimTime::ZERO);
         for &(_, time, cause) in ignitions {
             // An ignition of what cannot burn is found where states are followed.
@@ -293,7 +295,8 @@ impl<'a> ArrivalCheck<'a> {
         let parent = wait.by.and_then(|cause| if let Cause::Spread(from) = cause { Some(from) } else { None });
         let before = if wait.by.is_some() { wait.until } else { wait.until + SimTime::from_nanos(1) };
         let (due, from_parent) = self.earliest(cell, before, parent);
-        let (is_early, is_late) = (wait.until + SAME_TIME < due, due + SAME_TIME < wait.until);
+        let is_early = wait.until + SAME_TIME < due;
+        let is_late = due + SAME_TIME < wait.until;
         match (wait.by, parent) {
             (Some(_), Some(_)) if is_early || is_late => {
                 let due = (due < SimTime::MAX).then_some(due);
@@ -444,7 +447,8 @@ mod tests {
 
     fn hill() -> Relief {
         let height = |index: usize| {
-            let (x, y) = (f64::from(FRAME.cell(index).col) - 25.0, f64::from(FRAME.cell(index).row) - 12.0);
+            let x = f64::from(FRAME.cell(index).col) - 25.0;
+            let y = f64::from(FRAME.cell(index).row) - 12.0;
             (40.0 / (1.0 + (x * x + y * y) / 150.0)) as f32
         };
         Relief::Elevation((0..FRAME.cell_count()).map(height).collect())

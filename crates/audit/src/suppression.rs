@@ -84,9 +84,12 @@ fn act_on_ground(actors: &mut [Actor], setting: &Setting, event: &GroundEvent) -
 
 impl Actor {
     fn new(start: &AgentStart, setting: &Setting) -> Self {
-        let (outline, stands_since) = (Outline::new(&start.body), SimTime::ZERO);
+        let outline = Outline::new(&start.body);
+        let stands_since = SimTime::ZERO;
         let stops_left = setting.water.as_ref().map(|water| water.full_tank);
-        let (served, stops_here, refilled) = (None, false, SimTime::ZERO);
+        let served = None;
+        let stops_here = false;
+        let refilled = SimTime::ZERO;
         Self { id: start.id, outline, pose: start.pose, stands_since, served, stops_left, stops_here, refilled }
     }
 

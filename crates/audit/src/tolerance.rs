@@ -46,7 +46,10 @@ impl Tolerance {
 
     /// Computes the tolerance for poses on a leg, as the module derives it.
     pub fn from_leg(leg: &Trajectory) -> Self {
-        let (mut fastest_mps, mut sharpest, mut length_m, mut turned_rad) = (0.0_f64, 0.0_f64, 0.0, 0.0);
+        let mut fastest_mps = 0.0_f64;
+        let mut sharpest = 0.0_f64;
+        let mut length_m = 0.0;
+        let mut turned_rad = 0.0;
         for piece in leg.pieces() {
             if let Piece::Drive { segment, speed_mps, acceleration_mps2 } = *piece {
                 let metres = segment.length_m.abs();

@@ -240,7 +240,8 @@ mod tests {
     #[cfg(unix)]
     fn link_is_followed_and_stays() {
         let folder = tempfile::tempdir().expect("a scratch folder");
-        let (file, link) = (folder.path().join("file"), folder.path().join("link"));
+        let file = folder.path().join("file");
+        let link = folder.path().join("link");
         fs::write(&file, "old").expect("writable");
         std::os::unix::fs::symlink("file", &link).expect("links can be made");
         write_whole(&link, b"new").expect("writable");

@@ -44,7 +44,8 @@ impl CellSet {
 
     /// Iterates in ascending order over the cells that are not below `first`, up to the one before `end`.
     pub fn within(&self, first: usize, end: usize) -> impl Iterator<Item = usize> + '_ {
-        let (from, to) = (first / 64, end.div_ceil(64).min(self.words.len()));
+        let from = first / 64;
+        let to = end.div_ceil(64).min(self.words.len());
         (from..to).flat_map(move |word| {
             let below_first = if word == from { (1 << (first % 64)) - 1 } else { 0 };
             let mut bits = self.words[word] & !below_first;
@@ -114,7 +115,8 @@ mod tests {
     fn members_come_in_ascending_order_whatever_came_and_went() {
         let mut rng = wildfire_base::rng::stream(1, "cell set");
         for cells in [1, 63, 64, 65, 5_000, 300_000] {
-            let (mut set, mut model) = (CellSet::new(cells), BTreeSet::new());
+            let mut set = CellSet::new(cells);
+            let mut model = BTreeSet::new();
             for _ in 0..2_000 {
                 let cell = rng.random_range(0..cells as u64) as usize;
                 if model.remove(&cell) {

@@ -122,12 +122,14 @@ impl Attack {
     }
 
     fn run_with(&self, step_min: f64) -> (Outcome, u32) {
-        let (shape, rate) = (Shape::new(self.length_to_width), self.rate_ch_h / 60.0);
+        let shape = Shape::new(self.length_to_width);
+        let rate = self.rate_ch_h / 60.0;
         let flank = Flank { shape, rate, offset: self.offset_ch, is_rear: self.tactic == Tactic::Rear };
-        let departure = |resource: &Resource| resource.arrival_min + resource.duration_min;
-        let last = self.resources.iter().map(departure).fold(0.0, f64::max);
+        let last =
+            self.resources.iter().map(|resource| resource.arrival_min + resource.duration_min).fold(0.0, f64::max);
         let mut time = self.start_min();
-        let (mut head, mut passed) = (shape.head(self.size_acre) + rate * time, 0.0);
+        let mut head = shape.head(self.size_acre) + rate * time;
+        let mut passed = 0.0;
         let mut at = flank.point(passed, head);
         let (mut line, mut swept) = (0.0, 0.0);
         for steps in 1_u32.. {
@@ -216,7 +218,8 @@ impl Flank {
     fn pace(&self, passed: f64, head: f64, production: f64) -> f64 {
         let (point, normal, stretch) = self.edge(passed);
         let Shape { a, b, .. } = self.shape;
-        let (outwards, along) = (self.rate * point.dot(normal), self.rate * point.dot(normal.perp()));
+        let outwards = self.rate * point.dot(normal);
+        let along = self.rate * point.dot(normal.perp());
         let free = (production * production - outwards * outwards).max(0.0).sqrt();
         (free - along) / (head * stretch + self.offset * b * b * a * b / (stretch * stretch))
     }

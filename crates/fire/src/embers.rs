@@ -173,7 +173,8 @@ mod tests {
 
     /// Flights of 2000 cells that burn.
     fn flights(settings: EmberSettings, wind: DVec2) -> Vec<(DVec2, Landing)> {
-        let (landscape, weather) = (Landscape::uniform(FRAME, 102), weather(wind, 0.06));
+        let landscape = Landscape::uniform(FRAME, 102);
+        let weather = weather(wind, 0.06);
         let sources = (0..2000).map(|number| source(100 + number % 200, u32::from(number)));
         let landings = |source: EmberSource| {
             let from = FRAME.centre(source.cell);

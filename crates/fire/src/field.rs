@@ -395,10 +395,13 @@ mod tests {
     #[test]
     fn a_wet_cell_cannot_burn_until_it_is_dry() {
         let frame = FieldFrame { cols: 3, rows: 1, cell_m: 5.0 };
-        let (bush, ground, bare) = (Cell { col: 0, row: 0 }, Cell { col: 1, row: 0 }, Cell { col: 2, row: 0 });
+        let bush = Cell { col: 0, row: 0 };
+        let ground = Cell { col: 1, row: 0 };
+        let bare = Cell { col: 2, row: 0 };
         let mut fires = FireField::new(frame, &[bush], false).with_ground([ground]);
         assert!(fires.is_bush(bush) && !fires.is_bush(ground));
-        let (soon, later) = (SimTime::from_seconds(10.0), SimTime::from_seconds(20.0));
+        let soon = SimTime::from_seconds(10.0);
+        let later = SimTime::from_seconds(20.0);
         assert_eq!(fires.wet(bare, soon), None);
         assert_eq!(fires.wet(ground, soon), Some(FireChange::Wetted { cell: ground, until: soon }));
         assert_eq!(fires.wet(ground, soon), None, "it is wet for as long already");

@@ -93,10 +93,13 @@ impl Landscape {
     fn horn_gradient(&self, elevations: &[f32], cell: Cell) -> DVec2 {
         let Cell { col, row } = cell;
         let last = (self.frame.cols - 1, self.frame.rows - 1);
-        let (west, east) = (col.saturating_sub(1), (col + 1).min(last.0));
-        let (south, north) = (row.saturating_sub(1), (row + 1).min(last.1));
+        let west = col.saturating_sub(1);
+        let east = (col + 1).min(last.0);
+        let south = row.saturating_sub(1);
+        let north = (row + 1).min(last.1);
         let height = |col, row| f64::from(elevations[self.frame.index(Cell { col, row })]);
-        let (mut rise, mut weights) = (DVec2::ZERO, DVec2::ZERO);
+        let mut rise = DVec2::ZERO;
+        let mut weights = DVec2::ZERO;
         for near in south..=north {
             let weight = if near == row { 2.0 } else { 1.0 };
             rise.x += weight * (height(east, near) - height(west, near));

@@ -235,7 +235,8 @@ mod tests {
     /// Lights and extinguishes at these seconds and returns the second at which each column caught fire.
     fn burn(acts: Vec<(f64, Act)>) -> [Option<f64>; 9] {
         let bushes: Vec<Cell> = (0..FRAME.cols).map(cell).collect();
-        let (mut fires, mut model) = (FireField::new(FRAME, &bushes, false), Front::default());
+        let mut fires = FireField::new(FRAME, &bushes, false);
+        let mut model = Front::default();
         let mut queue = EventQueue::default();
         for (seconds, act) in acts {
             queue.push(SimTime::from_seconds(seconds), 0, act);

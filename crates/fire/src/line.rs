@@ -27,8 +27,11 @@ impl Forecast {
     /// Returns the time at a place and its gradient, in seconds per metre; `None` among cells that do not burn.
     fn at(&self, place: DVec2) -> Option<(f64, DVec2)> {
         let scaled = place / self.frame.cell_m - DVec2::splat(0.5);
-        let (low, part) = (scaled.floor(), scaled - scaled.floor());
-        let (mut weights, mut time, mut slope) = (0.0, 0.0, DVec2::ZERO);
+        let low = scaled.floor();
+        let part = scaled - scaled.floor();
+        let mut weights = 0.0;
+        let mut time = 0.0;
+        let mut slope = DVec2::ZERO;
         for corner in [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE] {
             let node = |east: f64, north: f64| {
                 let centre = (low + corner + DVec2::new(east, north) + DVec2::splat(0.5)) * self.frame.cell_m;
@@ -50,7 +53,8 @@ impl Forecast {
                 * near.y
                 * DVec2::new(rise(node(-1.0, 0.0), node(1.0, 0.0)), rise(node(0.0, -1.0), node(0.0, 1.0)));
         }
-        let (time, slope) = (time / weights, slope / weights / self.frame.cell_m);
+        let time = time / weights;
+        let slope = slope / weights / self.frame.cell_m;
         (time.is_finite() && slope.length_squared() > 0.0).then_some((time, slope))
     }
 
@@ -66,9 +70,8 @@ impl Forecast {
     /// Finds the head of the fire at a time, its point farthest from where it began, or the rear, the nearest that it has
     /// not passed.
     pub fn end_of_fire(&self, time: f64, tactic: Tactic) -> Option<DVec2> {
-        let burns = |index: &usize| self.seconds[*index].is_finite();
         let centre = |index: usize| self.frame.centre(self.frame.cell(index));
-        let cells = || (0..self.seconds.len()).filter(burns);
+        let cells = || (0..self.seconds.len()).filter(|index| self.seconds[*index].is_finite());
         let first = cells().min_by(|&a, &b| self.seconds[a].total_cmp(&self.seconds[b]));
         let origin = centre(first.filter(|&first| self.seconds[first] <= time)?);
         let away = |&a: &usize, &b: &usize| (centre(a) - origin).length().total_cmp(&(centre(b) - origin).length());
@@ -129,7 +132,8 @@ impl LineTask<'_> {
         let Some(mut anchor) = start.and_then(|place| forecast.on_front(place, self.start_s)) else { return line };
         let step_s = forecast.frame.cell_m / STEPS_A_CELL / (self.max_mps / 2.0);
         let place = |(front, outwards): OnFront| front + offset_m * outwards;
-        let (mut time_s, mut builders) = (self.start_s, [Some(anchor); 2]);
+        let mut time_s = self.start_s;
+        let mut builders = [Some(anchor); 2];
         // Enough for a line that passes all cells.
         for _ in 0..8 * forecast.seconds.len() {
             // Without a rate a step is infinite.
@@ -188,12 +192,11 @@ impl LineTask<'_> {
 
 /// Lists places along a polyline, its corners among them, that are at most `step_m` apart.
 pub fn places_along(points: &[DVec2], step_m: f64) -> impl Iterator<Item = DVec2> {
-    let between = move |ends: &[DVec2]| {
+    points.first().copied().into_iter().chain(points.windows(2).flat_map(move |ends| {
         let (from, way) = (ends[0], ends[1] - ends[0]);
         let steps = (way.length() / step_m).ceil() as u32;
         (1..=steps).map(move |step| from + f64::from(step) / f64::from(steps) * way)
-    };
-    points.first().copied().into_iter().chain(points.windows(2).flat_map(between))
+    }))
 }
 
 /// Moves a builder with the front to a time, and along it so far that its own way has a length; `None` where the front ends,

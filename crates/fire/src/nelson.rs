@@ -186,7 +186,8 @@ impl Stick {
         const HEAT_DIFFUSIVITY: f64 = 8.0;
         let spacing = self.spacing_cm();
         let radius = |node: usize| spacing * (NODES - 1 - node) as f64;
-        let (moisture, temperature_c) = (self.moisture, self.temperature_c);
+        let moisture = self.moisture;
+        let temperature_c = self.temperature_c;
         for node in 1..NODES - 1 {
             let (outside, inside) = (node - 1, node + 1);
             let own = radius(node) * spacing / step_h;

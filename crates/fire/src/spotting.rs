@@ -136,7 +136,8 @@ impl Spotting {
             return flat_mi;
         }
         let phase = PI / 2.0 * f64::from(self.location as u8);
-        let (flat, amplitude) = (flat_mi / length, rise_ft / (10_000.0 * PI));
+        let flat = flat_mi / length;
+        let amplitude = rise_ft / (10_000.0 * PI);
         let step = |at: f64| flat - amplitude * (ops::cos(PI * at - phase) - ops::cos(phase));
         (0..6).fold(flat, |at, _| step(at)) * length
     }

@@ -31,7 +31,8 @@ const fn pruned() -> [[u8; 256]; NO_MOVE + 1] {
     while arrival < MOVES.len() {
         let mut k = 0;
         while k < MOVES.len() {
-            let (rows, cols) = (MOVES[arrival].0 + MOVES[k].0, MOVES[arrival].1 + MOVES[k].1);
+            let rows = MOVES[arrival].0 + MOVES[k].0;
+            let cols = MOVES[arrival].1 + MOVES[k].1;
             let mut mask = 0;
             while mask < 256 {
                 let mut direct = 0;
@@ -179,7 +180,8 @@ impl AStar {
                 continue;
             }
             node.closed = true;
-            let (parent, arrival) = (node.parent as usize, usize::from(node.arrival));
+            let parent = node.parent as usize;
+            let arrival = usize::from(node.arrival);
             self.settled.push(index as u32);
             // Asked when a goal is expanded, not when it is reached: only now is no cheaper way to it left.
             if is_goal(index) {
@@ -306,10 +308,13 @@ mod tests {
     #[test]
     fn astar_costs_what_dijkstra_costs_with_fewer_expansions() {
         let (rows, cols) = (23, 31);
-        let (mut solved, mut astar_effort, mut dijkstra_effort) = (0, 0, 0);
+        let mut solved = 0;
+        let mut astar_effort = 0;
+        let mut dijkstra_effort = 0;
         for seed in 0..60 {
             let moves = random_moves(rows, cols, seed);
-            let (start, goal) = (seed as usize % 40, rows * cols - 1 - seed as usize % 60);
+            let start = seed as usize % 40;
+            let goal = rows * cols - 1 - seed as usize % 60;
             let mut search = AStar::new(rows * cols);
             let at_goal = |index| index == goal;
             let astar = search.search(&moves, start, (1.0, SQRT_2), at_goal, |index, _| octile(cols, index, goal));

@@ -65,7 +65,8 @@ mod tests {
     fn entries_come_in_the_order_of_their_priorities() {
         let mut rng = wildfire_base::rng::stream(1, "bucket queue test");
         let mut queue = BucketQueue::new(1000.25, 0);
-        let (mut pushed, mut popped) = (vec![1000.25], Vec::new());
+        let mut pushed = vec![1000.25];
+        let mut popped = Vec::new();
         while let Some((priority, number)) = queue.pop() {
             assert_eq!(priority, pushed[number]);
             popped.push(priority);

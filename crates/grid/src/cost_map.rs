@@ -75,7 +75,8 @@ impl TwoZones {
         if distance == 0 {
             return self.max_cost;
         }
-        let (distance, width) = (f64::from(distance), f64::from(self.safety_distance));
+        let distance = f64::from(distance);
+        let width = f64::from(self.safety_distance);
         if distance < width {
             return self.safety_max - (self.safety_max - self.safety_min) / width * distance;
         }
@@ -92,8 +93,11 @@ impl TwoZones {
 /// Obstacles hold 1 there; a map of zeros, which has no obstacle, costs 0 everywhere. The zones are taken as they are,
 /// see [`TwoZones::check`].
 pub fn cost_map(brushfire: &Grid<u16>, zones: &TwoZones) -> Grid<f64> {
-    let cost = |value: &u16| value.checked_sub(1).map_or(0.0, |distance| zones.cost(distance));
-    let costs = brushfire.values().iter().map(cost).collect();
+    let costs = brushfire
+        .values()
+        .iter()
+        .map(|value| value.checked_sub(1).map_or(0.0, |distance| zones.cost(distance)))
+        .collect();
     Grid::from_values(brushfire.rows(), brushfire.cols(), costs)
 }
 

@@ -81,8 +81,9 @@ pub fn nearest_occupied(occupied: &Grid<bool>) -> Option<Grid<u32>> {
     for row in (0..rows.saturating_sub(1)).rev() {
         for col in 0..cols {
             let below = nearest[(row + 1, col)].filter(|&below| below > row);
-            let is_nearer = |below: &usize| nearest[(row, col)].is_none_or(|own| below - row < row.abs_diff(own));
-            if let Some(below) = below.filter(is_nearer) {
+            if let Some(below) =
+                below.filter(|below| nearest[(row, col)].is_none_or(|own| below - row < row.abs_diff(own)))
+            {
                 nearest[(row, col)] = Some(below);
             }
         }
@@ -211,7 +212,8 @@ impl Envelope {
         self.stand_on(heights, spacing, end);
         for (index, arc) in self.arcs.iter().enumerate() {
             let until = self.arcs.get(index + 1).map_or(end, |next| next.from);
-            let (site, square) = (arc.site as i32, arc.square as i32);
+            let site = arc.site as i32;
+            let square = arc.square as i32;
             let first = arc.from as i32 - site;
             // Lowered and not set: a vertex inside a column may have a nearer cell straight above or below it.
             for (offset, value) in (first..).zip(&mut squares[arc.from as usize..until as usize]) {
@@ -258,7 +260,8 @@ mod tests {
     use wildfire_base::rng;
 
     fn random_map(rng: &mut impl Rng) -> Grid<bool> {
-        let (rows, cols) = (rng.random_range(1..18), rng.random_range(1..18));
+        let rows = rng.random_range(1..18);
+        let cols = rng.random_range(1..18);
         let density = [0.01, 0.1, 0.5, 0.95][rng.random_range(0..4)];
         Grid::from_values(rows, cols, (0..rows * cols).map(|_| rng.random_bool(density)).collect())
     }
@@ -292,13 +295,16 @@ mod tests {
         let mut rng = rng::stream(4, "grid/distance");
         for _ in 0..300 {
             let map = random_map(&mut rng);
-            let (nearest, squares) = (nearest_occupied(&map), squared_distances(&map));
+            let nearest = nearest_occupied(&map);
+            let squares = squared_distances(&map);
             assert_eq!(nearest.is_some(), squares.is_some());
             let Some((nearest, squares)) = nearest.zip(squares) else { continue };
             for (index, &square) in squares.values().iter().enumerate() {
                 let found = nearest.values()[index] as usize;
-                let (row, col) = (index / map.cols(), index % map.cols());
-                let (found_row, found_col) = (found / map.cols(), found % map.cols());
+                let row = index / map.cols();
+                let col = index % map.cols();
+                let found_row = found / map.cols();
+                let found_col = found % map.cols();
                 assert!(map[(found_row, found_col)]);
                 assert_eq!(row.abs_diff(found_row).pow(2) + col.abs_diff(found_col).pow(2), square as usize);
             }

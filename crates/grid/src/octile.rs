@@ -73,7 +73,8 @@ pub(super) fn longer((straight, diagonal): StepLength, offset: (isize, isize)) -
 
 /// Length to go from `start` if the way from `place` is `to_go` and nothing is between the two.
 pub(super) fn by_way_of(place: Place, (straight, diagonal): StepLength, start: Place) -> StepLength {
-    let (rows, cols) = (place.0.abs_diff(start.0) as u32, place.1.abs_diff(start.1) as u32);
+    let rows = place.0.abs_diff(start.0) as u32;
+    let cols = place.1.abs_diff(start.1) as u32;
     (straight + rows.abs_diff(cols), diagonal + rows.min(cols))
 }
 

@@ -78,8 +78,7 @@ pub fn neighbour<T>(grid: &Grid<T>, from: Place, step: (isize, isize)) -> Option
 
 /// Returns the length of a path in cells: 1 for an orthogonal step, the square root of 2 for a diagonal one.
 pub fn octile_length(path: &[Place]) -> f64 {
-    let is_diagonal = |pair: &&[Place]| pair[0].0 != pair[1].0 && pair[0].1 != pair[1].1;
-    let diagonal = path.windows(2).filter(is_diagonal).count();
+    let diagonal = path.windows(2).filter(|pair| pair[0].0 != pair[1].0 && pair[0].1 != pair[1].1).count();
     let straight = path.len().saturating_sub(1) - diagonal;
     straight as f64 + diagonal as f64 * SQRT_2
 }

@@ -50,7 +50,8 @@ impl GridPoint {
 
     /// Returns the square of the Euclidean distance in units.
     pub fn squared_units_to(self, other: Self) -> i64 {
-        let (rows, cols) = (self.row - other.row, self.col - other.col);
+        let rows = self.row - other.row;
+        let cols = self.col - other.col;
         rows * rows + cols * cols
     }
 
@@ -68,9 +69,11 @@ impl GridPoint {
 /// # Panics
 /// If an end lies outside the grid.
 pub fn is_free_segment(occupied: &Grid<bool>, from: GridPoint, to: GridPoint, corners: CornerCutting) -> bool {
-    let (rows, cols) = (to.row - from.row, to.col - from.col);
+    let rows = to.row - from.row;
+    let cols = to.col - from.col;
     let gap = |at: i64, way: i64| if way > 0 { UNITS - at.rem_euclid(UNITS) } else { at.rem_euclid(UNITS) };
-    let (mut to_row_line, mut to_col_line) = (gap(from.row, rows), gap(from.col, cols));
+    let mut to_row_line = gap(from.row, rows);
+    let mut to_col_line = gap(from.col, cols);
     let (mut here, end) = (from.cell(), to.cell());
     if occupied[here] {
         return false;
@@ -121,7 +124,8 @@ mod tests {
     /// Whether a segment has points in common with a square, the open one or the closed one, by the separating axes of
     /// both, in whole numbers.
     fn meets(from: GridPoint, to: GridPoint, (row, col): Place, closed: bool) -> bool {
-        let (top, left) = (row as i64 * UNITS, col as i64 * UNITS);
+        let top = row as i64 * UNITS;
+        let left = col as i64 * UNITS;
         let apart = |low: i64, high: i64, first: i64, second: i64| {
             if closed {
                 first.max(second) < low || first.min(second) > high
@@ -129,10 +133,12 @@ mod tests {
                 first.max(second) <= low || first.min(second) >= high
             }
         };
-        let (rows, cols) = (to.row - from.row, to.col - from.col);
+        let rows = to.row - from.row;
+        let cols = to.col - from.col;
         let side = |row: i64, col: i64| rows * (col - from.col) - cols * (row - from.row);
         let corners = [(0, 0), (0, UNITS), (UNITS, 0), (UNITS, UNITS)].map(|(r, c)| side(top + r, left + c));
-        let (min, max) = (corners.iter().min().unwrap(), corners.iter().max().unwrap());
+        let min = corners.iter().min().unwrap();
+        let max = corners.iter().max().unwrap();
         let is_beside = if closed { *min > 0 || *max < 0 } else { *min >= 0 || *max <= 0 };
         let is_point = from == to;
         !apart(top, top + UNITS, from.row, to.row)
@@ -145,7 +151,8 @@ mod tests {
         let mut rng = rng::stream(1, "grid/segment");
         let mut free = 0;
         for _ in 0..4000 {
-            let (rows, cols) = (rng.random_range(1..9), rng.random_range(1..9));
+            let rows = rng.random_range(1..9);
+            let cols = rng.random_range(1..9);
             let occupied = drawn::random(rows, cols, 0.15, &mut rng);
             let on_lattice = rng.random_bool(0.5);
             let mut point = || {

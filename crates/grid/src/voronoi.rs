@@ -53,7 +53,8 @@ pub fn voronoi(occupied: &Grid<bool>, sites: Sites) -> Voronoi {
     // Places within the walls are one more than on the map.
     let seen = |from: Place, other: Place| {
         let index = nearest[other] as usize;
-        let (row, col) = (index / walled.cols(), index % walled.cols());
+        let row = index / walled.cols();
+        let col = index % walled.cols();
         (row as i64 - from.0 as i64, col as i64 - from.1 as i64)
     };
     let square = |(row, col): (i64, i64)| row * row + col * col;
@@ -72,7 +73,8 @@ pub fn voronoi(occupied: &Grid<bool>, sites: Sites) -> Voronoi {
                     Sites::Cells => are_apart(seen(here, here), seen(here, there)),
                 };
                 if is_border {
-                    let (to_theirs, to_ours) = (square(seen(here, there)), square(seen(there, here)));
+                    let to_theirs = square(seen(here, there));
+                    let to_ours = square(seen(there, here));
                     diagram[(row, col)] |= to_theirs <= to_ours;
                     diagram[(there.0 - 1, there.1 - 1)] |= to_ours <= to_theirs;
                 }
@@ -259,7 +261,8 @@ mod tests {
             for (row, col) in (0..20).flat_map(|row| (0..24).map(move |col| (row, col))) {
                 let mut squares = vec![usize::MAX; count + 1];
                 for (index, &label) in labels.values().iter().enumerate().filter(|(_, label)| **label > 0) {
-                    let (r, c) = (index / walled.cols(), index % walled.cols());
+                    let r = index / walled.cols();
+                    let c = index % walled.cols();
                     let square = r.abs_diff(row + 1).pow(2) + c.abs_diff(col + 1).pow(2);
                     squares[label as usize] = squares[label as usize].min(square);
                 }

@@ -14,7 +14,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let [file, lines] = &env::args().skip(1).collect::<Vec<_>>()[..] else {
         return Err("expected a module and lines".into());
     };
-    let (bytes, lines) = (fs::read(file)?, fs::read_to_string(lines)?);
+    let bytes = fs::read(file)?;
+    let lines = fs::read_to_string(lines)?;
     for &engine in Engine::ALL {
         let start = ThreadTime::now();
         let module = Module::new(engine, file, &bytes, Limits { memory: 256_000_000, answer: 16_000_000 })?;

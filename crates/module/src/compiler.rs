@@ -157,7 +157,8 @@ fn poll_once<T>(future: Pin<&mut (impl Future<Output = T> + ?Sized)>) -> Poll<T>
 /// Gives an instance the instructions that it may run next.
 fn take_budget(mut context: impl AsContextMut<Data = Data>) {
     let view = context.as_context();
-    let (parts, budget) = (view.data().parts, lock(&view.data().desk).0);
+    let parts = view.data().parts;
+    let budget = lock(&view.data().desk).0;
     let gas = parts.expect("there is an instance").gas;
     gas.set(&mut context, Val::I64(budget)).expect("it is a mutable i64");
 }
@@ -180,7 +181,8 @@ async fn wait(context: &mut impl AsContextMut<Data = Data>) {
 /// Calls a function of the host for a module.
 fn call(mut context: impl AsContextMut<Data = Data>, function: Function, numbers: [u32; 4]) -> Result<i32, Stop> {
     let view = context.as_context();
-    let (host, parts) = (view.data().host.clone(), view.data().parts);
+    let host = view.data().host.clone();
+    let parts = view.data().parts;
     let Parts { memory, gas, .. } = parts.expect("there is an instance");
     let left = gas.get(&mut context).unwrap_i64();
     let mut caller = Caller { memory: memory.data_mut(&mut context), left, host: &mut host.lock() };

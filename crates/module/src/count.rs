@@ -152,7 +152,8 @@ impl Counter {
                             TypeRef::Func(of) => Some(counter.types[of as usize].clone()),
                             _ => None,
                         };
-                        let (module, name) = (import.module.to_owned(), import.name.to_owned());
+                        let module = import.module.to_owned();
+                        let name = import.name.to_owned();
                         counter.imports.push(Import { module, name, of });
                     }
                 }

@@ -86,7 +86,8 @@ fn checked(bytes: &[u8], limits: Limits) -> Result<Counted, String> {
     }
     let Some(memory) = counted.memory else { return Err("does not export its `memory`".to_owned()) };
     if memory > limits.memory as u64 {
-        let (asked, max) = (memory as f64 / 1e6, limits.memory as f64 / 1e6);
+        let asked = memory as f64 / 1e6;
+        let max = limits.memory as f64 / 1e6;
         return Err(format!("begins with {asked:.1} MB of memory; at most {max} MB are allowed"));
     }
     Ok(counted)

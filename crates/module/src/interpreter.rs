@@ -138,7 +138,8 @@ impl Running {
 /// Calls a function of the host for a module.
 fn call(mut context: impl AsContextMut<Data = Data>, function: Function, numbers: [u32; 4]) -> Result<i32, Stop> {
     let view = context.as_context();
-    let (host, parts) = (view.data().host.clone(), view.data().parts);
+    let host = view.data().host.clone();
+    let parts = view.data().parts;
     let Parts { memory, gas, .. } = parts.expect("there is an instance");
     let Val::I64(left) = gas.get(&context) else { unreachable!("it is an i64") };
     let mut caller = Caller { memory: memory.data_mut(&mut context), left, host: &mut host.lock() };

@@ -98,9 +98,11 @@ impl Canvas {
 
     /// Gives the pixels from (`left`, `top`) to before (`right`, `bottom`) one colour, as far as they are on the sheet.
     pub fn fill_pixels(&mut self, (left, top): (i32, i32), (right, bottom): (i32, i32), [red, green, blue]: Rgb) {
-        let (width, height) = (self.width() as usize, self.height() as usize);
+        let width = self.width() as usize;
+        let height = self.height() as usize;
         let place = |at: i32, max: usize| (at.max(0) as usize).min(max);
-        let (left, right) = (place(left, width), place(right, width));
+        let left = place(left, width);
+        let right = place(right, width);
         for row in place(top, height)..place(bottom, height) {
             if left < right {
                 self.row_from(left, row)[..right - left].fill([red, green, blue, 255]);
@@ -111,7 +113,8 @@ impl Canvas {
     /// Lays a colour over the pixels from (`left`, `top`) to before (`right`, `bottom`), as far as they are on the sheet; what is
     /// below shows through. Cheaper than [`Canvas::fill_through`].
     pub fn tint_pixels(&mut self, (left, top): (i32, i32), (right, bottom): (i32, i32), ink: Ink) {
-        let (width, height) = (self.width() as usize, self.height() as usize);
+        let width = self.width() as usize;
+        let height = self.height() as usize;
         let place = |at: i32, max: usize| (at.max(0) as usize).min(max);
         let (left, right) = (place(left, width), place(right, width).max(place(left, width)));
         let weight = (256.0 * ink.opacity) as i32;
@@ -249,7 +252,8 @@ impl Canvas {
 
     /// Returns the sheet at half the size: the mean of each square of four pixels.
     pub fn halved(self) -> Self {
-        let (width, height) = (self.pixels.width() / 2, self.pixels.height() / 2);
+        let width = self.pixels.width() / 2;
+        let height = self.pixels.height() / 2;
         let mut half = Self::new(width, height, PAPER);
         let (finer, _) = self.pixels.data().as_chunks::<4>();
         let stride = self.pixels.width() as usize;
@@ -283,7 +287,8 @@ impl Canvas {
 
     /// Copies the first `columns` pixels of each row of another sheet to a place of this one, as far as they fit.
     pub fn copy_columns(&mut self, other: &Self, columns: u32, (left, top): (u32, u32)) {
-        let (width, height) = (self.pixels.width(), self.pixels.height());
+        let width = self.pixels.width();
+        let height = self.pixels.height();
         let columns = columns.min(other.width()).min(width.saturating_sub(left)) as usize;
         let rows = other.pixels.height().min(height.saturating_sub(top)) as usize;
         let (source, _) = other.pixels.data().as_chunks::<4>();
@@ -297,7 +302,8 @@ impl Canvas {
     /// Lays another sheet over this one, its upper left corner at a place that may be outside.
     pub fn lay_over(&mut self, other: &Self, (left, top): (i32, i32)) {
         let within = |at: i32, length: u32, room: u32| {
-            let (first, last) = (i64::from(at), i64::from(at) + i64::from(length));
+            let first = i64::from(at);
+            let last = i64::from(at) + i64::from(length);
             (first.clamp(0, room.into()) as usize, last.clamp(0, room.into()) as usize)
         };
         let columns = within(left, other.width(), self.width());
@@ -317,7 +323,8 @@ impl Canvas {
     }
 
     pub fn finish(self) -> Picture {
-        let (width, height) = (self.pixels.width(), self.pixels.height());
+        let width = self.pixels.width();
+        let height = self.pixels.height();
         Picture::from_rgba(width, height, self.pixels.take())
     }
 }

@@ -92,7 +92,8 @@ fn jet(fraction: f64) -> Rgb {
 /// `over` at an opacity of `share`, 0 to 1, on `under`.
 pub fn blend(under: Rgb, over: Rgb, share: f64) -> Rgb {
     std::array::from_fn(|index| {
-        let (under, over) = (f64::from(under[index]), f64::from(over[index]));
+        let under = f64::from(under[index]);
+        let over = f64::from(over[index]);
         channel(under + (over - under) * share)
     })
 }
@@ -120,7 +121,8 @@ mod tests {
         for map in [ColourMap::Viridis, ColourMap::Jet] {
             for step in 0..=1000 {
                 let [red, green, blue] = map.colour(f64::from(step) / 1000.0);
-                let (min, max) = (red.min(green).min(blue), red.max(green).max(blue));
+                let min = red.min(green).min(blue);
+                let max = red.max(green).max(blue);
                 assert!(max - min > 30, "{map:?} is grey at {step}: {red}, {green}, {blue}");
             }
         }

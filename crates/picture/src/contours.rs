@@ -22,7 +22,8 @@ impl ContourLine {
     /// The sum of its pieces, in cells.
     pub fn length(&self) -> f64 {
         let pieces = self.points.windows(2).map(|pair| {
-            let (right, up) = (pair[1].0 - pair[0].0, pair[1].1 - pair[0].1);
+            let right = pair[1].0 - pair[0].0;
+            let up = pair[1].1 - pair[0].1;
             (right * right + up * up).sqrt()
         });
         pieces.sum()
@@ -100,7 +101,8 @@ fn join(pieces: &[(Side, Side)]) -> Vec<Vec<Side>> {
 
 fn sides_at(values: &Grid<f64>, sides: &[Side], level: f64) -> Vec<(f64, f64)> {
     let at = |&side: &Side| {
-        let (row, col) = (side / 2 / values.cols(), side / 2 % values.cols());
+        let row = side / 2 / values.cols();
+        let col = side / 2 % values.cols();
         let goes_up = side % 2 == 1;
         let from = values[(row, col)];
         let to = if goes_up { values[(row + 1, col)] } else { values[(row, col + 1)] };

@@ -76,7 +76,8 @@ fn draw_bushes(canvas: &mut Canvas, frame: &WorldFrame, scene: &DriveScene) {
         (x.round(), y.round())
     };
     for &Cell { col, row } in scene.bushes {
-        let ((left, bottom), (right, top)) = (corner(col, row), corner(col + 1, row + 1));
+        let (left, bottom) = corner(col, row);
+        let (right, top) = corner(col + 1, row + 1);
         canvas.fill_rect(left, top, (right - left).max(1.0), (bottom - top).max(1.0), OBSTACLE);
     }
 }

@@ -47,7 +47,8 @@ struct Face {
 impl Face {
     fn new(file: &'static [u8]) -> Self {
         let font = FontRef::new(file).expect("the font is part of the program");
-        let (size, location) = (Size::unscaled(), LocationRef::default());
+        let size = Size::unscaled();
+        let location = LocationRef::default();
         let metrics = font.metrics(size, location);
         let unit = 1.0 / metrics.cap_height.expect("the font says how high its capitals are");
         let outlines = font.outline_glyphs();
@@ -141,12 +142,15 @@ impl OutlinePen for PathPen<'_> {
     }
 
     fn quad_to(&mut self, control_x: f32, control_y: f32, x: f32, y: f32) {
-        let (control, end) = (self.place(control_x, control_y), self.place(x, y));
+        let control = self.place(control_x, control_y);
+        let end = self.place(x, y);
         self.path.quad_to(control.0, control.1, end.0, end.1);
     }
 
     fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
-        let (first, second, end) = (self.place(x1, y1), self.place(x2, y2), self.place(x, y));
+        let first = self.place(x1, y1);
+        let second = self.place(x2, y2);
+        let end = self.place(x, y);
         self.path.cubic_to(first.0, first.1, second.0, second.1, end.0, end.1);
     }
 

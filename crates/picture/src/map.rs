@@ -114,8 +114,10 @@ impl<'a> Plate<'a> {
 
     /// The same with the map at another size.
     pub fn with_zoom(scene: &'a MapScene<'a>, legend: &Legend, zoom: Zoom) -> Self {
-        let (rows, cols) = (scene.occupied.rows(), scene.occupied.cols());
-        let (width, height) = (zoom.length(cols) as f32, zoom.length(rows) as f32);
+        let rows = scene.occupied.rows();
+        let cols = scene.occupied.cols();
+        let width = zoom.length(cols) as f32;
+        let height = zoom.length(rows) as f32;
         let unit = (width.max(height) / USUAL_LENGTH).max(1.0);
         let numbers = |count: usize| measure_text(&count.saturating_sub(1).to_string(), TEXT) * unit;
         let row_name = measure_text(ROWS, TEXT * unit);
@@ -146,8 +148,10 @@ impl<'a> Plate<'a> {
 
     fn draw_numbers(&mut self, width: f32, height: f32) {
         let (left, top) = self.corner;
-        let (rows, cols) = (self.scene.occupied.rows(), self.scene.occupied.cols());
-        let (size, away) = (TEXT * self.unit, OVERHANG * self.unit);
+        let rows = self.scene.occupied.rows();
+        let cols = self.scene.occupied.cols();
+        let size = TEXT * self.unit;
+        let away = OVERHANG * self.unit;
         let cell = f64::from(self.zoom.cell());
         let wide = measure_text(&cols.to_string(), size) + 2.0 * size;
         let rows_at = (left - away, top - away - size);
@@ -168,7 +172,8 @@ impl<'a> Plate<'a> {
     pub fn paint(&mut self, colour: &dyn Fn(&CellBlock) -> Rgb) {
         let size = (self.scene.occupied.rows(), self.scene.occupied.cols());
         let pixels = self.zoom.pixels;
-        let (left, top) = (whole(self.corner.0), whole(self.corner.1));
+        let left = whole(self.corner.0);
+        let top = whole(self.corner.1);
         let mut line = vec![[255; 4]; self.zoom.length(size.1)];
         for row in 0..self.zoom.blocks(size.0) {
             for (col, block) in line.chunks_exact_mut(pixels).enumerate() {

@@ -37,9 +37,12 @@ pub fn write_map_film(scene: &MapScene, growth: &MapGrowth, path: &Path) -> io::
         let done = growth.steps * frame / last;
         let mut plate = bare.clone();
         plate.paint(&|block| {
-            let is_done = |place: Place| (growth.step_of)(place).is_some_and(|step| step < done);
             let face = match block.face(scene) {
-                BlockFace::Value(_) if !block.places().any(is_done) => BlockFace::WithoutValue,
+                BlockFace::Value(_)
+                    if !block.places().any(|place| (growth.step_of)(place).is_some_and(|step| step < done)) =>
+                {
+                    BlockFace::WithoutValue
+                }
                 face => face,
             };
             face_colour(face, scale.as_ref())

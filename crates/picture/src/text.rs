@@ -95,7 +95,8 @@ mod tests {
     fn text_is_as_wide_as_measured() {
         for text in ["H", "HHH", "0 - 100", "HillH", "Πυρκαγιά", "Пожарище", "jWumpusj", "模型"] {
             let (left, right) = inked_columns(text, Align::Left);
-            let (first, last) = (left as f32 - 100.0, right as f32 + 1.0 - 100.0);
+            let first = left as f32 - 100.0;
+            let last = right as f32 + 1.0 - 100.0;
             let width = measure_text(text, 10.0);
             assert!((-1.5..=2.5).contains(&first), "{text} begins at {first}");
             assert!((-2.5..=1.5).contains(&(last - width)), "{text} ends at {last}, not {width}");

@@ -9,7 +9,8 @@ pub fn draw_line(canvas: &mut Canvas, from: Point, to: Point, width: f32, ink: I
     if !(right.is_finite() && down.is_finite()) || (right == 0.0 && down == 0.0) {
         return;
     }
-    let (columns, rows) = (canvas.width() as usize, canvas.height() as usize);
+    let columns = canvas.width() as usize;
+    let rows = canvas.height() as usize;
     let pixels = canvas.pixels_mut();
     if right.abs() >= down.abs() {
         let mut put = |x: usize, y: usize, share: f32| blend(&mut pixels[y * columns + x], ink, share);
@@ -27,9 +28,11 @@ fn sweep(from: Point, to: Point, width: f32, room: (usize, usize), put: &mut imp
     let slope = (to.1 - from.1) / (to.0 - from.0);
     let half = 0.5 * width * (1.0 + slope * slope).sqrt();
     // A column of pixels at a time: a line that is not steep covers few pixels of each.
-    let (first, last) = (from.0.max(0.0), to.0.min(room.0 as f32));
+    let first = from.0.max(0.0);
+    let last = to.0.min(room.0 as f32);
     for along in first as usize..last.ceil().max(0.0) as usize {
-        let (begins, ends) = (first.max(along as f32), last.min(along as f32 + 1.0));
+        let begins = first.max(along as f32);
+        let ends = last.min(along as f32 + 1.0);
         let middle = from.1 + slope * (0.5 * (begins + ends) - from.0);
         // The line counts as level within a column, at its height in the middle.
         let (low, high) = (middle - half, middle + half);
@@ -78,8 +81,11 @@ mod tests {
 
     #[test]
     fn a_line_in_two_parts_is_the_line() {
-        let (a, b, c) = ((3.2, 40.1), (20.7, 30.2), (38.2, 20.3));
-        let (whole, parts) = (area(&[[a, c]], 2.0), area(&[[a, b], [b, c]], 2.0));
+        let a = (3.2, 40.1);
+        let b = (20.7, 30.2);
+        let c = (38.2, 20.3);
+        let whole = area(&[[a, c]], 2.0);
+        let parts = area(&[[a, b], [b, c]], 2.0);
         assert!((whole - parts).abs() < 1.0, "{whole} and {parts}");
     }
 

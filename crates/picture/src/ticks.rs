@@ -22,7 +22,8 @@ pub struct Tick {
 /// about `max` or fewer; the only value if `low` and `high` are equal.
 pub fn ticks(low: f64, high: f64, max: usize, min: f64) -> Vec<Tick> {
     let step = round_step((high / max as f64 - low / max as f64).max(min));
-    let (first, last) = ((low / step - ROUNDING).ceil(), (high / step + ROUNDING).floor());
+    let first = (low / step - ROUNDING).ceil();
+    let last = (high / step + ROUNDING).floor();
     let largest = low.abs().max(high.abs());
     let is_readable = step > 0.0 && step.is_finite() && exponent(largest) - exponent(step) < MAX_DIGITS;
     if !is_readable || last <= first {
@@ -46,8 +47,7 @@ fn ends(low: f64, high: f64) -> Vec<Tick> {
 
 /// A tick at a value that somebody chose, written as it is if that is short.
 pub fn tick_at(value: f64) -> Tick {
-    let is_short = |label: &String| label.len() <= LONGEST;
-    let written = [format!("{}", value + 0.0), format!("{value:e}")].into_iter().find(is_short);
+    let written = [format!("{}", value + 0.0), format!("{value:e}")].into_iter().find(|label| label.len() <= LONGEST);
     Tick { value, label: written.unwrap_or_else(|| shortest(value)) }
 }
 
@@ -56,7 +56,8 @@ pub fn tick_at(value: f64) -> Tick {
 pub fn log_ticks(low: f64, high: f64, max: usize) -> Vec<Tick> {
     const FACTORS: [(f64, u8); 3] = [(0.0, 1), (LOG10_2, 2), (1.0 - LOG10_2, 5)];
     #[expect(clippy::cast_possible_truncation, reason = "logarithms of numbers lie from -324 to 309")]
-    let (first, last) = (low.floor() as i32, high.ceil() as i32);
+    let first = low.floor() as i32;
+    let last = high.ceil() as i32;
     let within = |tick: &Tick| (low - ROUNDING..=high + ROUNDING).contains(&tick.value);
     let tick = |power: i32, (aside, factor): (f64, u8)| {
         let number: f64 = format!("{factor}e{power}").parse().expect("a number");
@@ -103,7 +104,8 @@ fn power_of_ten(exponent: i32) -> f64 {
 
 /// Writes a value with as many digits as the step needs, and with an exponent if plain digits would be many.
 fn label(value: f64, step: f64, largest: f64) -> String {
-    let (finest, first) = (exponent(step), exponent(largest));
+    let finest = exponent(step);
+    let first = exponent(largest);
     let count = |digits: i32| usize::try_from(digits).unwrap_or(0);
     if value == 0.0 {
         "0".to_owned()

@@ -21,7 +21,9 @@ impl ValueScale {
     pub fn from_values(values: impl Iterator<Item = f64>, colours: ColourMap) -> Option<Self> {
         let mut values = values.filter(|value| value.is_finite());
         let first = values.next()?;
-        let (mut low, mut high, mut is_whole) = (first, first, first.trunc() == first);
+        let mut low = first;
+        let mut high = first;
+        let mut is_whole = first.trunc() == first;
         for value in values {
             (low, high) = (low.min(value), high.max(value));
             is_whole = is_whole && value.trunc() == value;

@@ -80,7 +80,8 @@ pub fn draw_cusp(canvas: &mut Canvas, at: Point) {
 /// A tip, two tails and the notch between them.
 fn arrow((x, y): Point, heading: f64, radius: f32) -> [Point; 4] {
     let (sin, cos) = ops::sin_cos(heading);
-    let (sin, cos) = (to_f32(sin) * radius, to_f32(cos) * radius);
+    let sin = to_f32(sin) * radius;
+    let cos = to_f32(cos) * radius;
     let corner = |ahead: f32, left: f32| (x + ahead * cos - left * sin, y - ahead * sin - left * cos);
     [corner(1.0, 0.0), corner(-0.8, 0.75), corner(-0.4, 0.0), corner(-0.8, -0.75)]
 }
@@ -103,7 +104,8 @@ mod tests {
         assert_eq!(*runs[1].places.last().expect("places"), (end.x, end.y));
         let drawn_m = |run: &WayRun| {
             let steps = run.places.windows(2).map(|pair| {
-                let (x, y) = (pair[1].0 - pair[0].0, pair[1].1 - pair[0].1);
+                let x = pair[1].0 - pair[0].0;
+                let y = pair[1].1 - pair[0].1;
                 (x * x + y * y).sqrt()
             });
             steps.sum::<f64>()

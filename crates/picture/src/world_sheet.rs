@@ -41,14 +41,17 @@ pub struct FrameRoom {
 impl WorldFrame {
     /// Shows all places, with the longer side at least `min_m` (positive) long.
     pub fn fit(places: impl Iterator<Item = (f64, f64)>, min_m: f64) -> Self {
-        let (mut low, mut high) = ((f64::INFINITY, f64::INFINITY), (f64::NEG_INFINITY, f64::NEG_INFINITY));
+        let mut low = (f64::INFINITY, f64::INFINITY);
+        let mut high = (f64::NEG_INFINITY, f64::NEG_INFINITY);
         for (x, y) in places {
             (low, high) = ((low.0.min(x), low.1.min(y)), (high.0.max(x), high.1.max(y)));
         }
         let longer = (high.0 - low.0).max(high.1 - low.1).max(min_m);
         let half = |low: f64, high: f64| 0.5 * (high - low).max(SLENDEREST * longer) + RIM * longer;
-        let (centre_x, centre_y) = (0.5 * (low.0 + high.0), 0.5 * (low.1 + high.1));
-        let (half_x, half_y) = (half(low.0, high.0), half(low.1, high.1));
+        let centre_x = 0.5 * (low.0 + high.0);
+        let centre_y = 0.5 * (low.1 + high.1);
+        let half_x = half(low.0, high.0);
+        let half_y = half(low.1, high.1);
         Self {
             low: (centre_x - half_x, centre_y - half_y),
             high: (centre_x + half_x, centre_y + half_y),
@@ -186,7 +189,8 @@ mod tests {
         for min_m in [1e-3, 1.0, 1e4] {
             let frame = WorldFrame::fit(corners().into_iter(), min_m);
             let [(left, bottom), (right, top)] = corners().map(|place| frame.at(place));
-            let (east, north) = ((right - left) / 50.0, (bottom - top) / 20.0);
+            let east = (right - left) / 50.0;
+            let north = (bottom - top) / 20.0;
             assert!((east / north - 1.0).abs() < 1e-3, "{east} and {north}");
         }
     }

@@ -52,9 +52,11 @@ impl ValidatedPlanner {
         let making = stopwatch.elapsed_since_last();
         let report = planner.build_report();
         // What it measured itself is part of that.
-        let (sampling, connecting) = (Duration::ZERO, Duration::ZERO);
+        let sampling = Duration::ZERO;
+        let connecting = Duration::ZERO;
         let report = BuildReport { sampling, connecting, starting: making + report.elsewhere, ..report };
-        let (judge, sharpest) = (Judge::new(context.checker.clone()), context.body.max_curvature());
+        let judge = Judge::new(context.checker.clone());
+        let sharpest = context.body.max_curvature();
         Ok(Self { planner, report, judge, sharpest, calls })
     }
 

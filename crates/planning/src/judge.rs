@@ -88,7 +88,8 @@ impl Judge {
         }
         check_numbers(path)?;
         let frame = self.checker.field().frame();
-        let (length_m, max_m) = (path.length_m(), MAX_FIELDS_LONG * (frame.width_m() + frame.height_m()));
+        let length_m = path.length_m();
+        let max_m = MAX_FIELDS_LONG * (frame.width_m() + frame.height_m());
         if length_m > max_m {
             return Err(BadPath::TooLong { found_m: length_m, max_m });
         }
@@ -215,7 +216,8 @@ fn check_numbers(path: &Path) -> Result<(), BadPath> {
     for (index, (start, segment)) in path.legs().enumerate() {
         for (what, found) in [("curvature", segment.curvature), ("length", segment.length_m)] {
             if !found.is_finite() || found.is_subnormal() {
-                let (segments, at) = (path.segments.len(), start.position());
+                let segments = path.segments.len();
+                let at = start.position();
                 let place = PathPlace { segment: index + 1, segments, along_m, at };
                 return Err(BadPath::NotANumber { place, what, found });
             }
@@ -241,7 +243,8 @@ impl fmt::Display for BadPath {
             Self::TooManySegments { found } => write!(f, "it has {found} segments; the limit is {MAX_SEGMENTS}"),
             Self::OtherStart { found, truck } => {
                 let (metres, radians) = apart(found, truck);
-                let (Pose { x, y, .. }, Pose { x: truck_x, y: truck_y, .. }) = (found, truck);
+                let Pose { x, y, .. } = found;
+                let Pose { x: truck_x, y: truck_y, .. } = truck;
                 write!(f, "it begins at ({x:.2}, {y:.2}), {metres} m and {radians} rad from the truck's pose at ")?;
                 write!(f, "({truck_x:.2}, {truck_y:.2}), where it must begin")
             }
@@ -252,7 +255,8 @@ impl fmt::Display for BadPath {
                 write!(f, "{place}: its {what} is {found}; expected a finite number")
             }
             Self::TooLong { found_m, max_m } => {
-                let (found, max) = (significant(found_m, max_m, 2), max_m);
+                let found = significant(found_m, max_m, 2);
+                let max = max_m;
                 write!(f, "it is {found} m long; the limit is {max} m, ")?;
                 write!(f, "{MAX_FIELDS_LONG} times width and height of the field")
             }
@@ -270,7 +274,9 @@ impl fmt::Display for BadPath {
                 write!(f, ", the least is {}", Gap(MIN_CLEARANCE_M))
             }
             Self::MissesDisc { along_m, centre, disc } => {
-                let (DVec2 { x, y }, gap_m, radius_m) = (centre, centre.distance(disc.centre), disc.radius_m);
+                let DVec2 { x, y } = centre;
+                let gap_m = centre.distance(disc.centre);
+                let radius_m = disc.radius_m;
                 write!(f, "its end, {along_m:.2} m along, with the body's centre at ({x:.2}, {y:.2}): ")?;
                 write!(f, "{} m from the centre of the goal's disc, ", significant(gap_m, radius_m, 2))?;
                 write!(f, "the most is {radius_m} m")
@@ -497,7 +503,8 @@ mod tests {
         for seed in 0..20 {
             let mut field = TestField::random(seed, 40);
             for _ in 0..300 {
-                let (start, side) = (random_pose(&mut field.rng, 150.0), field.rng.random_range(-1..=1));
+                let start = random_pose(&mut field.rng, 150.0);
+                let side = field.rng.random_range(-1..=1);
                 let segment = segment(f64::from(side) / 13.0, field.rng.random_range(-30.0..30.0));
                 let place = field.checker.refused_at(start, segment, MIN_CLEARANCE_M);
                 assert_eq!(place.is_none(), field.checker.motion_is_free(start, segment, MIN_CLEARANCE_M));

@@ -100,7 +100,10 @@ impl LastResort {
         effort: &mut Effort,
         observer: &mut dyn PlanningObserver,
     ) -> Option<(Path, FoundBy)> {
-        let (checker, memory, settings, rng) = (&self.checker, &self.memory, &self.settings, &self.rng);
+        let checker = &self.checker;
+        let memory = &self.memory;
+        let settings = &self.settings;
+        let rng = &self.rng;
         let scaled = self.scaled.get_or_insert_with(|| {
             let units = VehicleUnits::new(checker)?;
             let search = RelaxedSearch::new(&units.checker, memory, settings.clone(), rng.clone());
@@ -157,11 +160,13 @@ impl LastResort {
                 .into_iter()
                 .flat_map(move |length_m| turns.into_iter().map(move |curvature| Segment { curvature, length_m }))
         });
-        let leads_out = |segment: &Segment| {
+        ways.filter(|segment| {
             self.checker.pose_is_free(segment.end(pose), TIGHT_M)
                 && self.checker.motion_is_free(pose, *segment, MIN_CLEARANCE_M)
-        };
-        ways.filter(leads_out).take(MAX_WAYS_OUT).map(Some).collect()
+        })
+        .take(MAX_WAYS_OUT)
+        .map(Some)
+        .collect()
     }
 }
 

@@ -190,13 +190,15 @@ fn answers_do_not_depend_on_what_was_asked_before() {
         for seed in 0..2 {
             let mut field = TestField::random(seed, 40);
             let goals = some_goals(&mut field, 6);
-            let (mut one, mut two) = (planner(kind, &field, seed), planner(kind, &field, seed));
+            let mut one = planner(kind, &field, seed);
+            let mut two = planner(kind, &field, seed);
             // The second has answered other queries before: nothing may be left of them.
             for &goal in goals.iter().rev() {
                 let _ = two.plan(field.start, goal);
             }
             for &goal in &goals {
-                let (a, b) = (one.plan(field.start, goal), two.plan(field.start, goal));
+                let a = one.plan(field.start, goal);
+                let b = two.plan(field.start, goal);
                 assert_eq!((a.path, a.found_by, a.effort), (b.path, b.found_by, b.effort));
             }
         }
@@ -208,7 +210,8 @@ fn observers_see_where_searches_look_and_change_no_answer() {
     every_planner(|kind| {
         let mut field = TestField::random(6, 40);
         let goals = some_goals(&mut field, 4);
-        let (mut seen, mut unseen) = (planner(kind, &field, 6), planner(kind, &field, 6));
+        let mut seen = planner(kind, &field, 6);
+        let mut unseen = planner(kind, &field, 6);
         for goal in goals {
             let mut monitor = QueryMonitor::new(true);
             let Plan { path, found_by, effort, .. } = seen.plan_observed(field.start, goal, &mut monitor);
@@ -265,7 +268,8 @@ fn failures_have_their_reasons() {
     every_planner(|kind| {
         let field = shut_court();
         let mut planner = planner(kind, &field, 1);
-        let (bush, court) = (Pose::new(42.0, 40.0, 0.0), Pose::new(60.0, 25.0, 0.0));
+        let bush = Pose::new(42.0, 40.0, 0.0);
+        let court = Pose::new(60.0, 25.0, 0.0);
         let outside = Pose::new(-3.0, 20.0, 0.0);
         let mut reason = |start, goal| planner.plan(start, goal).path.err();
         for start in [bush, outside, Pose { x: f64::NAN, ..field.start }] {

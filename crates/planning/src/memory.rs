@@ -173,7 +173,8 @@ mod tests {
     #[test]
     fn held_memory_is_counted_until_its_holder_is_dropped() {
         let meter = MemoryMeter::new(100);
-        let (mut flood, mut search) = (meter.holder(MemoryKind::Floods), meter.holder(MemoryKind::Searches));
+        let mut flood = meter.holder(MemoryKind::Floods);
+        let mut search = meter.holder(MemoryKind::Searches);
         assert!(flood.cover(60) && search.cover(40) && flood.cover(50));
         assert_eq!((meter.held(), meter.overrun()), (100, None), "what shrinks keeps its memory");
         drop(flood);
@@ -184,7 +185,8 @@ mod tests {
     #[test]
     fn one_byte_too_many_is_refused_and_so_is_all_that_follows() {
         let meter = MemoryMeter::new(100);
-        let (mut flood, mut search) = (meter.holder(MemoryKind::Floods), meter.holder(MemoryKind::Searches));
+        let mut flood = meter.holder(MemoryKind::Floods);
+        let mut search = meter.holder(MemoryKind::Searches);
         assert!(flood.cover(70) && search.cover(20));
         assert!(!search.cover(31));
         assert_eq!((meter.held(), meter.overrun()), (90, Some((MemoryKind::Floods, 70))));

@@ -133,9 +133,12 @@ impl PlannerName {
     /// # Errors
     /// If it is not of the form above.
     pub fn new(name: &str) -> Result<Self, NameError> {
-        let is_known = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "+-_.".contains(c);
         let fits = name.len() <= Self::MAX && name.starts_with(|c: char| c.is_ascii_lowercase());
-        if fits && name.chars().all(is_known) { Ok(Self(name.to_owned())) } else { Err(NameError::Malformed) }
+        if fits && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || "+-_.".contains(c)) {
+            Ok(Self(name.to_owned()))
+        } else {
+            Err(NameError::Malformed)
+        }
     }
 
     /// Returns the name.

@@ -158,13 +158,17 @@ impl Corners<'_> {
         let damping = DVec3::new(DAMPING, DAMPING, if ends_in_pose { DAMPING } else { 1.0 });
         let mut lengths_m = self.lengths_between();
         for _ in 0..MAX_STEPS {
-            let turns_back = |(length_m, segment): (&f64, &Segment)| length_m * segment.length_m.signum() <= 0.0;
-            if lengths_m.iter().zip(self.segments).any(turns_back) {
+            if lengths_m
+                .iter()
+                .zip(self.segments)
+                .any(|(length_m, segment)| length_m * segment.length_m.signum() <= 0.0)
+            {
                 return None;
             }
             let path = self.path(&lengths_m);
             let end = self.end_of(path.end());
-            let (gap, turn) = (wanted.centre - end.centre, ops::wrap_angle(wanted.heading - end.heading));
+            let gap = wanted.centre - end.centre;
+            let turn = ops::wrap_angle(wanted.heading - end.heading);
             let miss = DVec3::new(gap.x, gap.y, lever_m * turn);
             if miss.length() < END_M {
                 return Some(path);
@@ -260,7 +264,10 @@ mod tests {
 
     #[test]
     fn smooth_drives_end_where_they_did_touch_nothing_and_take_no_longer() {
-        let (mut sharp, mut left, mut before_s, mut after_s) = (0, 0, 0.0, 0.0);
+        let mut sharp = 0;
+        let mut left = 0;
+        let mut before_s = 0.0;
+        let mut after_s = 0.0;
         for seed in 0..10 {
             let mut field = TestField::random(seed, 40);
             let mut planner = field.make(&OwnedSettings::default(), seed, planners::hybrid_astar::HybridAstar::build);

@@ -34,7 +34,8 @@ impl TestField {
         let body = Dimensions::default();
         let mut occupied = Grid::filled(30, 30, false);
         for _ in 0..walks {
-            let (mut row, mut col) = (rng.random_range(0..30usize), rng.random_range(0..30usize));
+            let mut row = rng.random_range(0..30usize);
+            let mut col = rng.random_range(0..30usize);
             for _ in 0..4 {
                 let centre = DVec2::new(col as f64 + 0.5, row as f64 + 0.5) * frame.cell_m;
                 occupied[(row, col)] |= centre.distance(body.body_centre(start)) > 14.0;
@@ -230,7 +231,8 @@ pub fn drives_to_poses(fields: u64, each: u32, planner: impl Fn(&TestField, u64)
         let curves = ReedsShepp { radius_m: field.checker.body().turning_radius_m };
         let mut planner = planner(&field, seed);
         for _ in 0..each {
-            let (start, end) = (field.start, random_free_pose(&mut field, 0.3));
+            let start = field.start;
+            let end = random_free_pose(&mut field, 0.3);
             let Ok(path) = planner.plan(start, Goal::Pose(end)).path else { continue };
             assert_eq!(path.start, start);
             assert_ends_in(&field.checker, &path, Goal::Pose(end));

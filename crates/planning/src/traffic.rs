@@ -211,7 +211,8 @@ impl SearchSpace for TimedSpace<'_> {
         let motion = search.motions[usize::from(index)];
         let node = *search.node(from.node);
         let (start, begins_s) = (node.pose, node.mark);
-        let (pose, reverse) = (motion.end(start), motion.is_reverse());
+        let pose = motion.end(start);
+        let reverse = motion.is_reverse();
         let seconds = [begins_s, begins_s + self.seconds(motion, node.turns_back(reverse))];
         if search.is_known(pose, reverse, from.cost)
             || !self.motion_is_free(start, motion)
@@ -330,7 +331,8 @@ mod tests {
         let field = TestField::drawn(&["...................."; 20], start);
         let body = *field.checker.body();
         let path = Path { start, segments: vec![Segment { curvature: 0.0, length_m: 70.0 }] };
-        let (speed, disc) = (SpeedLimits::new(8.0, 4.0), GoalDisc { centre: DVec2::new(90.0, 50.0), radius_m: 10.0 });
+        let speed = SpeedLimits::new(8.0, 4.0);
+        let disc = GoalDisc { centre: DVec2::new(90.0, 50.0), radius_m: 10.0 };
         for (departs_s, is_open) in [(0.0, false), (20.0, true)] {
             let leg = Trajectory::from_path(&path, SimTime::from_seconds(departs_s), speed);
             let blocked = BlockedLeg { path: &path, leg: &leg, meets_at: SimTime::from_seconds(departs_s + 5.5) };

@@ -92,8 +92,11 @@ impl Agent {
         let pose = self.trajectory.pose_at(now);
         let place = self.body.centre(pose);
         let (free_at, free_place) = self.free_from(now, place);
-        let (id, activity) = (self.id, self.shown_activity(now));
-        let (goal, staging_point, stops_left) = (self.goal, self.staging_point, self.stops_left);
+        let id = self.id;
+        let activity = self.shown_activity(now);
+        let goal = self.goal;
+        let staging_point = self.staging_point;
+        let stops_left = self.stops_left;
         AgentView { id, place, pose, activity, goal, staging_point, stops_left, free_at, free_place }
     }
 

@@ -104,11 +104,10 @@ fn way_aside(
 ) -> Option<Trajectory> {
     let own = &reservations[place];
     let traffic = Traffic::new(reservations, own.entity);
-    let leaves_free = |pose| {
+    let path = find_yield_pose(&traffic.with_others_standing(&truck.checker), own.leg().end(), |pose| {
         let stand = Trajectory::new(now, pose, Vec::new());
         let stand = MovingBody { body: &own.body, trajectory: &stand };
         first_conflict(passing, stand, now, MARGIN_M).is_none()
-    };
-    let path = find_yield_pose(&traffic.with_others_standing(&truck.checker), own.leg().end(), leaves_free)?;
+    })?;
     traffic.departure(&own.body, &truck.leg(&path, now)).ok()
 }

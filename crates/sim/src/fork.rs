@@ -37,7 +37,9 @@ impl Simulation {
     /// If a policy cannot be copied, because another program decides.
     pub fn fork(&self) -> Result<Self, NotForked> {
         let (world, schedule) = super::empty_world();
-        let (setting, cost, memory) = (self.setting.clone(), self.cost.clone(), self.memory.clone());
+        let setting = self.setting.clone();
+        let cost = self.cost.clone();
+        let memory = self.memory.clone();
         let mut fork = Self { world, schedule, setting, cost, has_begun: self.has_begun, memory };
         copy_world(&self.world, &mut fork.world)?;
         Ok(fork)
@@ -74,7 +76,8 @@ impl Simulation {
         let plans_otherwise = before.planner != after.planner || before.traffic != after.traffic;
         let agents = [&fork, &other].map(|run| run.world.resource::<AgentOrder>().0.clone());
         for (&entity, &model) in agents[0].iter().zip(&agents[1]) {
-            let (model, mut own) = (other.world.entity(model), fork.world.entity_mut(entity));
+            let model = other.world.entity(model);
+            let mut own = fork.world.entity_mut(entity);
             let id = own.get::<Agent>().expect("it is an agent").id;
             let decides_otherwise =
                 conduct_of(before, id) != conduct_of(after, id) || id.role.suppresses() && is_team_new;
@@ -165,15 +168,18 @@ fn copy_world(from: &World, to: &mut World) -> Result<(), NotForked> {
     let copies: Vec<Entity> =
         if held.len() == agents.len() { held } else { agents.iter().map(|_| to.spawn_empty().id()).collect() };
     for (&agent, &copy) in agents.iter().zip(&copies) {
-        let (from, mut to) = (from.entity(agent), to.entity_mut(copy));
+        let from = from.entity(agent);
+        let mut to = to.entity_mut(copy);
         copy_component::<Agent>(&from, &mut to);
         copy_component::<PolicyId>(&from, &mut to);
         copy_component::<WakeTriggers>(&from, &mut to);
         copy_component::<Wumpus>(&from, &mut to);
         copy_component::<Truck>(&from, &mut to);
     }
-    let copy_of = |agent| agents.iter().position(|&other| other == agent).map_or(agent, |number| copies[number]);
-    to.insert_resource(from.resource::<SimQueue>().for_agents(copy_of));
+    to.insert_resource(
+        from.resource::<SimQueue>()
+            .for_agents(|agent| agents.iter().position(|&other| other == agent).map_or(agent, |number| copies[number])),
+    );
     to.insert_resource(AgentOrder(copies));
     to.insert_resource(following);
     copy_resource::<SimClock>(from, to);

@@ -207,9 +207,11 @@ impl Game {
     /// game has no answer to.
     pub fn replayed(&self) -> (Policies, Unanswered) {
         let unanswered = Unanswered::default();
-        let (answers, first) = (Arc::new(self.answers.clone()), unanswered.clone());
+        let answers = Arc::new(self.answers.clone());
+        let first = unanswered.clone();
         let make = move |_: &PolicyContext<'_>| {
-            let (answers, unanswered) = (Arc::clone(&answers), first.clone());
+            let answers = Arc::clone(&answers);
+            let unanswered = first.clone();
             Ok(Box::new(ScriptedPolicy { answers, next: 0, unanswered }) as Box<dyn Policy>)
         };
         (Policies::default().with(PLAYER, make).expect("no built-in policy has this name"), unanswered)
@@ -218,8 +220,9 @@ impl Game {
 
 /// Returns policies among which [`PLAYER`] passes every decision to [`Simulation::answer`](crate::Simulation::answer).
 pub fn played() -> Policies {
-    let make = |_: &PolicyContext<'_>| Ok(Box::new(ExternalPolicy) as Box<dyn Policy>);
-    Policies::default().with(PLAYER, make).expect("no built-in policy has this name")
+    Policies::default()
+        .with(PLAYER, |_: &PolicyContext<'_>| Ok(Box::new(ExternalPolicy) as Box<dyn Policy>))
+        .expect("no built-in policy has this name")
 }
 
 /// Leaves every decision to somebody outside.
@@ -372,7 +375,8 @@ mod tests {
             let scenario = crate::scenario::load("smoke", &changes).expect("it is a scenario");
             let options = RunOptions { policies, ..RunOptions::default() };
             let run = run_with_options(&scenario, 1, &options).expect("it takes place");
-            let (illegal, messages) = (run.asks.unwrap_or_default().illegal, run.messages.to_string());
+            let illegal = run.asks.unwrap_or_default().illegal;
+            let messages = run.messages.to_string();
             assert_eq!(illegal > 0, !words.is_empty(), "{side} {choice:?}");
             assert!(messages.contains(words), "{messages}");
         }

@@ -198,7 +198,8 @@ impl Simulation {
         let PendingDecision { asked, agents, options } = self.world.resource::<PolicySet>().question.as_ref()?;
         let options_of =
             |agent: AgentId| asked.iter().position(|&id| id == agent).map_or(Vec::new(), |i| options[i].clone());
-        let (now, fires) = (self.world.resource::<SimClock>().0, &self.world.resource::<Fires>().field);
+        let now = self.world.resource::<SimClock>().0;
+        let fires = &self.world.resource::<Fires>().field;
         Some(look(&Observation { now, fires, agents, options_of: &options_of }, asked))
     }
 
@@ -255,7 +256,8 @@ impl Simulation {
             std::mem::take(&mut following.own);
         (self.cost.policies, self.cost.policies_elsewhere) = (cpu, elsewhere);
         let mut recorder = self.world.resource_mut::<Recorder>();
-        let (events, mut messages) = (std::mem::take(&mut recorder.events), std::mem::take(&mut recorder.messages));
+        let events = std::mem::take(&mut recorder.events);
+        let mut messages = std::mem::take(&mut recorder.messages);
         messages.append(of_policies);
         let ground = std::mem::take(&mut recorder.ground);
         let answer_cpu = std::mem::take(&mut recorder.answer_cpu);
@@ -383,7 +385,8 @@ mod tests {
         simulation.advance_to(SimTime::MAX);
         let timeline = simulation.finish().timeline;
         assert!(asked.lock().expect("nobody panicked").contains(&3), "all three wait when the first fire is lit");
-        let (mut goals, mut plans) = (Vec::<(AgentId, Cell)>::new(), 0);
+        let mut goals = Vec::<(AgentId, Cell)>::new();
+        let mut plans = 0;
         for event in &timeline.events {
             match event.fact {
                 Fact::Agent(agent, AgentFact::Planned { goal, .. }) if agent.role.suppresses() => {

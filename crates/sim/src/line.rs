@@ -115,8 +115,7 @@ impl Orders {
         for _ in 0..8 {
             let Some(goal) = forecast.end_of_fire(first(&arrivals), from) else { return Vec::new() };
             let walk_m = |crew: &Crew| (goal - DVec2::new(crew.x_m, crew.y_m)).length();
-            let arrival = |crew: &Crew| set_out(crew) + walk_m(crew) / crew.speed_mps;
-            arrivals = self.crews.iter().map(arrival).collect();
+            arrivals = self.crews.iter().map(|crew| set_out(crew) + walk_m(crew) / crew.speed_mps).collect();
         }
         let rate_mps = |time_s: f64, place: DVec2| self.rate_mps(&arrivals, time_s, place);
         self.task(first(&arrivals), &rate_mps).along_front(forecast, from, offset_m).cells(forecast)
@@ -124,16 +123,17 @@ impl Orders {
 
     /// Computes lines that crews build one after the other. Who would come after a line's end goes to the next at once.
     fn along_points(&self, forecast: &Forecast, seen: &Observation<'_>, lines: &[Planned]) -> Vec<LineCell> {
-        let (frame, now_s) = (&forecast.frame, seen.now.as_seconds());
-        let set_out = |crew: &Crew| (crew.at_s.max(now_s), DVec2::new(crew.x_m, crew.y_m));
+        let frame = &forecast.frame;
+        let now_s = seen.now.as_seconds();
         // When crews are free, and where.
-        let mut crews: Vec<(f64, DVec2)> = self.crews.iter().map(set_out).collect();
+        let mut crews: Vec<(f64, DVec2)> =
+            self.crews.iter().map(|crew| (crew.at_s.max(now_s), DVec2::new(crew.x_m, crew.y_m))).collect();
         let mut cells = Vec::new();
         for (number, Planned { flanks: [one, other], latest_s }) in lines.iter().enumerate() {
             let Some(&begin) = one.first() else { continue };
             let walk_s = |place: DVec2, crew: &Crew| (begin - place).length() / crew.speed_mps;
-            let arrival = |(&(free_s, place), crew): (&(f64, DVec2), &Crew)| free_s + walk_s(place, crew);
-            let arrivals: Vec<f64> = crews.iter().zip(&self.crews).map(arrival).collect();
+            let arrivals: Vec<f64> =
+                crews.iter().zip(&self.crews).map(|(&(free_s, place), crew)| free_s + walk_s(place, crew)).collect();
             let builders = arrivals.iter().zip(&self.crews).filter(|(_, crew)| crew.max_mps() > 0.0);
             let start_s = builders.fold(f64::INFINITY, |first, (&arrival_s, _)| first.min(arrival_s));
             if start_s >= *latest_s {
@@ -146,8 +146,9 @@ impl Orders {
             let Some(&(end_s, end, _)) = ends.max_by(|one, other| one.0.total_cmp(&other.0)) else { continue };
             let builders = crews.iter_mut().zip(&arrivals).filter(|(_, arrival_s)| **arrival_s <= end_s);
             builders.for_each(|(crew, _)| *crew = (end_s, end));
-            let of_line = |cell: LineCell| LineCell { flank: cell.flank + 2 * number, ..cell };
-            cells.extend(line.cells(forecast).into_iter().map(of_line));
+            cells.extend(
+                line.cells(forecast).into_iter().map(|cell| LineCell { flank: cell.flank + 2 * number, ..cell }),
+            );
         }
         cells
     }
@@ -217,7 +218,8 @@ pub fn plan_line(
         let nobody = |_| Vec::new();
         let seen = Observation { now: clock.0, fires: &fires.field, agents: &agents, options_of: &nobody };
         for line in orders.0.cells(&forecast, &seen, &mut following) {
-            let (along_mm, holds) = ((1000.0 * line.along_m).round() as u32, orders.0.holds(&line));
+            let along_mm = (1000.0 * line.along_m).round() as u32;
+            let holds = orders.0.holds(&line);
             // A cell that burns before it is finished is a gap, and does not count as lost line.
             if !holds && forecast.seconds[forecast.frame.index(line.cell)] <= line.time_s {
                 continue;

@@ -168,8 +168,12 @@ impl FailureMessages {
         if self.first.len() < Self::KEPT {
             self.first.push(message.clone());
         }
-        let has_no_number = |letter: &char| !letter.is_ascii_digit() && !"-.".contains(*letter);
-        let key: String = who.chars().chain(words.chars()).filter(has_no_number).take(Self::LONGEST_KEY).collect();
+        let key: String = who
+            .chars()
+            .chain(words.chars())
+            .filter(|letter| !letter.is_ascii_digit() && !"-.".contains(*letter))
+            .take(Self::LONGEST_KEY)
+            .collect();
         if let Some(kind) = self.kinds.iter_mut().find(|kind| kind.key == key) {
             kind.count += 1;
         } else if self.kinds.len() < Self::KEPT {
@@ -258,7 +262,8 @@ impl From<Policies> for CustomRegistry {
 impl RunOptions {
     /// Returns the planners and policies of a run, those of programs among them.
     pub(super) fn registry_of(&self, scenario: &Scenario) -> Result<(Planners, Policies), RunError> {
-        let (planners, policies) = (self.planners.clone(), self.policies.clone());
+        let planners = self.planners.clone();
+        let policies = self.policies.clone();
         match &self.programs {
             Some(programs) => {
                 let added = programs.add(scenario, planners, policies);

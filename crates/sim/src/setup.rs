@@ -150,7 +150,9 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies)
 pub fn water_rules(scenario: &Scenario) -> Option<WaterRules> {
     let water = scenario.water.as_ref()?;
     let places = water.places(scenario);
-    let (full_tank, fill_per_stop, reach_m) = (water.full_tank(), water.fill_per_stop(), water.reach_m);
+    let full_tank = water.full_tank();
+    let fill_per_stop = water.fill_per_stop();
+    let reach_m = water.reach_m;
     let energy = water.energy();
     (!places.is_empty()).then_some(WaterRules { full_tank, fill_per_stop, reach_m, places, energy })
 }
@@ -164,7 +166,8 @@ fn ground_shares(scenario: &Scenario) -> Vec<(AgentId, Vec<f64>)> {
 
 /// Returns how fire goes over the ground of a run, where it does.
 fn spread_setting(scenario: &Scenario, seed: u64, terrain: &Terrain) -> Option<SpreadSetting> {
-    let (landscape, weather) = (terrain.landscape.clone()?, Arc::new(scenario::weather(scenario, seed)));
+    let landscape = terrain.landscape.clone()?;
+    let weather = Arc::new(scenario::weather(scenario, seed));
     if let Some(rules) = scenario.fire.rothermel_rules(seed) {
         return Some(SpreadSetting::Rothermel { landscape, weather, rules });
     }

@@ -62,7 +62,8 @@ impl SweptBox {
             // An arc leaves its chord by its sagitta, at most curvature times length squared over 8 and half its length.
             let length_m = segment.length_m.abs();
             let aside_m = (segment.curvature.abs() * length_m * length_m / 8.0).min(0.5 * length_m);
-            let (from, to) = (start.position(), segment.end(start).position());
+            let from = start.position();
+            let to = segment.end(start).position();
             rear_axle.low = rear_axle.low.min(from.min(to) - aside_m);
             rear_axle.high = rear_axle.high.max(from.max(to) + aside_m);
         }
@@ -312,7 +313,8 @@ mod tests {
     /// A truck that drives east through x = 0 at 5 s, and the reservation of one that drives north through x = 0.
     fn crossing(passes_s: f64) -> (Trajectory, Reservation, Entity) {
         let mut world = World::new();
-        let (entity, other) = (world.spawn_empty().id(), world.spawn_empty().id());
+        let entity = world.spawn_empty().id();
+        let other = world.spawn_empty().id();
         let north = Pose::new(0.0, -24.0, std::f64::consts::FRAC_PI_2);
         let leg = straight(passes_s - 3.0, north, 80.0);
         let body = Dimensions::default();
@@ -374,7 +376,8 @@ mod tests {
             };
             let (one, other) = (leg(), leg());
             let moving = |leg| MovingBody { body: &body, trajectory: leg };
-            let (swept, other_swept) = (SweptBox::new(moving(&one)), SweptBox::new(moving(&other)));
+            let swept = SweptBox::new(moving(&one));
+            let other_swept = SweptBox::new(moving(&other));
             for step in 0..=40 {
                 let time = SimTime::from_seconds(one.duration_s() * f64::from(step) / 40.0);
                 for corner in body.footprint(one.pose_at(time)).corners() {

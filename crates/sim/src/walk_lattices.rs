@@ -85,7 +85,8 @@ struct SharedLattice {
 impl<'a> WalkLattices<'a> {
     /// Prepares grounds on a field of which the cells in `lightable`, by index, can be lit.
     pub fn new(terrain: &'a Terrain, lightable: Vec<Cell>) -> Self {
-        let (lattices, known_planners) = (Vec::new(), Vec::new());
+        let lattices = Vec::new();
+        let known_planners = Vec::new();
         Self { terrain, lightable, lattices, known_planners, planners: WalkPlanners::default() }
     }
 
@@ -109,14 +110,16 @@ impl<'a> WalkLattices<'a> {
         known.unwrap_or_else(|| {
             let lattice = WalkLattice::new(self.terrain.frame, &self.terrain.occupied, shape);
             let parts = vec![0; lattice.points()];
-            let (lattice, targets) = (Arc::new(lattice), Vec::new());
+            let lattice = Arc::new(lattice);
+            let targets = Vec::new();
             self.lattices.push(SharedLattice { shape, lattice, parts, known_parts: 0, targets });
             self.lattices.len() - 1
         })
     }
 
     fn planner_of(&mut self, lattice: usize, settings: &scenario::Wumpus) -> WalkPlannerId {
-        let (method, safety) = (settings.walk_method(), settings.safety.clone());
+        let method = settings.walk_method();
+        let safety = settings.safety.clone();
         let key = (lattice, PlannerKey { method, step_cost: settings.step_cost, safety });
         let known = self.known_planners.iter().position(|known| *known == key);
         WalkPlannerId(known.unwrap_or_else(|| {
@@ -140,8 +143,9 @@ impl SharedLattice {
         if let Some((_, known)) = self.targets.iter().find(|&&(of, _)| of == (part, reach_m)) {
             return Arc::clone(known);
         }
-        let is_near = |&&cell: &&Cell| self.lattice.points_of_reach(cell, reach_m).any(|p| self.parts[p] == part);
-        let (cells, walled_in) = lightable.iter().partition(is_near);
+        let (cells, walled_in) = lightable
+            .iter()
+            .partition(|&&cell| self.lattice.points_of_reach(cell, reach_m).any(|p| self.parts[p] == part));
         let targets = Arc::new(Targets { frame, cells, walled_in });
         self.targets.push(((part, reach_m), Arc::clone(&targets)));
         targets

@@ -22,7 +22,8 @@ pub struct WaterNeeds {
 impl WaterNeeds {
     /// Returns the needs before anything burns; `None` where all stops take the same.
     pub fn new(water: Option<&WaterRules>, spread: Option<&SpreadSetting>) -> Option<Self> {
-        let (energy, spread) = (water?.energy?, spread?.clone());
+        let energy = water?.energy?;
+        let spread = spread?.clone();
         Some(Self { spread, energy, litres: BTreeMap::new() })
     }
 

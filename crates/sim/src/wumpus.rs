@@ -103,7 +103,8 @@ impl Wumpus {
         let mut pieces: Vec<Piece> = Vec::new();
         let mut facing = start.heading;
         for step in walk.windows(2) {
-            let (from, to) = (self.lattice.position(step[0]), self.lattice.position(step[1]));
+            let from = self.lattice.position(step[0]);
+            let to = self.lattice.position(step[1]);
             let heading = ops::atan2(to.y - from.y, to.x - from.x);
             let length_m = self.lattice.step_length(step[0], step[1]);
             if heading == facing
@@ -148,7 +149,8 @@ pub fn spawn(
     number: u16,
     settings: &scenario::Wumpus,
 ) -> Result<AgentStart, RunError> {
-    let (id, start) = (AgentId::wumpus(number), DVec2::from(settings.start_m));
+    let id = AgentId::wumpus(number);
+    let start = DVec2::from(settings.start_m);
     let LatticePosition { lattice, point, targets, planner } =
         grounds.place(settings).ok_or(RunError::NoFreeStart { agent: id })?;
     let step_m = lattice.step_m();
@@ -162,7 +164,8 @@ pub fn spawn(
     if !targets.walled_in.is_empty() {
         recorder.record_agent(SimTime::ZERO, id, AgentFact::OutOfReach { cells: targets.walled_in.clone() });
     }
-    let (orthogonal_s, diagonal_s) = (step_m / settings.speed_mps, step_m * SQRT_2 / settings.speed_mps);
+    let orthogonal_s = step_m / settings.speed_mps;
+    let diagonal_s = step_m * SQRT_2 / settings.speed_mps;
     // Where diagonal steps take no longer than others, they are faster than its speed.
     let (step_times, fastest) = match settings.step_time {
         StepTime::Distance => ((orthogonal_s, diagonal_s), settings.speed_mps),
@@ -264,7 +267,8 @@ impl Turn<'_> {
     fn drop_goal(&mut self) {
         let Self { entity, agent, wumpus, now, queue, recorder } = self;
         let cut = if agent.activity == Activity::Moving {
-            let (start_time, start) = (agent.trajectory.start_time(), agent.trajectory.start());
+            let start_time = agent.trajectory.start_time();
+            let start = agent.trajectory.start();
             let prefix = |points: usize| wumpus.trajectory(start_time, start, &wumpus.walk[..points]);
             let points = (1..wumpus.walk.len()).find(|&points| prefix(points).end_time() >= *now);
             let points = points.unwrap_or(wumpus.walk.len());

@@ -129,8 +129,9 @@ impl FireBehavior {
             let fire = fires.at(cell, time);
             behavior.fire_type[index] = fire.map_or(f64::NAN, |(_, kind)| f64::from(kind as u8));
             let Cause::Spread(parent) = cause else { continue };
-            let ignited_at = |near| Some(ignitions[landscape.frame.index(near)]?.0);
-            let direction = front_direction(&landscape.frame, (cell, time, parent), ignited_at);
+            let direction = front_direction(&landscape.frame, (cell, time, parent), |near| {
+                Some(ignitions[landscape.frame.index(near)]?.0)
+            });
             behavior.direction_deg[index] = compass::azimuth_deg(direction);
             let Some((fire, _)) = fire else { continue };
             let rate_mps = fire.front_normal_rate_mps(direction);

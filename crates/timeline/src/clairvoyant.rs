@@ -45,7 +45,8 @@ pub fn min_loss(timeline: &Timeline) -> Option<u32> {
         return None;
     }
     let trucks = setting.agents.iter().filter(|agent| agent.id.role == Role::Unimog).map(|start| {
-        let (limits, centre) = (start.limits?, start.body.centre(start.pose));
+        let limits = start.limits?;
+        let centre = start.body.centre(start.pose);
         let swing_m = 2.0 * (centre - start.pose.position()).length();
         Some(TruckBound { start: centre, speed_mps: limits.forward_mps.max(limits.reverse_mps), swing_m })
     });
@@ -158,7 +159,8 @@ impl<'a> Limits<'a> {
             let before = (0..number).map(|other| arrives_s(places[other], acts[other].1, places[number]));
             let first_s = if is_small { before.fold(f64::INFINITY, f64::min) } else { f64::NEG_INFINITY };
             let burns_from_s = if first_s <= lit.as_seconds() + TOLERANCE_S { first_s } else { f64::INFINITY };
-            let (place, arrival_s) = (places[number], self.first_arrival_s(places[number]));
+            let place = places[number];
+            let arrival_s = self.first_arrival_s(places[number]);
             Job { bush, place, lit, burns_from_s, due_s: self.due_s(lit), arrival_s }
         };
         (0..acts.len()).map(job).collect()
@@ -190,7 +192,9 @@ impl<'a> Limits<'a> {
             jobs_of.insert(job.bush, job);
             due.push(Reverse((job.lit, true, job.bush)));
         }
-        let (mut caught, mut lost, mut examined) = (BTreeSet::new(), 0, 0);
+        let mut caught = BTreeSet::new();
+        let mut lost = 0;
+        let mut examined = 0;
         while let Some(Reverse((now, is_lit, bush))) = due.pop() {
             if now > self.setting.rules.duration || examined > MAX_EXAMINED {
                 break;
@@ -223,8 +227,10 @@ impl<'a> Limits<'a> {
 
     /// Lists the bushes that one sets on fire.
     fn within_radius(&self, from: usize, examined: &mut usize) -> Vec<usize> {
-        let (bushes, frame) = (&self.setting.bushes, &self.setting.frame);
-        let (centre, radius_m) = (frame.centre(bushes[from]), self.fire.spread_radius_m * (1.0 + RADIUS_TOLERANCE));
+        let bushes = &self.setting.bushes;
+        let frame = &self.setting.frame;
+        let centre = frame.centre(bushes[from]);
+        let radius_m = self.fire.spread_radius_m * (1.0 + RADIUS_TOLERANCE);
         let rows = (radius_m / frame.cell_m).ceil().min(f64::from(u16::MAX)) as u16;
         let row = |bush: &Cell| bush.row;
         let first = bushes.partition_point(|bush| row(bush) < bushes[from].row.saturating_sub(rows));
@@ -415,7 +421,8 @@ mod tests {
     fn no_chains_leave_less_uncovered() {
         let mut rng = rng::stream(1, "chains");
         for _ in 0..300 {
-            let (count, chains) = (rng.random_range(0..9), rng.random_range(0..4));
+            let count = rng.random_range(0..9);
+            let chains = rng.random_range(0..4);
             let share = rng.random_range(0.1..0.7);
             let mut some = |from: usize| (from..count).filter(|_| rng.random_bool(share)).collect::<Vec<usize>>();
             let nexts: Vec<_> = (0..count).map(|node| some(node + 1)).collect();

@@ -27,8 +27,13 @@ impl CpuHistory {
         let mut agents: Vec<AgentId> = cpu_samples.iter().map(|spent| spent.agent).collect();
         agents.sort_unstable();
         agents.dedup();
-        let of_agent = |agent| (agent, sums(cpu_samples.iter().filter(|spent| spent.agent == agent)));
-        Self { all: sums(cpu_samples.iter()), by_agent: agents.into_iter().map(of_agent).collect() }
+        Self {
+            all: sums(cpu_samples.iter()),
+            by_agent: agents
+                .into_iter()
+                .map(|agent| (agent, sums(cpu_samples.iter().filter(|spent| spent.agent == agent))))
+                .collect(),
+        }
     }
 
     pub fn until(&self, time: SimTime) -> Duration {
@@ -42,11 +47,12 @@ impl CpuHistory {
 }
 
 fn sums<'a>(cpu_samples: impl Iterator<Item = &'a CpuSample>) -> Vec<(SimTime, Duration)> {
-    let add = |total: &mut Duration, spent: &CpuSample| {
-        *total = total.saturating_add(spent.cpu);
-        Some((spent.time, *total))
-    };
-    cpu_samples.scan(Duration::ZERO, add).collect()
+    cpu_samples
+        .scan(Duration::ZERO, |total, spent| {
+            *total = total.saturating_add(spent.cpu);
+            Some((spent.time, *total))
+        })
+        .collect()
 }
 
 fn sum_at(sums: &[(SimTime, Duration)], time: SimTime) -> Duration {

@@ -439,7 +439,9 @@ mod tests {
     #[test]
     fn a_truck_that_is_sent_elsewhere_is_idle_until_it_is_sent_to_a_fire() {
         let pose = sample::small_setting(&[TRUCK]).agents[0].pose;
-        let (x_m, y_m, found_by) = (42.0, 30.0, wildfire_base::query::FoundBy::Straight);
+        let x_m = 42.0;
+        let y_m = 30.0;
+        let found_by = wildfire_base::query::FoundBy::Straight;
         let trajectory = leg(0.0, pose, 8.0, &[32.0]);
         let halt = leg(0.0, pose, 8.0, &[16.0]);
         let relocated = AgentFact::Relocated { x_m, y_m, trajectory, effort: sample::effort(1, 2), found_by };

@@ -56,7 +56,8 @@ pub struct AgentProgress<'a> {
 
 impl<'a> AgentProgress<'a> {
     pub fn standing(start: Pose) -> Self {
-        let (planning_until, refilling_until) = (SimTime::ZERO, SimTime::ZERO);
+        let planning_until = SimTime::ZERO;
+        let refilling_until = SimTime::ZERO;
         Self { start, leg: None, planning_until, refilling_until, suppresses: false, is_blocked: false, goal: None }
     }
 
@@ -112,10 +113,11 @@ impl<'a> AgentProgress<'a> {
     }
 
     pub fn activity(&self, time: SimTime) -> Activity {
-        let is_on = |leg: &&Trajectory| !leg.pieces().is_empty() && leg.start_time() <= time && time < leg.end_time();
         if self.suppresses {
             Activity::Suppressing
-        } else if let Some(leg) = self.leg.filter(is_on) {
+        } else if let Some(leg) =
+            self.leg.filter(|leg| !leg.pieces().is_empty() && leg.start_time() <= time && time < leg.end_time())
+        {
             if time < leg.sets_out_at() { Activity::Waiting } else { Activity::Driving }
         } else if time < self.planning_until {
             Activity::Planning

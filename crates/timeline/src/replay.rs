@@ -118,8 +118,9 @@ impl<'a> Replay<'a> {
     /// Lets what comes next happen if its time is not after `until`.
     pub(super) fn step(&mut self, until: SimTime) -> Option<Happening<'a>> {
         let event = self.timeline.events.get(self.next);
-        let is_first = |deed: &&GroundEvent| deed.time <= until && event.is_none_or(|event| deed.time <= event.time);
-        if let Some(deed) = self.ground.first().filter(is_first) {
+        if let Some(deed) =
+            self.ground.first().filter(|deed| deed.time <= until && event.is_none_or(|event| deed.time <= event.time))
+        {
             self.ground = from_next_deed(&self.ground[1..]);
             self.time = deed.time;
             let agent = deed.agent().and_then(|agent| self.timeline.setting.agent_index(agent));
@@ -193,8 +194,10 @@ impl<'a> Replay<'a> {
 
 /// Passes over what happens to ground by itself, and over water.
 fn from_next_deed(ground: &[GroundEvent]) -> &[GroundEvent] {
-    let is_deed = |event: &GroundEvent| event.agent().is_some() && !matches!(event.fact, GroundFact::Wetted { .. });
-    &ground[ground.iter().position(is_deed).unwrap_or(ground.len())..]
+    &ground[ground
+        .iter()
+        .position(|event| event.agent().is_some() && !matches!(event.fact, GroundFact::Wetted { .. }))
+        .unwrap_or(ground.len())..]
 }
 
 #[cfg(test)]

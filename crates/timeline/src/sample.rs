@@ -264,8 +264,8 @@ pub fn random_on_ground(seed: u64, duration: SimTime) -> Timeline {
     let spread = timeline.setting.spread.clone().expect("it was just set").flaming_times();
     let mut out: Vec<Option<SimTime>> = vec![Some(SimTime::ZERO); frame.cell_count()];
     for _ in 0..duration.as_nanos() / 8_000_000_000 {
-        let (cell, time) =
-            (frame.cell(rng.random_range(0..frame.cell_count())), rng.random_range(0..duration.as_nanos()));
+        let cell = frame.cell(rng.random_range(0..frame.cell_count()));
+        let time = rng.random_range(0..duration.as_nanos());
         let time = SimTime::from_nanos(time);
         if !timeline.setting.is_ground(cell) || out[frame.index(cell)].is_none_or(|out| time <= out) {
             continue;
@@ -360,7 +360,8 @@ impl World {
         setting.rules.duration = duration;
         let vegetation = vec![BushState::Intact; setting.bushes.len()];
         let timeline = Timeline { setting, events: Vec::new(), ground: Vec::new() };
-        let (queue, now) = (EventQueue::default(), SimTime::ZERO);
+        let queue = EventQueue::default();
+        let now = SimTime::ZERO;
         let mut limits = SpeedLimits::new(8.0, 8.0);
         if seed % 2 == 1 {
             limits.acceleration_mps2 = Some(2.0);
@@ -449,7 +450,8 @@ impl World {
         };
         let effort = effort(self.rng.random_range(3..60), self.rng.random_range(5..400));
         if self.rng.random_bool(0.05) {
-            let (reason, until) = (PlanFailure::Disconnected, self.now + seconds(0.3));
+            let reason = PlanFailure::Disconnected;
+            let until = self.now + seconds(0.3);
             self.tell(Fact::Agent(TRUCK, AgentFact::PlanFailed { goal, reason, effort, until }));
             self.queue.push(until, 6, (0, Due::TruckDecides));
             return;

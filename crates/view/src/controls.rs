@@ -105,7 +105,9 @@ impl Controls<'_> {
         if self.viewer.options.follows.is_none() {
             return self.viewer.options.camera;
         }
-        let (run, frame, pane) = (self.runs.runs()[0], self.frame(0), self.pane(0));
+        let run = self.runs.runs()[0];
+        let frame = self.frame(0);
+        let pane = self.pane(0);
         let seen = Projection::from_options(run, &run.state_at(self.player.clock()), &self.viewer.options, pane);
         let (width, height) = size_of(pane);
         let centre = seen.world((0.5 * width, 0.5 * height)) / DVec2::new(frame.width_m(), frame.height_m());

@@ -88,7 +88,8 @@ impl Mouse {
 
 /// Beyond the ends of the timeline is its nearer end.
 fn scrub((x, y): At, layout: &FrameLayout) -> Option<Gesture> {
-    let (left, right) = (f64::from(layout.chart.left), f64::from(layout.chart.right()));
+    let left = f64::from(layout.chart.left);
+    let right = f64::from(layout.chart.right());
     match layout.place_at((x.clamp(left, right - 1.0), y)) {
         FramePart::Timeline { share } => Some(Gesture::Scrub(share)),
         _ => None,

@@ -58,7 +58,8 @@ fn fit_frame_buffer(
 ) {
     let Ok(window) = windows.single() else { return };
     sprite.custom_size = Some(Vec2::new(window.width(), window.height()));
-    let (size, scale) = (window.physical_size(), f64::from(window.scale_factor()));
+    let size = window.physical_size();
+    let scale = f64::from(window.scale_factor());
     frame_buffer.fit((size.x, size.y), scale);
 }
 

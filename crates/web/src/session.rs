@@ -230,7 +230,6 @@ impl LiveRun {
         let asked = self.simulation.observe(|seen, asked| {
             let describe = |&agent: &AgentId| {
                 let options = seen.options(agent);
-                let index_of = |cell: &Cell| setting.frame.index(*cell);
                 let view = seen.agents.iter().find(|view| view.id == agent).expect("all agents are seen");
                 json!({
                     "agent": agent.to_string(),
@@ -238,7 +237,7 @@ impl LiveRun {
                     "number": agent.number,
                     "place": view.place.to_array(),
                     "goal": view.goal.map(|goal| setting.frame.index(goal)),
-                    "options": options.iter().map(index_of).collect::<Vec<_>>(),
+                    "options": options.iter().map(|cell| setting.frame.index(*cell)).collect::<Vec<_>>(),
                 })
             };
             asked.iter().map(describe).collect::<Vec<_>>()

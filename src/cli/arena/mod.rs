@@ -177,10 +177,11 @@ fn chosen(names: &[String]) -> Result<Vec<&'static Track>, CliError> {
 
 /// Those of these tracks that an entry enters.
 fn tracks_of(entry: &ArenaEntry, asked: &[&'static Track]) -> Result<Vec<&'static Track>, CliError> {
-    let enters = |track: &&'static Track| entry.card.tracks.iter().any(|name| name == track.name);
-    let tracks: Vec<&'static Track> = asked.iter().copied().filter(enters).collect();
+    let tracks: Vec<&'static Track> =
+        asked.iter().copied().filter(|track| entry.card.tracks.iter().any(|name| name == track.name)).collect();
     if tracks.is_empty() {
-        let (name, its) = (&entry.card.name, entry.card.tracks.join(", "));
+        let name = &entry.card.name;
+        let its = entry.card.tracks.join(", ");
         return Err(CliError::bad_input(format!("{name} enters none of these tracks; its `tracks` are {its}"), None));
     }
     Ok(tracks)
@@ -457,10 +458,12 @@ fn recompute(arguments: &RecomputeArguments, stage: &Stage) -> Result<ExitCode, 
         replay(stage, track, &plan, &rows.iter().collect::<Vec<_>>(), &progress, &mut replayed)?;
     }
     progress.end();
-    let words = |(name, (message, runs)): (&String, &(String, usize))| {
-        format!("{name} could not be started in {}: {message}", count(*runs, "run"))
-    };
-    let not_started = replayed.not_started.iter().map(words).collect::<Vec<_>>().join("\n");
+    let not_started = replayed
+        .not_started
+        .iter()
+        .map(|(name, (message, runs))| format!("{name} could not be started in {}: {message}", count(*runs, "run")))
+        .collect::<Vec<_>>()
+        .join("\n");
     let left: usize = replayed.not_started.values().map(|(_, runs)| runs).sum();
     if left == runs {
         return Err(CliError::bad_input(format_args!("nothing could be recomputed: {not_started}"), None));
@@ -504,7 +507,9 @@ fn verify(arguments: &VerifyArguments, stage: &Stage) -> Result<ExitCode, CliErr
 fn submit_check(arguments: &SubmitArguments, stage: &Stage) -> Result<ExitCode, CliError> {
     let entry = ArenaEntry::read(&arguments.entry)?;
     let mut rows = Vec::new();
-    let (mut objects, mut refusals, mut remarks) = (Vec::new(), Vec::new(), Vec::new());
+    let mut objects = Vec::new();
+    let mut refusals = Vec::new();
+    let mut remarks = Vec::new();
     for track in tracks_of(&entry, &chosen(&arguments.track)?)? {
         let public = track.public_seeds();
         let first: Vec<String> = public.iter().take(CHECKED_SEEDS).map(|seed| seed.to_string()).collect();
@@ -515,7 +520,8 @@ fn submit_check(arguments: &SubmitArguments, stage: &Stage) -> Result<ExitCode, 
         let is_of_first = |number: &u64| (number - 1).is_multiple_of(plan.seeds.count());
         let (of_first, others): (Vec<u64>, Vec<u64>) = (1..=plan.count()).partition(is_of_first);
         let mut stopwatch = WallStopwatch::start();
-        let (mut played, mut timed) = (stage.play(track, &plan, &of_first, &progress)?, of_first.len());
+        let mut played = stage.play(track, &plan, &of_first, &progress)?;
+        let mut timed = of_first.len();
         let first_failure = total_failure(&played);
         if first_failure.is_none() {
             (stopwatch, timed) = (WallStopwatch::start(), others.len());

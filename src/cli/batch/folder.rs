@@ -267,11 +267,13 @@ pub fn report(arguments: &ReportArguments, context: &CommandContext) -> Result<E
     if !arguments.form.is_text() {
         let shown = ShownTables { columns: &quantities.places(), rows: arguments.rows };
         let answer = ReportAnswer::new(batch.plan(), batch.folder(), &written);
-        let document = || shown.document(batch.plan(), batch.folder(), &written);
-        terminal::print(&arguments.form.render_either(&answer, document))?;
+        terminal::print(
+            &arguments.form.render_either(&answer, || shown.document(batch.plan(), batch.folder(), &written)),
+        )?;
         return Ok(ExitCode::SUCCESS);
     }
-    let (page, charts) = (written.page.display(), written.charts_folder.display());
+    let page = written.page.display();
+    let charts = written.charts_folder.display();
     let forms = arguments.paper.forms();
     let mut document = Document::new(format!("{page}, and {} charts as {forms} in {charts}", written.charts.len()));
     document = document.with(written.tables.column_tables(&quantities.places()));
@@ -449,11 +451,15 @@ impl From<&StatusReport> for Document {
         let StatusReport { folder, variants, seeds, planned, slices, failures, next_step } = report;
         // Of many slices those count that are not as they should be in the end.
         let is_listed = |slice: &&SliceRow| slices.len() <= LISTED_SLICES || slice.state != "complete";
-        let row = |slice: &SliceRow| {
-            let SliceRow { slice, planned, finished, failed, state, .. } = slice;
-            vec![slice.clone(), planned.to_string(), finished.to_string(), failed.to_string(), (*state).to_owned()]
-        };
-        let rows: Vec<_> = slices.iter().filter(is_listed).take(LISTED_SLICES).map(row).collect();
+        let rows: Vec<_> = slices
+            .iter()
+            .filter(is_listed)
+            .take(LISTED_SLICES)
+            .map(|slice| {
+                let SliceRow { slice, planned, finished, failed, state, .. } = slice;
+                vec![slice.clone(), planned.to_string(), finished.to_string(), failed.to_string(), (*state).to_owned()]
+            })
+            .collect();
         let listed = rows.len();
         let table = (listed > 0).then(|| Table::new(&["Slice", "Planned", "Finished", "Failed", "State"], rows));
         let sum = |count: fn(&SliceRow) -> u64| slices.iter().map(count).sum::<u64>();

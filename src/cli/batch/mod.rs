@@ -30,8 +30,7 @@ use keeping::LockArguments;
 use wildfire_base::document::{Block, Document};
 use wildfire_batch::{
     Batch, BatchError, BatchPlan, BatchRequest, ChosenDecisions, CoursePlan, CourseRefusal, CourseRequest,
-    FinishedBatch, Found, OutputFolder, PROGRAM_VERSION, RequestError, Slice, Status, Variant, limit_threads,
-    shell_word,
+    FinishedBatch, Found, OutputFolder, PROGRAM_VERSION, RequestError, Slice, Status, limit_threads, shell_word,
 };
 use wildfire_sim::scenario::ScenarioText;
 
@@ -281,7 +280,8 @@ fn run_with_progress(
 }
 
 fn slice_summary(batch: &Batch, lock: &LockArguments) -> SliceAnswer {
-    let (slice, (held, not_done)) = (batch.progress().slice(), batch.progress().held());
+    let slice = batch.progress().slice();
+    let (held, not_done) = batch.progress().held();
     let folder = batch.folder().path().display().to_string();
     let merge = format!("wildfire merge {}{}", shell_word(&folder), lock.words());
     SliceAnswer { program_version: PROGRAM_VERSION, folder, slice: slice.to_string(), runs: held, not_done, merge }
@@ -289,13 +289,19 @@ fn slice_summary(batch: &Batch, lock: &LockArguments) -> SliceAnswer {
 
 /// Lists what a plan would run.
 fn dry_run(plan: &BatchPlan) -> Document {
-    let (variants, seeds) = (plan.variants.len(), plan.seeds.count());
+    let variants = plan.variants.len();
+    let seeds = plan.seeds.count();
     let title = format!("{variants} variants x {seeds} seeds ({}) = {} runs", plan.seeds, plan.count());
-    let line = |(index, variant): (usize, &Variant)| {
-        let first = index as u64 * seeds + 1;
-        format!("runs {first} to {}: {}", first + seeds - 1, plan.title(variant))
-    };
-    let mut lines: Vec<String> = plan.variants.iter().enumerate().take(LISTED_VARIANTS).map(line).collect();
+    let mut lines: Vec<String> = plan
+        .variants
+        .iter()
+        .enumerate()
+        .take(LISTED_VARIANTS)
+        .map(|(index, variant)| {
+            let first = index as u64 * seeds + 1;
+            format!("runs {first} to {}: {}", first + seeds - 1, plan.title(variant))
+        })
+        .collect();
     if variants > LISTED_VARIANTS {
         lines.push(format!("and {} more", variants - LISTED_VARIANTS));
     }

@@ -97,11 +97,14 @@ impl Script {
         let Self { name, jobs, .. } = self;
         let Tasks { count, minutes, limit_minutes } = self.tasks;
         let word = |path: &Path| shell_word(&path.display().to_string());
-        let (program, works_in, folder) = (word(&self.program), word(&self.works_in), word(&self.folder));
+        let program = word(&self.program);
+        let works_in = word(&self.works_in);
+        let folder = word(&self.folder);
         // Lines for Slurm are no shell's: a blank in a path is escaped there by quotes all the same.
         let logs = word(&self.folder.join("slurm"));
         let batch = batch_words(arguments);
-        let (keeping, lock) = (self.keeping_words(arguments), arguments.keeping.lock.words());
+        let keeping = self.keeping_words(arguments);
+        let lock = arguments.keeping.lock.words();
         let hours = pilot.mean_s() * plan.count() as f64 / 3600.0;
         let estimate = format!(
             "{} runs, of which {} took {:.1} ms each on this machine: {hours:.1} hours of one processor, {minutes:.1} \

@@ -101,7 +101,8 @@ pub fn parse_where(text: &str) -> Result<(String, String), String> {
 }
 
 pub fn run(arguments: &CompareArguments, quiet: bool) -> Result<ExitCode, CliError> {
-    let (form, selection) = (arguments.form, arguments.selection());
+    let form = arguments.form;
+    let selection = arguments.selection();
     let files = Files { form, ..Files::default() }.writing([(Format::Csv, &arguments.csv)]);
     let words = files.check()?;
     match (arguments.with, &arguments.batches[..]) {

@@ -18,7 +18,8 @@ pub fn write(path: &Path, comparison: &Comparison) -> io::Result<()> {
             let contrast = &judged.contrast;
             let [mean_a, mean] = contrast.means;
             let [low, high] = Interval::ends(contrast.interval);
-            let (power, equivalence) = (judged.power, judged.equivalence);
+            let power = judged.power;
+            let equivalence = judged.equivalence;
             let [equivalence_low, equivalence_high] = Interval::ends(equivalence.map(|found| found.interval));
             writer.serialize(object!(Difference {
                 side: against.letter,

@@ -128,15 +128,20 @@ fn curve_blocks(found: &FoundCurve) -> Vec<Block> {
     };
     let mut lines = vec![format!("{}: {} m, {}, {cusps}", found.name, rounded(found.length_m, 6), word(found))];
     lines.extend(found.price.map(|(price, paid)| {
-        let (factor, cusp_m) = (short(price.reverse_factor), short(price.cusp_m));
+        let factor = short(price.reverse_factor);
+        let cusp_m = short(price.cusp_m);
         format!("Costs {} m; a metre in reverse counts {factor}, a cusp {cusp_m} m.", rounded(paid, 6))
     }));
-    let row = |segment: &Segment| {
-        let turn = turn_deg(segment);
-        let turn = if turn == 0.0 { String::new() } else { format!("{turn:+.6}") };
-        vec![steering(segment).into(), direction(segment).into(), rounded(segment.length_m.abs(), 6), turn]
-    };
-    let segments: Vec<_> = found.path.segments.iter().map(row).collect();
+    let segments: Vec<_> = found
+        .path
+        .segments
+        .iter()
+        .map(|segment| {
+            let turn = turn_deg(segment);
+            let turn = if turn == 0.0 { String::new() } else { format!("{turn:+.6}") };
+            vec![steering(segment).into(), direction(segment).into(), rounded(segment.length_m.abs(), 6), turn]
+        })
+        .collect();
     let table = Table { text_columns: 2, ..Table::new(&["Steering", "Gear", "Length m", "Turn degrees"], segments) };
     let has_segments = !table.rows.is_empty();
     [Block::List(lines)].into_iter().chain(has_segments.then_some(Block::Table(table))).collect()
@@ -214,7 +219,9 @@ impl CurveReport {
         let names: Vec<String> = self.curves.iter().map(name).collect();
         let ways: Vec<_> = names.iter().zip(&self.curves).map(|(name, curve)| (name.as_str(), &curve.path)).collect();
         let place = |End { x, y, heading_deg }| format!("({}, {}, {} deg)", short(x), short(y), short(heading_deg));
-        let (from, to, radius_m) = (place(self.from), place(self.to), self.radius_m);
+        let from = place(self.from);
+        let to = place(self.to);
+        let radius_m = self.radius_m;
         draw_curves(&CurveScene {
             title: &format!("Shortest curves from {from} to {to}, turning radius {radius_m} m"),
             start: self.from.pose(),

@@ -26,12 +26,15 @@ const ADDED: [&str; 4] = ["reeds_shepp_m", "reeds_shepp_word", "dubins_m", "dubi
 /// Numbers are the shortest decimals that read back as the same `f64`. A row is read, written and forgotten before the
 /// next.
 pub fn write_lengths(input: &FilePath, output: &FilePath, radius_m: f64) -> Result<u64, CliError> {
-    let (reeds_shepp, dubins) = (ReedsShepp { radius_m }, Dubins { radius_m });
+    let reeds_shepp = ReedsShepp { radius_m };
+    let dubins = Dubins { radius_m };
     let read = COLUMNS.map(|name| Column { name, content: Content::Number(COORDINATES), without: None });
     let columns = Columns { read, row: "a pair of poses", added: &ADDED };
     write_answers(input, output, columns, |_, &[x0, y0, th0, x1, y1, th1]| {
-        let (from, to) = (Pose::new(x0, y0, th0), Pose::new(x1, y1, th1));
-        let (best, forward) = (reeds_shepp.shortest(from, to), dubins.shortest(from, to));
+        let from = Pose::new(x0, y0, th0);
+        let to = Pose::new(x1, y1, th1);
+        let best = reeds_shepp.shortest(from, to);
+        let forward = dubins.shortest(from, to);
         let words = [reeds_shepp_word(&best), dubins_word(&forward)];
         Ok(vec![format!("{},{},{},{}", best.length_m, words[0], forward.length_m, words[1])])
     })

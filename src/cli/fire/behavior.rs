@@ -220,8 +220,8 @@ impl<'a> BehaviorReport<'a> {
     fn new(model: &'static FuelModel, arguments: &'a BehaviorArguments) -> Self {
         let options = arguments.choices.options();
         let canopy = arguments.trees.canopy();
-        let open = || unsheltered_adjustment(model.depth_ft);
-        let wind_factor = canopy.map_or_else(open, |canopy| canopy.wind_adjustment(model.depth_ft));
+        let wind_factor = canopy
+            .map_or_else(|| unsheltered_adjustment(model.depth_ft), |canopy| canopy.wind_adjustment(model.depth_ft));
         let conditions = Conditions {
             model,
             moisture: arguments.moisture,

@@ -238,7 +238,8 @@ pub fn spotting(table: &TableArguments, quiet: bool) -> Result<(), CliError> {
             1.0 => Source::BurningPile { flame_ft },
             _ => Source::SurfaceFire { flame_ft },
         };
-        let (location, open) = (LOCATIONS[location as usize], canopy == 1.0);
+        let location = LOCATIONS[location as usize];
+        let open = canopy == 1.0;
         let ridge_to_valley = [miles, rise_ft];
         let spotting = Spotting { source, location, ridge_to_valley, cover_ft, open, wind_20ft_mph: wind };
         let SpotDistance { flame_ft, flame_duration, firebrand_ft, cover_ft, drift_mi, flat_mi, mountain_mi } =

@@ -107,7 +107,8 @@ impl<'a> PathJudge<'a> {
     /// Returns the figures of a path to a goal, and the first thing that is wrong with it, in words.
     pub fn judge(&self, goal: Goal, poses: &[GivenPose]) -> (DriveFigures, Option<String>) {
         let arcs: Vec<Arc> = poses.windows(2).map(|pair| Arc::new(&pair[0], &pair[1])).collect();
-        let (start, end) = (poses[0].pose, poses[poses.len() - 1].pose);
+        let start = poses[0].pose;
+        let end = poses[poses.len() - 1].pose;
         let segments = arcs.iter().map(|arc| arc.segment).collect();
         let path = Path { start, segments };
         let length_m = path.length_m() + 0.0;

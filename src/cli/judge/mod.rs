@@ -170,14 +170,16 @@ impl<'a> AgainstPlanners<'a> {
 
     /// Returns the names that they have in the report: those that have computed paths too say that they were asked.
     fn names(&self, judged: &[String]) -> Vec<String> {
-        let name = |planner: &PlannerName| {
-            let mut name = planner.to_string();
-            while judged.contains(&name) {
-                name += " (asked)";
-            }
-            name
-        };
-        self.planners.iter().map(name).collect()
+        self.planners
+            .iter()
+            .map(|planner| {
+                let mut name = planner.to_string();
+                while judged.contains(&name) {
+                    name += " (asked)";
+                }
+                name
+            })
+            .collect()
     }
 
     /// Asks all of them for all goals of a problem.
@@ -305,8 +307,8 @@ fn judge_recording(
         rows.push(DriveQuery { failure: drive.is_dropped.then_some(DriveFailure::Dropped), ..row });
         if !asked.planners.is_empty() {
             let scenario = &asked.loaded.scenario;
-            let no_truck = || DriveError::NoTruck { scenario: scenario.name.clone() };
-            let truck = scenario.unimog.first().ok_or_else(no_truck)?;
+            let truck =
+                scenario.unimog.first().ok_or_else(|| DriveError::NoTruck { scenario: scenario.name.clone() })?;
             let problem = recorded::problem(setting, drive, truck);
             let attempts = asked.attempts(&problem)?;
             rows.extend(attempts.iter().zip(&names).map(|(attempt, name)| row_of_attempt(attempt, number, name)));

@@ -200,7 +200,8 @@ impl<'a> PathTable<'a> {
         };
         let (planner, problem, goal) = key;
         if !self.begun.insert(key) {
-            let (name, field) = (visible_start(&self.planners[planner]), visible_start(&self.problems[problem].name));
+            let name = visible_start(&self.planners[planner]);
+            let field = visible_start(&self.problems[problem].name);
             return Err(Fault::Again { line: pose.line, planner: name, goal, field });
         }
         let mut poses = vec![pose];
@@ -236,8 +237,11 @@ impl<'a> PathTable<'a> {
         }
         let number = |index: usize| {
             let number = self.rows.number(cells[index]);
-            let refused = || Fault::Number { line, column: COLUMNS[index], found: shown(cells[index]) };
-            number.filter(|number| NUMBERS.contains(number)).ok_or_else(refused)
+            number.filter(|number| NUMBERS.contains(number)).ok_or_else(|| Fault::Number {
+                line,
+                column: COLUMNS[index],
+                found: shown(cells[index]),
+            })
         };
         let pose = Pose::new(number(X)?, number(Y)?, number(HEADING)?);
         let is_reverse = match cells[DIRECTION] {

@@ -109,11 +109,10 @@ impl<'a> TruckJudge<'a> {
         };
         let motion = MotionLimits { turning_radius_m: Some(self.body.turning_radius_m), limits: self.truck.limits };
         let audited = audit_leg(&self.audit_field, &motion, leg, SampleStep::default());
-        let ends = || {
+        let violation = audited.err().map(|violation| violation.to_string()).or_else(|| {
             let by = missed(goal, leg.end(), &self.body).filter(|_| !is_dropped)?;
             Some(format!("it ends {by} away"))
-        };
-        let violation = audited.err().map(|violation| violation.to_string()).or_else(ends);
+        });
         RecordedDrive { truck: self.truck.id, start: leg.start(), goal, figures, is_dropped, violation }
     }
 }

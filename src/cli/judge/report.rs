@@ -57,7 +57,8 @@ impl From<&JudgeReport> for Document {
         document.add_list(failures.chain(violation_sentences(&report.drives)).collect());
         document.add(Block::List(DRIVE_LEGEND.map(str::to_owned).to_vec()));
         for pair in report.contrasts.chunk_by(|a, b| (&a.planner, &a.against) == (&b.planner, &b.against)) {
-            let (planner, against) = (visible_start(&pair[0].planner), visible_start(&pair[0].against));
+            let planner = visible_start(&pair[0].planner);
+            let against = visible_start(&pair[0].against);
             document.add(Block::Heading(format!("{planner} against {against}")));
             document.add(contrast_table(pair));
         }

@@ -176,7 +176,8 @@ pub fn searches() -> Value {
 /// Potentials, and where a descent goes from every cell.
 pub fn potentials() -> Value {
     let of_board = |board: Board| {
-        let (rows, cols) = (board.occupied.rows(), board.occupied.cols());
+        let rows = board.occupied.rows();
+        let cols = board.occupied.cols();
         let fire = brushfire(&board.occupied, Connectivity::Eight).expect("the map has obstacles");
         let run = |(name, kind, eta): (&str, Attraction, f64)| {
             let pull = attraction(rows, cols, board.goal, kind, Some(10.0));

@@ -75,8 +75,8 @@ fn page(number: usize, lesson: &Lesson, data: &Value) -> String {
 }
 
 fn index() -> String {
-    let item = |lesson: &Lesson| format!("<li><a href=\"{}\">{}</a></li>\n", lesson.file, lesson.title);
-    let list: String = LESSONS.iter().map(item).collect();
+    let list: String =
+        LESSONS.iter().map(|lesson| format!("<li><a href=\"{}\">{}</a></li>\n", lesson.file, lesson.title)).collect();
     let text = include_str!("../../../assets/lessons/index.html").replace("@LESSONS@", &list);
     filled_in("Seven lessons in motion planning", &text, "", &Value::Null)
 }
@@ -127,7 +127,8 @@ mod tests {
             let runs = board["runs"].as_array().expect("runs");
             let min = runs[0]["cost"].as_f64().expect("Dijkstra's search finds a path");
             for run in runs {
-                let (cost, name) = (run["cost"].as_f64().expect("a cost"), &run["name"]);
+                let cost = run["cost"].as_f64().expect("a cost");
+                let name = &run["name"];
                 match run["bound"].as_f64() {
                     Some(bound) => assert!(cost <= bound * min + 0.001, "{name}: {cost} of {min}"),
                     None => assert!(cost >= min, "{name}"),

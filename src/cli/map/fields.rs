@@ -357,14 +357,15 @@ pub fn cost(occupied: &Grid<bool>, arguments: &CostArguments) -> Result<Computed
 }
 
 pub fn wave(occupied: &Grid<bool>, arguments: &WavefrontArguments) -> Result<Computed, MapInputError> {
-    let (goal, neighbours) = (arguments.goal.goal, arguments.neighbours.connectivity);
-    let (connectivity, corners) = (neighbours.into(), arguments.corners.rule());
+    let goal = arguments.goal.goal;
+    let neighbours = arguments.neighbours.connectivity;
+    let connectivity = neighbours.into();
+    let corners = arguments.corners.rule();
     check_free("goal", occupied, goal)?;
     if let Some(start) = arguments.start {
         check_inside("start", occupied, start)?;
     }
-    let wave = || wavefront(occupied, goal, connectivity, corners).expect("the goal is free");
-    let (steps, cpu_map) = timed(wave);
+    let (steps, cpu_map) = timed(|| wavefront(occupied, goal, connectivity, corners).expect("the goal is free"));
     let walk = arguments.start.map(|start| {
         timed(|| {
             let route = if arguments.shortest {
@@ -427,9 +428,11 @@ fn total_field(occupied: &Grid<bool>, arguments: &FieldArguments) -> Grid<f64> {
 }
 
 pub fn descent(occupied: &Grid<bool>, arguments: &DescendArguments) -> Result<Computed, MapInputError> {
-    let (start, goal) = (arguments.start, arguments.field.goal.goal);
+    let start = arguments.start;
+    let goal = arguments.field.goal.goal;
     let neighbours = arguments.field.neighbours.connectivity;
-    let (connectivity, corners) = (neighbours.into(), arguments.corners.rule());
+    let connectivity = neighbours.into();
+    let corners = arguments.corners.rule();
     check_free("goal", occupied, goal)?;
     check_inside("start", occupied, start)?;
     let (field, cpu_map) = timed(|| total_field(occupied, &arguments.field));

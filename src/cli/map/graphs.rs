@@ -182,7 +182,8 @@ pub fn parse_step(text: &str) -> Result<TreeStep, String> {
 pub type Search<P> = PathArguments<GraphFiles, P>;
 
 pub fn rrt(occupied: &Grid<bool>, Search { ends, parameters, .. }: &Search<Growth>) -> Result<Computed, MapInputError> {
-    let (ends, settings) = (ends.places(), parameters.settings(occupied, None));
+    let ends = ends.places();
+    let settings = parameters.settings(occupied, None);
     let found = answer(occupied, "rrt", ends, || grow_tree(occupied, ends, TreeKind::Rrt, &settings))?;
     Ok(Computed { title: "RRT".to_owned(), ..found })
 }
@@ -191,7 +192,8 @@ pub fn rrt_star(
     occupied: &Grid<bool>,
     Search { ends, parameters: RrtStarParameters { growth, near }, .. }: &Search<RrtStarParameters>,
 ) -> Result<Computed, MapInputError> {
-    let (ends, settings) = (ends.places(), growth.settings(occupied, Some(near)));
+    let ends = ends.places();
+    let settings = growth.settings(occupied, Some(near));
     let found = answer(occupied, "rrt-star", ends, || grow_tree(occupied, ends, TreeKind::RrtStar, &settings))?;
     Ok(Computed { title: "RRT*".to_owned(), ..found })
 }
@@ -200,7 +202,8 @@ pub fn roadmap(
     occupied: &Grid<bool>,
     Search { ends, parameters, .. }: &Search<PrmParameters>,
 ) -> Result<Computed, MapInputError> {
-    let (ends, settings) = (ends.places(), parameters.settings());
+    let ends = ends.places();
+    let settings = parameters.settings();
     let found = answer(occupied, "prm", ends, || probabilistic_roadmap(occupied, ends, &settings))?;
     Ok(Computed { title: "PRM".to_owned(), ..found })
 }
@@ -219,8 +222,7 @@ fn answer<E: std::fmt::Debug>(
         let cell = point.cell();
         min[cell] = min[cell].min(cost);
     }
-    let spot = |number: u32| graph.points[number as usize].coordinates();
-    let edges = graph.edges.iter().map(|edge| edge.map(spot)).collect();
+    let edges = graph.edges.iter().map(|edge| edge.map(|number| graph.points[number as usize].coordinates())).collect();
     let path = MapPath {
         answer: match graph.answer {
             PointRoute::Found => WalkResult::Reached,

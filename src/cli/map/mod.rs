@@ -54,7 +54,8 @@ pub fn run(command: &MapCommand, quiet: bool) -> Result<ExitCode, CliError> {
 fn compute_and_report(computation: &Computation, quiet: bool) -> Result<(), CliError> {
     computation.parameters().check().map_err(|problem| CliError::bad_input(problem, None))?;
     let words = check_files(computation)?;
-    let (input, output) = (&computation.files().input, &computation.files().output);
+    let input = &computation.files().input;
+    let output = &computation.files().output;
     let (map, cpu_read) = input.reading.read(&input.map)?;
     let computed = computation.compute(&map.occupied).map_err(|problem| refused(&input.map, &problem))?;
     let report = MapReport::new(computation, &map, &computed, cpu_read);
@@ -88,8 +89,10 @@ fn check_files(computation: &Computation) -> Result<Words, CliError> {
 
 /// Writes all files; the error is the first.
 fn write_files(report: &MapReport, quiet: bool) -> Result<(), CliError> {
-    let (output, values) = (&report.computation.files().output, &report.computed.values);
-    let (grey, occupied) = (report.map.grey.as_ref(), &report.map.occupied);
+    let output = &report.computation.files().output;
+    let values = &report.computed.values;
+    let grey = report.map.grey.as_ref();
+    let occupied = &report.map.occupied;
     // Pictures carry the map, so that they can be read as one.
     let draw =
         |draw: &dyn Fn(&MapScene) -> Picture, path: &Path| with_scene(report, draw).with_map(occupied).write_png(path);
@@ -149,7 +152,8 @@ mod tests {
 
     /// Checks that a question about a small map is answered or refused.
     fn map_takes_parameters(case: &mut Case<'_>) -> Law {
-        let (rows, cols) = (1 + below(&mut case.dice, 12), 1 + below(&mut case.dice, 12));
+        let rows = 1 + below(&mut case.dice, 12);
+        let cols = 1 + below(&mut case.dice, 12);
         let percent = *one_of(&mut case.dice, &[20, 0, 50, 100]);
         let cells = (0..rows * cols).map(|_| case.chance(percent)).collect();
         let occupied = Grid::from_values(rows, cols, cells);

@@ -98,7 +98,8 @@ pub fn run(arguments: &PageArguments, quiet: bool) -> Result<(), CliError> {
     }
     let page = page(arguments, &map, &parts, cpu_read).to_html();
     fs::create_dir_all(&arguments.out).map_err(|error| CliError::unwritable(&arguments.out, &error))?;
-    let (page_path, table_path) = (arguments.out.join(PAGE), arguments.out.join(SEARCHES));
+    let page_path = arguments.out.join(PAGE);
+    let table_path = arguments.out.join(SEARCHES);
     output_files::write_all(
         &[
             (Some(&page_path), &|path| write_whole(path, page.as_bytes())),
@@ -292,9 +293,9 @@ fn write_searches(path: &Path, parts: &[Part]) -> io::Result<()> {
     let mut file = WholeFile::create(path)?;
     file.write_all(b"search,cost,expansions,touched,points,cpu_s\n")?;
     for part in parts.iter().filter(|part| part.is_search()) {
-        let number = |value: Option<usize>| value.map_or_else(String::new, |value| value.to_string());
         let cost = part.cost().map_or_else(String::new, |cost| cost.to_string());
-        let [expansions, touched, points] = [part.expansions(), part.touched(), part.vertices()].map(number);
+        let [expansions, touched, points] = [part.expansions(), part.touched(), part.vertices()]
+            .map(|value| value.map_or_else(String::new, |value| value.to_string()));
         let name = part.words[0].to_string_lossy();
         writeln!(file, "{name},{cost},{expansions},{touched},{points},{}", part.cpu().as_secs_f64())?;
     }

@@ -119,9 +119,12 @@ enum PathMember<'a> {
 impl Serialize for MapReport<'_> {
     /// Serialises the members in their order; what does not apply is null.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let (computed, occupied, path) = (self.computed, self.occupied_cells, self.path_cells());
+        let computed = self.computed;
+        let occupied = self.occupied_cells;
+        let path = self.path_cells();
         let walk = computed.walk.as_ref();
-        let (search, graph) = (computed.search.as_ref(), computed.graph.as_ref());
+        let search = computed.search.as_ref();
+        let graph = computed.graph.as_ref();
         let report = object!(Map {
             program_version: PROGRAM_VERSION,
             map: self.path.display().to_string(),
@@ -185,7 +188,8 @@ fn size(report: &MapReport) -> String {
     let path = report.path.to_string_lossy();
     let path = visible(&path);
     let map = &report.map.occupied;
-    let (cells, occupied) = (report.cells(), report.occupied_cells);
+    let cells = report.cells();
+    let occupied = report.occupied_cells;
     let share = percent(occupied as f64 / cells as f64);
     let [rows, cols, cells] =
         [(map.rows(), "row"), (map.cols(), "column"), (cells, "cell")].map(|(n, of)| count(n, of));
@@ -194,7 +198,8 @@ fn size(report: &MapReport) -> String {
 
 /// Says how much of an image the tolerance hardly separates.
 fn near_tolerance(report: &MapReport) -> Option<String> {
-    let (percent, tolerance) = (percent(report.map.share_near()?), report.map.tolerance?);
+    let percent = percent(report.map.share_near()?);
+    let tolerance = report.map.tolerance?;
     Some(format!("Tolerance {tolerance}: {percent} % of the pixels within {NEAR_TOLERANCE} grey levels of it"))
 }
 
@@ -213,7 +218,8 @@ fn cpu(report: &MapReport) -> String {
 
 /// All values in rows and columns, those on the path with a star before them; `None` if they would not fit.
 fn values(report: &MapReport) -> Option<String> {
-    let (rows, cols) = (report.map.occupied.rows(), report.map.occupied.cols());
+    let rows = report.map.occupied.rows();
+    let cols = report.map.occupied.cols();
     if rows > MAX_ROWS || cols > MAX_WIDTH {
         return None;
     }
@@ -226,15 +232,20 @@ fn values(report: &MapReport) -> Option<String> {
             text.insert(0, '*');
         }
     }
-    let line = |row: &[String]| row.iter().map(|text| format!("{text:>width$}")).collect::<String>() + "\n";
-    (width * cols <= MAX_WIDTH).then(|| texts.chunks(cols).map(line).collect())
+    (width * cols <= MAX_WIDTH).then(|| {
+        texts
+            .chunks(cols)
+            .map(|row| row.iter().map(|text| format!("{text:>width$}")).collect::<String>() + "\n")
+            .collect()
+    })
 }
 
 /// Draws a report.
 pub fn with_scene<T>(report: &MapReport, draw: impl FnOnce(&MapScene) -> T) -> T {
     let computed = report.computed;
     let value = |place| drawn_value(report, place);
-    let (title, subtitle) = (report.title(), report.parameters());
+    let title = report.title();
+    let subtitle = report.parameters();
     let bare = MapScene::new(&title, computed.value_name, &report.map.occupied, &value);
     let scene = MapScene {
         subtitle: &subtitle,
@@ -276,7 +287,8 @@ fn drawn_value(report: &MapReport, place: Place) -> Option<f64> {
 
 /// Writes the film of a computation: cells as they were expanded, edges as they were added, or values in ascending order.
 pub fn write_film(report: &MapReport, path: &Path) -> io::Result<()> {
-    let (rows, cols) = (report.map.occupied.rows(), report.map.occupied.cols());
+    let rows = report.map.occupied.rows();
+    let cols = report.map.occupied.cols();
     let mut order = Grid::filled(rows, cols, None::<usize>);
     let steps = match (&report.computed.search, &report.computed.graph) {
         (Some(search), _) => {
@@ -314,6 +326,9 @@ pub fn write_film(report: &MapReport, path: &Path) -> io::Result<()> {
 fn safety_zone(occupied: &Grid<bool>, arguments: &CostArguments) -> Grid<bool> {
     let (rows, cols) = (occupied.rows(), occupied.cols());
     let Some(distances) = brushfire(occupied, Connectivity::Four) else { return Grid::filled(rows, cols, false) };
-    let is_near = |&value: &u16| value - 1 < arguments.safety_distance;
-    Grid::from_values(rows, cols, distances.values().iter().map(is_near).collect())
+    Grid::from_values(
+        rows,
+        cols,
+        distances.values().iter().map(|&value| value - 1 < arguments.safety_distance).collect(),
+    )
 }

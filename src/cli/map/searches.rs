@@ -206,8 +206,12 @@ pub fn best_first<P: Args + Ordered>(
     Search { ends, parameters, .. }: &Search<P>,
 ) -> Result<Computed, MapInputError> {
     let SearchParameters { neighbours, corners } = parameters.search();
-    let (ends, neighbours, corners) = (ends.places(), neighbours.connectivity, corners.rule());
-    let ((name, command), order, connectivity) = (parameters.names(), parameters.order(), neighbours.into());
+    let ends = ends.places();
+    let neighbours = neighbours.connectivity;
+    let corners = corners.rule();
+    let (name, command) = parameters.names();
+    let order = parameters.order();
+    let connectivity = neighbours.into();
     let search = |order| search_best_first(occupied, ends, order, connectivity, corners);
     let title = with_corners(title_with_neighbours(&name, neighbours), corners);
     let mut found = answer(occupied, command, ends, || search(order))?;
@@ -223,7 +227,8 @@ pub fn any_angle(
     occupied: &Grid<bool>,
     Search { ends, parameters, .. }: &Search<EightSearchParameters>,
 ) -> Result<Computed, MapInputError> {
-    let (ends, corners) = (ends.places(), parameters.corners.rule());
+    let ends = ends.places();
+    let corners = parameters.corners.rule();
     let mut found = answer(occupied, "theta", ends, || theta_star(occupied, ends, corners))?;
     if let Some(Walk { path, .. }) = &mut found.walk {
         path.is_any_angle = true;
@@ -236,7 +241,8 @@ pub fn jumps(
     occupied: &Grid<bool>,
     Search { ends, parameters, .. }: &Search<EightSearchParameters>,
 ) -> Result<Computed, MapInputError> {
-    let (ends, corners) = (ends.places(), parameters.corners.rule());
+    let ends = ends.places();
+    let corners = parameters.corners.rule();
     let found = answer(occupied, "jps", ends, || jump_point_search(occupied, ends, corners))?;
     Ok(Computed { title: with_corners("Jump point search, 8 neighbours".to_owned(), corners), ..found })
 }
@@ -285,7 +291,8 @@ pub fn diagram(occupied: &Grid<bool>, arguments: &VoronoiArguments) -> Result<Co
         *value = if is_on { *value } else { 0.0 };
     }
     let title = with_corners(format!("Voronoi diagram, {}", count(found.sites, "site")), corners);
-    let (bare, goal) = (NoData::Zero("off the diagram"), ends.map(|(_, goal)| goal));
+    let bare = NoData::Zero("off the diagram");
+    let goal = ends.map(|(_, goal)| goal);
     let computed = Computed::new(title, "clearance in cells", (Values::Reals(values), cpu_map));
     Ok(Computed { bare, goal, walk, cpu_path, ..computed })
 }

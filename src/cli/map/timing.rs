@@ -120,7 +120,8 @@ fn free_cell_nearest_centre(occupied: &Grid<bool>) -> Option<Place> {
     let places = (0..rows).flat_map(|row| (0..cols).map(move |col| (row, col)));
     // Twice the offset from the centre is a whole number.
     let distance = |&(row, col): &Place| {
-        let (row, col) = ((2 * row).abs_diff(rows - 1), (2 * col).abs_diff(cols - 1));
+        let row = (2 * row).abs_diff(rows - 1);
+        let col = (2 * col).abs_diff(cols - 1);
         row * row + col * col
     };
     places.filter(|&place| !occupied[place]).min_by_key(distance)

@@ -49,7 +49,8 @@ impl SearchTrace {
         let mut file = WholeFile::create(path)?;
         file.write_all(b"order,row,col,cost\n")?;
         for (order, &index) in self.expanded.iter().enumerate() {
-            let (row, col) = (index as usize / cols, index as usize % cols);
+            let row = index as usize / cols;
+            let col = index as usize % cols;
             writeln!(file, "{order},{row},{col},{}", cost((row, col)))?;
         }
         file.finish()
@@ -72,7 +73,8 @@ pub struct GraphTrace {
 impl GraphTrace {
     pub fn sentence(&self) -> String {
         let cost = self.cost.map(|cost| format!(", cost {}", rounded(cost, 3))).unwrap_or_default();
-        let (samples, edges) = (count(self.samples as usize, "sample"), count(self.edges.len(), "edge"));
+        let samples = count(self.samples as usize, "sample");
+        let edges = count(self.edges.len(), "edge");
         let points = count(self.vertices, "point");
         format!("{samples}, {points} and {edges}{cost}.")
     }
@@ -91,8 +93,14 @@ impl GraphTrace {
 
 /// Writes a path through points, `row,column` a line, whole numbers at the centres of cells.
 pub fn write_points(path: &Path, points: &[Spot]) -> io::Result<()> {
-    let line = |&(row, col): &Spot| format!("{},{}\n", real_text(row), real_text(col));
-    write_whole(path, points.iter().map(line).collect::<String>().as_bytes())
+    write_whole(
+        path,
+        points
+            .iter()
+            .map(|&(row, col)| format!("{},{}\n", real_text(row), real_text(col)))
+            .collect::<String>()
+            .as_bytes(),
+    )
 }
 
 /// The text of a number as tables of values have it.

@@ -26,8 +26,7 @@ use crate::cli::terminal;
 use crate::cli::together;
 use wildfire_base::input_file::is_standard_stream;
 use wildfire_batch::{
-    Attempt, AttemptSettings, DriveQuery, DriveTable, PlannerSummary, ask_all, asked_planners, expect_known_planners,
-    file_name_of,
+    AttemptSettings, DriveTable, PlannerSummary, ask_all, asked_planners, expect_known_planners, file_name_of,
 };
 use wildfire_planning::PlannerName;
 use wildfire_sim::scenario::{LoadedScenario, Problem};
@@ -149,18 +148,24 @@ fn write_files(
 /// The log of all attempts: a planner for each that was asked.
 fn ompl_log<'a>(arguments: &PlanArguments, report: &'a PlanReport, started: Option<Started>) -> OmplLog<'a> {
     let problem = |problem: &Problem| {
-        let (frame, goals) = (problem.terrain.frame, problem.goals.len());
+        let frame = problem.terrain.frame;
+        let goals = problem.goals.len();
         format!("field {}, {} x {} m, {goals} goals", problem.name, frame.width_m(), frame.height_m())
     };
     let planner = |planner: &'a PlannerName| {
         let own = report.attempts.iter().zip(&report.drives.rows).filter(|(attempt, _)| attempt.planner == *planner);
-        let run = |(attempt, query): (&Attempt, &'a DriveQuery)| OmplRun {
-            problem: report.number_of(attempt.problem),
-            seed: report.seed,
-            query,
-        };
         let settings = planner_settings(planner, report.loaded);
-        OmplPlanner { name: planner.name(), settings, runs: own.map(run).collect() }
+        OmplPlanner {
+            name: planner.name(),
+            settings,
+            runs: own
+                .map(|(attempt, query)| OmplRun {
+                    problem: report.number_of(attempt.problem),
+                    seed: report.seed,
+                    query,
+                })
+                .collect(),
+        }
     };
     OmplLog {
         scenario: &report.loaded.scenario.name,

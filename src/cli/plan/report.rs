@@ -118,8 +118,14 @@ impl From<&PlanReport<'_>> for Document {
         let goals = count(report.problems.iter().map(|problem| problem.goals.len()).sum(), "goal");
         let changes: String = report.changes.iter().map(|change| format!(", {change}")).collect();
         let settings = format!("Settings of the scenario `{}`{changes}.", report.loaded.scenario.name);
-        let budget = |planner: &PlannerName| format!("Budget of {planner}: {}.", budget(planner, report.loaded));
-        let settings = std::iter::once(settings).chain(report.planners.iter().map(budget)).collect();
+        let settings = std::iter::once(settings)
+            .chain(
+                report
+                    .planners
+                    .iter()
+                    .map(|planner| format!("Budget of {planner}: {}.", budget(planner, report.loaded))),
+            )
+            .collect();
         let mut document = Self::new(format!("{fields}, {goals}, seed {}", report.seed)).with([Block::List(settings)]);
         if report.attempts.len() <= SHOWN_ROWS {
             document.add(rows_table(&report.drives.rows));

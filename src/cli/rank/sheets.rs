@@ -10,7 +10,7 @@ use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::untrusted::visible_start;
 use wildfire_base::whole_file::write_whole;
 use wildfire_batch::BatchPlan;
-use wildfire_batch::comparison::{RankedEntry, Ranking, WorstRun, decimals, ranks};
+use wildfire_batch::comparison::{RankedEntry, Ranking, decimals, ranks};
 
 /// Writes the sheets as `NAME.md`.
 pub fn write(folder: &Path, ranking: &Ranking) -> Result<(), CliError> {
@@ -31,7 +31,8 @@ pub fn write(folder: &Path, ranking: &Ranking) -> Result<(), CliError> {
 }
 
 fn sheet(ranking: &Ranking, place: usize, entry: &RankedEntry) -> Document {
-    let (metric, digits) = (visible_start(&ranking.metric.name), decimals(ranking));
+    let metric = visible_start(&ranking.metric.name);
+    let digits = decimals(ranking);
     let title = format!("{}: rank {} of {}", visible_start(&entry.name), ranks(entry.ranks), ranking.entries.len());
     let mut lines = vec![format!("Mean {metric} over {}: {}", count(ranking.runs, "run"), rounded(entry.mean, digits))];
     if let Some(contrast) = ranking.pair(0, place).map(|pair| &pair.contrast) {
@@ -44,13 +45,17 @@ fn sheet(ranking: &Ranking, place: usize, entry: &RankedEntry) -> Document {
     lines.push(format!("Failed queries: {} of {queries}", entry.queries.failed));
     let mut sheet = Document::new(title).with([Block::List(lines)]);
     if !entry.failures.is_empty() {
-        let row = |(reason, number): &(String, u64)| vec![reason.replace('_', " "), number.to_string()];
         sheet.add(Block::Heading("Failed queries by reason".into()));
-        sheet.add(Table::new(&["Reason", "Queries"], entry.failures.iter().map(row).collect()));
+        sheet.add(Table::new(
+            &["Reason", "Queries"],
+            entry.failures.iter().map(|(reason, number)| vec![reason.replace('_', " "), number.to_string()]).collect(),
+        ));
     }
     sheet.add(Block::Heading("Worst runs".into()));
-    let row = |run: &WorstRun| vec![run.seed.to_string(), rounded(run.value, digits)];
-    sheet.add(Table::new(&["Seed", &metric], entry.worst_runs.iter().map(row).collect()));
+    sheet.add(Table::new(
+        &["Seed", &metric],
+        entry.worst_runs.iter().map(|run| vec![run.seed.to_string(), rounded(run.value, digits)]).collect(),
+    ));
     let commands = commands(entry);
     if !commands.is_empty() {
         sheet.add(Block::Text("These commands simulate the runs again and write a page of each:".into()));

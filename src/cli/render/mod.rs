@@ -109,10 +109,14 @@ pub fn run(arguments: &RenderArguments, context: &CommandContext) -> Result<Exit
 fn check(arguments: &RenderArguments) -> Result<(), CliError> {
     let show = &arguments.show;
     let inputs = [Some(&show.source), show.with.as_ref()].into_iter().flatten().map(Path::new).collect();
-    let (still, gif, mp4, page) = (&arguments.out, &arguments.gif, &arguments.mp4, &arguments.page);
+    let still = &arguments.out;
+    let gif = &arguments.gif;
+    let mp4 = &arguments.mp4;
+    let page = &arguments.page;
     let files = Files { inputs, ..Files::default() };
     files.writing([(Format::Png, still), (Format::Gif, gif), (Format::Mp4, mp4), (Format::Html, page)]).check()?;
-    let (width, height) = (show.size.width, show.size.height);
+    let width = show.size.width;
+    let height = show.size.height;
     if arguments.mp4.is_some() && (width % 2 == 1 || height % 2 == 1) {
         let sentence = format!("--size is {width}x{height}; expected even numbers of pixels with --mp4");
         return Err(CliError::bad_input(sentence, None));
@@ -121,9 +125,10 @@ fn check(arguments: &RenderArguments) -> Result<(), CliError> {
 }
 
 fn run_views(arguments: &RenderArguments, context: &CommandContext) -> Result<Vec<RunView>, CliError> {
-    let needs_searches = |&layer: &Layer| layer.needs_searches() && arguments.show.layers().contains(layer);
     // A page has the layers of searches to switch on, as the window has.
-    let searches = if arguments.page.is_some() || Layer::ALL.iter().any(needs_searches) {
+    let searches = if arguments.page.is_some()
+        || Layer::ALL.iter().any(|&layer| layer.needs_searches() && arguments.show.layers().contains(layer))
+    {
         Searches::Recorded
     } else {
         Searches::LeftOut

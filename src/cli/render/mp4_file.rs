@@ -81,7 +81,8 @@ impl Encoder {
             ),
             _ => CliError::environment(format_args!("cannot start ffmpeg: {error}")),
         })?;
-        let (frames, stderr) = (child.stdin.take(), child.stderr.take());
+        let frames = child.stdin.take();
+        let stderr = child.stderr.take();
         // What it says is read all the time, or it would wait for a reader while we wait for it.
         let words = stderr.map(|stderr| thread::spawn(move || last_line(stderr)));
         Ok(Self { child, frames, words })

@@ -122,7 +122,8 @@ fn check_fleet(zoom: f64, setting: &Setting) -> Result<(), CliError> {
 }
 
 fn share_of_field(point: DVec2, setting: &Setting) -> Result<DVec2, CliError> {
-    let (width, height) = (setting.frame.width_m(), setting.frame.height_m());
+    let width = setting.frame.width_m();
+    let height = setting.frame.height_m();
     let share = DVec2::new(point.x / width, point.y / height);
     if DVec2::ZERO.cmple(share).all() && share.cmple(DVec2::ONE).all() {
         return Ok(share);
@@ -152,14 +153,17 @@ impl FromStr for Size {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let sides = text.split_once(['x', 'X']).and_then(|(width, height)| {
-            let (width, height) = (width.trim().parse().ok()?, height.trim().parse().ok()?);
+            let width = width.trim().parse().ok()?;
+            let height = height.trim().parse().ok()?;
             let max = FrameLayout::MAX_SIDE;
             let fits =
                 (FrameLayout::MIN_WIDTH..=max).contains(&width) && (FrameLayout::MIN_HEIGHT..=max).contains(&height);
             fits.then_some(Self { width, height })
         });
         sides.ok_or_else(|| {
-            let (width, height, max) = (FrameLayout::MIN_WIDTH, FrameLayout::MIN_HEIGHT, FrameLayout::MAX_SIDE);
+            let width = FrameLayout::MIN_WIDTH;
+            let height = FrameLayout::MIN_HEIGHT;
+            let max = FrameLayout::MAX_SIDE;
             format!("expected width and height in pixels from {width}x{height} to {max}x{max}")
         })
     }
@@ -210,7 +214,8 @@ fn parse_followed(text: &str) -> Result<CameraTarget, String> {
 
 fn parse_selected(text: &str) -> Result<Selected, String> {
     let cell = text.split_once(',').and_then(|(col, row)| {
-        let (col, row) = (numbers::parse(col.trim())?, numbers::parse(row.trim())?);
+        let col = numbers::parse(col.trim())?;
+        let row = numbers::parse(row.trim())?;
         Some(Selected::Bush(Cell { col, row }))
     });
     let selected = cell.or_else(|| parse_agent(text).ok().map(Selected::Agent));

@@ -80,7 +80,8 @@ fn second_source(
     first: &Named,
     context: &CommandContext,
 ) -> Result<Option<Source>, CliError> {
-    let (changes, memory) = (&arguments.with_overrides, arguments.memory.memory);
+    let changes = &arguments.with_overrides;
+    let memory = arguments.memory.memory;
     match &arguments.with {
         Some(name) => Source::new(&Named::open(name)?, changes, memory, context).map(Some),
         None if changes.is_empty() && arguments.with_seed.is_none() => Ok(None),

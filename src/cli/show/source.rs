@@ -182,7 +182,8 @@ impl Source {
     /// Names what is left out of a batch with more than one variant.
     pub fn note(&self) -> Option<String> {
         let Self::Batch { batch, title, .. } = self else { return None };
-        let (folder, variants) = (batch.folder().display(), batch.plan().variants.len());
+        let folder = batch.folder().display();
+        let variants = batch.plan().variants.len();
         (variants > 1).then(|| format!("{folder} has {variants} variants; using the first, {title}"))
     }
 
@@ -225,7 +226,8 @@ pub fn run_of_batch(
 fn planned_run<'a>(batch: &'a FinishedBatch, seeds: &[u64], seed: Option<u64>) -> Result<PlannedRun<'a>, CliError> {
     let found = seed.map_or(Some(0), |seed| seeds.iter().position(|&known| known == seed));
     let index = found.ok_or_else(|| {
-        let (folder, all) = (batch.folder().display(), &batch.plan().seeds);
+        let folder = batch.folder().display();
+        let all = &batch.plan().seeds;
         let sentence = format!("{folder} has no seed {}; its seeds are {all}", seed.unwrap_or_default());
         CliError::bad_input(sentence, None)
     })?;

@@ -184,7 +184,8 @@ fn add_folder(folder: &Path, place: &Path, depth: usize, found: &mut Vec<(PathBu
     let mut entries = fs::read_dir(folder)?.collect::<io::Result<Vec<_>>>()?;
     entries.sort_by_key(fs::DirEntry::file_name);
     for entry in entries {
-        let (path, place) = (entry.path(), place.join(entry.file_name()));
+        let path = entry.path();
+        let place = place.join(entry.file_name());
         if entry.file_type()?.is_dir() {
             if depth < DEEPEST {
                 add_folder(&path, &place, depth + 1, found)?;

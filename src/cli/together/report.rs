@@ -56,7 +56,8 @@ impl Figures {
     fn new(instance: &Instance, routes: &[Route]) -> Self {
         let (sum_m, max_m) = instance.bounds_m();
         let flowtimes = || routes.iter().map(Route::flowtime_m);
-        let (flowtime_m, makespan_m) = (flowtimes().sum::<f64>(), flowtimes().fold(0.0, f64::max));
+        let flowtime_m = flowtimes().sum::<f64>();
+        let makespan_m = flowtimes().fold(0.0, f64::max);
         // Vehicles that are all at their goals have a bound of 0.
         let over = |metres: f64, bound_m: f64| lower_bound_ratio(metres, bound_m).unwrap_or(1.0);
         Self {
@@ -180,7 +181,8 @@ struct Summary {
 impl Summary {
     fn new(maps: String, rows: &[&Row]) -> Self {
         let having = |status: &str| rows.iter().filter(|row| row.status == status).count();
-        let (blocked, solved) = (having("blocked"), having("solved"));
+        let blocked = having("blocked");
+        let solved = having("solved");
         let judged = rows.len() - blocked;
         let cpu = |row: &Row| (row.status != "blocked").then_some(row.cpu_s);
         Self {

@@ -103,10 +103,13 @@ impl Page<'_> {
                     self.begun += 1;
                 }
                 Block::Contents => {
-                    let link = |section: &Section<'_>| {
-                        format!("<li><a href=\"#{}\">{}</a></li>\n", address(&section.id), escaped(section.heading))
-                    };
-                    let links: String = self.sections.iter().map(link).collect();
+                    let links: String = self
+                        .sections
+                        .iter()
+                        .map(|section| {
+                            format!("<li><a href=\"#{}\">{}</a></li>\n", address(&section.id), escaped(section.heading))
+                        })
+                        .collect();
                     self.text.push_str(&format!("<nav aria-label=\"Contents\">\n<ul>\n{links}</ul>\n</nav>\n"));
                 }
                 Block::Folded(title, blocks) => {
@@ -144,7 +147,8 @@ fn push_block(text: &mut String, block: &Block) {
         Block::Verbatim(lines) => text.push_str(&format!("<pre>{}</pre>\n", escaped(lines))),
         Block::Figure(figure) => push_figure(text, figure),
         Block::Image { caption, png } => {
-            let (caption, data) = (escaped(caption), BASE64.encode(png));
+            let caption = escaped(caption);
+            let data = BASE64.encode(png);
             text.push_str("<figure>\n<img alt=\"\" src=\"data:image/png;base64,");
             text.push_str(&data);
             text.push_str(&format!("\">\n<figcaption>{caption}</figcaption>\n</figure>\n"));
@@ -164,11 +168,14 @@ fn push_figure(text: &mut String, Figure { svg, file, more_files }: &Figure) {
     text.push_str(&format!("<figure>\n<div class=\"wide\">\n{svg}</div>\n"));
     if let Some(file) = file {
         let forms = ["svg", "png"].map(|ending| format!("{file}.{ending}"));
-        let link = |path: &String| {
-            let ending = path.rsplit_once('.').map_or(path.as_str(), |(_, ending)| ending);
-            format!(" <a href=\"{}\">{}</a>", address(path), escaped(ending))
-        };
-        let links: String = forms.iter().chain(more_files).map(link).collect();
+        let links: String = forms
+            .iter()
+            .chain(more_files)
+            .map(|path| {
+                let ending = path.rsplit_once('.').map_or(path.as_str(), |(_, ending)| ending);
+                format!(" <a href=\"{}\">{}</a>", address(path), escaped(ending))
+            })
+            .collect();
         text.push_str(&format!("<figcaption>{}:{links}</figcaption>\n", escaped(file)));
     }
     text.push_str("</figure>\n");
@@ -180,10 +187,12 @@ fn push_table(text: &mut String, table: &Table) {
     if let Some(caption) = &table.caption {
         text.push_str(&format!("<caption>{}</caption>\n", escaped(caption)));
     }
-    let heading = |(column, heading): (usize, &String)| {
-        format!("<th{}>{}</th>", class(column), escaped(heading).replace('\n', "<br>"))
-    };
-    let headings: String = table.headings.iter().enumerate().map(heading).collect();
+    let headings: String = table
+        .headings
+        .iter()
+        .enumerate()
+        .map(|(column, heading)| format!("<th{}>{}</th>", class(column), escaped(heading).replace('\n', "<br>")))
+        .collect();
     text.push_str(&format!("<thead><tr>{headings}</tr></thead>\n"));
     for row in &table.rows {
         let cell = |(column, cell): (usize, &String)| format!("<td{}>{}</td>", class(column), escaped(cell));

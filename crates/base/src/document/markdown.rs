@@ -34,8 +34,7 @@ fn push_blocks(text: &mut String, blocks: &[Block]) {
                 visible_lines(lines).lines().for_each(|line| text.push_str(&format!("    {line}\n")));
             }
             Block::Figure(figure) => {
-                let written = |file: &String| format!("![{0}]({0}.png)\n", escaped(file));
-                text.extend(figure.file.iter().map(written));
+                text.extend(figure.file.iter().map(|file| format!("![{0}]({0}.png)\n", escaped(file))));
             }
             Block::Contents => {}
             Block::Image { caption, .. } => text.push_str(&format!("{}\n", escaped(caption))),

@@ -16,8 +16,10 @@ pub fn beside_limit(number: f64, limit: f64, decimals: usize) -> [String; 2] {
     let order = number.partial_cmp(&limit);
     let written = (decimals..=15).map(|decimals| [number, limit].map(|value| rounded(value, decimals)));
     let parsed = |text: &String| text.parse::<f64>().ok();
-    let shows_order = |texts: &[String; 2]| parsed(&texts[0]).partial_cmp(&parsed(&texts[1])) == order;
-    written.into_iter().find(shows_order).unwrap_or_else(|| [number, limit].map(|value| value.to_string()))
+    written
+        .into_iter()
+        .find(|texts| parsed(&texts[0]).partial_cmp(&parsed(&texts[1])) == order)
+        .unwrap_or_else(|| [number, limit].map(|value| value.to_string()))
 }
 
 /// The same as [`rounded`] for a number that may not exist, which is shown as a dash.

@@ -72,14 +72,16 @@ impl FieldFrame {
 
     /// The cell that holds a point; `None` outside the field. A shared edge belongs to the cell in the north or east.
     pub fn cell_at(&self, point: DVec2) -> Option<Cell> {
-        let (col, row) = ((point.x / self.cell_m).floor(), (point.y / self.cell_m).floor());
+        let col = (point.x / self.cell_m).floor();
+        let row = (point.y / self.cell_m).floor();
         let inside = col >= 0.0 && row >= 0.0 && col < f64::from(self.cols) && row < f64::from(self.rows);
         inside.then_some(Cell { col: col as u16, row: row as u16 })
     }
 
     /// The cell at an offset, if it lies in the field.
     pub fn offset(&self, cell: Cell, cols: i32, rows: i32) -> Option<Cell> {
-        let (col, row) = (i32::from(cell.col) + cols, i32::from(cell.row) + rows);
+        let col = i32::from(cell.col) + cols;
+        let row = i32::from(cell.row) + rows;
         let inside = col >= 0 && row >= 0 && col < i32::from(self.cols) && row < i32::from(self.rows);
         inside.then_some(Cell { col: col as u16, row: row as u16 })
     }

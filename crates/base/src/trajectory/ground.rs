@@ -107,9 +107,11 @@ mod tests {
     #[test]
     fn where_all_is_road_a_drive_is_as_fast_as_without_ground_and_nowhere_faster() {
         let mut rng = rng::stream(5, "ground");
-        let (roads, none) = (ground(|_| true), ground(|_| false));
+        let roads = ground(|_| true);
+        let none = ground(|_| false);
         for _ in 0..50 {
-            let (path, limits) = (random_path(&mut rng), random_limits(&mut rng));
+            let path = random_path(&mut rng);
+            let limits = random_limits(&mut rng);
             let plain = Trajectory::from_path(&path, SimTime::ZERO, limits);
             assert_eq!(Trajectory::over_ground(&path, SimTime::ZERO, limits, &roads), plain);
             let slow = Trajectory::over_ground(&path, SimTime::ZERO, limits, &none);

@@ -163,7 +163,8 @@ fn drive_segment(
     if way_to(peak, entry, per_gain) + way_to(peak, exit, per_loss) > length {
         peak = ((length + per_gain * entry * entry + per_loss * exit * exit) / (per_gain + per_loss)).sqrt();
     }
-    let (gaining, losing) = (way_to(peak, entry, per_gain), way_to(peak, exit, per_loss));
+    let gaining = way_to(peak, entry, per_gain);
+    let losing = way_to(peak, exit, per_loss);
     let lengths = without_slivers([gaining, length - gaining - losing, losing], length);
     let phases = [
         (lengths[0], entry, limits.acceleration_mps2.unwrap_or(0.0)),
@@ -272,7 +273,8 @@ pub(super) mod tests {
     fn profiles_keep_their_limits_and_the_path() {
         let mut rng = rng::stream(2, "trajectory/profile");
         for _ in 0..300 {
-            let (path, limits) = (random_path(&mut rng), random_limits(&mut rng));
+            let path = random_path(&mut rng);
+            let limits = random_limits(&mut rng);
             let drive = Trajectory::from_path(&path, SimTime::ZERO, limits);
             let speeds = speeds(&drive);
             for (piece, (entry, exit, segment)) in drive.pieces().iter().zip(&speeds) {
@@ -332,7 +334,8 @@ pub(super) mod tests {
         // Somewhere in every segment the speed is at its limit, or the segment is all speeding up and braking.
         let mut rng = rng::stream(3, "trajectory/profile");
         for _ in 0..300 {
-            let (path, limits) = (random_path(&mut rng), random_limits(&mut rng));
+            let path = random_path(&mut rng);
+            let limits = random_limits(&mut rng);
             let drive = Trajectory::from_path(&path, SimTime::ZERO, limits);
             for (piece, (entry, _, segment)) in drive.pieces().iter().zip(speeds(&drive)) {
                 let Piece::Drive { acceleration_mps2, .. } = *piece else { unreachable!("profiles hold drives only") };
@@ -348,7 +351,8 @@ pub(super) mod tests {
     fn position_and_speed_agree() {
         let mut rng = rng::stream(4, "trajectory/profile");
         for _ in 0..50 {
-            let (path, limits) = (random_path(&mut rng), random_limits(&mut rng));
+            let path = random_path(&mut rng);
+            let limits = random_limits(&mut rng);
             let drive = Trajectory::from_path(&path, SimTime::ZERO, limits);
             let step = drive.duration_s() / 5000.0;
             let mut integrated = 0.0;

@@ -155,7 +155,8 @@ mod tests {
                 assert_eq!(cut.state_at(before), drive.state_at(before));
             }
             assert!(cut.end_time() <= drive.end_time() || braking.is_some());
-            let (from, until) = (at.as_nanos(), cut.end_time().as_nanos().max(at.as_nanos()) + 1);
+            let from = at.as_nanos();
+            let until = cut.end_time().as_nanos().max(at.as_nanos()) + 1;
             for _ in 0..20 {
                 let after = SimTime::from_nanos(rng.random_range(from..until));
                 let (pose, speed) = cut.state_at(after);
@@ -173,7 +174,8 @@ mod tests {
         for _ in 0..200 {
             let limits = random_limits(&mut rng);
             let drive = Trajectory::from_path(&random_path(&mut rng), SimTime::from_seconds(3.0), limits);
-            let (start, end) = (drive.start_time().as_nanos(), drive.end_time().as_nanos());
+            let start = drive.start_time().as_nanos();
+            let end = drive.end_time().as_nanos();
             let at = SimTime::from_nanos(rng.random_range(start + 1..end));
             let cut = drive.stopping(at, &SpeedLimits { braking_mps2: None, ..limits });
             assert_eq!(cut.end_time(), at);

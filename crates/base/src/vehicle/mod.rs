@@ -115,8 +115,8 @@ impl Dimensions {
 
     /// Returns the limit of its steering, if it has one.
     pub fn steering_limits(&self) -> Option<SteeringLimits> {
-        let limits = |rate: f64| SteeringLimits { rate_rad_s: rate.to_radians(), wheelbase_m: self.wheelbase_m };
-        self.steering_rate_deg_s.map(limits)
+        self.steering_rate_deg_s
+            .map(|rate| SteeringLimits { rate_rad_s: rate.to_radians(), wheelbase_m: self.wheelbase_m })
     }
 
     /// Returns the metres that the fastest point of the body moves for a metre of the rear axle: on an arc, the distance

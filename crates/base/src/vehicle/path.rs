@@ -234,7 +234,9 @@ mod tests {
     fn closed_form_agrees_with_small_steps() {
         let segment = Segment { curvature: -1.0 / 13.0, length_m: -7.0 };
         let start = Pose::new(3.0, -2.0, 2.9);
-        let (mut x, mut y, mut heading) = (start.x, start.y, start.heading);
+        let mut x = start.x;
+        let mut y = start.y;
+        let mut heading = start.heading;
         let steps = 200_000;
         let step = segment.length_m / f64::from(steps);
         for _ in 0..steps {

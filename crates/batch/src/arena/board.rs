@@ -295,7 +295,8 @@ fn difference_of_file((path, expected): &(PathBuf, String)) -> Option<String> {
     };
     let is_of_program = |line: &str| OF_THE_PROGRAM.iter().any(|start| line.trim_start().starts_with(start));
     let lines = |text: &'_ str| text.split('\n').map(str::to_owned).collect::<Vec<_>>();
-    let (found, expected) = (lines(&found), lines(expected));
+    let found = lines(&found);
+    let expected = lines(expected);
     let place = (0..found.len().max(expected.len())).find(|&place| match (found.get(place), expected.get(place)) {
         (Some(found), Some(expected)) => {
             found.trim_end_matches('\r') != expected && !(is_of_program(found) && is_of_program(expected))
@@ -303,7 +304,8 @@ fn difference_of_file((path, expected): &(PathBuf, String)) -> Option<String> {
         _ => true,
     })?;
     let line = |lines: &[String]| lines.get(place).cloned().unwrap_or_default();
-    let (found, expected) = (line(&found), line(&expected));
+    let found = line(&found);
+    let expected = line(&expected);
     let same = found.chars().zip(expected.chars()).take_while(|(one, other)| one == other).count();
     let shown = |line: &str| {
         visible(&line.chars().skip(same.saturating_sub(BEFORE)).take(SHOWN).collect::<String>()).into_owned()
@@ -331,10 +333,11 @@ impl BoardEntry {
             .into_iter()
             .map(|(name, scores)| (name.to_owned(), scores.mean().unwrap_or(f64::NAN), scores.mean_interval()))
             .collect();
-        let worse = |one: &usize, other: &usize| {
-            track.better.best_first(by_condition[*other].1, by_condition[*one].1).then(one.cmp(other))
-        };
-        let worst = (0..by_condition.len()).min_by(worse).unwrap_or(0);
+        let worst = (0..by_condition.len())
+            .min_by(|one, other| {
+                track.better.best_first(by_condition[*other].1, by_condition[*one].1).then(one.cmp(other))
+            })
+            .unwrap_or(0);
         let mut found = Self {
             card: entry.card.clone(),
             class,
@@ -361,9 +364,11 @@ impl BoardEntry {
             Better::Higher => known.fold(0.0, f64::min),
             Better::Lower => known.fold(0.0, f64::max),
         };
-        let decides = |row: &&&ArenaRow| !track.worst_decides || place(row) == self.worst;
         let stratum = |row: &ArenaRow| if track.worst_decides { 0 } else { place(row) };
-        rows.iter().filter(decides).map(|row| (row.seed, stratum(row), row.score.unwrap_or(worst_score))).collect()
+        rows.iter()
+            .filter(|row| !track.worst_decides || place(row) == self.worst)
+            .map(|row| (row.seed, stratum(row), row.score.unwrap_or(worst_score)))
+            .collect()
     }
 }
 
@@ -405,9 +410,8 @@ impl TrackBoard {
             .collect();
         widths.sort_by(f64::total_cmp);
         let noise_floor = widths.get(widths.len() / 2).copied();
-        let place = |entry: &BoardEntry| ranking.entries.iter().position(|ranked| ranked.name == entry.card.name);
         let mut entries: Vec<BoardEntry> = found.into_iter().map(|(entry, _)| entry).collect();
-        entries.sort_by_key(place);
+        entries.sort_by_key(|entry| ranking.entries.iter().position(|ranked| ranked.name == entry.card.name));
         Self { track, ranking, entries, noise_floor }
     }
 }
@@ -431,7 +435,8 @@ impl Serialize for TrackBoard {
 }
 
 fn entry(board: &TrackBoard, place: usize) -> impl Serialize {
-    let (entry, ranked) = (&board.entries[place], &board.ranking.entries[place]);
+    let entry = &board.entries[place];
+    let ranked = &board.ranking.entries[place];
     let next = board.ranking.pair(place, place + 1).map(|pair| {
         object!(Next {
             difference: pair.contrast.difference,

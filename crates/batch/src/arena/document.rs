@@ -151,11 +151,14 @@ fn figure(drawing: &Drawing) -> Block {
 }
 
 fn hashes_table(board: &TrackBoard) -> Table {
-    let row = |entry: &BoardEntry| {
-        let class = entry.class.name().to_owned();
-        vec![name(entry), class, entry.rows_hash.clone(), entry.entry_hash.clone()]
-    };
-    let rows = board.entries.iter().map(row).collect();
+    let rows = board
+        .entries
+        .iter()
+        .map(|entry| {
+            let class = entry.class.name().to_owned();
+            vec![name(entry), class, entry.rows_hash.clone(), entry.entry_hash.clone()]
+        })
+        .collect();
     let table = Table { text_columns: 4, ..Table::new(&["Entry", "Class", "All rows", "Files"], rows) };
     table.with_caption("SHA-256, the first 16 digits")
 }

@@ -110,7 +110,8 @@ fn folder_of(path: &Path) -> &Path {
 fn collect(root: &Path, below: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
     for found in fs::read_dir(root.join(below))? {
         let found = found?;
-        let (name, kind) = (below.join(found.file_name()), found.file_type()?);
+        let name = below.join(found.file_name());
+        let kind = found.file_type()?;
         if kind.is_dir() {
             collect(root, &name, files)?;
         } else if kind.is_file() {

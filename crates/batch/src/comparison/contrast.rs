@@ -224,9 +224,12 @@ fn differences_by_seed(pairs: &[NumberPair], strata: &ByStratum) -> Vec<f64> {
     let of_stratum: BTreeMap<usize, f64> =
         strata.contrasts.iter().map(|(stratum, contrast)| (*stratum, contrast.difference)).collect();
     let mean = pairs.iter().map(NumberPair::difference).sum::<f64>() / pairs.len() as f64;
-    let beside = |pair: &NumberPair| pair.difference() - of_stratum[&pair.stratum];
     let share = seeds as f64 / pairs.len() as f64;
-    of_seeds(pairs).map(|of_seed| mean + share * of_seed.iter().map(beside).sum::<f64>()).collect()
+    of_seeds(pairs)
+        .map(|of_seed| {
+            mean + share * of_seed.iter().map(|pair| pair.difference() - of_stratum[&pair.stratum]).sum::<f64>()
+        })
+        .collect()
 }
 
 fn of_seeds(pairs: &[NumberPair]) -> impl Iterator<Item = &[NumberPair]> {
@@ -303,7 +306,8 @@ fn means(pairs: &[[f64; 2]]) -> [f64; 2] {
 }
 
 fn contrast_answers(metric: &Metric, pairs: impl Iterator<Item = (bool, bool)>) -> Option<Contrast> {
-    let (mut answers, mut differences) = (PairedAnswers::default(), Series::default());
+    let mut answers = PairedAnswers::default();
+    let mut differences = Series::default();
     pairs.for_each(|(ours, theirs)| {
         answers.add(ours, theirs);
         differences.add(f64::from(i8::from(theirs) - i8::from(ours)));

@@ -117,7 +117,8 @@ fn pairing(pairs: &Pairs, letter: char) -> String {
     }
     if let several @ [_, _, ..] = &pairs.strata[..] {
         let counts = || several.iter().map(|stratum| stratum.pairs);
-        let (min, max) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
+        let min = counts().min().unwrap_or(0);
+        let max = counts().max().unwrap_or(0);
         let each = if min == max { format!("{min} pairs each") } else { format!("{min} to {max} pairs each") };
         text += &format!(" Every difference is a mean over {}, {each}.", levels(pairs));
     }
@@ -307,10 +308,6 @@ fn decimals(contrast: &Contrast) -> usize {
 }
 
 fn notes(against: &ComparisonToA) -> Vec<String> {
-    let note = |judged: &JudgedContrast| {
-        let cut_off = judged.contrast.cut_off.as_ref()?;
-        Some(format!("{}: {}", judged.contrast.metric.name, cut_off_note(cut_off, against.letter)))
-    };
     let fewer = against.judged.iter().filter(|judged| judged.contrast.pairs < against.pairs.runs.len());
     let fewer = fewer.map(|judged| {
         let left_out = against.pairs.runs.len() - judged.contrast.pairs;
@@ -321,7 +318,16 @@ fn notes(against: &ComparisonToA) -> Vec<String> {
         let name = &judged.contrast.metric.name;
         format!("{name}: fewer than two seeds have it in all strata, so the strata are not tested")
     });
-    against.judged.iter().filter_map(note).chain(fewer).chain(untested).collect()
+    against
+        .judged
+        .iter()
+        .filter_map(|judged| {
+            let cut_off = judged.contrast.cut_off.as_ref()?;
+            Some(format!("{}: {}", judged.contrast.metric.name, cut_off_note(cut_off, against.letter)))
+        })
+        .chain(fewer)
+        .chain(untested)
+        .collect()
 }
 
 fn cut_off_note(cut_off: &CutOff, letter: char) -> String {

@@ -53,8 +53,12 @@ fn against_a(comparison: &Comparison, against: &ComparisonToA) -> impl Serialize
 
 fn settings(settings: &SettingsDifference, letter: char, pairs: &Pairs) -> impl Serialize {
     let difference = |Difference { key, values, strata }: &Difference| {
-        let levels = || strata.iter().map(|&index| levels(pairs, index)).collect::<Vec<_>>();
-        object!(Setting { key: key.clone(), values: values.clone(), only_where: (!strata.is_empty()).then(levels) })
+        object!(Setting {
+            key: key.clone(),
+            values: values.clone(),
+            only_where: (!strata.is_empty())
+                .then(|| strata.iter().map(|&index| levels(pairs, index)).collect::<Vec<_>>())
+        })
     };
     let unknown = settings.unknown.iter().map(|(side, reason)| object!(NotKnown { side, reason }));
     object!(Settings {

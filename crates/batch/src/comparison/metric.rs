@@ -91,11 +91,13 @@ impl Metric {
     pub fn from_name(name: &str) -> Self {
         let named = NAMED_METRICS.iter().find(|metric| metric.name == name);
         let named = named.map(|metric| {
-            let (kind, about) = ((metric.value)(()), metric.without_value());
+            let kind = (metric.value)(());
+            let about = metric.without_value();
             Self { name: Cow::Borrowed(metric.name), kind, about }
         });
-        let column = || COLUMN_METRICS.iter().find(|column| column.name == name).cloned();
-        named.or_else(column).unwrap_or_else(|| Self::unknown(name.to_owned(), MetricKind::Unknown))
+        named
+            .or_else(|| COLUMN_METRICS.iter().find(|column| column.name == name).cloned())
+            .unwrap_or_else(|| Self::unknown(name.to_owned(), MetricKind::Unknown))
     }
 
     /// Makes the metric of a column, by its place among [`RUN_COLUMNS`].

@@ -252,11 +252,13 @@ pub(crate) fn judge(contrasts: Vec<(Contrast, Option<ByStratum>)>) -> Vec<Judged
         test,
         p_adjusted: tests.next().flatten(),
     };
-    let judge = |(contrast, by_stratum): (Contrast, Option<ByStratum>)| {
-        let judged = overall.judge(contrast);
-        JudgedContrast { by_stratum: by_stratum.map(&mut judge_strata), ..judged }
-    };
-    contrasts.into_iter().map(judge).collect()
+    contrasts
+        .into_iter()
+        .map(|(contrast, by_stratum)| {
+            let judged = overall.judge(contrast);
+            JudgedContrast { by_stratum: by_stratum.map(&mut judge_strata), ..judged }
+        })
+        .collect()
 }
 
 /// Contrasts that are judged together, in their order: the adjusted p-values of means and answers, and of ranks.
@@ -276,7 +278,8 @@ impl TestFamily {
 
     /// Judges the next contrast.
     fn judge(&mut self, contrast: Contrast) -> JudgedContrast {
-        let (p_adjusted, ranks_p_adjusted) = (self.means.next().flatten(), self.ranks.next().flatten());
+        let p_adjusted = self.means.next().flatten();
+        let ranks_p_adjusted = self.ranks.next().flatten();
         let verdict = Verdict::from_p_values(contrast.p_value, p_adjusted);
         JudgedContrast {
             contrast,

@@ -101,7 +101,8 @@ pub struct PowerAnswer {
 impl PowerAnswer {
     /// `None` where differences have no spread, from which the power follows.
     fn new(contrast: &Contrast, difference: f64) -> Option<Self> {
-        let (seeds, spread) = (contrast.seeds as u64, contrast.spread.filter(|&spread| spread > 0.0)?);
+        let seeds = contrast.seeds as u64;
+        let spread = contrast.spread.filter(|&spread| spread > 0.0)?;
         let effect = difference / spread;
         Some(Self {
             difference,

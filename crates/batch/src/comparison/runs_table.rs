@@ -106,8 +106,12 @@ impl RunsTable {
                 conditions.push((place, condition, BTreeMap::new()));
             }
         }
-        let (mut seeds, mut done, mut values) = (Vec::new(), Vec::new(), vec![Vec::new(); fields.len()]);
-        let (mut queries, mut numbers, mut impossible) = (Vec::new(), Vec::new(), BTreeMap::new());
+        let mut seeds = Vec::new();
+        let mut done = Vec::new();
+        let mut values = vec![Vec::new(); fields.len()];
+        let mut queries = Vec::new();
+        let mut numbers = Vec::new();
+        let mut impossible = BTreeMap::new();
         let reason = |(place, name): (usize, &String)| Some((place, name.strip_prefix(FAILED_QUERIES)?.to_owned()));
         let reasons: Vec<(usize, String)> = table.columns().iter().enumerate().filter_map(reason).collect();
         let mut failures: Vec<(String, Vec<u64>)> =
@@ -164,7 +168,8 @@ impl RunsTable {
 fn impossible_states(count: &dyn Fn(&str) -> Option<u64>) -> Option<String> {
     let states = ["intact", "burning", "burned_out", "extinguished"].map(count);
     let [intact, burning, burned_out, extinguished] = states.map(|state| state.map(u128::from));
-    let (obstacles, sum) = (count("obstacles")?, intact? + burning? + burned_out? + extinguished?);
+    let obstacles = count("obstacles")?;
+    let sum = intact? + burning? + burned_out? + extinguished?;
     (sum != obstacles.into()).then(|| {
         format!("intact, burning, burned_out and extinguished add up to {sum}, and there are {obstacles} obstacles")
     })

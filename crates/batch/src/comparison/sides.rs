@@ -51,12 +51,15 @@ impl<'a> Side<'a> {
 
     /// Returns the conditions that vary among its runs.
     pub fn varying(&self) -> Vec<&'a Condition> {
-        let differs = |condition: &&Condition| {
-            let mut levels = self.runs.iter().map(|&run| condition.of_run[run]);
-            let first = levels.next();
-            levels.any(|level| Some(level) != first)
-        };
-        self.table.conditions.iter().filter(differs).collect()
+        self.table
+            .conditions
+            .iter()
+            .filter(|condition| {
+                let mut levels = self.runs.iter().map(|&run| condition.of_run[run]);
+                let first = levels.next();
+                levels.any(|level| Some(level) != first)
+            })
+            .collect()
     }
 
     /// Returns whether a run of its table finished.
@@ -75,11 +78,13 @@ impl<'a> Side<'a> {
         // A batch without trucks has no planner.
         let is_said =
             |condition: &&Condition| self.runs.first().is_some_and(|&run| !condition.level_of(run).is_empty());
-        let level = |condition: &Condition| {
-            let level = self.runs.first().map_or("", |&run| condition.level_of(run));
-            format!("{} {}", visible_start(&condition.name), visible_start(level))
-        };
-        let common: Vec<_> = common.filter(is_said).map(level).collect();
+        let common: Vec<_> = common
+            .filter(is_said)
+            .map(|condition| {
+                let level = self.runs.first().map_or("", |&run| condition.level_of(run));
+                format!("{} {}", visible_start(&condition.name), visible_start(level))
+            })
+            .collect();
         let path = visible_start(&self.table.path.display().to_string());
         if common.is_empty() { path } else { format!("{path} ({})", common.join(", ")) }
     }
@@ -118,7 +123,8 @@ fn parts<'a>(
         levels.iter().map(|value| level(table, by, value)).collect::<Result<_, _>>()?
     };
     if let [only] = levels[..] {
-        let (column, value) = (visible_start(&by.name), visible_start(&by.levels[only as usize]));
+        let column = visible_start(&by.name);
+        let value = visible_start(&by.levels[only as usize]);
         return Err(ComparisonError::OneLevel { path: table.path.clone(), column, value });
     }
     let part = |level| {

@@ -66,7 +66,8 @@ fn exhaust(start: &Simulation, (choices, budget): (usize, u32)) -> Result<Option
     }
     let own = played(start, false)?.lost();
     let (best, answers) = tree.best.expect("the run itself was played");
-    let (attainable, runs) = (best.lost(), budget - tree.left);
+    let attainable = best.lost();
+    let runs = budget - tree.left;
     Ok(Some(HindsightBound { lost: own, attainable, answers, runs, is_exact: true, timeline: best.finish().timeline }))
 }
 
@@ -95,10 +96,13 @@ impl Tree {
         }
         self.left -= 1;
         let run = played(before, true)?;
-        let is_next = |decision: &&Decision| {
-            decision.agent.id.role.suppresses() && decision.options.len() > 1 && decision.time > before.now()
-        };
-        let next = run.decisions().iter().find(is_next).cloned();
+        let next = run
+            .decisions()
+            .iter()
+            .find(|decision| {
+                decision.agent.id.role.suppresses() && decision.options.len() > 1 && decision.time > before.now()
+            })
+            .cloned();
         if self.best.as_ref().is_none_or(|(best, _)| run.lost() < best.lost()) {
             self.best = Some((run, answers.clone()));
         }
@@ -185,12 +189,14 @@ pub fn attain_all(
     how: (usize, u32),
     on_seed: impl Fn() + Sync,
 ) -> Result<Vec<(u64, HindsightBound)>, RunError> {
-    let one = |&seed: &u64| {
-        let attained = attain((scenario, seed), options, how)?;
-        on_seed();
-        Ok((seed, attained))
-    };
-    seeds.par_iter().map(one).collect()
+    seeds
+        .par_iter()
+        .map(|&seed| {
+            let attained = attain((scenario, seed), options, how)?;
+            on_seed();
+            Ok((seed, attained))
+        })
+        .collect()
 }
 
 struct Search {

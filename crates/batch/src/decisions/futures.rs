@@ -78,8 +78,9 @@ impl DecisionValue {
 
     /// Returns the best of the other choices if all of them are significantly worse than what was chosen.
     pub fn all_worse(&self) -> Option<&AlternativeAction> {
-        let is_worse = |other: &AlternativeAction| other.p_adjusted < 1.0 - CONFIDENCE && other.mean < 0.0;
-        self.others.first().filter(|_| self.others.iter().all(is_worse))
+        self.others
+            .first()
+            .filter(|_| self.others.iter().all(|other| other.p_adjusted < 1.0 - CONFIDENCE && other.mean < 0.0))
     }
 }
 
@@ -103,7 +104,9 @@ impl ChosenDecisions {
 
     /// Chooses decisions of trucks over the whole run, up to a number.
     pub fn sample(decisions: usize) -> Self {
-        let (from, to, sample) = (SimTime::ZERO, SimTime::MAX, Some(decisions));
+        let from = SimTime::ZERO;
+        let to = SimTime::MAX;
+        let sample = Some(decisions);
         Self { agents: Vec::new(), from, to, sample, choices: Self::CHOICES, futures: Self::FUTURES }
     }
 
@@ -125,7 +128,9 @@ impl ChosenDecisions {
         run.advance_to(SimTime::MAX);
         run.expect_within_memory()?;
         let worths = self.of_run(&run);
-        let (scenario_name, lost, bushes) = (scenario.name.clone(), run.lost(), run.setting().bushes.len());
+        let scenario_name = scenario.name.clone();
+        let lost = run.lost();
+        let bushes = run.setting().bushes.len();
         let mut report = WhyReport { scenario: scenario_name, seed, lost, bushes, worths };
         let count = report.worths.len();
         let mut played = 0;

@@ -104,8 +104,12 @@ fn add(file: &mut ParquetWriter, run: &PlannedRun<'_>, report: &WhyReport) -> Re
     let mut rows: Vec<ChoiceRow<'_>> = Vec::new();
     for (number, worth) in report.worths.iter().enumerate() {
         let chosen_m = worth.chosen.map(|cell| metres(worth, cell));
-        let row = |choice| ChoiceRow { worth, number, choice, metres: (chosen_m, metres(worth, choice.cell)) };
-        rows.extend(worth.others.iter().map(row));
+        rows.extend(worth.others.iter().map(|choice| ChoiceRow {
+            worth,
+            number,
+            choice,
+            metres: (chosen_m, metres(worth, choice.cell)),
+        }));
     }
     // The columns that name the run are those of its row, whatever its outcome.
     let outcome = RunResult::new(Outcome::default(), RunCost::default());

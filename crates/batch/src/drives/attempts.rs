@@ -107,8 +107,8 @@ pub fn attempts<'a>(problem: &'a Problem, question: &AttemptSettings<'_>) -> Res
             planners: makers,
             programs,
         };
-        let no_planner = |reason| AttemptError::NoPlanner { name: planner.clone(), reason };
-        let mut prepared = truck.make_planner(&context).map_err(no_planner)?;
+        let mut prepared =
+            truck.make_planner(&context).map_err(|reason| AttemptError::NoPlanner { name: planner.clone(), reason })?;
         let build = field_time + stopwatch.elapsed_since_last();
         let mut attempts = Vec::new();
         for (goal, &target) in problem.goals.iter().enumerate() {
@@ -119,7 +119,8 @@ pub fn attempts<'a>(problem: &'a Problem, question: &AttemptSettings<'_>) -> Res
             let query = plan.cpu.map_or(spent, |cpu| cpu.time);
             let expansions = u64::from(plan.effort.roadmap_expansions) + u64::from(plan.effort.local_expansions);
             let drive = plan.path.map(|path| opinion.drive(target, path));
-            let (planner, message) = (planner.clone(), plan.message);
+            let planner = planner.clone();
+            let message = plan.message;
             attempts.push(Attempt { problem, goal, planner, build, query, expansions, drive, message });
         }
         by_planner.push(attempts.into_iter());
@@ -127,6 +128,7 @@ pub fn attempts<'a>(problem: &'a Problem, question: &AttemptSettings<'_>) -> Res
         drop(prepared);
         estimate.overrun(&memory, limit).map_or(Ok(()), |exceeded| Err(AttemptError::from(exceeded)))?;
     }
-    let next_of_each = |_| by_planner.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>();
-    Ok((0..problem.goals.len()).flat_map(next_of_each).collect())
+    Ok((0..problem.goals.len())
+        .flat_map(|_| by_planner.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>())
+        .collect())
 }

@@ -51,7 +51,8 @@ impl<'a> DriveAudit<'a> {
         let motion = MotionLimits { turning_radius_m, limits: Some(self.limits) };
         let audited = audit_leg(&self.audit_field, &motion, trajectory, SampleStep::default());
         let on_the_way = audited.err().map(|violation| violation.to_string());
-        let (start, end) = (trajectory.start(), trajectory.end());
+        let start = trajectory.start();
+        let end = trajectory.end();
         let at_the_ends = || {
             let start = missed(Goal::Pose(self.start), start, self.checker.body());
             let end = missed(goal, end, self.checker.body());

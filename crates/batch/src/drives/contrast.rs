@@ -98,7 +98,8 @@ fn contrasts(planner: &str, against: &str, rows: &[DriveQuery]) -> Vec<DriveCont
 
 /// Returns the table of contrasts of two planners.
 pub fn contrast_table(pair: &[DriveContrast]) -> Table {
-    let (ours, theirs) = (visible_start(&pair[0].planner), visible_start(&pair[0].against));
+    let ours = visible_start(&pair[0].planner);
+    let theirs = visible_start(&pair[0].against);
     let headings = ["Figure", "Goals", &ours, &theirs, "Differ-\nence", "95% low", "95% high", "p"];
     let row = |row: &DriveContrast| {
         let width = row.low.zip(row.high).map_or(row.difference.abs(), |(low, high)| 0.5 * (high - low));

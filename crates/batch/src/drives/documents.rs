@@ -39,8 +39,7 @@ type TextColumn<T> = (&'static str, fn(&T) -> String);
 
 fn table<T>(columns: &[TextColumn<T>], rows: &[T]) -> Table {
     let headings: Vec<_> = columns.iter().map(|(heading, _)| *heading).collect();
-    let cells = |row: &T| columns.iter().map(|(_, cell)| cell(row)).collect();
-    Table::new(&headings, rows.iter().map(cells).collect())
+    Table::new(&headings, rows.iter().map(|row| columns.iter().map(|(_, cell)| cell(row)).collect()).collect())
 }
 
 /// Returns a row for each goal and planner, with the cost of queries if all have one, otherwise a verdict.
@@ -197,11 +196,14 @@ pub fn failure_sentences(drives: &DriveTable) -> Vec<String> {
 
 /// Returns the first violations, and the number of others.
 pub fn violation_sentences(drives: &DriveTable) -> Vec<String> {
-    let sentence = |row: &DriveQuery| {
-        let violation = row.violation.as_ref()?;
-        Some(format!("{}: violation {}: {violation}", visible_start(&row.planner), place(drives, row)))
-    };
-    let mut all: Vec<String> = drives.rows.iter().filter_map(sentence).collect();
+    let mut all: Vec<String> = drives
+        .rows
+        .iter()
+        .filter_map(|row| {
+            let violation = row.violation.as_ref()?;
+            Some(format!("{}: violation {}: {violation}", visible_start(&row.planner), place(drives, row)))
+        })
+        .collect();
     let hidden = all.len().saturating_sub(SHOWN_SENTENCES);
     all.truncate(SHOWN_SENTENCES);
     all.extend((hidden > 0).then(|| format!("... and {}.", count(hidden, "more violation"))));

@@ -105,6 +105,8 @@ fn bushes(problem: &Problem, count: usize, reach_m: f64, seed: u64) -> Vec<Goal>
     let mut bushes = problem.terrain.bushes.clone();
     bushes.shuffle(&mut rng::stream(seed, "plan/cells"));
     bushes.truncate(count);
-    let disc = |cell| Goal::Disc(GoalDisc { centre: problem.terrain.frame.centre(cell), radius_m: reach_m });
-    bushes.into_iter().map(disc).collect()
+    bushes
+        .into_iter()
+        .map(|cell| Goal::Disc(GoalDisc { centre: problem.terrain.frame.centre(cell), radius_m: reach_m }))
+        .collect()
 }

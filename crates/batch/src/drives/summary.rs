@@ -245,7 +245,8 @@ mod tests {
     #[test]
     fn table_reads_back_as_it_was() {
         let folder = tempfile::tempdir().expect("a scratch folder");
-        let (path, again) = (folder.path().join("one.csv"), folder.path().join("two.csv"));
+        let path = folder.path().join("one.csv");
+        let again = folder.path().join("two.csv");
         let queries = made_up_drives();
         queries.write(&path).expect("writable");
         let read = DriveTable::read(&path).expect("it was just written");

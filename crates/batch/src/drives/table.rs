@@ -136,7 +136,8 @@ impl<'a> Reading<'a> {
                 }
             }
         }
-        let (seed, certified) = (reader.place(SEED), reader.place(CERTIFIED_COLUMN.name));
+        let seed = reader.place(SEED);
+        let certified = reader.place(CERTIFIED_COLUMN.name);
         let is_known = |place: &usize| columns.contains(place) || [seed, certified].contains(&Some(*place));
         let keys: Vec<usize> = (0..reader.columns().len()).filter(|place| !is_known(place)).collect();
         if keys.len() > MAX_KEYS {
@@ -144,7 +145,8 @@ impl<'a> Reading<'a> {
         }
         let names = keys.iter().map(|&place| reader.columns()[place].clone()).collect();
         let table = DriveTable { keys: names, ..DriveTable::default() };
-        let (variants, names) = (BTreeMap::new(), BTreeSet::new());
+        let variants = BTreeMap::new();
+        let names = BTreeSet::new();
         Ok(Self { path, reader, seed, keys, columns, certified, variants, names, text_bytes: 0, table })
     }
 
@@ -188,7 +190,8 @@ impl<'a> Reading<'a> {
             })
         };
         let cost = || {
-            let (cpu_build_s, cpu_query_s) = (self.number(at("cpu_build_s"))?, self.number(at("cpu_query_s"))?);
+            let cpu_build_s = self.number(at("cpu_build_s"))?;
+            let cpu_query_s = self.number(at("cpu_query_s"))?;
             Ok::<_, TableError>(QueryCost {
                 cpu_build_s,
                 cpu_query_s,
@@ -211,7 +214,8 @@ impl<'a> Reading<'a> {
         let certified_bound_m = certified.map(|place| self.number(place)).transpose()?;
         let goal = small(at("goal"))? as usize;
         let [field, planner] = ["field", "planner"].map(at);
-        let (field, planner) = (self.name(field)?, self.name(planner)?);
+        let field = self.name(field)?;
+        let planner = self.name(planner)?;
         Ok(DriveQuery {
             seed,
             variant,

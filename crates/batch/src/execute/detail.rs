@@ -179,10 +179,12 @@ impl RunDetail {
         let timeline = run.timeline();
         let answers = timeline.events.iter().filter(|event| is_answer(event));
         let cpu = answer_cpu.iter().copied().map(Some).chain(std::iter::repeat(None));
-        let call = |(event, cpu)| Some(PlannerCall { cpu, ..call_of(event, &timeline.setting.frame)? });
         Self {
             facts: timeline.events.len() as u64,
-            calls: answers.zip(cpu).filter_map(call).collect(),
+            calls: answers
+                .zip(cpu)
+                .filter_map(|(event, cpu)| Some(PlannerCall { cpu, ..call_of(event, &timeline.setting.frame)? }))
+                .collect(),
             states: states_of(run),
         }
     }
@@ -261,7 +263,8 @@ mod tests {
     fn calls_are_those_that_the_outcome_counts() {
         let Run { timeline, answer_cpu, cost, .. } = smoke();
         let run = RunIndex::new(&timeline);
-        let (outcome, detail) = (run.outcome(), RunDetail::new(&run, &answer_cpu));
+        let outcome = run.outcome();
+        let detail = RunDetail::new(&run, &answer_cpu);
         for agent in &outcome.agents {
             let calls: Vec<_> = detail.calls.iter().filter(|call| call.agent == agent.agent).collect();
             let failed = calls.iter().filter(|call| call.answer.is_err()).count() as u32;
@@ -277,7 +280,8 @@ mod tests {
     fn last_state_is_that_of_the_outcome_and_every_bush_is_in_one() {
         let Run { timeline, .. } = smoke();
         let run = RunIndex::new(&timeline);
-        let (outcome, states) = (run.outcome(), RunDetail::new(&run, &[]).states);
+        let outcome = run.outcome();
+        let states = RunDetail::new(&run, &[]).states;
         let last = states.last().expect("there are states");
         assert_eq!((states.len(), last.time), (61, SimTime::from_seconds(300.0)));
         assert_eq!(last.intact, outcome.intact);
@@ -299,7 +303,8 @@ mod tests {
     fn outcomes_are_the_same_whatever_they_cost() {
         let Run { timeline, answer_cpu, .. } = smoke();
         let run = RunIndex::new(&timeline);
-        let (one, other) = (RunDetail::new(&run, &answer_cpu), RunDetail::new(&run, &[]));
+        let one = RunDetail::new(&run, &answer_cpu);
+        let other = RunDetail::new(&run, &[]);
         assert!(one != other && one.has_same_outcome(&other));
         let shorter = RunDetail { calls: one.calls[1..].to_vec(), ..one.clone() };
         assert!(!one.has_same_outcome(&shorter));

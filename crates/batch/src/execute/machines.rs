@@ -110,8 +110,11 @@ impl Machines {
 
     /// Counts a machine: with one that is like it, if there is one.
     fn add(&mut self, machine: Machine) {
-        let is_alike = |known: &Machine| Machine { processes: machine.processes, ..known.clone() } == machine;
-        match self.machines.iter().position(is_alike) {
+        match self
+            .machines
+            .iter()
+            .position(|known| Machine { processes: machine.processes, ..known.clone() } == machine)
+        {
             Some(place) => {
                 let processes = &mut self.machines[place].processes;
                 *processes = processes.saturating_add(machine.processes);

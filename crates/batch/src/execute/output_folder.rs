@@ -215,8 +215,12 @@ fn create_folder(path: &Path) -> Result<(), BatchError> {
         ErrorKind::AlreadyExists | ErrorKind::NotADirectory => BatchError::NotAFolder { path: path.to_owned() },
         _ => BatchError::unwritable(path, source),
     });
-    let sync = |folder: &&Path| sync_folder_of(folder).map_err(|source| BatchError::unwritable(folder, source));
-    created.and_then(|()| missing.iter().filter(|folder| folder.file_name().is_some()).try_for_each(sync))
+    created.and_then(|()| {
+        missing
+            .iter()
+            .filter(|folder| folder.file_name().is_some())
+            .try_for_each(|folder| sync_folder_of(folder).map_err(|source| BatchError::unwritable(folder, source)))
+    })
 }
 
 /// Removes a file if it is there.
@@ -229,8 +233,11 @@ fn remove_file(path: &Path) -> Result<(), BatchError> {
 
 /// Returns a scenario's name as a file name: characters that do not belong in one become `-`.
 pub fn file_name_of(name: &str) -> String {
-    let keep = |letter: char| if letter.is_alphanumeric() || "-_.+".contains(letter) { letter } else { '-' };
-    let kept: String = name.chars().take(100).map(keep).collect();
+    let kept: String = name
+        .chars()
+        .take(100)
+        .map(|letter| if letter.is_alphanumeric() || "-_.+".contains(letter) { letter } else { '-' })
+        .collect();
     match kept.trim_start_matches('.') {
         "" => "unnamed".into(),
         rest => rest.into(),

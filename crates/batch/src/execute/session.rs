@@ -16,7 +16,6 @@ use crate::execute::workers::{RunEnd, Task, Work, run_all};
 use crate::execute::{BatchError, Disk, JournalIndex, OutputFolder, RUNS_FILE, RealDisk, RunScenario};
 use crate::plan::{BatchPlan, ENTRY_COLUMN, PLAN_FILE, PlanError, Record, Slice};
 use wildfire_base::whole_file::sync_folder_of;
-use wildfire_sim::scenario::Scenario;
 use wildfire_sim::{CustomRegistry, RunOptions};
 use wildfire_timeline::file::{self, FileError};
 
@@ -164,8 +163,12 @@ impl Batch {
         on_run: impl FnMut(RunEnd),
     ) -> Result<(), BatchError> {
         let options = RunOptions { memory: self.plan.memory, ..registry.clone().into() };
-        let run = move |scenario: &Scenario, seed| wildfire_sim::run_with_options(scenario, seed, &options);
-        self.run_with(Box::new(run), jobs, stop, on_run)
+        self.run_with(
+            Box::new(move |scenario, seed| wildfire_sim::run_with_options(scenario, seed, &options)),
+            jobs,
+            stop,
+            on_run,
+        )
     }
 
     /// Does the same with another function that runs a scenario with a seed.
@@ -287,7 +290,8 @@ fn write_plan(plan: &BatchPlan, folder: &OutputFolder, name: &str, disk: &dyn Di
 fn write_plan_once(plan: &BatchPlan, folder: &OutputFolder, slice: Slice, disk: &dyn Disk) -> Result<(), BatchError> {
     let own_name = format!("{PLAN_FILE}.{}", JOURNAL.name(slice));
     write_plan(plan, folder, &own_name, disk)?;
-    let (own, path) = (folder.path().join(own_name), folder.path().join(PLAN_FILE));
+    let own = folder.path().join(own_name);
+    let path = folder.path().join(PLAN_FILE);
     // A second name for a file is refused where the name is taken, which renaming is not.
     let linked = fs::hard_link(&own, &path);
     let removed = fs::remove_file(&own);

@@ -129,7 +129,8 @@ pub fn run_all(
 fn start_workers(work: &Arc<Work>, jobs: usize) -> Result<Receiver<Message>, BatchError> {
     let (sender, receiver) = sync_channel(jobs * WAITING_ROWS);
     for _ in 0..jobs {
-        let (work, sender) = (Arc::clone(work), sender.clone());
+        let work = Arc::clone(work);
+        let sender = sender.clone();
         let started = thread::Builder::new().spawn(move || work.run_all(&sender));
         started.map_err(|error| BatchError::NoWorkers { jobs, reason: error.to_string() })?;
     }

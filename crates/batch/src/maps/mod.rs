@@ -255,7 +255,8 @@ impl Sums {
     fn add(&mut self, maps: &[RunMap], group: &[PlannedRun<'_>], sources: &[&MapSource]) -> Result<(), MapsError> {
         for ((map, run), source) in maps.iter().zip(group).zip(sources) {
             if map.setting.frame != self.setting.frame {
-                let (other, first) = (map.setting.frame, self.setting.frame);
+                let other = map.setting.frame;
+                let first = self.setting.frame;
                 return Err(MapsError::OtherField { run: source.batch().name_of(run), other, first });
             }
         }

@@ -67,7 +67,8 @@ impl MapSource {
 
     /// Returns the batch's folder as its name, with the variant if there are several.
     pub fn title(&self) -> String {
-        let (folder, plan) = (self.batch.folder().display(), self.batch.plan());
+        let folder = self.batch.folder().display();
+        let plan = self.batch.plan();
         match plan.variants.as_slice() {
             [_] => folder.to_string(),
             variants => format!("{folder}, {}", plan.title(&variants[self.variant])),
@@ -115,7 +116,8 @@ impl MapSource {
     pub fn timeline(&self, run: &PlannedRun<'_>, registry: &CustomRegistry) -> Result<Option<FoundRun>, MapsError> {
         if let Some(path) = self.batch.recording(run) {
             let timeline = file::read(&path).map_err(|source| MapsError::Unreadable { path: path.clone(), source })?;
-            let (scenario, seed) = (timeline.setting.scenario.clone(), timeline.setting.seed);
+            let scenario = timeline.setting.scenario.clone();
+            let seed = timeline.setting.seed;
             if seed != run.seed || scenario != run.variant.scenario.name {
                 return Err(MapsError::OtherRun { path, scenario, seed, expected: run.seed });
             }
@@ -154,11 +156,13 @@ pub fn groups<'a>(sources: &[&'a MapSource]) -> Result<(Vec<Vec<PlannedRun<'a>>>
     };
     let mut partners: Vec<PlannedRun<'a>> = second.runs().collect();
     partners.sort_by_key(|run| run.seed);
-    let pair = |run: PlannedRun<'a>| {
-        let partner = partners.binary_search_by_key(&run.seed, |partner| partner.seed).ok()?;
-        Some(vec![run, partners[partner]])
-    };
-    let pairs: Vec<Vec<PlannedRun<'a>>> = first.runs().filter_map(pair).collect();
+    let pairs: Vec<Vec<PlannedRun<'a>>> = first
+        .runs()
+        .filter_map(|run| {
+            let partner = partners.binary_search_by_key(&run.seed, |partner| partner.seed).ok()?;
+            Some(vec![run, partners[partner]])
+        })
+        .collect();
     if pairs.is_empty() {
         let [first, second] = [first, second].map(|source| (source.title(), source.batch.plan().seeds.to_string()));
         return Err(MapsError::NoPairs { first, second });

@@ -163,8 +163,8 @@ mod tests {
                 sums.finish(&[true; 3])
             };
             assert_eq!(sums(&[(0, 0), (1, 1), (2, 2), (3, 3)])[0], [0.0; 3]);
-            let ([mean, lower, upper], [turned, low, high]) =
-                (sums(&[(0, 1), (2, 3), (1, 2)]), sums(&[(1, 0), (3, 2), (2, 1)]));
+            let [mean, lower, upper] = sums(&[(0, 1), (2, 3), (1, 2)]);
+            let [turned, low, high] = sums(&[(1, 0), (3, 2), (2, 1)]);
             let close = |a: f64, b: f64| (a + b).abs() < 1e-12 || (a.is_nan() && b.is_nan());
             assert!(mean.iter().zip(&turned).all(|(&a, &b)| close(a, b)));
             assert!(lower.iter().zip(&high).all(|(&a, &b)| close(a, b)));

@@ -94,8 +94,9 @@ impl FreeKeys {
 
 fn steps_of_pattern(pattern: &str) -> Result<Vec<String>, FreeKeysError> {
     let steps: Vec<String> = pattern.split('.').map(|step| step.trim().to_owned()).collect();
-    let is_step = |step: &String| !step.is_empty() && !step.contains(|letter: char| letter.is_whitespace());
-    if !steps.iter().all(is_step) || steps.len() > MAX_STEPS {
+    if !steps.iter().all(|step| !step.is_empty() && !step.contains(|letter: char| letter.is_whitespace()))
+        || steps.len() > MAX_STEPS
+    {
         return Err(FreeKeysError::NoKey { pattern: pattern.to_owned() });
     }
     if steps[0] == "*" {

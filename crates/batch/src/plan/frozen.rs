@@ -244,8 +244,10 @@ impl BatchPlan {
             if variant.swept.len() != self.swept_keys.len() {
                 return Err(not_a_plan("a variant does not have a value for each swept key"));
             }
-            let refused = |fault| PlanError::Refused { path: path.to_owned(), fault: Box::new(fault) };
-            variant.scenario.check().map_err(refused)?;
+            variant
+                .scenario
+                .check()
+                .map_err(|fault| PlanError::Refused { path: path.to_owned(), fault: Box::new(fault) })?;
         }
         Ok(())
     }
@@ -461,7 +463,8 @@ mod tests {
 
     #[test]
     fn another_plan_is_refused_with_the_difference() {
-        let (one, other) = (plan("smoke", &[]), plan("smoke", &["fire.burn_out_s=30"]));
+        let one = plan("smoke", &[]);
+        let other = plan("smoke", &["fire.burn_out_s=30"]);
         assert!(one.expect_same(&one, Path::new("out")).is_ok());
         let refusal = one.expect_same(&other, Path::new("out")).expect_err("they differ").to_string();
         assert!(refusal.contains("fire.burn_out_s is 60.0 there, but 30.0 was requested"), "{refusal}");

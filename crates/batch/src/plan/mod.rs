@@ -137,7 +137,8 @@ impl RunLabel {
 
     /// Names a run that belongs to no batch.
     pub fn from_scenario(scenario: &Scenario, seed: u64) -> Self {
-        let (planner, policies) = (planner_of(scenario), policies_of(scenario));
+        let planner = planner_of(scenario);
+        let policies = policies_of(scenario);
         Self { run: 1, scenario: scenario.name.clone(), seed, planner, policies, swept: Vec::new() }
     }
 }
@@ -264,8 +265,11 @@ impl FromStr for Record {
 
 /// The word as a shell takes it for one word.
 pub fn shell_word(word: &str) -> String {
-    let plain = |letter: char| letter.is_ascii_alphanumeric() || "-_./=:,+@%".contains(letter);
-    if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', r"'\''")) }
+    if !word.is_empty() && word.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_./=:,+@%".contains(letter)) {
+        word.into()
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
 }
 
 #[cfg(test)]

@@ -105,7 +105,8 @@ impl From<OtherVariant> for RecordedVariant {
             names.dedup();
             names.join(";")
         };
-        let (planner, policy) = (names("planner"), names("goal"));
+        let planner = names("planner");
+        let policy = names("goal");
         let name = scenario["name"].as_str().unwrap_or_default().to_owned();
         Self { swept, name, planner, policy, scenario: scenario.to_string() }
     }

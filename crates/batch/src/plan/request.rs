@@ -190,8 +190,10 @@ fn combinations(sweeps: &[Sweep]) -> Vec<Vec<(&str, &Setting)>> {
     let mut all: Vec<Vec<(&str, &Setting)>> = vec![Vec::new()];
     for sweep in sweeps {
         let steps = || sweep.steps().iter().map(|step| sweep.keys().iter().map(String::as_str).zip(step));
-        let extended = |start: &Vec<_>| steps().map(|step| start.iter().copied().chain(step).collect()).collect();
-        all = all.iter().flat_map::<Vec<_>, _>(extended).collect();
+        all = all
+            .iter()
+            .flat_map::<Vec<_>, _>(|start| steps().map(|step| start.iter().copied().chain(step).collect()).collect())
+            .collect();
     }
     all
 }
@@ -209,7 +211,8 @@ fn check_distinct(plan: &BatchPlan) -> Result<(), RequestError> {
             return Err(RequestError::SameScenario { one: title(other), other: title(variant) });
         }
         if first.source != variant.source {
-            let (one, other) = (first.source.clone(), variant.source.clone());
+            let one = first.source.clone();
+            let other = variant.source.clone();
             return Err(RequestError::SameName { one, other, name: name.clone() });
         }
     }

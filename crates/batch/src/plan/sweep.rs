@@ -93,13 +93,16 @@ impl Sweep {
         for (key, settings) in &columns {
             check_values(key, settings)?;
         }
-        let (first, count) = (&columns[0].0, columns[0].1.len());
+        let first = &columns[0].0;
+        let count = columns[0].1.len();
         if let Some((other, settings)) = columns.iter().find(|(_, settings)| settings.len() != count) {
-            let (one, other, other_count) = (first.clone(), other.clone(), settings.len());
+            let one = first.clone();
+            let other = other.clone();
+            let other_count = settings.len();
             return Err(SweepError::Unequal { one, one_count: count, other, other_count });
         }
-        let step = |index: usize| columns.iter().map(|(_, settings)| settings[index].clone()).collect();
-        let steps: Vec<Vec<Setting>> = (0..count).map(step).collect();
+        let steps: Vec<Vec<Setting>> =
+            (0..count).map(|index| columns.iter().map(|(_, settings)| settings[index].clone()).collect()).collect();
         let keys: Vec<String> = columns.into_iter().map(|(key, _)| key).collect();
         Ok(Self { keys, steps })
     }
@@ -160,7 +163,8 @@ impl<'a> Range<'a> {
         let unit = 10_i64.pow(self.digits_after_point as u32);
         let text = |number: i64| {
             let sign = if number < 0 { "-" } else { "" };
-            let (whole, rest) = (number.abs() / unit, number.abs() % unit);
+            let whole = number.abs() / unit;
+            let rest = number.abs() % unit;
             match self.digits_after_point {
                 0 => format!("{sign}{whole}"),
                 digits => format!("{sign}{whole}.{rest:0digits$}"),
@@ -229,7 +233,8 @@ pub fn check_sweeps(sweeps: &[Sweep], changed_keys: &[&str]) -> Result<(), Sweep
 /// Says whether two keys can name the same value: `unimog.planner` means all trucks, so `unimog.0.planner` among them.
 fn overlap(one: &str, other: &str) -> bool {
     let is_index = |step: Option<&&str>| step.is_some_and(|step| step.chars().all(|letter| letter.is_ascii_digit()));
-    let (mut one, mut other) = (one.split('.').peekable(), other.split('.').peekable());
+    let mut one = one.split('.').peekable();
+    let mut other = other.split('.').peekable();
     loop {
         match (is_index(one.peek()), is_index(other.peek())) {
             (true, false) => drop(one.next()),
@@ -245,7 +250,10 @@ fn overlap(one: &str, other: &str) -> bool {
 
 /// Splits a text at the commas that are outside of quotes and brackets.
 fn split_at_commas(text: &str) -> Vec<&str> {
-    let (mut parts, mut start, mut depth, mut quote) = (Vec::new(), 0, 0_u32, None);
+    let mut parts = Vec::new();
+    let mut start = 0;
+    let mut depth = 0_u32;
+    let mut quote = None;
     for (at, letter) in text.char_indices() {
         match (quote, letter) {
             (Some(open), _) if open == letter => quote = None,

@@ -150,7 +150,6 @@ pub fn audit_all(
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
     let pool = pool.map_err(|error| BatchError::NoWorkers { jobs, reason: error.to_string() })?;
     let mut report = AuditReport::default();
-    let look = |subject: &Subject<'_>| (subject.name(), subject.look(options));
     for source in sources {
         let mut subjects = source.subjects()?;
         loop {
@@ -158,8 +157,14 @@ pub fn audit_all(
             if round.is_empty() {
                 break;
             }
-            let findings: Vec<_> =
-                pool.install(|| round.par_iter().with_max_len(1).map(look).inspect(|_| on_run()).collect());
+            let findings: Vec<_> = pool.install(|| {
+                round
+                    .par_iter()
+                    .with_max_len(1)
+                    .map(|subject| (subject.name(), subject.look(options)))
+                    .inspect(|_| on_run())
+                    .collect()
+            });
             report.without_row += round.iter().filter(|subject| subject.lacks_its_row()).count() as u64;
             findings.into_iter().for_each(|(name, finding)| report.add(name, finding, options.listed));
         }
@@ -219,7 +224,8 @@ fn look_again(run: &PlannedRun<'_>, options: &RunOptions, row: Option<&RunRecord
 
 /// In words, that a recording is not of the run whose name it has.
 fn other_run(run: &PlannedRun<'_>, timeline: &Timeline) -> Option<String> {
-    let (name, seed) = (&timeline.setting.scenario, timeline.setting.seed);
+    let name = &timeline.setting.scenario;
+    let seed = timeline.setting.seed;
     let is_other = seed != run.seed || *name != run.variant.scenario.name;
     is_other.then(|| format!("its recording is of {name}, seed {seed}"))
 }

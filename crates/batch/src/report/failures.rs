@@ -117,7 +117,8 @@ impl Failures {
             let words = words.as_ref().map_or(String::new(), |words| format!(" ({words})"));
             format!("{name} {count}{words}")
         });
-        let (asked, reasons) = (self.asked, reasons.collect::<Vec<_>>().join(", "));
+        let asked = self.asked;
+        let reasons = reasons.collect::<Vec<_>>().join(", ");
         let share = percent(failed as f64 / asked.max(1) as f64);
         (failed > 0).then(|| format!("{subject}: {failed} of {asked} ({share} %): {reasons}."))
     }

@@ -68,11 +68,11 @@ impl Journals {
     fn open(plan: &BatchPlan, folder: &OutputFolder) -> Result<Self, BatchError> {
         let slices: Vec<Slice> = slices_of(folder)?.collect();
         let plan_sha256 = plan.content_sha256();
-        let (runs, early_bytes) = (plan.count(), EARLY_BYTES / slices.len());
+        let runs = plan.count();
+        let early_bytes = EARLY_BYTES / slices.len();
         let budget = StreamBudget { plan_sha256: &plan_sha256, runs, early_bytes };
-        let open = |&slice: &Slice| RowStream::open(folder, slice, budget);
         // The first refusal by the order of slices, whichever thread meets one first.
-        let streams: Vec<_> = slices.par_iter().map(open).collect();
+        let streams: Vec<_> = slices.par_iter().map(|&slice| RowStream::open(folder, slice, budget)).collect();
         let streams = streams.into_iter().collect::<Result<Vec<_>, _>>()?;
         let bytes: u64 = streams.iter().map(RowStream::bytes).sum();
         let places = slices.iter().map(|slice| slice.count(runs)).max().unwrap_or(0);
@@ -180,7 +180,8 @@ pub fn read_rows(plan: &BatchPlan, folder: &OutputFolder, mut on_row: impl FnMut
 /// # Errors
 /// As [`read_rows`].
 pub fn read_report(plan: &BatchPlan, folder: &OutputFolder) -> Result<BatchReport, BatchError> {
-    let (mut report, mut place) = (BatchReport::default(), 0);
+    let mut report = BatchReport::default();
+    let mut place = 0;
     read_rows(plan, folder, |row| {
         add_row(&mut report, plan, place, &RecordedRow::new(row.clone()));
         place += 1;

@@ -8,7 +8,8 @@ pub fn notes(result: &RunResult) -> Vec<String> {
     let outcome = &result.outcome;
     let notes = outcome.agents.iter().filter_map(|agent| {
         let (name, bushes) = (agent.agent, outcome.obstacles);
-        let (milestones, components) = (agent.roadmap_samples, agent.roadmap_components);
+        let milestones = agent.roadmap_samples;
+        let components = agent.roadmap_components;
         if name.role.lights() && bushes > 0 && agent.out_of_reach == bushes {
             Some(format!("{name} can light nothing: none of the {bushes} bushes is in its reach."))
         } else if name.role.suppresses() && is_hardly_connected(milestones, components) {

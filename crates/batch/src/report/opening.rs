@@ -66,7 +66,8 @@ fn winners(tally: &Tally) -> Option<Won> {
     if tally.contested == 0 {
         return None;
     }
-    let (truck, wumpus) = (tally.won_by_truck, tally.won_by_wumpus);
+    let truck = tally.won_by_truck;
+    let wumpus = tally.won_by_wumpus;
     let ties = tally.contested - truck - wumpus;
     let each = if truck == wumpus { " each" } else { "" };
     let won = |who: &str, runs: u64| {
@@ -97,10 +98,11 @@ impl Saved {
     /// `None` of a field without bushes.
     fn new(variant: &VariantReport) -> Option<Self> {
         variant.column(OBSTACLES).largest().filter(|&bushes| bushes > 0.0)?;
-        let flipped = |Interval { low, high }| Interval { low: 1.0 - high, high: 1.0 - low };
         Some(Self {
             mean: 1.0 - variant.column(BURNED_RATIO).mean()?,
-            interval: variant.interval(BURNED_RATIO).map(flipped),
+            interval: variant
+                .interval(BURNED_RATIO)
+                .map(|Interval { low, high }| Interval { low: 1.0 - high, high: 1.0 - low }),
         })
     }
 
@@ -114,7 +116,8 @@ impl Saved {
             None => "the bushes".into(),
         };
         let (percent, interval) = self.percent();
-        let (done, not_done) = (variant.tally.done, variant.tally.not_done());
+        let done = variant.tally.done;
+        let not_done = variant.tally.not_done();
         let mean = match (not_done, done) {
             (0, 1) => String::new(),
             (0, _) => "mean".to_owned(),

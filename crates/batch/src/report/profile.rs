@@ -48,17 +48,21 @@ impl Profile {
         if self.runs == 0 {
             return vec![Block::Text(format!("No run of {title} has finished, so there is no CPU time to show."))];
         }
-        let row = |(name, seconds): (&str, f64)| {
-            let (share, per_run_ms) = (seconds / self.total_s, 1e3 * seconds / self.runs as f64);
-            vec![name.to_owned(), rounded(seconds, 3), percent(share), rounded(per_run_ms, 3)]
-        };
         let parts = PARTS.iter().zip(self.parts_s).filter(|((_, is_rare, _), seconds)| !is_rare || *seconds > 0.0);
         let parts = parts.map(|((name, ..), seconds)| (*name, seconds));
-        let rows: Vec<_> = parts.chain([("Run", self.total_s)]).map(row).collect();
+        let rows: Vec<_> = parts
+            .chain([("Run", self.total_s)])
+            .map(|(name, seconds)| {
+                let share = seconds / self.total_s;
+                let per_run_ms = 1e3 * seconds / self.runs as f64;
+                vec![name.to_owned(), rounded(seconds, 3), percent(share), rounded(per_run_ms, 3)]
+            })
+            .collect();
         let rule = rows.len() - 1;
         let table = Table::new(&["Part", "CPU s", "Share\n%", "ms per\nrun"], rows);
         let table = Table { rules_before: vec![rule], ..table }.with_caption(&format!("CPU time of {title}"));
-        let (facts, per_second) = (self.facts, rounded(self.facts as f64 / self.total_s, 0));
+        let facts = self.facts;
+        let per_second = rounded(self.facts as f64 / self.total_s, 0);
         let facts = format!("{facts} events in {} runs, {per_second} per second of CPU time.", self.runs);
         vec![Block::Table(table), Block::Text(facts)]
     }

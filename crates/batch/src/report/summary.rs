@@ -162,11 +162,12 @@ impl BatchReport {
     /// Returns a line of CSV for each variant: its values, the numbers of finished and failed runs, and for every
     /// numeric column that some run has, its mean and the ends of the mean's 95 % interval.
     pub fn to_csv(&self, plan: &BatchPlan) -> Vec<u8> {
-        let has_numbers = |place: &usize| {
-            let is_there = |variant: &VariantReport| variant.column(*place).count() > 0;
-            RUN_COLUMNS[*place].holds_numbers() && self.variants.iter().any(is_there)
-        };
-        let places: Vec<usize> = (0..RUN_COLUMNS.len()).filter(has_numbers).collect();
+        let places: Vec<usize> = (0..RUN_COLUMNS.len())
+            .filter(|place| {
+                RUN_COLUMNS[*place].holds_numbers()
+                    && self.variants.iter().any(|variant| variant.column(*place).count() > 0)
+            })
+            .collect();
         let mut table = csv::Writer::from_writer(Vec::new());
         let mut add = |cells: Vec<String>| table.write_record(&cells).expect("memory takes everything");
         let text = |text: &str| spreadsheet_cell(text).into_owned();
@@ -195,8 +196,9 @@ impl BatchReport {
     pub fn fleets_table(&self) -> Option<Table> {
         let fleets = self.variants.iter().filter(|variant| variant.tally.trucks > 1);
         let labels = |variant: &VariantReport| [variant.title.clone(), variant.tally.trucks.to_string()];
-        let row = |variant| labels(variant).into_iter().chain(variant.mean_cells(&FLEET_MEANS)).collect();
-        let rows: Vec<Vec<String>> = fleets.map(row).collect();
+        let rows: Vec<Vec<String>> = fleets
+            .map(|variant| labels(variant).into_iter().chain(variant.mean_cells(&FLEET_MEANS)).collect())
+            .collect();
         let headings: Vec<&str> =
             ["Variant", "Trucks"].into_iter().chain(FLEET_MEANS.map(|mean| mean.heading)).collect();
         (!rows.is_empty()).then(|| Table::new(&headings, rows))
@@ -237,17 +239,20 @@ impl BatchReport {
     /// Returns, by the title of each variant if there are several, whether a limit of time or memory changed an
     /// outcome.
     pub fn machine_notes(&self) -> Vec<String> {
-        let notes = |variant: &VariantReport| {
-            let title = if self.variants.len() > 1 { format!("{}: ", variant.title) } else { String::new() };
-            variant.tally.machine_sentences().map(move |note| format!("{title}{note}")).collect::<Vec<_>>()
-        };
-        self.variants.iter().flat_map(notes).collect()
+        self.variants
+            .iter()
+            .flat_map(|variant| {
+                let title = if self.variants.len() > 1 { format!("{}: ", variant.title) } else { String::new() };
+                variant.tally.machine_sentences().map(move |note| format!("{title}{note}")).collect::<Vec<_>>()
+            })
+            .collect()
     }
 
     /// Describes the failures of each planner, and of custom policies, over all variants. Custom planners of one name with
     /// different files are described by variant.
     pub fn failure_sentences(&self) -> Vec<String> {
-        let (mut sum, mut sentences) = (Tally::default(), Vec::new());
+        let mut sum = Tally::default();
+        let mut sentences = Vec::new();
         for (variant, number) in self.variants.iter().zip(1..) {
             for (planner, failures) in &variant.tally.failures {
                 let is_other = |it: &VariantReport| {

@@ -193,7 +193,8 @@ impl RunTable {
 
     /// Lists the places of the columns that are shown.
     fn shown_columns(&self) -> Vec<usize> {
-        let (has_custom, has_roadmap) = (self.has_any(&CUSTOM), self.has_any(&ROADMAP));
+        let has_custom = self.has_any(&CUSTOM);
+        let has_roadmap = self.has_any(&ROADMAP);
         let is_shown = |heading| match heading {
             _ if CUSTOM.contains(&heading) => has_custom,
             _ if ROADMAP.contains(&heading) || heading == PRM_ONLY => has_roadmap || !has_custom,
@@ -216,14 +217,20 @@ impl RunTable {
     fn rounded_to(&self, max_decimals: usize) -> Table {
         let mut rows = Vec::new();
         for (index, (seed, numbers)) in self.shown.iter().enumerate() {
-            let number = |column: usize| numbers.as_ref().map(|numbers| numbers[column]);
-            let decimals = |quantity: &Quantity| quantity.decimals[0].min(max_decimals);
-            rows.push(self.row((index + 1).to_string(), seed.to_string(), decimals, number));
+            rows.push(self.row(
+                (index + 1).to_string(),
+                seed.to_string(),
+                |quantity| quantity.decimals[0].min(max_decimals),
+                |column| numbers.as_ref().map(|numbers| numbers[column]),
+            ));
         }
         for (label, statistic) in STATISTICS.iter().filter(|(label, _)| self.layout.shows_sums || *label != "Sum") {
-            let number = |column: usize| statistic(&self.series[column], self.interval(column));
-            let decimals = |quantity: &Quantity| quantity.decimals[1].min(max_decimals);
-            rows.push(self.row((*label).to_owned(), String::new(), decimals, number));
+            rows.push(self.row(
+                (*label).to_owned(),
+                String::new(),
+                |quantity| quantity.decimals[1].min(max_decimals),
+                |column| statistic(&self.series[column], self.interval(column)),
+            ));
         }
         let labels: &[&str] = match (self.shown.is_empty(), self.layout.shows_seeds) {
             (true, _) => &["Over runs"],
@@ -249,8 +256,10 @@ impl RunTable {
         decimals: impl Fn(&Quantity) -> usize,
         number: impl Fn(usize) -> Option<f64>,
     ) -> Vec<String> {
-        let cell = |column| optional(number(column), decimals(&self.layout.quantities[column]));
-        let cells = self.shown_columns().into_iter().map(cell);
+        let cells = self
+            .shown_columns()
+            .into_iter()
+            .map(|column| optional(number(column), decimals(&self.layout.quantities[column])));
         let has_seeds = self.layout.shows_seeds && !self.shown.is_empty();
         [label].into_iter().chain(has_seeds.then_some(seed)).chain(cells).collect()
     }

@@ -70,7 +70,8 @@ impl Tally {
         if !run.is_done() {
             self.first_failure.get_or_insert_with(|| (run.seed(), run.message().to_owned()));
         }
-        let (planner, queries) = (run.text(PLANNER), run.queries());
+        let planner = run.text(PLANNER);
+        let queries = run.queries();
         if (run.is_done() || queries.depends_on_machine()) && (!planner.is_empty() || queries.asks > 0) {
             *self.queries.entry(planner.to_owned()).or_default() += queries;
         }
@@ -90,7 +91,8 @@ impl Tally {
             self.truck_score += number(TRUCK_SCORE);
         }
         self.fires_out += u64::from(self.deadline_s.is_some_and(|deadline_s| number(ENDED_S) < deadline_s));
-        let (truck_stuck_s, wumpus_stuck_s) = (number(TRUCK_STUCK_S), number(WUMPUS_STUCK_S));
+        let truck_stuck_s = number(TRUCK_STUCK_S);
+        let wumpus_stuck_s = number(WUMPUS_STUCK_S);
         self.stuck_runs += u64::from(truck_stuck_s > 0.0 || wumpus_stuck_s > 0.0);
         self.truck_stuck_runs += u64::from(truck_stuck_s > 0.0);
         self.wumpus_stuck_runs += u64::from(wumpus_stuck_s > 0.0);
@@ -207,7 +209,9 @@ impl Tally {
     /// Returns the notes of the first run that has any, and the number of such runs.
     pub fn note(&self) -> Option<String> {
         let (seed, notes) = self.first_notes.as_ref()?;
-        let (noted, done, notes) = (self.noted_runs, self.done, notes.join(" "));
+        let noted = self.noted_runs;
+        let done = self.done;
+        let notes = notes.join(" ");
         Some(format!("In {noted} of {done} runs an agent could do almost nothing; seed {seed}: {notes}"))
     }
 

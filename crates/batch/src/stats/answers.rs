@@ -92,7 +92,8 @@ pub fn wilson_interval(hits: u64, trials: u64) -> Option<Interval> {
     if trials == 0 {
         return None;
     }
-    let (n, rate) = (trials as f64, hits as f64 / trials as f64);
+    let n = trials as f64;
+    let rate = hits as f64 / trials as f64;
     let z = normal_reach();
     let weight = z * z / n;
     let centre = (rate + 0.5 * weight) / (1.0 + weight);

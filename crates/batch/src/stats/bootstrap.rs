@@ -29,7 +29,8 @@ const ROUNDING: f64 = 1e-12;
 /// numbers that an end of the interval would be infinite. Takes [`RESAMPLES`] draws for each number.
 pub fn studentised_bootstrap(values: &[f64], random: &mut impl Rng) -> Option<MeanEstimate> {
     let series = Series::from_values(values);
-    let (mean, error) = (series.mean()?, series.standard_error()?);
+    let mean = series.mean()?;
+    let error = series.standard_error()?;
     if error == 0.0 || !error.is_finite() || u32::try_from(values.len()).is_err() {
         return None;
     }
@@ -39,7 +40,9 @@ pub fn studentised_bootstrap(values: &[f64], random: &mut impl Rng) -> Option<Me
     let interval = Interval { low: mean - ts[RESAMPLES - BEYOND] * error, high: mean - ts[BEYOND - 1] * error };
     let is_finite = interval.low.is_finite() && interval.high.is_finite();
     let (p_value, p_method) = p_value(&ts, mean / error, values.len() - 1);
-    let (interval, p_value, method) = (Some(interval), Some(p_value), MeanMethod::StudentisedBootstrap);
+    let interval = Some(interval);
+    let p_value = Some(p_value);
+    let method = MeanMethod::StudentisedBootstrap;
     is_finite.then_some(MeanEstimate { mean, interval, p_value, method, p_method })
 }
 

@@ -54,7 +54,8 @@ pub fn noncentral_t_two_sided(t: f64, degrees: f64, shift: f64) -> f64 {
     if rate > LARGEST_RATE {
         return 1.0;
     }
-    let (b, share) = (0.5 * degrees, t * t / (degrees + t * t));
+    let b = 0.5 * degrees;
+    let share = t * t / (degrees + t * t);
     let chance = |count: f64| match rate {
         0.0 => f64::from(u8::from(count == 0.0)),
         _ => ops::exp(count * ops::ln(rate) - rate - ln_gamma(count + 1.0)),
@@ -62,7 +63,9 @@ pub fn noncentral_t_two_sided(t: f64, degrees: f64, shift: f64) -> f64 {
     // x^(k + 1/2) (1 - x)^b / ((k + 1/2) B(k + 1/2, b)) for k = 0; Γ(3/2) is half the root of π.
     let remainder = ops::exp(-b * ops::ln_1p(t * t / degrees));
     let mut term = 2.0 / PI.sqrt() * gamma_half_step(b) * share.sqrt() * remainder;
-    let (mut at_most, mut below, mut count) = (0.0, 0.0, 0.0);
+    let mut at_most = 0.0;
+    let mut below = 0.0;
+    let mut count = 0.0;
     loop {
         at_most += chance(count);
         let added = term * f64::min(at_most, 1.0);

@@ -113,7 +113,8 @@ mod tests {
         let values: Vec<f64> = (0..2000_u32).map(|i| f64::from(i * 7919 % 2003)).collect();
         let [resampled, classical] =
             [estimate(&values), students_t(&values).expect("there are values")].map(|found| found.interval);
-        let (resampled, classical) = (resampled.expect("they differ"), classical.expect("they differ"));
+        let resampled = resampled.expect("they differ");
+        let classical = classical.expect("they differ");
         let width = classical.high - classical.low;
         assert!((resampled.low - classical.low).abs() < 0.05 * width);
         assert!((resampled.high - classical.high).abs() < 0.05 * width);

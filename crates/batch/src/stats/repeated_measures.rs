@@ -33,13 +33,14 @@ impl RepeatedMeasures {
     /// `None` for fewer than two subjects or conditions, or where neither conditions nor anything else make a
     /// difference within subjects. Takes time in proportion to the numbers times the lesser of subjects and conditions.
     pub fn from_rows(rows: &[Vec<f64>]) -> Option<Self> {
-        let (subjects, conditions) = (rows.len(), rows.first()?.len());
+        let subjects = rows.len();
+        let conditions = rows.first()?.len();
         if subjects < 2 || conditions < 2 {
             return None;
         }
         let mean_of = |numbers: &mut dyn Iterator<Item = f64>, count: usize| numbers.sum::<f64>() / count as f64;
-        let of_condition = |condition: usize| mean_of(&mut rows.iter().map(|row| row[condition]), subjects);
-        let of_conditions: Vec<f64> = (0..conditions).map(of_condition).collect();
+        let of_conditions: Vec<f64> =
+            (0..conditions).map(|condition| mean_of(&mut rows.iter().map(|row| row[condition]), subjects)).collect();
         let of_all = mean_of(&mut of_conditions.iter().copied(), conditions);
         let residuals_of = |row: &Vec<f64>| -> Vec<f64> {
             let of_subject = mean_of(&mut row.iter().copied(), conditions);
@@ -134,7 +135,8 @@ mod tests {
     #[test]
     fn what_all_conditions_or_all_numbers_of_a_subject_share_does_not_matter() {
         let shifted: Vec<Vec<f64>> = uneven().into_iter().zip([100.0, -7.0, 0.0, 1e3, 5.0, 31.0]).map(add).collect();
-        let (found, expected) = (from_numbers(&shifted), from_numbers(&uneven()));
+        let found = from_numbers(&shifted);
+        let expected = from_numbers(&uneven());
         assert!((found.p_value - expected.p_value).abs() < 1e-9, "{found:?} {expected:?}");
     }
 

@@ -98,7 +98,9 @@ impl Series {
     /// it can be 300,000 times the mean. Without a finite `min` the whole interval is the plain one.
     pub fn mean_interval_within(&self, (min, max): (f64, f64)) -> Option<Interval> {
         let plain = self.mean_interval().filter(|plain| plain.low < plain.high)?;
-        let (reach, below, above) = (plain.high - self.mean, self.mean - min, max - self.mean);
+        let reach = plain.high - self.mean;
+        let below = self.mean - min;
+        let above = max - self.mean;
         let [at_least, at_most] = [(self.smallest, min), (self.largest, max)].map(|(value, end)| value == end);
         let is_mostly = |is_at_end: bool, numbers: u64| is_at_end && 2 * numbers > self.count;
         if is_mostly(at_least, self.at_ends[0]) || is_mostly(at_most, self.at_ends[1]) {
@@ -181,7 +183,8 @@ mod tests {
 
     #[test]
     fn intervals_stay_in_the_range_and_hold_the_mean_however_few_the_numbers() {
-        let (share, positive) = ((0.0, 1.0), (0.0, f64::INFINITY));
+        let share = (0.0, 1.0);
+        let positive = (0.0, f64::INFINITY);
         for (numbers, range) in [
             (&[0.0, 1.0][..], share),
             (&[0.0, 1e-9], share),
@@ -193,7 +196,8 @@ mod tests {
             (&[26.0, 8000.0], (0.0, 10_000.0)),
         ] {
             let series = Series::from_values(numbers);
-            let (mean, plain) = (series.mean().expect("numbers"), series.mean_interval().expect("two numbers"));
+            let mean = series.mean().expect("numbers");
+            let plain = series.mean_interval().expect("two numbers");
             let Interval { low, high } = series.mean_interval_within(range).expect("two numbers");
             assert!(range.0 < low && low < mean && mean < high && high <= range.1, "{numbers:?}: {low} to {high}");
             assert!(plain.low < range.0 || plain.high > range.1, "{numbers:?}");
@@ -206,7 +210,8 @@ mod tests {
     #[test]
     fn numbers_that_are_equal_or_mostly_an_end_of_the_range_have_no_interval() {
         let within = |numbers: &[f64], range| Series::from_values(numbers).mean_interval_within(range);
-        let (share, positive) = ((0.0, 1.0), (0.0, f64::INFINITY));
+        let share = (0.0, 1.0);
+        let positive = (0.0, f64::INFINITY);
         for (numbers, range) in [
             (&[0.0, 0.0][..], share),
             (&[0.3, 0.3, 0.3], share),
@@ -234,7 +239,8 @@ mod tests {
             let holds = |trial: &u64| interval(&sample(*trial)).is_some_and(|interval| interval.contains(1.0));
             (0..1000).filter(holds).count()
         };
-        let (within, plain) = (held(|it| it.mean_interval_within((0.0, f64::INFINITY))), held(Series::mean_interval));
+        let within = held(|it| it.mean_interval_within((0.0, f64::INFINITY)));
+        let plain = held(Series::mean_interval);
         assert!((905..=960).contains(&within) && within > plain + 20, "{within} and {plain} of 1000");
     }
 

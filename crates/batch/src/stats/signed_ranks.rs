@@ -142,7 +142,8 @@ mod tests {
     fn sides_can_be_exchanged() {
         for differences in [pattern(20, 101), pattern(200, 17)] {
             let mirrored: Vec<f64> = differences.iter().map(|difference| -difference).collect();
-            let (one, other) = (test(&differences), test(&mirrored));
+            let one = test(&differences);
+            let other = test(&mirrored);
             assert_eq!((one.above, one.below, one.p_value), (other.below, other.above, other.p_value));
         }
     }

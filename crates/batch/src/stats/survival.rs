@@ -42,7 +42,9 @@ impl SurvivalCurve {
     pub fn from_lifetimes(lifetimes: &[Lifetime]) -> Self {
         let mut sorted = lifetimes.to_vec();
         sorted.sort_by(|a, b| a.time.total_cmp(&b.time));
-        let (mut at_risk, mut survival, mut variance) = (sorted.len() as u64, 1.0, 0.0);
+        let mut at_risk = sorted.len() as u64;
+        let mut survival = 1.0;
+        let mut variance = 0.0;
         let mut steps = Vec::new();
         for together in sorted.chunk_by(|a, b| a.time == b.time) {
             let events = together.iter().filter(|lifetime| !lifetime.is_cut_off).count() as u64;

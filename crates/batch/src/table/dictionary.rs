@@ -109,7 +109,8 @@ mod tests {
     #[test]
     fn kinds_of_columns_are_those_of_their_values() {
         let label = |planner: &str| {
-            let (scenario, planner) = (String::new(), planner.to_owned());
+            let scenario = String::new();
+            let planner = planner.to_owned();
             let policies = vec![(AgentId::unimog(0), "oldest".to_owned())];
             RunLabel { run: 1, scenario, seed: 0, planner, policies, swept: Vec::new() }
         };

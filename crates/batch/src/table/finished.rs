@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use crate::execute::{OutputFolder, RUNS_FILE, UnexpectedFile, expect_file, expect_files};
 use crate::plan::{BatchPlan, PLAN_FILE, PlanError, PlannedRun};
-use crate::table::columns::{RUN_COLUMNS, RunColumn};
+use crate::table::columns::RUN_COLUMNS;
 use crate::table::reader::{TableError, TableReader};
 use crate::table::record::RunRecord;
 use wildfire_sim::CustomRegistry;
@@ -112,13 +112,15 @@ pub struct FinishedRows {
 
 impl FinishedRows {
     fn new(table: TableReader) -> Result<Self, FinishedError> {
-        let place = |column: &RunColumn| {
-            table.place(column.name).ok_or_else(|| FinishedError::OtherRows {
-                path: table.path().to_owned(),
-                reason: format!("it has no column `{}`", column.name),
+        let places = RUN_COLUMNS
+            .iter()
+            .map(|column| {
+                table.place(column.name).ok_or_else(|| FinishedError::OtherRows {
+                    path: table.path().to_owned(),
+                    reason: format!("it has no column `{}`", column.name),
+                })
             })
-        };
-        let places = RUN_COLUMNS.iter().map(place).collect::<Result<Vec<_>, _>>()?;
+            .collect::<Result<Vec<_>, _>>()?;
         Ok(Self { table, places })
     }
 
@@ -158,8 +160,8 @@ pub fn recordings_in(folder: &Path) -> Result<Vec<PathBuf>, FinishedError> {
     let entries = fs::read_dir(folder).map_err(unreadable)?;
     let paths =
         entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>().map_err(unreadable)?;
-    let is_recording = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "wildfire");
-    let mut recordings: Vec<PathBuf> = paths.into_iter().filter(is_recording).collect();
+    let mut recordings: Vec<PathBuf> =
+        paths.into_iter().filter(|path| path.extension().is_some_and(|extension| extension == "wildfire")).collect();
     recordings.iter().try_for_each(|path| expect_file(path))?;
     recordings.sort_by_cached_key(|path| (path.as_os_str().len(), path.clone()));
     Ok(recordings)

@@ -87,7 +87,8 @@ pub struct AlexandridisRules {
 impl Default for AlexandridisRules {
     fn default() -> Self {
         let step = SimTime::from_seconds(10.0);
-        let (vegetation, density) = (Vegetation::default(), Density::default());
+        let vegetation = Vegetation::default();
+        let density = Density::default();
         Self { p0: 0.58, wind_c1: 0.045, wind_c2: 0.131, slope_a: 0.078, vegetation, density, step }
     }
 }
@@ -288,7 +289,8 @@ mod tests {
 
     #[test]
     fn without_wind_and_slope_all_directions_are_alike() {
-        let (vegetation, density) = (Vegetation::Pine, Density::Sparse);
+        let vegetation = Vegetation::Pine;
+        let density = Density::Sparse;
         let rules = AlexandridisRules { vegetation, density, ..AlexandridisRules::default() };
         let found = probabilities(&automaton(rules, DVec2::ZERO, Relief::FLAT, 1));
         assert!(found.iter().all(|p| (p - 0.58 * 1.4 * 0.6).abs() < 1e-12), "{found:?}");

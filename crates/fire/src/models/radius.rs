@@ -128,7 +128,8 @@ mod tests {
     #[test]
     fn the_short_list_and_the_stencil_agree_as_bushes_burn() {
         let bushes = random_bushes(9);
-        let (model, mut fires) = (Radius::new(&FRAME, rules()), FireField::new(FRAME, &bushes, false));
+        let model = Radius::new(&FRAME, rules());
+        let mut fires = FireField::new(FRAME, &bushes, false);
         for (count, &cell) in bushes.iter().rev().enumerate() {
             let near = |other: &Cell| (FRAME.centre(*other) - FRAME.centre(cell)).length() <= 30.0;
             fires.ignite(cell, SimTime::ZERO, true);
@@ -143,15 +144,18 @@ mod tests {
     #[test]
     fn the_radius_is_inclusive() {
         let bushes = [Cell { col: 2, row: 3 }, Cell { col: 8, row: 3 }, Cell { col: 8, row: 4 }];
-        let (model, mut fires) = (Radius::new(&FRAME, rules()), FireField::new(FRAME, &bushes, false));
+        let model = Radius::new(&FRAME, rules());
+        let mut fires = FireField::new(FRAME, &bushes, false);
         fires.ignite(bushes[0], SimTime::ZERO, true);
         assert_eq!(model.within_reach(&fires, bushes[0]), [bushes[1]]);
     }
 
     #[test]
     fn only_what_was_lit_spreads_under_the_rules_of_the_report() {
-        let (lit, caught) = (Cell { col: 0, row: 0 }, Cell { col: 1, row: 0 });
-        let (mut model, mut fires) = (Radius::new(&FRAME, rules()), FireField::new(FRAME, &[lit, caught], false));
+        let lit = Cell { col: 0, row: 0 };
+        let caught = Cell { col: 1, row: 0 };
+        let mut model = Radius::new(&FRAME, rules());
+        let mut fires = FireField::new(FRAME, &[lit, caught], false);
         let now = SimTime::from_seconds(100.0);
         let mut expected = Vec::new();
         for (cell, is_lit) in [(lit, true), (caught, false)] {

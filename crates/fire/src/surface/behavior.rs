@@ -132,7 +132,8 @@ impl SurfaceFire {
     /// Returns the rate of a piece of the front that faces a direction (Catchpole and others, 1982): what its heat
     /// follows from. On the flanks of an ellipse it differs from the rate along the ray that leads there.
     pub fn front_normal_rate_mps(&self, direction: DVec2) -> f64 {
-        let (e, along) = (self.eccentricity, self.eccentricity * self.cosine(direction));
+        let e = self.eccentricity;
+        let along = self.eccentricity * self.cosine(direction);
         self.rate_mps / (1.0 + e) * (along + (1.0 - e * e + along * along).sqrt())
     }
 

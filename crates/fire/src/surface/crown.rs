@@ -303,7 +303,8 @@ pub fn spreading_fire(
     let model = FuelModel::by_number(landscape.fuel_number(cell)).filter(|model| model.burns())?;
     let WeatherInterval { moisture, wind_mps, .. } = weather.at(time);
     let ground = (FuelBed::new(model, moisture, options.curing), model.depth_ft);
-    let (ten, gradient) = (model_10(moisture, options.curing), landscape.gradient(cell));
+    let ten = model_10(moisture, options.curing);
+    let gradient = landscape.gradient(cell);
     let fire = CrownConditions::in_weather(ground, ten, canopy, *wind_mps, gradient, *options, rules).burn();
     Some((fire.spreading(rules.method), fire.fire_type()))
 }
@@ -436,7 +437,8 @@ impl CrownFire {
 
     /// Returns the fire that burns a part of the crowns (Scott and Reinhardt, 2001), whether this one does or not.
     pub fn passive_head(&self) -> FireHead {
-        let (ground, fraction) = (self.surface_head(), self.fraction_burned());
+        let ground = self.surface_head();
+        let fraction = self.fraction_burned();
         let rate = ground.rate_mps + fraction * (self.rate_mps - ground.rate_mps);
         FireHead::new(rate, ground.heat_kj_m2 + fraction * self.conditions.canopy.heat_kj_m2(), true)
     }
@@ -444,7 +446,9 @@ impl CrownFire {
     /// Returns the fire as it spreads, with the heat of the crowns that burn. Below the rate of active crown fires it has the
     /// shape and the heading of the surface fire; those run with the wind, in the shape of crown fires, along the slope.
     pub fn spreading(&self, method: CrownMethod) -> SurfaceFire {
-        let (surface, toward, kind) = (self.surface, self.conditions.toward, self.fire_type());
+        let surface = self.surface;
+        let toward = self.conditions.toward;
+        let kind = self.fire_type();
         if matches!(kind, FireType::Surface | FireType::Conditional) {
             return surface;
         }
@@ -479,7 +483,8 @@ mod tests {
     const PINES: Canopy = Canopy { height_m: 20.0, base_m: 1.5, bulk_density_kg_m3: 0.2, cover: 0.6 };
 
     fn conditions(fuel: &str, canopy: Canopy, wind_20ft_mps: f64) -> CrownConditions {
-        let (model, moisture) = (FuelModel::by_name(fuel).expect("it is one"), FuelMoisture::default());
+        let model = FuelModel::by_name(fuel).expect("it is one");
+        let moisture = FuelMoisture::default();
         CrownConditions {
             canopy,
             foliar_moisture: 1.0,
@@ -507,7 +512,8 @@ mod tests {
         // 0.2 x 18.5 kg/m2 with 8000 Btu/lb.
         assert!(is_near(fire.conditions.canopy.heat_kj_m2(), 3.7 * 18_608.0));
         // 8 m/s are 17.9 mph; the area is pi / 4 of the length times the width.
-        let (length, ratio) = (fire.rate_mps * 60.0, 1.0 + 0.125 * 8.0 / 0.44704);
+        let length = fire.rate_mps * 60.0;
+        let ratio = 1.0 + 0.125 * 8.0 / 0.44704;
         assert!(
             is_near(fire.length_to_width(), ratio) && is_near(fire.area_m2(60.0), PI / 4.0 * length * length / ratio)
         );
@@ -543,7 +549,8 @@ mod tests {
         let mut before = [0.0; 2];
         for halves in 0..60 {
             let fire = conditions("TU5", Canopy { base_m: 1.0, ..PINES }, 0.5 * f64::from(halves)).burn();
-            let (ground, crown) = (fire.surface_head(), fire.crown_head());
+            let ground = fire.surface_head();
+            let crown = fire.crown_head();
             let rates = [CrownMethod::ScottReinhardt, CrownMethod::Rothermel].map(|method| fire.head(method).rate_mps);
             match fire.fire_type() {
                 FireType::Surface | FireType::Conditional => assert_eq!(rates, [ground.rate_mps; 2]),

@@ -74,8 +74,9 @@ fn size_bin(sav: f64) -> usize {
 fn net_load(classes: &[Class]) -> f64 {
     let area = sum(classes, Class::area);
     sum(classes, |class| {
-        let of_size = |other: Class| if size_bin(other.sav) == size_bin(class.sav) { other.area() / area } else { 0.0 };
-        sum(classes, of_size) * class.load * (1.0 - MINERALS)
+        sum(classes, |other| if size_bin(other.sav) == size_bin(class.sav) { other.area() / area } else { 0.0 })
+            * class.load
+            * (1.0 - MINERALS)
     })
 }
 

@@ -202,7 +202,8 @@ mod tests {
     fn brushfire_equals_brute_force() {
         let mut rng = rng::stream(1, "grid/brushfire");
         for _ in 0..300 {
-            let (rows, cols) = (rng.random_range(1..20), rng.random_range(1..50));
+            let rows = rng.random_range(1..20);
+            let cols = rng.random_range(1..50);
             let map = drawn_map(rows, cols, &mut rng);
             for connectivity in BOTH {
                 assert_equal(&map, connectivity, brute_force(&map, connectivity).as_ref());
@@ -214,7 +215,8 @@ mod tests {
     fn brushfire_equals_breadth_first_search() {
         let mut rng = rng::stream(2, "grid/brushfire");
         for _ in 0..60 {
-            let (rows, cols) = (rng.random_range(1..150), rng.random_range(1..700));
+            let rows = rng.random_range(1..150);
+            let cols = rng.random_range(1..700);
             let map = drawn_map(rows, cols, &mut rng);
             for connectivity in BOTH {
                 assert_equal(&map, connectivity, plain_brushfire(&map, connectivity).as_ref());

@@ -52,7 +52,8 @@ impl<T: StepCount> Sideways<T> {
             let to = &mut self.next.cells_mut()[segment.clone()];
             let from = &row.cells()[segment.clone()];
             if *farthest > T::ZERO.plus(stride) {
-                let (west, east) = (row.west(stride.into()), row.east(stride.into()));
+                let west = row.west(stride.into());
+                let east = row.east(stride.into());
                 *farthest = join(to, from, &west[segment.clone()], &east[segment], stride);
             } else if *farthest > T::ZERO {
                 to.copy_from_slice(from);

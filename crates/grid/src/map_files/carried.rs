@@ -52,7 +52,8 @@ pub fn read(chunk: &[u8]) -> Result<Grid<bool>, Fault> {
     let (head, packed) = named.split_first_chunk::<12>().ok_or_else(damaged)?;
     let [_, _, _, _, r3, r2, r1, r0, c3, c2, c1, c0] = *head;
     let side = |bytes| u32::from_be_bytes(bytes) as usize;
-    let (rows, cols) = (side([r3, r2, r1, r0]), side([c3, c2, c1, c0]));
+    let rows = side([r3, r2, r1, r0]);
+    let cols = side([c3, c2, c1, c0]);
     check_size(rows, cols)?;
     let expected = (rows * cols).div_ceil(8);
     let bits = decompress_to_vec_with_limit(packed, expected).map_err(|_| damaged())?;
@@ -76,7 +77,8 @@ mod tests {
     fn a_map_is_read_as_it_was_written_and_damage_is_noticed() {
         let mut rng = rng::stream(1, "carried");
         for _ in 0..100 {
-            let (rows, cols) = (rng.random_range(1..40), rng.random_range(1..40));
+            let rows = rng.random_range(1..40);
+            let cols = rng.random_range(1..40);
             let map = drawn::random(rows, cols, 0.3, &mut rng);
             let mut written = chunk(&map);
             let file = [&[0; HEADER_BYTES], &written[..]].concat();

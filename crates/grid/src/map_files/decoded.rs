@@ -55,7 +55,8 @@ pub(super) fn decode(
     transparency: Transparency,
     notes: Vec<String>,
 ) -> Result<GreyImage, Fault> {
-    let ((cols, rows), colour_type) = (decoder.dimensions(), decoder.color_type());
+    let (cols, rows) = decoder.dimensions();
+    let colour_type = decoder.color_type();
     let decoded = decoder.total_bytes() as usize;
     let mut data = with_room(decoded)?;
     data.resize(decoded, 0);
@@ -94,11 +95,13 @@ pub(super) fn turned(mut image: GreyImage, orientation: Orientation) -> GreyImag
         return image;
     }
     let turn = |grid: Grid<u8>| {
-        let (cols, rows) = (grid.cols() as u32, grid.rows() as u32);
+        let cols = grid.cols() as u32;
+        let rows = grid.rows() as u32;
         let pixels = GrayImage::from_raw(cols, rows, grid.values().to_vec()).expect("there is a value for every pixel");
         let mut image = DynamicImage::ImageLuma8(pixels);
         image.apply_orientation(orientation);
-        let (rows, cols) = (image.height() as usize, image.width() as usize);
+        let rows = image.height() as usize;
+        let cols = image.width() as usize;
         Grid::from_values(rows, cols, image.into_luma8().into_raw())
     };
     image.notes.push("the image was turned as its orientation tag says".to_owned());

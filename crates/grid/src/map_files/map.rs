@@ -97,7 +97,8 @@ impl MapFile {
     /// Returns the share of an image's pixels whose grey value is within [`NEAR_TOLERANCE`] of the tolerance; `None`
     /// for a map that is no image.
     pub fn share_near(&self) -> Option<f64> {
-        let (grey, tolerance) = (self.grey.as_ref()?.values(), self.tolerance?);
+        let grey = self.grey.as_ref()?.values();
+        let tolerance = self.tolerance?;
         let near = grey.iter().filter(|&&value| value.abs_diff(tolerance) <= NEAR_TOLERANCE).count();
         Some(near as f64 / grey.len() as f64)
     }
@@ -147,7 +148,8 @@ impl MapFile {
     /// What `--tolerance auto` would take of an image that was read with another one, if dark and light are clearly apart
     /// and that differs much.
     fn share_by_auto(&self) -> Option<ByAuto> {
-        let (grey, taken) = (self.grey.as_ref()?.values(), self.tolerance?);
+        let grey = self.grey.as_ref()?.values();
+        let taken = self.tolerance?;
         if self.reading.tolerance == Tolerance::Auto {
             return None;
         }
@@ -170,7 +172,8 @@ impl MapFile {
     /// If no map has that size.
     pub fn resize(&mut self, rows: usize, cols: usize) -> Result<(), Fault> {
         check_size(rows, cols)?;
-        let (old_rows, old_cols) = (self.occupied.rows(), self.occupied.cols());
+        let old_rows = self.occupied.rows();
+        let old_cols = self.occupied.cols();
         self.occupied = resized(&self.occupied, (rows, cols), |one, other| one | other)?;
         self.grey = self.grey.as_ref().map(|grey| resized(grey, (rows, cols), u8::min)).transpose()?;
         if let Some(place) = self.place {

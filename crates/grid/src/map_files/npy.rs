@@ -135,7 +135,8 @@ impl ArrayHeader {
 
     /// The number in decimal.
     fn shown(&self, number: &[u8]) -> String {
-        let (bits, spare_bits) = (self.bits(number), 64 - 8 * self.size as u32);
+        let bits = self.bits(number);
+        let spare_bits = 64 - 8 * self.size as u32;
         match self.kind {
             NumberKind::Unsigned => bits.to_string(),
             NumberKind::Signed => ((bits << spare_bits).cast_signed() >> spare_bits).to_string(),

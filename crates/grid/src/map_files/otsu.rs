@@ -91,7 +91,8 @@ mod tests {
     fn no_other_value_leaves_less_variance_within_the_classes() {
         let mut rng = rng::stream(1, "otsu");
         for _ in 0..60 {
-            let (dark, light) = (rng.random_range(0..120), rng.random_range(120..=255));
+            let dark = rng.random_range(0..120);
+            let light = rng.random_range(120..=255);
             let spread = rng.random_range(1..40);
             let grey: Vec<u8> = (0..rng.random_range(2..300))
                 .map(|_| {
@@ -100,7 +101,8 @@ mod tests {
                 })
                 .collect();
             let Some(chosen) = threshold(&grey) else { continue };
-            let (low, high) = (*grey.iter().min().expect("some"), *grey.iter().max().expect("some"));
+            let low = *grey.iter().min().expect("some");
+            let high = *grey.iter().max().expect("some");
             let within = variance_within(&grey, chosen);
             assert!((low..high).all(|other| within <= variance_within(&grey, other) + 1e-6), "{grey:?}");
         }

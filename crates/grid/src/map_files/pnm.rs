@@ -173,7 +173,8 @@ impl<R: BufRead> Raster<R> {
         }
         let max = self.header.layout.max;
         if let Some(at) = self.samples.iter().position(|&sample| sample > max) {
-            let (col, found) = (at / self.header.layout.channels(), self.samples[at].to_string());
+            let col = at / self.header.layout.channels();
+            let found = self.samples[at].to_string();
             return Err(Fault::Cell { row, col, found, expected: format!("at most {max}, as the header declares") });
         }
         Ok(())

@@ -61,17 +61,18 @@ pub(super) fn is_start(start: &[u8]) -> bool {
 
 /// Returns whether a text is such a file in braces, which JSON has too: it has the keys that no other file has together.
 pub(super) fn is_flow_start(start: &[u8]) -> bool {
-    let is_between = |byte: &u8| matches!(byte, b'\n' | b'{' | b',');
-    let keys: Vec<&str> = start.split(is_between).filter_map(key_of).collect();
+    let keys: Vec<&str> = start.split(|byte| matches!(byte, b'\n' | b'{' | b',')).filter_map(key_of).collect();
     start.contains(&b'{') && ["image", "resolution", "origin"].iter().all(|key| keys.contains(key))
 }
 
 /// Returns the key of a ROS map that a part of a text begins with.
 fn key_of(part: &[u8]) -> Option<&'static str> {
     let key = part.split(|&byte| byte == b':').next().filter(|key| key.len() < part.len())?.trim_ascii();
-    let is_quote = |byte: &u8| matches!(byte, b'"' | b'\'');
-    let key =
-        if key.first() == key.last() && key.first().is_some_and(is_quote) { key.get(1..key.len() - 1)? } else { key };
+    let key = if key.first() == key.last() && key.first().is_some_and(|byte| matches!(byte, b'"' | b'\'')) {
+        key.get(1..key.len() - 1)?
+    } else {
+        key
+    };
     KEYS.into_iter().find(|known| key == known.as_bytes())
 }
 

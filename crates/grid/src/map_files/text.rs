@@ -98,8 +98,9 @@ fn text_cells(line: &[u8], letters: Letters, cells: &mut Vec<bool>) -> Result<()
 fn table_cells(line: &[u8], separator: Separator, cells: &mut Vec<bool>) -> Result<(), BadCell> {
     // Without spaces every value is one byte and every other byte stands between them, which is quick to see.
     let between = separator.byte();
-    let is_plain = |pair: &[u8]| pair[0] | 1 == b'1' && pair.get(1).is_none_or(|&byte| byte == between);
-    if line.len() % 2 == 1 && line.chunks(2).all(is_plain) {
+    if line.len() % 2 == 1
+        && line.chunks(2).all(|pair| pair[0] | 1 == b'1' && pair.get(1).is_none_or(|&byte| byte == between))
+    {
         cells.extend(line.iter().step_by(2).map(|&byte| byte == b'1'));
         return Ok(());
     }

@@ -21,8 +21,8 @@ const FLOAT_OR_SIGNED: &str = "its samples are floats, or may be negative";
 
 /// Reads the first image of a TIFF file: grey of 1 to 16 bits, or RGB, with alpha or without, of 8 or 16 bits.
 pub(super) fn read(bytes: &[u8], transparency: Transparency) -> Result<GreyImage, Fault> {
-    let damaged_chunk = |message| Fault::Image { message };
-    let mut decoder = tiff_chunks::open(bytes, MAX_DECODED as usize).map_err(damaged_chunk)?.map_err(damaged)?;
+    let mut decoder =
+        tiff_chunks::open(bytes, MAX_DECODED as usize).map_err(|message| Fault::Image { message })?.map_err(damaged)?;
     let (cols, rows) = decoder.dimensions().map_err(damaged)?;
     let size = (rows as usize, cols as usize);
     check_size(size.0, size.1)?;
@@ -132,7 +132,8 @@ impl Samples {
             _ => return Err(unfit(FLOAT_OR_SIGNED)),
         }
         if pixels.len() < rows * cols {
-            let (row, col) = (pixels.len() / cols, pixels.len() % cols);
+            let row = pixels.len() / cols;
+            let col = pixels.len() % cols;
             return Err(Fault::Ends { row, col, rows, cols });
         }
         Ok(pixels)

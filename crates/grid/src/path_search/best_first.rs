@@ -45,7 +45,8 @@ impl Heuristic {
     }
 
     fn estimate(self, from: Place, to: Place) -> f64 {
-        let (rows, cols) = (from.0.abs_diff(to.0), from.1.abs_diff(to.1));
+        let rows = from.0.abs_diff(to.0);
+        let cols = from.1.abs_diff(to.1);
         match self {
             Self::Zero => 0.0,
             Self::Euclidean => ((rows * rows + cols * cols) as f64).sqrt(),
@@ -103,16 +104,22 @@ pub fn search_best_first(
         return Ok(PathSearch::from_occupied_start(occupied));
     }
     let moves = legal_moves(occupied, connectivity, corners);
-    let (first, last) = (index_of(occupied, start), index_of(occupied, goal));
+    let first = index_of(occupied, start);
+    let last = index_of(occupied, goal);
     // Without costs of its own the search is ordered by the estimate, and no later way to a cell is a better one.
     let (step_costs, heuristic, weight) = match order {
         SearchOrder::AStar { heuristic, weight } => ((1.0, SQRT_2), heuristic, weight),
         SearchOrder::Dijkstra => ((1.0, SQRT_2), Heuristic::Zero, 1.0),
         SearchOrder::Greedy { heuristic } => ((0.0, 0.0), heuristic, 1.0),
     };
-    let estimate = |index: usize, _: usize| weight * heuristic.estimate(place_of(occupied, index), goal);
     let mut search = AStar::new(moves.values().len());
-    let found = search.search(&moves, first, step_costs, |index| index == last, estimate);
+    let found = search.search(
+        &moves,
+        first,
+        step_costs,
+        |index| index == last,
+        |index, _| weight * heuristic.estimate(place_of(occupied, index), goal),
+    );
 
     let mut lengths = Grid::filled(occupied.rows(), occupied.cols(), UNSEEN);
     lengths[start] = START_LENGTH;
@@ -127,13 +134,13 @@ pub fn search_best_first(
             follow(&mut lengths, place_of(occupied, from), place_of(occupied, to));
         }
     }
-    let is_expanded = |[_, index]: &[usize; 2]| *index != last;
-    let expanded = search.settled().filter(is_expanded).map(|[_, index]| index as u32).collect();
+    let expanded = search.settled().filter(|[_, index]| *index != last).map(|[_, index]| index as u32).collect();
     let costs = lengths.values().iter().map(|&length| length_from_start(length)).collect();
     let costs = Grid::from_values(occupied.rows(), occupied.cols(), costs);
     let cost = found.path.as_ref().map(|_| costs[goal]);
-    let in_cells = |path: Vec<usize>| Route::Found(path.into_iter().map(|index| place_of(occupied, index)).collect());
-    let route = found.path.map_or(Route::Unreachable, in_cells);
+    let route = found.path.map_or(Route::Unreachable, |path| {
+        Route::Found(path.into_iter().map(|index| place_of(occupied, index)).collect())
+    });
     Ok(PathSearch { costs, route, cost, expanded, touched, swept: None })
 }
 

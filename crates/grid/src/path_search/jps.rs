@@ -188,8 +188,7 @@ fn forced(
             if_blocked(behind(right), ahead(right)),
         ],
     };
-    let is_legal = move |towards: &Direction| place::step(occupied, here, *towards, corners).is_some();
-    candidates.into_iter().flatten().filter(is_legal)
+    candidates.into_iter().flatten().filter(move |towards| place::step(occupied, here, *towards, corners).is_some())
 }
 
 #[cfg(test)]

@@ -56,11 +56,14 @@ pub fn theta_star(
         return Ok(PathSearch::from_occupied_start(occupied));
     }
     let distance = |from: Place, to: Place| GridPoint::centre(from).distance(GridPoint::centre(to));
-    let (first, last) = (index_of(occupied, start) as u32, index_of(occupied, goal) as u32);
+    let first = index_of(occupied, start) as u32;
+    let last = index_of(occupied, goal) as u32;
     let unseen = Node { cost: f64::INFINITY, parent: first, closed: false };
     let mut nodes = Grid::filled(occupied.rows(), occupied.cols(), unseen);
     let mut open = OpenList::default();
-    let (mut expanded, mut touched, mut is_found) = (Vec::new(), 1, false);
+    let mut expanded = Vec::new();
+    let mut touched = 1;
+    let mut is_found = false;
     nodes[start].cost = 0.0;
     open.push(Waiting { priority: distance(start, goal), cost: 0.0, index: first });
     while let Some(Waiting { index, .. }) = open.pop() {

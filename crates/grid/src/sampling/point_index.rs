@@ -18,7 +18,8 @@ const POINTS_A_SQUARE: usize = 8;
 impl PointIndex {
     /// Creates an index for about `expected` points on the plane of a grid.
     pub fn new(occupied: &Grid<bool>, expected: usize) -> Self {
-        let (rows, cols) = (occupied.rows() as i64 * UNITS, occupied.cols() as i64 * UNITS);
+        let rows = occupied.rows() as i64 * UNITS;
+        let cols = occupied.cols() as i64 * UNITS;
         let squares = (expected / POINTS_A_SQUARE).max(1) as i64;
         // Also where the plane is long and narrow there are no more squares than that, and one row of them.
         let side = (rows * cols / squares).isqrt().max(rows.max(cols) / squares).max(UNITS);
@@ -48,9 +49,11 @@ impl PointIndex {
                 found.extend(points.iter().map(|&(number, point)| (point.squared_units_to(to), number)));
             });
             let safe = self.room_around(to, ring);
-            let is_near = |&&(square, _): &&(i64, u32)| square <= safe;
             // What lies in rings farther out is farther than `safe`.
-            if is_outside || safe >= squared_radius || found.iter().filter(is_near).count() >= max {
+            if is_outside
+                || safe >= squared_radius
+                || found.iter().filter(|&&(square, _)| square <= safe).count() >= max
+            {
                 break;
             }
             ring += 1;
@@ -72,7 +75,8 @@ impl PointIndex {
 
     /// Hands out the points of every square of a ring that is on the plane.
     fn look_around(&self, row: usize, col: usize, ring: usize, take: &mut impl FnMut(&[(u32, GridPoint)])) {
-        let (top, left) = (row as i64 - ring as i64, col as i64 - ring as i64);
+        let top = row as i64 - ring as i64;
+        let left = col as i64 - ring as i64;
         let (bottom, right) = (row + ring, col + ring);
         for row in top.max(0) as usize..=bottom.min(self.squares.rows() - 1) {
             let is_whole = row as i64 == top || row == bottom;
@@ -115,7 +119,8 @@ mod tests {
             let mut index = PointIndex::new(&occupied, rng.random_range(0..3000));
             (0..).zip(&points).for_each(|(number, &point)| index.add(number, point));
             for _ in 0..30 {
-                let (to, max) = (draw_point(&occupied, &mut rng), rng.random_range(1..20));
+                let to = draw_point(&occupied, &mut rng);
+                let max = rng.random_range(1..20);
                 let radius = if rng.random_bool(0.5) { i64::MAX } else { (UNITS * rng.random_range(0..20)).pow(2) };
                 let mut expected: Vec<_> = (0..).zip(&points).map(|(k, &at)| (at.squared_units_to(to), k)).collect();
                 expected.retain(|&(square, _)| square <= radius);

@@ -72,7 +72,8 @@ pub fn grow_tree(
     if !place::check_ends(occupied, start, goal)? {
         return Ok(PointGraph::from_occupied_start());
     }
-    let (start, goal) = (GridPoint::centre(start), GridPoint::centre(goal));
+    let start = GridPoint::centre(start);
+    let goal = GridPoint::centre(goal);
     let mut rng = rng::stream(settings.seed, "map/rrt");
     let mut index = PointIndex::new(occupied, settings.samples as usize);
     index.add(0, start);
@@ -84,7 +85,8 @@ pub fn grow_tree(
     while samples < settings.samples && (kind == TreeKind::RrtStar || gates.is_empty()) {
         samples += 1;
         // Both draws are made always, so that a bias does not shift the points that follow.
-        let (aims_at_goal, drawn) = (rng.random_bool(settings.goal_bias), draw_point(occupied, &mut rng));
+        let aims_at_goal = rng.random_bool(settings.goal_bias);
+        let drawn = draw_point(occupied, &mut rng);
         let aim = if aims_at_goal { goal } else { drawn };
         let nearest = index.nearest(aim).expect("the start is there");
         let from = tree.points[nearest as usize];
@@ -137,7 +139,8 @@ impl Tree<'_> {
     /// whose way gets shorter over it.
     fn join(&mut self, point: GridPoint, nearest: u32, around: &[u32]) -> u32 {
         let cost_by = |tree: &Self, by: u32| tree.costs[by as usize] + tree.points[by as usize].distance(point);
-        let (mut parent, mut cost) = (nearest, cost_by(self, nearest));
+        let mut parent = nearest;
+        let mut cost = cost_by(self, nearest);
         for &by in around {
             let to_point = cost_by(self, by);
             if to_point < cost && is_free_segment(self.occupied, self.points[by as usize], point, CORNERS) {

@@ -59,7 +59,8 @@ impl Codes {
         }
         for half in 0..2 {
             for parity in 0..2 {
-                let (west, east) = (bytes(0, 2 * parity + half), bytes(7, 2 * parity + half));
+                let west = bytes(0, 2 * parity + half);
+                let east = bytes(7, 2 * parity + half);
                 for quarter in 0..4 {
                     let row = 8 * half + 2 * quarter + parity;
                     sides[WEST][row] = west[2 * quarter];

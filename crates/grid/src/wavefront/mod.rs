@@ -168,7 +168,8 @@ mod tests {
 
     /// Free corners and a free cell anywhere, as far as there are some.
     fn goals(occupied: &Grid<bool>, rng: &mut Xoshiro256PlusPlus) -> Vec<Place> {
-        let (bottom, right) = (occupied.rows() - 1, occupied.cols() - 1);
+        let bottom = occupied.rows() - 1;
+        let right = occupied.cols() - 1;
         let anywhere = (rng.random_range(0..=bottom), rng.random_range(0..=right));
         let places = [(0, 0), (0, right), (bottom, 0), (bottom, right), anywhere];
         places.into_iter().filter(|&place| !occupied[place]).collect()

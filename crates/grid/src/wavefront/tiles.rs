@@ -32,7 +32,8 @@ struct TileCodes {
 impl<'a> Tiles<'a> {
     /// Cuts a map on which only the goal is reached.
     pub fn new(occupied: &Grid<bool>, goal: Place, values: &'a mut Grid<u32>) -> Self {
-        let (rows, cols) = (occupied.rows().div_ceil(SIDE), occupied.cols().div_ceil(SIDE));
+        let rows = occupied.rows().div_ceil(SIDE);
+        let cols = occupied.cols().div_ceil(SIDE);
         let mut records = TileRecords::new(values);
         for row in 0..rows {
             for (col, free) in cut(occupied, row).into_iter().enumerate() {

@@ -99,8 +99,7 @@ impl BarChart {
     /// Names the groups in lines of this width: in words if these fit, else by letters with a key.
     fn names(&self, room: f32) -> GroupNames {
         let lines: Vec<Vec<String>> = self.groups.iter().map(|name| lines(name, room, LABEL)).collect();
-        let fits = |(name, lines): (&String, &Vec<String>)| lines.len() <= NAME_LINES && lines.join(" ") == *name;
-        if self.groups.iter().zip(&lines).all(fits) {
+        if self.groups.iter().zip(&lines).all(|(name, lines)| lines.len() <= NAME_LINES && lines.join(" ") == *name) {
             return GroupNames { lines, key: None };
         }
         let letters = || (b'A'..=b'Z').cycle().map(|letter| char::from(letter).to_string());

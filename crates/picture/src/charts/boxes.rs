@@ -168,7 +168,8 @@ fn draw_box(drawing: &mut Drawing, axis: &Axis, middle: f32, own: &BoxSeries, [l
         drawing.line(vec![(axis.x(end), middle - 4.0), (axis.x(end), middle + 4.0)], 1.4, INK);
     }
     // A box of no width can still be seen.
-    let (left, right) = (axis.x(lower), axis.x(upper).max(axis.x(lower) + 2.0));
+    let left = axis.x(lower);
+    let right = axis.x(upper).max(axis.x(lower) + 2.0);
     own.style.fill_rect(drawing, (left, middle - half), (right, middle + half));
     let at = axis.x(median);
     for (width, colour) in [(4.0, PAPER), (1.8, INK)] {

@@ -171,8 +171,7 @@ impl Axes {
         curve: &'a Curve,
         value: fn(&Estimate) -> f64,
     ) -> impl DoubleEndedIterator<Item = Point> + 'a {
-        let at = move |(x, estimate): &(f64, Estimate)| (self.plot.x(self.x, *x), self.plot.y(self.y, value(estimate)));
-        curve.points.iter().map(at)
+        curve.points.iter().map(move |(x, estimate)| (self.plot.x(self.x, *x), self.plot.y(self.y, value(estimate))))
     }
 
     fn draw_bands(&self, drawing: &mut Drawing, curves: &[Curve]) {
@@ -243,9 +242,11 @@ mod tests {
             DrawingMark::Line { points, .. } => Some(points.clone()),
             _ => None,
         });
-        let (band, line) = (band.expect("a band"), line.expect("a line"));
+        let band = band.expect("a band");
+        let line = line.expect("a line");
         for (index, (x, y)) in line.iter().enumerate() {
-            let (low, high) = (band[index], band[band.len() - 1 - index]);
+            let low = band[index];
+            let high = band[band.len() - 1 - index];
             assert!(low.0 == *x && high.0 == *x && low.1 >= *y && *y >= high.1, "{index}");
         }
     }

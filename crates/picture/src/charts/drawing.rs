@@ -129,7 +129,8 @@ fn push_mark(svg: &mut String, mark: &DrawingMark) {
                 [] => String::new(),
                 dashes => format!(" stroke-dasharray=\"{}\"", joined(dashes)),
             };
-            let (places, stroke) = (places(points), painted("stroke", *colour));
+            let places = places(points);
+            let stroke = painted("stroke", *colour);
             writeln!(
                 svg,
                 "<polyline points=\"{places}\" fill=\"none\"{stroke} stroke-width=\"{width}\" \
@@ -142,7 +143,9 @@ fn push_mark(svg: &mut String, mark: &DrawingMark) {
                 Align::Centre => "middle",
                 Align::Right => "end",
             };
-            let (size, fill, text) = (rounded(height / CAPITALS), painted("fill", *colour), escaped(text));
+            let size = rounded(height / CAPITALS);
+            let fill = painted("fill", *colour);
+            let text = escaped(text);
             let (x, y) = (rounded(*x), rounded(*y));
             writeln!(svg, "<text x=\"{x}\" y=\"{y}\" text-anchor=\"{anchor}\" font-size=\"{size}\"{fill}>{text}</text>")
         }
@@ -151,8 +154,7 @@ fn push_mark(svg: &mut String, mark: &DrawingMark) {
 }
 
 fn places(points: &[Point]) -> String {
-    let place = |&(x, y): &Point| format!("{},{}", rounded(x), rounded(y));
-    points.iter().map(place).collect::<Vec<_>>().join(" ")
+    points.iter().map(|&(x, y)| format!("{},{}", rounded(x), rounded(y))).collect::<Vec<_>>().join(" ")
 }
 
 fn joined(lengths: &[f32]) -> String {

@@ -132,7 +132,8 @@ mod tests {
             });
             lines.collect::<Vec<_>>()
         };
-        let (zero, intervals) = (lines(1.6)[0][0].0, lines(1.8));
+        let zero = lines(1.6)[0][0].0;
+        let intervals = lines(1.8);
         assert_eq!(intervals.len(), 2 * 3, "an interval and its two ends for each row that has one");
         let squares = drawing.marks.iter().filter_map(|mark| match mark {
             DrawingMark::Area { corners, colour, .. } => Some((0.5 * (corners[0].0 + corners[1].0), *colour)),

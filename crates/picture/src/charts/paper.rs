@@ -237,11 +237,14 @@ fn push_outlines(content: &mut Content, outlines: &Path) {
 }
 
 fn path(points: &[Point], point: impl Fn(Point) -> String) -> String {
-    let step = |(index, &at): (usize, &Point)| {
-        let command = if index == 0 { "\\pgfpathmoveto" } else { "\\pgfpathlineto" };
-        format!("{command}{{{}}}", point(at))
-    };
-    points.iter().enumerate().map(step).collect()
+    points
+        .iter()
+        .enumerate()
+        .map(|(index, &at)| {
+            let command = if index == 0 { "\\pgfpathmoveto" } else { "\\pgfpathlineto" };
+            format!("{command}{{{}}}", point(at))
+        })
+        .collect()
 }
 
 fn defined([red, green, blue]: Rgb) -> String {

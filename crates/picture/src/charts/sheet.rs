@@ -415,7 +415,8 @@ impl Plot {
         let between = 1..last.max(1);
         for index in [0, last].into_iter().take(ticks.len()).chain(between) {
             let Tick { value, label } = &ticks[index];
-            let (x, reach) = (self.x(scale, *value), 0.5 * (width_of(label, LABEL) + TICK_GAP));
+            let x = self.x(scale, *value);
+            let reach = 0.5 * (width_of(label, LABEL) + TICK_GAP);
             let is_free = taken.iter().all(|&(left, right)| x + reach <= left || right <= x - reach);
             let label = if is_free { label.clone() } else { String::new() };
             self.draw_x_tick(drawing, scale, &Tick { value: *value, label });

@@ -75,8 +75,13 @@ impl StripChart {
         let row = if has_names { ROW } else { ONE_ROW };
         let scale =
             AxisScale::around(strips().filter_map(|strip| Some((*strip.values.first()?, *strip.values.last()?))));
-        let in_panel = |panel: &StripPanel| panel.strips.iter().map(|strip| strip.values.len()).sum();
-        let columns = columns(self.panels.iter().map(in_panel).max().unwrap_or(0));
+        let columns = columns(
+            self.panels
+                .iter()
+                .map(|panel| panel.strips.iter().map(|strip| strip.values.len()).sum())
+                .max()
+                .unwrap_or(0),
+        );
         let max_rows = self.panels.iter().map(|panel| panel.strips.len()).max().unwrap_or(0).max(1);
         let sheets = sheets(&self.panels, |panel| &panel.name, (ROWS / max_rows).max(1));
         let sheet = |(index, panels): (usize, &&[StripPanel])| {
@@ -129,9 +134,11 @@ fn draw_strip(drawing: &mut Drawing, part: &Plot, scale: AxisScale, columns: usi
     let counts = counts(scale, columns, &strip.values);
     let highest_count = counts.iter().copied().max().unwrap_or(0).max(1);
     let max = MAX_OF_ROW * (part.bottom - part.top);
-    let (quantiles_height, above) = (QUANTILES.min(max), ABOVE.min(max));
+    let quantiles_height = QUANTILES.min(max);
+    let above = ABOVE.min(max);
     let base = part.bottom - quantiles_height;
-    let (width, height) = ((part.right - part.left) / columns as f32, base - part.top - above);
+    let width = (part.right - part.left) / columns as f32;
+    let height = base - part.top - above;
     for (index, &count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
         let left = part.left + index as f32 * width;
         // A single run among many is a line that can still be seen.

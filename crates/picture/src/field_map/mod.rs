@@ -86,7 +86,8 @@ mod tests {
     fn hilly() -> Landscape {
         let place = |index: usize| FRAME.centre(FRAME.cell(index)) * 0.01;
         let heights = (0..FRAME.cell_count()).map(|index| {
-            let (x, y) = (place(index).x - 7.0, place(index).y - 6.0);
+            let x = place(index).x - 7.0;
+            let y = place(index).y - 6.0;
             (120.0 / (1.0 + 0.2 * (x * x + y * y))) as f32
         });
         let fuel = (0..FRAME.cell_count()).map(|index| {
@@ -115,7 +116,8 @@ mod tests {
     fn colour_at(picture: &Picture, cell: Cell) -> Rgb {
         let pixels = 7;
         let above = picture.height() - 24 - (12 + 21 + 2 * 21 + 14 + 8 + 21) - pixels * u32::from(FRAME.rows);
-        let (col, row) = (u32::from(cell.col), u32::from(FRAME.rows - 1 - cell.row));
+        let col = u32::from(cell.col);
+        let row = u32::from(FRAME.rows - 1 - cell.row);
         picture.pixel(24 + pixels * col + 3, above + pixels * row + 3)
     }
 

@@ -56,7 +56,8 @@ enum KeySymbol {
 impl<'a> Panel<'a> {
     /// `side` is the usual length of the longer side in pixels, `longest` its most.
     pub fn new(map: &'a FieldMap<'a>, scale: Option<MapScale>, side: usize, longest: usize) -> Self {
-        let (rows, cols) = (usize::from(map.frame.rows), usize::from(map.frame.cols));
+        let rows = usize::from(map.frame.rows);
+        let cols = usize::from(map.frame.cols);
         let zoom = Zoom::fit_to(rows, cols, side, longest);
         let unit = (zoom.length(rows.max(cols)) as f32 / USUAL_LENGTH).max(1.0);
         let mut panel = Self { map, scale, zoom, unit, key: Vec::new(), lines: Vec::new() };
@@ -112,7 +113,8 @@ impl<'a> Panel<'a> {
 
     fn paint(&self, canvas: &mut Canvas, (left, top): Point) {
         let frame = &self.map.frame;
-        let (rows, cols) = (usize::from(frame.rows), usize::from(frame.cols));
+        let rows = usize::from(frame.rows);
+        let cols = usize::from(frame.cols);
         let pixels = self.zoom.pixels;
         let mut line = vec![[255; 4]; self.zoom.length(cols)];
         for block_row in 0..self.zoom.blocks(rows) {
@@ -265,9 +267,13 @@ impl<'a> Panel<'a> {
         let mut add = |covers: &[GroundCover], name: &str| {
             let there = || covers.iter().map(|&cover| present[cover as usize]);
             let count: f64 = there().map(|(count, _)| count).sum();
-            let mean = |channel: usize| (there().map(|(_, sums)| sums[channel]).sum::<f64>() / count).round() as u8;
             if count > 0.0 {
-                entries.push((KeySymbol::Cell(std::array::from_fn(mean)), name.to_owned()));
+                entries.push((
+                    KeySymbol::Cell(std::array::from_fn(|channel| {
+                        (there().map(|(_, sums)| sums[channel]).sum::<f64>() / count).round() as u8
+                    })),
+                    name.to_owned(),
+                ));
             }
         };
         add(&[GroundCover::Grass, GroundCover::Shrub, GroundCover::Timber, GroundCover::Slash], self.map.without_value);
@@ -297,7 +303,8 @@ impl<'a> Panel<'a> {
 
     /// Which entries begin a line.
     fn break_lines(&self) -> Vec<usize> {
-        let (mut lines, mut used) = (Vec::new(), f32::INFINITY);
+        let mut lines = Vec::new();
+        let mut used = f32::INFINITY;
         for (index, (_, name)) in self.key.iter().enumerate() {
             let width = self.entry_width(name);
             if used + width > self.width() + GAP * self.unit {
@@ -316,7 +323,8 @@ impl<'a> Panel<'a> {
             if self.lines.contains(&index) {
                 (x, y) = (left, y + LINE * unit);
             }
-            let (right, middle) = (x + 16.0 * unit, y + 8.0 * unit);
+            let right = x + 16.0 * unit;
+            let middle = y + 8.0 * unit;
             match *symbol {
                 KeySymbol::Cell(colour) => {
                     canvas.fill_rect(x, y + unit, 15.0 * unit, 15.0 * unit, FAINT_INK);

@@ -118,8 +118,7 @@ impl MapQuantity {
             Self::ArrivalTime | Self::TimeDifference => time_ticks(low, high),
             Self::Direction => (compass_ticks(), ""),
             Self::FireType => {
-                let tick = |kind: FireType| Tick { value: f64::from(kind as u8), label: kind.name().into() };
-                (FireType::ALL.map(tick).into(), "")
+                (FireType::ALL.map(|kind| Tick { value: f64::from(kind as u8), label: kind.name().into() }).into(), "")
             }
             Self::Intensity if is_logarithmic => (decade_ticks(low, high), ""),
             _ => (ticks(low, high, MAX_TICKS, 0.0), ""),
@@ -200,7 +199,8 @@ fn time_ticks(low: f64, high: f64) -> (Vec<Tick>, &'static str) {
         let scaled = ticks(low / unit_s, high / unit_s, MAX_TICKS, 0.0);
         return (scaled.into_iter().map(|tick| Tick { value: tick.value * unit_s, ..tick }).collect(), unit);
     };
-    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+    let first = (low / step).ceil() as i64;
+    let last = (high / step).floor() as i64;
     let tick = |index: i64| {
         let value = index as f64 * step;
         Tick { value, label: format!("{}", value / unit_s) }
@@ -260,7 +260,8 @@ mod tests {
             let scale = scale(quantity, &[-30.0, 70.0]);
             assert_eq!(scale.colour(0.0), [255; 3]);
             assert_eq!((scale.low, scale.high), (-70.0, 70.0));
-            let ([red, _, blue], [other_red, _, other_blue]) = (scale.colour(60.0), scale.colour(-60.0));
+            let [red, _, blue] = scale.colour(60.0);
+            let [other_red, _, other_blue] = scale.colour(-60.0);
             assert!(red > blue && other_blue > other_red);
         }
     }

@@ -127,7 +127,8 @@ impl Projection {
             let place = self.place(DVec2::new(f64::from(col), f64::from(row)) * frame.cell_m);
             (place.x.round() as i32, place.y.round() as i32)
         };
-        let ((left, bottom), (right, top)) = (corner(cell.col, cell.row), corner(cell.col + 1, cell.row + 1));
+        let (left, bottom) = corner(cell.col, cell.row);
+        let (right, top) = corner(cell.col + 1, cell.row + 1);
         ((left, top), (right.max(left + 1), bottom.max(top + 1)))
     }
 
@@ -178,8 +179,8 @@ mod tests {
     #[test]
     fn north_is_up_and_the_whole_field_fits() {
         let projection = Projection::new(&FRAME, Camera::WHOLE, PANE);
-        let ((left, bottom), (right, top)) =
-            (projection.at(DVec2::ZERO), projection.at(DVec2::new(FRAME.width_m(), FRAME.height_m())));
+        let (left, bottom) = projection.at(DVec2::ZERO);
+        let (right, top) = projection.at(DVec2::new(FRAME.width_m(), FRAME.height_m()));
         assert!(top < bottom && left < right);
         assert!(left >= 0.0 && top >= 0.0 && right <= 640.0 && bottom <= 500.0);
     }
@@ -202,7 +203,8 @@ mod tests {
     fn panning_moves_what_is_seen_and_never_loses_the_field() {
         for camera in cameras() {
             let shown = |camera| Projection::new(&FRAME, camera, PANE).at(DVec2::new(40.0, 40.0));
-            let (before, after) = (shown(camera), shown(camera.panned(&FRAME, PANE, (3.0, -2.0))));
+            let before = shown(camera);
+            let after = shown(camera.panned(&FRAME, PANE, (3.0, -2.0)));
             assert!((after.0 - before.0 - 3.0).abs() < 0.01 && (after.1 - before.1 + 2.0).abs() < 0.01);
             let lost = camera.panned(&FRAME, PANE, (1e9, -1e9));
             assert_eq!(lost.centre, DVec2::ZERO);

@@ -90,7 +90,8 @@ impl FrameLayout {
         let chart_text = if runs == 1 { CHART_OF_ONE } else { CHART_OF_TWO };
         let chart_height = (chart_text * text).min(height * if runs == 1 { 33 } else { 40 } / 100);
         let chart = PixelRect { left: 0, top: height - chart_height, width, height: chart_height };
-        let (room, pane_height) = (width.saturating_sub(beside), chart.top.saturating_sub(below));
+        let room = width.saturating_sub(beside);
+        let pane_height = chart.top.saturating_sub(below);
         let edge = |run_index: u32| room * run_index / runs as u32;
         let fields = (0..runs as u32).map(|run_index| PixelRect {
             left: edge(run_index),
@@ -103,7 +104,8 @@ impl FrameLayout {
         } else {
             (below > 0).then_some(PixelRect { left: 0, top: pane_height, width, height: below })
         };
-        let (before, after) = (LEFT_OF_TIMELINE * text, RIGHT_OF_TIMELINE * text);
+        let before = LEFT_OF_TIMELINE * text;
+        let after = RIGHT_OF_TIMELINE * text;
         let timeline = PixelRect { left: before, width: width - before - after, ..chart };
         Self { width, height, text, fields: fields.collect(), panel, chart, timeline }
     }

@@ -58,12 +58,15 @@ impl Lettering {
     }
 
     fn case(&mut self, style: LetterStyle) -> &mut Case {
-        let is_right = |case: &Case| case.height == style.height && case.weight == style.weight;
-        let index = self.cases.iter().position(is_right).unwrap_or_else(|| {
-            let LetterStyle { height, weight, .. } = style;
-            self.cases.push(Case { height, weight, face: SizedFace::new(height, weight), stamps: Vec::new() });
-            self.cases.len() - 1
-        });
+        let index = self
+            .cases
+            .iter()
+            .position(|case| case.height == style.height && case.weight == style.weight)
+            .unwrap_or_else(|| {
+                let LetterStyle { height, weight, .. } = style;
+                self.cases.push(Case { height, weight, face: SizedFace::new(height, weight), stamps: Vec::new() });
+                self.cases.len() - 1
+            });
         &mut self.cases[index]
     }
 }
@@ -85,7 +88,8 @@ impl Stamp {
         face.push_letter(&mut path, letter, (place as f32 / PLACES as f32, 0.0));
         let Some(path) = path.finish() else { return Self { left: 0, top: 0, width: 1, coverage: Vec::new() } };
         let bounds = path.bounds();
-        let (left, top) = (bounds.left().floor(), bounds.top().floor());
+        let left = bounds.left().floor();
+        let top = bounds.top().floor();
         let mut canvas = Canvas::sized(bounds.right().ceil() - left, bounds.bottom().ceil() - top, [0; 3]);
         canvas.fill_shape(&path, Transform::from_translate(-left, -top), Ink::opaque([255; 3]));
         let (pixels, _) = canvas.bytes().as_chunks::<4>();
@@ -158,7 +162,8 @@ mod tests {
 
     #[test]
     fn stamped_text_looks_like_drawn_text() {
-        let (mut stamped, mut drawn) = (Canvas::new(300, 30, PAPER), Canvas::new(300, 30, PAPER));
+        let mut stamped = Canvas::new(300, 30, PAPER);
+        let mut drawn = Canvas::new(300, 30, PAPER);
         let line = "0:12:34.5 Wumpus leads by 17 (%)";
         Lettering::default().draw(&mut stamped, line, (5.0, 20.0), Align::Left, STYLE);
         draw_text(&mut drawn, line, (5.0, 20.0), Align::Left, STYLE.height, STYLE.colour);

@@ -152,7 +152,8 @@ mod tests {
         while let Some(frame) = decoder.read_next_frame().expect("a frame") {
             let (pixels, _) = frame.buffer.as_chunks::<4>();
             for (index, pixel) in pixels.iter().enumerate().filter(|(_, pixel)| pixel[3] == 255) {
-                let (row, col) = (index / usize::from(frame.width), index % usize::from(frame.width));
+                let row = index / usize::from(frame.width);
+                let col = index % usize::from(frame.width);
                 let at = (row + usize::from(frame.top)) * width + col + usize::from(frame.left);
                 sheet[4 * at..][..4].copy_from_slice(pixel);
             }

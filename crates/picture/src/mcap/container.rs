@@ -166,7 +166,8 @@ impl<W: Write> McapWriter<W> {
     /// Adds named texts about the file.
     pub fn metadata(&mut self, name: &str, texts: &[(&str, String)]) -> io::Result<()> {
         let content = Content::default().text(name).texts(texts).0;
-        let (at, length) = (self.written, RECORD_HEAD + content.len() as u64);
+        let at = self.written;
+        let length = RECORD_HEAD + content.len() as u64;
         self.metadata_indices.push(Content::default().u64(at).u64(length).text(name).0);
         self.record(kind::METADATA, &content)
     }

@@ -71,7 +71,8 @@ enum Moment<'a> {
 
 /// All that is to be written, in order of time.
 fn moments<'a>(index: &'a RunIndex<'a>, sampling: &Sampling) -> Vec<(SimTime, Moment<'a>)> {
-    let (timeline, end) = (index.timeline(), index.end_time());
+    let timeline = index.timeline();
+    let end = index.end_time();
     let mut moments = vec![(SimTime::ZERO, Moment::Bodies)];
     moments.extend(cell_moments(index));
     let ground = timeline.ground.iter().filter(|event| event.agent().is_some());
@@ -150,8 +151,10 @@ impl<'a, W: Write> SceneWriter<'a, W> {
         let log = file.schema(Log::SCHEMA, &Log::schema_text())?;
         let agent_state = file.schema(AgentMessage::SCHEMA, &AgentMessage::schema_text())?;
         let counts = file.schema(CountsMessage::SCHEMA, &CountsMessage::schema_text())?;
-        let (cells, counts) = (file.channel(grid, "/cells")?, file.channel(counts, "/counts")?);
-        let (bodies, events) = (file.channel(scene, "/bodies")?, file.channel(log, "/events")?);
+        let cells = file.channel(grid, "/cells")?;
+        let counts = file.channel(counts, "/counts")?;
+        let bodies = file.channel(scene, "/bodies")?;
+        let events = file.channel(log, "/events")?;
         let searched = searched(timeline);
         let mut agents = BTreeMap::new();
         for &place in sampling.agents() {
@@ -236,14 +239,16 @@ impl<'a, W: Write> SceneWriter<'a, W> {
     fn write_sample(&mut self, time: SimTime, next: SimTime) -> Result<(), ExportError> {
         let places: Vec<usize> = self.agents.keys().copied().collect();
         for place in places {
-            let (state, later) = (self.index.agent_at(place, time), self.index.agent_at(place, next));
+            let state = self.index.agent_at(place, time);
+            let later = self.index.agent_at(place, next);
             let channels = self.agents.get_mut(&place).expect("its place is a key");
             let is_needed = channels.last != Some(state) || later != state || time == next;
             if !is_needed {
                 continue;
             }
             channels.last = Some(state);
-            let (frame, channel) = (channels.frame, channels.state);
+            let frame = channels.frame;
+            let channel = channels.state;
             self.message(frame, time, &FrameTransform::new(time, state.id.to_string(), state.pose))?;
             let goal = state.goal.map_or([-1; 2], |goal| [i32::from(goal.col), i32::from(goal.row)]);
             let message = AgentMessage {
@@ -267,11 +272,14 @@ impl<'a, W: Write> SceneWriter<'a, W> {
 
 /// The phases of which searches were recorded, by agent.
 fn searched(timeline: &Timeline) -> BTreeSet<(AgentId, SearchPhase)> {
-    let searched = |event: &Event| match &event.fact {
-        Fact::Agent(id, AgentFact::Searched { phase, .. }) => Some((*id, *phase)),
-        _ => None,
-    };
-    timeline.events.iter().filter_map(searched).collect()
+    timeline
+        .events
+        .iter()
+        .filter_map(|event| match &event.fact {
+            Fact::Agent(id, AgentFact::Searched { phase, .. }) => Some((*id, *phase)),
+            _ => None,
+        })
+        .collect()
 }
 
 #[cfg(test)]

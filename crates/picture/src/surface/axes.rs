@@ -62,7 +62,9 @@ pub fn draw_axes(
     name: &str,
     heights: Option<&ValueScale>,
 ) {
-    let (left, front, right) = (camera.at(0.0, 1.0, GROUND), camera.at(1.0, 1.0, GROUND), camera.at(1.0, 0.0, GROUND));
+    let left = camera.at(0.0, 1.0, GROUND);
+    let front = camera.at(1.0, 1.0, GROUND);
+    let right = camera.at(1.0, 0.0, GROUND);
     let back = camera.at(0.0, 0.0, GROUND);
     let columns = AxisEdge { from: left, to: front, outwards: direction(back, left) };
     columns.draw(canvas, size.1, COLUMNS);
@@ -113,7 +115,8 @@ impl AxisEdge {
 
     fn beside(&self, share: f32, away: f32) -> Point {
         let along = |from: f32, to: f32| from + (to - from) * share;
-        let (x, y) = (along(self.from.0, self.to.0), along(self.from.1, self.to.1));
+        let x = along(self.from.0, self.to.0);
+        let y = along(self.from.1, self.to.1);
         (x + self.outwards.0 * away, y + self.outwards.1 * away)
     }
 }

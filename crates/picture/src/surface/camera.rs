@@ -55,8 +55,10 @@ impl SurfaceCamera {
             origin: (0.0, 0.0),
         };
         // The four corners that are farthest left, right, up and down.
-        let (left, right) = (camera.at(0.0, 1.0, 0.0).0, camera.at(1.0, 0.0, 0.0).0);
-        let (top, bottom) = (camera.at(0.0, 0.0, 1.0).1, camera.at(1.0, 1.0, GROUND).1);
+        let left = camera.at(0.0, 1.0, 0.0).0;
+        let right = camera.at(1.0, 0.0, 0.0).0;
+        let top = camera.at(0.0, 0.0, 1.0).1;
+        let bottom = camera.at(1.0, 1.0, GROUND).1;
         camera.scale = (width / (right - left)).min(height / (bottom - top));
         camera.origin = (-left * camera.scale, -top * camera.scale);
         (camera, ((right - left) * camera.scale, (bottom - top) * camera.scale))
@@ -75,7 +77,8 @@ impl SurfaceCamera {
 
     pub fn at(&self, x: f32, y: f32, level: f32) -> Point {
         let (x, y) = (x * self.sides.0, y * self.sides.1);
-        let ((sin_turn, cos_turn), (sin_pitch, cos_pitch)) = (self.turn, self.pitch);
+        let (sin_turn, cos_turn) = self.turn;
+        let (sin_pitch, cos_pitch) = self.pitch;
         let right = x * cos_turn - y * sin_turn;
         let nearer = x * sin_turn + y * cos_turn;
         let down = nearer * sin_pitch - level * RELIEF * cos_pitch;
@@ -91,7 +94,8 @@ impl SurfaceCamera {
     pub fn towards_viewer(&self, from: Spot, step: f32) -> impl Iterator<Item = Spot> {
         let (sin_turn, cos_turn) = self.turn;
         let rise = step * self.pitch.0 / self.pitch.1 / RELIEF;
-        let (right, down) = (step * sin_turn / self.sides.0, step * cos_turn / self.sides.1);
+        let right = step * sin_turn / self.sides.0;
+        let down = step * cos_turn / self.sides.1;
         let spot = move |steps: u16| {
             let steps = f32::from(steps);
             Spot { x: from.x + steps * right, y: from.y + steps * down, level: from.level + steps * rise }

@@ -94,8 +94,10 @@ fn draw_relief(
 
 /// Draws the sides of a tile that the viewer can see, and its top.
 fn draw_tile(canvas: &mut Canvas, camera: &SurfaceCamera, relief: &Relief, (row, col): (usize, usize), colour: Rgb) {
-    let (north, south) = (relief.row_edge(row), relief.row_edge(row + 1));
-    let (west, east) = (relief.col_edge(col), relief.col_edge(col + 1));
+    let north = relief.row_edge(row);
+    let south = relief.row_edge(row + 1);
+    let west = relief.col_edge(col);
+    let east = relief.col_edge(col + 1);
     let [nw, ne, se, sw] = relief.corners((row, col));
     let is_last = (row + 1 == relief.tiles.rows(), col + 1 == relief.tiles.cols());
     let below = if is_last.0 { [GROUND; 4] } else { relief.corners((row + 1, col)) };
@@ -113,7 +115,8 @@ fn draw_tile(canvas: &mut Canvas, camera: &SurfaceCamera, relief: &Relief, (row,
     let top = [(west, north, nw), (east, north, ne), (east, south, se), (west, south, sw)];
     let top = top.map(|(x, y, level)| camera.at(x, y, level));
     canvas.fill_hard(&top, colour);
-    let (wide, long) = (top[1].0 - top[0].0, top[3].1 - top[0].1);
+    let wide = top[1].0 - top[0].0;
+    let long = top[3].1 - top[0].1;
     if wide.min(long.abs()) > OUTLINED * FINER {
         canvas.outline_hard(&top, FINER / 2.0, blend(colour, INK, SHADE.0));
     }

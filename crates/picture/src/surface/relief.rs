@@ -37,7 +37,8 @@ impl Relief {
         let size = (scene.occupied.rows(), scene.occupied.cols());
         let cells = size.0.max(size.1).div_ceil(MAX_TILES).max(1);
         let zoom = Zoom { cells, pixels: 1 };
-        let (rows, cols) = (zoom.blocks(size.0), zoom.blocks(size.1));
+        let rows = zoom.blocks(size.0);
+        let cols = zoom.blocks(size.1);
         let places = (0..rows).flat_map(|row| (0..cols).map(move |col| (row, col)));
         let tiles = places.map(|(row, col)| Tile::new(scene, &zoom.block(row, col, size), heights)).collect();
         let tiles = Grid::from_values(rows, cols, tiles);
@@ -74,7 +75,8 @@ impl Relief {
     pub fn level_at(&self, x: f32, y: f32) -> f32 {
         let ((row, down), (col, right)) = self.tile_at(x, y);
         let [nw, ne, se, sw] = self.corners((row, col));
-        let (north, south) = (nw + (ne - nw) * right, sw + (se - sw) * right);
+        let north = nw + (ne - nw) * right;
+        let south = sw + (se - sw) * right;
         north + (south - north) * down
     }
 
@@ -99,7 +101,8 @@ impl Tile {
     /// An obstacle where at least half of the cells are, else the mean of the free cells' finite values.
     fn new(scene: &MapScene, block: &CellBlock, heights: Option<&ValueScale>) -> Self {
         let (mut cells, mut obstacles) = (0, 0);
-        let (mut free, mut occupied) = (Mean::default(), Mean::default());
+        let mut free = Mean::default();
+        let mut occupied = Mean::default();
         for place in block.places() {
             cells += 1;
             obstacles += usize::from(scene.occupied[place]);

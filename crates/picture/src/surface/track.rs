@@ -78,7 +78,9 @@ impl SurfaceTrack<'_> {
     /// Returns a spot on the way between two cells, on the surface if both are.
     fn between(&self, from: Spot, to: Spot, share: f32) -> Spot {
         let along = |from: f32, to: f32| from + (to - from) * share;
-        let (x, y, level) = (along(from.x, to.x), along(from.y, to.y), along(from.level, to.level));
+        let x = along(from.x, to.x);
+        let y = along(from.y, to.y);
+        let level = along(from.level, to.level);
         match self.relief.face_at(x, y) {
             BlockFace::Value(_) => Spot { x, y, level: self.relief.level_at(x, y) },
             BlockFace::Obstacle | BlockFace::WithoutValue => Spot { x, y, level },

@@ -79,7 +79,8 @@ impl Certificate {
             lengths.push((places[end], 0.0));
             for (index, &(one, one_m)) in lengths.iter().enumerate() {
                 for &(other, other_m) in &lengths[..index] {
-                    let (distance_m, found_m) = (one.distance(other), (one_m - other_m).abs());
+                    let distance_m = one.distance(other);
+                    let found_m = (one_m - other_m).abs();
                     if found_m > distance_m + ROUNDING_M && !bushes.part(one, other, bushes.radius_m) {
                         let places = [one, other];
                         return Err(BadCertificate::TooSteep { end: name, places, distance_m, found_m });
@@ -191,15 +192,15 @@ struct Bushes {
 
 impl Bushes {
     fn new(checker: &CollisionChecker, clearance_m: f64) -> Self {
-        let (frame, body) = (checker.field().frame(), checker.body());
+        let frame = checker.field().frame();
+        let body = checker.body();
         let ground = checker.field().occupied();
         let cells =
             (0..usize::from(frame.rows)).flat_map(|row| (0..usize::from(frame.cols)).map(move |col| (row, col)));
         let bushes = cells.filter(|&cell| ground[cell]);
-        let centre = |(row, col): (usize, usize)| (DVec2::new(col as f64, row as f64) + 0.5) * frame.cell_m;
         let ends_m = body.rear_overhang_m.min(body.length_m - body.rear_overhang_m).max(0.0);
         Self {
-            centres: bushes.map(centre).collect(),
+            centres: bushes.map(|(row, col)| (DVec2::new(col as f64, row as f64) + 0.5) * frame.cell_m).collect(),
             half_cell_m: 0.5 * frame.cell_m,
             radius_m: ends_m.min(0.5 * body.width_m) + clearance_m,
             size: DVec2::new(frame.width_m(), frame.height_m()),
@@ -227,7 +228,8 @@ impl Bushes {
     /// shape, nor the line itself, separates them (the separating axes of two convex shapes).
     fn part(&self, one: DVec2, other: DVec2, radius_m: f64) -> bool {
         let reach = DVec2::splat(self.half_cell_m + radius_m);
-        let (low, high) = (one.min(other) - reach, one.max(other) + reach);
+        let low = one.min(other) - reach;
+        let high = one.max(other) + reach;
         let line = other - one;
         self.centres.iter().any(|&centre| {
             if centre.x < low.x || centre.y < low.y || centre.x > high.x || centre.y > high.y {
@@ -239,7 +241,8 @@ impl Bushes {
             }
             let shape = self.outline(centre, radius_m - SAME_M);
             let turned = (0..16).any(|index| {
-                let (corner, side) = (shape[index], shape[(index + 1) % 16] - shape[index]);
+                let corner = shape[index];
+                let side = shape[(index + 1) % 16] - shape[index];
                 side.perp_dot(one - corner) <= 0.0 && side.perp_dot(other - corner) <= 0.0
             });
             let sides = shape.map(|corner| line.perp_dot(corner - one));

@@ -169,7 +169,8 @@ impl Terrain {
     fn blocks(&self, polygon: &[DVec2], from: DVec2, to: DVec2) -> bool {
         let along = to - from;
         let reach = DVec2::splat(self.half_cell_m + self.radius_m);
-        let (low, high) = (from.min(to) - reach, from.max(to) + reach);
+        let low = from.min(to) - reach;
+        let high = from.max(to) + reach;
         let near = self.centres.iter().filter(|centre| centre.cmpge(low).all() && centre.cmple(high).all());
         near.filter(|&&centre| along.perp_dot(centre - from).abs() <= 1.5 * reach.x * along.length() + 1e-9).any(
             |&centre| {
@@ -177,7 +178,8 @@ impl Terrain {
                 for (index, &corner) in polygon.iter().enumerate() {
                     let side = polygon[(index + 1) % polygon.len()] - corner;
                     // Positive on the inner side.
-                    let (inward, rate) = (side.perp_dot(from - centre - corner), side.perp_dot(along));
+                    let inward = side.perp_dot(from - centre - corner);
+                    let rate = side.perp_dot(along);
                     if rate.abs() < 1e-12 {
                         if inward <= 0.0 {
                             return false;
@@ -196,15 +198,17 @@ impl Terrain {
     fn holds(&self, polygon: &[DVec2], at: DVec2) -> bool {
         let reach_m = self.half_cell_m + self.radius_m;
         let near = self.centres.iter().filter(|&&centre| (at - centre).abs().max_element() < reach_m);
-        let sides = |index: usize| (polygon[index], polygon[(index + 1) % polygon.len()]);
         near.into_iter().any(|&centre| {
-            (0..polygon.len()).map(sides).all(|(corner, next)| (next - corner).perp_dot(at - centre - corner) > 0.0)
+            (0..polygon.len())
+                .map(|index| (polygon[index], polygon[(index + 1) % polygon.len()]))
+                .all(|(corner, next)| (next - corner).perp_dot(at - centre - corner) > 0.0)
         })
     }
 
     /// The corners that a path of less than `reach_m` could touch.
     fn corners(&self, from: DVec2, to: DVec2, reach_m: f64) -> Vec<DVec2> {
-        let (polygon, inner) = (self.polygon(self.radius_m), self.polygon(self.radius_m - 2.0 * SHRUNK_M));
+        let polygon = self.polygon(self.radius_m);
+        let inner = self.polygon(self.radius_m - 2.0 * SHRUNK_M);
         let corners = self.centres.iter().flat_map(|&centre| polygon.iter().map(move |&corner| centre + corner));
         let near = corners.filter(|at| from.distance(*at) + at.distance(to) < reach_m + ROUNDING_M);
         near.filter(|&at| !self.is_outside(at, self.radius_m - 2.0 * SHRUNK_M) && !self.holds(&inner, at)).collect()
@@ -346,7 +350,8 @@ mod tests {
                 for &goal in &goals {
                     let Ok(path) = planner.plan(field.start, Goal::Pose(goal)).path else { continue };
                     let clearance_m = (least_clearance(&field.checker, &path) - 0.01).clamp(0.0, 1.0);
-                    let (ends, length_m) = ((field.start, goal), path.length_m());
+                    let ends = (field.start, goal);
+                    let length_m = path.length_m();
                     let Some(certificate) = Certificate::new(&field.checker, ends, clearance_m, length_m + 1.0) else {
                         continue;
                     };

@@ -262,7 +262,8 @@ impl CollisionChecker {
 
 /// Discs of one radius whose union holds the body: as many as the length has widths.
 fn cover(body: &Dimensions) -> (Vec<Disc>, f64) {
-    let (half_length, half_width) = (0.5 * body.length_m, 0.5 * body.width_m);
+    let half_length = 0.5 * body.length_m;
+    let half_width = 0.5 * body.width_m;
     let count = (body.length_m / body.width_m).ceil().clamp(1.0, MAX_DISCS as f64);
     let half_share = half_length / count;
     let disc = |index: usize| {
@@ -364,13 +365,15 @@ mod tests {
         for _ in 0..200 {
             let body = random_body(&mut rng);
             let (discs, radius) = cover(&body);
-            let (half_length, half_width) = (0.5 * body.length_m, 0.5 * body.width_m);
+            let half_length = 0.5 * body.length_m;
+            let half_width = 0.5 * body.width_m;
             for disc in &discs {
                 assert!(disc.inner_radius <= half_width + 1e-12);
                 assert!(disc.offset.abs() + disc.inner_radius <= half_length + 1e-12);
             }
             for _ in 0..100 {
-                let (x, y) = (rng.random_range(-half_length..half_length), rng.random_range(-half_width..half_width));
+                let x = rng.random_range(-half_length..half_length);
+                let y = rng.random_range(-half_width..half_width);
                 assert!(discs.iter().any(|disc| ops::hypot(x - disc.offset, y) <= radius + 1e-12));
             }
         }
@@ -391,8 +394,8 @@ mod tests {
             let (test, checker) = checker(&mut rng);
             for _ in 0..300 {
                 let pose = test.random_pose(&mut rng);
-                let (clearance, exact) =
-                    (checker.clearance(pose), test.rectangle_distance(&checker.body().footprint(pose)));
+                let clearance = checker.clearance(pose);
+                let exact = test.rectangle_distance(&checker.body().footprint(pose));
                 assert!(clearance <= exact + 1e-9, "{pose:?}: {clearance}, truly {exact}");
                 assert!(exact >= 1.0 || (clearance - exact).abs() < 1e-9, "{pose:?}: {clearance}, truly {exact}");
                 let floor: f64 = rng.random_range(-0.5..1.5);

@@ -66,8 +66,10 @@ pub fn gap_between((one, at): (&Dimensions, Pose), (other, other_at): (&Dimensio
 fn safe_until(one: MovingBody<'_>, other: MovingBody<'_>, from: SimTime, reach_m: f64) -> SimTime {
     let (mut now, mut left_m) = (from, reach_m);
     while now < SimTime::MAX {
-        let ((pace, until), (other_pace, other_until)) = (one.pace_at(now), other.pace_at(now));
-        let (closing_mps, until) = (pace + other_pace, until.min(other_until).max(now + INSTANT));
+        let (pace, until) = one.pace_at(now);
+        let (other_pace, other_until) = other.pace_at(now);
+        let closing_mps = pace + other_pace;
+        let until = until.min(other_until).max(now + INSTANT);
         let covered_m = closing_mps * until.since(now).as_seconds();
         if closing_mps > 0.0 && covered_m >= left_m {
             let span = SimTime::from_nanos((left_m / closing_mps * NANOS_PER_SECOND) as u64);
@@ -96,9 +98,11 @@ impl Rectangle {
         if between > radii {
             return between;
         }
-        let (along, across) = (self.axis.dot(other.axis).abs(), self.axis.perp_dot(other.axis).abs());
+        let along = self.axis.dot(other.axis).abs();
+        let across = self.axis.perp_dot(other.axis).abs();
         let beyond = |own: &Self, their: &Self| {
-            let (u, v) = (offset.dot(own.axis).abs(), own.axis.perp_dot(offset).abs());
+            let u = offset.dot(own.axis).abs();
+            let v = own.axis.perp_dot(offset).abs();
             let lengthwise = own.half_length + their.half_length * along + their.half_width * across;
             let crosswise = own.half_width + their.half_length * across + their.half_width * along;
             (u - lengthwise).max(v - crosswise)
@@ -154,11 +158,12 @@ mod tests {
     #[test]
     fn gaps_are_never_more_than_the_distance_and_rarely_much_less() {
         let mut rng = rng::stream(1, "collision/meeting");
-        let (large, small) =
-            (Dimensions::default(), Dimensions { length_m: 2.5, width_m: 1.5, ..Dimensions::default() });
+        let large = Dimensions::default();
+        let small = Dimensions { length_m: 2.5, width_m: 1.5, ..Dimensions::default() };
         let mut overlaps = 0;
         for _ in 0..20_000 {
-            let (at, other_at) = (random_pose(&mut rng, 20.0), random_pose(&mut rng, 20.0));
+            let at = random_pose(&mut rng, 20.0);
+            let other_at = random_pose(&mut rng, 20.0);
             let gap = gap_between((&large, at), (&small, other_at));
             let distance = distance((&large, at), (&small, other_at));
             assert_eq!(gap, gap_between((&small, other_at), (&large, at)));
@@ -175,10 +180,12 @@ mod tests {
     #[test]
     fn bodies_that_keep_apart_do_so_at_every_instant_and_others_meet_where_told() {
         let mut rng = rng::stream(2, "collision/meeting");
-        let (body, other_body) = (Dimensions::default(), Dimensions { length_m: 6.0, ..Dimensions::default() });
+        let body = Dimensions::default();
+        let other_body = Dimensions { length_m: 6.0, ..Dimensions::default() };
         let (mut apart, mut met) = (0, 0);
         for _ in 0..300 {
-            let (drive, other_drive) = (random_drive(&mut rng, &body), random_drive(&mut rng, &other_body));
+            let drive = random_drive(&mut rng, &body);
+            let other_drive = random_drive(&mut rng, &other_body);
             let one = MovingBody { body: &body, trajectory: &drive };
             let other = MovingBody { body: &other_body, trajectory: &other_drive };
             let meeting = first_conflict(one, other, SimTime::ZERO, MARGIN_M);

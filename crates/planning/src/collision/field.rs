@@ -99,7 +99,8 @@ impl ClearanceField {
         assert_eq!((occupied.rows(), occupied.cols()), size, "a value per cell");
         let factor = steps_per_cell(&frame);
         let spacing_m = frame.cell_m / factor as f64;
-        let (rows, cols) = (usize::from(frame.rows) * factor + 1, usize::from(frame.cols) * factor + 1);
+        let rows = usize::from(frame.rows) * factor + 1;
+        let cols = usize::from(frame.cols) * factor + 1;
         let mut lattice = Grid::filled(rows, cols, NO_BUSH_M);
         let scale = (spacing_m * (1.0 - ROUNDED_DOWN)) as f32;
         squared_vertex_distances(occupied, factor, |row, squares| {
@@ -107,7 +108,8 @@ impl ClearanceField {
                 *metres = (square as f32).sqrt() * scale;
             }
         });
-        let (steps_per_m, looks_at_cells) = (1.0 / spacing_m, spacing_m > SPACING_M);
+        let steps_per_m = 1.0 / spacing_m;
+        let looks_at_cells = spacing_m > SPACING_M;
         Self { frame, occupied: occupied.clone(), lattice, spacing_m, steps_per_m, looks_at_cells }
     }
 
@@ -179,16 +181,20 @@ impl ClearanceField {
     /// Makes what the lattice says of a point better by the cell that holds it and the eight round it; of a point outside,
     /// by what is nearest inside.
     fn look_at_cells(&self, point: DVec2, by_lattice: Interpolated) -> Interpolated {
-        let (rows, cols) = (self.occupied.rows(), self.occupied.cols());
+        let rows = self.occupied.rows();
+        let cols = self.occupied.cols();
         let cell_m = self.frame.cell_m;
-        let (col, row) = (((point.x / cell_m) as usize).min(cols - 1), ((point.y / cell_m) as usize).min(rows - 1));
-        let (west, south) = (point.x - col as f64 * cell_m, point.y - row as f64 * cell_m);
+        let col = ((point.x / cell_m) as usize).min(cols - 1);
+        let row = ((point.y / cell_m) as usize).min(rows - 1);
+        let west = point.x - col as f64 * cell_m;
+        let south = point.y - row as f64 * cell_m;
         // A point that is outside, or so by rounding, has no distances to the sides of its cell: the lattice will do.
         if west.min(south) < 0.0 || west.max(south) > cell_m {
             return by_lattice;
         }
         // Metres to the columns and rows before, of and after the cell.
-        let (across, along) = ([west, 0.0, cell_m - west], [south, 0.0, cell_m - south]);
+        let across = [west, 0.0, cell_m - west];
+        let along = [south, 0.0, cell_m - south];
         let beyond = cell_m + across[0].min(across[2]).min(along[0]).min(along[2]);
         let mut min_m2 = beyond * beyond;
         let mut is_exact = false;
@@ -215,7 +221,8 @@ impl ClearanceField {
 
     #[inline]
     fn read_lattice(&self, point: DVec2) -> Interpolated {
-        let (x, y) = (point.x * self.steps_per_m, point.y * self.steps_per_m);
+        let x = point.x * self.steps_per_m;
+        let y = point.y * self.steps_per_m;
         let col = (x as usize).min(self.lattice.cols() - 2);
         let row = (y as usize).min(self.lattice.rows() - 2);
         let (t, u) = (x - col as f64, y - row as f64);
@@ -235,7 +242,8 @@ impl ClearanceField {
     /// Centres of the bushes whose squares meet the box of half extents `reach` about `point`.
     pub(super) fn bushes_near(&self, point: DVec2, reach: DVec2) -> impl Iterator<Item = DVec2> + '_ {
         let cell = self.frame.cell_m;
-        let (low, high) = ((point - reach) / cell, (point + reach) / cell);
+        let low = (point - reach) / cell;
+        let high = (point + reach) / cell;
         // Casts clamp at 0; the last index is clamped here.
         let cols = low.x as usize..(high.x as usize + 1).min(self.occupied.cols());
         let rows = low.y as usize..(high.y as usize + 1).min(self.occupied.rows());
@@ -271,7 +279,8 @@ mod tests {
             let test = RandomBushes::random(&mut rng, [5.0, 1.3, 0.4][round % 3], [0.0, 0.02, 0.1, 0.4][round % 4]);
             for _ in 0..2000 {
                 let point = test.random_point(&mut rng);
-                let (bound, distance) = (test.field.lower_bound(point), test.point_distance(point));
+                let bound = test.field.lower_bound(point);
+                let distance = test.point_distance(point);
                 assert!(bound <= distance, "{point}: bound {bound}, distance {distance}");
                 assert!((test.field.distance(point) - distance).abs() < 1e-9, "{point}");
                 assert!(test.field.interpolate(point).max().min(bound.max(distance)) >= distance - 1e-9);
@@ -320,7 +329,8 @@ mod tests {
         for _ in 0..40 {
             let test = RandomBushes::random(&mut rng, 5.0, 0.08);
             for _ in 0..100 {
-                let (from, to) = (test.random_point(&mut rng), test.random_point(&mut rng));
+                let from = test.random_point(&mut rng);
+                let to = test.random_point(&mut rng);
                 let radius = rng.random_range(0.0..4.0);
                 let steps = ((to - from).length() / 0.02).ceil();
                 let places = (0..=steps as u32).map(|k| from.lerp(to, f64::from(k) / steps));
@@ -361,7 +371,8 @@ mod tests {
                 let point = if sample % 10 == 0 {
                     let corner =
                         |cells: u16, rng: &mut rng::Xoshiro256PlusPlus| f64::from(rng.random_range(0..=cells)) * cell_m;
-                    let (x, y) = (corner(frame.cols, &mut rng), corner(frame.rows, &mut rng));
+                    let x = corner(frame.cols, &mut rng);
+                    let y = corner(frame.rows, &mut rng);
                     DVec2::new(x, if sample % 20 == 0 { y } else { test.random_point(&mut rng).y })
                 } else {
                     test.random_point(&mut rng)

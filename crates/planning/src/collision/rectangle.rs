@@ -25,7 +25,8 @@ impl From<OrientedRect> for Rectangle {
 impl Rectangle {
     /// Returns half the extents of the smallest axis-parallel box around the rectangle.
     pub fn half_box(&self) -> DVec2 {
-        let (cos, sin) = (self.axis.x.abs(), self.axis.y.abs());
+        let cos = self.axis.x.abs();
+        let sin = self.axis.y.abs();
         DVec2::new(cos * self.half_length + sin * self.half_width, sin * self.half_length + cos * self.half_width)
     }
 
@@ -61,7 +62,8 @@ impl Rectangle {
     pub fn squared_gap_to_square(&self, square_centre: DVec2, half_side: f64, limit: f64) -> f64 {
         let offset = square_centre - self.centre;
         // The square as the rectangle sees it, along its length and its width.
-        let (u, v) = (offset.dot(self.axis), self.axis.perp_dot(offset));
+        let u = offset.dot(self.axis);
+        let v = self.axis.perp_dot(offset);
         let diagonal = half_side * (self.axis.x.abs() + self.axis.y.abs());
         let body_gap = (u.abs() - self.half_length).max(v.abs() - self.half_width) - diagonal;
         let world_gap = (offset.abs() - self.half_box()).max_element() - half_side;
@@ -102,7 +104,8 @@ mod tests {
             let test = RandomBushes::random(&mut rng, [5.0, 1.1][round % 2], 0.1);
             for _ in 0..300 {
                 let pose = test.random_pose(&mut rng);
-                let (half_length, half_width) = (rng.random_range(0.1..4.0), rng.random_range(0.1..2.0));
+                let half_length = rng.random_range(0.1..4.0);
+                let half_width = rng.random_range(0.1..2.0);
                 let outline = OrientedRect { centre: pose, half_length, half_width };
                 let rectangle = Rectangle { centre: pose.position(), axis: pose.direction(), half_length, half_width };
                 let border = rectangle.border_gap(test.field.frame());

@@ -285,7 +285,8 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
     /// Their keys rest on the node's own cost-to-go, from which a motion takes off no more than it costs: most are
     /// never swept, and none is worked out before.
     pub fn offer_motions(&mut self, index: u32, price: &MotionPrice, weight: f64) {
-        let (node, motions) = (self.nodes[index as usize], self.motions);
+        let node = self.nodes[index as usize];
+        let motions = self.motions;
         for (choice, motion) in motions.into_iter().enumerate().filter(|&(_, motion)| !node.is_undone_by(motion)) {
             let step = motion.length_m.abs() * price.rate(motion);
             let cost = node.cost + step + if node.turns_back(motion.is_reverse()) { price.cusp() } else { 0.0 };
@@ -373,7 +374,8 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
     ) -> Option<u32> {
         let motion = self.motions[usize::from(index)];
         let Node { pose: start, mark, .. } = self.nodes[from.node as usize];
-        let (pose, reverse) = (motion.end(start), motion.is_reverse());
+        let pose = motion.end(start);
+        let reverse = motion.is_reverse();
         // The bin is asked first, because a sweep costs much more.
         if self.is_known(pose, reverse, from.cost) || !space.motion_is_free(start, motion) {
             return None;

@@ -111,17 +111,19 @@ impl ClearanceProfile {
 
     /// Returns the clearance that is asked for at a pose.
     fn at(&self, pose: Pose) -> f64 {
-        let near = |end: &LowClearanceEnd| end.min_clearance_m + RAMP * pose.position().distance(end.position);
-        self.tight.iter().map(near).fold(self.min_clearance_m, f64::min)
+        self.tight
+            .iter()
+            .map(|end| end.min_clearance_m + RAMP * pose.position().distance(end.position))
+            .fold(self.min_clearance_m, f64::min)
     }
 
     /// Returns the metres until the nearest position at which less than the full clearance is asked for; not positive
     /// there.
     fn distance_to_tight(&self, pose: Pose) -> f64 {
-        let gap = |end: &LowClearanceEnd| {
-            pose.position().distance(end.position) - (self.min_clearance_m - end.min_clearance_m) / RAMP
-        };
-        self.tight.iter().map(gap).fold(f64::INFINITY, f64::min)
+        self.tight
+            .iter()
+            .map(|end| pose.position().distance(end.position) - (self.min_clearance_m - end.min_clearance_m) / RAMP)
+            .fold(f64::INFINITY, f64::min)
     }
 }
 

@@ -109,9 +109,11 @@ mod tests {
 
     #[test]
     fn prices_of_motions_are_the_time_of_a_long_drive_but_for_its_ends() {
-        let (body, cost) = (Dimensions::default(), CostModel::Time { limits: LADEN });
+        let body = Dimensions::default();
+        let cost = CostModel::Time { limits: LADEN };
         let price = cost.motion_price(&body);
-        let (to, back) = (segment(0.0, 100.0), segment(0.0, -60.0));
+        let to = segment(0.0, 100.0);
+        let back = segment(0.0, -60.0);
         // Speeding up and braking take so much longer than driving on, first at the start, then at the end.
         let at_ends_s = [0.5 * 8.0 / 2.0 + 0.5 * 4.0 / 4.0, 0.5 * 4.0 / 2.0 + 0.5 * 8.0 / 4.0];
         let ways = [[to, back], [back, to]];

@@ -93,7 +93,8 @@ const DRAWS_A_POSE: usize = 10_000;
 pub fn free_poses(checker: &CollisionChecker, clearance_m: f64, rng: &mut impl Rng) -> impl Iterator<Item = Pose> {
     let frame = checker.field().frame();
     let mut draw = || {
-        let (x, y) = (rng.random_range(0.0..frame.width_m()), rng.random_range(0.0..frame.height_m()));
+        let x = rng.random_range(0.0..frame.width_m());
+        let y = rng.random_range(0.0..frame.height_m());
         Pose::new(x, y, rng.random_range(0.0..TAU))
     };
     std::iter::from_fn(move || (0..DRAWS_A_POSE).map(|_| draw()).find(|pose| checker.pose_is_free(*pose, clearance_m)))

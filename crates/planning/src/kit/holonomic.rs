@@ -111,7 +111,8 @@ impl Place {
 
     /// Returns the cost of a walk to another place if there were no bushes.
     fn walk_cost(self, other: Self) -> u32 {
-        let (rows, cols) = (self.row().abs_diff(other.row()) as u32, self.col().abs_diff(other.col()) as u32);
+        let rows = self.row().abs_diff(other.row()) as u32;
+        let cols = self.col().abs_diff(other.col()) as u32;
         MOVE_COSTS.0 * rows.max(cols) + (MOVE_COSTS.1 - MOVE_COSTS.0) * rows.min(cols)
     }
 }
@@ -307,10 +308,12 @@ impl HolonomicHeuristic {
         let page = self.costs.len() / (TILE * TILE);
         self.costs.resize(self.costs.len() + TILE * TILE, SHUT);
         let frame = field.frame();
-        let (rows, cols) = (usize::from(frame.rows), usize::from(frame.cols));
+        let rows = usize::from(frame.rows);
+        let cols = usize::from(frame.cols);
         // Places are counted from 1: the first is beside the field.
         let first = |tile: usize| (tile * TILE).max(1);
-        let (tile_row, tile_col) = (tile / self.tile_cols, tile % self.tile_cols);
+        let tile_row = tile / self.tile_cols;
+        let tile_col = tile % self.tile_cols;
         for row in first(tile_row)..((tile_row + 1) * TILE).min(rows + 1) {
             for col in first(tile_col)..((tile_col + 1) * TILE).min(cols + 1) {
                 if !field.occupied()[(row - 1, col - 1)] {
@@ -406,7 +409,8 @@ mod tests {
         let mut counts = [0; 2];
         for _ in 0..asked {
             let index = rng.random_range(0..all.values().len());
-            let (cost, length) = (walk.cost_of(field, place(field, index)), all.values()[index]);
+            let cost = walk.cost_of(field, place(field, index));
+            let length = all.values()[index];
             match cost {
                 Some(cost) => assert!((f64::from(cost) / 70.0 - length).abs() <= 1e-4 * length, "{cost}, {length}"),
                 None => assert!(length.is_infinite(), "{length}"),
@@ -446,7 +450,8 @@ mod tests {
             let mut walk = HolonomicHeuristic::new(&MemoryMeter::unlimited());
             for radius_m in [0.0, 10.0, 90.0] {
                 let mut draw = || DVec2::new(rng.random_range(0.0..300.0), rng.random_range(0.0..220.0));
-                let (discs, start) = ([GoalDisc { centre: draw(), radius_m }], draw());
+                let discs = [GoalDisc { centre: draw(), radius_m }];
+                let start = draw();
                 walk.begin(&field, Target::Discs(&discs), start);
                 let found = compare(&mut walk, &field, Target::Discs(&discs), (300, &mut rng));
                 counts = [counts[0] + found[0], counts[1] + found[1]];
@@ -462,7 +467,8 @@ mod tests {
         let occupied = (0..frame.cell_count()).map(|_| rng.random_bool(0.1)).collect();
         let field = ClearanceField::new(frame, &Grid::from_values(2000, 2000, occupied));
         let mut walk = HolonomicHeuristic::new(&MemoryMeter::unlimited());
-        let (start, goal) = (DVec2::new(5002.5, 5002.5), Pose::new(5302.5, 5302.5, 0.0));
+        let start = DVec2::new(5002.5, 5002.5);
+        let goal = Pose::new(5302.5, 5302.5, 0.0);
         walk.begin(&field, Target::Discs(&[GoalDisc { centre: goal.position(), radius_m: 10.0 }]), start);
         assert!(walk.cost_to_go_m(&field, start).is_finite());
         assert!(walk.met.len() <= 16, "{} tiles", walk.met.len());

@@ -105,7 +105,8 @@ impl Tiles {
         let side_m = self.side as f64 * self.frame.cell_m;
         let range = |middle: f64, count: usize| {
             // Casts clamp at 0.
-            let (low, high) = ((middle - reach_m) / side_m, (middle + reach_m) / side_m);
+            let low = (middle - reach_m) / side_m;
+            let high = (middle + reach_m) / side_m;
             low as usize..(high as usize).saturating_add(1).min(count)
         };
         let cols = range(place.x, self.cols);

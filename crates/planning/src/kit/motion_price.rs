@@ -94,12 +94,14 @@ impl MotionPrice {
         if self.safety.is_none() {
             return 0.0;
         }
-        let of_next = |segment: Segment| {
-            let from = pose;
-            pose = segment.end(from);
-            self.surcharge(from, segment)
-        };
-        segments.into_iter().map(of_next).sum()
+        segments
+            .into_iter()
+            .map(|segment| {
+                let from = pose;
+                pose = segment.end(from);
+                self.surcharge(from, segment)
+            })
+            .sum()
     }
 
     /// Returns the surcharge of the places that a straight line of the body's centre passes.

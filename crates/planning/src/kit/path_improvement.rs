@@ -156,10 +156,12 @@ impl PathImprover {
     /// Moves the middle of a bend, with the way about it, if that makes the way cheaper and is free.
     fn pull(&mut self, way: &mut Way, profile: &ClearanceProfile, bend: usize, move_m: f64) -> bool {
         let middle_m = 0.5 * (way.joints[bend].1 + way.joints[bend + 1].1);
-        let (from_m, to_m) = ((middle_m - REACH_M).max(0.0), (middle_m + REACH_M).min(way.length_m()));
+        let from_m = (middle_m - REACH_M).max(0.0);
+        let to_m = (middle_m + REACH_M).min(way.length_m());
         let limit = way.cost - WORTH_M;
         let bound = self.bound_between(way, (from_m, to_m), limit);
-        let (from, to) = (way.pose_at(from_m), way.pose_at(to_m));
+        let from = way.pose_at(from_m);
+        let to = way.pose_at(to_m);
         for middle in moved(way.pose_at(middle_m), move_m) {
             let Some(before) = self.curves.cheapest_word_below(from, middle, &self.price, bound) else { continue };
             let Some(behind) = self.curves.cheapest_word_below(middle, to, &self.price, bound - before.price) else {
@@ -189,7 +191,8 @@ impl PathImprover {
         }
         let limit = way.cost - WORTH_M;
         let bound = self.bound_between(way, (from_m, to_m), limit);
-        let (from, to) = (way.pose_at(from_m), way.pose_at(to_m));
+        let from = way.pose_at(from_m);
+        let to = way.pose_at(to_m);
         let Some(best) = self.curves.cheapest_word_below(from, to, &self.price, bound) else { return false };
         // Most curves across a long way are blocked near where they begin: to see that takes less time than to put together
         // what the whole way would be.
@@ -385,7 +388,9 @@ mod tests {
 
     #[test]
     fn where_time_counts_an_improved_drive_takes_no_longer() {
-        let (mut before_s, mut shorter_s, mut faster_s) = (0.0, 0.0, 0.0);
+        let mut before_s = 0.0;
+        let mut shorter_s = 0.0;
+        let mut faster_s = 0.0;
         for (seed, walks) in (0..12).zip([25, 25, 60].into_iter().cycle()) {
             let mut field = TestField::random(seed, walks);
             let profile = ClearanceProfile::new(FLOOR_M, []);
@@ -395,7 +400,8 @@ mod tests {
                     let mut improver = PathImprover::new(&field.checker, cost);
                     improver.improve(&path, &profile, improvement, &mut rng::stream(seed, "improve"))
                 };
-                let (shorter, faster) = (improve(METRES), improve(CostModel::Time { limits: LADEN }));
+                let shorter = improve(METRES);
+                let faster = improve(CostModel::Time { limits: LADEN });
                 let [of_path, of_shorter, of_faster] =
                     [&path, &shorter, &faster].map(|path| LADEN.drive_s(&path.segments));
                 assert!(of_faster <= of_path + 1e-9, "{of_faster} s, {of_path} s before");

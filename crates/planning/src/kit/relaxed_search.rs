@@ -188,7 +188,8 @@ impl RelaxedSearch {
     /// Goes through the schedule until a stage succeeds. The last one tells why not.
     fn relax(&mut self, drive: &Drive<'_>, observer: &mut dyn PlanningObserver) -> Result<Found, PlanFailure> {
         let &Drive { start, target, ends } = drive;
-        let (field, body) = (self.checker.field(), self.checker.body());
+        let field = self.checker.field();
+        let body = self.checker.body();
         self.walks[0].begin(field, target, target.position_of(start, body));
         self.walks[1].begin(field, Target::Pose(start), target.position());
         let mut ending = SearchFailure::Exhausted;
@@ -197,11 +198,13 @@ impl RelaxedSearch {
             let profile = ClearanceProfile::new(min_clearance_m, ends.iter().copied());
             let (path, by) = match stage.effort {
                 StageMethod::Searches { lattice, forward, backward } => {
-                    let free_poses = |&disc| free_poses_in(&self.checker, disc, START_RINGS, min_clearance_m);
                     let starts_behind: Vec<Pose> = match target {
                         _ if backward == 0 => Vec::new(),
                         Target::Pose(end) => vec![end],
-                        Target::Discs(discs) => discs.iter().flat_map(free_poses).collect(),
+                        Target::Discs(discs) => discs
+                            .iter()
+                            .flat_map(|&disc| free_poses_in(&self.checker, disc, START_RINGS, min_clearance_m))
+                            .collect(),
                     };
                     let weight = self.settings.heuristic_weight;
                     let weight = if stage.share == MIN_SHARE { weight.max(LAST_WEIGHT) } else { weight };

@@ -119,8 +119,8 @@ impl Safety {
     pub fn on_ground(safety: Option<Self>, field: &ClearanceField, ground: Option<&GroundSpeed>) -> Option<Self> {
         let Some(ground) = ground else { return safety };
         let frame = *field.frame();
-        let even = || Grid::filled(frame.rows.into(), frame.cols.into(), 0.0);
-        let mut surcharge = safety.map_or_else(even, |safety| safety.surcharge);
+        let mut surcharge =
+            safety.map_or_else(|| Grid::filled(frame.rows.into(), frame.cols.into(), 0.0), |safety| safety.surcharge);
         surcharge.values_mut().iter_mut().enumerate().for_each(|(cell, cost)| *cost += 1.0 / ground.share(cell) - 1.0);
         Some(Self { frame, surcharge, prices_ground: true })
     }
@@ -208,7 +208,8 @@ mod tests {
     fn a_way_costs_what_its_pieces_cost() {
         let settings = SafetySettings { map: SafetyMap::Brushfire, ..SafetySettings::default() };
         let safety = safety(&settings).expect("there is a bush");
-        let (from, to) = (DVec2::new(5.0, 7.5), DVec2::new(25.0, 7.5));
+        let from = DVec2::new(5.0, 7.5);
+        let to = DVec2::new(25.0, 7.5);
         let cost = safety.surcharge_along(20.0, |share| from.lerp(to, share));
         assert!((cost - 5.0 * (1.0 + 1.0 / 2.0 + 1.0 / 3.0 + 1.0 / 4.0)).abs() < 1e-9, "{cost}");
         assert_eq!(safety.surcharge_along(0.0, |_| from), 0.0);

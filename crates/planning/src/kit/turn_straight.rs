@@ -77,7 +77,8 @@ pub struct TurnStraightSteering {
 
 impl TurnStraightSteering {
     pub fn new(body: &Dimensions, price: MotionPrice) -> Self {
-        let (radius, centre_offset) = (body.turning_radius_m, body.centre_offset_m());
+        let radius = body.turning_radius_m;
+        let centre_offset = body.centre_offset_m();
         Self {
             radius,
             centre_offset,
@@ -123,7 +124,8 @@ impl TurnStraightSteering {
     ) {
         let direction = pose.direction();
         let offset = disc.centre - pose.position();
-        let (x, y) = (offset.dot(direction), direction.perp_dot(offset));
+        let x = offset.dot(direction);
+        let y = direction.perp_dot(offset);
         let near_side = 1f64.copysign(y);
         let mut limit = f64::INFINITY;
         for side in [near_side, -near_side] {
@@ -160,7 +162,8 @@ impl TurnStraightSteering {
         if disc_radius <= 0.0 || between >= 1.0 {
             return (f64::INFINITY, f64::INFINITY);
         }
-        let (half, middle) = (ops::acos(between), ops::atan2(target.y, target.x) + self.centre_angle);
+        let half = ops::acos(between);
+        let middle = ops::atan2(target.y, target.x) + self.centre_angle;
         (full_turn(middle - half), TAU - full_turn(middle + half))
     }
 
@@ -177,7 +180,8 @@ impl TurnStraightSteering {
         let along = sign * along_squared.sqrt();
         let length_m = along.abs() - sign * self.centre_offset - (disc_radius * disc_radius - offset * offset).sqrt();
         let straight = Segment { curvature: 0.0, length_m: sign * length_m };
-        let (sin, cos) = (lever * target.x + along * target.y, along * target.x - lever * target.y);
+        let sin = lever * target.x + along * target.y;
+        let cos = along * target.x - lever * target.y;
         let wanted = length_m >= 0.0 && self.price.cost(straight, None) < limit;
         wanted.then(|| (full_turn(ops::atan2(sin, cos)), straight))
     }
@@ -221,7 +225,9 @@ impl TurnStraightSteering {
     fn exits(&self, path: &Path, goal: GoalDisc) -> Vec<Exit> {
         let limit = self.price.path_cost(path.start, &path.segments) - WORTH_M;
         let mut exits = Vec::new();
-        let (mut pose, mut cost, mut before) = (path.start, 0.0, None);
+        let mut pose = path.start;
+        let mut cost = 0.0;
+        let mut before = None;
         for (index, &segment) in path.segments.iter().enumerate() {
             let pieces = (segment.length_m.abs() / KNOT_M).ceil();
             for k in 0..pieces as u32 {
@@ -331,7 +337,8 @@ mod tests {
         let (body, steering) = steering();
         let mut rng = rng::stream(2, "aim");
         for _ in 0..500 {
-            let (pose, place) = (random_pose(&mut rng, 60.0), random_pose(&mut rng, 60.0).position());
+            let pose = random_pose(&mut rng, 60.0);
+            let place = random_pose(&mut rng, 60.0).position();
             for aim in all(&steering, pose, GoalDisc { centre: place, radius_m: 0.0 }, Some(true)) {
                 let path = Path { start: pose, segments: aim.pieces().collect() };
                 assert!(body.body_centre(path.end()).distance(place) < 1e-9);

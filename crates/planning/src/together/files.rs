@@ -164,8 +164,10 @@ pub fn read_instance(text: &str) -> Result<Instance, FileFault> {
         };
         let name = agent.member("name")?;
         let Content::Word(word) = &name.content else { return Err(name.unlike("name", "a word")) };
-        let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "_-.".contains(letter);
-        if word.is_empty() || word.len() > 60 || !word.chars().all(is_plain) {
+        if word.is_empty()
+            || word.len() > 60
+            || !word.chars().all(|letter| letter.is_ascii_alphanumeric() || "_-.".contains(letter))
+        {
             return Err(name.unlike("name", "at most 60 letters, digits, and `_`, `-` or `.`"));
         }
         if vehicles.iter().any(|vehicle| vehicle.name == *word) {
@@ -208,7 +210,8 @@ pub fn read_solution(text: &str) -> Result<Vec<Schedule>, FileFault> {
 pub fn write_solution(instance: &Instance, routes: &[Route], cpu_s: f64) -> String {
     let flowtimes = || routes.iter().map(Route::flowtime_m);
     let cost: f64 = routes.iter().map(Route::cost).sum();
-    let (makespan, flowtime) = (flowtimes().fold(0.0, f64::max), flowtimes().sum::<f64>());
+    let makespan = flowtimes().fold(0.0, f64::max);
+    let flowtime = flowtimes().sum::<f64>();
     let mut text = format!(
         "statistics:\n  cost: {cost}\n  makespan: {makespan}\n  flowtime: {flowtime}\n  runtime: {cpu_s}\nschedule:\n"
     );

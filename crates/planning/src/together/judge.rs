@@ -162,7 +162,8 @@ impl Step {
     fn new(from: Pose, motion: Motion, segment: Segment) -> Self {
         let rear = from.position();
         let (sin, cos) = ops::sin_cos(from.heading);
-        let (along, left) = (DVec2::new(cos, sin), DVec2::new(-sin, cos));
+        let along = DVec2::new(cos, sin);
+        let left = DVec2::new(-sin, cos);
         let half = 0.5 * WIDTH_M;
         let corners = [(FRONT_M, half), (-BACK_M, half), (-BACK_M, -half), (FRONT_M, -half)]
             .map(|(ahead, aside)| rear + along * ahead + left * aside);
@@ -294,7 +295,8 @@ fn vehicles_touch(mode: Mode, one: &Track, other: &Track) -> Option<(f64, f64)> 
             Mode::Benchmark => (apart_m < circles_m - TOLERANCE_M).then_some((0.0, circles_m - apart_m))?,
             Mode::Exact if apart_m > a.reach_m + b.reach_m => return None,
             Mode::Exact => first_touch(a.corner_m + b.corner_m, &|share| {
-                let (a, b) = (a.corners_at(share), b.corners_at(share));
+                let a = a.corners_at(share);
+                let b = b.corners_at(share);
                 widest_gap(&a, &b).max(widest_gap(&b, &a))
             })?,
         };
@@ -305,7 +307,8 @@ fn vehicles_touch(mode: Mode, one: &Track, other: &Track) -> Option<(f64, f64)> 
 /// The distances of a point to the lines through the sides of a polygon, positive outside; corners counter-clockwise.
 fn signed_sides(corners: &[DVec2; 4], point: DVec2) -> impl Iterator<Item = f64> + '_ {
     (0..4).map(move |side| {
-        let (from, to) = (corners[side], corners[(side + 1) % 4]);
+        let from = corners[side];
+        let to = corners[(side + 1) % 4];
         (to - from).normalize().perp_dot(from - point)
     })
 }
@@ -327,7 +330,8 @@ fn distance_to(corners: &[DVec2; 4], point: DVec2) -> f64 {
         return 0.0;
     }
     let to_side = |side: usize| {
-        let (from, to) = (corners[side], corners[(side + 1) % 4]);
+        let from = corners[side];
+        let to = corners[(side + 1) % 4];
         let share = ((point - from).dot(to - from) / (to - from).length_squared()).clamp(0.0, 1.0);
         (from + (to - from) * share - point).length()
     };

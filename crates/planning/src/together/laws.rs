@@ -47,7 +47,8 @@ fn random_instance(seed: u64, vehicles: usize, obstacles: usize) -> Instance {
         }
         poses
     };
-    let (starts, goals) = (ends(&mut random), ends(&mut random));
+    let starts = ends(&mut random);
+    let goals = ends(&mut random);
     let mut centres: Vec<DVec2> = Vec::new();
     while centres.len() < obstacles {
         let centre = DVec2::new(random.random_range(0.0..30.0), random.random_range(0.0..30.0));
@@ -119,7 +120,8 @@ fn vehicles_make_way_for_each_other() {
 #[test]
 fn what_cannot_be_solved_is_said() {
     let reason = |instance: &Instance| solve(instance, &settings(Mode::Exact, 1)).expect_err("no solution").to_string();
-    let (start, goal) = (Pose::new(5.0, 15.0, 0.0), Pose::new(20.0, 15.0, 0.0));
+    let start = Pose::new(5.0, 15.0, 0.0);
+    let goal = Pose::new(20.0, 15.0, 0.0);
     let alone = Instance { vehicles: vec![vehicle("car", start, goal)], ..random_instance(1, 1, 0) };
     let with = |obstacles: Vec<DVec2>| Instance { obstacles, ..alone.clone() };
     let blocked = reason(&with(vec![DVec2::new(22.0, 15.0)]));
@@ -239,7 +241,8 @@ fn planner_and_judge_agree_with_samples() {
             });
             let inside = |(pose, _): &(Pose, [DVec2; 4]), corner: &DVec2| {
                 let offset = *corner - pose.position();
-                let (along, across) = (offset.dot(pose.direction()), pose.direction().perp_dot(offset));
+                let along = offset.dot(pose.direction());
+                let across = pose.direction().perp_dot(offset);
                 along > -BACK_M && along < FRONT_M && across.abs() < 0.5 * WIDTH_M
             };
             let [one, other] = &corners;

@@ -209,7 +209,8 @@ pub fn shortened(ground: &Ground, route: Route, is_stopped: &mut dyn FnMut() -> 
     while span >= 2 && !is_stopped() {
         let mut from = 0;
         while from + span <= drive.motions.len() {
-            let (start, end) = (drive.pose(from), drive.pose(from + span));
+            let start = drive.pose(from);
+            let end = drive.pose(from + span);
             let parts = &drive.motions[from..from + span];
             let driven_m: f64 = parts.iter().map(|motion| motion.step.length_m.abs()).sum();
             // A cut that gains next to nothing costs steps.

@@ -99,7 +99,8 @@ impl<'a> Ground<'a> {
                 self.is_on_map(end, 0.0)
                     && !self.instance.obstacles.iter().any(|&centre| {
                         let (dx, dy) = (centre.x - end.x, centre.y - end.y);
-                        let (along, across) = (cos * dx + sin * dy, cos * dy - sin * dx);
+                        let along = cos * dx + sin * dy;
+                        let across = cos * dy - sin * dx;
                         along > -BACK_M - OBSTACLE_M - 1e-6
                             && along < FRONT_M + OBSTACLE_M + 1e-6
                             && across.abs() < 0.5 * WIDTH_M + OBSTACLE_M + 1e-6
@@ -113,7 +114,8 @@ impl<'a> Ground<'a> {
                     let share = f64::from(look) / f64::from(looks);
                     self.is_on_map(motion.step.pose_at(motion.from, share * motion.step.length_m), self.border_m)
                 });
-                let (place, reach_m) = (motion.place(Mode::Exact), 0.5 * REACH_M + OBSTACLE_M);
+                let place = motion.place(Mode::Exact);
+                let reach_m = 0.5 * REACH_M + OBSTACLE_M;
                 is_inside
                     && !self.instance.obstacles.iter().any(|&centre| {
                         centre.distance_squared(place) < reach_m * reach_m
@@ -180,7 +182,8 @@ const ABSENT: DVec2 = DVec2::INFINITY;
 
 impl Traffic {
     pub fn new(mode: Mode, vehicles: usize) -> Self {
-        let (places, motions) = (vec![ABSENT; vehicles], vec![Vec::new(); vehicles]);
+        let places = vec![ABSENT; vehicles];
+        let motions = vec![Vec::new(); vehicles];
         Self { mode, vehicles, margin_m: MARGIN_M, places, motions }
     }
 

@@ -49,7 +49,8 @@ impl WalkLattice {
     pub fn new(frame: FieldFrame, occupied: &Grid<bool>, shape: LatticeShape) -> Self {
         let (west, east) = range(shape.anchor.x, shape.step_m, frame.width_m());
         let (south, north) = range(shape.anchor.y, shape.step_m, frame.height_m());
-        let (cols, rows) = ((east - west) as usize + 1, (north - south) as usize + 1);
+        let cols = (east - west) as usize + 1;
+        let rows = (north - south) as usize + 1;
         let origin = shape.anchor + DVec2::new(west, south) * shape.step_m;
         let mut lattice = Self {
             frame,
@@ -143,7 +144,8 @@ impl WalkLattice {
 
     pub fn position(&self, point: usize) -> DVec2 {
         // Points have numbers of 32 bits, which are divided in half the time of larger ones.
-        let (point, cols) = (point as u32, self.moves.cols() as u32);
+        let point = point as u32;
+        let cols = self.moves.cols() as u32;
         self.origin + DVec2::new(f64::from(point % cols), f64::from(point / cols)) * self.step_m
     }
 
@@ -184,8 +186,10 @@ impl WalkLattice {
     /// Returns the points of the lattice on the square ring of this many steps about a point.
     fn ring(&self, (row, col): Place, ring: usize) -> impl Iterator<Item = usize> + '_ {
         let (rows, cols) = (self.rows(), self.cols());
-        let (south, north) = (row.saturating_sub(ring), (row + ring).min(rows - 1));
-        let (west, east) = (col.saturating_sub(ring), (col + ring).min(cols - 1));
+        let south = row.saturating_sub(ring);
+        let north = (row + ring).min(rows - 1);
+        let west = col.saturating_sub(ring);
+        let east = (col + ring).min(cols - 1);
         (south..=north).flat_map(move |r| {
             let is_edge = r.abs_diff(row) == ring;
             // A row between the northern and the southern edge has only its ends on the ring.
@@ -243,7 +247,8 @@ impl WalkLattice {
     }
 
     fn neighbour(&self, point: usize, k: usize) -> Option<usize> {
-        let (row, col) = (point / self.moves.cols(), point % self.moves.cols());
+        let row = point / self.moves.cols();
+        let col = point % self.moves.cols();
         let row = row.checked_add_signed(MOVES[k].0).filter(|&row| row < self.moves.rows())?;
         let col = col.checked_add_signed(MOVES[k].1).filter(|&col| col < self.moves.cols())?;
         Some(row * self.moves.cols() + col)
@@ -263,7 +268,8 @@ impl CellSpan {
     const OUTSIDE: u32 = u32::MAX;
 
     fn from_metres(low_m: f64, high_m: f64, cell_m: f64, cells: u16) -> Self {
-        let (low, high) = (low_m / cell_m + TOUCH, high_m / cell_m - TOUCH);
+        let low = low_m / cell_m + TOUCH;
+        let high = high_m / cell_m - TOUCH;
         let is_inside = low >= 0.0 && high <= f64::from(cells);
         Self { first: low as u32, end: if is_inside { high.ceil() as u32 } else { Self::OUTSIDE } }
     }
@@ -303,7 +309,10 @@ impl OccupiedCount {
             return false;
         }
         let corner = |row: u32, col: u32| self.sums[(row as usize, col as usize)];
-        let (west, east, south, north) = (across.first, across.end, along.first, along.end);
+        let west = across.first;
+        let east = across.end;
+        let south = along.first;
+        let north = along.end;
         corner(north, east) + corner(south, west) == corner(north, west) + corner(south, east)
     }
 }
@@ -364,7 +373,8 @@ mod tests {
             for point in 0..lattice.points() {
                 for (_, next) in lattice.steps(point) {
                     steps += 1;
-                    let (a, b) = (lattice.position(point), lattice.position(next));
+                    let a = lattice.position(point);
+                    let b = lattice.position(next);
                     for t in 0..=20 {
                         let at = a.lerp(b, f64::from(t) / 20.0);
                         assert!(!overlaps(at - 1.5, at + 1.5, &occupied));

@@ -211,7 +211,8 @@ mod tests {
                 let mut planner = WalkPlanner::new(lattice, WalkMethod::Potential(settings), metres());
                 planner.plan(lattice, start, (cell, 6.25), &mut NullObserver)
             };
-            let (walk, escaped) = (plan(no_escape), plan(POTENTIAL));
+            let walk = plan(no_escape);
+            let escaped = plan(POTENTIAL);
             let path = walk.path.clone().expect("a walk without escape ends somewhere");
             let goals: Vec<usize> = lattice.points_of_reach(cell, 6.25).collect();
             let query = WalkQuery { lattice, start, goals: &goals, centre: FRAME.centre(cell) };

@@ -71,7 +71,8 @@ impl PotentialField {
 
     /// The potential that leads to an query's goal.
     pub(super) fn towards(&self, query: &WalkQuery<'_>) -> Potential<'_> {
-        let (rows, cols) = (query.lattice.rows(), query.lattice.cols());
+        let rows = query.lattice.rows();
+        let cols = query.lattice.cols();
         let goal = query.lattice.nearest(query.centre);
         let farthest = |goal: usize, side: usize| goal.max(side - 1 - goal);
         let greatest = self.settings.attraction.at(farthest(goal.0, rows), farthest(goal.1, cols));
@@ -96,12 +97,14 @@ impl Potential<'_> {
     pub fn at(&self, point: usize) -> f64 {
         let PotentialSettings { attraction, scale, repulsion, .. } = self.field.settings;
         let cols = self.field.repulsion.cols();
-        let (rows_off, cols_off) = ((point / cols).abs_diff(self.goal.0), (point % cols).abs_diff(self.goal.1));
+        let rows_off = (point / cols).abs_diff(self.goal.0);
+        let cols_off = (point % cols).abs_diff(self.goal.1);
         let attraction = match scale.filter(|_| self.greatest > 0.0) {
             Some(scale) => attraction.at(rows_off, cols_off) / self.greatest * scale,
             None => attraction.at(rows_off, cols_off),
         };
-        let (rows_off, cols_off) = (rows_off as f64, cols_off as f64);
+        let rows_off = rows_off as f64;
+        let cols_off = cols_off as f64;
         let is_calm = rows_off * rows_off + cols_off * cols_off <= repulsion.q * repulsion.q;
         if is_calm { attraction } else { attraction + self.field.repulsion.values()[point] }
     }

@@ -117,7 +117,10 @@ mod tests {
 
     fn agent(number: u16, place: DVec2) -> AgentView {
         let pose = Pose::new(place.x, place.y, 0.0);
-        let (id, activity, free_at, free_place) = (AgentId::wumpus(number), Activity::Standing, SimTime::ZERO, place);
+        let id = AgentId::wumpus(number);
+        let activity = Activity::Standing;
+        let free_at = SimTime::ZERO;
+        let free_place = place;
         AgentView { id, place, pose, activity, goal: None, staging_point: None, stops_left: None, free_at, free_place }
     }
 

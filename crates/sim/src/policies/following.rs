@@ -365,11 +365,14 @@ fn check_line(points: &[DVec2], frame: &FieldFrame) -> Result<(), String> {
             "no line of {count} points can be built; expected 2 to {MAX_LINE_POINTS}; crews build none"
         ));
     }
-    let (width_m, height_m) = (frame.width_m(), frame.height_m());
-    let is_outside = |point: &&DVec2| !((0.0..=width_m).contains(&point.x) && (0.0..=height_m).contains(&point.y));
-    points.iter().find(is_outside).map_or(Ok(()), |DVec2 { x, y }| {
-        Err(format!("({x}, {y}) is not on the field of {width_m} x {height_m} m; crews build no line"))
-    })
+    let width_m = frame.width_m();
+    let height_m = frame.height_m();
+    points.iter().find(|point| !((0.0..=width_m).contains(&point.x) && (0.0..=height_m).contains(&point.y))).map_or(
+        Ok(()),
+        |DVec2 { x, y }| {
+            Err(format!("({x}, {y}) is not on the field of {width_m} x {height_m} m; crews build no line"))
+        },
+    )
 }
 
 /// Gives an agent another choice. A truck that was to go to the same cell swaps with it.

@@ -31,7 +31,8 @@ impl Policy for NearestIntact {
 
 /// Returns the cell whose centre is nearest to a place of the field, of those that are wanted; ties by cell index.
 fn nearest_cell(frame: &FieldFrame, place: DVec2, is_wanted: impl Fn(Cell) -> bool) -> Option<Cell> {
-    let (cols, rows) = (i32::from(frame.cols), i32::from(frame.rows));
+    let cols = i32::from(frame.cols);
+    let rows = i32::from(frame.rows);
     let middle =
         (place / frame.cell_m).floor().clamp(DVec2::ZERO, DVec2::new(f64::from(cols - 1), f64::from(rows - 1)));
     let (col, row) = (middle.x as i32, middle.y as i32);
@@ -57,7 +58,8 @@ fn nearest_cell(frame: &FieldFrame, place: DVec2, is_wanted: impl Fn(Cell) -> bo
 
 /// Iterates by index over the cells of the field on the square ring of a radius, in cells, about a column and row.
 pub fn ring_around(frame: &FieldFrame, (col, row): (i32, i32), ring: i32) -> impl Iterator<Item = Cell> + use<> {
-    let (cols, rows) = (i32::from(frame.cols), i32::from(frame.rows));
+    let cols = i32::from(frame.cols);
+    let rows = i32::from(frame.rows);
     let ring_rows = (row - ring).max(0)..=(row + ring).min(rows - 1);
     ring_rows.flat_map(move |r| {
         // A row between the northern and the southern edge has only its ends on the ring.

@@ -37,9 +37,9 @@ impl RandomIntact {
     /// Returns the next of an agent's options.
     fn draw(&mut self, seen: &Observation<'_>, agent: AgentId) -> Option<Cell> {
         let (bushes, seed) = (&self.bushes, self.seed);
-        let Turns { permutation, next } = self.turns.entry(agent).or_insert_with(|| {
-            let stream = move || rng::stream(seed, &agent.to_string());
-            Turns { permutation: ShuffledPrefix::new(bushes.len(), stream), next: 0 }
+        let Turns { permutation, next } = self.turns.entry(agent).or_insert_with(|| Turns {
+            permutation: ShuffledPrefix::new(bushes.len(), move || rng::stream(seed, &agent.to_string())),
+            next: 0,
         });
         let (place, bush) = (*next..bushes.len())
             .chain(0..*next)

@@ -188,10 +188,14 @@ impl Policies {
     /// If nobody of this name is known, or it cannot be made.
     pub fn make(&self, site: &PolicyContext<'_>) -> Result<Box<dyn Policy>, MakeError> {
         let name = site.name;
-        let unknown = || {
-            MakeError::new(format!("`{name}` is neither built in nor registered, nor a program that may be started"))
-        };
-        self.own.get(name).ok_or_else(unknown)?.make(site)
+        self.own
+            .get(name)
+            .ok_or_else(|| {
+                MakeError::new(format!(
+                    "`{name}` is neither built in nor registered, nor a program that may be started"
+                ))
+            })?
+            .make(site)
     }
 }
 

@@ -47,11 +47,13 @@ impl TruckPlanner for ProgramPlanner {
             Goal::Disc(disc) => GoalMessage::Disc([disc.centre.x, disc.centre.y, disc.radius_m]),
             Goal::Pose(pose) => GoalMessage::Pose(numbers(pose)),
         };
-        let query = |id| ToProgram::Plan(PlanQuery { id, start: numbers(start), goal }).line();
-        let Reply { answer, cpu, starting, instructions } = respondent.ask(query, |answer| match answer {
-            FromProgram::Path(_) | FromProgram::None(_) => Ok(()),
-            _ => Err("expected the type `path` or `none`"),
-        });
+        let Reply { answer, cpu, starting, instructions } = respondent.ask(
+            |id| ToProgram::Plan(PlanQuery { id, start: numbers(start), goal }).line(),
+            |answer| match answer {
+                FromProgram::Path(_) | FromProgram::None(_) => Ok(()),
+                _ => Err("expected the type `path` or `none`"),
+            },
+        );
         let cpu = (cpu, starting);
         // What a module reports of itself counts for nothing: its instructions do.
         let counted =
@@ -134,7 +136,9 @@ fn cpu_of((measured, starting): (Option<Duration>, Duration), reported_s: Option
 
 fn show(searched: Option<&[[f64; 4]]>, observer: &mut dyn PlanningObserver) {
     if let Some(lines) = searched {
-        let ends = |&[x0, y0, x1, y1]: &[f64; 4]| [DVec2::new(x0, y0), DVec2::new(x1, y1)];
-        observer.on_edges_examined(SearchPhase::Local, &mut lines.iter().map(ends));
+        observer.on_edges_examined(
+            SearchPhase::Local,
+            &mut lines.iter().map(|&[x0, y0, x1, y1]| [DVec2::new(x0, y0), DVec2::new(x1, y1)]),
+        );
     }
 }

@@ -128,7 +128,8 @@ impl ProgramPool {
         self.trusted("policy", &scenario.policy).try_fold(known, |policies, (name, table)| {
             let launch = self.launch(name, table);
             let run = scenario.name.clone();
-            let (stream, bodies) = (name.name().to_owned(), Arc::clone(&bodies));
+            let stream = name.name().to_owned();
+            let bodies = Arc::clone(&bodies);
             let make = move |site: &PolicyContext<'_>| -> Result<Box<dyn Policy>, MakeError> {
                 let (launch, idle) = launch.clone().map_err(MakeError::new)?;
                 let seed = (site.stream)(&stream).next_u64() >> (u64::BITS - SEED_BITS);
@@ -170,7 +171,8 @@ impl ProgramPool {
 
     /// Reads and compiles a module, once for all runs.
     fn module(&self, file: &Path, table: &Program) -> Result<Module, String> {
-        let (path, limits) = (table.works_in.join(file), table.module_limits());
+        let path = table.works_in.join(file);
+        let limits = table.module_limits();
         let key = (path, limits.memory);
         let mut modules = self.modules.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(module) = modules.get(&key) {

@@ -254,7 +254,8 @@ impl Process {
             let elapsed = watch.elapsed();
             let mut wait = allowance.wall.saturating_sub(elapsed);
             if wait.is_zero() {
-                let (answer, limit) = (allowance.answer, allowance.wall.as_secs_f64());
+                let answer = allowance.answer;
+                let limit = allowance.wall.as_secs_f64();
                 return Err(ProcessError::timed_out(format!("gave no {answer} within {limit} s")));
             }
             if self.has_closed_output {
@@ -272,7 +273,8 @@ impl Process {
             {
                 let left = limit.saturating_sub(now.saturating_sub(from));
                 if left.is_zero() {
-                    let (answer, limit) = (allowance.answer, limit.as_secs_f64());
+                    let answer = allowance.answer;
+                    let limit = limit.as_secs_f64();
                     return Err(ProcessError::timed_out(format!("gave no {answer} within {limit} s of CPU time")));
                 }
                 // It cannot take more than all that there is.

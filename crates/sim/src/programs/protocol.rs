@@ -501,7 +501,10 @@ pub fn question(
     options: &[(AgentId, Vec<Cell>)],
     line: Option<&FirelineContext<'_>>,
 ) -> Vec<u8> {
-    let (mut burning, mut intact, mut extinguished, mut burned_out) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut burning = Vec::new();
+    let mut intact = Vec::new();
+    let mut extinguished = Vec::new();
+    let mut burned_out = Vec::new();
     for cell in seen.fires.with_fuel() {
         let place = [cell.col, cell.row];
         match seen.fires.state(cell) {
@@ -550,8 +553,7 @@ impl<'a> From<&FirelineContext<'a>> for LineMessage<'a> {
             times.min_by(f64::total_cmp).filter(|time| time.is_finite())
         };
         let starts = |cells: u16| (0..cells).step_by(side.into());
-        let row_of = |row| starts(cols).map(|col| first(row, col)).collect();
-        let forecast_s = starts(rows).map(row_of).collect();
+        let forecast_s = starts(rows).map(|row| starts(cols).map(|col| first(row, col)).collect()).collect();
         let square_m = f64::from(side) * cell_m;
         Self { crews, wind_mps: wind_mps.into(), cols, rows, cell_m, square_m, forecast_s }
     }

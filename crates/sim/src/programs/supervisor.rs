@@ -216,7 +216,8 @@ fn supervise(task: &Task<'_>) -> io::Result<()> {
     let mut child = match spawned {
         Ok(child) => child,
         Err(error) => {
-            let (program, folder) = (task.program.to_string_lossy(), task.folder.display());
+            let program = task.program.to_string_lossy();
+            let folder = task.folder.display();
             outbox.send(&Report::NotStarted { reason: format!("{program}, in {folder}: {error}") });
             outbox.empty();
             return Ok(());
@@ -230,7 +231,8 @@ fn supervise(task: &Task<'_>) -> io::Result<()> {
     dup2_stdout(&nowhere)?;
     let counter = Arc::new(Mutex::new(0));
     let reader = child.stderr.take().map(|stderr| {
-        let (outbox, counter) = (Arc::clone(&outbox), Arc::clone(&counter));
+        let outbox = Arc::clone(&outbox);
+        let counter = Arc::clone(&counter);
         thread::Builder::new().spawn(move || hand_on(stderr, &outbox, &counter))
     });
     let mut watch = Watch {

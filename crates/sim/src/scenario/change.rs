@@ -35,8 +35,9 @@ impl Changes {
 
     /// Returns the location of a value in the last change that touches it.
     pub fn location(&self, path: &FieldPath, side: KeyOrValue) -> Option<SourceLocation> {
-        let related = |set: &&FieldPath| path.starts_with(set) || set.starts_with(path);
-        let touch = |change: &'_ Change| change.set.iter().find(related).map(|set| set.0.len());
+        let touch = |change: &'_ Change| {
+            change.set.iter().find(|set| path.starts_with(set) || set.starts_with(path)).map(|set| set.0.len())
+        };
         let (change, depth) = self.0.iter().rev().find_map(|change| Some((change, touch(change)?)))?;
         // A fault in a key, or in what the change only adds to, is a fault of its path.
         let in_value = side == KeyOrValue::Value && path.0.len() >= depth || path.0.len() > depth;

@@ -43,7 +43,8 @@ enum Expected {
 
 impl ValidationError {
     pub fn fault(&self) -> Fault {
-        let (field, found) = (self.path.to_string(), self.found.clone());
+        let field = self.path.to_string();
+        let found = self.found.clone();
         match &self.expected {
             Expected::Words(expected) => Fault::Value { field, found, expected: expected.clone() },
             Expected::Name { kind, known } => {

@@ -153,7 +153,8 @@ impl OpenField {
         }
         let Some(terrain) = &self.terrain else { return true };
         let cell_m = self.frame.cell_m;
-        let (low, high) = (self.frame.cell_at(centre - radius_m), self.frame.cell_at(centre + radius_m));
+        let low = self.frame.cell_at(centre - radius_m);
+        let high = self.frame.cell_at(centre + radius_m);
         let (Some(low), Some(high)) = (low, high) else { return false };
         let mut near = (low.row..=high.row).flat_map(|row| (low.col..=high.col).map(move |col| Cell { col, row }));
         near.all(|cell| {
@@ -181,7 +182,8 @@ impl Placed for Unimog {
     /// Draws places in half metres and headings in degrees: they are easily copied.
     fn elsewhere(&self, frame: &FieldFrame, rng: &mut impl Rng) -> Self {
         let mut half_metres = |side_m: f64| 0.5 * (2.0 * side_m * rng.random::<f64>()).floor();
-        let (x_m, y_m) = (half_metres(frame.width_m()), half_metres(frame.height_m()));
+        let x_m = half_metres(frame.width_m());
+        let y_m = half_metres(frame.height_m());
         let heading_deg = f64::from(rng.random_range(-179..=180));
         Self { start: StartPose { x_m, y_m, heading_deg }, ..self.clone() }
     }

@@ -98,9 +98,11 @@ struct Values {
 
 impl Values {
     fn new(loaded: &LoadedScenario) -> Self {
-        let listed = |(path, value): (String, String)| ListedValue { is_default: !loaded.is_given(&path), path, value };
         let values = loaded.values().into_iter().filter(|(_, value)| value != "[]");
-        Self { all: values.map(listed).collect(), schema: schema().to_value() }
+        Self {
+            all: values.map(|(path, value)| ListedValue { is_default: !loaded.is_given(&path), path, value }).collect(),
+            schema: schema().to_value(),
+        }
     }
 
     /// Lists the values of a table but those that are not used, and then what the words among them mean.
@@ -161,12 +163,14 @@ fn describe_agents(agents: &dyn AgentList, loaded: &LoadedScenario, values: &Val
     }
     let (kind, copies) = (agents.key(), &loaded.copies);
     let numbers: Vec<usize> = (0..agents.len()).filter(|&number| !copies.is_copy(kind, number)).collect();
-    let listed = |&number: &usize| {
-        let unused = agents.unused(&loaded.scenario, number);
-        let [values, meanings] = values.listed(&format!("{kind}.{number}"), &unused);
-        [values, [agents.facts(number), meanings].concat()]
-    };
-    let each: Vec<[Vec<String>; 2]> = numbers.iter().map(listed).collect();
+    let each: Vec<[Vec<String>; 2]> = numbers
+        .iter()
+        .map(|&number| {
+            let unused = agents.unused(&loaded.scenario, number);
+            let [values, meanings] = values.listed(&format!("{kind}.{number}"), &unused);
+            [values, [agents.facts(number), meanings].concat()]
+        })
+        .collect();
     let is_shared = |part: usize, line: &String| each.len() > 1 && each.iter().all(|own| own[part].contains(line));
     let mut lines = Vec::new();
     let mut add = |who: &str, [values, sentences]: [Vec<&String>; 2]| {
@@ -213,8 +217,9 @@ fn list_memory(scenario: &Scenario, limit: MemoryLimit) -> Vec<Block> {
     let needed = MemoryPart { name: format!("in total; the limit of a run is {limit}"), bytes: estimate.needed() };
     // A part that is tiny beside the others is not worth a line.
     let parts = estimate.parts.iter().filter(|part| part.bytes >= estimate.needed() / 100);
-    let term = |part: &MemoryPart| (format!("{:>8}", bytes_text(part.bytes)), part.name.clone());
-    let terms = Block::Terms(parts.chain([&needed]).map(term).collect());
+    let terms = Block::Terms(
+        parts.chain([&needed]).map(|part| (format!("{:>8}", bytes_text(part.bytes)), part.name.clone())).collect(),
+    );
     let sentence = if estimate.meter(limit).is_err() {
         "No run can start: that is more than the limit; --memory sets another."
     } else if estimate.has_trucks {

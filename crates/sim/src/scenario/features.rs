@@ -261,11 +261,10 @@ impl River {
         let clearance = |cells: &[usize]| {
             let half = 0.5 * frame.cell_m;
             free.centres.iter().all(|&centre| {
-                let is_far = |&index: &usize| {
+                cells.iter().all(|&index| {
                     let offset = (centre - frame.centre(frame.cell(index))).abs() - DVec2::splat(half);
                     offset.max(DVec2::ZERO).length() > free.clearance_m
-                };
-                cells.iter().all(is_far)
+                })
             })
         };
         (0..RIVER_TRIES).find_map(|_| {
@@ -281,7 +280,8 @@ impl River {
     /// the course meet at a corner only and no fire slips through.
     fn water(&self, frame: &FieldFrame, phases: [f64; 2], aside: f64) -> Vec<usize> {
         let (steps, across) = self.sides(frame);
-        let (length, width) = (f64::from(steps) * frame.cell_m, f64::from(across) * frame.cell_m);
+        let length = f64::from(steps) * frame.cell_m;
+        let width = f64::from(across) * frame.cell_m;
         let middle = |along: f64| {
             let turn = TAU * along / length;
             let swing = 0.7 * ops::sin(1.3 * turn + phases[0]) + 0.3 * ops::sin(3.1 * turn + phases[1]);
@@ -296,7 +296,8 @@ impl River {
             let low = from.min(to).min(0.5 * (from + to) - half);
             let high = from.max(to).max(0.5 * (from + to) + half);
             let bound = |m: f64| (m / frame.cell_m).floor();
-            let (first, last) = (bound(low).max(0.0), bound(high).min(f64::from(across) - 1.0));
+            let first = bound(low).max(0.0);
+            let last = bound(high).min(f64::from(across) - 1.0);
             let mut place = first;
             while place <= last {
                 cells.push(frame.index(self.cell(step, place as u16)));
@@ -341,7 +342,8 @@ impl Road {
     fn lay(&self, ground: &mut [u8], frame: &FieldFrame, rng: &mut impl Rng) {
         let points: Vec<DVec2> = if self.points_m.is_empty() {
             let [from, to] = [rng.random::<f64>(), rng.random::<f64>()];
-            let (width, height) = (frame.width_m(), frame.height_m());
+            let width = frame.width_m();
+            let height = frame.height_m();
             if rng.random::<bool>() {
                 vec![DVec2::new(0.0, from * height), DVec2::new(width, to * height)]
             } else {

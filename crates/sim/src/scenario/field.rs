@@ -241,7 +241,8 @@ mod tests {
     fn coverage_is_reached_from_below_in_whole_pieces() {
         assert_eq!(pieces(250.0, 0.1), 62);
         for percent in 0..=40_u32 {
-            let (covered, allowed) = (pieces(250.0, f64::from(percent) / 100.0) * 4, percent * 25);
+            let covered = pieces(250.0, f64::from(percent) / 100.0) * 4;
+            let allowed = percent * 25;
             assert!(covered <= allowed && covered + 4 > allowed, "{percent} % gives {covered} cells of {allowed}");
         }
     }

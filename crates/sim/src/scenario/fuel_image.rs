@@ -27,8 +27,8 @@ impl FuelImage {
     pub fn read(path: &Path, legend: &BTreeMap<String, FuelName>) -> Result<Self, String> {
         let pixels = read_colours(path, MAX_CELLS_A_SIDE.into()).map_err(|error| error.to_string())?;
         let name = path.display().to_string();
-        let entry = |(text, fuel): (&String, &FuelName)| Some((colour_of(text)?, fuel.number()));
-        let fuels: BTreeMap<[u8; 3], u8> = legend.iter().filter_map(entry).collect();
+        let fuels: BTreeMap<[u8; 3], u8> =
+            legend.iter().filter_map(|(text, fuel)| Some((colour_of(text)?, fuel.number()))).collect();
         let mut fuel = Vec::with_capacity(pixels.values().len());
         for row in (0..pixels.rows()).rev() {
             for (col, colour) in pixels.row(row).iter().enumerate() {

@@ -279,7 +279,8 @@ fn crossed_by(frame: &FieldFrame, [a, b]: [DVec2; 2]) -> impl Iterator<Item = (u
     };
     let [first, end] = [a.y.floor(), b.y.floor() + 1.0].map(|row| row.clamp(0.0, rows) as usize);
     (first..end).map(move |row| {
-        let (one, other) = (x_at(row as f64), x_at(row as f64 + 1.0));
+        let one = x_at(row as f64);
+        let other = x_at(row as f64 + 1.0);
         let [west, end] =
             [one.min(other).floor(), one.max(other).floor() + 1.0].map(|col| col.clamp(0.0, cols) as usize);
         (row, west..end.max(west))
@@ -449,7 +450,9 @@ impl<'de> Visitor<'de> for Nest<'_> {
         if depth > POLYGON {
             return Err(A::Error::custom("coordinates are lists in lists, at most four deep"));
         }
-        let (mut inner, mut numbers, mut count) = (None, DVec2::ZERO, 0);
+        let mut inner = None;
+        let mut numbers = DVec2::ZERO;
+        let mut count = 0;
         while let Some(item) = seq.next_element_seed(Nest { shapes, depth: depth + 1 })? {
             if let Nested::Number(number) = item
                 && count < 2

@@ -79,8 +79,14 @@ impl ImportedField {
         let field = geojson::parse(text, cell_m, MAX_CELLS_A_SIDE)
             .map_err(|error| json_fault(text, &error, FieldPath::default()))?;
         let (frame, occupied, left_out) = field.map_err(|fault| fault.at(0..0))?;
-        let doubt = || format!("Ignored {} of the GeoJSON file: only polygons become bushes.", objects(left_out));
-        Ok(Self { frame, occupied, doubts: (left_out > 0).then(doubt).into_iter().collect() })
+        Ok(Self {
+            frame,
+            occupied,
+            doubts: (left_out > 0)
+                .then(|| format!("Ignored {} of the GeoJSON file: only polygons become bushes.", objects(left_out)))
+                .into_iter()
+                .collect(),
+        })
     }
 
     /// Takes the cells of a map whose first row is north; their side is the map's own, or `cell_m`.
@@ -88,7 +94,8 @@ impl ImportedField {
     /// # Errors
     /// Fails if the map is too large.
     pub fn from_map_file(map: &MapFile, cell_m: f64) -> Result<Self, MapFault> {
-        let (rows, cols) = (map.occupied.rows(), map.occupied.cols());
+        let rows = map.occupied.rows();
+        let cols = map.occupied.cols();
         let frame = frame_from(cols, rows, map.place.map_or(cell_m, |place| place.cell_m))?;
         let cells = (0..rows).rev().flat_map(|row| map.occupied.row(row)).copied().collect();
         // Advice names the keys of scenarios.

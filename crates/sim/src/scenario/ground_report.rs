@@ -151,7 +151,8 @@ pub fn describe_weather(scenario: &Scenario) -> Vec<String> {
             DeadMoisture::Tables => "follows it by Rothermel's tables",
             DeadMoisture::Nelson => "follows it by Nelson's sticks",
         };
-        let (file, start_h) = (file.display(), settings.start_h);
+        let file = file.display();
+        let start_h = settings.start_h;
         lines.push(format!("The wind is that of `{file}`, from its hour {start_h} on; dead-fuel moisture {dead}."));
         lines.extend(settings.notes.iter().cloned());
     }

@@ -84,7 +84,9 @@ impl Weights {
         let mut raster = raster::read(path).map_err(|error| error.to_string())?;
         let name = path.display().to_string();
         let [west_m, south_m] = layers.map_or([raster.west_m, raster.south_m], |it| [it.west_m, it.south_m]);
-        let (rows, cols, cell_m) = (frame.rows.into(), frame.cols.into(), frame.cell_m);
+        let rows = frame.rows.into();
+        let cols = frame.cols.into();
+        let cell_m = frame.cell_m;
         let crs = layers.and_then(|it| it.crs.clone());
         let field = Raster { rows, cols, west_m, south_m, cell_m, values: Vec::new(), nodata: None, crs };
         check_same_place(&raster, &field, &name, "the field")?;
@@ -93,7 +95,8 @@ impl Weights {
             if raster.is_nodata(value) {
                 raster.values[index] = 0.0;
             } else if !(0.0..=f32::MAX).contains(&value) {
-                let (row, col) = (raster.file_row(index / raster.cols), index % raster.cols);
+                let row = raster.file_row(index / raster.cols);
+                let col = index % raster.cols;
                 return Err(format!("{name}: row {row}, column {col}: found {value}, expected a weight of 0 or more"));
             }
         }
@@ -336,8 +339,10 @@ fn continue_into_rim(elevation: &mut [f32], cols: usize) {
             // The plane through the known cells beside it; farther out, the height of the cell that it was reached from.
             let beyond = |near: usize| {
                 let place = |cell: usize| ((cell % cols) as isize, (cell / cols) as isize);
-                let ((col, row), (near_col, near_row)) = (place(cell), place(near));
-                let (col, row) = (2 * near_col - col, 2 * near_row - row);
+                let (col, row) = place(cell);
+                let (near_col, near_row) = place(near);
+                let col = 2 * near_col - col;
+                let row = 2 * near_row - row;
                 let is_there = (0..cols as isize).contains(&col) && (0..rows as isize).contains(&row);
                 let far = is_there.then(|| row as usize * cols + col as usize).filter(|&far| known[far])?;
                 Some(2.0 * elevation[near] - elevation[far])
@@ -559,10 +564,13 @@ impl LayerKind {
             Some((number + 1, kind.converted(&bands[number]).ok()?))
         };
         let (of_heights, heights) = layer(Self::Elevation)?;
-        let (slopes, aspects) = (layer(Self::Slope), layer(Self::Aspect));
+        let slopes = layer(Self::Slope);
+        let aspects = layer(Self::Aspect);
         let (rows, cols) = (heights.rows, heights.cols);
         let mut slope = SlopeErrors::default();
-        let (mut count, mut turned, mut azimuth) = (0.0, 0.0, 0.0);
+        let mut count = 0.0;
+        let mut turned = 0.0;
+        let mut azimuth = 0.0;
         let step = (rows * cols / 100_000).max(1);
         for index in (0..rows * cols).step_by(step) {
             let (row, col) = (index / cols, index % cols);
@@ -762,8 +770,11 @@ impl ImportedLayers {
             return false;
         }
         let cells = self.frame.cell_count();
-        let is_known = |number: &u8| *number == 0 || FuelModel::by_number(*number).is_some();
-        let fuel_fits = |layer: &PackedLayer| layer.bytes(cells).is_some_and(|fuel| fuel.iter().all(is_known));
+        let fuel_fits = |layer: &PackedLayer| {
+            layer
+                .bytes(cells)
+                .is_some_and(|fuel| fuel.iter().all(|number| *number == 0 || FuelModel::by_number(*number).is_some()))
+        };
         let numbers_fit =
             |layer: &PackedLayer| layer.numbers(cells).is_some_and(|numbers| numbers.iter().all(|n| n.is_finite()));
         self.fuel.as_ref().is_none_or(fuel_fits)
@@ -841,7 +852,9 @@ mod tests {
 
     /// Writes a raster of 2 rows and 3 columns, the south row first.
     fn file(folder: &Path, name: &str, values: [f32; 6], change: impl FnOnce(&mut Raster)) -> PathBuf {
-        let (west_m, south_m, cell_m) = (500_000.0, 4_000_000.0, 30.0);
+        let west_m = 500_000.0;
+        let south_m = 4_000_000.0;
+        let cell_m = 30.0;
         let nodata = Some(-9999.0);
         let mut raster =
             Raster { rows: 2, cols: 3, west_m, south_m, cell_m, values: values.to_vec(), nodata, crs: None };
@@ -941,7 +954,9 @@ mod tests {
     fn layer(value: impl Fn(f32, f32) -> f32) -> Raster {
         let place = |index: usize| (30.0 * (index % 24) as f32, 30.0 * (index / 24) as f32);
         let values = (0..480).map(|index| value(place(index).0, place(index).1)).collect();
-        let (west_m, south_m, cell_m) = (500_000.0, 4_000_000.0, 30.0);
+        let west_m = 500_000.0;
+        let south_m = 4_000_000.0;
+        let cell_m = 30.0;
         Raster { rows: 20, cols: 24, west_m, south_m, cell_m, values, nodata: None, crs: None }
     }
 
@@ -964,7 +979,8 @@ mod tests {
         let mut reader = LayerReader::default();
         reader.read(LayerKind::Elevation, &dem).expect("only its rim is without data");
         let layers = reader.finish().expect("one was read");
-        let (fuel, relief) = (layers.fuel_or(102), layers.relief().expect("there are heights"));
+        let fuel = layers.fuel_or(102);
+        let relief = layers.relief().expect("there are heights");
         let landscape = wildfire_fire::Landscape { frame: layers.frame, fuel, relief, canopy: None };
         for index in 0..480 {
             let cell = layers.frame.cell(index);

@@ -42,7 +42,9 @@ pub struct LineSettings {
 
 impl Default for LineSettings {
     fn default() -> Self {
-        let (policy, from, holds) = (LinePolicy::Direct, Tactic::Rear, LineHolds::Always);
+        let policy = LinePolicy::Direct;
+        let from = Tactic::Rear;
+        let holds = LineHolds::Always;
         let protect = Vec::new();
         Self { policy, from, offset_m: 20.0, protect, holds, flame_half_m: 1.2, flame_scale_m: 0.3, section_m: 20.0 }
     }
@@ -112,7 +114,8 @@ impl Crew {
 
 impl Scenario {
     pub(super) fn check_crews(&self, frame: &FieldFrame) -> Check {
-        let (top, table) = (TablePath::named(""), TablePath::named("line"));
+        let top = TablePath::named("");
+        let table = TablePath::named("line");
         if let Some(line) = &self.line {
             line.policy.check(&table, "policy", &self.policy)?;
             table.count("protect", line.protect.len(), MAX_PLACES)?;

@@ -187,7 +187,8 @@ impl WrittenScenario<'_> {
     /// Refuses values that only loading may fill in, and numbers that are infinite or NaN.
     fn refuse_loaded_and_infinite(&self, written: &Value) -> Result<(), Box<ScenarioError>> {
         if let Some((path, found)) = first_infinite(written, FieldPath::default()) {
-            let (field, expected) = (path.to_string(), "a finite number".to_owned());
+            let field = path.to_string();
+            let expected = "a finite number".to_owned();
             return Err(Fault::Value { field, found, expected }.at(self.location(&path, KeyOrValue::Value)));
         }
         let Some(path) = LOADED.iter().flat_map(|path| FieldPath::parse(path).all_in(written)).next() else {
@@ -218,7 +219,8 @@ impl WrittenScenario<'_> {
                 let is_changed = ["command", "module"].map(|key| self.changes.set(&table.join(PathStep::key(key))));
                 let folder = if is_changed.contains(&true) { Path::new("") } else { &self.source.folder };
                 program.fill_in(folder).map_err(|UnusableFile { place, file, reason }| {
-                    let (path, file) = (FieldPath([table.0.clone(), place].concat()), program.works_in.join(file));
+                    let path = FieldPath([table.0.clone(), place].concat());
+                    let file = program.works_in.join(file);
                     match reason {
                         Unusable::Unreadable(error) => {
                             unreadable(&file, &error).at(self.location(&path, KeyOrValue::Value))

@@ -146,8 +146,8 @@ impl Program {
     /// Returns its command as a line that a shell would read.
     pub fn command_line(&self) -> String {
         let quoted = |word: &String| {
-            let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "-_./=:,+@%".contains(letter);
-            let is_whole = !word.is_empty() && word.chars().all(is_plain);
+            let is_whole = !word.is_empty()
+                && word.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_./=:,+@%".contains(letter));
             if is_whole { word.clone() } else { format!("'{}'", word.replace('\'', "'\\''")) }
         };
         self.command.iter().map(quoted).collect::<Vec<_>>().join(" ")

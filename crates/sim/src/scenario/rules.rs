@@ -210,7 +210,9 @@ pub(super) fn check_ignitions(ignitions: &[Ignition], frame: &FieldFrame) -> Che
 
 /// Sums up all entries of `[[ignition]]`; there is one at least.
 pub(super) fn describe_ignitions(ignitions: &[Ignition]) -> String {
-    let (mut random, mut named, mut drawn) = (0_u64, 0, 0_u64);
+    let mut random = 0_u64;
+    let mut named = 0;
+    let mut drawn = 0_u64;
     for ignition in ignitions {
         match &ignition.cells {
             IgnitionCells::Random(count) => random += u64::from(*count),
@@ -219,7 +221,8 @@ pub(super) fn describe_ignitions(ignitions: &[Ignition]) -> String {
         }
     }
     let times = ignitions.iter().map(|ignition| ignition.at_s);
-    let (first, last) = (times.clone().fold(f64::INFINITY, f64::min), times.fold(0.0, f64::max));
+    let first = times.clone().fold(f64::INFINITY, f64::min);
+    let last = times.fold(0.0, f64::max);
     let count = ignitions.len();
     let by_density =
         if drawn > 0 { format!(", and {drawn} chosen at random by maps of weights") } else { String::new() };

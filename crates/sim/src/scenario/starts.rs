@@ -80,7 +80,8 @@ mod tests {
     #[test]
     fn default_starts_stay_where_they_fit() {
         for frame in [frame(50, 50, 5.0), frame(900, 300, 1.0)] {
-            let (mut truck, mut wumpus) = (Unimog::default(), Wumpus::default());
+            let mut truck = Unimog::default();
+            let mut wumpus = Wumpus::default();
             truck.start_within(&frame);
             wumpus.start_within(&frame);
             assert_eq!((truck.start, wumpus.start_m), (StartPose::default(), Wumpus::default().start_m));
@@ -91,7 +92,8 @@ mod tests {
     fn on_small_maps_bodies_start_inside_at_the_same_share() {
         for (cols, rows, cell_m) in [(20, 20, 5.0), (30, 4, 5.0), (200, 90, 0.3), (13, 77, 1.0), (2, 8, 5.0)] {
             let frame = frame(cols, rows, cell_m);
-            let (mut truck, mut wumpus) = (Unimog::default(), Wumpus::default());
+            let mut truck = Unimog::default();
+            let mut wumpus = Wumpus::default();
             truck.start_within(&frame);
             wumpus.start_within(&frame);
             assert!(truck.start_fits(&frame), "{frame:?}: {:?}", truck.start);

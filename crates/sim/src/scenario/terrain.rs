@@ -56,8 +56,9 @@ impl Terrain {
     /// Iterates by index over the cells whose fuel burns, those with a bush and those without.
     pub fn with_fuel(&self) -> impl Iterator<Item = Cell> + '_ {
         let fuels = self.landscape.iter().flat_map(|landscape| landscape.fuel.iter().enumerate());
-        let burns = |&(_, &fuel): &(usize, &u8)| FuelModel::by_number(fuel).is_some_and(FuelModel::burns);
-        fuels.filter(burns).map(|(index, _)| self.frame.cell(index))
+        fuels
+            .filter(|&(_, &fuel)| FuelModel::by_number(fuel).is_some_and(FuelModel::burns))
+            .map(|(index, _)| self.frame.cell(index))
     }
 
     /// Returns what Wumpuses and random ignitions may light, by index: the bushes, and all that burns if `ground` may be lit.
@@ -120,7 +121,8 @@ impl PieceLayout {
         let cell_m = self.frame.cell_m;
         let index = |m: f64, cells: u16| (m / cell_m).floor().clamp(0.0, f64::from(cells) - 1.0) as u16;
         // A cell to the west or south may touch the box with its far edge.
-        let (low, high) = (centre - clearance_m - cell_m, centre + clearance_m);
+        let low = centre - clearance_m - cell_m;
+        let high = centre + clearance_m;
         for row in index(low.y, self.frame.rows)..=index(high.y, self.frame.rows) {
             for col in index(low.x, self.frame.cols)..=index(high.x, self.frame.cols) {
                 let offset = (centre - self.frame.centre(Cell { col, row })).abs() - DVec2::splat(0.5 * cell_m);

@@ -69,8 +69,8 @@ mod tests {
     use super::*;
 
     fn normalised(cells: [(i32, i32); 4]) -> Vec<(u16, u16)> {
-        let (west, south) =
-            (cells.map(|c| c.0).into_iter().min().unwrap(), cells.map(|c| c.1).into_iter().min().unwrap());
+        let west = cells.map(|c| c.0).into_iter().min().unwrap();
+        let south = cells.map(|c| c.1).into_iter().min().unwrap();
         let mut moved: Vec<_> = cells.iter().map(|c| ((c.0 - west) as u16, (c.1 - south) as u16)).collect();
         moved.sort_unstable();
         moved

@@ -22,8 +22,7 @@ pub fn free_start(
 ) -> Option<Pose> {
     let keeps_apart =
         |pose: &Pose| standing.iter().all(|(other, at)| gap_between((body, *pose), (other, *at)) >= TRUCK_MARGIN_M);
-    let is_free = |pose: &Pose| checker.pose_is_free(*pose, START_CLEARANCE_M) && keeps_apart(pose);
-    nearest_free_pose(field.frame(), wanted, is_free)
+    nearest_free_pose(field.frame(), wanted, |pose| checker.pose_is_free(*pose, START_CLEARANCE_M) && keeps_apart(pose))
 }
 
 /// Returns the number of the first truck that has no place, if there is one.

@@ -349,11 +349,12 @@ impl AgentList for Vec<Unimog> {
     }
 
     fn starts(&self) -> Vec<SketchedStart> {
-        let start = |truck: &Unimog| {
-            let place = truck.start.pose().position();
-            SketchedStart { centre: truck.start_centre(), place, letter: 'U' }
-        };
-        self.iter().map(start).collect()
+        self.iter()
+            .map(|truck| {
+                let place = truck.start.pose().position();
+                SketchedStart { centre: truck.start_centre(), place, letter: 'U' }
+            })
+            .collect()
     }
 
     fn check(&self, scenario: &Scenario) -> Check {
@@ -381,7 +382,8 @@ impl AgentList for Vec<Unimog> {
     }
 
     fn facts(&self, number: usize) -> Vec<String> {
-        let (truck, body) = (&self[number], &self[number].vehicle);
+        let truck = &self[number];
+        let body = &self[number].vehicle;
         let lock_deg = body.max_steering_rad().to_degrees();
         let turned_s = body.steering_rate_deg_s.map(|rate| format!(", in {:.1} s", lock_deg / rate));
         let wheels = format!("Its front wheels turn to {lock_deg:.1} degrees{}.", turned_s.unwrap_or_default());
@@ -477,7 +479,8 @@ pub fn check_planners(unimog: &Unimog, frame: &FieldFrame) -> Check {
 
 /// Describes what its speed means in its tightest turns: speed squared over radius.
 fn describe_turning(truck: &Unimog) -> String {
-    let (speed, radius_m) = (truck.speed_mps.max(truck.reverse_speed_mps), truck.vehicle.turning_radius_m);
+    let speed = truck.speed_mps.max(truck.reverse_speed_mps);
+    let radius_m = truck.vehicle.turning_radius_m;
     let lateral = speed * speed / radius_m;
     let fact = format!("On its circle of {radius_m} m, {speed} m/s is {lateral:.1} m/s2 to the side");
     match truck.limits.lateral_mps2 {
@@ -491,13 +494,14 @@ fn describe_turning(truck: &Unimog) -> String {
 /// Returns the trucks that are warned of, each with its number: of those that differ in their starts alone, the first few.
 fn first_of_their_kind(trucks: &[Unimog]) -> impl Iterator<Item = (usize, &Unimog)> {
     trucks.iter().enumerate().filter(|&(number, truck)| {
-        let is_like = |other: &&Unimog| Unimog { start: truck.start, ..(*other).clone() } == *truck;
-        trucks[..number].iter().filter(is_like).count() < SHOWN_ALIKE
+        trucks[..number].iter().filter(|other| Unimog { start: truck.start, ..(*other).clone() } == *truck).count()
+            < SHOWN_ALIKE
     })
 }
 
 fn warn_of_truck(number: usize, unimog: &Unimog, found: &mut Vec<String>) {
-    let (speed, radius_m) = (unimog.speed_mps.max(unimog.reverse_speed_mps), unimog.vehicle.turning_radius_m);
+    let speed = unimog.speed_mps.max(unimog.reverse_speed_mps);
+    let radius_m = unimog.vehicle.turning_radius_m;
     let lateral = speed * speed / radius_m;
     if unimog.limits.lateral_mps2.is_none() && lateral > LATERAL_GRIP_MPS2 {
         found.push(format!(
@@ -505,7 +509,8 @@ fn warn_of_truck(number: usize, unimog: &Unimog, found: &mut Vec<String>) {
              the {LATERAL_GRIP_MPS2} m/s2 that loose ground holds; `limits.lateral_mps2` would slow it in curves."
         ));
     }
-    let (planner, settings) = (unimog.built_in(), unimog.planner_settings());
+    let planner = unimog.built_in();
+    let settings = unimog.planner_settings();
     let used = planner.map_or(&[][..], BuiltInPlanner::tables);
     for table in settings.tables().filter(|table| !table.is_default && !used.contains(&table.name)) {
         found.push(format!("The `{}` of truck {number} has no effect: its planner does not use it.", table.name));

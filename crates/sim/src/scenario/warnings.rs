@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::agents::{BlockedStarts, SHOWN_SEED, ScenarioField};
 use super::dispatch::warn_of_team;
 use super::ground_report::warn_of_ground;
-use super::{FireModelName, IgnitionCells, LandscapeSettings, Scenario, Terrain, weather};
+use super::{FireModelName, IgnitionCells, Scenario, Terrain, weather};
 use wildfire_base::geometry::Cell;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_planning::collision::ClearanceField;
@@ -116,8 +116,11 @@ fn warn_of_ignitions(scenario: &Scenario, terrain: Option<&Terrain>, found: &mut
 fn has_fixed_ground(scenario: &Scenario) -> bool {
     let field = &scenario.field;
     let has_pieces = field.given.is_none() && field.pieces.map_or(field.coverage > 0.0, |pieces| pieces > 0);
-    let is_drawn = |it: &LandscapeSettings| it.seed.is_none() && !(it.patches.is_empty() && it.river.is_none());
-    !has_pieces && !scenario.landscape.as_ref().is_some_and(is_drawn)
+    !has_pieces
+        && !scenario
+            .landscape
+            .as_ref()
+            .is_some_and(|it| it.seed.is_none() && !(it.patches.is_empty() && it.river.is_none()))
 }
 
 /// Adds a warning for ignitions of which nothing can burn on a field.

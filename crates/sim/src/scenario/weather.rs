@@ -249,7 +249,8 @@ mod tests {
         let weather = weather(&scenario, 1);
         let found: Vec<_> =
             weather.intervals().iter().map(|it| (it.from.as_seconds(), it.wind_mps, it.moisture.d1)).collect();
-        let (east, north) = (DVec2::new(5.0, 0.0), DVec2::new(0.0, 8.0));
+        let east = DVec2::new(5.0, 0.0);
+        let north = DVec2::new(0.0, 8.0);
         assert_eq!(found, [(0.0, east, 0.06), (600.0, east, 0.08), (1200.0, north, 0.12)]);
     }
 

@@ -230,10 +230,9 @@ impl<'a> CsvRow<'a> {
 
 /// Returns the cells of a line, without the blanks and the quotes around them.
 fn cells(line: &str, separator: Option<char>) -> impl Iterator<Item = &str> {
-    let is_end = move |sign: char| separator.map_or(sign.is_whitespace(), |separator| sign == separator);
     // Blanks in a row separate only once.
     let line = if separator.is_none() { line.trim() } else { line };
-    line.split(is_end)
+    line.split(move |sign: char| separator.map_or(sign.is_whitespace(), |separator| sign == separator))
         .map(|cell| cell.trim().trim_matches('"').trim())
         .filter(move |cell| separator.is_some() || !cell.is_empty())
 }

@@ -606,8 +606,10 @@ fn through(cloud: f64) -> f64 {
 
 /// Returns a name or unit in small letters, without blanks and brackets.
 fn bare(name: &str) -> String {
-    let kept = |sign: &char| sign.is_ascii_alphanumeric() || "/%^-\u{b2}".contains(*sign);
-    name.chars().filter(kept).map(|sign| if sign == '\u{b2}' { '2' } else { sign.to_ascii_lowercase() }).collect()
+    name.chars()
+        .filter(|sign| sign.is_ascii_alphanumeric() || "/%^-\u{b2}".contains(*sign))
+        .map(|sign| if sign == '\u{b2}' { '2' } else { sign.to_ascii_lowercase() })
+        .collect()
 }
 
 impl<'a> WeatherStream<'a> {

@@ -270,11 +270,12 @@ impl AgentList for Vec<Wumpus> {
     }
 
     fn starts(&self) -> Vec<SketchedStart> {
-        let start = |wumpus: &Wumpus| {
-            let centre = wumpus.start_centre();
-            SketchedStart { centre, place: centre, letter: 'W' }
-        };
-        self.iter().map(start).collect()
+        self.iter()
+            .map(|wumpus| {
+                let centre = wumpus.start_centre();
+                SketchedStart { centre, place: centre, letter: 'W' }
+            })
+            .collect()
     }
 
     fn check(&self, scenario: &Scenario) -> Check {
@@ -437,8 +438,7 @@ fn warn_of_idle_wumpuses(wumpuses: &[Wumpus], terrain: &Terrain, found: &mut Vec
         let Some(start) = lattice.nearest_free(wumpus.start_centre()) else { continue };
         // Most often a bush is near, and nobody has to know all that can be reached.
         let bushes = &terrain.bushes;
-        let is_beside = |&cell: &Cell| lattice.points_of_reach(cell, wumpus.reach_m).any(|point| point == start);
-        if bushes.iter().any(is_beside) {
+        if bushes.iter().any(|&cell| lattice.points_of_reach(cell, wumpus.reach_m).any(|point| point == start)) {
             continue;
         }
         let reached = lattice.reachable_from(start);

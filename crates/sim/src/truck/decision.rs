@@ -181,8 +181,11 @@ impl Fleet<'_, '_> {
             agent.trajectory = Trajectory::new(now, agent.trajectory.pose_at(now), Vec::new());
         }
         let before = std::mem::take(&mut truck.blocked);
-        let (blocked, spent, cpu) = (Vec::new(), Effort::default(), agent.cost.total());
-        let (revision, activity) = (agent.revision, agent.activity);
+        let blocked = Vec::new();
+        let spent = Effort::default();
+        let cpu = agent.cost.total();
+        let revision = agent.revision;
+        let activity = agent.activity;
         let delay = SimTime::ZERO;
         truck.deliberation = Some(DecisionState { revision, activity, before, blocked, spent, cpu, delay });
     }
@@ -226,12 +229,14 @@ impl Fleet<'_, '_> {
 
     /// Plans a drive to a goal and sets out. Returns `None` if that fails and another goal has to be tried.
     pub fn try_goal(&mut self, entity: Entity, goal: Cell, fires: &FireField) -> Option<DecisionOutcome> {
-        let (now, reservations) = (self.now(), self.reservations());
+        let now = self.now();
+        let reservations = self.reservations();
         let (mut agent, mut truck) = self.trucks.one_mut(entity);
         let (agent, truck) = (&mut *agent, &mut *truck);
         let mut begun = truck.deliberation.take()?;
         let traffic = Traffic::new(&reservations, entity);
-        let (pose, delay) = (agent.trajectory.start(), begun.delay);
+        let pose = agent.trajectory.start();
+        let delay = begun.delay;
         let outset = DepartureContext { now, pose, frame: fires.frame(), traffic, delay };
         let by_flood = truck.failed_goals.contains(&goal);
         let known = begun.before.iter().map(|blocked| &blocked.drive);
@@ -269,10 +274,12 @@ impl Fleet<'_, '_> {
     /// Plans a drive to the option that is nearest by drive and sets out. Returns `None` if that fails and another goal
     /// has to be tried.
     pub fn try_nearest(&mut self, entity: Entity, options: &[Cell], fires: &FireField) -> Option<DecisionOutcome> {
-        let (now, reservations) = (self.now(), self.reservations());
+        let now = self.now();
+        let reservations = self.reservations();
         let (mut agent, mut truck) = self.trucks.one_mut(entity);
         let (agent, truck) = (&mut *agent, &mut *truck);
-        let (pose, frame) = (agent.trajectory.start(), fires.frame());
+        let pose = agent.trajectory.start();
+        let frame = fires.frame();
         let from = truck.body.body_centre(pose);
         let squared_m = |cell: &Cell| (frame.centre(*cell) - from).length_squared();
         // By cell index, so that of equally near ones the first counts.
@@ -300,7 +307,8 @@ impl Fleet<'_, '_> {
     pub fn stop_looking(&mut self, entity: Entity, fires: &FireField) -> DecisionOutcome {
         let nothing_burns = self.unclaimed(&[entity], fires).is_empty();
         let is_too_hot = self.is_too_hot(entity, fires);
-        let (now, reservations) = (self.now(), self.reservations());
+        let now = self.now();
+        let reservations = self.reservations();
         let (mut agent, mut truck) = self.trucks.one_mut(entity);
         let rests = match (nothing_burns, truck.is_rescued) {
             (true, _) => RestReason::NothingBurns,
@@ -320,7 +328,8 @@ impl Fleet<'_, '_> {
         };
         for blocked in &blocked[..tried] {
             let traffic = Traffic::new(&reservations, entity);
-            let (pose, frame) = (agent.trajectory.start(), fires.frame());
+            let pose = agent.trajectory.start();
+            let frame = fires.frame();
             let outset = DepartureContext { now, pose, frame, traffic, delay };
             if let Some((drive, leg)) = truck.detour(&blocked.drive, outset, &mut agent.cost) {
                 return DecisionOutcome::SetsOut(drive, leg);

@@ -199,7 +199,8 @@ impl Stop {
     /// Iterates by index over the cells in reach, at most the whole field.
     fn cells_in_reach<'a>(&'a self, frame: &'a FieldFrame) -> impl Iterator<Item = Cell> + 'a {
         let index = |m: f64, cells: u16| (m / frame.cell_m).clamp(0.0, f64::from(cells) - 1.0) as u16;
-        let (low, high) = (self.centre - self.reach_m, self.centre + self.reach_m);
+        let low = self.centre - self.reach_m;
+        let high = self.centre + self.reach_m;
         let rows = index(low.y, frame.rows)..=index(high.y, frame.rows);
         let cols = index(low.x, frame.cols)..=index(high.x, frame.cols);
         let cells = rows.flat_map(move |row| cols.clone().map(move |col| Cell { col, row }));
@@ -222,7 +223,8 @@ pub fn end_dwell(mut fleet: Fleet, fires: Res<Fires>) {
         agent.reconsider(wake.agent, now, &mut fleet.queue);
         stops.push((Stop::new(&agent, &truck, goal), truck.extinguish_set.take()));
     }
-    let (field, frame) = (&fires.field, fires.field.frame());
+    let field = &fires.field;
+    let frame = fires.field.frame();
     for (stop, extinguish_set) in &stops {
         let put_out: Vec<Cell> = match extinguish_set {
             Some(cells) => {

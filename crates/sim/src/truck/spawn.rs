@@ -26,7 +26,8 @@ pub fn spawn(
     number: u16,
     settings: &scenario::Unimog,
 ) -> Result<AgentStart, RunError> {
-    let (id, suppression) = (AgentId::unimog(number), &arena.scenario.suppression);
+    let id = AgentId::unimog(number);
+    let suppression = &arena.scenario.suppression;
     let parked: Vec<_> = world
         .query::<(&Agent, &Truck)>()
         .iter(world)
@@ -49,8 +50,11 @@ pub fn spawn(
         planners: arena.planners,
         programs: &arena.scenario.planner,
     };
-    let no_planner = |reason| RunError::NoPlanner { agent: id, name: settings.planner.clone(), reason };
-    let mut planner = settings.make_planner(&context).map_err(no_planner)?;
+    let mut planner = settings.make_planner(&context).map_err(|reason| RunError::NoPlanner {
+        agent: id,
+        name: settings.planner.clone(),
+        reason,
+    })?;
     let report = planner.build_report();
     let BuildReport { samples, edges, components, .. } = report;
     let mut recorder = world.resource_mut::<Recorder>();

@@ -235,7 +235,8 @@ impl Fleet<'_, '_> {
 
     /// Plans a truck's drive to a place without a fire. The truck stays if there is no path or others block it.
     pub fn drive_to(&mut self, entity: Entity, disc: GoalDisc, fires: &FireField) -> DecisionOutcome {
-        let (now, reservations) = (self.now(), self.reservations());
+        let now = self.now();
+        let reservations = self.reservations();
         let (mut agent, mut truck) = self.trucks.one_mut(entity);
         let (agent, truck) = (&mut *agent, &mut *truck);
         let pose = agent.trajectory.start();
@@ -275,7 +276,11 @@ impl Truck {
     /// Returns the time until which a truck does not try again to drive from where it stands to a place, if it has
     /// tried.
     pub fn closed_until(&self, from: Pose, to: DVec2, now: SimTime) -> Option<SimTime> {
-        let is_meant = |closed: &&UnreachableStaging| closed.from == from && (closed.to - to).length() <= AS_GOOD_M;
-        self.closed_posts.iter().filter(is_meant).map(|closed| closed.until).filter(|&until| until > now).max()
+        self.closed_posts
+            .iter()
+            .filter(|closed| closed.from == from && (closed.to - to).length() <= AS_GOOD_M)
+            .map(|closed| closed.until)
+            .filter(|&until| until > now)
+            .max()
     }
 }

@@ -70,7 +70,8 @@ impl Fleet<'_, '_> {
             return DecisionOutcome::Refills(now + water.fill_time(stops_left));
         }
         let radius_m = WELL_IN_REACH * water.reach_m;
-        let (pose, places) = (agent.trajectory.start(), water.places_from(centre));
+        let pose = agent.trajectory.start();
+        let places = water.places_from(centre);
         let open = places.iter().filter(|&&place| truck.closed_until(pose, place, now).is_none());
         for place in open.take(PLACES_TRIED).copied().collect::<Vec<_>>() {
             match self.drive_to(entity, GoalDisc { centre: place, radius_m }, fires) {

@@ -70,20 +70,23 @@ fn write_setting<W: Write>(arrays: &mut Arrays<W>, setting: &Setting, end: SimTi
 }
 
 fn write_samples<W: Write>(arrays: &mut Arrays<W>, timeline: &Timeline, sampling: &Sampling) -> io::Result<()> {
-    let (agents, times) = (sampling.agents(), sampling.times().collect::<Vec<_>>());
+    let agents = sampling.agents();
+    let times = sampling.times().collect::<Vec<_>>();
     let names: Vec<String> = agents.iter().map(|&agent| timeline.setting.agents[agent].id.to_string()).collect();
     arrays.texts("agents", &names)?;
     arrays.texts("activity_names", &Activity::ALL.map(Activity::name))?;
     let shape = [agents.len(), times.len()];
     let count = agents.len() * times.len();
     let mut poses = vec![[0.0; 3]; count];
-    let (mut speeds, mut activities) = (vec![0.0; count], vec![0_u8; count]);
+    let mut speeds = vec![0.0; count];
+    let mut activities = vec![0_u8; count];
     let mut goals = vec![NO_CELL; count];
     let mut replay = Replay::new(timeline);
     for (sample, &time) in times.iter().enumerate() {
         replay.seek(time);
         for (row, &agent) in agents.iter().enumerate() {
-            let (state, at) = (replay.agent(agent), row * times.len() + sample);
+            let state = replay.agent(agent);
+            let at = row * times.len() + sample;
             poses[at] = numbers(state.pose);
             speeds[at] = state.speed_mps;
             activities[at] = state.activity as u8;
@@ -106,8 +109,11 @@ fn write_changes<W: Write>(arrays: &mut Arrays<W>, changes: &[CellChange]) -> io
 
 fn write_legs<W: Write>(arrays: &mut Arrays<W>, index: &RunIndex<'_>, agents: &[usize]) -> io::Result<()> {
     let timeline = index.timeline();
-    let legs_of = |(row, &agent): (usize, &usize)| index.legs_of(agent).iter().map(move |&leg| (row, leg));
-    let legs: Vec<(usize, FollowedLeg)> = agents.iter().enumerate().flat_map(legs_of).collect();
+    let legs: Vec<(usize, FollowedLeg)> = agents
+        .iter()
+        .enumerate()
+        .flat_map(|(row, &agent)| index.legs_of(agent).iter().map(move |&leg| (row, leg)))
+        .collect();
     let ways = || legs.iter().map(|(_, leg)| leg.trajectory(timeline));
     let until = |leg: FollowedLeg| leg.until.min(index.end_time()).as_seconds();
     let goal = |leg: FollowedLeg| match &timeline.events[leg.fact()].fact {
@@ -205,7 +211,9 @@ mod tests {
         let mut arrays = BTreeMap::new();
         for _ in 0..number(end + 10, 2) {
             assert_eq!(&file[at..at + 4], b"PK\x01\x02");
-            let (size, name_length, offset) = (number(at + 20, 4), number(at + 28, 2), number(at + 42, 4));
+            let size = number(at + 20, 4);
+            let name_length = number(at + 28, 2);
+            let offset = number(at + 42, 4);
             let name = String::from_utf8(file[at + 46..at + 46 + name_length].to_vec()).expect("it is text");
             let content = &file[offset + 30 + name_length..][..size];
             assert_eq!(number(at + 16, 4) as u32, crc32fast::hash(content), "{name}");
@@ -235,7 +243,8 @@ mod tests {
     fn poses_are_those_of_the_run() {
         let timeline = sample::random(3, SimTime::from_seconds(60.25));
         let arrays = written(&timeline, 0.5);
-        let (times, poses) = (floats(&arrays["times_s"].1), floats(&arrays["poses"].1));
+        let times = floats(&arrays["times_s"].1);
+        let poses = floats(&arrays["poses"].1);
         let agents = timeline.setting.agents.len();
         assert!(
             arrays["poses"].0.contains(&format!("'shape': ({agents}, {}, 3)", times.len())),

@@ -18,7 +18,8 @@ pub struct CellChange {
 ///
 /// Cells that are not in it stay intact. When ground burns out is in it, though recordings leave it to the reader.
 pub fn cell_changes(index: &RunIndex<'_>) -> Vec<CellChange> {
-    let (timeline, end) = (index.timeline(), index.end_time());
+    let timeline = index.timeline();
+    let end = index.end_time();
     let events = timeline.events.iter().take_while(|event| event.time <= end);
     let bush = |(cell, state): (Cell, crate::BushState), time| CellChange { time, cell, state: state.kind() };
     let mut changes: Vec<CellChange> =

@@ -28,8 +28,10 @@ impl Sampling {
             return Err(ExportError::Step { found: step_s });
         }
         let setting = &timeline.setting;
-        let place = |&name: &AgentId| setting.agent_index(name).ok_or_else(|| no_such_agent(name, setting));
-        let mut agents = names.iter().map(place).collect::<Result<Vec<_>, _>>()?;
+        let mut agents = names
+            .iter()
+            .map(|&name| setting.agent_index(name).ok_or_else(|| no_such_agent(name, setting)))
+            .collect::<Result<Vec<_>, _>>()?;
         agents.sort_unstable();
         agents.dedup();
         if names.is_empty() {

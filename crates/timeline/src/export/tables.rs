@@ -42,7 +42,8 @@ fn write_event(table: &mut csv::Writer<impl Write>, event: &Event) -> Result<(),
 
 fn write_ground_event(table: &mut csv::Writer<impl Write>, event: &GroundEvent) -> Result<(), csv::Error> {
     let agent = event.agent().map_or_else(String::new, |agent| agent.to_string());
-    let (col, row) = (event.cell.col.to_string(), event.cell.row.to_string());
+    let col = event.cell.col.to_string();
+    let row = event.cell.row.to_string();
     let (name, detail) = ground_event_words(event);
     table.write_record([&seconds(event.time), name, &agent, &col, &row, &detail])
 }
@@ -159,13 +160,15 @@ fn detail(fact: &Fact) -> String {
         Fact::Agent(_, AgentFact::Blocked { by, .. }) => format!("by={by}"),
         Fact::Agent(_, AgentFact::GaveWay { to, trajectory, .. }) => format!("to={to}; {}", leg(trajectory)),
         Fact::Agent(_, AgentFact::Relocated { x_m, y_m, trajectory, effort, found_by }) => {
-            let (leg, expansions) = (leg(trajectory), expansions(*effort));
+            let leg = leg(trajectory);
+            let expansions = expansions(*effort);
             format!("x_m={x_m}; y_m={y_m}; {leg}; {expansions}; found_by={found_by}")
         }
         Fact::Agent(_, AgentFact::Halted { trajectory }) => leg(trajectory),
         Fact::Agent(_, AgentFact::RelocationFailed { x_m, y_m, reason, effort, until }) => {
             let reason = reason.map_or_else(|| "in-the-way".to_owned(), |reason| reason.to_string());
-            let (expansions, until) = (expansions(*effort), seconds(*until));
+            let expansions = expansions(*effort);
+            let until = seconds(*until);
             format!("x_m={x_m}; y_m={y_m}; reason={reason}; {expansions}; until_s={until}")
         }
         Fact::Agent(_, AgentFact::Refilling { until }) => format!("until_s={}", seconds(*until)),
@@ -187,8 +190,10 @@ fn short(cell: Cell) -> String {
 }
 
 fn leg(trajectory: &Trajectory) -> String {
-    let (starts, ends) = (seconds(trajectory.start_time()), seconds(trajectory.end_time()));
-    let (distance_m, cusps) = (trajectory.distance_m(SimTime::MAX), trajectory.cusps());
+    let starts = seconds(trajectory.start_time());
+    let ends = seconds(trajectory.end_time());
+    let distance_m = trajectory.distance_m(SimTime::MAX);
+    let cusps = trajectory.cusps();
     format!("starts_s={starts}; ends_s={ends}; distance_m={distance_m}; cusps={cusps}")
 }
 

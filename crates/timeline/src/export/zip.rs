@@ -59,7 +59,8 @@ impl<W: Write> ZipWriter<W> {
 
     /// Writes the directory.
     pub fn finish(mut self) -> io::Result<()> {
-        let (offset, length) = (size(self.written)?, size(self.directory.len() as u64)?);
+        let offset = size(self.written)?;
+        let length = size(self.directory.len() as u64)?;
         let directory = std::mem::take(&mut self.directory);
         let counts = [0, 0, self.files, self.files].map(u16::to_le_bytes).concat();
         let places = [length, offset].map(u32::to_le_bytes).concat();

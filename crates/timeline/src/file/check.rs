@@ -119,7 +119,8 @@ fn check_water(water: &WaterRules) -> Result<(), FileError> {
 }
 
 fn check_spread(spread: &SpreadSetting, frame: FieldFrame) -> Result<(), FileError> {
-    let (landscape, weather) = (spread.landscape(), spread.weather());
+    let landscape = spread.landscape();
+    let weather = spread.weather();
     check_landscape(landscape, frame)?;
     limit("intervals of weather", weather.intervals().len(), MAX_WEATHER)?;
     let is_weather = |WeatherInterval { wind_mps, moisture, .. }: &WeatherInterval| {

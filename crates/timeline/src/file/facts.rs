@@ -261,7 +261,8 @@ impl<'a> FactWriter<'a> {
                 append(&mut self.records, &(*until - self.now).as_nanos());
             }
             AgentFact::Searched { phase, graph } => {
-                let (places, edges) = (graph.places.len() as u32, graph.edges.len() as u32);
+                let places = graph.places.len() as u32;
+                let edges = graph.edges.len() as u32;
                 self.record(kind::SEARCHED, &[agent, number_of(&PHASES, phase), places, edges]);
                 append_graph(&mut self.records, graph);
             }
@@ -326,8 +327,11 @@ fn cause(event: &Event) -> Option<Cause> {
 /// Counts the facts, from the first on, that are cells which catch fire from one cell at one instant.
 fn spread_together(events: &[Event]) -> usize {
     let first = cause(&events[0]).filter(|cause| matches!(cause, Cause::Spread(_)));
-    let is_alike = |event: &&Event| event.time == events[0].time && cause(event) == first;
-    if first.is_some() { events.iter().take_while(is_alike).count() } else { 0 }
+    if first.is_some() {
+        events.iter().take_while(|event| event.time == events[0].time && cause(event) == first).count()
+    } else {
+        0
+    }
 }
 
 fn begin_alike(last: &Trajectory, leg: &Trajectory) -> bool {
@@ -350,7 +354,8 @@ fn piece_numbers(piece: &Piece) -> (u32, [Option<f64>; 4]) {
 
 /// Equal bit for bit, so that a zero keeps its sign.
 fn pieces_equal(a: &Piece, b: &Piece) -> bool {
-    let ((kind_a, a), (kind_b, b)) = (piece_numbers(a), piece_numbers(b));
+    let (kind_a, a) = piece_numbers(a);
+    let (kind_b, b) = piece_numbers(b);
     kind_a == kind_b && a.map(|number| number.map(f64::to_bits)) == b.map(|number| number.map(f64::to_bits))
 }
 
@@ -450,7 +455,9 @@ impl<'a> FactReader<'a> {
         Ok(match kind {
             kind::START_MOVED => AgentFact::StartMoved { from: self.pose()? },
             kind::ROADMAP_BUILT => {
-                let (samples, edges, components) = (self.number()?, self.number()?, self.number()?);
+                let samples = self.number()?;
+                let edges = self.number()?;
+                let components = self.number()?;
                 AgentFact::RoadmapBuilt { samples, edges, components }
             }
             kind::OUT_OF_REACH => {
@@ -465,7 +472,8 @@ impl<'a> FactReader<'a> {
                 AgentFact::Planned { goal, trajectory: self.leg(place)?, effort, found_by }
             }
             kind::PLAN_FAILED => {
-                let (goal, reason) = (self.cell()?, word_of(&FAILURES, self.number()?)?);
+                let goal = self.cell()?;
+                let reason = word_of(&FAILURES, self.number()?)?;
                 let effort = self.effort()?;
                 let charged_ns = take(&mut self.records)?;
                 AgentFact::PlanFailed { goal, reason, effort, until: self.later(charged_ns)? }
@@ -473,7 +481,8 @@ impl<'a> FactReader<'a> {
             kind::DROPPED => AgentFact::Dropped { goal: self.cell()?, trajectory: self.leg(place)? },
             kind::SUPPRESSING => AgentFact::Suppressing { cell: self.cell()?, water_units: 1 },
             kind::SPRAYING => {
-                let (cell, water_units) = (self.cell()?, self.number()?);
+                let cell = self.cell()?;
+                let water_units = self.number()?;
                 let full_tank = self.setting.water.as_ref().map_or(0, |water| water.full_tank);
                 if water_units > full_tank {
                     return Err(FileError::Impossible("a stop takes more water than a tank holds".into()));
@@ -491,7 +500,8 @@ impl<'a> FactReader<'a> {
             kind::RELOCATED => {
                 let effort = self.effort()?;
                 let found_by = word_of(&FOUND_BY, self.number()?)?.ok_or(NO_SUCH_WORD)?;
-                let (x_m, y_m) = (self.numbers.next()?, self.numbers.next()?);
+                let x_m = self.numbers.next()?;
+                let y_m = self.numbers.next()?;
                 AgentFact::Relocated { x_m, y_m, trajectory: self.leg(place)?, effort, found_by }
             }
             kind::HALTED => AgentFact::Halted { trajectory: self.leg(place)? },
@@ -500,7 +510,8 @@ impl<'a> FactReader<'a> {
                 let effort = self.effort()?;
                 let charged_ns = take(&mut self.records)?;
                 let until = self.later(charged_ns)?;
-                let (x_m, y_m) = (self.numbers.next()?, self.numbers.next()?);
+                let x_m = self.numbers.next()?;
+                let y_m = self.numbers.next()?;
                 AgentFact::RelocationFailed { x_m, y_m, reason, effort, until }
             }
             kind::REFILLING => {
@@ -570,7 +581,8 @@ impl<'a> FactReader<'a> {
     fn leg(&mut self, agent: usize) -> Result<Trajectory, FileError> {
         let last = self.last_legs[agent].replace(self.events.len());
         let last = last.and_then(|fact| self.events[fact].fact.trajectory());
-        let (last_end, stands) = (last.map(Trajectory::end), self.setting.agents[agent].pose);
+        let last_end = last.map(Trajectory::end);
+        let stands = self.setting.agents[agent].pose;
         let mut pieces = Vec::new();
         let (start_time, start, count) = match take(&mut self.records)? {
             origin::LAST_END => {
@@ -602,7 +614,8 @@ impl<'a> FactReader<'a> {
         Ok(match self.number()? {
             piece::DRIVE => {
                 let segment = Segment { curvature: self.numbers.next()?, length_m: self.numbers.next()? };
-                let (speed_mps, acceleration_mps2) = (self.numbers.next()?, self.numbers.next()?);
+                let speed_mps = self.numbers.next()?;
+                let acceleration_mps2 = self.numbers.next()?;
                 Piece::Drive { segment, speed_mps, acceleration_mps2 }
             }
             piece::TURN => Piece::Turn { heading: self.numbers.next()? },

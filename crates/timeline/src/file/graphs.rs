@@ -68,7 +68,8 @@ mod tests {
         let mut bytes = Vec::new();
         append_graph(&mut bytes, graph);
         let mut rest = &bytes[..];
-        let (places, edges) = (graph.places.len() as u32, graph.edges.len() as u32);
+        let places = graph.places.len() as u32;
+        let edges = graph.edges.len() as u32;
         assert_eq!(&take_graph(&mut rest, places, edges).expect("it was written"), graph);
         assert!(rest.is_empty());
     }

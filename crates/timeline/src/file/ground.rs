@@ -173,7 +173,8 @@ impl GroundRecord<'_> {
         }
         let mut ordinary = self.read_ordinary(setting)?.into_iter();
         let mut log = Vec::new();
-        let (mut records, mut told) = (self.records, Told::default());
+        let mut records = self.records;
+        let mut told = Told::default();
         for _ in 0..count - ordinary_count {
             let (place, event) = take_record(&mut records, setting, told)?;
             while log.len() < place as usize {
@@ -196,7 +197,9 @@ impl GroundRecord<'_> {
         let mut plane = PlanePredictor::new(frame.cols.into(), frame.cell_count());
         let mut times = DifferenceReader::new(self.time_lengths, self.time_bits);
         let mut directions = self.directions.iter();
-        let (mut stretches, mut index, mut is_told) = (self.stretches, 0, false);
+        let mut stretches = self.stretches;
+        let mut index = 0;
+        let mut is_told = false;
         let mut ignitions = Vec::with_capacity(self.directions.len());
         while !stretches.is_empty() {
             let stretch = take::<u32>(&mut stretches)? as usize;
@@ -208,7 +211,8 @@ impl GroundRecord<'_> {
                 plane.learn(index, time);
                 let cell = frame.cell(index);
                 let towards = i32::from(*directions.next().ok_or(MISCOUNTED)?);
-                let (cols, rows) = (towards % DIRECTIONS - FARTHEST, towards / DIRECTIONS - FARTHEST);
+                let cols = towards % DIRECTIONS - FARTHEST;
+                let rows = towards / DIRECTIONS - FARTHEST;
                 let parent = frame.offset(cell, cols, rows).ok_or(NO_SUCH_CELL)?;
                 let fact = GroundFact::Ignited(Cause::Spread(parent));
                 ignitions.push(GroundEvent { time: SimTime::from_nanos(time), cell, fact });

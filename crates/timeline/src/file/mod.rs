@@ -299,7 +299,9 @@ mod tests {
     #[test]
     fn drives_to_places_come_back() {
         let pose = sample::small_setting(&[TRUCK]).agents[0].pose;
-        let (x_m, y_m, effort) = (12.5, 40.0, sample::effort(3, 9));
+        let x_m = 12.5;
+        let y_m = 40.0;
+        let effort = sample::effort(3, 9);
         let trajectory = leg(5.0, pose, 8.0, &[24.0]);
         let cut = leg(5.0, pose, 8.0, &[8.0]);
         let failed = |reason| AgentFact::RelocationFailed { x_m, y_m, reason, effort, until: seconds(9.5) };
@@ -482,8 +484,11 @@ mod tests {
             [18, 0, 2, places, edges].iter().for_each(|field| append(&mut records, field));
             let (mut payload, delays) = (Vec::new(), &[0][..]);
             append(&mut payload, &SettingRecord::from(&setting));
-            let (recurring_numbers, single_numbers) = (Vec::new(), Vec::new());
-            let (facts, records, number_references) = (1, &records[..], &[][..]);
+            let recurring_numbers = Vec::new();
+            let single_numbers = Vec::new();
+            let facts = 1;
+            let records = &records[..];
+            let number_references = &[][..];
             let streams = Streams { facts, delays, records, recurring_numbers, single_numbers, number_references };
             append(&mut payload, &streams);
             append(&mut payload, &SettingTail::from(&setting));
@@ -540,7 +545,9 @@ mod tests {
             tiny(vec![at(1.0, Fact::Agent(sample::SECOND_TRUCK, AgentFact::Suppressing { cell: A, water_units: 1 }))]);
         let endless = tiny(vec![at(1.0, planned(TRUCK, A, leg(1.0, Pose::default(), 0.0, &[1.0])))]);
         let back_in_time = tiny(vec![at(9.0, planned(TRUCK, A, leg(8.0, Pose::default(), 1.0, &[1.0])))]);
-        let (reason, until, effort) = (PlanFailure::GoalBlocked, SimTime::ZERO, sample::effort(1, 1));
+        let reason = PlanFailure::GoalBlocked;
+        let until = SimTime::ZERO;
+        let effort = sample::effort(1, 1);
         let uncharged =
             tiny(vec![at(9.0, Fact::Agent(TRUCK, AgentFact::PlanFailed { goal: A, reason, effort, until }))]);
         let mut immobile = sample::by_hand();
@@ -635,13 +642,11 @@ mod tests {
         assert_eq!(timeline.ground.len(), 1_000_000);
         let watch = CpuStopwatch::start();
         let bytes = encode(&timeline).expect("it is a possible run");
-        let (written, mut watch) = (
-            {
-                let mut watch = watch;
-                watch.elapsed_since_last()
-            },
-            CpuStopwatch::start(),
-        );
+        let written = {
+            let mut watch = watch;
+            watch.elapsed_since_last()
+        };
+        let mut watch = CpuStopwatch::start();
         let back = decode(&bytes).expect("it was just written");
         println!("{} bytes, written in {written:?}, read in {:?} of CPU time", bytes.len(), watch.elapsed_since_last());
         assert!(back == timeline && bytes.len() < 8_000_000, "{} bytes", bytes.len());

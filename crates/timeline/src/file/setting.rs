@@ -305,11 +305,13 @@ pub fn steps(frame: FieldFrame, cells: &[Cell]) -> Vec<u32> {
 /// Returns the cells with these differences between their indices.
 pub fn cells(frame: FieldFrame, steps: &[u32]) -> Result<Vec<Cell>, FileError> {
     let mut index = 0_usize;
-    let cell = |&step: &u32| {
-        index = index.checked_add(step as usize).filter(|&index| index < frame.cell_count()).ok_or(NO_SUCH_BUSH)?;
-        Ok(frame.cell(index))
-    };
-    steps.iter().map(cell).collect()
+    steps
+        .iter()
+        .map(|&step| {
+            index = index.checked_add(step as usize).filter(|&index| index < frame.cell_count()).ok_or(NO_SUCH_BUSH)?;
+            Ok(frame.cell(index))
+        })
+        .collect()
 }
 
 impl AgentRecord {

@@ -130,7 +130,8 @@ impl From<&Setting> for GroundSetting {
             SpreadSetting::Rothermel { landscape, weather, rules } => {
                 let trees = landscape.canopy.as_ref().zip(rules.crowns);
                 let trees = trees.map(|(trees, rules)| TreeRecord::new(trees, rules, landscape.frame));
-                let (landscape, rules) = (LandscapeRecord::from(&**landscape), RothermelRecord::from(rules));
+                let landscape = LandscapeRecord::from(&**landscape);
+                let rules = RothermelRecord::from(rules);
                 let weather = weather.intervals().iter().map(IntervalRecord::from).collect();
                 match trees {
                     Some(trees) => SpreadRecord::RothermelWithTrees(Box::new((landscape, weather, rules, trees))),
@@ -218,7 +219,8 @@ impl LandscapeRecord {
             &ReliefRecord::Plane([east, north]) => Relief::Plane(DVec2::new(east, north)),
             ReliefRecord::Elevation(heights) => Relief::Elevation(heights.numbers(frame)?),
             ReliefRecord::Gradient { east, north } => {
-                let (east, north) = (east.numbers(frame)?, north.numbers(frame)?);
+                let east = east.numbers(frame)?;
+                let north = north.numbers(frame)?;
                 Relief::Gradient(east.into_iter().zip(north).map(|(east, north)| [east, north]).collect())
             }
         };
@@ -229,9 +231,15 @@ impl LandscapeRecord {
 impl TreeRecord {
     fn new(trees: &CanopyLayers, rules: CrownRules, frame: FieldFrame) -> Self {
         let cols = usize::from(frame.cols);
-        let layer = |layer: &Vec<u16>| SurfaceRecord::new(cols, layer.iter().map(|&number| f32::from(number)));
         let CrownRules { method, foliar_moisture } = rules;
-        Self { method: place_of(&CROWN_METHODS, method), foliar_moisture, layers: trees.0.each_ref().map(layer) }
+        Self {
+            method: place_of(&CROWN_METHODS, method),
+            foliar_moisture,
+            layers: trees
+                .0
+                .each_ref()
+                .map(|layer| SurfaceRecord::new(cols, layer.iter().map(|&number| f32::from(number)))),
+        }
     }
 
     fn layers(&self, frame: FieldFrame) -> Result<CanopyLayers, FileError> {
@@ -311,8 +319,10 @@ impl From<&AlexandridisRules> for AlexandridisRecord {
 
 impl AlexandridisRecord {
     fn rules(&self) -> Result<AlexandridisRules, FileError> {
-        let ([p0, wind_c1, wind_c2, slope_a], [vegetation, density]) = (self.numbers, self.choices);
-        let (vegetation, density) = (word_at(&VEGETATIONS, vegetation)?, word_at(&DENSITIES, density)?);
+        let [p0, wind_c1, wind_c2, slope_a] = self.numbers;
+        let [vegetation, density] = self.choices;
+        let vegetation = word_at(&VEGETATIONS, vegetation)?;
+        let density = word_at(&DENSITIES, density)?;
         let step = SimTime::from_nanos(self.step_ns);
         Ok(AlexandridisRules { p0, wind_c1, wind_c2, slope_a, vegetation, density, step })
     }
@@ -344,7 +354,8 @@ impl RothermelRecord {
         };
         let refined = self.neighbours % 2 == 1;
         let neighbours = Neighbours::try_from(self.neighbours & !1).map_err(|_| NO_WORD)?;
-        let (wet, burn_out) = (SimTime::from_nanos(self.wet_ns), self.burn_out_ns.map(SimTime::from_nanos));
+        let wet = SimTime::from_nanos(self.wet_ns);
+        let burn_out = self.burn_out_ns.map(SimTime::from_nanos);
         let embers = self.embers.as_ref().map(EmberRecord::embers);
         Ok(RothermelRules { options, neighbours, refined, wet, burn_out, embers, crowns: None })
     }

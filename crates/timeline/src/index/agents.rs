@@ -192,8 +192,9 @@ pub(super) struct Surroundings<'a> {
 impl Surroundings<'_> {
     /// Burning cells that other trucks go for, each once.
     fn others_goals(&self) -> impl Iterator<Item = Cell> + '_ {
-        let others = |&(cell, trucks): &(Cell, u32)| (trucks > u32::from(self.own_goal == Some(cell))).then_some(cell);
-        self.burning_goals.iter().filter_map(others)
+        self.burning_goals
+            .iter()
+            .filter_map(|&(cell, trucks)| (trucks > u32::from(self.own_goal == Some(cell))).then_some(cell))
     }
 }
 
@@ -510,7 +511,8 @@ impl<'a> AgentReader<'a> {
 
 /// Changes between forward and reverse at or after `from` and before `until`.
 fn cusps_between(leg: &Trajectory, from: SimTime, until: SimTime) -> u32 {
-    let (from_s, until_s) = (from.since(leg.start_time()).as_seconds(), until.since(leg.start_time()).as_seconds());
+    let from_s = from.since(leg.start_time()).as_seconds();
+    let until_s = until.since(leg.start_time()).as_seconds();
     let mut begins_s = 0.0;
     let mut reverse = None;
     let mut cusps = 0;

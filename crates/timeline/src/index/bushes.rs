@@ -127,7 +127,8 @@ impl BushHistory {
 
     fn push(&mut self, change: Change, from: BushState, bushes: &[BushState]) {
         let mut counts = *self.last_counts();
-        let (from, to) = (from.kind() as usize, change.to.kind() as usize);
+        let from = from.kind() as usize;
+        let to = change.to.kind() as usize;
         counts.bushes[from] -= 1;
         counts.bushes[to] += 1;
         counts.changes[to] += 1;
@@ -252,8 +253,10 @@ pub(super) fn spread_moments(timeline: &Timeline) -> Vec<SpreadMoment> {
             caught.entry((event.time, from.row, from.col)).or_default().push(cell);
         }
     }
-    let moment = |((time, row, col), caught)| SpreadMoment { time, from: Cell { col, row }, caught };
-    caught.into_iter().map(moment).collect()
+    caught
+        .into_iter()
+        .map(|((time, row, col), caught)| SpreadMoment { time, from: Cell { col, row }, caught })
+        .collect()
 }
 
 /// Cells that burn still when their delay is over. At one instant fires end before they spread.

@@ -74,7 +74,8 @@ impl GroundIndex {
     pub fn new(timeline: &Timeline) -> Option<Self> {
         let Timeline { setting, ground: log, .. } = timeline;
         let spread = setting.spread.as_ref()?;
-        let (frame, end) = (setting.frame, timeline.end_time());
+        let frame = setting.frame;
+        let end = timeline.end_time();
         let log = &log[..log.partition_point(|event| event.time <= end)];
         let is_ground = ground_cells(setting);
         let (first, mut burnings) = ignitions_by_cell(frame, log);
@@ -85,7 +86,8 @@ impl GroundIndex {
             }
         }
         let mut wettings = Vec::new();
-        let (mut along_mm, mut line_cells) = ([0; 256], [0.0, 0.0]);
+        let mut along_mm = [0; 256];
+        let mut line_cells = [0.0, 0.0];
         for event in log {
             match event.fact {
                 GroundFact::Extinguished { .. } => {
@@ -197,7 +199,8 @@ impl GroundIndex {
 
     /// Goes through all times at which the number of burning cells changes, with the number from then on.
     pub(super) fn burning_counts(&self) -> impl Iterator<Item = (SimTime, u32)> + '_ {
-        let (mut lit, mut out) = (&self.ignited[..], Ends { first: &self.burned_out, second: &self.extinguished });
+        let mut lit = &self.ignited[..];
+        let mut out = Ends { first: &self.burned_out, second: &self.extinguished };
         let mut burning = 0_u32;
         std::iter::from_fn(move || {
             let now = [lit.first().copied(), out.next_time()].into_iter().flatten().min()?;
@@ -218,7 +221,8 @@ impl GroundIndex {
             _ => None,
         };
         let ground = timeline.ground.iter().take_while(|event| event.time <= self.end);
-        let (mut burned, mut spotted) = (vec![false; self.frame.cell_count()], 0);
+        let mut burned = vec![false; self.frame.cell_count()];
+        let mut spotted = 0;
         let mut bushes_burned = 0_u32;
         for (cell, cause) in causes_of_bushes {
             bushes_burned += u32::from(!std::mem::replace(&mut burned[self.frame.index(cell)], true));
@@ -264,8 +268,8 @@ impl Ends<'_> {
     }
 
     fn take_until(&mut self, now: SimTime) -> u32 {
-        let (first, second) =
-            (self.first.partition_point(|&time| time <= now), self.second.partition_point(|&time| time <= now));
+        let first = self.first.partition_point(|&time| time <= now);
+        let second = self.second.partition_point(|&time| time <= now);
         (self.first, self.second) = (&self.first[first..], &self.second[second..]);
         (first + second) as u32
     }

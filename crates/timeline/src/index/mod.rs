@@ -53,7 +53,8 @@ impl<'a> RunIndex<'a> {
     fn from_cow(timeline: Cow<'a, Timeline>) -> Self {
         let ground = GroundIndex::new(&timeline);
         let Reading { moments, bushes, agents, outcome } = Reader::new(&timeline, ground.as_ref()).read();
-        let (end, spreads) = (timeline.end_time(), bushes::spread_moments(&timeline));
+        let end = timeline.end_time();
+        let spreads = bushes::spread_moments(&timeline);
         Self { timeline, end, moments, bushes, spreads, agents, ground, outcome }
     }
 
@@ -294,9 +295,13 @@ impl<'a> Reader<'a> {
     /// Returns whether a truck's new goal is near the goal that another truck has.
     fn is_near_another_goal(&self, agent: usize, goal: Cell) -> bool {
         let frame = &self.timeline.setting.frame;
-        let is_near = |other: Cell| (frame.centre(other) - frame.centre(goal)).length() <= FLOCK_M;
         let mut others = (0..self.agents.len()).filter(|&other| other != agent && self.agents[other].is_truck());
-        self.agents[agent].is_truck() && others.any(|other| self.replay.goal(other).is_some_and(is_near))
+        self.agents[agent].is_truck()
+            && others.any(|other| {
+                self.replay
+                    .goal(other)
+                    .is_some_and(|other| (frame.centre(other) - frame.centre(goal)).length() <= FLOCK_M)
+            })
     }
 
     /// Records what an agent did to ground.
@@ -337,10 +342,12 @@ impl<'a> Reader<'a> {
     fn wet_bushes(&self, now: SimTime) -> Vec<usize> {
         let wettings = self.ground.map_or(&[][..], GroundIndex::wettings);
         let wet = wettings.iter().filter(|wetting| wetting.from <= now && now < wetting.until);
-        let (setting, bushes) = (&self.timeline.setting, self.replay.bushes());
-        let can_be_lit = |&bush: &usize| bushes[bush].can_be_lit(setting.rules.relight);
-        let mut places: Vec<usize> =
-            wet.filter_map(|wetting| setting.bush_index(wetting.cell)).filter(can_be_lit).collect();
+        let setting = &self.timeline.setting;
+        let bushes = self.replay.bushes();
+        let mut places: Vec<usize> = wet
+            .filter_map(|wetting| setting.bush_index(wetting.cell))
+            .filter(|&bush| bushes[bush].can_be_lit(setting.rules.relight))
+            .collect();
         places.dedup();
         places
     }
@@ -428,8 +435,11 @@ mod tests {
             })
         };
         let ground = GroundIndex::new(timeline);
-        let (mut stuck_s, mut idle_s) = ([0.0; 2], [0.0_f64; 2]);
-        let (mut longest_idle_s, mut burning_cell_s, mut peak) = ([0.0_f64; 2], 0.0, 0);
+        let mut stuck_s = [0.0; 2];
+        let mut idle_s = [0.0_f64; 2];
+        let mut longest_idle_s = [0.0_f64; 2];
+        let mut burning_cell_s = 0.0;
+        let mut peak = 0;
         let mut instants = instants(timeline);
         let end = timeline.end_time();
         instants.extend(ground.iter().flat_map(GroundIndex::burning_counts).map(|(time, _)| time));
@@ -437,7 +447,8 @@ mod tests {
         instants.sort_unstable();
         instants.dedup();
         for pair in instants.windows(2) {
-            let (state, span_s) = (timeline.state_at(pair[0]), (pair[1] - pair[0]).as_seconds());
+            let state = timeline.state_at(pair[0]);
+            let span_s = (pair[1] - pair[0]).as_seconds();
             let burning = state.bushes.iter().filter(|bush| bush.burns()).count();
             burning_cell_s += burning as f64 * span_s;
             peak = peak.max(burning);
@@ -518,7 +529,8 @@ mod tests {
             let timeline = sample::random(seed, seconds(300.0));
             let run = RunIndex::new(&timeline);
             for time_s in [0.0, 17.3, 100.0, 299.999, 300.0, 1e6] {
-                let (time, state) = (seconds(time_s), timeline.state_at(seconds(time_s)));
+                let time = seconds(time_s);
+                let state = timeline.state_at(seconds(time_s));
                 assert_eq!(run.state_at(time), state);
                 let burning = state.bushes.iter().filter(|bush| bush.burns()).count();
                 assert_eq!(run.counts_at(time).burning() as usize, burning, "at {time}");

@@ -168,7 +168,6 @@ impl Serialize for AutomatonReport<'_> {
         let wind = wind.map(|&WindStep { from, speed_mps, from_deg }| {
             object!(Wind { at_s: from.as_seconds(), speed_mps, from_deg })
         });
-        let quantile = |share| object!(Quantile { share, area: quantile(&areas, share) });
         let report = object!(Fires {
             program_version: PROGRAM_VERSION,
             model: "alexandridis",
@@ -193,7 +192,7 @@ impl Serialize for AutomatonReport<'_> {
             area_mean: series.mean(),
             area_sd: series.standard_deviation(),
             area_sem: series.standard_error(),
-            area_quantiles: SHARES.map(quantile),
+            area_quantiles: SHARES.map(|share| object!(Quantile { share, area: quantile(&areas, share) })),
             last_step_mean: Series::from_values(&last_steps).mean(),
         });
         report.serialize(serializer)

@@ -87,7 +87,8 @@ impl<'a> GroundSources<'a> {
 fn check_memory(frame: &FieldFrame, arguments: &SpreadArguments) -> Result<(), CliError> {
     // The bands are in memory in double precision and in single.
     let bands = if arguments.bands.is_some() { 128 * frame.cell_count() as u64 } else { 0 };
-    let (needed, limit) = (LoneFire::max_bytes(frame) + bands, arguments.memory.unwrap_or_default());
+    let needed = LoneFire::max_bytes(frame) + bands;
+    let limit = arguments.memory.unwrap_or_default();
     if needed <= limit.bytes {
         return Ok(());
     }

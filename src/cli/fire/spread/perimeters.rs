@@ -54,9 +54,18 @@ pub fn write(path: &Path, ground: &Ground, expected: &[f64], times_s: &[f64]) ->
     let features = times_s.iter().filter_map(|&time_s| {
         let cells = expected.iter().filter(|arrival| **arrival <= time_s).count();
         let polygons = polygons(frame, expected, time_s);
-        let place = |&[x, y]: &Point| [ground.place.west_m + frame.cell_m * x, ground.place.south_m + frame.cell_m * y];
         let rings = |polygon: &Vec<Ring>| -> Vec<Vec<[f64; 2]>> {
-            polygon.iter().map(|ring| ring.iter().chain(ring.first()).map(place).collect()).collect()
+            polygon
+                .iter()
+                .map(|ring| {
+                    ring.iter()
+                        .chain(ring.first())
+                        .map(|&[x, y]| {
+                            [ground.place.west_m + frame.cell_m * x, ground.place.south_m + frame.cell_m * y]
+                        })
+                        .collect()
+                })
+                .collect()
         };
         (cells > 0).then(|| {
             json!({
@@ -92,8 +101,12 @@ type Ring = Vec<Point>;
 const NEAREST: f64 = 1e-6;
 
 fn length(polygons: &[Vec<Ring>]) -> f64 {
-    let side = |(a, b): (&Point, &Point)| ((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1])).sqrt();
-    polygons.iter().flatten().flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1))).map(side).sum()
+    polygons
+        .iter()
+        .flatten()
+        .flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)))
+        .map(|(a, b)| ((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1])).sqrt())
+        .sum()
 }
 
 /// Twice the area, above 0 of a ring that runs counter-clockwise.
@@ -213,7 +226,8 @@ mod tests {
             let middle = 0.5 * f64::from(side);
             let time = |index: usize| {
                 let Cell { col, row } = frame.cell(index);
-                let (x, y) = (f64::from(col) + 0.5 - middle, f64::from(row) + 0.5 - middle);
+                let x = f64::from(col) + 0.5 - middle;
+                let y = f64::from(row) + 0.5 - middle;
                 let [along, across] = [0.8 * x + 0.6 * y, 3.0 * (0.8 * y - 0.6 * x)];
                 frame.cell_m * (along * along + across * across).sqrt()
             };
@@ -250,7 +264,8 @@ mod tests {
             // By rays to the east: the middle of a cell is inside an odd number of rings, that of another an even one.
             for (row, line) in drawing.iter().rev().enumerate() {
                 for (col, byte) in line.bytes().enumerate() {
-                    let (x, y) = (col as f64 + 0.5, row as f64 + 0.5 + 1e-3);
+                    let x = col as f64 + 0.5;
+                    let y = row as f64 + 0.5 + 1e-3;
                     let crossed =
                         polygons.iter().flatten().flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)));
                     let crossed = crossed.filter(|(a, b)| {

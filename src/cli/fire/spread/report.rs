@@ -231,8 +231,10 @@ fn farthest(
 ) -> Option<Farthest> {
     let frame = fire.fires().frame();
     let reached = burned.filter_map(|(cell, time)| {
-        let from = |&(lit, start): &(SimTime, Cell)| (frame.centre(cell) - frame.centre(start), lit);
-        let lit = ignitions.iter().filter(|&&(lit, _)| lit <= time).map(from);
+        let lit = ignitions
+            .iter()
+            .filter(|&&(lit, _)| lit <= time)
+            .map(|&(lit, start)| (frame.centre(cell) - frame.centre(start), lit));
         let (way, lit) = lit.min_by(|(a, _), (b, _)| a.length_squared().total_cmp(&b.length_squared()))?;
         Some((cell, time, way, lit))
     });
@@ -274,7 +276,8 @@ impl From<&SpreadReport> for Document {
         document.add(Table::new(&["Fire", "Value"], rows));
         let mut remarks = Vec::new();
         if report.is_enclosed() {
-            let (burned, could) = (count(report.burned_cells, "cell"), report.burnable_cells);
+            let burned = count(report.burned_cells, "cell");
+            let could = report.burnable_cells;
             remarks.push(format!(
                 "The fire ended after {burned} of {could} that can burn, enclosed by bare ground, roads, water or \
                  moist fuel"

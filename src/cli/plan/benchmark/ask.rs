@@ -160,7 +160,8 @@ impl<'a> Benchmark<'a> {
     /// The answers in the order of the plan, whatever the number of threads.
     fn parts(&self, jobs: usize) -> Result<Vec<Part>, CliError> {
         let count = self.plan.count();
-        let (next, has_failed) = (AtomicU64::new(1), AtomicBool::new(false));
+        let next = AtomicU64::new(1);
+        let has_failed = AtomicBool::new(false);
         let done = Mutex::new(Vec::new());
         let progress = Progress::new(count, "sets of drives", self.context.quiet);
         let work = || {
@@ -183,24 +184,31 @@ impl<'a> Benchmark<'a> {
     }
 
     fn part(&self, number: u64) -> Result<Part, CliError> {
-        let (run, index) = (self.plan.run(number), self.variant(number));
+        let run = self.plan.run(number);
+        let index = self.variant(number);
         let Variant { scenario, .. } = run.variant;
         // Programs start again for each, as they would in a run.
         let makers = self.context.planners_of(scenario)?;
-        let (planners, limit) = (&self.planners[index], self.plan.memory);
+        let planners = &self.planners[index];
+        let limit = self.plan.memory;
         let question =
             AttemptSettings { planners, makers: &makers, programs: &scenario.planner, seed: run.seed, limit };
         let problems = self.problems(number)?;
         let attempts = ask_all(&problems, &question);
         let attempts = attempts.map_err(|error| CliError::from(error).about(&self.name(number)))?;
         let rows = attempts.iter().map(|attempt| attempt.query(Some(run.seed), self.places[index])).collect();
-        let asked = |Problem { name, goals, .. }: Problem| AskedProblem {
-            variant: index,
-            seed: run.seed,
-            field: name,
-            goals: goals.len(),
-        };
-        Ok(Part { rows, problems: problems.into_iter().map(asked).collect() })
+        Ok(Part {
+            rows,
+            problems: problems
+                .into_iter()
+                .map(|Problem { name, goals, .. }| AskedProblem {
+                    variant: index,
+                    seed: run.seed,
+                    field: name,
+                    goals: goals.len(),
+                })
+                .collect(),
+        })
     }
 }
 

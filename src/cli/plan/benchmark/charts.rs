@@ -68,8 +68,12 @@ impl Charts {
 /// Names the sheets of a chart, those after the first with a number.
 fn sheets(file: &str, drawings: Vec<Drawing>) -> impl Iterator<Item = ChartSheet> {
     let name = |index| if index == 0 { file.to_owned() } else { format!("{file}-{}", index + 1) };
-    let sheet = |(index, drawing)| ChartSheet { file: name(index), data: file.to_owned(), drawing };
-    drawings.into_iter().enumerate().map(sheet).collect::<Vec<_>>().into_iter()
+    drawings
+        .into_iter()
+        .enumerate()
+        .map(|(index, drawing)| ChartSheet { file: name(index), data: file.to_owned(), drawing })
+        .collect::<Vec<_>>()
+        .into_iter()
 }
 
 /// The words that tell groups apart: planners, then the values of each key.
@@ -149,8 +153,7 @@ impl Over<'_> {
         let note = "Marks are medians, whiskers their 95 % intervals by order statistics.";
         let medians = MEASURES.into_iter().map(|measure| {
             let titles = titles(measure.title, note, measure.axis);
-            let median = |group: &PlannerSummary| Some(scaled(group.median(measure)?, measure.scale));
-            (measure.column, self.chart(titles, median))
+            (measure.column, self.chart(titles, |group| Some(scaled(group.median(measure)?, measure.scale))))
         });
         let has_points = |chart: &CurveChart| {
             chart.panels.iter().flat_map(|panel| &panel.curves).any(|curve| !curve.points.is_empty())
@@ -160,8 +163,11 @@ impl Over<'_> {
 
     fn chart(&self, titles: Titles, value: impl Fn(&PlannerSummary) -> Option<Estimate>) -> CurveChart {
         let curve = |series: FacetSeries| {
-            let point = |&group: &usize| Some((self.places[group], value(&self.groups[group])?));
-            let mut points: Vec<_> = series.variants.iter().filter_map(point).collect();
+            let mut points: Vec<_> = series
+                .variants
+                .iter()
+                .filter_map(|&group| Some((self.places[group], value(&self.groups[group])?)))
+                .collect();
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             Curve { name: series.name, style: series.style, points }
         };

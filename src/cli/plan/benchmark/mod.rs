@@ -193,7 +193,8 @@ pub fn report(arguments: &PlanReportArguments, quiet: bool) -> Result<ExitCode, 
     let queries = DriveTable::read(&table)?;
     let paper = arguments.paper.charts()?;
     let written = write_page(&queries, &title_of(source), &page, &paper)?;
-    let (shown, charts) = (page.display(), written.charts_folder.display());
+    let shown = page.display();
+    let charts = written.charts_folder.display();
     let forms = arguments.paper.forms();
     let mut document = Document::new(format!("{shown}, and {} charts as {forms} in {charts}", written.charts));
     document.add_list(written.refused);

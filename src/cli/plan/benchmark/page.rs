@@ -51,8 +51,12 @@ pub fn write_page(
     charts.data.iter().try_for_each(|data| write_chart_data(&folder, data)).map_err(from_report_error)?;
     if paper.pdf || paper.pgf {
         let on_paper = Charts::new(queries, &groups, paper.size.units());
-        let write = |sheet: &ChartSheet| write_paper_chart(&folder, &sheet.file, &sheet.drawing, paper);
-        on_paper.boxes.iter().chain(&on_paper.curves).try_for_each(write).map_err(from_report_error)?;
+        on_paper
+            .boxes
+            .iter()
+            .chain(&on_paper.curves)
+            .try_for_each(|sheet| write_paper_chart(&folder, &sheet.file, &sheet.drawing, paper))
+            .map_err(from_report_error)?;
     }
     let html = document(queries, &groups, &charts, title, &folder).to_html();
     let write = || {

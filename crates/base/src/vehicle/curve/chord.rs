@@ -40,11 +40,13 @@ pub struct Symmetry {
 impl Chord {
     /// The inverse pair, from `to` to `from`, gives the same numbers, bit for bit, with the opposite signs.
     pub fn between(from: Pose, to: Pose, radius_m: f64) -> Self {
-        let (start, end) = (ops::wrap_angle(from.heading), ops::wrap_angle(to.heading));
+        let start = ops::wrap_angle(from.heading);
+        let end = ops::wrap_angle(to.heading);
         let turn = ops::wrap_angle(end - start);
         let (mean_sin, mean_cos) = ops::sin_cos(0.5 * (start + end));
         let (half_sin, half_cos) = ops::sin_cos(0.5 * turn);
-        let (dx, dy) = ((to.x - from.x) / radius_m, (to.y - from.y) / radius_m);
+        let dx = (to.x - from.x) / radius_m;
+        let dy = (to.y - from.y) / radius_m;
         // Where the shorter turn passes the cut at pi, the mean of the two numbers points against the mean heading.
         let facing = if (end - start - turn).abs() < PI { 1.0 } else { -1.0 };
         Self {
@@ -58,7 +60,9 @@ impl Chord {
 
     /// The image of this chord with no negative number, and the symmetries that lead there and back.
     pub fn folded(self) -> (Self, Symmetry) {
-        let (left_behind, to_the_right, clockwise) = (self.along < 0.0, self.across < 0.0, self.turn < 0.0);
+        let left_behind = self.along < 0.0;
+        let to_the_right = self.across < 0.0;
+        let clockwise = self.turn < 0.0;
         let symmetry = Symmetry {
             flipped: left_behind,
             reflected: left_behind != clockwise,
@@ -120,7 +124,8 @@ mod tests {
 
     #[test]
     fn a_full_turn_of_a_heading_changes_nothing() {
-        let (from, to) = (Pose { x: 1.0, y: 2.0, heading: 3.0 }, Pose { x: -3.0, y: 4.0, heading: -2.5 });
+        let from = Pose { x: 1.0, y: 2.0, heading: 3.0 };
+        let to = Pose { x: -3.0, y: 4.0, heading: -2.5 };
         let chord = Chord::between(from, to, RADIUS_M);
         let turned = Chord::between(from, Pose { heading: to.heading + TAU, ..to }, RADIUS_M);
         assert!((chord.along - turned.along).abs() < 1e-14 && (chord.across - turned.across).abs() < 1e-14);

@@ -81,7 +81,8 @@ pub struct OuterArcs {
 impl Circles {
     pub fn new(chord: &Chord) -> Self {
         let (along, across) = (chord.along, chord.across);
-        let (sin, cos) = (2.0 * chord.half_sin, 2.0 * chord.half_cos);
+        let sin = 2.0 * chord.half_sin;
+        let cos = 2.0 * chord.half_cos;
         Self {
             between: [
                 [Between::new(along - sin, across), Between::new(along + sin, across)],

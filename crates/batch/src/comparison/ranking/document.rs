@@ -25,7 +25,8 @@ not adjusted. p is adjusted by Holm's method over all pairs; pairs with p ≤ 0.
 impl From<&Ranking> for Document {
     fn from(ranking: &Ranking) -> Self {
         let better = ranking.better.name();
-        let (entries, metric) = (count(ranking.entries.len(), "entry"), visible_start(&ranking.metric.name));
+        let entries = count(ranking.entries.len(), "entry");
+        let metric = visible_start(&ranking.metric.name);
         let mut document = Self::new(format!("{entries} by {metric}, {better} is better"));
         document.add_list(played(ranking));
         document.add(table(ranking));
@@ -116,7 +117,8 @@ fn forest(ranking: &Ranking) -> Block {
         Some(pair.contrast.forest_row(visible_start(&entry.name), decimals, pair.is_significant()))
     });
     let symbol = ranking.metric.about.unit.symbol();
-    let (metric, unit) = (visible_start(&ranking.metric.name), if symbol.is_empty() { "1" } else { symbol });
+    let metric = visible_start(&ranking.metric.name);
+    let unit = if symbol.is_empty() { "1" } else { symbol };
     let titles = Titles {
         title: format!("Difference from {}, 95 % intervals", name(&ranking.entries[0])),
         note: "Differences from the first, paired by seed. Filled: significantly different from it.".into(),

@@ -96,7 +96,8 @@ impl<'a> Entries<'a> {
         for entry in &self.entries {
             let mut runs = entry.runs.iter();
             if let Some((run, reason)) = runs.find_map(|run| Some((run, entry.table.impossible.get(&run.index)?))) {
-                let (entry, reason) = (entry.name.clone(), reason.clone());
+                let entry = entry.name.clone();
+                let reason = reason.clone();
                 return Err(RankingError::Impossible { entry, seed: run.seed, reason });
             }
         }
@@ -328,11 +329,16 @@ fn varying_columns(entries: &[EntryRuns<'_>], free: &FreeKeys) -> Vec<String> {
         let first = levels.next();
         levels.any(|level| Some(level) != first)
     };
-    let of_entry = |entry: &EntryRuns<'_>| {
-        let varying = entry.table.conditions.iter().filter(|condition| varies(entry, condition));
-        varying.map(|condition| condition.name.clone()).filter(|name| !is_entrys_own(name, free)).collect::<Vec<_>>()
-    };
-    let columns: BTreeSet<String> = entries.iter().flat_map(of_entry).collect();
+    let columns: BTreeSet<String> = entries
+        .iter()
+        .flat_map(|entry| {
+            let varying = entry.table.conditions.iter().filter(|condition| varies(entry, condition));
+            varying
+                .map(|condition| condition.name.clone())
+                .filter(|name| !is_entrys_own(name, free))
+                .collect::<Vec<_>>()
+        })
+        .collect();
     columns.into_iter().collect()
 }
 
@@ -361,8 +367,9 @@ fn number_strata(entries: &mut [EntryRuns<'_>], columns: &[String]) -> Result<us
     for entry in entries.iter_mut() {
         entry.runs.iter_mut().for_each(|run| run.stratum = by_text[run.stratum]);
         entry.runs.sort_unstable();
-        let is_same = |both: &&[Run]| (both[0].seed, both[0].stratum) == (both[1].seed, both[1].stratum);
-        if let Some(both) = entry.runs.windows(2).find(is_same) {
+        if let Some(both) =
+            entry.runs.windows(2).find(|both| (both[0].seed, both[0].stratum) == (both[1].seed, both[1].stratum))
+        {
             return Err(ComparisonError::SeedTwice { path: entry.table.path.clone(), seed: both[0].seed }.into());
         }
     }

@@ -253,8 +253,7 @@ fn failed(entry: &EntryRuns<'_>) -> usize {
 
 /// Returns the values of a run in the columns of the metric; none of a run that failed.
 fn row(entry: &EntryRuns<'_>, run: usize, columns: usize) -> Option<Vec<f64>> {
-    let values = || (0..columns).map(|column| entry.table.values[column][run]).collect();
-    entry.table.done[run].then(values)
+    entry.table.done[run].then(|| (0..columns).map(|column| entry.table.values[column][run]).collect())
 }
 
 fn without_value(entry: &EntryRuns<'_>, metric: &Metric, columns: usize) -> usize {

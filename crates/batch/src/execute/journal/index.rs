@@ -292,7 +292,8 @@ pub(super) fn check_head(path: &Path, line: &[u8], expected: &Head) -> Result<()
     let damaged = |reason: String| JournalError::Damaged { path: path.to_owned(), line: 1, reason };
     let head: Head = decode(line).map_err(damaged)?;
     if head.plan_sha256 != expected.plan_sha256 {
-        let (found, expected) = (head.plan_sha256, expected.plan_sha256.clone());
+        let found = head.plan_sha256;
+        let expected = expected.plan_sha256.clone();
         return Err(JournalError::OtherPlan { path: path.to_owned(), found, expected });
     }
     if head == *expected { Ok(()) } else { Err(damaged("it is the journal of another slice, or format".into())) }

@@ -55,7 +55,8 @@ impl LockedJournal {
         if keeping.lock == Lock::Flock {
             lock_by_system(&path, file.try_lock())?;
         }
-        let (sync_every, local_folder) = (keeping.sync_every, keeping.local_folder.clone());
+        let sync_every = keeping.sync_every;
+        let local_folder = keeping.local_folder.clone();
         Ok(Self { path, file, sync_every, local_folder })
     }
 
@@ -145,8 +146,11 @@ fn begins_with(local: &File, home: &File, length: u64) -> io::Result<bool> {
     if local.metadata()?.len() < length {
         return Ok(false);
     }
-    let (mut one, mut other) = (vec![0; BROUGHT_BYTES], vec![0; BROUGHT_BYTES]);
-    let (mut local, mut home, mut left) = (local, home, length);
+    let mut one = vec![0; BROUGHT_BYTES];
+    let mut other = vec![0; BROUGHT_BYTES];
+    let mut local = local;
+    let mut home = home;
+    let mut left = length;
     while left > 0 {
         let part = usize::try_from(left).map_or(BROUGHT_BYTES, |left| left.min(BROUGHT_BYTES));
         local.read_exact(&mut one[..part])?;

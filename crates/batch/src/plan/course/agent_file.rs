@@ -52,8 +52,9 @@ pub struct AgentFile {
 impl EntryCard {
     fn from_value(value: TomlValue) -> Result<Self, String> {
         let card: Self = value.try_into().map_err(|error: toml::de::Error| format!("[entry]: {}", error.message()))?;
-        let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "-+._".contains(letter);
-        if !(1..=MAX_NAME).contains(&card.name.len()) || !card.name.chars().all(is_plain) || card.name.starts_with('.')
+        if !(1..=MAX_NAME).contains(&card.name.len())
+            || !card.name.chars().all(|letter| letter.is_ascii_alphanumeric() || "-+._".contains(letter))
+            || card.name.starts_with('.')
         {
             let letters = "expected 1 to 40 letters, digits, `-`, `+`, `_` and `.`, not beginning with a dot";
             return Err(format!("[entry]: `name` is {:?}; {letters}", card.name));
@@ -106,7 +107,8 @@ impl AgentFile {
             let message = format!("{} values are too many; expected at most {MAX_VALUES}", found.len());
             return Err(vec![fault(&self.path, None, &message)]);
         }
-        let (mut changes, mut faults) = (Vec::new(), Vec::new());
+        let mut changes = Vec::new();
+        let mut faults = Vec::new();
         for leaf in found {
             let line = leaf.line_in(&self.text);
             match change(&leaf, course) {
@@ -156,7 +158,8 @@ impl AgentFile {
 
 /// The change that a value asks for, none of one that is found elsewhere, or why the rules do not allow it.
 fn change(leaf: &Leaf, course: &Course) -> Result<Option<String>, String> {
-    let (free, rules) = (&course.free, course.path.display());
+    let free = &course.free;
+    let rules = course.path.display();
     let written = leaf.keys.join(".");
     let steps: Vec<&str> = leaf.keys.iter().map(String::as_str).collect();
     if let (TomlValue::Array(list), false) = (&leaf.value, free.has(&steps))

@@ -130,7 +130,9 @@ impl CourseRequest {
             Some(seeds) => seeds.clone(),
             None => course.seeds().map_err(CourseRefusal::Rules)?,
         };
-        let (mut variants, mut left_out, mut bytes) = (Vec::new(), Vec::new(), 0);
+        let mut variants = Vec::new();
+        let mut left_out = Vec::new();
+        let mut bytes = 0;
         let mut shared: Vec<SharedRules> = course.conditions.iter().map(|_| SharedRules::default()).collect();
         for (path, name) in self.agents.iter().zip(self.names()) {
             let found = name.map_err(|error| vec![error]).and_then(|name| {
@@ -203,8 +205,10 @@ impl Course {
         let agents_changes = agent.changes(self)?;
         changes.extend(agents_changes.iter().map(|change| change.option.clone()));
         let scenario = self.scenario(&changes).map_err(|error| {
-            let of_agent = |change: &&Change| error.location.as_ref().is_some_and(|place| place.is_in(&change.option));
-            let line = agents_changes.iter().find(of_agent).map(|change| change.line);
+            let line = agents_changes
+                .iter()
+                .find(|change| error.location.as_ref().is_some_and(|place| place.is_in(&change.option)))
+                .map(|change| change.line);
             vec![fault(&agent.path, line, &message_of(&error))]
         })?;
         let mut swept = vec![Value::Text(name.to_owned())];

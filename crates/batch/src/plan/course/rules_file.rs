@@ -93,10 +93,10 @@ impl ProgramLimits {
             ("query_instructions", self.query_instructions, true),
             ("start_instructions", self.start_instructions, true),
         ];
-        let given = |(key, value, is_most): (&'static str, Option<f64>, bool)| {
-            Some(ProgramLimit { key, value: value?, is_most })
-        };
-        limits.into_iter().filter_map(given).collect()
+        limits
+            .into_iter()
+            .filter_map(|(key, value, is_most)| Some(ProgramLimit { key, value: value?, is_most }))
+            .collect()
     }
 }
 

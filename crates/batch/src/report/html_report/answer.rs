@@ -63,7 +63,8 @@ fn of_one(planner: &str, values: &Values, tally: &Tally) -> String {
     if tally.done == 0 {
         return format!("No run finished{rest}.");
     }
-    let (shares, bushes) = (values.numbers(&SAVED), values.numbers(&BUSHES));
+    let shares = values.numbers(&SAVED);
+    let bushes = values.numbers(&BUSHES);
     let Some(share) = mean_of(&shares, SAVED.range()) else {
         let Some(area) = values.mean(&BURNED_AREA) else { return format!("{who}: {ending}") };
         let decimals = decimals(&area, 1.0);
@@ -104,7 +105,8 @@ fn stuck_words(stuck: u64, done: u64) -> String {
 /// Says which is best and whether that is more than chance.
 fn compared(compared: &Compared) -> String {
     let Compared { quantity, aim, best, best_mean, others, strata, by, .. } = compared;
-    let (next, last) = (&others[0], &others[others.len() - 1]);
+    let next = &others[0];
+    let last = &others[others.len() - 1];
     let count = others.len() + 1;
     let kind = if compared.are_planners { "planners" } else { "variants" };
     let kind = if count < compared.planned { format!("{kind} with finished runs") } else { kind.to_owned() };
@@ -122,7 +124,8 @@ fn compared(compared: &Compared) -> String {
         return format!("No difference: {all} {verb} {amount}{of_what}.");
     }
     let subject = format!("{of_all}{best} {}{over}: {amount}", aim.best);
-    let (better_by, (than, scale)) = (compared.better_by(next), compared.than());
+    let better_by = compared.better_by(next);
+    let (than, scale) = compared.than();
     let decimals = decimals(&better_by, scale);
     let difference = format!(
         "{} {} than {}{}",

@@ -77,9 +77,12 @@ impl Compared {
         let label = |variant: usize| (labels.label(variant, &own), labels.label(variant, &rest));
         let is_in_bushes = *quantity == *SAVED && are_on_equal_fields(&labels, &rest, variants);
         let numbers = |variant: usize| {
-            let (of_seeds, bushes) = (variants[variant].of_seeds(quantity), variants[variant].of_seeds(&BUSHES));
-            let number = move |(&number, &bushes)| if is_in_bushes { f64::round(number * bushes) } else { number };
-            of_seeds.iter().zip(bushes).map(number)
+            let of_seeds = variants[variant].of_seeds(quantity);
+            let bushes = variants[variant].of_seeds(&BUSHES);
+            of_seeds
+                .iter()
+                .zip(bushes)
+                .map(move |(&number, &bushes)| if is_in_bushes { f64::round(number * bushes) } else { number })
         };
         let group = |name: String| {
             let variant =
@@ -94,8 +97,8 @@ impl Compared {
         let mut groups: Vec<Group> = names.into_iter().filter_map(group).collect();
         // Where runs failed, means are over what all have finished, or one that fails in hard runs would lead.
         let places = groups.iter().map(|group| group.numbers.len()).min().unwrap_or(0);
-        let is_common = |place: &usize| groups.iter().all(|group| group.numbers[*place].is_finite());
-        let common: Vec<usize> = (0..places).filter(is_common).collect();
+        let common: Vec<usize> =
+            (0..places).filter(|place| groups.iter().all(|group| group.numbers[*place].is_finite())).collect();
         // Of equal ones the first in the plan.
         let sign = if is_higher_better(quantity) { -1.0 } else { 1.0 };
         groups.sort_by(|one, other| (sign * one.mean(&common)).total_cmp(&(sign * other.mean(&common))));
@@ -222,19 +225,21 @@ fn is_higher_better(quantity: &'static Metric) -> bool {
 /// Returns whether the variants of a stratum have the same number of bushes with each seed.
 fn are_on_equal_fields(labels: &Labels, rest: &[usize], variants: &[Values]) -> bool {
     let of_variant = |variant: usize| (labels.label(variant, rest), variants[variant].of_seeds(&BUSHES));
-    let is_equal = |(one, other): (&f64, &f64)| one == other || one.is_nan() || other.is_nan();
     (1..variants.len()).all(|variant| {
         let (stratum, bushes) = of_variant(variant);
         let first = (0..variant).map(of_variant).find(|(other, _)| *other == stratum);
-        first.is_none_or(|(_, first)| bushes.iter().zip(first).all(is_equal))
+        first.is_none_or(|(_, first)| {
+            bushes.iter().zip(first).all(|(one, other)| one == other || one.is_nan() || other.is_nan())
+        })
     })
 }
 
 /// Estimates the mean over seeds, whose numbers are means over strata.
 fn mean_by_seed(quantity: &'static Metric, group: &Group, variants: &[Values]) -> Option<Estimate> {
     let members: Vec<&[f64]> = group.variants.iter().map(|&variant| variants[variant].of_seeds(quantity)).collect();
-    let mean = |seed: usize| members.iter().map(|of_seeds| of_seeds[seed]).sum::<f64>() / members.len() as f64;
-    let means = (0..members.first()?.len()).map(mean).filter(|number| !number.is_nan());
+    let means = (0..members.first()?.len())
+        .map(|seed| members.iter().map(|of_seeds| of_seeds[seed]).sum::<f64>() / members.len() as f64)
+        .filter(|number| !number.is_nan());
     mean_of(&means.collect::<Vec<_>>(), quantity.range())
 }
 

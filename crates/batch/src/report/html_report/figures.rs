@@ -165,7 +165,8 @@ impl Figures {
             .collect();
         if panels.len() <= STYLES.len() {
             for (index, panel) in panels.into_iter().enumerate() {
-                let (title, file) = (format!(": {}", panel.name), format!("over-time-{}", index + 1));
+                let title = format!(": {}", panel.name);
+                let file = format!("over-time-{}", index + 1);
                 let alone = CurvePanel { name: String::new(), ..panel };
                 let chart = over_time(&title, vec![alone]);
                 self.add(Section::OverTime, chart.draw(width), ChartData::new(&file, chart.rows()));
@@ -192,11 +193,10 @@ fn means(chosen: &ChosenQuantities) -> Vec<MeansChart> {
         MeansChart::new("states", "Obstacle states at the end".into(), chosen.among(&STATES)),
         MeansChart::new("cpu-time", "CPU time of a run by part".into(), chosen.among(&CPU_PARTS)),
     ];
-    let is_alone = |quantity: &&&'static Metric| !STATES.contains(quantity) && !CPU_PARTS.contains(quantity);
     let alone = chosen
         .asked()
         .iter()
-        .filter(is_alone)
+        .filter(|quantity| !STATES.contains(quantity) && !CPU_PARTS.contains(quantity))
         .map(|&quantity| MeansChart::new(&format!("mean-{}", quantity.name), quantity.title(), vec![quantity]));
     together.into_iter().chain(alone).filter(|chart| !chart.quantities.is_empty()).collect()
 }
@@ -281,7 +281,8 @@ fn commonest(ascending: &[f64]) -> (f64, usize) {
 }
 
 fn constant_words(quantity: &'static Metric, strips: &[&Strip], commonest: &[(f64, usize)]) -> String {
-    let (title, unit) = (quantity.title(), quantity.unit());
+    let title = quantity.title();
+    let unit = quantity.unit();
     let with_runs = || strips.iter().zip(commonest).filter(|(strip, _)| !strip.values.is_empty());
     let all: usize = with_runs().map(|(strip, _)| strip.values.len()).sum();
     let Some((_, &(value, _))) = with_runs().next() else {
@@ -311,13 +312,10 @@ fn state_styles() -> [Style; STATES.len()] {
 }
 
 fn state_curves(curves: &StateCurves, shown: &[&'static Metric]) -> Vec<Curve> {
-    let curve = |((state, style), points): ((&Metric, Style), &Vec<_>)| Curve {
-        name: state.label().into(),
-        style,
-        points: points.clone(),
-    };
     let all = STATES.iter().zip(state_styles()).zip(&curves.0);
-    all.filter(|((state, _), _)| shown.contains(state)).map(curve).collect()
+    all.filter(|((state, _), _)| shown.contains(state))
+        .map(|((state, style), points)| Curve { name: state.label().into(), style, points: points.clone() })
+        .collect()
 }
 
 /// The curves of intact obstacles are left out where no other curve or band is higher than this.
@@ -385,7 +383,8 @@ mod tests {
 
     #[test]
     fn curves_of_intact_obstacles_are_left_out_where_these_dwarf_the_others() {
-        let (calm, wild) = ([0.8, 0.01, 0.18, 0.01], [0.7, 0.05, 0.24, 0.01]);
+        let calm = [0.8, 0.01, 0.18, 0.01];
+        let wild = [0.7, 0.05, 0.24, 0.01];
         for (panels, expected) in [
             (vec![panel(calm)], 3),
             (vec![panel(wild)], 4),

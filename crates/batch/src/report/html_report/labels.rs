@@ -52,8 +52,12 @@ impl Labels {
     /// Creates names from lists of words, each of which has a word for each thing.
     pub fn from_words(lists: Vec<Vec<String>>) -> Self {
         let alone = lists.first().and_then(|words| words.first()).cloned().unwrap_or_default();
-        let dimension = |(place, words)| Dimension { key: Some(place), words, place };
-        let dimensions = lists.into_iter().enumerate().map(dimension).filter(Dimension::differs).collect();
+        let dimensions = lists
+            .into_iter()
+            .enumerate()
+            .map(|(place, words)| Dimension { key: Some(place), words, place })
+            .filter(Dimension::differs)
+            .collect();
         Self { scenario: alone, dimensions }
     }
 
@@ -93,8 +97,8 @@ impl Labels {
     /// Returns the planners, with everything that varies with them, as dimensions; `None` unless they differ and each
     /// occurs with every combination of the rest.
     pub fn crossed_planners(&self) -> Option<Vec<usize>> {
-        let is_planner = |dimension: &Dimension| dimension.key.is_none() && dimension.place == PLANNERS;
-        let own = self.dimensions.iter().position(is_planner)?;
+        let own =
+            self.dimensions.iter().position(|dimension| dimension.key.is_none() && dimension.place == PLANNERS)?;
         let planners = self.groups().into_iter().find(|group| group.contains(&own))?;
         let all: Vec<usize> = (0..self.dimensions.len()).collect();
         let count = |dimensions: &[usize]| self.distinct(dimensions).len();

@@ -36,7 +36,7 @@ use crate::report::summary::BatchReport;
 use crate::table::{FinishedBatch, FinishedError};
 use chart_files::{unwritable, write_whole};
 use collected::Collected;
-use figures::{Figure, FigureSource, Figures};
+use figures::{FigureSource, Figures};
 use over_time::StateCurves;
 use page::{Origin, Page};
 use wildfire_picture::charts::{PaperSize, SCREEN_WIDTH};
@@ -129,8 +129,11 @@ pub fn write_report(batch: &FinishedBatch, parts: &ReportParts<'_>) -> Result<Wr
         write_chart_data(&charts_folder, data)?;
     }
     if paper.pdf || paper.pgf {
-        let write = |figure: &Figure| write_paper_chart(&charts_folder, &figure.file, &figure.drawing, paper);
-        source.draw(quantities, paper.size.units()).drawn.iter().try_for_each(write)?;
+        source
+            .draw(quantities, paper.size.units())
+            .drawn
+            .iter()
+            .try_for_each(|figure| write_paper_chart(&charts_folder, &figure.file, &figure.drawing, paper))?;
     }
     let page = folder.join(REPORT_FILE);
     let narrow = source.draw(quantities, PHONE.units());

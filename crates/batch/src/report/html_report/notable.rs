@@ -44,8 +44,7 @@ pub fn runs_with_pages(batch: &FinishedBatch) -> Result<Vec<NotableRun>, ReportE
 /// Returns the finished runs with the fewest and the most burned bushes, and the median; ties go to the first. A run
 /// with two of these roles appears once.
 pub fn notable_runs(batch: &FinishedBatch) -> Result<Vec<NotableRun>, ReportError> {
-    let unfinished = || ReportError::Unfinished { folder: batch.folder().to_owned() };
-    let mut rows = batch.rows()?.ok_or_else(unfinished)?;
+    let mut rows = batch.rows()?.ok_or_else(|| ReportError::Unfinished { folder: batch.folder().to_owned() })?;
     let mut burned: Vec<(f64, u64)> = Vec::new();
     for run in batch.runs() {
         let row = rows.next(&run)?;

@@ -68,7 +68,8 @@ struct StateRow {
 }
 
 fn rows_of(group: &RowGroup<'_>) -> Result<Vec<StateRow>, String> {
-    let (runs, times) = (group.counts("run")?, group.numbers("t_s")?);
+    let runs = group.counts("run")?;
+    let times = group.numbers("t_s")?;
     let states = STATES.iter().map(|state| group.counts(&state.name)).collect::<Result<Vec<_>, _>>()?;
     let row = |(index, (&run, &t_s)): (usize, (&u64, &f64))| {
         let counts: [f64; STATES.len()] = std::array::from_fn(|state| states[state][index] as f64);

@@ -105,10 +105,9 @@ impl<'a> Charts<'a> {
     /// Chooses what leads: the field, what variants are compared by, the states over time, or those at the end.
     fn new(figures: &'a Figures, narrow: &'a Figures, parts: &'a ReportParts<'_>) -> Self {
         let field = parts.field.as_ref();
-        let first = |section| figures.drawn.iter().find(|figure| figure.section == section);
         let leading = [Section::Answer, Section::OverTime, Section::Means]
             .into_iter()
-            .find_map(first)
+            .find_map(|section| figures.drawn.iter().find(|figure| figure.section == section))
             .filter(|_| field.is_none());
         Self { figures, narrow, field, paper: &parts.paper, leading: leading.map(|figure| figure.data.as_str()) }
     }
@@ -117,13 +116,21 @@ impl<'a> Charts<'a> {
         if let Some(FieldPicture { caption, png }) = self.field {
             return vec![Block::Image { caption: caption.clone(), png: png.clone() }];
         }
-        let leads = |figure: &&Figure| Some(figure.data.as_str()) == self.leading;
-        self.figures.drawn.iter().filter(leads).map(|figure| self.block(figure)).collect()
+        self.figures
+            .drawn
+            .iter()
+            .filter(|figure| Some(figure.data.as_str()) == self.leading)
+            .map(|figure| self.block(figure))
+            .collect()
     }
 
     fn of(&self, section: Section) -> Vec<Block> {
-        let is_here = |figure: &&Figure| figure.section == section && Some(figure.data.as_str()) != self.leading;
-        self.figures.drawn.iter().filter(is_here).map(|figure| self.block(figure)).collect()
+        self.figures
+            .drawn
+            .iter()
+            .filter(|figure| figure.section == section && Some(figure.data.as_str()) != self.leading)
+            .map(|figure| self.block(figure))
+            .collect()
     }
 
     fn block(&self, figure: &Figure) -> Block {
@@ -170,7 +177,8 @@ fn files(batch: &FinishedBatch) -> Vec<Block> {
 fn runs_to_play(plan: &BatchPlan, playing: &[NotableRun]) -> Vec<Block> {
     let link = |notable: &NotableRun| {
         let run = plan.run(notable.number);
-        let (title, percent) = (plan.title(run.variant), 100.0 * notable.burned_ratio);
+        let title = plan.title(run.variant);
+        let percent = 100.0 * notable.burned_ratio;
         let text = format!("{}: {title}, seed {}, {percent:.1} % of the bushes burned", notable.word, run.seed);
         (text, notable.page())
     };
@@ -209,12 +217,20 @@ fn runs(plan: &BatchPlan, shown: &[ListedRun], count: u64, heading: &str) -> Vec
         0 => format!("{count} of {all} runs."),
         _ => format!("{count} of {all} runs; {} of them:", shown.len()),
     };
-    let row = |listed: &ListedRun| {
-        let run = plan.run(listed.number);
-        vec![listed.number.to_string(), run.seed.to_string(), listed.words.clone(), run.repeating_command()]
-    };
     let headings = ["Run", "Seed", heading, "Command to replay it"];
-    let table = Table { text_columns: 4, ..Table::new(&headings, shown.iter().map(row).collect()) };
+    let table = Table {
+        text_columns: 4,
+        ..Table::new(
+            &headings,
+            shown
+                .iter()
+                .map(|listed| {
+                    let run = plan.run(listed.number);
+                    vec![listed.number.to_string(), run.seed.to_string(), listed.words.clone(), run.repeating_command()]
+                })
+                .collect(),
+        )
+    };
     vec![Block::Text(text), Block::Table(table)]
 }
 

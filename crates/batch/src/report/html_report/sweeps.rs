@@ -44,8 +44,11 @@ pub fn main_curves(plan: &BatchPlan, values: &[Values], quantity: &'static Metri
 pub fn main_differences(plan: &BatchPlan, compared: &Compared) -> Option<CurveChart> {
     let (key, places) = main_key(plan).filter(|_| compared.are_planners && compared.strata.len() > 1)?;
     let curve = |series: FacetSeries| {
-        let point = |&variant: &usize| Some((places[variant], compared.difference_of(variant)?));
-        let mut points: Vec<_> = series.variants.iter().filter_map(point).collect();
+        let mut points: Vec<_> = series
+            .variants
+            .iter()
+            .filter_map(|&variant| Some((places[variant], compared.difference_of(variant)?)))
+            .collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         (!points.is_empty()).then_some(Curve { name: series.name, style: series.style, points })
     };
@@ -85,13 +88,18 @@ fn curves_over(
     quantity: &'static Metric,
 ) -> CurveChart {
     let curve = |series: FacetSeries| {
-        let point = |&variant: &usize| Some((places[variant], values[variant].mean(quantity)?));
-        let mut points: Vec<_> = series.variants.iter().filter_map(point).collect();
+        let mut points: Vec<_> = series
+            .variants
+            .iter()
+            .filter_map(|&variant| Some((places[variant], values[variant].mean(quantity)?)))
+            .collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         Curve { name: series.name, style: series.style, points }
     };
-    let panel = |panel: Facet| CurvePanel { name: panel.name, curves: panel.series.into_iter().map(curve).collect() };
-    let panels: Vec<CurvePanel> = facets_over(plan, key).into_iter().map(panel).collect();
+    let panels: Vec<CurvePanel> = facets_over(plan, key)
+        .into_iter()
+        .map(|panel| CurvePanel { name: panel.name, curves: panel.series.into_iter().map(curve).collect() })
+        .collect();
     let name = &plan.swept_keys[key];
     let titles = Titles {
         title: format!("{}, by {name}", quantity.title()),

@@ -60,15 +60,15 @@ impl ParquetFiles {
         let add_calls = || {
             rows.iter().try_for_each(|recorded| {
                 let made = &recorded.row.detail.calls;
-                let own = |row: usize, column: usize| (CALL_COLUMNS[column].value)(&made[row]);
-                calls.add_alike(recorded.values().0, made.len(), own)
+                calls.add_alike(recorded.values().0, made.len(), |row, column| (CALL_COLUMNS[column].value)(&made[row]))
             })
         };
         let add_states = || {
             rows.iter().try_for_each(|recorded| {
                 let counted = &recorded.row.detail.states;
-                let own = |row: usize, column: usize| (STATE_COLUMNS[column].value)(&counted[row]);
-                states.add_alike(recorded.values().0, counted.len(), own)
+                states.add_alike(recorded.values().0, counted.len(), |row, column| {
+                    (STATE_COLUMNS[column].value)(&counted[row])
+                })
             })
         };
         let (runs, (calls, states)) = rayon::join(add_runs, || rayon::join(add_calls, add_states));

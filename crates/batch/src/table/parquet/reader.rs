@@ -45,16 +45,16 @@ impl RowGroup<'_> {
 
     fn values<T: DataType>(&self, name: &str) -> Result<Vec<T::T>, String> {
         let schema = self.0.metadata().schema_descr();
-        let is_it = |&index: &usize| {
+        let index = (0..schema.num_columns()).find(|&index| {
             let column = schema.column(index);
             column.name() == name && column.physical_type() == T::get_physical_type()
-        };
-        let index = (0..schema.num_columns()).find(is_it);
+        });
         let index = index.ok_or_else(|| format!("it has no column `{name}` of the expected kind"))?;
         let rows = usize::try_from(self.0.metadata().num_rows()).ok().filter(|&rows| rows <= MAX_GROUP_ROWS);
         let rows = rows.ok_or("its groups of rows are too large")?;
         let mut reader = get_typed_column_reader::<T>(self.0.get_column_reader(index).map_err(in_words)?);
-        let (mut levels, mut values) = (Vec::new(), Vec::new());
+        let mut levels = Vec::new();
+        let mut values = Vec::new();
         reader.read_records(rows, Some(&mut levels), None, &mut values).map_err(in_words)?;
         if values.len() == rows { Ok(values) } else { Err(format!("values of `{name}` are missing")) }
     }

@@ -9,7 +9,7 @@ use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
-use parquet::file::properties::{WriterProperties, WriterPropertiesBuilder};
+use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{ColumnPath, Type};
 
@@ -139,10 +139,11 @@ fn properties(columns: &[FileColumn], metadata: &[(&str, String)]) -> WriterProp
     let builder = WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
         .set_key_value_metadata(Some(metadata.collect()));
-    let plain = |builder: WriterPropertiesBuilder, column: &FileColumn| {
-        builder.set_column_dictionary_enabled(ColumnPath::new(vec![column.name.clone().into_owned()]), false)
-    };
-    numbers.fold(builder, plain).build()
+    numbers
+        .fold(builder, |builder, column| {
+            builder.set_column_dictionary_enabled(ColumnPath::new(vec![column.name.clone().into_owned()]), false)
+        })
+        .build()
 }
 
 fn schema(columns: &[FileColumn]) -> Result<Type, ParquetError> {

@@ -87,9 +87,9 @@ impl DirectionSet {
         let cross = |one: (i32, i32), other: (i32, i32)| one.0 * other.1 - one.1 * other.0;
         let is_exact = |&offset: &(i32, i32)| {
             let square = offset.0 * offset.0 + offset.1 * offset.1;
-            let is_ahead = |&[from, to]: &[(i32, i32); 2]| cross(from, offset) >= 0 && cross(offset, to) >= 0;
             (1..=EXACT_REACH * EXACT_REACH).contains(&square)
-                || (square <= reach * reach && self.refined.iter().any(is_ahead))
+                || (square <= reach * reach
+                    && self.refined.iter().any(|&[from, to]| cross(from, offset) >= 0 && cross(offset, to) >= 0))
         };
         offsets.filter(is_exact).collect()
     }

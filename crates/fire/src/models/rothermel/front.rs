@@ -63,7 +63,8 @@ struct Cells {
 
 impl Cells {
     fn new(landscape: &Landscape, [reach, margin]: [usize; 2], fuel: impl Fn(u8) -> u8) -> Self {
-        let (cols, rows) = (usize::from(landscape.frame.cols), usize::from(landscape.frame.rows));
+        let cols = usize::from(landscape.frame.cols);
+        let rows = usize::from(landscape.frame.rows);
         let stride = cols + 2 * margin;
         let count = stride * (rows + 2 * margin);
         u32::try_from(count).expect("sizes of fields are checked before");
@@ -78,7 +79,9 @@ impl Cells {
                 *fuel = number_of[usize::from(number)];
             }
         }
-        let (state, time, way) = (vec![0; count], vec![NEVER; count], vec![0; count]);
+        let state = vec![0; count];
+        let time = vec![NEVER; count];
+        let way = vec![0; count];
         let frame = landscape.frame;
         let mut cells = Self { frame, margin, reach, stride, fuel: fuels, state, time, way, delays: BTreeMap::new() };
         cells.mark_uniform();
@@ -120,7 +123,8 @@ impl Cells {
     }
 
     fn cell(&self, index: usize) -> Cell {
-        let (row, col) = (index / self.stride - self.margin, index % self.stride - self.margin);
+        let row = index / self.stride - self.margin;
+        let col = index % self.stride - self.margin;
         Cell { col: col as u16, row: row as u16 }
     }
 
@@ -234,7 +238,9 @@ impl Front {
         let template = Template::new(&directions, cells.stride, landscape.frame.cell_m, plane);
         // Of no time: it is entered with the first ignition.
         let interval = Interval { number: 0, from: NEVER, until: 0, tables: Vec::new() };
-        let (queue, due, due_at) = (ArrivalQueue::default(), Vec::new(), 0);
+        let queue = ArrivalQueue::default();
+        let due = Vec::new();
+        let due_at = 0;
         Self { cells, rates, rules, template, interval, queue, due, due_at }
     }
 
@@ -460,7 +466,8 @@ impl Front {
                 let own = EdgeStart { index: from, way: number };
                 let other = EdgeStart { index: beside, way: other };
                 let [first, second] = if first_place == place { [own, other] } else { [other, own] };
-                let (first_time, second_time) = (cells.time[first.index], cells.time[second.index]);
+                let first_time = cells.time[first.index];
+                let second_time = cells.time[second.index];
                 let first_drift = table.along[first.way].1;
                 let later = seconds_between(first_time, second_time) - (table.along[second.way].1 - first_drift);
                 let pair = &set.pairs[first_place];
@@ -630,7 +637,8 @@ fn two_point_arrival(
     to: usize,
     [first, second]: [EdgeStart; 2],
 ) -> Option<u64> {
-    let (first_time, second_time) = (cells.time[first.index], cells.time[second.index]);
+    let first_time = cells.time[first.index];
+    let second_time = cells.time[second.index];
     let latest = first_time.max(second_time);
     let number = rates.weather().interval_at(SimTime::from_nanos(latest));
     let ways = [first, second].map(|one| (one.index, &template.ways[one.way], template.vectors[one.way]));
@@ -649,7 +657,8 @@ fn two_point_arrival(
         )
     };
     let [first_beyond, second_beyond] = beyond(rates, number);
-    let (first_drift, second_drift) = (here.drift_seconds(ways[0].2), here.drift_seconds(ways[1].2));
+    let first_drift = here.drift_seconds(ways[0].2);
+    let second_drift = here.drift_seconds(ways[1].2);
     let mut later = seconds_between(first_time, second_time) - (second_drift - first_drift);
     let pair = if is_plane {
         let set = template.set(number);

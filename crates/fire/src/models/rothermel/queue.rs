@@ -147,7 +147,8 @@ mod tests {
         let mut rng = wildfire_base::rng::stream(5, "arrival queue");
         for span in [100, 1 << 22, 1 << 34, 1 << 50, 1 << 58] {
             let mut times = [NEVER; 300];
-            let (mut queue, mut model) = (ArrivalQueue::default(), BTreeSet::new());
+            let mut queue = ArrivalQueue::default();
+            let mut model = BTreeSet::new();
             let mut now = 0;
             for _ in 0..20_000 {
                 if rng.random_bool(0.6) {

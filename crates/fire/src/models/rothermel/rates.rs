@@ -11,7 +11,7 @@ use super::template::Edge;
 use crate::fuel::FuelModel;
 use crate::surface::crown::{CrownConditions, CrownFire, model_10};
 use crate::surface::{Ellipse, FuelBed, SurfaceFire, twenty_foot_wind, unsheltered_adjustment};
-use crate::{Landscape, Relief, Weather, WeatherInterval};
+use crate::{Landscape, Relief, Weather};
 use wildfire_base::geometry::{Cell, DVec2};
 use wildfire_base::time::SimTime;
 
@@ -156,14 +156,15 @@ impl Rates {
         let nothing = Spreading { slowness: f64::INFINITY, drift: DVec2::ZERO, gradient: DVec2::ZERO };
         let has_crowns = landscape.canopy.is_some() && rules.crowns.is_some();
         let with_crowns = weather.intervals().iter().filter(|_| has_crowns);
-        let ten = |interval: &WeatherInterval| (model_10(&interval.moisture, rules.options.curing), None);
-        let crown_beds = with_crowns.map(ten).collect();
+        let crown_beds =
+            with_crowns.map(|interval| (model_10(&interval.moisture, rules.options.curing), None)).collect();
         let kept = match landscape.relief {
             Relief::Plane(_) if !has_crowns => 0,
             _ => (landscape.fuel.len() / CELLS_PER_KEPT).next_power_of_two().max(MIN_KEPT),
         };
         let kept = vec![(u64::MAX, nothing); kept];
-        let (beds, plane) = (vec![None; intervals], vec![None; intervals]);
+        let beds = vec![None; intervals];
+        let plane = vec![None; intervals];
         Self { landscape, weather, rules, models, beds, plane, crown_beds, kept }
     }
 
@@ -184,8 +185,11 @@ impl Rates {
     /// Returns the fire of a cell with trees; `None` where there are none.
     pub fn crown_fire(&mut self, interval: usize, fuel: u8, cell: Cell) -> Option<CrownFire> {
         let (model_10, rate_mps) = *self.crown_beds.get(interval)?;
-        let (canopy, crowns, options) = (self.landscape.canopy(cell)?, self.rules.crowns?, self.rules.options);
-        let (gradient, wind) = (self.landscape.gradient(cell), self.weather.intervals()[interval].wind_mps);
+        let canopy = self.landscape.canopy(cell)?;
+        let crowns = self.rules.crowns?;
+        let options = self.rules.options;
+        let gradient = self.landscape.gradient(cell);
+        let wind = self.weather.intervals()[interval].wind_mps;
         let ground = (self.beds(interval)[usize::from(fuel)], self.models[usize::from(fuel)].depth_ft);
         let below = CrownConditions::in_weather(ground, model_10, canopy, wind, gradient, options, crowns);
         let rate_mps = rate_mps.unwrap_or_else(|| below.crown_rate_mps());
@@ -213,7 +217,8 @@ impl Rates {
             let Relief::Plane(gradient) = self.landscape.relief else {
                 unreachable!("cells have gradients of their own")
             };
-            let (wind, rules) = (self.weather.intervals()[interval].wind_mps, self.rules);
+            let wind = self.weather.intervals()[interval].wind_mps;
+            let rules = self.rules;
             let depths: Vec<f64> = self.models.iter().map(|model| model.depth_ft).collect();
             let beds = self.beds(interval).iter().zip(depths);
             let spreading = beds.map(|(bed, depth)| Spreading::new(bed, depth, wind, gradient, &rules)).collect();
@@ -244,8 +249,10 @@ impl Rates {
         let crown = self.crown_fire(interval, fuel, cell).zip(rules.crowns);
         let spreading = crown.map(|(fire, crowns)| Spreading::from_fire(&fire.spreading(crowns.method)));
         spreading.unwrap_or_else(|| {
-            let (gradient, model) = (self.landscape.gradient(cell), self.models[usize::from(fuel)]);
-            let (wind, bed) = (self.weather.intervals()[interval].wind_mps, &self.beds(interval)[usize::from(fuel)]);
+            let gradient = self.landscape.gradient(cell);
+            let model = self.models[usize::from(fuel)];
+            let wind = self.weather.intervals()[interval].wind_mps;
+            let bed = &self.beds(interval)[usize::from(fuel)];
             Spreading::new(bed, model.depth_ft, wind, gradient, &rules)
         })
     }

@@ -22,7 +22,8 @@ pub struct Sparks {
 
 impl Sparks {
     pub fn new(embers: Embers, landscape: &Arc<Landscape>, weather: &Arc<Weather>, options: SurfaceOptions) -> Self {
-        let (landscape, weather) = (Arc::clone(landscape), Arc::clone(weather));
+        let landscape = Arc::clone(landscape);
+        let weather = Arc::clone(weather);
         Self { embers, landscape, weather, options, glowing: BTreeSet::new() }
     }
 
@@ -36,7 +37,8 @@ impl Sparks {
     pub fn fly_from(&mut self, cell: Cell, way: Option<DVec2>, episode: u32, time: SimTime) {
         let Some(fire) = surface_fire(&self.landscape, &self.weather, &self.options, cell, time) else { return };
         let rate_mps = way.map_or(fire.rate_mps, |way| fire.front_normal_rate_mps(way));
-        let (intensity_kw_m, heat_kj_m2) = (fire.intensity_kw_m(rate_mps), fire.heat_kj_m2());
+        let intensity_kw_m = fire.intensity_kw_m(rate_mps);
+        let heat_kj_m2 = fire.heat_kj_m2();
         let source = EmberSource { cell, episode, time, intensity_kw_m, heat_kj_m2 };
         let frame = &self.landscape.frame;
         for landing in self.embers.landings(&source, &self.landscape, &self.weather) {
@@ -127,10 +129,12 @@ mod tests {
     #[test]
     fn embers_only_hasten_a_fire_and_no_slices_of_time_change_it() {
         let hour = SimTime::from_seconds(1800.0);
-        let (mut with, mut without) = (fire(Some(MANY), 3), fire(None, 3));
+        let mut with = fire(Some(MANY), 3);
+        let mut without = fire(None, 3);
         with.burn_until(hour);
         without.burn_until(hour);
-        let (hastened, front) = (arrivals(&with), arrivals(&without));
+        let hastened = arrivals(&with);
+        let front = arrivals(&without);
         let microsecond = SimTime::from_nanos(1000);
         for (index, (with, without)) in hastened.iter().zip(&front).enumerate() {
             if let Some(without) = without {

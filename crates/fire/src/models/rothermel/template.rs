@@ -24,12 +24,14 @@ impl Edge {
         let mut corners = Vec::new();
         // Time along the way is counted in parts of `scale`; borders of columns (rows) come at odd multiples of `rows`
         // (`cols`), so that all of it is whole numbers and a corner is where two are equal.
-        let (across, up) = (cols.abs().max(1), rows.abs().max(1));
+        let across = cols.abs().max(1);
+        let up = rows.abs().max(1);
         let scale = 2 * across * up;
         let next_border = |done: i32, all: i32, step: i32| if done < all { (2 * done + 1) * step } else { scale };
         let (mut at, mut col, mut row) = (0, 0, 0);
         while at < scale {
-            let (border_col, border_row) = (next_border(col, cols.abs(), up), next_border(row, rows.abs(), across));
+            let border_col = next_border(col, cols.abs(), up);
+            let border_row = next_border(row, rows.abs(), across);
             let until = border_col.min(border_row);
             let cell = |col: i32, row: i32| place((col * cols.signum(), row * rows.signum()));
             crossed.push((cell(col, row), f64::from(until - at) / f64::from(scale)));
@@ -136,11 +138,15 @@ impl Template {
             places[usize::from(number)] = Some(place as u16);
         }
         let next = numbers.iter().cycle().skip(1);
-        let pair = |(&one, &other): (&u16, &u16)| {
-            gradient
-                .map(|gradient| Pair::new(gradient, self.vectors[usize::from(one)], self.vectors[usize::from(other)]))
-        };
-        let pairs = numbers.iter().zip(next).filter_map(pair).collect();
+        let pairs = numbers
+            .iter()
+            .zip(next)
+            .filter_map(|(&one, &other)| {
+                gradient.map(|gradient| {
+                    Pair::new(gradient, self.vectors[usize::from(one)], self.vectors[usize::from(other)])
+                })
+            })
+            .collect();
         EdgeSet { places, pairs, disc, ways: numbers }
     }
 
@@ -252,7 +258,8 @@ mod tests {
             assert_eq!(way.corners().len(), usize::from(is_odd));
             for &[a, b] in way.corners() {
                 // Both lie as far from the middle of the way, across it.
-                let ((a_col, a_row), (b_col, b_row)) = (offset(a), offset(b));
+                let (a_col, a_row) = offset(a);
+                let (b_col, b_row) = offset(b);
                 assert_eq!((a_col + b_col, a_row + b_row), (way.cols, way.rows));
             }
         }

@@ -25,7 +25,8 @@ pub(super) fn is_start(bytes: &[u8]) -> bool {
 pub(super) fn parse(bytes: &[u8], coordinates: Option<Coordinates>) -> Result<Raster, RasterFault> {
     let mut words = Words::new(bytes);
     let head = Head::read(&mut words)?;
-    let (rows, cols) = (head.whole("nrows")?, head.whole("ncols")?);
+    let rows = head.whole("nrows")?;
+    let cols = head.whole("ncols")?;
     check_size(rows, cols)?;
     let (rows, cols) = (rows as usize, cols as usize);
     let cell_m = head.cell_m()?;

@@ -42,8 +42,8 @@ const STRIP_CELLS: usize = 1 << 16;
 /// Reads the bands, without one that is a mask of the others.
 pub(super) fn parse_bands(mut bytes: Vec<u8>) -> Result<Vec<Band>, RasterFault> {
     let TiffSize { rows, cols, bands, bits, mask } = tiff_header::check(&mut bytes)?;
-    let damaged_chunk = |message| RasterFault::Damaged { message };
-    let mut decoder = tiff_chunks::open(&bytes, MAX_CHUNK).map_err(damaged_chunk)?.map_err(damaged)?;
+    let mut decoder =
+        tiff_chunks::open(&bytes, MAX_CHUNK).map_err(|message| RasterFault::Damaged { message })?.map_err(damaged)?;
     if decoder.dimensions().map_err(damaged)? != (cols as u32, rows as u32) {
         return Err(RasterFault::Damaged { message: "its header gives its size twice".into() });
     }
@@ -172,7 +172,8 @@ impl Pixels {
     /// Reads all strips or tiles by band, and turns the rows over.
     fn read(&self, decoder: &mut TiffDecoder<'_>) -> Result<Vec<Vec<f32>>, RasterFault> {
         let (width, height) = decoder.chunk_dimensions();
-        let (width, height) = (width as usize, (height as usize).min(self.rows));
+        let width = width as usize;
+        let height = (height as usize).min(self.rows);
         if width == 0 || height == 0 || width * height > MAX_RASTER_CELLS {
             return Err(RasterFault::Damaged { message: "its strips or tiles have an impossible size".into() });
         }
@@ -195,12 +196,16 @@ impl Pixels {
         let (planes, together) = if is_planar { (self.bands, 1) } else { (1, self.bands) };
         let in_plane = across * self.rows.div_ceil(height);
         for chunk in (0..planes * in_plane).filter(|&chunk| bytes.get(chunk) != Some(&0)) {
-            let (plane, number) = (chunk / in_plane, chunk % in_plane);
-            let (north, west) = (number / across * height, number % across * width);
-            let cut = |error| RasterFault::Damaged { message: format!("row {north}, column {west}: {error}") };
+            let plane = chunk / in_plane;
+            let number = chunk % in_plane;
+            let north = number / across * height;
+            let west = number % across * width;
             let cols = width.min(self.cols - west);
             let rows = height.min(self.rows - north);
-            let mut samples = numbers(decoder.read_chunk(chunk as u32).map_err(cut)?)?;
+            let mut samples =
+                numbers(decoder.read_chunk(chunk as u32).map_err(|error| RasterFault::Damaged {
+                    message: format!("row {north}, column {west}: {error}"),
+                })?)?;
             if self.bits < 8 {
                 samples = spread_out(&samples, cols * together, self.bits);
             }
@@ -319,7 +324,8 @@ impl Place {
             let value = decoder.find_tag(tag).map_err(damaged)?;
             value.map(Value::into_f64_vec).transpose().map_err(damaged)
         };
-        let (scale, tie) = (numbers(Tag::ModelPixelScaleTag)?, numbers(Tag::ModelTiepointTag)?);
+        let scale = numbers(Tag::ModelPixelScaleTag)?;
+        let tie = numbers(Tag::ModelTiepointTag)?;
         let matrix = numbers(Tag::ModelTransformationTag)?;
         let ([x, y], west, edge) = match (scale.as_deref(), tie.as_deref(), matrix.as_deref()) {
             (Some(&[x, y, ..]), Some(&[col, row, _, east, north, _, ..]), _) => {

@@ -55,12 +55,13 @@ fn double(bytes: &[u8], at: usize) -> f64 {
 /// Reads all layers.
 pub(super) fn parse(bytes: &[u8], coordinates: Option<Coordinates>) -> Result<Vec<Band>, RasterFault> {
     let word = |at| int(bytes, at).expect("the header is whole");
-    let is_there = |layer: &usize| match *layer {
-        ..ALWAYS => true,
-        ALWAYS..CROWNS => word(0) == PRESENT,
-        _ => word(4) == PRESENT,
-    };
-    let layers: Vec<usize> = (0..LAYERS.len()).filter(is_there).collect();
+    let layers: Vec<usize> = (0..LAYERS.len())
+        .filter(|layer| match *layer {
+            ..ALWAYS => true,
+            ALWAYS..CROWNS => word(0) == PRESENT,
+            _ => word(4) == PRESENT,
+        })
+        .collect();
     let size = |at| u64::try_from(word(at)).unwrap_or(0);
     let (cols, rows) = (size(4164), size(4168));
     check_size(rows, cols)?;
@@ -79,18 +80,21 @@ pub(super) fn parse(bytes: &[u8], coordinates: Option<Coordinates>) -> Result<Ve
             return Err(RasterFault::Landscape { message });
         }
     };
-    let (x, y) = (double(bytes, 4208) * side_m, double(bytes, 4216) * side_m);
+    let x = double(bytes, 4208) * side_m;
+    let y = double(bytes, 4216) * side_m;
     if (x - y).abs() > 1e-6 * x.abs() {
         return Err(RasterFault::NotSquare { x, y });
     }
-    let (west_m, south_m) = (double(bytes, 4180) * side_m, double(bytes, 4196) * side_m);
+    let west_m = double(bytes, 4180) * side_m;
+    let south_m = double(bytes, 4196) * side_m;
     // Coordinates in feet were converted above.
     let is_converted = matches!(coordinates, Some(Coordinates::Lengths { unit_m }) if (unit_m - side_m).abs() < 1e-6);
     let coordinates = if is_converted { Some(Coordinates::METRES) } else { coordinates };
     check_place([west_m, south_m], [cols, rows], x, coordinates)?;
     let mut bands = Vec::new();
     for (number, &layer) in layers.iter().enumerate() {
-        let (name, unit) = (LAYERS[layer], short(bytes, 4224 + 2 * layer));
+        let name = LAYERS[layer];
+        let unit = short(bytes, 4224 + 2 * layer);
         let units = UNITS.get(layer).copied().unwrap_or_default();
         let unit_of = usize::try_from(unit).ok().and_then(|unit| units.get(unit)).filter(|unit| !unit.is_empty());
         if unit_of.is_none() && !units.is_empty() {

@@ -170,7 +170,8 @@ fn every_value_survives_being_written() {
 
 #[test]
 fn bands_are_read_as_they_were_written() {
-    let (first, mut second) = (raster(300, 333), raster(300, 333));
+    let first = raster(300, 333);
+    let mut second = raster(300, 333);
     second.values.reverse();
     let bytes =
         geotiff::to_bytes(&[(Some("Time (s)"), &first), (None, &second), (Some("b"), &first)]).expect("it fits");

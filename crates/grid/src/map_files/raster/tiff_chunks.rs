@@ -83,10 +83,12 @@ fn unpack(bytes: &[u8], max: usize) -> Result<Option<Vec<u8>>, String> {
     let (Some(row_bytes), true) = (row_bytes, is_sound) else { return Ok(None) };
 
     let mut plain = bytes.to_vec();
-    let (across, down) = (cols.div_ceil(width), rows.div_ceil(height));
+    let across = cols.div_ceil(width);
+    let down = rows.div_ceil(height);
     let (mut starts, mut sizes) = (Vec::new(), Vec::new());
     for (chunk, (&offset, &count)) in offsets.iter().zip(&counts).enumerate() {
-        let (row, col) = (chunk / across % down * height, chunk % across * width);
+        let row = chunk / across % down * height;
+        let col = chunk % across * width;
         let wrong = |reason: &str| Err(format!("row {row}, column {col}: {reason}"));
         let end = offset.checked_add(count).filter(|&end| end <= bytes.len() as u64);
         let Some(end) = end else { return wrong("its cells lie beyond the end of the file") };
@@ -146,7 +148,9 @@ fn unpack(bytes: &[u8], max: usize) -> Result<Option<Vec<u8>>, String> {
 fn unpack_lzw(packed: &[u8], limit: usize, plain: &mut Vec<u8>) {
     let mut strings: Vec<(usize, usize)> = Vec::with_capacity(MAX_STRINGS);
     let mut before: Option<(usize, usize)> = None;
-    let (mut kept, mut kept_bits, mut rest) = (0_u32, 0, packed.iter());
+    let mut kept = 0_u32;
+    let mut kept_bits = 0;
+    let mut rest = packed.iter();
     while plain.len() < limit {
         // Codes become longer one string before they have to.
         let bits = match END + 1 + strings.len() {

@@ -69,7 +69,8 @@ pub(super) fn check(bytes: &mut [u8]) -> Result<TiffSize, RasterFault> {
     let required = |tag, name: &str| {
         number(tag)?.ok_or_else(|| RasterFault::Damaged { message: format!("its header does not give its {name}") })
     };
-    let (rows, cols) = (required(LENGTH, "length")?, required(WIDTH, "width")?);
+    let rows = required(LENGTH, "length")?;
+    let cols = required(WIDTH, "width")?;
     check_size(rows, cols)?;
     let bands = number(SAMPLES)?.unwrap_or(1);
     check_bands(rows, cols, bands)?;
@@ -102,7 +103,9 @@ pub(super) fn check(bytes: &mut [u8]) -> Result<TiffSize, RasterFault> {
         );
         return Err(RasterFault::Unfit { message });
     }
-    let (rows, cols, bands) = (rows as usize, cols as usize, bands as usize);
+    let rows = rows as usize;
+    let cols = cols as usize;
+    let bands = bands as usize;
     let bits = number(BITS)?.unwrap_or(1).min(64) as usize;
     // Whole numbers with and without sign, floating-point numbers, and what is not said.
     if number(SAMPLE_FORMAT)?.is_some_and(|format| !(1..=4).contains(&format)) {
@@ -269,7 +272,9 @@ impl TiffHead {
     /// Returns the first number of a tag, `None` if there is no such tag.
     fn number(&self, bytes: &[u8], tag: u16) -> Result<Option<u64>, RasterFault> {
         let Some(entry) = self.entry(bytes, tag) else { return Ok(None) };
-        let damaged = || RasterFault::Damaged { message: format!("its tag {tag} is not a whole number") };
-        entry.value.map(Some).ok_or_else(damaged)
+        entry
+            .value
+            .map(Some)
+            .ok_or_else(|| RasterFault::Damaged { message: format!("its tag {tag} is not a whole number") })
     }
 }

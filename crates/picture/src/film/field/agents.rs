@@ -48,12 +48,15 @@ pub fn draw_agents(canvas: &mut Canvas, pane: &Pane, lettering: &mut Lettering) 
 
 /// Draws an agent as a mark, which is hollow while it does nothing.
 fn draw_mark(canvas: &mut Canvas, pane: &Pane, index: usize) {
-    let (start, state) = (&pane.setting().agents[index], &pane.view.state.agents[index]);
-    let (at, unit) = (pane.at(start.body.centre(state.pose)), pane.unit());
+    let start = &pane.setting().agents[index];
+    let state = &pane.view.state.agents[index];
+    let at = pane.at(start.body.centre(state.pose));
+    let unit = pane.unit();
     if !pane.is_near(at, MARK_LENGTH * unit) {
         return;
     }
-    let (colour, edge) = (agent_colour(start.id), MARK_EDGE * unit);
+    let colour = agent_colour(start.id);
+    let edge = MARK_EDGE * unit;
     let is_idle = state.activity == Activity::Standing;
     if let Body::Square { .. } = start.body {
         let radius = MARK_RADIUS * unit;
@@ -68,7 +71,8 @@ fn draw_mark(canvas: &mut Canvas, pane: &Pane, index: usize) {
     let (sin, cos) = (to_f32(sin), to_f32(cos));
     let arrow = |length: f32| {
         let place = |(along, across): (f32, f32)| {
-            let (along, across) = (along * length, across * length);
+            let along = along * length;
+            let across = across * length;
             (at.0 + along * cos - across * sin, at.1 - along * sin - across * cos)
         };
         [(0.58, 0.0), (-0.42, 0.36), (-0.24, 0.0), (-0.42, -0.36)].map(place)
@@ -82,8 +86,10 @@ fn draw_mark(canvas: &mut Canvas, pane: &Pane, index: usize) {
 }
 
 fn draw_agent(canvas: &mut Canvas, pane: &Pane, index: usize) {
-    let (start, state) = (&pane.setting().agents[index], &pane.view.state.agents[index]);
-    let (at, unit) = (pane.at(start.body.centre(state.pose)), pane.unit());
+    let start = &pane.setting().agents[index];
+    let state = &pane.view.state.agents[index];
+    let at = pane.at(start.body.centre(state.pose));
+    let unit = pane.unit();
     let length = drawn_length(pane, &start.body);
     if !pane.is_near(at, length) {
         return;
@@ -117,7 +123,8 @@ fn ring_radius(length: f32, unit: f32) -> f32 {
 
 /// Returns how far an agent reaches from its middle as it is drawn, its ring included, in pixels.
 pub fn drawn_reach(pane: &Pane, body: &Body) -> f32 {
-    let (length, unit) = (drawn_length(pane, body), pane.unit());
+    let length = drawn_length(pane, body);
+    let unit = pane.unit();
     if pane.has_marks() || length <= true_length(pane, body) {
         0.5 * length + unit
     } else {

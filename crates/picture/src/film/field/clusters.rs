@@ -151,7 +151,8 @@ mod tests {
         let events =
             vec![at(0.0, FireFact::Ignited { cell, cause: Cause::Scheduled }), at(60.0, FireFact::BurnedOut { cell })];
         let run = RunView::new(Timeline { setting, events, ground: Vec::new() }, None);
-        let (time, options) = (SimTime::from_seconds(time_s), ViewOptions::default());
+        let time = SimTime::from_seconds(time_s);
+        let options = ViewOptions::default();
         let request = FrameRequest { runs: &[&run], time, options: &options };
         still(&request, SIZE)
     }

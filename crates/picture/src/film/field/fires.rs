@@ -66,7 +66,8 @@ pub fn draw_flames(canvas: &mut Canvas, pane: &Pane, stamps: &mut Stamps) {
 /// Draws the tongues of a fire about a place, scaled across and up, in one of its pictures.
 pub fn draw_tongues(canvas: &mut Canvas, (x, y): Point, (across, up): (f32, f32), frame: usize) {
     for (index, &((right, above), height)) in TONGUES.iter().enumerate() {
-        let (stretch, lean) = (STRETCH[(frame + 3 * index) % FRAMES], LEAN[(frame + 5 * index) % FRAMES]);
+        let stretch = STRETCH[(frame + 3 * index) % FRAMES];
+        let lean = LEAN[(frame + 5 * index) % FRAMES];
         let foot = (x + right * across, y - above * up);
         let scale = (0.95 * height * across, height * (1.0 + stretch) * up);
         FLAME_SPRITE.draw(canvas, Placement::leaning(foot, scale, lean));
@@ -78,7 +79,8 @@ fn draw_age(canvas: &mut Canvas, (x, y): Point, side: f32, age_s: f64) {
     let label = format!("{}", age_s as u64);
     let base = y + 0.46 * side;
     let half = 0.5 * measure_text(&label, height) + 0.35 * height;
-    let (top, bottom) = (base - 1.35 * height, base + 0.35 * height);
+    let top = base - 1.35 * height;
+    let bottom = base + 0.35 * height;
     let plate = [(x - half, top), (x + half, top), (x + half, bottom), (x - half, bottom)];
     canvas.fill_through(&plate, INK, 0.72);
     draw_text(canvas, &label, (x, base), Align::Centre, height, PAPER);

@@ -17,7 +17,6 @@ use crate::film::field::{Layer, Pane};
 use crate::ground::{GroundCover, lit};
 use crate::text::{Align, draw_text_on};
 use crate::thin_line::draw_line;
-use crate::ticks::Tick;
 use wildfire_base::geometry::{DVec2, FieldFrame};
 use wildfire_base::time::SimTime;
 use wildfire_fire::Landscape;
@@ -84,7 +83,8 @@ pub struct CellShades {
 impl GroundView {
     /// `None` of a run in which only bushes burn.
     pub fn new(run: &RunView) -> Option<Self> {
-        let (timeline, ground) = (run.timeline(), run.index().ground()?);
+        let timeline = run.timeline();
+        let ground = run.index().ground()?;
         let setting = &timeline.setting;
         let frame = setting.frame;
         let covers = cover_colours(setting.spread.as_ref()?.landscape());
@@ -170,7 +170,8 @@ impl GroundView {
         for &(ignited_s, ends_s, cell) in spans[first..].iter().take_while(|(ignited_s, ..)| *ignited_s <= now_s) {
             if now_s < ends_s {
                 let (x, y) = pane.cell_centre(pane.frame().cell(cell));
-                let (left, top) = (x.round() as i32 - 1, y.round() as i32 - 1);
+                let left = x.round() as i32 - 1;
+                let top = y.round() as i32 - 1;
                 canvas.fill_pixels((left, top), (left + 2, top + 2), fire_colour(now_s - ignited_s, now_s - ends_s));
             }
         }
@@ -247,11 +248,12 @@ pub(super) fn draw_wet(canvas: &mut Canvas, pane: &Pane) {
 
 impl BurningTimes {
     fn new(index: &GroundIndex, frame: &FieldFrame) -> Self {
-        let of_cell = |number: usize| {
-            let burnings = index.burnings_of(frame.cell(number)).iter();
-            burnings.map(move |burning| (seconds(burning.ignited), seconds(burning.ends), number))
-        };
-        let mut spans: Vec<(f32, f32, usize)> = (0..frame.cell_count()).flat_map(of_cell).collect();
+        let mut spans: Vec<(f32, f32, usize)> = (0..frame.cell_count())
+            .flat_map(|number| {
+                let burnings = index.burnings_of(frame.cell(number)).iter();
+                burnings.map(move |burning| (seconds(burning.ignited), seconds(burning.ends), number))
+            })
+            .collect();
         spans.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.2.cmp(&other.2)));
         let longest_s = spans.iter().map(|(ignited_s, ends_s, _)| ends_s - ignited_s).fold(0.0, f32::max);
         Self { spans, longest_s }
@@ -271,8 +273,10 @@ impl CellShades {
             (has_trees || quantity != MapQuantity::FireType).then(|| BurnMap::new(run.timeline()).behavior())??;
         let values = if quantity == MapQuantity::FireType { behavior.fire_type } else { behavior.intensity_kw_m };
         let scale = quantity.scale(values.iter().copied())?;
-        let colour = |&value: &f64| value.is_finite().then(|| scale.colour(value));
-        Some(Self { by_cell: values.iter().map(colour).collect(), scale })
+        Some(Self {
+            by_cell: values.iter().map(|&value| value.is_finite().then(|| scale.colour(value))).collect(),
+            scale,
+        })
     }
 }
 
@@ -285,8 +289,12 @@ impl ArrivalLines {
         let ticks = scale.as_ref().map_or(&[][..], |scale| &scale.ticks);
         let unit = scale.as_ref().and_then(|scale| scale.name.split_once(", ")).map_or("", |(_, unit)| unit);
         let values = Grid::from_values(frame.rows.into(), frame.cols.into(), arrival);
-        let level = |tick: &Tick| (tick.value, format!("{} {unit}", tick.label), contour_lines(&values, tick.value));
-        Self { levels: ticks.iter().map(level).collect() }
+        Self {
+            levels: ticks
+                .iter()
+                .map(|tick| (tick.value, format!("{} {unit}", tick.label), contour_lines(&values, tick.value)))
+                .collect(),
+        }
     }
 }
 
@@ -326,7 +334,8 @@ fn special_colour(pane: &Pane, ground: &GroundIndex, index: usize, now: SimTime)
 fn over(under: Rgb, colour: Rgb) -> Rgb {
     const WEIGHT: u32 = (256.0 * BURNED_OPACITY) as u32;
     std::array::from_fn(|channel| {
-        let (under, colour) = (u32::from(under[channel]), u32::from(colour[channel]));
+        let under = u32::from(under[channel]);
+        let colour = u32::from(colour[channel]);
         ((under * (256 - WEIGHT) + colour * WEIGHT) >> 8) as u8
     })
 }

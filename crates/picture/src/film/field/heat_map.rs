@@ -40,7 +40,8 @@ pub struct HeatMap<'a> {
 
 impl<'a> HeatMap<'a> {
     pub fn new(pane: &Pane<'a>) -> Self {
-        let (frame, (width, height)) = (pane.frame(), pane.size);
+        let frame = pane.frame();
+        let (width, height) = pane.size;
         let place =
             |col: u16, row: u16| pane.projection.place(DVec2::new(f64::from(col), f64::from(row)) * frame.cell_m);
         let columns: Vec<i32> = (0..=frame.cols).map(|col| in_parts(place(col, 0).x, width)).collect();
@@ -131,7 +132,8 @@ fn lay_shares(pixel: &mut [u8; 4], shares: [u32; 4]) {
     let colours = BushStateKind::ALL.map(bush_colour);
     for (channel, under) in pixel[..3].iter_mut().enumerate() {
         let mixed: u32 = weights.iter().zip(&colours).map(|(weight, colour)| weight * u32::from(colour[channel])).sum();
-        let (mixed, was) = (i64::from(mixed / all), i64::from(*under));
+        let mixed = i64::from(mixed / all);
+        let was = i64::from(*under);
         *under = (was + (mixed - was) * opacity / i64::from(WHOLE)) as u8;
     }
 }
@@ -194,7 +196,8 @@ mod tests {
     }
 
     fn with_pane<T>(run: &RunView, camera: Camera, look: impl FnOnce(&Pane) -> T) -> T {
-        let (state, options) = (run.state_at(SimTime::ZERO), ViewOptions::default());
+        let state = run.state_at(SimTime::ZERO);
+        let options = ViewOptions::default();
         let view = FieldView { run, state: &state, rival: None, run_index: 0, options: &options };
         let size = (f64::from(SIZE.0), f64::from(SIZE.1));
         let projection = Projection::new(&run.timeline().setting.frame, camera, size);
@@ -213,7 +216,8 @@ mod tests {
         let mut weights = [0.0; 4];
         for point in 0..POINTS * POINTS {
             let part = |index: u32| (f64::from(index) + 0.5) / f64::from(POINTS);
-            let (right, down) = (part(point % POINTS), part(point / POINTS));
+            let right = part(point % POINTS);
+            let down = part(point / POINTS);
             let at = pane.projection.world((f64::from(x) + right, f64::from(y) + down));
             let bush = pane.frame().cell_at(at).and_then(|cell| pane.setting().bush_index(cell));
             if let Some(kind) = bush.map(|bush| kinds[bush]) {
@@ -247,7 +251,8 @@ mod tests {
                     let picture: Picture = drawn(pane, &kinds).finish();
                     for _ in 0..60 {
                         let at = (rng.random_range(0..SIZE.0), rng.random_range(0..SIZE.1));
-                        let (seen, expected) = (picture.pixel(at.0, at.1), colour_by_points(pane, &kinds, at));
+                        let seen = picture.pixel(at.0, at.1);
+                        let expected = colour_by_points(pane, &kinds, at);
                         let is_near = seen.iter().zip(expected).all(|(&seen, is)| (f64::from(seen) - is).abs() < 14.0);
                         assert!(is_near, "{cols} columns, {camera:?}, {at:?}: {seen:?} is not {expected:?}");
                     }

@@ -47,7 +47,8 @@ pub fn draw_differences(canvas: &mut Canvas, pane: &Pane) {
 fn differing(pane: &Pane) -> Vec<Cell> {
     let view = pane.view;
     let Some((rival, rival_state)) = view.rival else { return Vec::new() };
-    let (setting, other) = (pane.setting(), &rival.timeline().setting);
+    let setting = pane.setting();
+    let other = &rival.timeline().setting;
     if (setting.frame, &setting.bushes) != (other.frame, &other.bushes) {
         return Vec::new();
     }
@@ -73,7 +74,8 @@ fn draw_side(canvas: &mut Canvas, pane: &Pane, (cell, side): (Cell, (i32, i32)),
 /// Draws a frame about the bush, or a ring about the agent, that the viewer asked about.
 pub fn draw_selected(canvas: &mut Canvas, pane: &Pane) {
     let selected = pane.view.options.selected.filter(|(run_index, _)| *run_index == pane.view.run_index);
-    let (halo, outline) = (Pen::opaque(PAPER, 6.0 * pane.unit()), Pen::opaque(INK, 3.0 * pane.unit()));
+    let halo = Pen::opaque(PAPER, 6.0 * pane.unit());
+    let outline = Pen::opaque(INK, 3.0 * pane.unit());
     match selected {
         Some((_, Selected::Bush(cell))) => {
             let half = 0.5 * pane.cell_side() + 4.0 * pane.unit();
@@ -86,7 +88,8 @@ pub fn draw_selected(canvas: &mut Canvas, pane: &Pane) {
         }
         Some((_, Selected::Agent(agent))) => {
             if let Some(index) = pane.setting().agent_index(agent) {
-                let (start, state) = (&pane.setting().agents[index], &pane.view.state.agents[index]);
+                let start = &pane.setting().agents[index];
+                let state = &pane.view.state.agents[index];
                 let at = pane.at(start.body.centre(state.pose));
                 let radius = ring_radius(pane, &start.body);
                 canvas.ring(at, radius, &halo);
@@ -130,7 +133,8 @@ fn agent_at(pane: &Pane, (x, y): (f64, f64)) -> Option<Selected> {
     let agents = pane.setting().agents.iter().zip(&pane.view.state.agents);
     let hit = agents.filter_map(|(start, state)| {
         let (agent_x, agent_y) = pane.at(start.body.centre(state.pose));
-        let (right, down) = (x - f64::from(agent_x), y - f64::from(agent_y));
+        let right = x - f64::from(agent_x);
+        let down = y - f64::from(agent_y);
         let distance = (right * right + down * down).sqrt();
         let reach = f64::from(0.5 * drawn_length(pane, &start.body) + GENEROUS);
         (distance <= reach).then_some((distance, start.id))

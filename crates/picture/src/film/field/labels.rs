@@ -39,7 +39,8 @@ impl LabelBox {
 
     /// Beside a place, that far from it. The corner of a label comes as near as the middles of its sides would: agents are round.
     fn beside((x, y): Point, reach: f32, (width, height): (f32, f32)) -> Self {
-        let (left, bottom) = (x + 0.75 * reach, y - 0.75 * reach);
+        let left = x + 0.75 * reach;
+        let bottom = y - 0.75 * reach;
         Self { left, top: bottom - height, right: left + width, bottom }
     }
 
@@ -63,7 +64,8 @@ fn written(size: (f32, f32), taken: &[LabelBox], wanted: &[LabelBox]) -> Vec<boo
 /// Writes the numbers of agents where there is room for them; none is to lie over those fires.
 pub fn draw_labels(canvas: &mut Canvas, pane: &Pane, lettering: &mut Lettering, fires: &[Point]) {
     let unit = pane.unit();
-    let (width, height) = (pane.size.0 as f32, pane.size.1 as f32);
+    let width = pane.size.0 as f32;
+    let height = pane.size.1 as f32;
     let agents = pane.setting().agents.iter().zip(&pane.view.state.agents);
     let mut shown: Vec<(AgentId, Point, f32, Activity)> = agents
         .map(|(start, state)| {
@@ -107,7 +109,8 @@ fn turn(pane: &Pane, id: AgentId, activity: Activity) -> u8 {
 
 fn draw_label(canvas: &mut Canvas, lettering: &mut Lettering, (id, label): (AgentId, LabelBox), unit: f32) {
     let whole = |at: f32| at.round() as i32;
-    let (from, to) = ((whole(label.left), whole(label.top)), (whole(label.right), whole(label.bottom)));
+    let from = (whole(label.left), whole(label.top));
+    let to = (whole(label.right), whole(label.bottom));
     canvas.tint_pixels(from, to, Ink { colour: PAPER, opacity: PLATE });
     let style = LetterStyle { height: TEXT * unit, weight: Weight::Bold, colour: agent_colour(id) };
     let at = (label.left + PADDING * unit, label.bottom - PADDING * unit);

@@ -67,7 +67,8 @@ fn clip(from: DVec2, to: DVec2, (width, height): (u32, u32)) -> Option<(f64, f64
                 return None;
             }
         } else {
-            let (a, b) = ((-BEYOND - at) / step, (max - at) / step);
+            let a = (-BEYOND - at) / step;
+            let b = (max - at) / step;
             (first, last) = (first.max(a.min(b)), last.min(a.max(b)));
         }
     }

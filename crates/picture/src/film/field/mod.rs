@@ -135,7 +135,8 @@ impl FieldRenderer {
             values: FieldQuantity::shown(pane),
             searches: searches.iter().map(|search| search.fact).collect(),
         };
-        let (values, landscape) = (self.values.as_ref(), self.landscape.as_ref());
+        let values = self.values.as_ref();
+        let landscape = self.landscape.as_ref();
         let backdrop = self.backdrop.get(key.clone(), |_| draw_backdrop(pane, landscape, values, &searches));
         let kinds = pane.view.state.bushes.iter().copied().map(BushState::kind).collect();
         self.ground.change((key, kinds), |last, (key, kinds)| match last {
@@ -259,7 +260,8 @@ fn draw_backdrop(
 }
 
 fn draw_grid_lines(canvas: &mut Canvas, pane: &Pane) {
-    let (frame, colour) = (pane.frame(), blend(FIELD, INK, 0.25));
+    let frame = pane.frame();
+    let colour = blend(FIELD, INK, 0.25);
     let ((left, top), (right, bottom)) = pane.field_box();
     let min = GRID_LINES / f64::from(pane.cell_side());
     for col in ticks::indices(frame.cols.into(), min).skip(1) {
@@ -408,7 +410,8 @@ pub(super) mod tests {
 
     /// A truck that drives and suppresses, and fire that spreads, all lengths multiplied by `scale`.
     fn scaled(scale: f64) -> Timeline {
-        let (truck, goal) = (AgentId::unimog(0), Cell { col: 4, row: 4 });
+        let truck = AgentId::unimog(0);
+        let goal = Cell { col: 4, row: 4 };
         let mut setting = setting();
         setting.frame.cell_m *= scale;
         setting.bushes = vec![goal];

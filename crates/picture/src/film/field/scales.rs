@@ -36,7 +36,8 @@ pub fn draw_length_bar(canvas: &mut Canvas, pane: &Pane) {
     let bottom = pane.size.1 as f32 - margin;
     let height = text + 3.0 * padding;
     draw_plate(canvas, (margin, bottom - height), (width + 2.0 * padding, height));
-    let (left, line) = (margin + padding, bottom - padding);
+    let left = margin + padding;
+    let line = bottom - padding;
     draw_text(canvas, &label, (left, line - padding - unit), Align::Left, text, INK);
     canvas.fill_rect(left, line - 2.0 * unit, length, 2.0 * unit, INK);
     for end in [left, left + length - 2.0 * unit] {
@@ -90,9 +91,11 @@ pub fn draw_value_bar(canvas: &mut Canvas, pane: &Pane, bar: &ValueBar) {
     let labels = bar.labels.iter().map(|(_, label)| measure_text(label, text)).fold(0.0, f32::max);
     let width = measure_text(name, text).max(bar_width + 2.0 * mark + labels) + 2.0 * padding;
     let height = bar_height + 2.0 * text + 4.0 * padding;
-    let (right, bottom) = (pane.size.0 as f32 - margin, pane.size.1 as f32 - margin);
+    let right = pane.size.0 as f32 - margin;
+    let bottom = pane.size.1 as f32 - margin;
     draw_plate(canvas, (right - width, bottom - height), (width, height));
-    let (left, top) = ((right - width + padding).round(), (bottom - padding - 0.5 * text - bar_height).round());
+    let left = (right - width + padding).round();
+    let top = (bottom - padding - 0.5 * text - bar_height).round();
     draw_text(canvas, name, (left, bottom - height + padding + text), Align::Left, text, INK);
     draw_shades(canvas, bar, (left, top), (bar_width, bar_height));
     for (share, label) in &bar.labels {

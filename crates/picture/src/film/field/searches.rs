@@ -65,7 +65,8 @@ pub struct ShownSearch<'a> {
 
 /// The searches that the layers ask for, all agents'.
 pub(super) fn shown_searches<'a>(pane: &Pane<'a>) -> Vec<ShownSearch<'a>> {
-    let (run, time) = (pane.view.run, pane.view.state.time);
+    let run = pane.view.run;
+    let time = pane.view.state.time;
     let styles = STYLES.iter().filter(|style| pane.shows(style.layer));
     let searches = styles.flat_map(|style| {
         (0..pane.setting().agents.len()).filter_map(move |agent| {
@@ -97,7 +98,8 @@ pub(super) fn draw_searches(canvas: &mut Canvas, pane: &Pane, searches: &[ShownS
 
 /// Returns whether the two ends do not lie beyond the same side of the pane.
 fn may_be_seen(pane: &Pane, [a, b]: &[Point; 2]) -> bool {
-    let (width, height) = (pane.size.0 as f32, pane.size.1 as f32);
+    let width = pane.size.0 as f32;
+    let height = pane.size.1 as f32;
     let overlaps = |a: f32, b: f32, max: f32| a.max(b) >= 0.0 && a.min(b) <= max;
     overlaps(a.0, b.0, width) && overlaps(a.1, b.1, height)
 }

@@ -93,7 +93,8 @@ impl Sprite {
 /// `side` is -1 for the mirrored shape, else 1.
 fn read_shape(line: &str, side: f32) -> Option<SpriteShape> {
     let mut words = line.split_whitespace();
-    let (kind, ink) = (words.next()?, read_ink(words.next()?)?);
+    let kind = words.next()?;
+    let ink = read_ink(words.next()?)?;
     let size = match kind {
         "disc" | "line" | "curve" => Some(words.next()?.parse().ok()?),
         _ => None,

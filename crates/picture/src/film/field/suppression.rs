@@ -37,7 +37,8 @@ pub fn draw_suppressions(canvas: &mut Canvas, pane: &Pane) {
 
 fn draw_reach(canvas: &mut Canvas, pane: &Pane, centre: DVec2) {
     if let Some(reach_m) = pane.setting().rules.suppression_reach_m {
-        let (at, radius) = (pane.at(centre), pane.projection.length(reach_m));
+        let at = pane.at(centre);
+        let radius = pane.projection.length(reach_m);
         canvas.fill_disc_with(at, radius, Ink { colour: WATER, opacity: 0.1 });
         canvas.ring(at, radius, &Pen { ink: Ink { colour: WATER, opacity: 0.8 }, width: 1.5 * pane.unit() });
     }

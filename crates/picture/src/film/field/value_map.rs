@@ -133,7 +133,8 @@ fn clearances(setting: &Setting) -> (Grid<f64>, f64) {
     let frame = &setting.frame;
     let steps = (POINTS / usize::from(frame.cols.max(frame.rows))).clamp(1, MAX_STEPS);
     let step_m = frame.cell_m / steps as f64;
-    let (rows, cols) = (usize::from(frame.rows) * steps + 1, usize::from(frame.cols) * steps + 1);
+    let rows = usize::from(frame.rows) * steps + 1;
+    let cols = usize::from(frame.cols) * steps + 1;
     let mut values = Grid::filled(rows, cols, f64::INFINITY);
     squared_vertex_distances(&occupied(setting), steps, |row, squares| {
         for (value, &square) in values.row_mut(row).iter_mut().zip(squares) {

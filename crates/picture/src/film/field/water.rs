@@ -13,7 +13,8 @@ const TIP: f32 = 2.2;
 /// Draws each place as a drop, with the circle in which the middle of a truck has to be.
 pub fn draw_water(canvas: &mut Canvas, pane: &Pane) {
     let Some(water) = &pane.setting().water else { return };
-    let (unit, reach) = (pane.unit(), pane.projection.length(water.reach_m));
+    let unit = pane.unit();
+    let reach = pane.projection.length(water.reach_m);
     let half = if pane.has_marks() { SMALL_DROP } else { DROP } * unit;
     for &place in &water.places {
         let at = pane.at(place);
@@ -28,7 +29,8 @@ pub fn draw_water(canvas: &mut Canvas, pane: &Pane) {
         for (half, colour) in [(half + 1.5 * unit, PAPER), (half, WATER)] {
             let (x, y) = at;
             // Straight sides from the tip touch the circle where its radius is at a right angle to them.
-            let (up, across) = (half / TIP, half * (1.0 - 1.0 / (TIP * TIP)).sqrt());
+            let up = half / TIP;
+            let across = half * (1.0 - 1.0 / (TIP * TIP)).sqrt();
             canvas.fill(&[(x, y - TIP * half), (x + across, y - up), (x - across, y - up)], colour);
             canvas.fill_disc(at, half, colour);
         }

@@ -134,7 +134,8 @@ fn stretches(leg: &Trajectory, [from_m, to_m]: [f64; 2], pixels_per_metre: f64) 
     for (start, piece) in leg.pieces_with_starts() {
         let Some(segment) = piece.segment() else { continue };
         let length_m = segment.length_m.abs();
-        let (first, last) = ((from_m - begins_m).max(0.0), (to_m - begins_m).min(length_m));
+        let first = (from_m - begins_m).max(0.0);
+        let last = (to_m - begins_m).min(length_m);
         if first < last {
             let is_reverse = segment.is_reverse();
             if stretches.last().is_none_or(|stretch| stretch.is_reverse != is_reverse) {
@@ -174,7 +175,8 @@ fn sample(
 fn draw_stretch(canvas: &mut Canvas, pane: &Pane, stretch: &Stretch, pen: Pen, pattern: Option<(f64, f64)>) {
     let projection = &pane.projection;
     let line: Vec<DVec2> = stretch.points.iter().map(|&point| projection.place(point)).collect();
-    let (offset, unit) = (stretch.from_m * projection.pixels_per_metre, f64::from(pane.unit()));
+    let offset = stretch.from_m * projection.pixels_per_metre;
+    let unit = f64::from(pane.unit());
     let dashes = pattern.map(|(length, gap)| Dashes { length: unit * length, gap: unit * gap, offset });
     draw_visible_line(canvas, pane, &line, pen, dashes);
 }

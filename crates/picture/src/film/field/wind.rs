@@ -37,14 +37,16 @@ pub fn draw_wind(canvas: &mut Canvas, pane: &Pane) {
     // As wide for every wind, so that it stays where it is when the wind turns.
     let width = 2.0 * padding + (2.0 * dial).max(measure_text("from WNW", text)).max(measure_text("88.8 m/s", text));
     let height = 2.0 * dial + 3.0 * padding + 2.7 * text;
-    let (left, top) = (pane.size.0 as f32 - margin - width, margin);
+    let left = pane.size.0 as f32 - margin - width;
+    let top = margin;
     draw_plate(canvas, (left, top), (width, height));
     let centre = (left + 0.5 * width, top + padding + dial);
     canvas.fill_disc(centre, dial, FAINT_INK);
     canvas.fill_disc(centre, dial - unit, PAPER);
     canvas.fill_rect(centre.0 - 0.75 * unit, centre.1 - dial, 1.5 * unit, 4.0 * unit, INK);
     if !is_calm {
-        let (right, up) = ((wind.x / speed) as f32, (wind.y / speed) as f32);
+        let right = (wind.x / speed) as f32;
+        let up = (wind.y / speed) as f32;
         draw_arrow(canvas, centre, (right, up), 0.78 * dial);
     }
     for (line, words) in words.iter().enumerate() {

@@ -30,8 +30,11 @@ const FIRST_VALUE: f32 = 7.6;
 pub fn values(texts: impl IntoIterator<Item = String>, face: TextFace) -> Vec<LineMark> {
     let texts: Vec<String> = texts.into_iter().collect();
     let count = texts.len();
-    let mark = |(index, text)| LineMark::Right { to: FIRST_VALUE * (count - 1 - index) as f32, text, face };
-    texts.into_iter().enumerate().map(mark).collect()
+    texts
+        .into_iter()
+        .enumerate()
+        .map(|(index, text)| LineMark::Right { to: FIRST_VALUE * (count - 1 - index) as f32, text, face })
+        .collect()
 }
 
 /// Above the values of the runs of a comparison: what they are of, and the names of the runs.
@@ -120,7 +123,8 @@ fn ground_lines(view: &HudView) -> Vec<PanelLine> {
 }
 
 fn count_and_share(counts: &BushCounts, kind: BushStateKind) -> [LineMark; 2] {
-    let (count, share) = (counts.count(kind), format_percent(counts.count(kind), counts.bushes()));
+    let count = counts.count(kind);
+    let share = format_percent(counts.count(kind), counts.bushes());
     [
         LineMark::Right { to: COUNT, text: count.to_string(), face: TextFace::STRONG },
         LineMark::Right { to: 0.0, text: share, face: TextFace::faint() },
@@ -183,7 +187,8 @@ fn points_text(score: f64) -> String {
 
 /// The part of each side in all points.
 fn shares([wumpus, unimog]: [f64; 2]) -> Vec<(f64, Rgb)> {
-    let (wumpus, unimog) = (wumpus.max(0.0), unimog.max(0.0));
+    let wumpus = wumpus.max(0.0);
+    let unimog = unimog.max(0.0);
     let all = wumpus + unimog;
     if all > 0.0 { vec![(wumpus / all, WUMPUS), (unimog / all, UNIMOG)] } else { vec![(1.0, FAINT_INK)] }
 }

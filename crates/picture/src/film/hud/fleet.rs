@@ -75,8 +75,10 @@ fn is_too_late(run: &RunView, state: &State, index: usize, agent: &AgentState) -
 pub fn fleet_blocks(view: &HudView) -> Vec<PanelBlock> {
     let roles = [(AgentId::unimog(0), FIRST_AGENT_RANK), (AgentId::wumpus(0), FIRST_AGENT_RANK + 1)];
     let min = |any: AgentId| usize::from(view.is_comparison()) + if any.role.drives() { 4 } else { 2 };
-    let block = |(any, rank)| Some(PanelBlock::new(rank, role_lines(view, any)?).with_min(min(any)));
-    roles.into_iter().filter_map(block).collect()
+    roles
+        .into_iter()
+        .filter_map(|(any, rank)| Some(PanelBlock::new(rank, role_lines(view, any)?).with_min(min(any))))
+        .collect()
 }
 
 /// `any` is an agent of the role; `None` if no run has one.
@@ -145,7 +147,8 @@ mod tests {
     }
 
     fn blocks(run: &RunView, time_s: f64) -> Vec<PanelBlock> {
-        let (time, options) = (SimTime::from_seconds(time_s), ViewOptions::default());
+        let time = SimTime::from_seconds(time_s);
+        let options = ViewOptions::default();
         let runs = [run];
         let states = [run.state_at(time)];
         let request = FrameRequest { runs: &runs, time, options: &options };

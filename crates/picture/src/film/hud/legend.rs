@@ -161,7 +161,8 @@ pub fn wrapped_lines(sentence: &str) -> Vec<PanelLine> {
 impl LegendSign {
     /// Draws it from `left` on, about half the height of capitals above a base line.
     pub fn draw(self, pen: &mut TextPen, left: f32, base: f32) {
-        let (middle, wide) = (base - 0.45 * pen.text, pen.length(2.6));
+        let middle = base - 0.45 * pen.text;
+        let wide = pen.length(2.6);
         let disc = (left + 0.5 * wide, middle);
         match self {
             Self::Line(dash, gap) => {
@@ -202,7 +203,8 @@ mod tests {
 
     /// All texts of some blocks of the panel at the start.
     fn texts(run: &RunView, blocks: impl Fn(&HudView) -> Vec<PanelBlock>) -> String {
-        let (options, states) = (ViewOptions::default(), [run.state_at(SimTime::ZERO)]);
+        let options = ViewOptions::default();
+        let states = [run.state_at(SimTime::ZERO)];
         let request = FrameRequest { runs: &[run], time: SimTime::ZERO, options: &options };
         let blocks = blocks(&HudView::new(&request, &states));
         let marks = blocks.iter().flat_map(|block| &block.lines).flat_map(|line| &line.marks);
@@ -231,7 +233,8 @@ mod tests {
     #[test]
     fn only_sides_that_are_there_have_points_and_lead() {
         let scores = |agents: &[AgentId]| texts(&run(agents), |view| scores_block(view).into_iter().collect());
-        let (wumpus, truck) = (AgentId::wumpus(0), AgentId::unimog(0));
+        let wumpus = AgentId::wumpus(0);
+        let truck = AgentId::unimog(0);
         assert_eq!(scores(&[wumpus, truck]), "Wumpus 0 Unimog 0 tied ");
         assert_eq!(scores(&[truck]), "Unimog 0 ");
         assert_eq!(scores(&[wumpus]), "Wumpus 0 ");

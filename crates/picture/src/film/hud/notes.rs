@@ -18,7 +18,8 @@ const NOTE_HEIGHT: f32 = 2.2;
 /// The run's name in the corner of each pane of a comparison.
 pub fn draw_run_names(pen: &mut TextPen, layout: &FrameLayout, view: &HudView) {
     for (run_index, (pane, run)) in layout.fields.iter().zip(view.runs).enumerate() {
-        let (seed, end) = (run.timeline().setting.seed, run.end_time());
+        let seed = run.timeline().setting.seed;
+        let end = run.end_time();
         let mut name = format!("{}  {}, seed {seed}", words::run_name(run_index), run.title());
         if view.time >= end {
             name.push_str(&format!(", ended at {}", format_clock(end)));
@@ -32,7 +33,8 @@ pub fn draw_run_names(pen: &mut TextPen, layout: &FrameLayout, view: &HudView) {
 /// Draws a message in the middle of the lower part of the panes, above the length bar.
 pub fn draw_message(pen: &mut TextPen, layout: &FrameLayout, message: &str) {
     let (Some(first), Some(last)) = (layout.fields.first(), layout.fields.last()) else { return };
-    let (left, right) = (first.left as f32, last.right() as f32);
+    let left = first.left as f32;
+    let right = last.right() as f32;
     let message = shortened(pen, message, right - left);
     let width = pen.measure(&message, TextFace::STRONG) + 2.0 * pen.length(INSIDE);
     let top = first.bottom() as f32 - pen.length(2.0 * (OUTSIDE + NOTE_HEIGHT));
@@ -50,7 +52,8 @@ fn shortened(pen: &TextPen, text: &str, width: f32) -> String {
 
 /// A line of text in a box.
 fn draw_note(pen: &mut TextPen, text: &str, (left, top): Point, face: TextFace) {
-    let (inside, height) = (pen.length(INSIDE), pen.length(NOTE_HEIGHT));
+    let inside = pen.length(INSIDE);
+    let height = pen.length(NOTE_HEIGHT);
     let width = pen.measure(text, face) + 2.0 * inside;
     let ground = if face.colour == PAPER { INK } else { PAPER };
     pen.fill((left, top), (width, height), ground);
@@ -65,7 +68,8 @@ pub fn draw_headline(pen: &mut TextPen, layout: &FrameLayout, view: &HudView) {
     let mut x = pen.length(1.0);
     pen.write(&format_clock(view.time), (x, base), Align::Left, HEADLINE_CLOCK);
     x += pen.measure(&format_clock(view.time), HEADLINE_CLOCK) + pen.length(1.5);
-    let (sign, right) = (pen.length(1.5), layout.width as f32 - pen.length(1.0));
+    let sign = pen.length(1.5);
+    let right = layout.width as f32 - pen.length(1.0);
     for kind in [BushStateKind::Burning, BushStateKind::BurnedOut, BushStateKind::Extinguished, BushStateKind::Intact] {
         let counts: Vec<String> = view.counts.iter().map(|counts| counts.count(kind).to_string()).collect();
         let counts = counts.join(" : ");
@@ -97,11 +101,14 @@ pub fn draw_help(pen: &mut TextPen, layout: &FrameLayout, has_ground: bool) {
     let widths = tables.each_ref().map(widths);
     let width = widths.iter().map(|(keys, does)| keys + BETWEEN + does).sum::<f32>() + 3.0 * HELP_MARGIN;
     let height = HEADING + HELP_LINE * tables[0].len() as f32 + HELP_MARGIN;
-    let (sheet_width, sheet_height) = (layout.width as f32, layout.height as f32);
+    let sheet_width = layout.width as f32;
+    let sheet_height = layout.height as f32;
     let text = pen.text.min(0.98 * sheet_width / width).min(0.98 * sheet_height / height);
     let mut pen = TextPen { sheet: &mut *pen.sheet, lettering: &mut *pen.lettering, signs: &mut *pen.signs, text };
-    let (width, height) = (pen.length(width), pen.length(height));
-    let (left, top) = ((0.5 * (sheet_width - width)).round(), (0.5 * (sheet_height - height)).round());
+    let width = pen.length(width);
+    let height = pen.length(height);
+    let left = (0.5 * (sheet_width - width)).round();
+    let top = (0.5 * (sheet_height - height)).round();
     pen.fill((left - 1.0, top - 1.0), (width + 2.0, height + 2.0), INK);
     pen.fill((left, top), (width, height), PAPER);
     let mut x = left + pen.length(HELP_MARGIN);
@@ -121,6 +128,7 @@ fn widths(table: &KeyTable) -> (f32, f32) {
     let widest = |texts: &mut dyn Iterator<Item = &String>, face: TextFace| {
         texts.map(|text| measure_weighted(text, face.size, face.weight)).fold(0.0, f32::max)
     };
-    let (keys, does) = (&mut table.iter().map(|row| &row.0), &mut table.iter().map(|row| &row.1));
+    let keys = &mut table.iter().map(|row| &row.0);
+    let does = &mut table.iter().map(|row| &row.1);
     (widest(keys, TextFace::STRONG), widest(does, TextFace::PLAIN))
 }

@@ -58,7 +58,8 @@ impl TextPen<'_> {
     }
 
     pub fn fill(&mut self, (left, top): Point, (width, height): (f32, f32), colour: Rgb) {
-        let (right, bottom) = (left.round() + width.round(), top.round() + height.round());
+        let right = left.round() + width.round();
+        let bottom = top.round() + height.round();
         self.sheet.fill_pixels((whole(left), whole(top)), (whole(right), whole(bottom)), colour);
     }
 
@@ -104,7 +105,8 @@ fn draw_sign_canvas(kind: BushStateKind, side: f32) -> Canvas {
     let mut sheet = Canvas::sized(SIGN_ROOM * side, SIGN_ROOM * side, PAPER);
     let middle = 0.5 * sheet.width() as f32;
     if side < MIN_DRAWN {
-        let (corner, flat) = (middle - 0.5 * FLAT * side, FLAT * side);
+        let corner = middle - 0.5 * FLAT * side;
+        let flat = FLAT * side;
         sheet.fill_rect(corner, corner, flat, flat, bush_colour(kind));
     } else {
         draw_sign(&mut sheet, kind, (middle, middle), side);

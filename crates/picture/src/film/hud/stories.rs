@@ -21,8 +21,12 @@ pub fn agent_blocks(view: &HudView) -> Vec<PanelBlock> {
         return fleet_blocks(view);
     }
     if let (&[run], [state]) = (view.runs, view.states) {
-        let tell = |(index, agent)| PanelBlock::new(agent_rank(index), agent_lines(run, index, agent, view.time));
-        state.agents.iter().enumerate().map(tell).collect()
+        state
+            .agents
+            .iter()
+            .enumerate()
+            .map(|(index, agent)| PanelBlock::new(agent_rank(index), agent_lines(run, index, agent, view.time)))
+            .collect()
     } else {
         agent_ids(view)
             .into_iter()
@@ -100,7 +104,8 @@ const MAX_CHANGES: usize = 6;
 
 pub fn story_block(view: &HudView) -> Option<PanelBlock> {
     let (run_index, selected) = view.options.selected?;
-    let (run, state) = (*view.runs.get(run_index)?, view.states.get(run_index)?);
+    let run = *view.runs.get(run_index)?;
+    let state = view.states.get(run_index)?;
     let lines = match selected {
         Selected::Bush(cell) => bush_story(run, cell, view.time)?,
         Selected::Agent(id) => agent_story(run, state, id, view.time)?,

@@ -199,7 +199,8 @@ impl Texts {
 impl RunData {
     pub fn new(run: &RunView, scale: CountScale) -> Self {
         let (timeline, index) = (run.timeline(), run.index());
-        let (setting, frame) = (&timeline.setting, timeline.setting.frame);
+        let setting = &timeline.setting;
+        let frame = timeline.setting.frame;
         let mut texts = Texts::default();
         let agents = setting.agents.iter().enumerate();
         let agents = agents.map(|(agent, start)| agent_data(run, agent, start, &mut texts)).collect();
@@ -271,7 +272,8 @@ fn step_table(run: &RunView, agent: usize, texts: &mut Texts) -> StepTable {
     let (index, timeline) = (run.index(), run.timeline());
     let mut table = StepTable::default();
     for time in index.changes_of_agent(agent) {
-        let (state, stats) = (run.agent_at(agent, time), run.stats_at(agent, time));
+        let state = run.agent_at(agent, time);
+        let stats = run.stats_at(agent, time);
         let failure = stats.last_failure.map(|at| &timeline.events[at].fact);
         table.time_ns.push(nanos(time));
         table.activity.push(stats.activity as u8);
@@ -349,7 +351,8 @@ fn stop_table(run: &RunView, agent: usize) -> StopTable {
 }
 
 fn change_table(run: &RunView, texts: &mut Texts) -> ChangeTable {
-    let (timeline, setting) = (run.timeline(), &run.timeline().setting);
+    let timeline = run.timeline();
+    let setting = &run.timeline().setting;
     let mut since: Vec<Option<SimTime>> = vec![None; setting.bushes.len()];
     let mut table = ChangeTable::default();
     for event in &timeline.events {
@@ -383,7 +386,8 @@ fn count_table(run: &RunView, rules: &Rules) -> CountTable {
 }
 
 fn searches(run: &RunView) -> Vec<SearchData> {
-    let (timeline, setting) = (run.timeline(), &run.timeline().setting);
+    let timeline = run.timeline();
+    let setting = &run.timeline().setting;
     let searched = timeline.events.iter().filter_map(|event| {
         let Fact::Agent(id, AgentFact::Searched { phase, graph }) = &event.fact else { return None };
         Some(SearchData {
@@ -434,11 +438,13 @@ pub fn differences(values: impl IntoIterator<Item = i64>) -> Vec<i64> {
 
 fn pair_differences(pairs: impl IntoIterator<Item = [i64; 2]>) -> Vec<i64> {
     let mut last = [0; 2];
-    let each = |pair: [i64; 2]| {
-        let [x, y] = std::mem::replace(&mut last, pair);
-        [pair[0] - x, pair[1] - y]
-    };
-    pairs.into_iter().flat_map(each).collect()
+    pairs
+        .into_iter()
+        .flat_map(|pair| {
+            let [x, y] = std::mem::replace(&mut last, pair);
+            [pair[0] - x, pair[1] - y]
+        })
+        .collect()
 }
 
 /// The colour in the notation of HTML.
@@ -482,11 +488,13 @@ mod tests {
         for seed in 0..4 {
             let run = run(seed);
             let RunData { counts, changes, .. } = data(&run);
-            let (count_times, change_times, bushes) =
-                (sums(&counts.time_ns), sums(&changes.time_ns), sums(&changes.bush));
+            let count_times = sums(&counts.time_ns);
+            let change_times = sums(&changes.time_ns);
+            let bushes = sums(&changes.bush);
             let kinds = counts.bushes.each_ref().map(|kind| sums(kind));
             for time in times() {
-                let (expected, state) = (run.counts_at(time), run.state_at(time));
+                let expected = run.counts_at(time);
+                let state = run.state_at(time);
                 let step = last_at(&count_times, time).expect("the first is at zero");
                 for (kind, counts) in BushStateKind::ALL.into_iter().zip(&kinds) {
                     assert_eq!(counts[step], i64::from(expected.count(kind)), "{kind:?} at {time}");
@@ -511,7 +519,8 @@ mod tests {
 
     impl ReadLeg {
         fn new(table: &LegTable, index: usize) -> Self {
-            let (x, y) = (sums(&table.x)[index] as f64 / PER_METRE, sums(&table.y)[index] as f64 / PER_METRE);
+            let x = sums(&table.x)[index] as f64 / PER_METRE;
+            let y = sums(&table.y)[index] as f64 / PER_METRE;
             let first: usize = table.pieces[..index].iter().sum();
             let PieceTable { kind, lasts, amount, curvature, speed, acceleration } = &table.piece;
             let piece = |at: usize| match kind[at] {
@@ -534,7 +543,8 @@ mod tests {
         }
 
         fn pose_at(&self, time: SimTime) -> Pose {
-            let (mut left_s, mut pose) = (time.as_seconds() - self.start_s, self.start);
+            let mut left_s = time.as_seconds() - self.start_s;
+            let mut pose = self.start;
             for &(lasts_s, piece) in &self.pieces {
                 if left_s < 0.0 {
                     break;
@@ -561,11 +571,14 @@ mod tests {
         for seed in 0..4 {
             let run = run(seed);
             for (index, agent) in data(&run).agents.iter().enumerate() {
-                let (leg_times, step_times) = (sums(&agent.legs.from_ns), sums(&agent.steps.time_ns));
-                let (goals, cells) = (sums(&agent.steps.goal), sums(&agent.steps.cells));
+                let leg_times = sums(&agent.legs.from_ns);
+                let step_times = sums(&agent.steps.time_ns);
+                let goals = sums(&agent.steps.goal);
+                let cells = sums(&agent.steps.cells);
                 let legs: Vec<ReadLeg> = (0..leg_times.len()).map(|at| ReadLeg::new(&agent.legs, at)).collect();
                 for time in times() {
-                    let (state, stats) = (run.agent_at(index, time), run.stats_at(index, time));
+                    let state = run.agent_at(index, time);
+                    let stats = run.stats_at(index, time);
                     if let Some(leg) = last_at(&leg_times, time) {
                         let apart_m = (legs[leg].pose_at(time).position() - state.pose.position()).length();
                         assert!(apart_m < 0.01, "{} at {time}: {apart_m} m", agent.id);

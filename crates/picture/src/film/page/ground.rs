@@ -7,11 +7,11 @@ use serde::Serialize;
 use super::data::{differences, hex};
 use crate::Rgb;
 use crate::colours::{EXTINGUISHED, blend};
+use crate::film::RunView;
 use crate::film::field::ground::{
     ArrivalLines, BURNED_OPACITY, CHAR, CellShades, EMBER, EMBERS, FLAMING, GLOWS_FOR_S, GroundView, OLD, OLD_AFTER_S,
     WET, WET_OPACITY, YOUNG, YOUNG_FOR_S,
 };
-use crate::film::{Layer, RunView};
 use wildfire_base::time::SimTime;
 
 /// A page has a number for each cell of ground, and a browser a pixel: more would be too much for either.
@@ -120,7 +120,8 @@ struct FireColours {
 impl GroundData {
     /// `None` of a run in which only bushes burn.
     pub fn new(run: &RunView) -> Option<Self> {
-        let (view, index) = (GroundView::new(run)?, run.index().ground()?);
+        let view = GroundView::new(run)?;
+        let index = run.index().ground()?;
         let setting = &run.timeline().setting;
         let frame = setting.frame;
         let mut burnings = BurningTable::default();
@@ -215,17 +216,16 @@ fn arrival_lines(run: &RunView) -> Vec<ArrivalData> {
 }
 
 fn shades_data(run: &RunView) -> BTreeMap<&'static str, ShadesData> {
-    let data = |CellShades { scale, by_cell }: CellShades| {
-        let shade = |row: u32| hex(scale.shade((f64::from(row) + 0.5) / f64::from(SHADES)));
-        ShadesData {
-            name: scale.name.clone(),
-            shades: (0..SHADES).map(shade).collect(),
-            ticks: scale.ticks.iter().map(|tick| (scale.fraction(tick.value), tick.label.clone())).collect(),
-            cells: CellColours::new(by_cell.iter().copied()),
-        }
+    let data = |CellShades { scale, by_cell }: CellShades| ShadesData {
+        name: scale.name.clone(),
+        shades: (0..SHADES).map(|row| hex(scale.shade((f64::from(row) + 0.5) / f64::from(SHADES)))).collect(),
+        ticks: scale.ticks.iter().map(|tick| (scale.fraction(tick.value), tick.label.clone())).collect(),
+        cells: CellColours::new(by_cell.iter().copied()),
     };
-    let of_layer = |(layer, quantity): (Layer, _)| Some((layer.name(), data(CellShades::new(run, quantity)?)));
-    CellShades::LAYERS.into_iter().filter_map(of_layer).collect()
+    CellShades::LAYERS
+        .into_iter()
+        .filter_map(|(layer, quantity)| Some((layer.name(), data(CellShades::new(run, quantity)?))))
+        .collect()
 }
 
 fn millis(time: SimTime) -> i64 {

@@ -228,7 +228,8 @@ impl BinPages {
     /// Returns the number of bins that there is memory for once there are `more` further ones: it doubles, up to the most that
     /// may be.
     fn bins_after(&self, more: usize) -> Option<usize> {
-        let (known, room) = (self.poses.len() + more, self.poses.capacity());
+        let known = self.poses.len() + more;
+        let room = self.poses.capacity();
         let grown = if known <= room { room } else { known.max((2 * room).min(MAX_BINS)) };
         (known <= MAX_BINS).then_some(grown)
     }

@@ -125,7 +125,8 @@ impl Squares {
     fn is_open(self, checker: &CollisionChecker, square: usize) -> bool {
         let body = checker.body();
         let needed = 0.5 * body.width_m.min(body.length_m) - SQUARE_M * FRAC_1_SQRT_2;
-        let (middle, field) = (self.middle(square), checker.field());
+        let middle = self.middle(square);
+        let field = checker.field();
         // The field's bound is cheaper than the exact distance, and mostly enough.
         field.lower_bound(middle) >= needed || field.distance(middle) >= needed
     }
@@ -134,7 +135,8 @@ impl Squares {
     fn in_disc(self, disc: GoalDisc) -> impl Iterator<Item = usize> {
         let reach = disc.radius_m + SQUARE_M * FRAC_1_SQRT_2;
         let range = move |middle: f64, count: usize| {
-            let (low, high) = ((middle - reach) / SQUARE_M, (middle + reach) / SQUARE_M);
+            let low = (middle - reach) / SQUARE_M;
+            let high = (middle + reach) / SQUARE_M;
             low as usize..(high as usize).saturating_add(1).min(count)
         };
         let cols = range(disc.centre.x, self.cols);
@@ -154,7 +156,10 @@ impl Squares {
 
     /// Returns the squares that share a side with one.
     fn beside(self, square: usize) -> impl Iterator<Item = usize> + use<> {
-        let (col, row, cols, rows) = (square % self.cols, square / self.cols, self.cols, self.rows);
+        let col = square % self.cols;
+        let row = square / self.cols;
+        let cols = self.cols;
+        let rows = self.rows;
         let west = (col > 0).then(|| square - 1);
         let east = (col + 1 < cols).then_some(square + 1);
         let south = (row > 0).then(|| square - cols);

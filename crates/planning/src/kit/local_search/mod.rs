@@ -106,8 +106,9 @@ impl LocalSearch {
                     if let Goal::Disc(disc) = goal
                         && self.settings.aimed
                     {
-                        let is_free = |pose, segment| profile.motion_is_free(&self.checker, pose, segment);
-                        self.search.steering().shorten_end(&mut path, disc, is_free);
+                        self.search.steering().shorten_end(&mut path, disc, |pose, segment| {
+                            profile.motion_is_free(&self.checker, pose, segment)
+                        });
                     }
                     let by = match waypoints {
                         _ if stage.is_relaxed() => FoundBy::Relaxed,

@@ -157,7 +157,8 @@ impl Primitives {
         self.tails.clear();
         self.tails.resize(waypoints.len(), 0.0);
         for index in (0..waypoints.len().saturating_sub(1)).rev() {
-            let (from, to) = (waypoints[index], waypoints[index + 1]);
+            let from = waypoints[index];
+            let to = waypoints[index + 1];
             self.tails[index] = self.tails[index + 1] + (from.distance(to) + self.price.line_surcharge(from, to));
         }
     }

@@ -123,7 +123,8 @@ mod tests {
         goals.extend((0..4).map(|_| Goal::Pose(random_free_pose(&mut field, 0.3))));
         let mut kept = planner(&field);
         for &goal in goals.iter().chain(goals.iter().rev()) {
-            let (plan, fresh) = (kept.plan(field.start, goal), planner(&field).plan(field.start, goal));
+            let plan = kept.plan(field.start, goal);
+            let fresh = planner(&field).plan(field.start, goal);
             assert_eq!((plan.path, plan.effort), (fresh.path, fresh.effort));
         }
     }

@@ -148,7 +148,8 @@ fn disc_about(milestone: DVec2, tolerance_m: f64, goal: GoalDisc) -> GoalDisc {
         return GoalDisc { centre: milestone, radius_m: tolerance_m };
     }
     // Along the ray from the goal's centre through the milestone.
-    let (first, last) = ((metres - tolerance_m).max(-goal.radius_m), goal.radius_m);
+    let first = (metres - tolerance_m).max(-goal.radius_m);
+    let last = goal.radius_m;
     let outwards = (milestone - goal.centre).normalize_or_zero();
     GoalDisc { centre: goal.centre + outwards * (0.5 * (first + last)), radius_m: 0.5 * (last - first) }
 }
@@ -269,7 +270,8 @@ mod tests {
             let mut planner = planner(&field, seed);
             let mut oracle = FloodSearch::new(&field.checker, &MemoryMeter::unlimited());
             for _ in 0..10 {
-                let (start, goal) = (field.start, Goal::Pose(random_free_pose(&mut field, 0.1)));
+                let start = field.start;
+                let goal = Goal::Pose(random_free_pose(&mut field, 0.1));
                 match planner.plan(start, goal).path {
                     Ok(path) => {
                         assert_ends_in(&field.checker, &path, goal);
@@ -357,7 +359,8 @@ mod tests {
     }
 
     fn planner_of((prm, primitives): &(PrmSettings, PrimitiveSettings), field: &TestField, seed: u64) -> PrmPrimitives {
-        let (prm, primitives) = (prm.clone(), primitives.clone());
+        let prm = prm.clone();
+        let primitives = primitives.clone();
         field.make(&OwnedSettings { prm, primitives, ..OwnedSettings::default() }, seed, PrmPrimitives::build)
     }
 

@@ -174,7 +174,8 @@ fn improvement(settings: &PrmRsSettings) -> Improvement {
 
 /// Builds the roadmap of a whole field.
 fn whole_roadmap(context: &PlannerContext<'_>) -> (Roadmap, BuildReport) {
-    let (checker, settings) = (context.checker, context.settings.prm_rs);
+    let checker = context.checker;
+    let settings = context.settings.prm_rs;
     let mut rng = (context.stream)("prm-rs");
     let mut watch = CpuStopwatch::start();
     let mut sampler = Sampler::new(checker, settings.clearance_m, &mut rng);
@@ -347,7 +348,8 @@ mod tests {
         let goals: Vec<GoalDisc> = (0..12).map(|_| field.random_goal()).collect();
         let mut kept = lazy(&field, 3);
         for &goal in goals.iter().chain(goals.iter().rev()) {
-            let (one, two) = (kept.plan(field.start, goal.into()), lazy(&field, 3).plan(field.start, goal.into()));
+            let one = kept.plan(field.start, goal.into());
+            let two = lazy(&field, 3).plan(field.start, goal.into());
             assert_eq!((one.path, one.found_by, one.effort), (two.path, two.found_by, two.effort));
             kept.roadmap.forget_beyond(300);
         }
@@ -409,7 +411,8 @@ mod tests {
     #[test]
     fn the_report_counts_what_was_built_and_the_same_seed_builds_the_same() {
         let field = TestField::random(3, 25);
-        let (one, two) = (planner(&field, 3), planner(&field, 3));
+        let one = planner(&field, 3);
+        let two = planner(&field, 3);
         let counts = |planner: &PrmRs| {
             let BuildReport { samples, draws, edges, components, .. } = planner.build_report();
             [samples, draws, edges, components]

@@ -23,12 +23,14 @@ impl Places {
     pub fn new(frame: &FieldFrame) -> Self {
         let side_m = SIDE_M.max(frame.width_m().max(frame.height_m()) / MAX_SQUARES);
         let count = |metres: f64| (metres / side_m) as usize + 1;
-        let (cols, rows) = (count(frame.width_m()), count(frame.height_m()));
+        let cols = count(frame.width_m());
+        let rows = count(frame.height_m());
         Self { side_m, cols, rows, squares: vec![Vec::new(); cols * rows], places: Vec::new() }
     }
 
     pub fn add(&mut self, place: DVec2) {
-        let (col, row) = ((place.x / self.side_m) as usize, (place.y / self.side_m) as usize);
+        let col = (place.x / self.side_m) as usize;
+        let row = (place.y / self.side_m) as usize;
         let square = row.min(self.rows - 1) * self.cols + col.min(self.cols - 1);
         self.squares[square].push(self.places.len() as u32);
         self.places.push(place);
@@ -39,7 +41,8 @@ impl Places {
         found.clear();
         let range = |middle: f64, count: usize| {
             // Casts clamp at 0.
-            let (low, high) = ((middle - reach_m) / self.side_m, (middle + reach_m) / self.side_m);
+            let low = (middle - reach_m) / self.side_m;
+            let high = (middle + reach_m) / self.side_m;
             low as usize..(high as usize).saturating_add(1).min(count)
         };
         let cols = range(place.x, self.cols);

@@ -399,7 +399,8 @@ impl Roadmap {
         let radius = self.curves.radius_m;
         let line = (b.pose.position() - a.pose.position()) / distance.max(1e-9);
         let turn_m = |direction: DVec2| {
-            let (along, across) = (line.dot(direction).abs(), line.perp_dot(direction).abs());
+            let along = line.dot(direction).abs();
+            let across = line.perp_dot(direction).abs();
             let sideways = radius * (1.0 - along);
             0.5 * radius * across * across * across + sideways * sideways / (2.0 * distance.max(0.5 * radius))
         };
@@ -568,7 +569,8 @@ mod tests {
     fn a_growing_roadmap_joins_a_node_to_those_that_the_estimate_says_are_nearest() {
         for seed in 0..3 {
             let field = TestField::random(seed, 30);
-            let (mut all, mut roadmap) = (lazy(&field), lazy(&field));
+            let mut all = lazy(&field);
+            let mut roadmap = lazy(&field);
             let mut near = Vec::new();
             all.near(DVec2::splat(75.0), f64::INFINITY, &mut near);
             roadmap.near(field.start.position(), 20.0, &mut near);
@@ -645,7 +647,8 @@ mod tests {
     #[test]
     fn what_is_known_of_an_edge_does_not_change_it() {
         let field = TestField::random(2, 40);
-        let (mut asked, mut fresh) = (roadmap(&field), roadmap(&field));
+        let mut asked = roadmap(&field);
+        let mut fresh = roadmap(&field);
         let mut rng = rng::stream(2, "edges");
         let edges: Vec<(u32, ClearanceLevel)> =
             (0..300).map(|_| (rng.random_range(0..asked.edge_count() as u32), rng.random_range(0..LEVELS))).collect();

@@ -228,7 +228,8 @@ impl Auctioneer<'_> {
     /// empty by then.
     fn with_water(&self, truck: &TeamTruck, number: usize, from: (DVec2, SimTime)) -> (DVec2, SimTime) {
         let Some(water) = self.open.team.water else { return from };
-        let (left, full) = (truck.stops_left as usize, water.full_tank as usize);
+        let left = truck.stops_left as usize;
+        let full = water.full_tank as usize;
         let is_dry = number >= left && (number - left).is_multiple_of(full);
         if is_dry { self.open.team.refilled(truck.speed_mps, from.0, from.1, 0) } else { from }
     }
@@ -265,7 +266,8 @@ mod tests {
 
     /// The times at which the fires of a route are out, and the bushes that are saved; `None` if one is late.
     fn drive(open: &OpenFires<'_>, threats: &[u32], truck: &TeamTruck, fires: &[usize]) -> Option<(Vec<SimTime>, u32)> {
-        let (mut place, mut time) = (truck.place, open.team.sets_out_at(truck));
+        let mut place = truck.place;
+        let mut time = open.team.sets_out_at(truck);
         let (mut times, mut bushes) = (Vec::new(), 0);
         for &fire in fires {
             time += open.team.stop_time(truck.speed_mps, place, open.fires[fire].place);

@@ -108,7 +108,8 @@ impl<'a> Forecast<'a> {
         let index = |cell: Cell| self.team.frame.index(cell);
         let number = |cell: Cell| self.fires.binary_search_by_key(&index(cell), |fire| index(fire.cell)).ok();
         for (truck, known) in self.team.trucks.iter().enumerate() {
-            let (place, speed_mps) = (known.place, known.speed_mps);
+            let place = known.place;
+            let speed_mps = known.speed_mps;
             future.trucks.push(FutureTruck { place, speed_mps, is_free: known.is_asked, is_idle: false, goal: None });
             if !known.is_asked {
                 // It is free when it has put out what it goes for, or stands at.

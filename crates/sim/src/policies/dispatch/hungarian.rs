@@ -73,11 +73,13 @@ pub fn bushes_saved(open: &OpenFires<'_>, threats: &[u32], fire: usize, out_at: 
 /// first is preferred, so ties are always broken alike.
 pub fn min_total(rows: usize, columns: usize, cost: impl Fn(usize, usize) -> f64) -> Vec<usize> {
     // Rows and columns count from 1: column 0 stands for the row that comes in, row 0 for nobody.
-    let (mut row_price, mut column_price) = (vec![0.0; rows + 1], vec![0.0; columns + 1]);
+    let mut row_price = vec![0.0; rows + 1];
+    let mut column_price = vec![0.0; columns + 1];
     let mut row_of = vec![0; columns + 1];
     for incoming in 1..=rows {
         // Dijkstra's search over columns, by costs less prices, which never are negative; it ends at a free column.
-        let (mut min, mut before) = (vec![f64::INFINITY; columns + 1], vec![0; columns + 1]);
+        let mut min = vec![f64::INFINITY; columns + 1];
+        let mut before = vec![0; columns + 1];
         let mut is_done = vec![false; columns + 1];
         row_of[0] = incoming;
         let mut column = 0;

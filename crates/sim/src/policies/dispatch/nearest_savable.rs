@@ -40,11 +40,10 @@ pub fn nearest_first(
     effort: &mut u64,
 ) -> Vec<(usize, usize)> {
     let mut best_of = |truck: usize, taken: &[bool]| {
-        let is_free = |fire: usize| {
+        let best = open.nearest_savable(&open.team.trucks[truck], 1, |fire| {
             *effort += 1;
             !taken[fire]
-        };
-        let best = open.nearest_savable(&open.team.trucks[truck], 1, is_free);
+        });
         best.first().map(|&prospect| Reverse(Bid { prospect, truck }))
     };
     // Of each truck its best fire is in the queue; it is looked for again only when another truck has taken that.
@@ -104,7 +103,8 @@ mod tests {
             let trucks = team.asked().filter(|truck| pairs.iter().all(|&(id, _)| id != truck.id));
             let bids = trucks.flat_map(|truck| {
                 let free = (0..open.fires.len()).filter(|&fire| pairs.iter().all(|p| p.1 != open.fires[fire].cell));
-                let (open, number) = (&open, usize::from(truck.id.number));
+                let open = &open;
+                let number = usize::from(truck.id.number);
                 free.filter_map(move |fire| Some(Bid { prospect: open.prospect(truck, fire)?, truck: number }))
             });
             let Some(best) = bids.min() else { break };

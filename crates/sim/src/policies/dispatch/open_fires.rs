@@ -37,8 +37,8 @@ impl<'a> OpenFires<'a> {
         let mut claimed: Vec<Cell> =
             team.trucks.iter().filter(|truck| !truck.is_asked).filter_map(|truck| truck.goal).collect();
         claimed.sort_unstable();
-        let is_open = |fire: &&Fire| claimed.binary_search(&fire.cell).is_err();
-        let fires: Vec<Fire> = team.fires.iter().filter(is_open).copied().collect();
+        let fires: Vec<Fire> =
+            team.fires.iter().filter(|fire| claimed.binary_search(&fire.cell).is_err()).copied().collect();
         Self::with_fires(team, fires)
     }
 

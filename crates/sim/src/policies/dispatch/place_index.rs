@@ -26,7 +26,8 @@ impl PlaceIndex {
         // About one place a bucket if they are spread evenly; fires are not, and a bucket of many is searched in a line.
         let across = (places.len() as f64).sqrt().ceil().clamp(1.0, MAX_BUCKETS);
         let bucket_m = frame.width_m().max(frame.height_m()) / across;
-        let (cols, rows) = ((frame.width_m() / bucket_m).ceil() as i64, (frame.height_m() / bucket_m).ceil() as i64);
+        let cols = (frame.width_m() / bucket_m).ceil() as i64;
+        let rows = (frame.height_m() / bucket_m).ceil() as i64;
         let mut index = Self { places, bucket_m, cols, rows, begins: Vec::new(), order: Vec::new() };
         let buckets: Vec<usize> = index.places.iter().map(|&place| index.bucket_at(place)).collect();
         index.begins = vec![0; (cols * rows) as usize + 1];
@@ -69,7 +70,8 @@ impl PlaceIndex {
                     }
                     let bucket = (across * self.cols + along) as usize;
                     for &number in &self.order[self.begins[bucket] as usize..self.begins[bucket + 1] as usize] {
-                        let (metres, number) = ((self.places[number as usize] - from).length(), number as usize);
+                        let metres = (self.places[number as usize] - from).length();
+                        let number = number as usize;
                         let at = found.partition_point(|&known| known < (metres, number));
                         if metres <= max_m && at < count && accept(number) {
                             found.truncate(count - 1);
@@ -112,7 +114,8 @@ mod tests {
             let index = PlaceIndex::new(&frame, places.clone());
             for _ in 0..60 {
                 let from = DVec2::new(rng.random_range(-20.0..220.0), rng.random_range(-20.0..150.0));
-                let (count, max_m) = (rng.random_range(1..6), rng.random_range(1.0..250.0));
+                let count = rng.random_range(1..6);
+                let max_m = rng.random_range(1.0..250.0);
                 let accept = |number: usize| number % 3 != 1;
                 let metres = |number: usize| (places[number] - from).length();
                 let mut all: Vec<_> = (0..size).filter(|&number| accept(number)).map(|n| (metres(n), n)).collect();

@@ -134,10 +134,9 @@ fn assign(
             let is_taken = kept.contains(&fire.cell) || goals.iter().any(|&(_, other)| other == fire.cell);
             options.contains(&fire.cell) && !is_taken
         };
-        let own = |own: &TeamTruck| TeamTruck { is_asked: own.id == truck, ..*own };
         let rest = Team {
             fires: team.fires.iter().copied().filter(is_left).collect(),
-            trucks: team.trucks.iter().map(own).collect(),
+            trucks: team.trucks.iter().map(|own| TeamTruck { is_asked: own.id == truck, ..*own }).collect(),
             ..team.clone()
         };
         let found = assignment.assign(&rest, effort).into_iter();
@@ -298,7 +297,8 @@ mod tests {
     fn agent(id: AgentId, x: f64) -> AgentView {
         let place = DVec2::new(x, 12.0);
         let pose = Pose::new(x, 12.0, 0.0);
-        let (activity, free_at) = (Activity::Standing, SimTime::from_seconds(20.0));
+        let activity = Activity::Standing;
+        let free_at = SimTime::from_seconds(20.0);
         AgentView {
             id,
             place,
@@ -386,7 +386,8 @@ mod tests {
         fires.burn_out(NEAR);
         let site = |field| site(Sight { field, ..Sight::default() });
         let knows = |field| {
-            let (site, agents) = (site(field), [agent(AgentId::unimog(0), 12.0)]);
+            let site = site(field);
+            let agents = [agent(AgentId::unimog(0), 12.0)];
             let seen = Observation { now: SimTime::ZERO, fires: &fires, agents: &agents, options_of: &|_| Vec::new() };
             FleetKnowledge::new(&site, &seen).is_intact(NEAR)
         };

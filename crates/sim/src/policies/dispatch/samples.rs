@@ -94,7 +94,8 @@ impl Sample {
             return;
         }
         self.intact[FRAME.index(cell)] = false;
-        let (since, now) = (SimTime::from_seconds(since_s), SimTime::from_seconds(self.now_s));
+        let since = SimTime::from_seconds(since_s);
+        let now = SimTime::from_seconds(self.now_s);
         let spreads_at = if since + SPREAD.1 > now { since + SPREAD.1 } else { SimTime::MAX };
         let place = FRAME.centre(cell);
         self.fires.push(Fire { cell, place, since, burns_out: since + BURN_OUT, spreads_at });

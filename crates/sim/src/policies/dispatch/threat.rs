@@ -18,17 +18,21 @@ pub fn threats(team: &Team<'_>, fires: &[Fire]) -> Vec<u32> {
         Some((radius_m, _)) => cells_within(radius_m, team),
         None => Vec::new(),
     };
-    let spreads = |fire: &&Fire| fire.spreads_at > team.now && fire.spreads_at < fire.burns_out.min(team.end);
-    let spreading: Vec<&Fire> = team.fires.iter().filter(spreads).collect();
+    let spreading: Vec<&Fire> = team
+        .fires
+        .iter()
+        .filter(|fire| fire.spreads_at > team.now && fire.spreads_at < fire.burns_out.min(team.end))
+        .collect();
     if spreading.len().saturating_mul(offsets.len()) > MAX_PAIRS {
         return vec![0; fires.len()];
     }
-    let reached = |fire: usize| {
-        let from = spreading[fire].cell;
-        let cells = offsets.iter().filter_map(move |&(cols, rows)| team.frame.offset(from, cols, rows));
-        cells.filter(|&cell| team.intact.is_intact(cell)).map(move |cell| (cell, fire))
-    };
-    let mut pairs: Vec<(Cell, usize)> = (0..spreading.len()).flat_map(reached).collect();
+    let mut pairs: Vec<(Cell, usize)> = (0..spreading.len())
+        .flat_map(|fire| {
+            let from = spreading[fire].cell;
+            let cells = offsets.iter().filter_map(move |&(cols, rows)| team.frame.offset(from, cols, rows));
+            cells.filter(|&cell| team.intact.is_intact(cell)).map(move |cell| (cell, fire))
+        })
+        .collect();
     pairs.sort_unstable();
     let mut of_spreading = vec![0; spreading.len()];
     for same_cell in pairs.chunk_by(|one, next| one.0 == next.0) {
@@ -49,10 +53,10 @@ pub fn cells_within(radius_m: f64, team: &Team<'_>) -> Vec<(i32, i32)> {
     let across = radius_m / team.frame.cell_m;
     let limit = across * across * (1.0 + RADIUS_TOLERANCE);
     let max = |count: u16| limit.sqrt().floor().min(f64::from(count) - 1.0) as i32;
-    let (cols, rows) = (max(team.frame.cols), max(team.frame.rows));
+    let cols = max(team.frame.cols);
+    let rows = max(team.frame.rows);
     let all = (-rows..=rows).flat_map(|row| (-cols..=cols).map(move |col| (col, row)));
-    let is_near = |&(col, row): &(i32, i32)| (col, row) != (0, 0) && f64::from(col * col + row * row) <= limit;
-    all.filter(is_near).collect()
+    all.filter(|&(col, row)| (col, row) != (0, 0) && f64::from(col * col + row * row) <= limit).collect()
 }
 
 #[cfg(test)]

@@ -223,7 +223,8 @@ fn of_agent(agent: AgentName, fact: &AgentFact, leg: Option<u32>) -> Happened<'_
         }
         AgentFact::Halted { .. } => Happened::Halted { agent, leg },
         &AgentFact::RelocationFailed { x_m, y_m, reason, effort, until } => {
-            let (effort, until_ns) = (effort.into(), until.as_nanos());
+            let effort = effort.into();
+            let until_ns = until.as_nanos();
             Happened::RelocationFailed { agent, x_m, y_m, reason: reason.map(Word), effort, until_ns }
         }
         AgentFact::Refilling { until } => Happened::Refilling { agent, until_ns: until.as_nanos() },
@@ -247,7 +248,8 @@ pub struct FireObject {
 
 impl FireObject {
     fn new(cell: Cell, ground: bool, ignited: SimTime, cause: Cause) -> Self {
-        let (cell, ignited_ns) = (pair(cell), ignited.as_nanos());
+        let cell = pair(cell);
+        let ignited_ns = ignited.as_nanos();
         Self { cell, ground, ignited_ns, cause: cause.into(), ended_ns: None, extinguished_by: None }
     }
 
@@ -289,7 +291,9 @@ fn fires_of_bushes(index: &RunIndex<'_>) -> Vec<FireObject> {
 }
 
 fn fires_of_ground(index: &RunIndex<'_>) -> impl Iterator<Item = FireObject> {
-    let (log, end, frame) = (&index.timeline().ground, index.end_time(), index.timeline().setting.frame);
+    let log = &index.timeline().ground;
+    let end = index.end_time();
+    let frame = index.timeline().setting.frame;
     let extinctions: BTreeMap<(Cell, SimTime), AgentId> = log
         .iter()
         .filter_map(|event| match event.fact {
@@ -338,7 +342,9 @@ pub fn line(index: &RunIndex<'_>) -> Vec<LineObject> {
     let log = index.timeline().ground.iter().take_while(|event| event.time <= index.end_time());
     let line = log.filter_map(|event| match event.fact {
         GroundFact::Cleared { flank, along_mm, holds } => {
-            let (cell, built_ns, along_m) = (pair(event.cell), event.time.as_nanos(), f64::from(along_mm) / 1000.0);
+            let cell = pair(event.cell);
+            let built_ns = event.time.as_nanos();
+            let along_m = f64::from(along_mm) / 1000.0;
             Some(LineObject { cell, built_ns, flank, along_m, holds })
         }
         _ => None,

@@ -292,7 +292,8 @@ mod tests {
     #[test]
     fn fires_are_as_many_as_ignitions_and_end_as_states_say() {
         for timeline in [sample::by_hand(), sample::random(2, SimTime::from_seconds(300.0)), sample::on_ground()] {
-            let (run, index) = (object(&timeline), RunIndex::new(&timeline));
+            let run = object(&timeline);
+            let index = RunIndex::new(&timeline);
             let outcome = index.outcome();
             let fires = run["fires"].as_array().expect("a list");
             let of_bushes = fires.iter().filter(|fire| fire["ground"] == false);
@@ -309,7 +310,8 @@ mod tests {
         let mut cleared = *timeline.ground.last().expect("ground burns");
         cleared.fact = GroundFact::Cleared { flank: 1, along_mm: 12_500, holds: true };
         timeline.ground.push(cleared);
-        let (cell, built_ns) = (pair(cleared.cell), cleared.time.as_nanos());
+        let cell = pair(cleared.cell);
+        let built_ns = cleared.time.as_nanos();
         let line = serde_json::json!([{
             "cell": cell, "built_ns": built_ns, "flank": 1, "along_m": 12.5, "holds": true
         }]);

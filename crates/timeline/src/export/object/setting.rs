@@ -298,7 +298,8 @@ impl<'a> From<&'a SpreadSetting> for GroundObject<'a> {
 
 impl From<&WeatherInterval> for WeatherObject {
     fn from(interval: &WeatherInterval) -> Self {
-        let (wind_mps, moisture) = (interval.wind_mps.to_array(), interval.moisture);
+        let wind_mps = interval.wind_mps.to_array();
+        let moisture = interval.moisture;
         Self { from_ns: interval.from.as_nanos(), wind_mps, moisture }
     }
 }
@@ -308,7 +309,8 @@ impl From<&RothermelRules> for SpreadObject {
         &RothermelRules { options, neighbours, refined, wet, burn_out, embers, crowns, .. }: &RothermelRules,
     ) -> Self {
         let embers = embers.map(|embers| EmbersObject { seed: embers.seed, settings: embers.settings });
-        let (wet_ns, burn_out_ns) = (wet.as_nanos(), burn_out.map(SimTime::as_nanos));
+        let wet_ns = wet.as_nanos();
+        let burn_out_ns = burn_out.map(SimTime::as_nanos);
         Self::Rothermel { options, neighbours, refined, wet_ns, burn_out_ns, embers, crowns }
     }
 }

@@ -137,7 +137,8 @@ fn cursor_x(layout: &FrameLayout, time: SimTime, end: SimTime) -> u32 {
 fn draw_chart(runs: &[&RunView], layout: &FrameLayout, lettering: &mut Lettering, colourfulness: f64) -> Canvas {
     let canvas = Canvas::new(layout.chart.width, layout.chart.height, PAPER);
     let plan = ChartPlan::new(layout, runs);
-    let (strips, difference) = (plan.strips.clone(), plan.difference);
+    let strips = plan.strips.clone();
+    let difference = plan.difference;
     let scale = CountScale::new(runs);
     let mut pen = ChartPen { canvas, lettering, plan, scale, end: RunView::last_end(runs), colourfulness };
     pen.canvas.fill_rect(0.0, 0.0, layout.chart.width as f32, 1.0, FAINT_INK);
@@ -169,11 +170,15 @@ fn draw_chart(runs: &[&RunView], layout: &FrameLayout, lettering: &mut Lettering
 fn draw_cursor(sheet: &mut Canvas, layout: &FrameLayout, x: u32, runs: &[&RunView]) {
     let plan = ChartPlan::new(layout, runs);
     let (top, bottom) = plan.cursor;
-    let (x, top, bottom) = (x as f32 + 0.5, (layout.chart.top + top) as f32, (layout.chart.top + bottom) as f32);
-    let (width, knob) = (layout.length(0.12).max(1.0), 0.55 * layout.text as f32);
+    let x = x as f32 + 0.5;
+    let top = (layout.chart.top + top) as f32;
+    let bottom = (layout.chart.top + bottom) as f32;
+    let width = layout.length(0.12).max(1.0);
+    let knob = 0.55 * layout.text as f32;
     for (wider, colour) in [(2.0, PAPER), (0.0, INK)] {
         sheet.fill_rect(x - 0.5 * (width + wider), top, width + wider, bottom - top, colour);
-        let (half, tip) = (knob + 0.5 * wider, top + 1.3 * knob + wider);
+        let half = knob + 0.5 * wider;
+        let tip = top + 1.3 * knob + wider;
         let handle = [
             (x - half, top - 0.3 * wider),
             (x + half, top - 0.3 * wider),
@@ -218,7 +223,8 @@ impl ChartPlan {
         let part = |tenths: u32| tenths * text / 10;
         // Where there is no panel, a line above the strips tells the most important of it.
         let header = if layout.panel.is_none() { part(22) } else { 0 };
-        let (top, bottom) = (header + part(9), layout.chart.height - part(24));
+        let top = header + part(9);
+        let bottom = layout.chart.height - part(24);
         let room = bottom.saturating_sub(top);
         let (strips_room, difference) = if runs > 1 && room > part(150) {
             let height = 3 * room / 10;
@@ -230,8 +236,8 @@ impl ChartPlan {
         let lanes = shown.iter().copied().map(lanes_of).max().unwrap_or(0);
         let lanes_height = part(lanes * if runs == 1 { 12 } else { 8 });
         let strips = (0..runs as u32).map(|run_index| {
-            let (top, height) =
-                (top + run_index * each, if run_index + 1 == runs as u32 { each } else { each - gap.min(each) });
+            let top = top + run_index * each;
+            let height = if run_index + 1 == runs as u32 { each } else { each - gap.min(each) };
             if height >= lanes_height + part(30) {
                 let area = (top + lanes_height, height - lanes_height);
                 RunStrip { lanes: Some((top, lanes_height - part(6))), area }
@@ -270,12 +276,14 @@ fn axis_style(plan: &ChartPlan) -> LetterStyle {
 fn draw_time_axis(ChartPen { canvas, lettering, plan, end, .. }: &mut ChartPen) {
     let (unit, unit_s) = if end.as_seconds() < MINUTES_FROM_S { ("s", 1.0) } else { ("min", SECONDS_PER_MINUTE) };
     let last = end.as_seconds() / unit_s;
-    let (left, width) = (plan.columns.0 as f32, plan.columns.1 as f32);
+    let left = plan.columns.0 as f32;
+    let width = plan.columns.1 as f32;
     let base = plan.axis_base as f32;
     let max = (width / plan.length(BETWEEN_TIMES)) as usize;
     for tick in ticks(0.0, last, max.max(1), 0.0) {
         let x = left + width * to_f32(tick.value / last.max(f64::MIN_POSITIVE));
-        let (mark, top) = (plan.length(0.35), base - plan.length(1.7));
+        let mark = plan.length(0.35);
+        let top = base - plan.length(1.7);
         canvas.fill_rect(x, top, 1.0, mark, INK);
         lettering.draw(canvas, &tick.label, (x, base), Align::Centre, axis_style(plan));
     }

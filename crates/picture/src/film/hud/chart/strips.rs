@@ -70,7 +70,8 @@ pub fn draw_without_intact(pen: &mut ChartPen, (top, height): RowRange, run: &Ru
 
 /// Mixes the colours of the parts that a row cuts by how much it has of each.
 fn row_colour(row: u32, edges: &[f64; 4], colours: &[Rgb; 4]) -> Rgb {
-    let (above, below) = (f64::from(row), f64::from(row) + 1.0);
+    let above = f64::from(row);
+    let below = f64::from(row) + 1.0;
     let mut colour = colours[3];
     for (&edge, &part) in edges.iter().zip(colours).rev().skip(1) {
         colour = blend(colour, part, (below - edge).clamp(0.0, below - above));
@@ -194,7 +195,8 @@ pub fn draw_differences(pen: &mut ChartPen, rows: RowRange, runs: (&RunView, &Ru
     let largest = round_step(largest);
     draw_value_axis(pen, rows, (-largest, largest));
     let (top, height) = (rows.0 as f32, rows.1 as f32);
-    let (left, width) = (pen.plan.columns.0 as f32, pen.plan.columns.1 as f32);
+    let left = pen.plan.columns.0 as f32;
+    let width = pen.plan.columns.1 as f32;
     pen.canvas.fill_rect(left, top + 0.5 * height, width, 1.0, FAINT_INK);
     for (colour, values) in &curves {
         let y = |value: f64| top + 0.5 * height * (1.0 - to_f32(value / largest));
@@ -215,7 +217,8 @@ fn differences(pen: &ChartPen, (one, other): (&RunView, &RunView), count: fn(&Bu
 /// Draws the names of the curves above them.
 fn draw_key(ChartPen { canvas, lettering, plan, .. }: &mut ChartPen, top: f32) {
     let style = LetterStyle { height: 0.85 * plan.text as f32, weight: Weight::Bold, colour: INK };
-    let (mut x, base) = (plan.columns.0 as f32, top - plan.length(0.6));
+    let mut x = plan.columns.0 as f32;
+    let base = top - plan.length(0.6);
     for (name, colour) in [("A - B", INK)].into_iter().chain(CURVES.map(|curve| (curve.name, curve.colour))) {
         lettering.draw(canvas, name, (x, base), Align::Left, LetterStyle { colour, ..style });
         x += measure_weighted(name, style.height, style.weight) + plan.length(1.5);

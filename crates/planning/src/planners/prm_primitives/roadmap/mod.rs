@@ -147,8 +147,8 @@ impl Roadmap {
 
     /// Returns both ends of every edge.
     pub fn lines(&self) -> impl Iterator<Item = [DVec2; 2]> {
-        let from = |a: u32| self.graph.links(a).map(move |(_, link)| [a, link.to]).filter(|[a, b]| a < b);
-        let edges = (0..self.milestones.len() as u32).flat_map(from);
+        let edges = (0..self.milestones.len() as u32)
+            .flat_map(|a| self.graph.links(a).map(move |(_, link)| [a, link.to]).filter(|[a, b]| a < b));
         edges.map(|edge| edge.map(|milestone| self.milestones[milestone as usize]))
     }
 }

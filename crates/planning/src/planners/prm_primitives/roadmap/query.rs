@@ -141,9 +141,10 @@ impl Roadmap {
     /// Returns what the last query, which began at `start`, examined: the milestones that it settled, each after its
     /// predecessor, and the start after itself.
     pub fn examined(&self, start: DVec2, scratch: &RoadmapScratch) -> impl Iterator<Item = [DVec2; 2]> {
-        let position = move |place: u32| if place == START { start } else { self.milestones[place as usize] };
         let settled = scratch.closed.iter().map(|&milestone| (scratch.visits[milestone as usize].parent, milestone));
-        std::iter::once((START, START)).chain(settled).map(move |(from, to)| [from, to].map(position))
+        std::iter::once((START, START)).chain(settled).map(move |(from, to)| {
+            [from, to].map(move |place| if place == START { start } else { self.milestones[place as usize] })
+        })
     }
 
     /// Returns the milestone in a disc that is nearest to its centre, the lowest index among equals.
@@ -327,7 +328,8 @@ mod tests {
         let count = roadmap.milestones.len() as u32;
         let mut graph = UnGraph::<(), f64>::default();
         let nodes: Vec<_> = (0..count + 2).map(|_| graph.add_node(())).collect();
-        let (from, to) = (nodes[count as usize], nodes[count as usize + 1]);
+        let from = nodes[count as usize];
+        let to = nodes[count as usize + 1];
         for a in 0..count {
             for (_, Link { to: b, edge }) in roadmap.graph.links(a) {
                 graph.update_edge(nodes[a as usize], nodes[b as usize], roadmap.costs[edge as usize]);
@@ -368,7 +370,8 @@ mod tests {
     #[test]
     fn astar_costs_what_dijkstra_costs_and_what_petgraph_says() {
         let mut found = 0;
-        let (mut astar_expansions, mut dijkstra_expansions) = (0, 0);
+        let mut astar_expansions = 0;
+        let mut dijkstra_expansions = 0;
         for seed in 0..12 {
             let mut field = TestField::random(seed, 40);
             let start = field.checker.body().body_centre(field.start);
@@ -493,7 +496,8 @@ mod tests {
                 let sampled = Roadmap::sampled(&field.checker, &settings, &mut rng::stream(7, "prm"));
                 sampled.priced_by(safety.clone()).connected()
             };
-            let (astar, dijkstra) = (priced(RoadmapSearch::Astar), priced(RoadmapSearch::Dijkstra));
+            let astar = priced(RoadmapSearch::Astar);
+            let dijkstra = priced(RoadmapSearch::Dijkstra);
             let plain = roadmap(&field, RoadmapSearch::Astar, RoadmapGoal::InReach);
             let mut scratch = RoadmapScratch::default();
             let price = |route: &Route| -> f64 {

@@ -49,7 +49,8 @@ fn thin(space: &FreeSpace, start: DVec2, waypoints: &mut Vec<DVec2>) {
 fn pull(space: &FreeSpace, start: DVec2, waypoints: &mut [DVec2]) {
     for index in 0..waypoints.len().saturating_sub(1) {
         let before = if index == 0 { start } else { waypoints[index - 1] };
-        let (here, after) = (waypoints[index], waypoints[index + 1]);
+        let here = waypoints[index];
+        let after = waypoints[index + 1];
         let along = after - before;
         let share = ((here - before).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
         let straight = before + along * share;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::super::team::{Fire, StagingRule, Team, TeamTruck};
+use super::super::team::{StagingRule, Team, TeamTruck};
 use super::centroids::{posts, waits_at, worth_m};
 use super::spread_out::{Block, BushDensity, spread_out};
 use crate::policies::learned::Network;
@@ -39,8 +39,7 @@ impl LearnedPosts {
     /// Remembers fires that arsonists have lit: where only those spread, the others are left out.
     fn remember(&mut self, team: &Team<'_>) {
         let tells = team.rules.spread.is_some() && !team.rules.caught_spreads;
-        let is_lit = |fire: &&Fire| !tells || fire.spreads_at < SimTime::MAX;
-        for fire in team.fires.iter().filter(is_lit) {
+        for fire in team.fires.iter().filter(|fire| !tells || fire.spreads_at < SimTime::MAX) {
             if !self.lit.iter().any(|(cell, _, since)| (*cell, *since) == (fire.cell, fire.since)) {
                 self.lit.push((fire.cell, fire.place, fire.since));
             }

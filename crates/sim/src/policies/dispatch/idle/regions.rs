@@ -25,8 +25,11 @@ impl StagingRule for Regions {
         for region in 0..starts.len() {
             let own: Vec<Block> =
                 blocks.iter().copied().filter(|block| region_of(&starts, block.place) == region).collect();
-            let is_home = |truck: &&TeamTruck| region_of(&starts, truck.start) == region && idle.contains(&truck.id);
-            let trucks: Vec<&TeamTruck> = team.trucks.iter().filter(is_home).collect();
+            let trucks: Vec<&TeamTruck> = team
+                .trucks
+                .iter()
+                .filter(|truck| region_of(&starts, truck.start) == region && idle.contains(&truck.id))
+                .collect();
             // From their starts and not from where they are: the sites of a region do not depend on who is where.
             let mut sites: Vec<DVec2> = trucks.iter().map(|truck| truck.start).collect();
             spread_out(&own, &mut sites);
