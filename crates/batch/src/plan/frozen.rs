@@ -275,7 +275,7 @@ impl BatchPlan {
                 WumpusGoal::Policy(name) => Some(("policy", name)),
                 _ => None,
             });
-            let crews = scenario.own_line_policy().map(|name| ("policy", name));
+            let crews = scenario.custom_line_policy().map(|name| ("policy", name));
             let missing = planners.chain(trucks).chain(wumpuses).chain(crews).find(|&(kind, name)| match kind {
                 "planner" => !registry.planners.knows(name) && !is_program(&scenario.planner, name),
                 _ => !registry.policies.own_names().any(|own| own == name) && !is_program(&scenario.policy, name),

@@ -23,7 +23,7 @@ impl StagingRule for Regions {
         let blocks = self.census.blocks(team);
         let mut all = Vec::new();
         for region in 0..starts.len() {
-            let own: Vec<Block> =
+            let within: Vec<Block> =
                 blocks.iter().copied().filter(|block| region_of(&starts, block.place) == region).collect();
             let trucks: Vec<&TeamTruck> = team
                 .trucks
@@ -32,8 +32,8 @@ impl StagingRule for Regions {
                 .collect();
             // From their starts and not from where they are: the sites of a region do not depend on who is where.
             let mut sites: Vec<DVec2> = trucks.iter().map(|truck| truck.start).collect();
-            spread_out(&own, &mut sites);
-            if own.is_empty() {
+            spread_out(&within, &mut sites);
+            if within.is_empty() {
                 sites = trucks.iter().map(|truck| waits_at(truck)).collect();
             }
             all.extend(posts(&trucks, &sites, worth_m(team, idle.len())));
@@ -53,13 +53,13 @@ impl Assignment for RegionsFirst {
         let starts = starts(team);
         // Fires that somebody keeps whatever is decided, from whichever region.
         let kept: Vec<Cell> =
-            team.trucks.iter().filter(|truck| !truck.is_asked).filter_map(|truck| truck.goal).collect();
+            team.trucks.iter().filter(|truck| !truck.is_queried).filter_map(|truck| truck.goal).collect();
         let mut goals: Vec<(AgentId, Cell)> = Vec::new();
         for region in 0..starts.len() {
-            let mut own = team.clone();
-            own.fires.retain(|fire| region_of(&starts, fire.place) == region && !kept.contains(&fire.cell));
-            own.trucks.retain(|truck| region_of(&starts, truck.start) == region);
-            goals.extend(self.0.assign(&own, effort));
+            let mut part = team.clone();
+            part.fires.retain(|fire| region_of(&starts, fire.place) == region && !kept.contains(&fire.cell));
+            part.trucks.retain(|truck| region_of(&starts, truck.start) == region);
+            goals.extend(self.0.assign(&part, effort));
         }
         let mut rest = team.clone();
         rest.fires.retain(|fire| goals.iter().all(|&(_, cell)| cell != fire.cell));
