@@ -15,7 +15,7 @@ use wildfire::time::SimTime;
 use wildfire::timeline::AgentId;
 
 use crate::errors::error;
-use crate::observation::{AGENT_NUMBERS, Layout, AgentArrays, SharedArrays, Sight};
+use crate::observation::{AGENT_NUMBERS, AgentArrays, Layout, SharedArrays, Sight};
 use crate::scenario::ScenarioLike;
 
 /// The largest number of contests side by side.
@@ -160,7 +160,8 @@ impl Rules {
 
     fn observe(&self, lane: &mut Lane, board: &mut Board<'_>) {
         let Some(episode) = &lane.episode else { return };
-        let pending = if self.together { episode.pending() } else { &episode.pending()[..episode.pending().len().min(1)] };
+        let pending =
+            if self.together { episode.pending() } else { &episode.pending()[..episode.pending().len().min(1)] };
         let sight = Sight { now: episode.now(), fires: episode.fires(), agents: episode.agents() };
         sight.write(&self.layout, |id| pending.iter().any(|pending| pending.agent == id), &mut board.shared);
         lane.candidates.resize(self.seats(), Vec::new());

@@ -23,8 +23,8 @@ use wildfire::timeline::AgentId;
 
 use crate::arrays::described;
 use crate::interruption::{Interruption, is_an_end};
-use crate::observation::{AGENT_NUMBERS, CANDIDATE_NUMBERS, Layout, AgentArrays, SharedArrays, Sight};
-use crate::planner::{SEED_BITS, cpu_limit_s, report_exception, last_line};
+use crate::observation::{AGENT_NUMBERS, AgentArrays, CANDIDATE_NUMBERS, Layout, SharedArrays, Sight};
+use crate::planner::{SEED_BITS, cpu_limit_s, last_line, report_exception};
 
 /// The Python attributes of a policy.
 pub struct CustomPolicy {

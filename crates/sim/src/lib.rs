@@ -178,7 +178,8 @@ impl Simulation {
             && self.memory.meter.overrun().is_none()
             && self.world.resource::<PolicySet>().question.is_none()
         {
-            let next = if self.has_started { self.world.resource::<SimQueue>().next_time() } else { Some(SimTime::ZERO) };
+            let next =
+                if self.has_started { self.world.resource::<SimQueue>().next_time() } else { Some(SimTime::ZERO) };
             let Some(next) = next.filter(|&next| next <= target) else { break };
             self.has_started = true;
             self.world.resource_mut::<SimClock>().0 = next;
@@ -372,7 +373,10 @@ mod tests {
         fn choose(&mut self, seen: &Observation<'_>, queried: &[AgentId]) -> Vec<(AgentId, Action)> {
             self.0.lock().expect("nobody panicked").push(queried.len());
             let options = seen.options(queried[0]);
-            queried.iter().map(|&agent| (agent, options.first().map_or(Action::Wait, |&cell| Action::Go(cell)))).collect()
+            queried
+                .iter()
+                .map(|&agent| (agent, options.first().map_or(Action::Wait, |&cell| Action::Go(cell))))
+                .collect()
         }
     }
 

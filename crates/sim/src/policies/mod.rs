@@ -12,11 +12,11 @@
 
 mod densest;
 pub mod dispatch;
-mod policy_set;
 mod largest_cluster;
 pub mod learned;
 mod nearest;
 mod nearest_intact;
+mod policy_set;
 mod random_intact;
 mod registry;
 
@@ -33,10 +33,10 @@ use wildfire_fire::line::Forecast;
 use wildfire_planning::PlanFailure;
 use wildfire_timeline::{Activity, AgentId};
 
+pub use largest_cluster::cluster_sizes;
 pub use policy_set::{
     ActionOverride, CustomPolicyStats, Decision, MAX_LINE_POINTS, PendingDecision, PolicyId, PolicyQuery, PolicySet,
 };
-pub use largest_cluster::cluster_sizes;
 pub use registry::{BuiltIn, MakePolicy, NamedPolicy, Policies, PolicyContext, PolicyNameError, RuleContext};
 
 /// A choice for an agent.

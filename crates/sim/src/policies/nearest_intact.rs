@@ -46,8 +46,9 @@ fn nearest_cell(frame: &FieldFrame, place: DVec2, is_wanted: impl Fn(Cell) -> bo
         }
         for cell in ring_around(frame, (col, row), ring) {
             let squared = squared_m(cell);
-            let is_nearer = best
-                .is_none_or(|(min, nearest)| squared < min || (squared == min && frame.index(cell) < frame.index(nearest)));
+            let is_nearer = best.is_none_or(|(min, nearest)| {
+                squared < min || (squared == min && frame.index(cell) < frame.index(nearest))
+            });
             if is_nearer && is_wanted(cell) {
                 best = Some((squared, cell));
             }

@@ -181,7 +181,13 @@ impl PolicySet {
     }
 
     /// Adds a policy for these agents that is not built in, and what making it took.
-    pub fn add_custom(&mut self, agents: &[AgentId], name: &PlannerName, mut policy: Box<dyn Policy>, making: Duration) {
+    pub fn add_custom(
+        &mut self,
+        agents: &[AgentId],
+        name: &PlannerName,
+        mut policy: Box<dyn Policy>,
+        making: Duration,
+    ) {
         self.custom_stats.tally.get_or_insert_default();
         self.custom_stats.add_cpu(making, policy.take_report().elsewhere);
         self.add_for(agents, policy);

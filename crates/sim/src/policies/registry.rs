@@ -223,7 +223,11 @@ mod tests {
         let sites = Arc::new(Mutex::new(Vec::new()));
         let seen = Arc::clone(&sites);
         let maker = move |site: &PolicyContext<'_>| -> Result<Box<dyn Policy>, MakeError> {
-            seen.lock().expect("nobody panicked").push((site.plays.to_vec(), site.custom_settings.to_string(), site.agents.len()));
+            seen.lock().expect("nobody panicked").push((
+                site.plays.to_vec(),
+                site.custom_settings.to_string(),
+                site.agents.len(),
+            ));
             Ok(Box::new(PerAgentPolicy(Nearest)))
         };
         let policies = Policies::default().with("mine", maker).expect("it is free");

@@ -87,7 +87,8 @@ impl ExternalClient {
     ) -> Reply {
         if self.spent_in_a_row == MAX_SPENT_IN_A_ROW {
             let budget = self.program.query_instructions;
-            let message = format!("was given up after {MAX_SPENT_IN_A_ROW} queries in a row over {budget} instructions");
+            let message =
+                format!("was given up after {MAX_SPENT_IN_A_ROW} queries in a row over {budget} instructions");
             let answer = Err(ProcessError { kind: ProcessErrorKind::BudgetSpent, message });
             return Reply { answer, cpu: None, starting: Duration::ZERO, instructions: Some(budget) };
         }

@@ -96,7 +96,7 @@ pub struct ProcessError {
 
 impl ProcessError {
     pub fn crashed(message: impl Into<String>) -> Self {
-        Self { kind: ProcessErrorKind::Crashed, message.into() }
+        Self { kind: ProcessErrorKind::Crashed, message: message.into() }
     }
 
     /// The program said itself that it cannot play.

@@ -186,7 +186,8 @@ impl LayerReader {
             several => {
                 let TakenBand { number, reason } =
                     kind.band(several).ok_or_else(|| format!("{name}: {}", kind.absent(several)))?;
-                let band_name = several[number].name.as_ref().map(|band_name| format!(" ({band_name})")).unwrap_or_default();
+                let band_name =
+                    several[number].name.as_ref().map(|band_name| format!(" ({band_name})")).unwrap_or_default();
                 self.taken.push(format!("{} from band {} of {name}{band_name}{reason}", kind.names().1, number + 1));
                 name += &format!(", band {}", number + 1);
                 if let Some(message) = kind.contradiction(several) {
@@ -347,7 +348,8 @@ fn continue_into_rim(elevation: &mut [f32], cols: usize) {
                 let far = is_there.then(|| row as usize * cols + col as usize).filter(|&far| has_value[far])?;
                 Some(2.0 * elevation[near] - elevation[far])
             };
-            let heights: Vec<f32> = around(cell, cols, rows).filter(|&near| has_value[near]).filter_map(beyond).collect();
+            let heights: Vec<f32> =
+                around(cell, cols, rows).filter(|&near| has_value[near]).filter_map(beyond).collect();
             let mean = heights.iter().sum::<f32>() / heights.len() as f32;
             elevation[cell] = if heights.is_empty() { elevation[index] } else { mean };
             open.push_back(cell);

@@ -54,7 +54,7 @@ const MAX_ITEMS: usize = 1000;
 pub struct Program {
     /// The program and its arguments; no shell is run. The program is found by `PATH`, or, if it has a slash, from the
     /// scenario's folder, which is also the program's working folder.
-    #[serde(deserialize_with = "list_of_at_most::<MAX_WORDS, _, _>")]
+    #[serde(deserialize_with = "list_of_at_most::<MAX_ITEMS, _, _>")]
     pub command: Vec<String>,
     /// File of a WebAssembly module instead of a command, relative to the scenario's folder; runs without trust.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -69,7 +69,7 @@ pub struct Program {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub folder: Option<PathBuf>,
     /// Files whose contents belong to a batch's plan; those that `command` names and the module always do.
-    #[serde(deserialize_with = "list_of_at_most::<MAX_WORDS, _, _>")]
+    #[serde(deserialize_with = "list_of_at_most::<MAX_ITEMS, _, _>")]
     pub files: Vec<PathBuf>,
     /// Passed on unchanged.
     pub settings: Map<String, Value>,
@@ -194,7 +194,8 @@ impl Program {
             let unusable = |reason| UnusableFile { place: vec![PathStep::key("module")], file: module.clone(), reason };
             let bytes = self.read_module(module).map_err(|error| unusable(Unusable::Unreadable(error)))?;
             #[cfg(unix)]
-            wildfire_module::check(&bytes, self.module_limits()).map_err(|message| unusable(Unusable::Module(message)))?;
+            wildfire_module::check(&bytes, self.module_limits())
+                .map_err(|message| unusable(Unusable::Module(message)))?;
             hashes.insert(module.display().to_string(), hexadecimal(&Sha256::digest(&bytes)));
         }
         for word in &self.command {

@@ -319,7 +319,7 @@ mod tests {
     #[test]
     fn an_imported_field_is_the_same_for_every_seed() {
         let map = ImportedField::parse("#..\n..#", 5.0).unwrap();
-        let scenario = scenario(Field { imported: Some(imported), ..Field::default() });
+        let scenario = scenario(Field { imported: Some(map), ..Field::default() });
         let terrain = Terrain::from_scenario(&scenario, 1).unwrap();
         assert_eq!(terrain.bushes, [Cell { col: 2, row: 0 }, Cell { col: 0, row: 1 }]);
         assert_eq!(Terrain::from_scenario(&scenario, 2).unwrap(), terrain);

@@ -239,7 +239,7 @@ mod tests {
         let mut scenario = load("smoke", &["ignition=[{ at_s = 1, cells = [[4, 0], [5, 0]] }]".into()]).unwrap();
         let south_edge = format!("{}\n{}", ".".repeat(20), "....#.".to_owned() + &"#".repeat(14));
         let map = ImportedField::parse(&south_edge, 5.0).unwrap();
-        scenario.field.imported = Some(imported);
+        scenario.field.imported = Some(map);
         scenario.unimog[0].start = StartPose { x_m: 60.0, y_m: 4.0, heading_deg: 0.0 };
         scenario.wumpus[0].start_m = [18.5, 2.5];
         let of = |scenario: &Scenario| warnings(scenario, Terrain::from_scenario(scenario, 1).ok().as_ref()).join("\n");

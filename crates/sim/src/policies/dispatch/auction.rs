@@ -257,7 +257,7 @@ mod tests {
     use wildfire_timeline::WaterRules;
 
     #[test]
-    fn goals_are_savable_open_and_given_once() {
+    fn goals_are_savable_open_and_assigned_once() {
         for seed in 0..60 {
             let sample = Sample::new(seed);
             sample.assert_sound(&Auction.assign(&sample.team(), &mut 0));

@@ -369,7 +369,7 @@ mod tests {
     }
 
     #[test]
-    fn fires_out_of_sight_are_known_when_they_are_reported() {
+    fn fires_out_of_sight_count_when_they_are_reported() {
         let with = |report_s| Sight { field: SightOfField::Radius, radius_m: 0.0, report_s, wumpuses: false };
         let choices = |report_s| choose(with(report_s), |_| vec![NEAR, FAR]).0.into_iter().map(|(_, choice)| choice);
         // They began five seconds ago.

@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn goals_are_savable_open_and_given_once() {
+    fn goals_are_savable_open_and_assigned_once() {
         for seed in 0..60 {
             let sample = Sample::new(seed);
             let mut spent = 0;

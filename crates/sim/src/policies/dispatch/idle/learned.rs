@@ -51,9 +51,9 @@ impl LearnedPosts {
 
     fn weight(&self, place: DVec2, now: SimTime, idle_share: f64) -> f64 {
         let mut weight = 1.0;
-        for (_, place_lit, since) in &self.ignitions {
+        for (_, place_ignited, since) in &self.ignitions {
             let age_s = now.since(*since).as_seconds();
-            weight += self.network.value(&[(*place_lit - place).length() / 100.0, age_s / 60.0, idle_share]);
+            weight += self.network.value(&[(*place_ignited - place).length() / 100.0, age_s / 60.0, idle_share]);
         }
         weight.max(MIN)
     }
@@ -81,7 +81,7 @@ mod tests {
     use crate::policies::learned::Networks;
 
     #[test]
-    fn trucks_wait_nearer_to_where_a_fire_was_just_lit() {
+    fn trucks_wait_nearer_to_where_a_fire_just_ignited() {
         let mut sample = Sample::with_trucks(&[(10.0, 10.0)]);
         let cells: Vec<(u16, u16)> = (0..50).flat_map(|col| (0..50).map(move |row| (col, row))).collect();
         sample.grow(&cells);

@@ -98,7 +98,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_truck_serves_its_own_region_first_and_then_helps() {
+    fn a_truck_serves_its_region_first_and_then_helps() {
         let mut sample = Sample::with_trucks(&[(50.0, 50.0), (150.0, 50.0)]);
         // Both fires lie in the region of the second truck, which is near to neither.
         sample.trucks[0].place = DVec2::new(150.0, 100.0);
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn goals_are_savable_open_and_given_once() {
+    fn goals_are_savable_open_and_assigned_once() {
         for seed in 0..60 {
             let sample = Sample::new(seed);
             sample.assert_sound(&RegionsFirst(Box::new(NearestSavable)).assign(&sample.team(), &mut 0));
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn idle_trucks_wait_in_their_own_regions() {
+    fn idle_trucks_wait_in_their_regions() {
         let mut sample = Sample::with_trucks(&[(60.0, 125.0), (190.0, 125.0), (190.0, 125.0)]);
         let cells: Vec<(u16, u16)> = (0..50).flat_map(|col| (0..50).map(move |row| (col, row))).collect();
         sample.grow(&cells);
