@@ -74,7 +74,7 @@ fn team<'a>(bushes: &'a Bushes, trucks: u16, fires: usize, rng: &mut impl Rng) -
             goal: None,
             staging_point: None,
             start: place,
-            is_asked: true,
+            is_queried: true,
             stops_left: u32::MAX,
         }
     };

@@ -21,37 +21,37 @@ pub enum Poses {
 impl<'py> FromPyObject<'_, 'py> for Poses {
     type Error = PyErr;
 
-    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+    fn extract(object: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         // Three numbers need no conversion by numpy.
-        if let Ok((x, y, heading)) = given.extract::<(f64, f64, f64)>() {
+        if let Ok((x, y, heading)) = object.extract::<(f64, f64, f64)>() {
             return Ok(Self::One(pose(x, y, heading)));
         }
         // An empty array can be read with any dimension.
         let one =
-            given.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>().ok().filter(|one| !one.as_array().is_empty());
+            object.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>().ok().filter(|one| !one.as_array().is_empty());
         if let Some(one) = one {
-            let [x, y, heading] = one.as_array().to_vec()[..] else { return Err(wrong_shape(&given)) };
+            let [x, y, heading] = one.as_array().to_vec()[..] else { return Err(wrong_shape(&object)) };
             return Ok(Self::One(pose(x, y, heading)));
         }
-        let many = given.extract::<PyArrayLike2<'_, f64, AllowTypeChange>>().map_err(|_| wrong_shape(&given))?;
+        let many = object.extract::<PyArrayLike2<'_, f64, AllowTypeChange>>().map_err(|_| wrong_shape(&object))?;
         let many = many.as_array();
         if many.ncols() != 3 {
-            return Err(wrong_shape(&given));
+            return Err(wrong_shape(&object));
         }
         Ok(Self::Many(many.rows().into_iter().map(|row| pose(row[0], row[1], row[2])).collect()))
     }
 }
 
-fn wrong_shape(given: &Bound<'_, PyAny>) -> PyErr {
-    PyValueError::new_err(format!("expected poses of shape (3,) or (n, 3), found {}", described(given)))
+fn wrong_shape(object: &Bound<'_, PyAny>) -> PyErr {
+    PyValueError::new_err(format!("expected poses of shape (3,) or (n, 3), found {}", described(object)))
 }
 
 /// Describes an argument that is not the expected array by its shape or its type.
-pub fn described(given: &Bound<'_, PyAny>) -> String {
-    let numpy = given.py().import("numpy").and_then(|numpy| numpy.call_method1("shape", (given,)));
+pub fn described(object: &Bound<'_, PyAny>) -> String {
+    let numpy = object.py().import("numpy").and_then(|numpy| numpy.call_method1("shape", (object,)));
     match numpy.and_then(|shape| shape.extract::<Vec<usize>>()) {
         Ok(shape) if !shape.is_empty() => format!("shape {shape:?}").replace('[', "(").replace(']', ")"),
-        _ => given.get_type().name().map_or_else(|_| "something else".to_owned(), |name| format!("a {name}")),
+        _ => object.get_type().name().map_or_else(|_| "something else".to_owned(), |name| format!("a {name}")),
     }
 }
 
@@ -131,12 +131,12 @@ pub enum Numbers {
 impl<'py> FromPyObject<'_, 'py> for Numbers {
     type Error = PyErr;
 
-    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
-        if let Ok(number) = given.extract::<f64>() {
+    fn extract(object: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(number) = object.extract::<f64>() {
             return Ok(Self::One(number));
         }
-        let many = given.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>().map_err(|_| {
-            PyValueError::new_err(format!("expected a number, or numbers of shape (n,), found {}", described(&given)))
+        let many = object.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>().map_err(|_| {
+            PyValueError::new_err(format!("expected a number, or numbers of shape (n,), found {}", described(&object)))
         })?;
         Ok(Self::Many(many.as_array().to_vec()))
     }

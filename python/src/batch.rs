@@ -228,7 +228,7 @@ pub fn batch(
         record: record
             .unwrap_or("none")
             .parse()
-            .map_err(|words: String| PyValueError::new_err(format!("record: {words}")))?,
+            .map_err(|message: String| PyValueError::new_err(format!("record: {message}")))?,
     };
     let factories = Arc::new(Factories::new(planners, policies)?.with_programs(programs(py, trust)));
     let mut plan = request.plan(&factories)?;
@@ -277,11 +277,11 @@ pub fn run_shard(
 ) -> PyResult<u64> {
     let slice = Slice::new(number, of).ok_or_else(|| error(SliceError))?;
     let factories = Arc::new(Factories::new(planners, policies)?.with_programs(programs(py, trust)));
-    let mut own = BatchPlan::read(&folder).map_err(error)?;
-    factories.sign(py, &mut own, version)?;
+    let mut plan = BatchPlan::read(&folder).map_err(error)?;
+    factories.sign(py, &mut plan, version)?;
     interruptible(py, &factories, jobs, |interruption| {
         let mut batch = library::Batch::resume(OutputFolder::existing(&folder)?, slice)?;
-        batch.plan().expect_same(&own, &folder)?;
+        batch.plan().expect_same(&plan, &folder)?;
         let found = batch.progress().held().0;
         run_missing(&mut batch, &factories, jobs, interruption)?;
         Ok(found)
@@ -325,7 +325,7 @@ impl Request<'_, '_> {
     fn plan(&self, factories: &Factories) -> PyResult<BatchPlan> {
         let mut plans = Vec::new();
         for scenario in &self.scenarios {
-            scenario.get().expect_known(factories)?;
+            scenario.get().expect_registered(factories)?;
             plans.push(self.plan_of(scenario.get(), factories)?);
         }
         let mut plans = plans.into_iter();

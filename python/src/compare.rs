@@ -89,12 +89,12 @@ pub fn compare<'py>(
     };
     let description_a = description('A');
     for against in &comparison.against_a {
-        let words = description(against.letter);
+        let label = description(against.letter);
         for judged in &against.judged {
             let contrast = &judged.contrast;
             table.push([
                 against.letter.to_string().into(),
-                words.clone().into(),
+                label.clone().into(),
                 description_a.clone().into(),
                 contrast.metric.name.to_string().into(),
                 (contrast.pairs as u64).into(),
@@ -133,9 +133,9 @@ fn amount(name: &str, size: Option<Size>) -> PyResult<Option<Amount>> {
 }
 
 fn columns() -> Vec<FileColumn> {
-    let column = |(name, kind, words): (&'static str, Kind, &'static str)| FileColumn {
+    let column = |(name, kind, text): (&'static str, Kind, &'static str)| FileColumn {
         name: Cow::Borrowed(name),
-        words: Cow::Borrowed(words),
+        words: Cow::Borrowed(text),
         unit: Unit::None,
         kind,
         is_required: false,

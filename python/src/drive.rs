@@ -74,7 +74,7 @@ impl Driver {
     /// fraction of the top speed, negative in reverse. Returns the progress towards the goal in metres, whether the goal was
     /// reached, and whether the truck touched anything.
     fn step(&mut self, steering: f64, speed: f64) -> PyResult<(f64, bool, bool)> {
-        let drive = self.drive.as_mut().ok_or_else(not_begun)?;
+        let drive = self.drive.as_mut().ok_or_else(not_started)?;
         if !(steering.abs() <= 1.0 && speed.abs() <= 1.0) {
             let sentence = format!("the action ({steering}, {speed}) is invalid; expected two numbers from -1 to 1");
             return Err(PyValueError::new_err(sentence));
@@ -94,7 +94,7 @@ impl Driver {
     /// Returns the clearances around the truck, rows from right to left and columns from back to front, and the goal: its
     /// offset ahead and to the left, and its radius.
     fn seen<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyArray1<f32>>)> {
-        let drive = self.drive.as_ref().ok_or_else(not_begun)?;
+        let drive = self.drive.as_ref().ok_or_else(not_started)?;
         let clearances = PyArray1::from_vec(py, drive.clearances()).reshape([SIDE, SIDE])?;
         let goal = drive.to_goal();
         let numbers = [goal.x, goal.y, drive.goal.radius_m].map(|metres| metres as f32);
@@ -104,12 +104,12 @@ impl Driver {
     /// Returns the pose of the rear axle: x, y, heading.
     #[getter]
     fn pose(&self) -> PyResult<(f64, f64, f64)> {
-        let pose = self.drive.as_ref().ok_or_else(not_begun)?.pose;
+        let pose = self.drive.as_ref().ok_or_else(not_started)?.pose;
         Ok((pose.x, pose.y, pose.heading))
     }
 }
 
-fn not_begun() -> PyErr {
+fn not_started() -> PyErr {
     PyIndexError::new_err("no drive has started: call reset first")
 }
 

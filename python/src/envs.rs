@@ -15,7 +15,7 @@ use wildfire::time::SimTime;
 use wildfire::timeline::AgentId;
 
 use crate::errors::error;
-use crate::observation::{AGENT_NUMBERS, Layout, OwnArrays, SharedArrays, Sight};
+use crate::observation::{AGENT_NUMBERS, AgentArrays, Layout, SharedArrays, Sight};
 use crate::scenario::ScenarioLike;
 
 /// The largest number of contests side by side.
@@ -48,7 +48,7 @@ struct Board<'a> {
     shared: SharedArrays<'a>,
     action_mask: &'a mut [i8],
     candidates: &'a mut [f32],
-    asked: &'a mut [bool],
+    queried: &'a mut [bool],
     reward: &'a mut [f64],
     illegal: &'a mut [bool],
     dt_s: &'a mut f64,
@@ -118,14 +118,14 @@ impl Rules {
             }
             Task::Step(actions) => {
                 let Some(episode) = &mut lane.episode else { return Ok(()) };
-                let mut choices = Vec::with_capacity(episode.asked().len());
-                for asked in episode.asked() {
-                    let Some(seat) = self.seat_of(asked.agent) else { continue };
-                    let own = lane.candidates.get(seat).map_or(&[][..], Vec::as_slice);
+                let mut choices = Vec::with_capacity(episode.pending().len());
+                for pending in episode.pending() {
+                    let Some(seat) = self.seat_of(pending.agent) else { continue };
+                    let candidates = lane.candidates.get(seat).map_or(&[][..], Vec::as_slice);
                     let action = usize::try_from(actions[seat]).unwrap_or(0);
-                    let choice = self.layout.choice(action, episode.now(), &asked.options, own);
+                    let choice = self.layout.choice(action, episode.now(), &pending.options, candidates);
                     board.illegal[seat] = choice.is_none();
-                    choices.push((asked.agent, choice.unwrap_or_else(|| self.layout.waiting(episode.now()))));
+                    choices.push((pending.agent, choice.unwrap_or_else(|| self.layout.waiting(episode.now()))));
                     if !self.together {
                         break;
                     }
@@ -160,28 +160,29 @@ impl Rules {
 
     fn observe(&self, lane: &mut Lane, board: &mut Board<'_>) {
         let Some(episode) = &lane.episode else { return };
-        let asked = if self.together { episode.asked() } else { &episode.asked()[..episode.asked().len().min(1)] };
+        let pending =
+            if self.together { episode.pending() } else { &episode.pending()[..episode.pending().len().min(1)] };
         let sight = Sight { now: episode.now(), fires: episode.fires(), agents: episode.agents() };
-        sight.write(&self.layout, |id| asked.iter().any(|asked| asked.agent == id), &mut board.shared);
+        sight.write(&self.layout, |id| pending.iter().any(|pending| pending.agent == id), &mut board.shared);
         lane.candidates.resize(self.seats(), Vec::new());
         let actions = self.layout.actions();
         let numbers = self.layout.candidate_numbers();
         for seat in 0..self.seats() {
-            let own = asked.iter().find(|asked| self.seat_of(asked.agent) == Some(seat));
-            board.asked[seat] = own.is_some();
-            let mut arrays = OwnArrays {
+            let entry = pending.iter().find(|pending| self.seat_of(pending.agent) == Some(seat));
+            board.queried[seat] = entry.is_some();
+            let mut arrays = AgentArrays {
                 action_mask: &mut board.action_mask[seat * actions..(seat + 1) * actions],
                 candidates: &mut board.candidates[seat * numbers..(seat + 1) * numbers],
             };
-            let options = own.map(|asked| (asked.agent, asked.options.as_slice()));
-            lane.candidates[seat] = sight.write_own(&self.layout, options, &mut arrays);
+            let options = entry.map(|pending| (pending.agent, pending.options.as_slice()));
+            lane.candidates[seat] = sight.write_agent(&self.layout, options, &mut arrays);
             let viewer = self.played[seat];
             board.reward[seat] = episode.points().lead_of(viewer) - lane.points.lead_of(viewer);
         }
-        let first = asked.first().and_then(|asked| self.played.iter().position(|&played| played == asked.agent));
+        let first = pending.first().and_then(|pending| self.played.iter().position(|&played| played == pending.agent));
         *board.turn = first.map_or(-1, |place| place as i64);
         *board.dt_s = episode.now().since(lane.time).as_seconds();
-        *board.ended = episode.asked().is_empty();
+        *board.ended = episode.pending().is_empty();
         (lane.points, lane.time) = (episode.points(), episode.now());
     }
 }
@@ -194,7 +195,7 @@ struct Arrays {
     time_s: Py<PyArray1<f32>>,
     action_mask: Py<PyArray1<i8>>,
     candidates: Py<PyArray1<f32>>,
-    asked: Py<PyArray1<bool>>,
+    queried: Py<PyArray1<bool>>,
     reward: Py<PyArray1<f64>>,
     illegal: Py<PyArray1<bool>>,
     dt_s: Py<PyArray1<f64>>,
@@ -299,7 +300,7 @@ impl Contests {
             time_s: zeros(py, lanes * 2),
             action_mask: zeros(py, seats * rules.layout.actions()),
             candidates: zeros(py, seats * rules.layout.candidate_numbers()),
-            asked: zeros(py, seats),
+            queried: zeros(py, seats),
             reward: zeros(py, seats),
             illegal: zeros(py, seats),
             dt_s: zeros(py, lanes),
@@ -358,7 +359,7 @@ impl Contests {
 
     #[getter]
     fn asked(&self, py: Python<'_>) -> Py<PyArray1<bool>> {
-        self.arrays.asked.clone_ref(py)
+        self.arrays.queried.clone_ref(py)
     }
 
     #[getter]
@@ -508,7 +509,7 @@ struct OpenArrays<'py> {
     time_s: PyReadwriteArray1<'py, f32>,
     action_mask: PyReadwriteArray1<'py, i8>,
     candidates: PyReadwriteArray1<'py, f32>,
-    asked: PyReadwriteArray1<'py, bool>,
+    queried: PyReadwriteArray1<'py, bool>,
     reward: PyReadwriteArray1<'py, f64>,
     illegal: PyReadwriteArray1<'py, bool>,
     dt_s: PyReadwriteArray1<'py, f64>,
@@ -525,7 +526,7 @@ impl<'py> OpenArrays<'py> {
             time_s: arrays.time_s.bind(py).readwrite(),
             action_mask: arrays.action_mask.bind(py).readwrite(),
             candidates: arrays.candidates.bind(py).readwrite(),
-            asked: arrays.asked.bind(py).readwrite(),
+            queried: arrays.queried.bind(py).readwrite(),
             reward: arrays.reward.bind(py).readwrite(),
             illegal: arrays.illegal.bind(py).readwrite(),
             dt_s: arrays.dt_s.bind(py).readwrite(),
@@ -546,7 +547,7 @@ impl<'py> OpenArrays<'py> {
         // There may be no candidates, and no chunk is empty.
         let mut candidates =
             self.candidates.as_slice_mut()?.chunks_exact_mut((seats * layout.candidate_numbers()).max(1));
-        let mut asked = self.asked.as_slice_mut()?.chunks_exact_mut(seats);
+        let mut queried = self.queried.as_slice_mut()?.chunks_exact_mut(seats);
         let mut reward = self.reward.as_slice_mut()?.chunks_exact_mut(seats);
         let mut illegal = self.illegal.as_slice_mut()?.chunks_exact_mut(seats);
         let mut dt_s = self.dt_s.as_slice_mut()?.iter_mut();
@@ -562,7 +563,7 @@ impl<'py> OpenArrays<'py> {
                 },
                 action_mask: action_mask.next()?,
                 candidates: candidates.next().unwrap_or_default(),
-                asked: asked.next()?,
+                queried: queried.next()?,
                 reward: reward.next()?,
                 illegal: illegal.next()?,
                 dt_s: dt_s.next()?,
@@ -595,7 +596,7 @@ fn name_of(agent: AgentId) -> String {
 
 fn agent_named(all: &[AgentId], name: &str) -> PyResult<AgentId> {
     all.iter().copied().find(|&agent| name_of(agent) == name).ok_or_else(|| {
-        let known: Vec<String> = all.iter().copied().map(name_of).collect();
-        PyValueError::new_err(format!("{name:?} is no agent of this scenario; its agents are {}", known.join(", ")))
+        let names: Vec<String> = all.iter().copied().map(name_of).collect();
+        PyValueError::new_err(format!("{name:?} is no agent of this scenario; its agents are {}", names.join(", ")))
     })
 }

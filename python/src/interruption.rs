@@ -108,9 +108,9 @@ impl Interruption {
         if let Ok((thread, ..)) = here {
             let mut calls = self.calls(py);
             // Calls of one thread end in the reverse order of their starts.
-            let own = calls.iter().rposition(|call| call.thread == thread).map(|place| calls.remove(place));
+            let ended = calls.iter().rposition(|call| call.thread == thread).map(|place| calls.remove(place));
             drop(calls);
-            was_raised = own.is_some_and(|own| own.raised.is_some());
+            was_raised = ended.is_some_and(|ended| ended.raised.is_some());
             if was_raised {
                 // A pending exception is raised here or never.
                 let _ = watch(py, "raise_in", (thread, py.None()));

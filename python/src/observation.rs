@@ -56,7 +56,7 @@ pub struct SharedArrays<'a> {
 }
 
 /// The arrays of one agent.
-pub struct OwnArrays<'a> {
+pub struct AgentArrays<'a> {
     pub action_mask: &'a mut [i8],
     /// Empty if the choice is among all cells.
     pub candidates: &'a mut [f32],
@@ -64,7 +64,7 @@ pub struct OwnArrays<'a> {
 
 impl Sight<'_> {
     /// Writes the states of all cells with fuel and of all agents. Other cells keep their value of 0.
-    pub fn write(&self, layout: &Layout, asked: impl Fn(AgentId) -> bool, arrays: &mut SharedArrays<'_>) {
+    pub fn write(&self, layout: &Layout, is_queried: impl Fn(AgentId) -> bool, arrays: &mut SharedArrays<'_>) {
         for cell in self.fires.with_fuel() {
             let index = layout.frame.index(cell);
             let (code, burning_s) = match self.fires.state(cell) {
@@ -88,8 +88,8 @@ impl Sight<'_> {
                 Activity::Waiting => 4.0,
                 Activity::Refilling => 5.0,
             };
-            let asked = f64::from(u8::from(asked(agent.id)));
-            let all = [agent.place.x, agent.place.y, sin, cos, goal[0], goal[1], activity, asked];
+            let queried = f64::from(u8::from(queried(agent.id)));
+            let all = [agent.place.x, agent.place.y, sin, cos, goal[0], goal[1], activity, queried];
             for (number, value) in numbers.iter_mut().zip(all) {
                 *number = value as f32;
             }
@@ -100,25 +100,25 @@ impl Sight<'_> {
 
     /// Writes the choices of an agent; if none is asked, the only choice is to wait. Returns the cells of the candidates if
     /// the agent chooses among the nearest.
-    pub fn write_own(
+    pub fn write_agent(
         &self,
         layout: &Layout,
-        asked: Option<(AgentId, &[Cell])>,
-        arrays: &mut OwnArrays<'_>,
+        queried: Option<(AgentId, &[Cell])>,
+        arrays: &mut AgentArrays<'_>,
     ) -> Vec<Cell> {
         arrays.candidates.fill(0.0);
         if let Some(max) = layout.nearest {
             arrays.action_mask.fill(0);
             arrays.action_mask[0] = 1;
-            let own = asked.and_then(|(id, _)| self.agents.iter().find(|agent| agent.id == id));
-            let (Some(agent), Some((_, options))) = (own, asked) else { return Vec::new() };
+            let viewer = queried.and_then(|(id, _)| self.agents.iter().find(|agent| agent.id == id));
+            let (Some(agent), Some((_, options))) = (viewer, queried) else { return Vec::new() };
             return self.write_candidates(layout, max, agent, options, arrays);
         }
         for cell in self.fires.with_fuel() {
             arrays.action_mask[1 + layout.frame.index(cell)] = 0;
         }
         arrays.action_mask[0] = 1;
-        for &cell in asked.map_or(&[][..], |(_, options)| options) {
+        for &cell in queried.map_or(&[][..], |(_, options)| options) {
             arrays.action_mask[1 + layout.frame.index(cell)] = 1;
         }
         Vec::new()
@@ -130,7 +130,7 @@ impl Sight<'_> {
         max: usize,
         agent: &AgentView,
         options: &[Cell],
-        arrays: &mut OwnArrays<'_>,
+        arrays: &mut AgentArrays<'_>,
     ) -> Vec<Cell> {
         let frame = &layout.frame;
         let suppresses = agent.id.role.suppresses();
@@ -164,7 +164,7 @@ impl Sight<'_> {
 
 impl Layout {
     /// Returns the choice that an action below [`Self::actions`] stands for, given an agent's options, or `None` if it is
-    /// not allowed. `candidates` are the cells that [`Sight::write_own`] returned.
+    /// not allowed. `candidates` are the cells that [`Sight::write_agent`] returned.
     pub fn choice(&self, action: usize, now: SimTime, options: &[Cell], candidates: &[Cell]) -> Option<Action> {
         let Some(index) = action.checked_sub(1) else { return Some(self.waiting(now)) };
         let cell = match self.nearest {

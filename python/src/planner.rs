@@ -27,7 +27,7 @@ use crate::errors::{NoPath, error};
 pub use crate::interruption::Interruption;
 use crate::interruption::is_an_end;
 use crate::path;
-use crate::policy::GivenPolicies;
+use crate::policy::CustomPolicies;
 use crate::query::{Query, Site};
 
 /// Bits of a seed: every integer below 2^53 is exact as a float.
@@ -36,7 +36,7 @@ pub const SEED_BITS: u32 = 53;
 /// The custom planner factories and policies, by name.
 pub struct Factories {
     planners: Vec<(String, Py<PyAny>)>,
-    policies: GivenPolicies,
+    policies: CustomPolicies,
     /// Starts the programs of scenarios.
     programs: Option<Arc<dyn StartPrograms>>,
 }
@@ -46,9 +46,9 @@ impl Factories {
     ///
     /// # Errors
     /// If a name is not allowed, or an object is no planner or policy.
-    pub fn new(given: Option<&Bound<'_, PyMapping>>, policies: Option<&Bound<'_, PyMapping>>) -> PyResult<Self> {
+    pub fn new(planners: Option<&Bound<'_, PyMapping>>, policies: Option<&Bound<'_, PyMapping>>) -> PyResult<Self> {
         let mut factories = Vec::new();
-        for item in given.map(PyMappingMethods::items).transpose()?.iter().flatten() {
+        for item in planners.map(PyMappingMethods::items).transpose()?.iter().flatten() {
             let (name, factory) = item.extract::<(String, Bound<'_, PyAny>)>()?;
             if !factory.is_callable() {
                 let kind = factory.get_type().name()?;
@@ -58,7 +58,7 @@ impl Factories {
             }
             factories.push((name, factory.unbind()));
         }
-        let factories = Self { planners: factories, policies: GivenPolicies::new(policies)?, programs: None };
+        let factories = Self { planners: factories, policies: CustomPolicies::new(policies)?, programs: None };
         // Names are checked now, before anything runs.
         Python::attach(|py| {
             factories.planners(py, None, &Arc::default()).map_err(error)?;
@@ -75,7 +75,7 @@ impl Factories {
     /// Returns whether a planner or a policy (`kind`) of this name was passed in.
     pub fn knows(&self, kind: &str, name: &str) -> bool {
         match kind {
-            "planner" => self.planners.iter().any(|(known, _)| known == name),
+            "planner" => self.planners.iter().any(|(id, _)| id == name),
             _ => self.policies.knows(name),
         }
     }
@@ -106,7 +106,7 @@ impl Factories {
     pub fn sign(&self, py: Python<'_>, plan: &mut BatchPlan, version: Option<&str>) -> PyResult<()> {
         let hash = py.import("wildfire_contest.fingerprint")?.getattr("fingerprint")?;
         let planners = self.planners.iter().map(|(name, factory)| (true, name, factory));
-        let policies = self.policies.0.iter().map(|given| (false, &given.name, &given.policy));
+        let policies = self.policies.0.iter().map(|custom| (false, &custom.name, &custom.policy));
         for (is_planner, name, code) in planners.chain(policies) {
             let (kind, signature) = match version {
                 Some(version) => ("version", version.to_owned()),
@@ -114,8 +114,8 @@ impl Factories {
             };
             for Variant { scenario, .. } in &mut plan.variants {
                 let tables = if is_planner { &mut scenario.planner } else { &mut scenario.policy };
-                let own = tables.iter_mut().filter(|(known, table)| known.name() == name && !table.is_external());
-                own.for_each(|(_, table)| drop(table.sha256.insert(kind.to_owned(), signature.clone())));
+                let matching = tables.iter_mut().filter(|(id, table)| id.name() == name && !table.is_external());
+                matching.for_each(|(_, table)| drop(table.sha256.insert(kind.to_owned(), signature.clone())));
             }
         }
         Ok(())
@@ -144,8 +144,8 @@ impl Factories {
 /// Returns the limit of CPU seconds per query from the table of a name: a limit of wall-clock time for programs counts CPU
 /// time of the thread here.
 pub fn cpu_limit_s(tables: Option<&Programs>, name: &str) -> f64 {
-    let own = tables.and_then(|tables| tables.iter().find(|(known, _)| known.name() == name));
-    let table = own.map(|(_, table)| table.clone()).unwrap_or_default();
+    let limits = tables.and_then(|tables| tables.iter().find(|(id, _)| id.name() == name));
+    let table = limits.map(|(_, table)| table.clone()).unwrap_or_default();
     table.query_cpu_s.unwrap_or(table.query_limit_s)
 }
 
@@ -169,9 +169,9 @@ impl PythonPlannerFactory {
                 || self.call(py, site),
             );
             made.map_err(MakeError::new)?.map_err(|exception| {
-                let words = words(py, &exception);
-                self.settle(py, exception);
-                MakeError::new(words)
+                let message = message(py, &exception);
+                self.report_exception(py, exception);
+                MakeError::new(message)
             })
         });
         made.unwrap_or_else(|| Err(MakeError::new("Python has ended")))
@@ -185,8 +185,8 @@ impl PythonPlannerFactory {
             py.import("json")?.call_method1("loads", (site.own.to_string(),))?
         };
         let seed = (site.stream)(&self.name).next_u64() >> (u64::BITS - SEED_BITS);
-        let told = Py::new(py, Site::new(site, seed, settings.unbind(), checker.clone_ref(py)))?;
-        let planner = self.factory.bind(py).call1((told,))?;
+        let context = Py::new(py, Site::new(site, seed, settings.unbind(), checker.clone_ref(py)))?;
+        let planner = self.factory.bind(py).call1((context,))?;
         let plan = planner.getattr("plan").map_err(|_| {
             let kind = planner.get_type().name().map_or_else(|_| "object".to_owned(), |name| name.to_string());
             error(format_args!("it made a {kind}, which has no method `plan`"))
@@ -201,8 +201,8 @@ impl PythonPlannerFactory {
         }))
     }
 
-    fn settle(&self, py: Python<'_>, exception: PyErr) {
-        settle(py, exception, &self.interruption, &self.has_printed);
+    fn report_exception(&self, py: Python<'_>, exception: PyErr) {
+        report_exception(py, exception, &self.interruption, &self.has_printed);
     }
 }
 
@@ -244,7 +244,7 @@ impl PythonPlanner {
         match answered {
             Ok(Ok(plan)) => plan,
             Ok(Err(exception)) => self.failure(py, exception),
-            Err(words) => Plan::failed(PlanFailure::TimedOut, words),
+            Err(message) => Plan::failed(PlanFailure::TimedOut, message),
         }
     }
 
@@ -256,7 +256,7 @@ impl PythonPlanner {
         if let Ok(path) = answer.cast::<path::Path>() {
             return Ok(Plan::from(Ok(path.get().0.clone())));
         }
-        let bad = |words: String| Ok(Plan::failed(PlanFailure::BadAnswer, words));
+        let bad = |message: String| Ok(Plan::failed(PlanFailure::BadAnswer, message));
         let refuse = || bad(format!("{}; expected {EXPECTED}", described(answer)));
         let rows = match answer.extract::<PyArrayLike2<'_, f64, AllowTypeChange>>() {
             Ok(rows) => rows,
@@ -300,21 +300,21 @@ impl PythonPlanner {
                 Ok("budget-spent") => Plan::from(Err(PlanFailure::BudgetSpent)),
                 _ => {
                     let expected = "disconnected, start-blocked, goal-blocked or budget-spent";
-                    let words = words(py, &exception);
-                    Plan::failed(PlanFailure::BadAnswer, format!("{words}: expected one of {expected}"))
+                    let message = message(py, &exception);
+                    Plan::failed(PlanFailure::BadAnswer, format!("{message}: expected one of {expected}"))
                 }
             };
         }
-        let words = words(py, &exception);
-        settle(py, exception, &self.interruption, &self.has_printed);
-        Plan::failed(PlanFailure::Crashed, words)
+        let message = message(py, &exception);
+        report_exception(py, exception, &self.interruption, &self.has_printed);
+        Plan::failed(PlanFailure::Crashed, message)
     }
 }
 
 const EXPECTED: &str = "a Path, segments of shape (n, 2), poses of shape (n, 3), or None if there is no path";
 
 /// Passes on an exception that ends the program; of other exceptions, prints the first of a run in full.
-pub fn settle(py: Python<'_>, exception: PyErr, interruption: &Interruption, has_printed: &AtomicBool) {
+pub fn report_exception(py: Python<'_>, exception: PyErr, interruption: &Interruption, has_printed: &AtomicBool) {
     if is_an_end(py, &exception) {
         interruption.set(exception);
     } else if !has_printed.swap(true, Ordering::Relaxed) {
@@ -323,7 +323,7 @@ pub fn settle(py: Python<'_>, exception: PyErr, interruption: &Interruption, has
 }
 
 /// Returns the last line of an exception's traceback.
-pub fn words(py: Python<'_>, exception: &PyErr) -> String {
+pub fn last_line(py: Python<'_>, exception: &PyErr) -> String {
     let lines = || {
         let lines = py.import("traceback")?.call_method1("format_exception_only", (exception.value(py),))?;
         lines.extract::<Vec<String>>()

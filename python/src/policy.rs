@@ -23,11 +23,11 @@ use wildfire::timeline::AgentId;
 
 use crate::arrays::described;
 use crate::interruption::{Interruption, is_an_end};
-use crate::observation::{AGENT_NUMBERS, CANDIDATE_NUMBERS, Layout, OwnArrays, SharedArrays, Sight};
-use crate::planner::{SEED_BITS, cpu_limit_s, settle, words};
+use crate::observation::{AGENT_NUMBERS, AgentArrays, CANDIDATE_NUMBERS, Layout, SharedArrays, Sight};
+use crate::planner::{SEED_BITS, cpu_limit_s, last_line, report_exception};
 
 /// The Python attributes of a policy.
-pub struct Given {
+pub struct CustomPolicy {
     pub name: String,
     /// The whole object; the other fields are parts of it.
     pub policy: Py<PyAny>,
@@ -37,7 +37,7 @@ pub struct Given {
     per_run: bool,
 }
 
-impl Given {
+impl CustomPolicy {
     fn clone_ref(&self, py: Python<'_>) -> Self {
         let policy = self.policy.clone_ref(py);
         let act = self.act.clone_ref(py);
@@ -46,20 +46,20 @@ impl Given {
 }
 
 /// The custom policies.
-pub struct GivenPolicies(pub Vec<Given>);
+pub struct CustomPolicies(pub Vec<CustomPolicy>);
 
-impl GivenPolicies {
+impl CustomPolicies {
     /// Reads a Python mapping of names to policies.
     ///
     /// # Errors
     /// If an object is no policy.
-    pub fn new(given: Option<&Bound<'_, PyMapping>>) -> PyResult<Self> {
+    pub fn new(mapping: Option<&Bound<'_, PyMapping>>) -> PyResult<Self> {
         let mut policies = Vec::new();
-        for item in given.map(PyMappingMethods::items).transpose()?.iter().flatten() {
+        for item in mapping.map(PyMappingMethods::items).transpose()?.iter().flatten() {
             let (name, policy) = item.extract::<(String, Bound<'_, PyAny>)>()?;
             let as_policy = item.py().import("wildfire_contest.policies")?.getattr("as_policy")?;
             let policy = as_policy.call1((policy,))?;
-            policies.push(Given {
+            policies.push(CustomPolicy {
                 name,
                 act: policy.getattr("act")?.unbind(),
                 nearest: policy.getattr("nearest")?.extract()?,
@@ -72,7 +72,7 @@ impl GivenPolicies {
     }
 
     pub fn knows(&self, name: &str) -> bool {
-        self.0.iter().any(|given| given.name == name)
+        self.0.iter().any(|custom| custom.name == name)
     }
 
     /// Returns the policies for one run.
@@ -86,21 +86,21 @@ impl GivenPolicies {
         interruption: &Arc<Interruption>,
     ) -> Result<Policies, PolicyNameError> {
         let has_printed = Arc::new(AtomicBool::new(false));
-        self.0.iter().try_fold(Policies::default(), |policies, given| {
+        self.0.iter().try_fold(Policies::default(), |policies, custom| {
             let maker = PythonPolicyFactory {
-                given: given.clone_ref(py),
-                limit_s: cpu_limit_s(scenario.map(|scenario| &scenario.policy), &given.name),
+                custom: custom.clone_ref(py),
+                limit_s: cpu_limit_s(scenario.map(|scenario| &scenario.policy), &custom.name),
                 interruption: Arc::clone(interruption),
                 has_printed: Arc::clone(&has_printed),
             };
-            policies.with(&given.name, move |site: &PolicyContext<'_>| maker.make(site))
+            policies.with(&custom.name, move |site: &PolicyContext<'_>| maker.make(site))
         })
     }
 }
 
 /// Creates policies of one name.
 struct PythonPolicyFactory {
-    given: Given,
+    custom: CustomPolicy,
     limit_s: f64,
     interruption: Arc<Interruption>,
     /// True once an exception of this run was printed in full.
@@ -111,21 +111,21 @@ impl PythonPolicyFactory {
     fn make(&self, site: &PolicyContext<'_>) -> Result<Box<dyn Policy>, MakeError> {
         let made = Python::try_attach(|py| {
             self.act(py, site).map_err(|exception| {
-                let words = words(py, &exception);
-                settle(py, exception, &self.interruption, &self.has_printed);
-                MakeError::new(words)
+                let message = message(py, &exception);
+                report_exception(py, exception, &self.interruption, &self.has_printed);
+                MakeError::new(message)
             })
         });
         let act = made.unwrap_or_else(|| Err(MakeError::new("Python has ended")))?;
         let layout = Layout {
             frame: site.frame,
             agents: site.agents.len(),
-            nearest: self.given.nearest,
-            wait: SimTime::from_seconds(self.given.wait_s),
+            nearest: self.custom.nearest,
+            wait: SimTime::from_seconds(self.custom.wait_s),
             duration: site.duration,
         };
         Ok(Box::new(PythonPolicy {
-            name: self.given.name.clone(),
+            name: self.custom.name.clone(),
             limit_s: self.limit_s,
             act,
             layout,
@@ -137,19 +137,19 @@ impl PythonPolicyFactory {
 
     /// Returns the callable for this run.
     fn act(&self, py: Python<'_>, site: &PolicyContext<'_>) -> PyResult<Py<PyAny>> {
-        if !self.given.per_run {
-            return Ok(self.given.act.clone_ref(py));
+        if !self.custom.per_run {
+            return Ok(self.custom.act.clone_ref(py));
         }
         let named = |agents: &[AgentId]| agents.iter().map(ToString::to_string).collect::<Vec<_>>();
-        let told = PyDict::new(py);
-        told.set_item("scenario", site.scenario)?;
-        told.set_item("seed", site.seed)?;
-        told.set_item("agents", named(site.agents))?;
-        told.set_item("plays", named(site.plays))?;
-        let settings = if site.own.is_null() { "{}".to_owned() } else { site.own.to_string() };
-        told.set_item("settings", py.import("json")?.call_method1("loads", (settings,))?)?;
-        told.set_item("draw", (site.stream)(&self.given.name).next_u64() >> (u64::BITS - SEED_BITS))?;
-        Ok(self.given.act.bind(py).call1((told,))?.unbind())
+        let context = PyDict::new(py);
+        context.set_item("scenario", site.scenario)?;
+        context.set_item("seed", site.seed)?;
+        context.set_item("agents", named(site.agents))?;
+        context.set_item("plays", named(site.plays))?;
+        let settings = if site.custom_settings.is_null() { "{}".to_owned() } else { site.custom_settings.to_string() };
+        context.set_item("settings", py.import("json")?.call_method1("loads", (settings,))?)?;
+        context.set_item("draw", (site.stream)(&self.custom.name).next_u64() >> (u64::BITS - SEED_BITS))?;
+        Ok(self.custom.act.bind(py).call1((context,))?.unbind())
     }
 }
 
@@ -166,8 +166,8 @@ struct PythonPolicy {
 }
 
 impl Policy for PythonPolicy {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
-        let Some(&agent) = asked.first() else { return Vec::new() };
+    fn choose(&mut self, seen: &Observation<'_>, queried: &[AgentId]) -> Vec<(AgentId, Action)> {
+        let Some(&agent) = queried.first() else { return Vec::new() };
         let answer =
             (!self.interruption.is_set()).then(|| Python::try_attach(|py| self.ask(py, seen, agent))).flatten();
         vec![(agent, answer.unwrap_or_else(|| self.layout.waiting(seen.now)))]
@@ -238,17 +238,17 @@ impl PythonPolicy {
             },
         );
         let points = self.answer(py, answered)?;
-        points.map_err(|words| self.report.failure = Some((PlanFailure::BadAnswer, words))).ok()
+        points.map_err(|message| self.report.failure = Some((PlanFailure::BadAnswer, message))).ok()
     }
 
     /// Returns what was answered, or takes notes on why nothing was.
     fn answer<T>(&mut self, py: Python<'_>, answered: Result<PyResult<T>, String>) -> Option<T> {
         match answered {
             Ok(Ok(answered)) => return Some(answered),
-            Err(words) => self.report.failure = Some((PlanFailure::TimedOut, words)),
+            Err(message) => self.report.failure = Some((PlanFailure::TimedOut, message)),
             Ok(Err(exception)) => {
-                self.report.failure = Some((PlanFailure::Crashed, words(py, &exception)));
-                settle(py, exception, &self.interruption, &self.has_printed);
+                self.report.failure = Some((PlanFailure::Crashed, message(py, &exception)));
+                report_exception(py, exception, &self.interruption, &self.has_printed);
             }
         }
         None
@@ -274,8 +274,8 @@ impl PythonPolicy {
         let mut shared =
             SharedArrays { cells: &mut cells, burning_s: &mut burning_s, agents: &mut agents, time_s: &mut time_s };
         sight.write(layout, |id| id == agent, &mut shared);
-        let mut own = OwnArrays { action_mask: &mut mask, candidates: &mut candidates };
-        let targets = sight.write_own(layout, Some((agent, options)), &mut own);
+        let mut arrays = AgentArrays { action_mask: &mut mask, candidates: &mut candidates };
+        let targets = sight.write_agent(layout, Some((agent, options)), &mut arrays);
         let observation = PyDict::new(py);
         let field = (usize::from(layout.frame.rows), usize::from(layout.frame.cols));
         observation.set_item("cells", shaped(py, cells, field)?)?;

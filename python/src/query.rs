@@ -143,11 +143,11 @@ pub struct GoalLike(pub Goal);
 impl<'py> FromPyObject<'_, 'py> for GoalLike {
     type Error = PyErr;
 
-    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
-        let (x, y, last) = given
+    fn extract(object: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let (x, y, last) = object
             .extract::<(f64, f64, f64)>()
             .map_err(|_| PyTypeError::new_err("expected a goal: a Disc, a Pose, or a pose as (x, y, heading)"))?;
-        let is_disc = given.is_instance(goal_class(given.py(), "Disc")?)?;
+        let is_disc = object.is_instance(goal_class(object.py(), "Disc")?)?;
         let goal = if is_disc {
             Goal::Disc(GoalDisc { centre: DVec2::new(x, y), radius_m: last })
         } else {

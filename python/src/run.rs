@@ -266,8 +266,8 @@ pub fn restored_run(bytes: &[u8], row: &str, messages: Vec<String>) -> PyResult<
     Ok(Run { timeline, row: serde_json::from_str(row).map_err(error)?, view: OnceLock::new(), messages })
 }
 
-fn column(name: &'static str, kind: Kind, unit: Unit, words: &'static str) -> FileColumn {
-    FileColumn { name: Cow::Borrowed(name), words: Cow::Borrowed(words), unit, kind, is_required: false }
+fn column(name: &'static str, kind: Kind, unit: Unit, text: &'static str) -> FileColumn {
+    FileColumn { name: Cow::Borrowed(name), words: Cow::Borrowed(text), unit, kind, is_required: false }
 }
 
 /// Reads back the table that `wildfire run --events` writes.
@@ -385,7 +385,7 @@ pub fn run(
     let changes = planner.map(|name| format!("{PLANNER_KEY}={name}"));
     let scenario = ScenarioLike::or_contest(scenario).load(py, changes.into_iter().collect())?;
     let factories = Factories::new(planners, policies)?.with_programs(programs(py, trust));
-    scenario.get().expect_known(&factories)?;
+    scenario.get().expect_registered(&factories)?;
     let library = scenario.get().library();
     let interruption: Arc<Interruption> = Arc::default();
     let options = RunOptions::from(factories.registry_of(py, Some(library), &interruption));
@@ -414,12 +414,12 @@ pub fn simulate(
     mut is_to_stop: impl FnMut() -> bool,
 ) -> Result<library_sim::Run, RunError> {
     let mut stopwatch = CpuStopwatch::start();
-    let begun = Simulation::with(scenario, seed, options);
+    let simulation = Simulation::with(scenario, seed, options);
     // If a planner ends the program while it is built, the run does not count as failed.
     if is_to_stop() {
         return Err(RunError::Stopped);
     }
-    let mut simulation = begun?;
+    let mut simulation = simulation?;
     let slices = (1..).map(|slice| f64::from(slice) * SLICE_S).take_while(|&time_s| time_s < scenario.duration_s);
     for time in slices.map(SimTime::from_seconds).chain([SimTime::MAX]) {
         if is_to_stop() {

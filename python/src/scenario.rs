@@ -66,7 +66,7 @@ impl Scenario {
     }
 
     /// Rejects a scenario with a planner or a policy that was not supplied.
-    pub fn expect_known(&self, factories: &Factories) -> PyResult<()> {
+    pub fn expect_registered(&self, factories: &Factories) -> PyResult<()> {
         let missing = self.missing.iter().find(|missing| !factories.knows(missing.kind, &missing.name));
         missing.map_or(Ok(()), |missing| Err(scenario_error(&missing.refusal)))
     }
@@ -182,8 +182,8 @@ pub enum ScenarioLike<'py> {
 
 impl ScenarioLike<'_> {
     /// Returns the scenario `contest` if none is given.
-    pub fn or_contest(given: Option<Self>) -> Self {
-        given.unwrap_or_else(|| Self::Named("contest".into()))
+    pub fn or_contest(scenario: Option<Self>) -> Self {
+        scenario.unwrap_or_else(|| Self::Named("contest".into()))
     }
 
     /// Returns the scenario with the changes applied, loading it if necessary.

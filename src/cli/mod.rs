@@ -207,7 +207,7 @@ pub fn main_with(registry: impl Into<CustomRegistry>) -> ExitCode {
 /// Does the same with other words than the arguments of the process; the first is the program's name.
 pub fn main_from(words: Vec<OsString>, registry: impl Into<CustomRegistry>) -> ExitCode {
     #[cfg(unix)]
-    if let Some(code) = supervisor::run_if_asked(words.get(1..).unwrap_or_default()) {
+    if let Some(code) = supervisor::run_if_requested(words.get(1..).unwrap_or_default()) {
         return ExitCode::from(code);
     }
     interrupt::install();

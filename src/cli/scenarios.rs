@@ -324,8 +324,8 @@ fn scenario_from_map(map: &Path, options: &MapArguments, file: Option<&Path>, qu
         of_map.chain(scenario::warnings_of_map(&scenario)).for_each(|note| terminal::note(&note));
     }
     let frame = scenario.field.frame();
-    let given = scenario.field.given.as_ref().expect("it has a map");
-    let bushes = given.occupied.values().iter().filter(|&&occupied| occupied).count();
+    let imported = scenario.field.imported.as_ref().expect("it has a map");
+    let bushes = imported.occupied.values().iter().filter(|&&occupied| occupied).count();
     let metres = |side_m: f64| number_text((1e3 * side_m).round() / 1e3);
     let [wumpus, truck] = [scenario.wumpus[0].start_m, [scenario.unimog[0].start.x_m, scenario.unimog[0].start.y_m]];
     Ok(format!(
@@ -345,7 +345,7 @@ fn scenario_from_map(map: &Path, options: &MapArguments, file: Option<&Path>, qu
         frame.cell_m,
         metres(frame.width_m()),
         metres(frame.height_m()),
-        percent(given.coverage()),
+        percent(imported.coverage()),
         toml::Value::from(wumpus[0]),
         toml::Value::from(wumpus[1]),
         toml::Value::from(truck[0]),

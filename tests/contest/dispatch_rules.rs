@@ -317,17 +317,17 @@ impl World {
             spreads_at: if lit && since + SPREAD_DELAY > now { since + SPREAD_DELAY } else { SimTime::MAX },
         });
         let trucks = self.trucks.iter().zip(0..).map(|(truck, number)| {
-            let is_asked = truck.goal.is_none() || (replans && truck.stops_until.is_none());
+            let is_queried = truck.goal.is_none() || (replans && truck.stops_until.is_none());
             let free_at = truck.stops_until.unwrap_or(truck.way.arrives + DWELL);
             TeamTruck {
                 id: AgentId::unimog(number),
-                place: if is_asked { truck.way.place_at(now) } else { truck.way.to },
-                free_at: if is_asked { now } else { free_at },
+                place: if is_queried { truck.way.place_at(now) } else { truck.way.to },
+                free_at: if is_queried { now } else { free_at },
                 speed_mps: TRUCK_MPS,
                 goal: truck.goal,
                 staging_point: truck.staging_point,
                 start: truck.start,
-                is_asked,
+                is_queried,
                 stops_left: u32::MAX,
             }
         });
@@ -349,16 +349,16 @@ impl World {
             wumpuses: Vec::new(),
             water: None,
         };
-        if team.asked().next().is_none() {
+        if team.queried().next().is_none() {
             return;
         }
         let goals = assignment.assign(&team, &mut 0);
-        let goal_of = |id: AgentId| goals.iter().find(|(asked, _)| *asked == id).map(|&(_, cell)| cell);
-        let idle: Vec<AgentId> = team.asked().map(|truck| truck.id).filter(|&id| goal_of(id).is_none()).collect();
+        let goal_of = |id: AgentId| goals.iter().find(|(queried, _)| *queried == id).map(|&(_, cell)| cell);
+        let idle: Vec<AgentId> = team.queried().map(|truck| truck.id).filter(|&id| goal_of(id).is_none()).collect();
         let posts = positioning.staging_points(&team, &idle);
-        let asked: Vec<AgentId> = team.asked().map(|truck| truck.id).collect();
+        let queried: Vec<AgentId> = team.queried().map(|truck| truck.id).collect();
         let mut orders = Vec::new();
-        for id in asked {
+        for id in queried {
             let staging_point = posts.iter().find(|(posted, _)| *posted == id).map(|&(_, staging_point)| staging_point);
             orders.push((usize::from(id.number), goal_of(id), staging_point));
         }

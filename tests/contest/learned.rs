@@ -18,7 +18,7 @@ fn burned(scenario: &Scenario, seeds: std::ops::Range<u64>) -> u32 {
 #[test]
 fn networks_of_zeros_change_nothing() {
     let zeros = |inputs: usize| vec![0.0; scenario::HIDDEN * (inputs + 2) + 1];
-    let learned = Learned { posts: zeros(Learned::POST_INPUTS.len()), lights: zeros(Learned::LIGHT_INPUTS.len()) };
+    let learned = Learned { posts: zeros(Learned::STAGING_INPUTS.len()), lights: zeros(Learned::LIGHT_INPUTS.len()) };
     let rules = scenario(&["dispatch.policy=auction", "dispatch.idle=centroids", "duration_s=300"]);
     let rules = Scenario { learned: Some(learned.clone()), ..rules };
     let events = |scenario: &Scenario| sim::run(scenario, 3).expect("it takes place").timeline.events;

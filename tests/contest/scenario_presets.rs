@@ -63,7 +63,7 @@ fn the_documentation_of_the_format_names_every_field_with_its_default() {
 fn both_contests_spell_out_every_value_and_those_of_the_first_are_the_defaults() {
     let [contest, first] = ["contest", "contest-1"].map(|name| LoadedScenario::open(name, &[]).expect("it loads"));
     for loaded in [&contest, &first] {
-        let unsaid: Vec<_> = loaded.values().into_iter().filter(|(path, _)| !loaded.is_given(path)).collect();
+        let unsaid: Vec<_> = loaded.values().into_iter().filter(|(path, _)| !loaded.is_set(path)).collect();
         assert_eq!(unsaid, [("ignition".to_owned(), "[]".to_owned())]);
     }
     let defaults = Scenario { name: "contest-1".into(), ..Scenario::default() };
@@ -223,7 +223,7 @@ fn a_change_overrules_what_the_file_says_by_other_means() {
     fs::remove_file(&file).expect("the test's own file can be removed");
     let smoke = smoke.unwrap_or_else(|error| panic!("{error}"));
     assert_eq!((smoke.scenario.field.coverage, smoke.scenario.field.size_m), (0.05, 100.0));
-    assert!(!smoke.is_given("field.coverage"));
+    assert!(!smoke.is_set("field.coverage"));
     let text = scenario::explain(&smoke, MemoryLimit::default()).to_text();
     assert!(text.contains("20 bushes, 5 % of the cells") && !text.contains("field.given"), "{text}");
 }

@@ -62,7 +62,7 @@ fn count(timeline: &Timeline, wanted: impl Fn(&Fact) -> bool) -> usize {
 /// A field of the given cells with trucks and fires that neither spread nor burn out, and nobody else.
 fn drill(map: &str, cell_m: f64, trucks: &[(Dimensions, Pose)], fires: &[(f64, Cell)]) -> Scenario {
     let mut scenario = load("contest", &["wumpus=[]", "unimog=[]"]);
-    scenario.field.given = Some(ImportedField::parse(map, cell_m).expect("the map is one"));
+    scenario.field.imported = Some(ImportedField::parse(map, cell_m).expect("the map is one"));
     scenario.fire.spread_from = SpreadFrom::None;
     scenario.fire.burn_out_s = None;
     let truck = |&(vehicle, pose): &(Dimensions, Pose)| Unimog {

@@ -126,7 +126,7 @@ fn a_truck_without_a_way_to_water_rests() {
         "water.place=[{x_m=77.5,y_m=77.5}]",
     ];
     let mut scenario = loaded("contest", &changes);
-    scenario.field.given = Some(ImportedField { frame, occupied, doubts: Vec::new() });
+    scenario.field.imported = Some(ImportedField { frame, occupied, doubts: Vec::new() });
     let timeline = run(&scenario, 1);
     let rests = |(_, fact): (SimTime, &AgentFact)| *fact == AgentFact::Rested { reason: RestReason::NoWater };
     assert!(facts_of(&timeline, AgentId::unimog(0)).any(rests), "it is sent away for water");

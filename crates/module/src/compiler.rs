@@ -62,9 +62,9 @@ impl Compiled {
         let engine = Engine::new(&config).map_err(cannot)?;
         let module = wasmtime::Module::new(&engine, &counted.bytes).map_err(cannot)?;
         let mut linker = Linker::new(&engine);
-        for (import, asked) in counted.imports.iter().zip(module.imports()) {
+        for (import, requested) in counted.imports.iter().zip(module.imports()) {
             let function = Function::of(import)?;
-            let of = asked.ty().func().expect("it is a function").clone();
+            let of = requested.ty().func().expect("it is a function").clone();
             let added = linker.func_new_async(WASI, &import.name, of, move |mut caller, numbers, results| {
                 let numbers = four(numbers.iter().map(|number| number.i32().unwrap_or_default().cast_unsigned()));
                 Box::new(async move {
@@ -91,7 +91,7 @@ impl Compiled {
         store.limiter(|data| &mut data.limits);
         let mut instantiation = Box::pin(self.0.instantiate_async(&mut store));
         let instance = match poll_once(instantiation.as_mut()) {
-            Poll::Ready(instance) => instance.map_err(|error| words(&error))?,
+            Poll::Ready(instance) => instance.map_err(|error| message_of(&error))?,
             Poll::Pending => unreachable!("nothing waits before `_start`"),
         };
         drop(instantiation);
@@ -111,7 +111,7 @@ impl Compiled {
                 Ok(()) => Reason::End,
                 Err(error) => match error.downcast_ref() {
                     Some(&stop) => Reason::Stop(stop),
-                    None => Reason::Trap(words(&error)),
+                    None => Reason::Trap(message_of(&error)),
                 },
             }
         };
@@ -193,7 +193,7 @@ fn call(mut context: impl AsContextMut<Data = Data>, function: Function, numbers
 }
 
 /// What an error is, in the words of the WebAssembly specification where it is a trap.
-fn words(error: &Error) -> String {
+fn message_of(error: &Error) -> String {
     match error.downcast_ref::<Trap>() {
         Some(trap) => trap.to_string().trim_start_matches("wasm trap: ").to_owned(),
         None => error.to_string(),

@@ -21,7 +21,7 @@ const FAULT: i32 = 21;
 const NOT_SUPPORTED: i32 = 58;
 
 /// The most bytes of stderr that are kept: the beginning of what a module writes between two answers.
-const MAX_SAID: usize = 4096;
+const MAX_STDERR_BYTES: usize = 4096;
 
 /// What a module has around it while it runs.
 #[derive(Debug)]
@@ -33,7 +33,7 @@ pub struct Host {
     /// The most bytes that `output` may hold.
     pub max_output: usize,
     /// What it has written to stderr since the last answer.
-    pub said: Vec<u8>,
+    pub stderr: Vec<u8>,
     pub random: Xoshiro256PlusPlus,
     /// Its name, which is its only argument.
     pub name: String,
@@ -156,7 +156,8 @@ fn fd_write(caller: &mut Caller<'_>, [fd, list, count, moved_at]: [u32; 4]) -> A
         let bytes = caller.read(at, length)?.to_vec();
         all = all.checked_add(length).ok_or(OUTSIDE)?;
         let host = &mut *caller.host;
-        let (to, max) = if fd == 1 { (&mut host.output, host.max_output) } else { (&mut host.said, MAX_SAID) };
+        let (to, max) =
+            if fd == 1 { (&mut host.output, host.max_output) } else { (&mut host.stderr, MAX_STDERR_BYTES) };
         let room = max - to.len();
         to.extend(bytes.iter().take(room));
         if fd == 1 && bytes.len() > room {

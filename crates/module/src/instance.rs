@@ -86,9 +86,9 @@ fn checked(bytes: &[u8], limits: Limits) -> Result<Counted, String> {
     }
     let Some(memory) = counted.memory else { return Err("does not export its `memory`".to_owned()) };
     if memory > limits.memory as u64 {
-        let asked = memory as f64 / 1e6;
+        let initial_mb = memory as f64 / 1e6;
         let max = limits.memory as f64 / 1e6;
-        return Err(format!("begins with {asked:.1} MB of memory; at most {max} MB are allowed"));
+        return Err(format!("begins with {initial_mb:.1} MB of memory; at most {max} MB are allowed"));
     }
     Ok(counted)
 }
@@ -188,7 +188,7 @@ impl Instance {
             input: Vec::new(),
             output: Vec::new(),
             max_output: module.limits.answer,
-            said: Vec::new(),
+            stderr: Vec::new(),
             random: rng::stream(seed, "module"),
             name: module.name.clone(),
         });
@@ -197,7 +197,7 @@ impl Instance {
             #[cfg(feature = "wasmtime")]
             Compiled::Compiler(compiled) => compiled.start(host.clone(), module.limits).map(Running::Compiler),
         };
-        let running = running.map_err(|words| format!("cannot be started: {words}"))?;
+        let running = running.map_err(|message| format!("cannot be started: {message}"))?;
         Ok(Self { host, running, has_failed: false, max_output: module.limits.answer })
     }
 
@@ -213,7 +213,7 @@ impl Instance {
         {
             let mut host = self.host.lock();
             host.input.extend_from_slice(line);
-            host.said.clear();
+            host.stderr.clear();
         }
         let may = i64::try_from(budget.saturating_sub(spent)).unwrap_or(i64::MAX);
         let Pause { reason, left, slots } = match &mut self.running {
@@ -237,22 +237,22 @@ impl Instance {
             Reason::Stop(Stop::Exit(code)) => (FailureKind::Crashed, format!("ended with exit code {code}")),
             Reason::Stop(Stop::Flood) => (FailureKind::BadAnswer, format!("wrote more than {} bytes", self.max_output)),
             Reason::End => (FailureKind::Crashed, "ended".to_owned()),
-            Reason::Trap(words) => (FailureKind::Crashed, format!("trapped: {words}")),
+            Reason::Trap(message) => (FailureKind::Crashed, format!("trapped: {message}")),
         };
         Err(self.failure(kind, message, instructions))
     }
 
     /// Returns what it has written to stderr since it was last given a line: the beginning, if that is long.
-    pub fn said(&self) -> Vec<u8> {
-        self.host.lock().said.clone()
+    pub fn stderr(&self) -> Vec<u8> {
+        self.host.lock().stderr.clone()
     }
 
     /// Adds the last line that a module wrote to stderr to what happened to it, and ends it.
     fn failure(&mut self, kind: FailureKind, message: String, instructions: u64) -> Failure {
         self.has_failed = true;
         let host = self.host.lock();
-        let said = String::from_utf8_lossy(&host.said);
-        let message = match said.lines().rev().find(|line| !line.trim().is_empty()) {
+        let stderr = String::from_utf8_lossy(&host.stderr);
+        let message = match stderr.lines().rev().find(|line| !line.trim().is_empty()) {
             Some(line) => format!("{message}; its last message: {}", wildfire_base::untrusted::visible(line.trim())),
             None => message,
         };

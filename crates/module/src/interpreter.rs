@@ -45,9 +45,9 @@ impl Compiled {
         let module =
             wasmi::Module::new(&engine, &counted.bytes).map_err(|error| format!("cannot be compiled: {error}"))?;
         let mut linker = Linker::new(&engine);
-        for (import, asked) in counted.imports.iter().zip(module.imports()) {
+        for (import, requested) in counted.imports.iter().zip(module.imports()) {
             let function = Function::of(import)?;
-            let ExternType::Func(of) = asked.ty() else { unreachable!("it is a function") };
+            let ExternType::Func(of) = requested.ty() else { unreachable!("it is a function") };
             let act = move |mut caller: wasmi::Caller<'_, Data>, numbers: &[Val], results: &mut [Val]| {
                 let numbers = four(numbers.iter().map(|number| number.i32().unwrap_or_default().cast_unsigned()));
                 let number = call(&mut caller, function, numbers).map_err(|stop| {
@@ -68,7 +68,8 @@ impl Compiled {
         let limits = StoreLimitsBuilder::new().memory_size(limits.memory).table_elements(MAX_TABLE_ELEMENTS).build();
         let mut store = Store::new(self.linker.engine(), Data { limits, host, parts: None, waiting: None });
         store.limiter(|data| &mut data.limits);
-        let instance = self.linker.instantiate_and_start(&mut store, &self.module).map_err(|error| words(&error))?;
+        let instance =
+            self.linker.instantiate_and_start(&mut store, &self.module).map_err(|error| message_of(&error))?;
         let export = |name| instance.get_export(&store, name);
         let (
             Some(Extern::Func(start)),
@@ -125,7 +126,7 @@ impl Running {
                 None => Reason::Trap("an error of the host".to_owned()),
             },
             Ok(_) => Reason::End,
-            Err(error) => Reason::Trap(words(&error)),
+            Err(error) => Reason::Trap(message_of(&error)),
         };
         let number = |global: Global| global.get(&self.store);
         let (Val::I64(left), Val::I32(slots)) = (number(self.parts.gas), number(self.parts.slots)) else {
@@ -150,7 +151,7 @@ fn call(mut context: impl AsContextMut<Data = Data>, function: Function, numbers
 }
 
 /// What an error is, in the words of the WebAssembly specification where it is a trap.
-fn words(error: &Error) -> String {
+fn message_of(error: &Error) -> String {
     match error.as_trap_code() {
         Some(TrapCode::IndirectCallToNull) => "uninitialized element".to_owned(),
         Some(code) => code.trap_message().to_owned(),

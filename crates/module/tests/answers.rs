@@ -71,16 +71,16 @@ fn answers(bytes: &[u8], seed: u64, lines: &[(&str, u64)]) -> Vec<Result<Answer,
     })
 }
 
-fn asked_of(bytes: &[u8], seed: u64, budget: u64) -> Result<Answer, Failure> {
+fn answer_to(bytes: &[u8], seed: u64, budget: u64) -> Result<Answer, Failure> {
     answers(bytes, seed, &[("hello\n", budget)]).remove(0)
 }
 
-fn asked(then: &str) -> Result<Answer, Failure> {
-    asked_of(&command(then), 1, PLENTY)
+fn answer_of(then: &str) -> Result<Answer, Failure> {
+    answer_to(&command(then), 1, PLENTY)
 }
 
 fn failed(then: &str) -> (FailureKind, String) {
-    let failure = asked(then).expect_err("it does not answer");
+    let failure = answer_of(then).expect_err("it does not answer");
     (failure.kind, failure.message)
 }
 
@@ -105,7 +105,7 @@ fn the_same_line_counts_the_same_and_each_turn_of_a_loop_counts_its_instructions
             "(local.set $n (i32.const {n}))
              (loop $turn (nop) (br_if $turn (local.tee $n (i32.sub (local.get $n) (i32.const 1))))) {OK}"
         );
-        asked(&then).expect("an answer").instructions
+        answer_of(&then).expect("an answer").instructions
     };
     assert_eq!(turns(1000), turns(1000));
     assert_eq!(turns(1000) - turns(10), 990 * 5);
@@ -117,9 +117,9 @@ fn the_same_line_counts_the_same_and_each_turn_of_a_loop_counts_its_instructions
 
 #[test]
 fn budget_is_spent_at_the_same_instruction() {
-    let cost = asked(OK).expect("an answer").instructions;
-    assert!(asked_of(&command(OK), 1, cost).is_ok());
-    let failure = asked_of(&command(OK), 1, cost - 1).expect_err("it is one short");
+    let cost = answer_of(OK).expect("an answer").instructions;
+    assert!(answer_to(&command(OK), 1, cost).is_ok());
+    let failure = answer_to(&command(OK), 1, cost - 1).expect_err("it is one short");
     assert_eq!(failure.kind, FailureKind::BudgetSpent);
     let (kind, message) = failed("(loop $for_ever (br $for_ever))");
     assert_eq!((kind, message.as_str()), (FailureKind::BudgetSpent, "ran more than 1000000 instructions"));
@@ -129,12 +129,12 @@ fn budget_is_spent_at_the_same_instruction() {
 fn work_on_many_bytes_counts_by_their_number() {
     let fill = |length: u32| {
         let then = format!("(memory.fill (i32.const 1024) (i32.const 7) (i32.const {length})) {OK}");
-        asked(&then).expect("an answer").instructions
+        answer_of(&then).expect("an answer").instructions
     };
     assert_eq!(fill(8000) - fill(0), 1000);
     let random = |length: u32| {
         let then = format!("(drop (call $random_get (i32.const 1024) (i32.const {length}))) {OK}");
-        asked(&then).expect("an answer").instructions
+        answer_of(&then).expect("an answer").instructions
     };
     assert_eq!(random(8000) - random(0), 1000);
     let for_ever = "(loop $again (memory.fill (i32.const 0) (i32.const 0) (i32.const 65536)) (br $again))";
@@ -145,19 +145,19 @@ fn work_on_many_bytes_counts_by_their_number() {
 fn random_bytes_follow_from_the_seed_and_clocks_stand_still() {
     let random = "(drop (call $random_get (i32.const 1024) (i32.const 16)))
         (i32.store8 (i32.const 1040) (i32.const 10)) (call $answer (i32.const 1024) (i32.const 17))";
-    let bytes = |seed| asked_of(&command(random), seed, PLENTY).map(|answer| answer.line);
+    let bytes = |seed| answer_to(&command(random), seed, PLENTY).map(|answer| answer.line);
     assert_eq!(bytes(1), bytes(1));
     assert_ne!(bytes(1), bytes(2));
     let clock = "(drop (call $clock (i32.const 1) (i64.const 0) (i32.const 1024)))
         (i32.store8 (i32.const 1032) (i32.const 10)) (call $answer (i32.const 1024) (i32.const 9))";
-    assert_eq!(asked(clock).expect("an answer").line, b"\0\0\0\0\0\0\0\0\n");
+    assert_eq!(answer_of(clock).expect("an answer").line, b"\0\0\0\0\0\0\0\0\n");
 }
 
 #[test]
 fn nans_have_the_same_bits_wherever_they_can_be_seen() {
     const CANONICAL: [u8; 8] = 0x7ff8_0000_0000_0000_u64.to_le_bytes();
     let answer = "(i32.store8 (i32.const 1032) (i32.const 10)) (call $answer (i32.const 1024) (i32.const 9))";
-    let line = |then: &str| asked(&format!("{then} {answer}")).expect("an answer").line;
+    let line = |then: &str| answer_of(&format!("{then} {answer}")).expect("an answer").line;
     let other = "(f64.neg (f64.reinterpret_i64 (i64.const 0x7ff0000000000123)))";
     assert_eq!(line(&format!("(f64.store (i32.const 1024) {other})"))[..8], CANONICAL);
     assert_eq!(line(&format!("(i64.store (i32.const 1024) (i64.reinterpret_f64 {other}))"))[..8], CANONICAL);
@@ -185,20 +185,20 @@ fn whatever_a_module_does_is_a_sentence() {
         assert!(message.contains(word), "{message}");
     }
     assert_eq!(failed("(call $deeper)"), (FailureKind::Crashed, "nests its calls too deeply".to_owned()));
-    let told = "(call $write (i32.const 2) (i32.const 512) (i32.const 3)) (call $exit (i32.const 1))";
-    assert_eq!(failed(told).1, "ended with exit code 1; its last message: ok");
+    let on_stderr = "(call $write (i32.const 2) (i32.const 512) (i32.const 3)) (call $exit (i32.const 1))";
+    assert_eq!(failed(on_stderr).1, "ended with exit code 1; its last message: ok");
     // Neither a file nor more memory than it may have is to be got, and it can go on.
     let open = format!(
         "(if (i32.eqz (call $path_open (i32.const 3) (i32.const 0) (i32.const 1024) (i32.const 1) (i32.const 0)
             (i64.const 0) (i64.const 0) (i32.const 0) (i32.const 8))) (then (unreachable))) {OK}"
     );
-    assert_eq!(asked(&open).expect("an answer").line, b"ok\n");
+    assert_eq!(answer_of(&open).expect("an answer").line, b"ok\n");
     let grow = format!("(if (i32.ge_s (memory.grow (i32.const 100)) (i32.const 0)) (then (unreachable))) {OK}");
-    assert_eq!(asked(&grow).expect("an answer").line, b"ok\n");
+    assert_eq!(answer_of(&grow).expect("an answer").line, b"ok\n");
 }
 
 #[test]
-fn a_module_that_failed_is_not_asked_again() {
+fn a_module_that_failed_is_not_queried_again() {
     let [first, second] = &answers(&command("(unreachable)"), 1, &[("hello\n", PLENTY); 2])[..] else { panic!() };
     assert!(first.is_err());
     assert_eq!(second.as_ref().expect_err("it is over").message, "has failed before");
@@ -251,7 +251,7 @@ fn nested_calls_end_at_the_same_depth() {
     };
     let goes = |locals: &str, depth: u32| {
         let then = format!("(call $down (i32.const {depth})) {OK}");
-        asked_of(&command_with(&down(locals), &then), 1, 100 * PLENTY).map(|answer| answer.instructions)
+        answer_to(&command_with(&down(locals), &then), 1, 100 * PLENTY).map(|answer| answer.instructions)
     };
     let deepest = |locals: &str| {
         let (mut works, mut fails) = (1_u32, 1 << 20);
@@ -290,7 +290,7 @@ fn functions_give_their_slots_back_whichever_way_they_end() {
             (i32.store8 (i32.const 1028) (i32.add (i32.const 48) (i32.sub (call $two (i32.const 1)))))
             (br_if $turn (local.tee $n (i32.sub (local.get $n) (i32.const 1)))))
         (i32.store8 (i32.const 1029) (i32.const 10)) (call $answer (i32.const 1024) (i32.const 6))";
-    let answer = asked_of(&command_with(functions, then), 1, 100 * PLENTY).expect("an answer");
+    let answer = answer_to(&command_with(functions, then), 1, 100 * PLENTY).expect("an answer");
     assert_eq!(String::from_utf8_lossy(&answer.line), "345.3\n");
 }
 

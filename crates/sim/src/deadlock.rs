@@ -102,12 +102,12 @@ fn way_aside(
     passing: MovingBody<'_>,
     now: SimTime,
 ) -> Option<Trajectory> {
-    let own = &reservations[place];
-    let traffic = Traffic::new(reservations, own.entity);
-    let path = find_yield_pose(&traffic.with_others_standing(&truck.checker), own.leg().end(), |pose| {
+    let reservation = &reservations[place];
+    let traffic = Traffic::new(reservations, reservation.entity);
+    let path = find_yield_pose(&traffic.with_others_standing(&truck.checker), reservation.leg().end(), |pose| {
         let stand = Trajectory::new(now, pose, Vec::new());
-        let stand = MovingBody { body: &own.body, trajectory: &stand };
+        let stand = MovingBody { body: &reservation.body, trajectory: &stand };
         first_conflict(passing, stand, now, MARGIN_M).is_none()
     })?;
-    traffic.departure(&own.body, &truck.leg(&path, now)).ok()
+    traffic.departure(&reservation.body, &truck.leg(&path, now)).ok()
 }

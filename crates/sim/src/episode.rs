@@ -27,8 +27,8 @@ impl PendingAgent {
     /// Returns whether it may go for nothing now that it could not go for before.
     fn adds_nothing_to(&self, before: &Self) -> bool {
         // Both come in one order.
-        let mut known = before.options.iter();
-        self.options.iter().all(|cell| known.any(|other| other == cell))
+        let mut existing = before.options.iter();
+        self.options.iter().all(|cell| existing.any(|other| other == cell))
     }
 }
 
@@ -50,7 +50,7 @@ impl Points {
 pub struct Episode {
     simulation: Simulation,
     /// In the order in which they are to be answered; nobody at the end.
-    asked: Vec<PendingAgent>,
+    pending: Vec<PendingAgent>,
     agents: Vec<AgentView>,
     points: Points,
     /// The number of facts whose points are counted.
@@ -66,7 +66,7 @@ impl Episode {
         let mut simulation = Simulation::with(scenario, seed, options)?;
         simulation.follow(played, Box::new(ExternalPolicy));
         let mut episode =
-            Self { simulation, asked: Vec::new(), agents: Vec::new(), points: Points::default(), counted: 0 };
+            Self { simulation, pending: Vec::new(), agents: Vec::new(), points: Points::default(), counted: 0 };
         episode.go_on()?;
         Ok(episode)
     }
@@ -81,16 +81,16 @@ impl Episode {
         if let Some(future) = future {
             simulation.reseed(future);
         }
-        let Self { asked, agents, points, counted, .. } = self;
-        Ok(Self { simulation, asked: asked.clone(), agents: agents.clone(), points: *points, counted: *counted })
+        let Self { pending, agents, points, counted, .. } = self;
+        Ok(Self { simulation, pending: pending.clone(), agents: agents.clone(), points: *points, counted: *counted })
     }
 
     /// Lists the agents that wait for an answer, in the order in which they act; empty once the contest is over.
-    pub fn asked(&self) -> &[PendingAgent] {
-        &self.asked
+    pub fn pending(&self) -> &[PendingAgent] {
+        &self.pending
     }
 
-    /// Carries out answers, in the order of [`Self::asked`] as far as they go, and advances to the next question.
+    /// Carries out answers, in the order of [`Self::pending`] as far as they go, and advances to the next question.
     /// Agents without an answer are asked again, except the first, which waits.
     ///
     /// # Errors
@@ -98,10 +98,10 @@ impl Episode {
     pub fn answer(&mut self, choices: &[(AgentId, Action)]) -> Result<(), RunError> {
         let now = self.simulation.now();
         let mut pending = choices.to_vec();
-        let shown = self.asked.clone();
+        let shown = self.pending.clone();
         let mut is_first = true;
         loop {
-            let Some(next) = self.asked.first() else { return Ok(()) };
+            let Some(next) = self.pending.first() else { return Ok(()) };
             let place = pending.iter().position(|&(agent, _)| agent == next.agent);
             let (agent, choice) = match place {
                 Some(place) => pending.swap_remove(place),
@@ -128,10 +128,10 @@ impl Episode {
         self.simulation.advance_to(SimTime::MAX);
         self.simulation.expect_within_memory()?;
         let question = self.simulation.observe(|seen, agents| {
-            let asked = agents.iter().map(|&agent| PendingAgent { agent, options: seen.options(agent) });
-            (asked.collect(), seen.agents.to_vec())
+            let pending = agents.iter().map(|&agent| PendingAgent { agent, options: seen.options(agent) });
+            (pending.collect(), seen.agents.to_vec())
         });
-        (self.asked, self.agents) = question.unwrap_or_else(|| (Vec::new(), self.simulation.agents()));
+        (self.pending, self.agents) = question.unwrap_or_else(|| (Vec::new(), self.simulation.agents()));
         self.count_points();
         Ok(())
     }
@@ -207,12 +207,12 @@ mod tests {
     }
 
     /// Chooses as the rules of the nearest do.
-    fn nearest(episode: &Episode, asked: &PendingAgent) -> Action {
+    fn nearest(episode: &Episode, agent_pending: &PendingAgent) -> Action {
         let agents = episode.agents();
-        let place = agents.iter().find(|agent| agent.id == asked.agent).expect("all agents are seen").place;
+        let place = agents.iter().find(|agent| agent.id == agent_pending.agent).expect("all agents are seen").place;
         let frame = *episode.fires().frame();
         let squared_m = |cell: &Cell| (frame.centre(*cell) - place).length_squared();
-        let best = asked.options.iter().min_by(|a, b| squared_m(a).total_cmp(&squared_m(b)));
+        let best = agent_pending.options.iter().min_by(|a, b| squared_m(a).total_cmp(&squared_m(b)));
         best.map_or(Action::Wait, |&cell| Action::Go(cell))
     }
 
@@ -225,10 +225,10 @@ mod tests {
             let played = agents(&scenario);
             let mut episode = Episode::new(&scenario, 3, &RunOptions::default(), &played).expect("it takes place");
             let mut together = 0;
-            while !episode.asked().is_empty() {
-                together = together.max(episode.asked().len());
+            while !episode.pending().is_empty() {
+                together = together.max(episode.pending().len());
                 let choices: Vec<_> =
-                    episode.asked().iter().map(|asked| (asked.agent, nearest(&episode, asked))).collect();
+                    episode.pending().iter().map(|pending| (pending.agent, nearest(&episode, pending))).collect();
                 episode.answer(&choices).expect("memory suffices");
             }
             assert!(episode.has_ended());
@@ -240,12 +240,12 @@ mod tests {
     }
 
     #[test]
-    fn a_truck_that_waits_is_asked_again_in_time_and_is_not_stuck() {
+    fn a_truck_that_waits_is_queried_again_in_time_and_is_not_stuck() {
         let scenario = load("smoke", &[]);
         let truck = AgentId::unimog(0);
         let mut episode = Episode::new(&scenario, 1, &RunOptions::default(), &[truck]).expect("it takes place");
         let (mut last, mut steps) = (SimTime::ZERO, 0);
-        while !episode.asked().is_empty() {
+        while !episode.pending().is_empty() {
             assert!(episode.now() >= last, "time goes on");
             last = episode.now();
             steps += 1;
@@ -254,7 +254,7 @@ mod tests {
             episode.answer(&[(truck, Action::WaitUntil(until))]).expect("memory suffices");
             let min = last + SimTime::from_nanos(1);
             assert!(episode.now() >= min || episode.has_ended());
-            assert!(steps % 2 == 0 || episode.now() <= until || episode.asked().is_empty());
+            assert!(steps % 2 == 0 || episode.now() <= until || episode.pending().is_empty());
         }
         let outcome = Outcome::new(&episode.timeline());
         assert_eq!((outcome.extinguished, outcome.truck_stuck_s), (0, 0.0));

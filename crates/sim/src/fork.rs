@@ -40,7 +40,7 @@ impl Simulation {
         let setting = self.setting.clone();
         let cost = self.cost.clone();
         let memory = self.memory.clone();
-        let mut fork = Self { world, schedule, setting, cost, has_begun: self.has_begun, memory };
+        let mut fork = Self { world, schedule, setting, cost, has_started: self.has_started, memory };
         copy_world(&self.world, &mut fork.world)?;
         Ok(fork)
     }
@@ -51,7 +51,7 @@ impl Simulation {
     /// As [`Self::fork`]; then this run is as it was.
     pub fn become_fork_of(&mut self, other: &Self) -> Result<(), NotForked> {
         copy_world(&other.world, &mut self.world)?;
-        self.has_begun = other.has_begun;
+        self.has_started = other.has_started;
         Ok(())
     }
 
@@ -77,19 +77,19 @@ impl Simulation {
         let agents = [&fork, &other].map(|run| run.world.resource::<AgentOrder>().0.clone());
         for (&entity, &model) in agents[0].iter().zip(&agents[1]) {
             let model = other.world.entity(model);
-            let mut own = fork.world.entity_mut(entity);
-            let id = own.get::<Agent>().expect("it is an agent").id;
+            let mut target = fork.world.entity_mut(entity);
+            let id = target.get::<Agent>().expect("it is an agent").id;
             let decides_otherwise =
                 conduct_of(before, id) != conduct_of(after, id) || id.role.suppresses() && is_team_new;
             let number = usize::from(id.number);
-            if let (Some(mut own), Some(model)) = (own.get_mut::<Truck>(), model.get::<Truck>())
+            if let (Some(mut target), Some(model)) = (target.get_mut::<Truck>(), model.get::<Truck>())
                 && (plans_otherwise || before.unimog.get(number) != after.unimog.get(number))
             {
-                own.plan_like(model);
+                target.plan_like(model);
             }
             if decides_otherwise {
                 let follows = follows(*model.get::<PolicyId>().expect("every agent follows a policy"));
-                own.insert((follows, model.get::<WakeTriggers>().expect("every agent is woken").clone()));
+                target.insert((follows, model.get::<WakeTriggers>().expect("every agent is woken").clone()));
                 fork.let_decide(entity);
             }
         }
@@ -124,7 +124,7 @@ impl Simulation {
 
     /// Returns when the agent with a [forced](Self::force) choice was given it.
     pub fn forced_at(&self) -> Option<SimTime> {
-        self.world.resource::<PolicySet>().forced?.given_at
+        self.world.resource::<PolicySet>().forced?.applied_at
     }
 
     /// Returns the number of bushes that have burned out or burn.
@@ -154,7 +154,7 @@ fn conduct_of(scenario: &Scenario, agent: AgentId) -> (NamedPolicy<'_>, Option<&
         Role::Unimog => (NamedPolicy::from(&scenario.unimog[number].goal), Some(scenario.unimog[number].retarget)),
     };
     let table = match policy {
-        NamedPolicy::Own(name) => scenario.policy.get(name),
+        NamedPolicy::Custom(name) => scenario.policy.get(name),
         NamedPolicy::BuiltIn(_) => None,
     };
     (policy, table, retarget)
@@ -164,9 +164,9 @@ fn conduct_of(scenario: &Scenario, agent: AgentId) -> (NamedPolicy<'_>, Option<&
 fn copy_world(from: &World, to: &mut World) -> Result<(), NotForked> {
     let following = from.resource::<PolicySet>().fork().map_err(NotForked)?;
     let agents = &from.resource::<AgentOrder>().0;
-    let held = to.get_resource::<AgentOrder>().map_or(Vec::new(), |roster| roster.0.clone());
+    let existing = to.get_resource::<AgentOrder>().map_or(Vec::new(), |roster| roster.0.clone());
     let copies: Vec<Entity> =
-        if held.len() == agents.len() { held } else { agents.iter().map(|_| to.spawn_empty().id()).collect() };
+        if existing.len() == agents.len() { existing } else { agents.iter().map(|_| to.spawn_empty().id()).collect() };
     for (&agent, &copy) in agents.iter().zip(&copies) {
         let from = from.entity(agent);
         let mut to = to.entity_mut(copy);
@@ -251,12 +251,12 @@ mod tests {
         }
     }
 
-    fn lit(timeline: &Timeline) -> Vec<Cell> {
-        let lit = timeline.events.iter().filter_map(|event| match event.fact {
+    fn ignited(timeline: &Timeline) -> Vec<Cell> {
+        let ignited = timeline.events.iter().filter_map(|event| match event.fact {
             Fact::Fire(FireFact::Ignited { cell, .. }) => Some(cell),
             _ => None,
         });
-        lit.collect()
+        ignited.collect()
     }
 
     #[test]
@@ -272,7 +272,7 @@ mod tests {
         };
         let unchanged = ended(parent.fork().expect("its policies are built in"));
         assert_eq!(future(1), future(1));
-        assert!(lit(&future(1)) != lit(&future(2)) && lit(&future(1)) != lit(&unchanged));
+        assert!(ignited(&future(1)) != ignited(&future(2)) && ignited(&future(1)) != ignited(&unchanged));
         let until_middle = |timeline: &Timeline| timeline.events.partition_point(|event| event.time <= middle);
         assert_eq!(future(1).events[..until_middle(&unchanged)], unchanged.events[..until_middle(&unchanged)]);
     }

@@ -130,7 +130,7 @@ impl Answer {
     }
 
     /// Returns the answer as the simulation takes it.
-    pub fn told(&self) -> (AgentId, Action) {
+    pub fn to_action(&self) -> (AgentId, Action) {
         let choice = match self.choice {
             GameChoice::Go(col, row) => Action::Go(Cell { col, row }),
             GameChoice::GoToNearest => Action::GoToNearest,
@@ -259,11 +259,11 @@ struct ScriptedPolicy {
 }
 
 impl Policy for ScriptedPolicy {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
+    fn choose(&mut self, seen: &Observation<'_>, queried: &[AgentId]) -> Vec<(AgentId, Action)> {
         let next = self.answers.get(self.next);
-        if let Some(answer) = next.filter(|next| next.t_ns == seen.now.as_nanos() && asked.contains(&next.agent())) {
+        if let Some(answer) = next.filter(|next| next.t_ns == seen.now.as_nanos() && queried.contains(&next.agent())) {
             self.next += 1;
-            return vec![answer.told()];
+            return vec![answer.to_action()];
         }
         let has = match next {
             Some(next) => format!("the next answer is that of {} at {}", next.agent(), SimTime::from_nanos(next.t_ns)),
@@ -271,9 +271,9 @@ impl Policy for ScriptedPolicy {
         };
         let mut first = self.unanswered.0.lock().expect("nobody panics while holding it");
         first.get_or_insert_with(|| {
-            format!("{} is asked at {} (t_ns {}), and {has}", asked[0], seen.now, seen.now.as_nanos())
+            format!("{} is asked at {} (t_ns {}), and {has}", queried[0], seen.now, seen.now.as_nanos())
         });
-        asked.iter().map(|&agent| (agent, Action::Wait)).collect()
+        queried.iter().map(|&agent| (agent, Action::Wait)).collect()
     }
 
     fn fork(&self) -> Option<Box<dyn Policy>> {
@@ -293,14 +293,14 @@ mod tests {
         let options = RunOptions { policies: played(), ..RunOptions::default() };
         let mut simulation = Simulation::with(&scenario, game.seed, &options).expect("it takes place");
         let mut turn = 0;
-        while let Some(asked) = simulation.advance_to_question(SimTime::MAX).map(<[_]>::to_vec) {
+        while let Some(queried) = simulation.advance_to_question(SimTime::MAX).map(<[_]>::to_vec) {
             // Not always the first who is asked, and now and then somebody waits.
-            let agent = asked[turn % asked.len()];
+            let agent = queried[turn % queried.len()];
             let cells = simulation.observe(|seen, _| seen.options(agent)).expect("a question waits");
             let go = |cell: &Cell| GameChoice::Go(cell.col, cell.row);
             let choice = if turn % 7 == 3 { GameChoice::Wait } else { cells.last().map_or(GameChoice::Wait, go) };
             let answer = Answer::new(simulation.now(), agent, choice);
-            simulation.answer(vec![answer.told()]);
+            simulation.answer(vec![answer.to_action()]);
             game.answers.push(answer);
             turn += 1;
         }
@@ -332,7 +332,7 @@ mod tests {
     }
 
     #[test]
-    fn a_question_without_an_answer_is_told() {
+    fn a_question_without_an_answer_is_reported() {
         let (mut game, _) = play(game("smoke", &[Side::Wumpus]));
         let count = game.answers.len();
         game.answers.pop();
@@ -340,24 +340,24 @@ mod tests {
         let options = RunOptions { policies, ..RunOptions::default() };
         let scenario = game.load().expect("it is a scenario").scenario;
         run_with_options(&scenario, game.seed, &options).expect("it takes place");
-        let told = unanswered.take().expect("an answer is missing");
-        assert!(told.starts_with("wumpus/0 is asked at"), "{told}");
-        assert!(told.ends_with(&format!("and there are {} answers", count - 1)), "{told}");
+        let message = unanswered.take().expect("an answer is missing");
+        assert!(message.starts_with("wumpus/0 is asked at"), "{message}");
+        assert!(message.ends_with(&format!("and there are {} answers", count - 1)), "{message}");
     }
 
     /// Gives everybody the same choice.
     struct Always(Action);
 
     impl Policy for Always {
-        fn choose(&mut self, _: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
-            asked.iter().map(|&agent| (agent, self.0)).collect()
+        fn choose(&mut self, _: &Observation<'_>, queried: &[AgentId]) -> Vec<(AgentId, Action)> {
+            queried.iter().map(|&agent| (agent, self.0)).collect()
         }
     }
 
     #[test]
-    fn choices_that_an_agent_cannot_carry_out_are_counted_and_told() {
+    fn choices_that_an_agent_cannot_carry_out_are_counted_and_reported() {
         let nowhere = Cell { col: 0, row: 0 };
-        for (side, choice, words) in [
+        for (side, choice, expected) in [
             ("wumpus", Action::GoToNearest, "wumpus/0 cannot go to the nearest fire; only trucks can"),
             ("wumpus", Action::Refill, "wumpus/0 cannot refill; it has no tank"),
             ("wumpus", Action::Move(DVec2::ONE), "wumpus/0 cannot be sent to (1, 1)"),
@@ -377,14 +377,14 @@ mod tests {
             let run = run_with_options(&scenario, 1, &options).expect("it takes place");
             let illegal = run.asks.unwrap_or_default().illegal;
             let messages = run.messages.to_string();
-            assert_eq!(illegal > 0, !words.is_empty(), "{side} {choice:?}");
-            assert!(messages.contains(words), "{messages}");
+            assert_eq!(illegal > 0, !expected.is_empty(), "{side} {choice:?}");
+            assert!(messages.contains(expected), "{messages}");
         }
     }
 
     #[test]
     fn what_is_no_game_is_refused() {
-        for (text, words) in [
+        for (text, expected) in [
             ("[]", "this is not a game file"),
             (r#"{"wildfire_game": 2, "scenario": {"name": "smoke"}, "seed": 1, "plays": ["unimog"]}"#, "format 2"),
             (
@@ -399,7 +399,7 @@ mod tests {
             ),
         ] {
             let refusal = Game::from_json(text).expect_err(text).to_string();
-            assert!(refusal.contains(words), "{refusal}");
+            assert!(refusal.contains(expected), "{refusal}");
         }
         assert!(game("nowhere", &[Side::Wumpus]).load().is_err());
     }

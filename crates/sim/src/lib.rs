@@ -85,8 +85,8 @@ pub fn run_with_options(scenario: &Scenario, seed: u64, options: &RunOptions) ->
     let mut stopwatch = CpuStopwatch::start();
     let mut simulation = Simulation::with(scenario, seed, options)?;
     // Agents whose policy passes the answer to the caller wait: there is no caller to answer.
-    while let Some(asked) = simulation.advance_to_question(SimTime::MAX).map(<[_]>::to_vec) {
-        simulation.answer(asked.into_iter().map(|agent| (agent, Action::Wait)).collect());
+    while let Some(queried) = simulation.advance_to_question(SimTime::MAX).map(<[_]>::to_vec) {
+        simulation.answer(queried.into_iter().map(|agent| (agent, Action::Wait)).collect());
     }
     simulation.expect_within_memory()?;
     let mut run = simulation.finish();
@@ -101,7 +101,7 @@ pub struct Simulation {
     setting: Setting,
     cost: RunCost,
     /// Whether time 0 has happened. It does in every run, even if nobody is there to have something due.
-    has_begun: bool,
+    has_started: bool,
     memory: Memory,
 }
 
@@ -142,7 +142,7 @@ impl Simulation {
         let (mut world, schedule) = empty_world();
         let (setting, cost) = setup::fill(&mut world, scenario, seed, &meter, options)?;
         let memory = Memory { limit: options.memory, estimate, meter };
-        let simulation = Self { world, schedule, setting, cost, has_begun: false, memory };
+        let simulation = Self { world, schedule, setting, cost, has_started: false, memory };
         simulation.expect_within_memory()?;
         Ok(simulation)
     }
@@ -178,9 +178,10 @@ impl Simulation {
             && self.memory.meter.overrun().is_none()
             && self.world.resource::<PolicySet>().question.is_none()
         {
-            let next = if self.has_begun { self.world.resource::<SimQueue>().next_time() } else { Some(SimTime::ZERO) };
+            let next =
+                if self.has_started { self.world.resource::<SimQueue>().next_time() } else { Some(SimTime::ZERO) };
             let Some(next) = next.filter(|&next| next <= target) else { break };
-            self.has_begun = true;
+            self.has_started = true;
             self.world.resource_mut::<SimClock>().0 = next;
             self.schedule.run(&mut self.world);
         }
@@ -190,17 +191,17 @@ impl Simulation {
     /// if a policy passes the decision to the caller. Until it is answered the world stands still.
     pub fn advance_to_question(&mut self, target: SimTime) -> Option<&[AgentId]> {
         self.advance_to(target);
-        self.world.resource::<PolicySet>().question.as_ref().map(|question| &question.asked[..])
+        self.world.resource::<PolicySet>().question.as_ref().map(|question| &question.queried[..])
     }
 
     /// Shows the caller the world as a policy would see it that is asked the waiting question.
     pub fn observe<T>(&self, look: impl FnOnce(&Observation<'_>, &[AgentId]) -> T) -> Option<T> {
-        let PendingDecision { asked, agents, options } = self.world.resource::<PolicySet>().question.as_ref()?;
+        let PendingDecision { queried, agents, options } = self.world.resource::<PolicySet>().question.as_ref()?;
         let options_of =
-            |agent: AgentId| asked.iter().position(|&id| id == agent).map_or(Vec::new(), |i| options[i].clone());
+            |agent: AgentId| queried.iter().position(|&id| id == agent).map_or(Vec::new(), |i| options[i].clone());
         let now = self.world.resource::<SimClock>().0;
         let fires = &self.world.resource::<Fires>().field;
-        Some(look(&Observation { now, fires, agents, options_of: &options_of }, asked))
+        Some(look(&Observation { now, fires, agents, options_of: &options_of }, queried))
     }
 
     /// Answers for agents that wait; agents without a choice are asked again. With an invalid choice an agent waits.
@@ -253,7 +254,7 @@ impl Simulation {
         let mut following = self.world.resource_mut::<PolicySet>();
         self.cost.dispatch = following.team_cpu;
         let CustomPolicyStats { tally: asks, messages: of_policies, cpu, elsewhere } =
-            std::mem::take(&mut following.own);
+            std::mem::take(&mut following.custom_stats);
         (self.cost.policies, self.cost.policies_elsewhere) = (cpu, elsewhere);
         let mut recorder = self.world.resource_mut::<Recorder>();
         let events = std::mem::take(&mut recorder.events);
@@ -311,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn a_system_whose_turn_is_not_said_is_refused() {
+    fn a_system_whose_turn_is_not_specified_is_refused() {
         fn intruder(_queue: ResMut<SimQueue>) {}
         assert!(!is_ambiguous(|_| {}));
         assert!(is_ambiguous(|app| _ = app.add_systems(Pass, intruder)));
@@ -346,17 +347,17 @@ mod tests {
             };
             let make = |policy: NamedPolicy<'_>| match policy {
                 NamedPolicy::BuiltIn(rule) => rule.make(&site),
-                NamedPolicy::Own(name) => panic!("{name} is not built in"),
+                NamedPolicy::Custom(name) => panic!("{name} is not built in"),
             };
             let mut wumpus = make((&scenario.wumpus[0].goal).into());
             let mut truck = make((&scenario.unimog[0].goal).into());
             let mut questions = 0;
-            while let Some(asked) = simulation.advance_to_question(SimTime::MAX).map(<[_]>::to_vec) {
+            while let Some(queried) = simulation.advance_to_question(SimTime::MAX).map(<[_]>::to_vec) {
                 let facts = simulation.world.resource::<Recorder>().events.len();
-                assert_eq!(simulation.advance_to_question(SimTime::MAX), Some(&asked[..]), "the world stands still");
+                assert_eq!(simulation.advance_to_question(SimTime::MAX), Some(&queried[..]), "the world stands still");
                 assert_eq!(simulation.world.resource::<Recorder>().events.len(), facts);
-                let policy = if asked[0].role == Role::Wumpus { &mut wumpus } else { &mut truck };
-                let choices = simulation.observe(|seen, asked| policy.choose(seen, asked));
+                let policy = if queried[0].role == Role::Wumpus { &mut wumpus } else { &mut truck };
+                let choices = simulation.observe(|seen, queried| policy.choose(seen, queried));
                 simulation.answer(choices.expect("a question waits"));
                 questions += 1;
             }
@@ -369,22 +370,25 @@ mod tests {
     struct Together(Arc<Mutex<Vec<usize>>>);
 
     impl Policy for Together {
-        fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
-            self.0.lock().expect("nobody panicked").push(asked.len());
-            let options = seen.options(asked[0]);
-            asked.iter().map(|&agent| (agent, options.first().map_or(Action::Wait, |&cell| Action::Go(cell)))).collect()
+        fn choose(&mut self, seen: &Observation<'_>, queried: &[AgentId]) -> Vec<(AgentId, Action)> {
+            self.0.lock().expect("nobody panicked").push(queried.len());
+            let options = seen.options(queried[0]);
+            queried
+                .iter()
+                .map(|&agent| (agent, options.first().map_or(Action::Wait, |&cell| Action::Go(cell))))
+                .collect()
         }
     }
 
     #[test]
     fn a_policy_chooses_for_all_who_are_free_and_a_fire_still_goes_to_one_truck() {
         let mut simulation = Simulation::new(&load("fleet", 600.0), 2).expect("it takes place");
-        let asked = Arc::new(Mutex::new(Vec::new()));
+        let counts = Arc::new(Mutex::new(Vec::new()));
         let trucks = [0, 1, 2].map(AgentId::unimog);
-        simulation.follow(&trucks, Box::new(Together(Arc::clone(&asked))));
+        simulation.follow(&trucks, Box::new(Together(Arc::clone(&counts))));
         simulation.advance_to(SimTime::MAX);
         let timeline = simulation.finish().timeline;
-        assert!(asked.lock().expect("nobody panicked").contains(&3), "all three wait when the first fire is lit");
+        assert!(counts.lock().expect("nobody panicked").contains(&3), "all three wait when the first fire is lit");
         let mut goals = Vec::<(AgentId, Cell)>::new();
         let mut plans = 0;
         for event in &timeline.events {

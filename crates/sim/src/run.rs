@@ -69,8 +69,8 @@ impl AgentCost {
     }
 
     pub fn total(&self) -> Duration {
-        let own = self.starting + self.queries;
-        self.sampling + self.connecting + self.roadmap_search + self.local_search + self.reachability + own
+        let others = self.starting + self.queries;
+        self.sampling + self.connecting + self.roadmap_search + self.local_search + self.reachability + others
     }
 }
 
@@ -157,20 +157,20 @@ impl FailureMessages {
 
     /// Adds a message about `who`, an agent or a policy.
     pub fn add(&mut self, who: &str, time: SimTime, reason: PlanFailure, message: &str) {
-        self.add_words(who, time, &format!("{reason}: {message}"));
+        self.add_text(who, time, &format!("{reason}: {message}"));
     }
 
     /// Adds a message that begins with a reason and a colon.
-    pub fn add_words(&mut self, who: &str, time: SimTime, words: &str) {
+    pub fn add_text(&mut self, who: &str, time: SimTime, text: &str) {
         let message: String =
-            format!("{who} at {:.1} s: {words}", time.as_seconds()).chars().take(Self::LONGEST).collect();
+            format!("{who} at {:.1} s: {text}", time.as_seconds()).chars().take(Self::LONGEST).collect();
         self.count += 1;
         if self.first.len() < Self::KEPT {
             self.first.push(message.clone());
         }
         let key: String = who
             .chars()
-            .chain(words.chars())
+            .chain(text.chars())
             .filter(|letter| !letter.is_ascii_digit() && !"-.".contains(*letter))
             .take(Self::LONGEST_KEY)
             .collect();

@@ -36,7 +36,7 @@ pub fn fill(
     memory: &MemoryMeter,
     options: &RunOptions,
 ) -> Result<(Setting, RunCost), RunError> {
-    let (planners, known_policies) = options.registry_of(scenario)?;
+    let (planners, policies_by_name) = options.registry_of(scenario)?;
     let mut cost = RunCost::default();
     let mut stopwatch = CpuStopwatch::start();
     let terrain = Terrain::from_scenario(scenario, seed)?;
@@ -66,7 +66,7 @@ pub fn fill(
     world.init_resource::<SimClock>();
     world.init_resource::<CpuLog>();
     world.init_resource::<AgentOrder>();
-    world.insert_resource(policies(scenario, seed, &terrain, &known_policies)?);
+    world.insert_resource(policies(scenario, seed, &terrain, &policies_by_name)?);
 
     let water = water_rules(scenario).map(Arc::new);
     let slows = scenario.unimog.iter().any(|truck| !truck.speed_by_ground.is_empty());
@@ -86,13 +86,13 @@ pub fn fill(
 }
 
 /// Makes the policies of a run: one for all agents of a name, and for crews that follow it.
-fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies) -> Result<PolicySet, RunError> {
+fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, registry: &Policies) -> Result<PolicySet, RunError> {
     let wumpuses = scenario.wumpus.iter().map(|wumpus| NamedPolicy::from(&wumpus.goal));
     let trucks = scenario.unimog.iter().map(|truck| NamedPolicy::from(&truck.goal));
     let ids = (0..).map(AgentId::wumpus).zip(wumpuses).chain((0..).map(AgentId::unimog).zip(trucks));
     let (agents, mut named): (Vec<AgentId>, Vec<NamedPolicy>) = ids.unzip();
     // Crews come after the agents.
-    named.extend(scenario.own_line_policy().map(NamedPolicy::Own));
+    named.extend(scenario.custom_line_policy().map(NamedPolicy::Custom));
     let lightable = terrain.lightable(scenario.fire.lights_ground());
     let spread_m = scenario.fire.spread_radius_m;
     let rule_site = RuleContext {
@@ -114,8 +114,8 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies)
         let plays: Vec<AgentId> = (0..agents.len()).filter(is_meant).map(|agent| agents[agent]).collect();
         let made = match *policy {
             NamedPolicy::BuiltIn(rule) => rule.make(&rule_site),
-            NamedPolicy::Own(name) => {
-                let own = scenario.policy.get(name).map(|program| Value::Object(program.settings.clone()));
+            NamedPolicy::Custom(name) => {
+                let custom = scenario.policy.get(name).map(|program| Value::Object(program.settings.clone()));
                 let site = PolicyContext {
                     name,
                     scenario: &scenario.name,
@@ -125,12 +125,12 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies)
                     bushes: &terrain.bushes,
                     agents: &agents,
                     plays: &plays,
-                    own: own.as_ref().unwrap_or(&Value::Null),
+                    custom_settings: custom.as_ref().unwrap_or(&Value::Null),
                     stream: &|stream: &str| rng::stream(seed, &format!("policy/{name}/{stream}")),
                 };
                 let mut stopwatch = CpuStopwatch::start();
-                let made = known.make(&site).map_err(|reason| RunError::NoPolicy { name: name.clone(), reason })?;
-                following.add_own(&plays, name, made, stopwatch.elapsed_since_last());
+                let made = registry.make(&site).map_err(|reason| RunError::NoPolicy { name: name.clone(), reason })?;
+                following.add_custom(&plays, name, made, stopwatch.elapsed_since_last());
                 if is_meant(&agents.len()) {
                     following.lead_crews();
                 }

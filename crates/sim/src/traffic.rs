@@ -202,7 +202,7 @@ impl<'a> Traffic<'a> {
     }
 
     /// Returns the motions of the others as a body meets them.
-    pub fn known_to(self, body: &'a Dimensions) -> MotionsOfOthers<'a> {
+    pub fn predicted_for(self, body: &'a Dimensions) -> MotionsOfOthers<'a> {
         MotionsOfOthers { traffic: self, body }
     }
 

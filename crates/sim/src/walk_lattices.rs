@@ -60,7 +60,7 @@ pub struct WalkLattices<'a> {
     /// By cell index.
     lightable: Vec<Cell>,
     lattices: Vec<SharedLattice>,
-    known_planners: Vec<(usize, PlannerKey)>,
+    planner_keys: Vec<(usize, PlannerKey)>,
     planners: WalkPlanners,
 }
 
@@ -77,7 +77,7 @@ struct SharedLattice {
     lattice: Arc<WalkLattice>,
     /// By point: the number of the connected part that it belongs to, from 1; 0 as long as nobody asked.
     parts: Vec<u32>,
-    known_parts: u32,
+    part_count: u32,
     /// By part and reach.
     targets: Vec<((u32, f64), Arc<Targets>)>,
 }
@@ -86,8 +86,8 @@ impl<'a> WalkLattices<'a> {
     /// Prepares grounds on a field of which the cells in `lightable`, by index, can be lit.
     pub fn new(terrain: &'a Terrain, lightable: Vec<Cell>) -> Self {
         let lattices = Vec::new();
-        let known_planners = Vec::new();
-        Self { terrain, lightable, lattices, known_planners, planners: WalkPlanners::default() }
+        let planner_keys = Vec::new();
+        Self { terrain, lightable, lattices, planner_keys, planners: WalkPlanners::default() }
     }
 
     /// Places a Wumpus on the free point of its lattice that is nearest to its start; `None` if no point is free.
@@ -106,13 +106,13 @@ impl<'a> WalkLattices<'a> {
     }
 
     fn lattice_number(&mut self, shape: LatticeShape) -> usize {
-        let known = self.lattices.iter().position(|known| known.shape == shape);
-        known.unwrap_or_else(|| {
+        let existing = self.lattices.iter().position(|existing| existing.shape == shape);
+        existing.unwrap_or_else(|| {
             let lattice = WalkLattice::new(self.terrain.frame, &self.terrain.occupied, shape);
             let parts = vec![0; lattice.points()];
             let lattice = Arc::new(lattice);
             let targets = Vec::new();
-            self.lattices.push(SharedLattice { shape, lattice, parts, known_parts: 0, targets });
+            self.lattices.push(SharedLattice { shape, lattice, parts, part_count: 0, targets });
             self.lattices.len() - 1
         })
     }
@@ -121,12 +121,12 @@ impl<'a> WalkLattices<'a> {
         let method = settings.walk_method();
         let safety = settings.safety.clone();
         let key = (lattice, PlannerKey { method, step_cost: settings.step_cost, safety });
-        let known = self.known_planners.iter().position(|known| *known == key);
-        WalkPlannerId(known.unwrap_or_else(|| {
+        let existing = self.planner_keys.iter().position(|existing| *existing == key);
+        WalkPlannerId(existing.unwrap_or_else(|| {
             let lattice = &self.lattices[lattice].lattice;
             let costs = walk_costs(settings, self.terrain, lattice);
             self.planners.0.push(Shared::new(WalkPlanner::new(lattice, method, costs)));
-            self.known_planners.push(key);
+            self.planner_keys.push(key);
             self.planners.0.len() - 1
         }))
     }
@@ -136,12 +136,12 @@ impl SharedLattice {
     /// Lists what can be lit from the part of the lattice that a point belongs to.
     fn targets_from(&mut self, point: usize, reach_m: f64, lightable: &[Cell], frame: FieldFrame) -> Arc<Targets> {
         if self.parts[point] == 0 {
-            self.known_parts += 1;
-            self.lattice.mark_part(point, &mut self.parts, self.known_parts);
+            self.part_count += 1;
+            self.lattice.mark_part(point, &mut self.parts, self.part_count);
         }
         let part = self.parts[point];
-        if let Some((_, known)) = self.targets.iter().find(|&&(of, _)| of == (part, reach_m)) {
-            return Arc::clone(known);
+        if let Some((_, distances)) = self.targets.iter().find(|&&(of, _)| of == (part, reach_m)) {
+            return Arc::clone(distances);
         }
         let (cells, walled_in) = lightable
             .iter()
@@ -213,6 +213,6 @@ mod tests {
                 assert_eq!(targets.walled_in.contains(&cell), !is_target);
             }
         }
-        assert!(grounds.lattices[0].known_parts > 3, "{} parts", grounds.lattices[0].known_parts);
+        assert!(grounds.lattices[0].part_count > 3, "{} parts", grounds.lattices[0].part_count);
     }
 }

@@ -286,9 +286,9 @@ impl Turn<'_> {
     /// Carries out what its policy chose. If that fails it is asked again, with what it learned in mind.
     fn act(mut self, choice: Action, fires: &FireField, planners: &WalkPlanners, cpu_log: &mut CpuLog) {
         let Self { agent, wumpus, now, .. } = &mut self;
-        let begun = wumpus.deliberation.take().filter(|begun| begun.revision == agent.revision);
+        let state = wumpus.deliberation.take().filter(|state| state.revision == agent.revision);
         let WumpusDecision { mut ready, cpu, .. } =
-            begun.unwrap_or(WumpusDecision { revision: agent.revision, ready: *now, cpu: agent.cost.total() });
+            state.unwrap_or(WumpusDecision { revision: agent.revision, ready: *now, cpu: agent.cost.total() });
         match choice {
             Action::Go(goal) if wumpus.is_option(goal, fires) => {
                 if !self.try_goal(goal, &mut ready, planners) {
@@ -393,21 +393,21 @@ fn decide(
         let choices = if wumpus.options(fires).next().is_none() {
             vec![(wake.agent, Action::Wait)]
         } else {
-            let asked = queue.decisions(now).filter_map(|due| {
+            let queried = queue.decisions(now).filter_map(|due| {
                 let (agent, _, &follows) = wumpuses.get(due.agent).ok()?;
                 (agent.revision == due.revision && follows == policy).then_some((agent.id, due.agent))
             });
-            let asked: Vec<_> = asked.collect();
-            let mut asked_ids: Vec<AgentId> = asked.iter().map(|&(id, _)| id).collect();
-            asked_ids.sort_unstable();
+            let queried: Vec<_> = queried.collect();
+            let mut queried_ids: Vec<AgentId> = queried.iter().map(|&(id, _)| id).collect();
+            queried_ids.sort_unstable();
             // Who decides stands on a point of the lattice; of others only the trajectory is known.
-            let own = wumpuses.iter().map(|(agent, wumpus, _)| {
-                let is_asked = asked_ids.binary_search(&agent.id).is_ok();
-                let place = if is_asked { wumpus.lattice.position(wumpus.point) } else { agent.centre(now) };
+            let walkers = wumpuses.iter().map(|(agent, wumpus, _)| {
+                let is_queried = queried_ids.binary_search(&agent.id).is_ok();
+                let place = if is_queried { wumpus.lattice.position(wumpus.point) } else { agent.centre(now) };
                 AgentView { place, ..agent.view(now) }
             });
             let others = others.iter().map(|agent| agent.view(now));
-            let inquiry = PolicyQuery { now, fires, agents: own.chain(others).collect(), asked };
+            let inquiry = PolicyQuery { now, fires, agents: walkers.chain(others).collect(), queried };
             let find = |entity| wumpuses.get(entity).ok().map(|(_, wumpus, _)| wumpus);
             following.ask(policy, inquiry, &OptionsOfWumpuses { find, fires })
         };

@@ -68,8 +68,8 @@ impl Controls<'_> {
     }
 
     fn request(&mut self, step: SeedStep) {
-        let said = self.runs.request(step).unwrap_or_else(|refusal| refusal);
-        self.viewer.message = Some(said);
+        let message = self.runs.request(step).unwrap_or_else(|refusal| refusal);
+        self.viewer.message = Some(message);
     }
 
     fn save(&mut self) {

@@ -26,11 +26,11 @@ pub enum Gesture {
 #[derive(Debug, Default, Resource)]
 pub struct Mouse {
     at: At,
-    held: Option<Held>,
+    grab: Option<Grab>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Held {
+enum Grab {
     /// The timeline, at this height of the frame.
     Timeline { y: f64 },
     /// A field, pressed at a place of the frame.
@@ -40,16 +40,16 @@ enum Held {
 impl Mouse {
     /// Returns whether it has hold of the timeline, so that the clock is held.
     pub fn scrubs(&self) -> bool {
-        matches!(self.held, Some(Held::Timeline { .. }))
+        matches!(self.grab, Some(Grab::Timeline { .. }))
     }
 
     pub fn go_to(&mut self, at: At, layout: &FrameLayout) -> Option<Gesture> {
         let before = std::mem::replace(&mut self.at, at);
-        match &mut self.held {
+        match &mut self.grab {
             None => None,
-            Some(Held::Timeline { y }) => scrub((at.0, *y), layout),
-            Some(Held::Field { is_dragged: true, .. }) => Some(Gesture::Pan(between(before, at))),
-            Some(Held::Field { pressed, is_dragged }) => {
+            Some(Grab::Timeline { y }) => scrub((at.0, *y), layout),
+            Some(Grab::Field { is_dragged: true, .. }) => Some(Gesture::Pan(between(before, at))),
+            Some(Grab::Field { pressed, is_dragged }) => {
                 *is_dragged = !is_near(*pressed, at);
                 is_dragged.then(|| Gesture::Pan(between(*pressed, at)))
             }
@@ -59,11 +59,11 @@ impl Mouse {
     pub fn press(&mut self, layout: &FrameLayout) -> Option<Gesture> {
         match layout.place_at(self.at) {
             FramePart::Timeline { share } => {
-                self.held = Some(Held::Timeline { y: self.at.1 });
+                self.grab = Some(Grab::Timeline { y: self.at.1 });
                 Some(Gesture::Scrub(share))
             }
             FramePart::Field { .. } => {
-                self.held = Some(Held::Field { pressed: self.at, is_dragged: false });
+                self.grab = Some(Grab::Field { pressed: self.at, is_dragged: false });
                 None
             }
             FramePart::Elsewhere => None,
@@ -71,7 +71,7 @@ impl Mouse {
     }
 
     pub fn release(&mut self, layout: &FrameLayout) -> Option<Gesture> {
-        let Some(Held::Field { is_dragged: false, .. }) = self.held.take() else { return None };
+        let Some(Grab::Field { is_dragged: false, .. }) = self.grab.take() else { return None };
         match layout.place_at(self.at) {
             FramePart::Field { run_index, at } => Some(Gesture::Click { run_index, at }),
             _ => None,

@@ -104,8 +104,8 @@ impl RenderFailure {
 }
 
 fn give_up(error: &RenderError, world: &mut World, _: &mut World) -> RenderErrorPolicy {
-    let words: Vec<&str> = error.description.split_whitespace().collect();
-    let reason = format!("{:?}: {}", error.ty, words.join(" "));
+    let parts: Vec<&str> = error.description.split_whitespace().collect();
+    let reason = format!("{:?}: {}", error.ty, parts.join(" "));
     let failure = world.resource::<RenderFailure>();
     failure.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(reason);
     world.write_message(AppExit::Error(NonZero::<u8>::MIN));

@@ -86,7 +86,7 @@ impl SessionError {
     fn of_scenario(error: &ScenarioError, scenario: &GameScenario) -> Self {
         let text = match scenario {
             GameScenario::Text(text) => text,
-            GameScenario::Name(name) => BUILT_IN.iter().find(|(known, _)| known == name).map_or("", |(_, text)| text),
+            GameScenario::Name(name) => BUILT_IN.iter().find(|(key, _)| key == name).map_or("", |(_, text)| text),
         };
         let location = error.location.as_ref().filter(|location| location.is_in(text));
         let place = location.map(wildfire_sim::scenario::SourceLocation::line_and_column);
@@ -125,7 +125,7 @@ struct LiveRun {
     game: Game,
     simulation: Simulation,
     /// Answers of a game that was opened, still to be carried out.
-    given: std::vec::IntoIter<Answer>,
+    scripted: std::vec::IntoIter<Answer>,
     /// The policies that the scenario names for the sides that are played.
     substitutes: StandInPolicies,
 }
@@ -197,7 +197,7 @@ impl LiveRun {
             RunOptions { policies: played(), records_searches: searches, memory: MEMORY, ..RunOptions::default() };
         let simulation = Simulation::with(&scenario, game.seed, &options)?;
         let substitutes = substitutes(&game, &unplayed)?;
-        Ok(Self { game, simulation, given: answers.into_iter(), substitutes })
+        Ok(Self { game, simulation, scripted: answers.into_iter(), substitutes })
     }
 
     fn opened(&self) -> Value {
@@ -211,23 +211,23 @@ impl LiveRun {
 
     /// Advances, and carries out answers that were given with the game as long as they fit.
     fn advance(&mut self, target: SimTime) -> Result<(), SessionError> {
-        while let Some(asked) = self.simulation.advance_to_question(target).map(<[_]>::to_vec) {
-            let Some(given) = self.given.next() else { break };
-            let agent = given.agent();
-            if given.t_ns != self.simulation.now().as_nanos() || !asked.contains(&agent) {
-                self.given = Vec::new().into_iter();
+        while let Some(queried) = self.simulation.advance_to_question(target).map(<[_]>::to_vec) {
+            let Some(answer) = self.scripted.next() else { break };
+            let agent = answer.agent();
+            if answer.t_ns != self.simulation.now().as_nanos() || !queried.contains(&agent) {
+                self.scripted = Vec::new().into_iter();
                 return Err(SessionError::new(
                     "this game was played with another version: its answers do not fit this run",
                 ));
             }
-            self.answer(agent, given.choice)?;
+            self.answer(agent, answer.choice)?;
         }
         Ok(self.simulation.expect_within_memory()?)
     }
 
     fn state(&self) -> Value {
         let setting = self.simulation.setting();
-        let asked = self.simulation.observe(|seen, asked| {
+        let queried = self.simulation.observe(|seen, queried| {
             let describe = |&agent: &AgentId| {
                 let options = seen.options(agent);
                 let view = seen.agents.iter().find(|view| view.id == agent).expect("all agents are seen");
@@ -240,22 +240,22 @@ impl LiveRun {
                     "options": options.iter().map(|cell| setting.frame.index(*cell)).collect::<Vec<_>>(),
                 })
             };
-            asked.iter().map(describe).collect::<Vec<_>>()
+            queried.iter().map(describe).collect::<Vec<_>>()
         });
         json!({
             "now_ns": self.simulation.now().as_nanos(),
             "has_ended": self.simulation.has_ended(),
-            "asked": asked.unwrap_or_default(),
+            "asked": queried.unwrap_or_default(),
         })
     }
 
     fn answer(&mut self, agent: AgentId, choice: GameChoice) -> Result<(), SessionError> {
-        let can = self.simulation.observe(|seen, asked| {
+        let can = self.simulation.observe(|seen, queried| {
             let is_option = match choice {
                 GameChoice::Go(col, row) => seen.options(agent).contains(&Cell { col, row }),
                 GameChoice::GoToNearest | GameChoice::Wait | GameChoice::Stay => true,
             };
-            asked.contains(&agent) && is_option && (choice != GameChoice::GoToNearest || agent.role.suppresses())
+            queried.contains(&agent) && is_option && (choice != GameChoice::GoToNearest || agent.role.suppresses())
         });
         match can {
             Some(true) => {}
@@ -263,7 +263,7 @@ impl LiveRun {
             None => return Err(SessionError::new("nobody is asked")),
         }
         let answer = Answer::new(self.simulation.now(), agent, choice);
-        self.simulation.answer(vec![answer.told()]);
+        self.simulation.answer(vec![answer.to_action()]);
         self.game.answers.push(answer);
         Ok(())
     }
@@ -331,7 +331,7 @@ fn substitutes(game: &Game, scenario: &Scenario) -> Result<StandInPolicies, Sess
         .iter()
         .map(|&side| match named(side) {
             Some(NamedPolicy::BuiltIn(rule)) => Ok((side, rule.make(&site))),
-            Some(NamedPolicy::Own(name)) => {
+            Some(NamedPolicy::Custom(name)) => {
                 Err(SessionError::new(format!("the policy `{name}` does not run in a page")))
             }
             None => Err(SessionError::new(format!("the scenario has no {} to play", side.role().name()))),
@@ -417,8 +417,8 @@ mod tests {
             open(&mut session, scenario, &[side]);
             loop {
                 let state = ask(&mut session, &json!({ "do": "advance", "to_ns": TO_THE_END }));
-                let Some(asked) = state["asked"].get(0) else { break };
-                let agent = json!({ "side": asked["side"], "number": asked["number"] });
+                let Some(queried) = state["asked"].get(0) else { break };
+                let agent = json!({ "side": queried["side"], "number": queried["number"] });
                 let decided = ask(&mut session, &json!({ "do": "decide", "agent": agent }));
                 assert!(decided["error"].is_null(), "{decided}");
             }

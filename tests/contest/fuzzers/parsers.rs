@@ -160,7 +160,7 @@ fn read_scenario(case: &mut Case<'_>, source: &str, changes: &[String]) -> Law {
                 explain(&loaded, MemoryLimit::default()).to_text();
             }
             for (path, _) in loaded.values() {
-                loaded.is_given(&path);
+                loaded.is_set(&path);
             }
             Ok(())
         }

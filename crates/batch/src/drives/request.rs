@@ -64,7 +64,7 @@ pub fn ask_all<'a>(problems: &'a [Problem], question: &AttemptSettings<'_>) -> R
 pub fn own_names(registry: &CustomRegistry) -> impl Iterator<Item = String> {
     let CustomRegistry { planners, policies, .. } = registry;
     let planners = planners.own_names().map(|name| format!("planner.\"{name}\".command=[]"));
-    planners.chain(policies.own_names().map(|name| format!("policy.\"{name}\".command=[]")))
+    planners.chain(policies.custom_names().map(|name| format!("policy.\"{name}\".command=[]")))
 }
 
 /// The name that is every known planner's.

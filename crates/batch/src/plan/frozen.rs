@@ -275,10 +275,10 @@ impl BatchPlan {
                 WumpusGoal::Policy(name) => Some(("policy", name)),
                 _ => None,
             });
-            let crews = scenario.own_line_policy().map(|name| ("policy", name));
+            let crews = scenario.custom_line_policy().map(|name| ("policy", name));
             let missing = planners.chain(trucks).chain(wumpuses).chain(crews).find(|&(kind, name)| match kind {
                 "planner" => !registry.planners.knows(name) && !is_program(&scenario.planner, name),
-                _ => !registry.policies.own_names().any(|own| own == name) && !is_program(&scenario.policy, name),
+                _ => !registry.policies.custom_names().any(|own| own == name) && !is_program(&scenario.policy, name),
             });
             if let Some((kind, name)) = missing {
                 return Err(PlanError::HandedIn { path: folder.to_owned(), kind, name: name.clone() });

@@ -52,8 +52,8 @@ impl Densest {
 }
 
 impl Policy for Densest {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
-        first_goes(seen, asked, |agent| self.best(seen, agent))
+    fn choose(&mut self, seen: &Observation<'_>, queried: &[AgentId]) -> Vec<(AgentId, Action)> {
+        first_goes(seen, queried, |agent| self.best(seen, agent))
     }
 
     fn fork(&self) -> Option<Box<dyn Policy>> {
@@ -124,7 +124,7 @@ mod tests {
         AgentView { id, place, pose, activity, goal: None, staging_point: None, stops_left: None, free_at, free_place }
     }
 
-    fn chosen(bushes: &[Cell], agents: &[AgentView], keeps_apart: bool) -> Option<Cell> {
+    fn select(bushes: &[Cell], agents: &[AgentView], keeps_apart: bool) -> Option<Cell> {
         let fires = FireField::new(FRAME, bushes, false);
         let options = bushes.to_vec();
         let seen = Observation { now: SimTime::ZERO, fires: &fires, agents, options_of: &|_: AgentId| options.clone() };
@@ -145,12 +145,12 @@ mod tests {
     fn a_thicket_farther_away_is_worth_more_than_a_bush_nearby() {
         let place = FRAME.centre(Cell { col: 30, row: 30 });
         let bushes = sorted([thicket(31, 30, 1), thicket(40, 30, 6)].concat());
-        let goal = chosen(&bushes, &[agent(0, place)], false).expect("there are options");
+        let goal = select(&bushes, &[agent(0, place)], false).expect("there are options");
         assert!(goal.col >= 40, "{goal}");
         // The same thicket far enough away is not.
         let bushes = sorted([thicket(31, 30, 3), thicket(54, 54, 6)].concat());
-        assert!(chosen(&bushes, &[agent(0, place)], false).expect("there are options").col < 40);
-        assert_eq!(chosen(&[], &[agent(0, place)], false), None);
+        assert!(select(&bushes, &[agent(0, place)], false).expect("there are options").col < 40);
+        assert_eq!(select(&[], &[agent(0, place)], false), None);
     }
 
     #[test]
@@ -174,7 +174,7 @@ mod tests {
                 };
                 let max = bushes.iter().map(worth).fold(0.0, f64::max);
                 let first = bushes.iter().copied().find(|cell| worth(cell) == max);
-                assert_eq!(chosen(&bushes, &agents, keeps_apart), first);
+                assert_eq!(select(&bushes, &agents, keeps_apart), first);
             }
         }
     }
@@ -183,6 +183,6 @@ mod tests {
     fn of_two_thickets_alike_one_takes_that_where_the_other_is_not() {
         let agents = [agent(0, DVec2::new(150.0, 150.0)), agent(1, DVec2::new(100.0, 160.0))];
         let bushes = sorted([thicket(18, 27, 5), thicket(38, 27, 5)].concat());
-        assert!(chosen(&bushes, &agents, true).expect("there are options").col > 30);
+        assert!(select(&bushes, &agents, true).expect("there are options").col > 30);
     }
 }

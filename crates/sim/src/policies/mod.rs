@@ -12,11 +12,11 @@
 
 mod densest;
 pub mod dispatch;
-mod following;
 mod largest_cluster;
 pub mod learned;
 mod nearest;
 mod nearest_intact;
+mod policy_set;
 mod random_intact;
 mod registry;
 
@@ -33,10 +33,10 @@ use wildfire_fire::line::Forecast;
 use wildfire_planning::PlanFailure;
 use wildfire_timeline::{Activity, AgentId};
 
-pub use following::{
+pub use largest_cluster::cluster_sizes;
+pub use policy_set::{
     ActionOverride, CustomPolicyStats, Decision, MAX_LINE_POINTS, PendingDecision, PolicyId, PolicyQuery, PolicySet,
 };
-pub use largest_cluster::cluster_sizes;
 pub use registry::{BuiltIn, MakePolicy, NamedPolicy, Policies, PolicyContext, PolicyNameError, RuleContext};
 
 /// A choice for an agent.
@@ -183,8 +183,8 @@ pub struct QueryReport {
 
 /// Chooses where agents go.
 pub trait Policy: Send + Sync {
-    /// Chooses for some or all of the agents that are `asked`, or for none if the answer comes later.
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)>;
+    /// Chooses for some or all of the agents that are `queried`, or for none if the answer comes later.
+    fn choose(&mut self, seen: &Observation<'_>, queried: &[AgentId]) -> Vec<(AgentId, Action)>;
 
     /// Says whom it is asked about.
     fn asking(&self) -> PolicyScope {
@@ -226,10 +226,10 @@ pub trait Rule: Send + Sync {
 /// Sends the first of those that are asked to its best cell; without one it waits.
 fn first_goes(
     seen: &Observation<'_>,
-    asked: &[AgentId],
+    queried: &[AgentId],
     best: impl FnOnce(&AgentView) -> Option<Cell>,
 ) -> Vec<(AgentId, Action)> {
-    let first = asked.iter().find_map(|&id| seen.agents.iter().find(|agent| agent.id == id));
+    let first = queried.iter().find_map(|&id| seen.agents.iter().find(|agent| agent.id == id));
     first.map(|agent| (agent.id, best(agent).map_or(Action::Wait, Action::Go))).into_iter().collect()
 }
 
@@ -238,8 +238,8 @@ fn first_goes(
 pub struct PerAgentPolicy<R>(pub R);
 
 impl<R: Rule + Clone + 'static> Policy for PerAgentPolicy<R> {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
-        first_goes(seen, asked, |agent| self.0.best(seen, agent, &seen.options(agent.id)))
+    fn choose(&mut self, seen: &Observation<'_>, queried: &[AgentId]) -> Vec<(AgentId, Action)> {
+        first_goes(seen, queried, |agent| self.0.best(seen, agent, &seen.options(agent.id)))
     }
 
     fn fork(&self) -> Option<Box<dyn Policy>> {

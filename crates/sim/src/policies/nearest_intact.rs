@@ -18,8 +18,8 @@ const ROUNDING_CELLS: f64 = 1e-6;
 pub struct NearestIntact;
 
 impl Policy for NearestIntact {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
-        first_goes(seen, asked, |agent| {
+    fn choose(&mut self, seen: &Observation<'_>, queried: &[AgentId]) -> Vec<(AgentId, Action)> {
+        first_goes(seen, queried, |agent| {
             nearest_cell(seen.fires.frame(), agent.place, |cell| seen.is_option(agent.id, cell))
         })
     }
@@ -46,8 +46,9 @@ fn nearest_cell(frame: &FieldFrame, place: DVec2, is_wanted: impl Fn(Cell) -> bo
         }
         for cell in ring_around(frame, (col, row), ring) {
             let squared = squared_m(cell);
-            let is_nearer = best
-                .is_none_or(|(min, known)| squared < min || (squared == min && frame.index(cell) < frame.index(known)));
+            let is_nearer = best.is_none_or(|(min, nearest)| {
+                squared < min || (squared == min && frame.index(cell) < frame.index(nearest))
+            });
             if is_nearer && is_wanted(cell) {
                 best = Some((squared, cell));
             }

@@ -51,8 +51,8 @@ impl RandomIntact {
 }
 
 impl Policy for RandomIntact {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
-        let first = asked.first();
+    fn choose(&mut self, seen: &Observation<'_>, queried: &[AgentId]) -> Vec<(AgentId, Action)> {
+        let first = queried.first();
         first.map(|&agent| (agent, self.draw(seen, agent).map_or(Action::Wait, Action::Go))).into_iter().collect()
     }
 

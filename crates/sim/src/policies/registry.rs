@@ -37,7 +37,7 @@ pub struct PolicyContext<'a> {
     /// The agents that follow the policy, by name.
     pub plays: &'a [AgentId],
     /// The `settings` of the scenario's table `[policy.NAME]`, or null.
-    pub own: &'a serde_json::Value,
+    pub custom_settings: &'a serde_json::Value,
     /// Returns the policy's own random stream of a name, which is the same in every run of the seed.
     pub stream: &'a dyn Fn(&str) -> Xoshiro256PlusPlus,
 }
@@ -92,7 +92,7 @@ pub enum BuiltIn {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NamedPolicy<'a> {
     BuiltIn(BuiltIn),
-    Own(&'a PlannerName),
+    Custom(&'a PlannerName),
 }
 
 impl<'a> From<&'a TruckGoal> for NamedPolicy<'a> {
@@ -102,7 +102,7 @@ impl<'a> From<&'a TruckGoal> for NamedPolicy<'a> {
             TruckGoal::NearestByDrive => Self::BuiltIn(BuiltIn::NearestByDrive),
             TruckGoal::Oldest => Self::BuiltIn(BuiltIn::Oldest),
             TruckGoal::LargestCluster => Self::BuiltIn(BuiltIn::LargestCluster),
-            TruckGoal::Policy(name) => Self::Own(name),
+            TruckGoal::Policy(name) => Self::Custom(name),
         }
     }
 }
@@ -116,7 +116,7 @@ impl<'a> From<&'a WumpusGoal> for NamedPolicy<'a> {
             WumpusGoal::Densest => Self::BuiltIn(BuiltIn::Densest),
             WumpusGoal::DensestApart => Self::BuiltIn(BuiltIn::DensestApart),
             WumpusGoal::Learned => Self::BuiltIn(BuiltIn::Learned),
-            WumpusGoal::Policy(name) => Self::Own(name),
+            WumpusGoal::Policy(name) => Self::Custom(name),
         }
     }
 }
@@ -157,7 +157,7 @@ pub enum PolicyNameError {
 /// Policies by name, besides the built-in ones, which are always known.
 #[derive(Clone, Default)]
 pub struct Policies {
-    own: BTreeMap<PlannerName, Arc<dyn MakePolicy>>,
+    custom: BTreeMap<PlannerName, Arc<dyn MakePolicy>>,
 }
 
 impl Policies {
@@ -170,16 +170,16 @@ impl Policies {
         if is_built_in_policy(name.name()) {
             return Err(PolicyNameError::BuiltIn(name.into()));
         }
-        if self.own.contains_key(&name) {
+        if self.custom.contains_key(&name) {
             return Err(PolicyNameError::Taken(name.into()));
         }
-        self.own.insert(name, Arc::new(maker));
+        self.custom.insert(name, Arc::new(maker));
         Ok(self)
     }
 
     /// Lists the names of the policies that are not built in.
-    pub fn own_names(&self) -> impl Iterator<Item = &PlannerName> {
-        self.own.keys()
+    pub fn custom_names(&self) -> impl Iterator<Item = &PlannerName> {
+        self.custom.keys()
     }
 
     /// Makes a policy that is not built in.
@@ -188,7 +188,7 @@ impl Policies {
     /// If nobody of this name is known, or it cannot be made.
     pub fn make(&self, site: &PolicyContext<'_>) -> Result<Box<dyn Policy>, MakeError> {
         let name = site.name;
-        self.own
+        self.custom
             .get(name)
             .ok_or_else(|| {
                 MakeError::new(format!(
@@ -201,7 +201,7 @@ impl Policies {
 
 impl fmt::Debug for Policies {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_set().entries(TruckGoal::BUILT_IN).entries(WumpusGoal::BUILT_IN).entries(self.own.keys()).finish()
+        f.debug_set().entries(TruckGoal::BUILT_IN).entries(WumpusGoal::BUILT_IN).entries(self.custom.keys()).finish()
     }
 }
 
@@ -223,21 +223,25 @@ mod tests {
         let sites = Arc::new(Mutex::new(Vec::new()));
         let seen = Arc::clone(&sites);
         let maker = move |site: &PolicyContext<'_>| -> Result<Box<dyn Policy>, MakeError> {
-            seen.lock().expect("nobody panicked").push((site.plays.to_vec(), site.own.to_string(), site.agents.len()));
+            seen.lock().expect("nobody panicked").push((
+                site.plays.to_vec(),
+                site.custom_settings.to_string(),
+                site.agents.len(),
+            ));
             Ok(Box::new(PerAgentPolicy(Nearest)))
         };
         let policies = Policies::default().with("mine", maker).expect("it is free");
         let options = RunOptions { policies, ..RunOptions::default() };
         let short = "duration_s=300";
         let rule = load("fleet", &[short, "wumpus.0.goal=nearest-intact"]).expect("it loads");
-        let own =
+        let fleet =
             ["policy.mine.settings={ depth = 3 }", "wumpus.0.goal=mine", "unimog.0.goal=mine", "unimog.2.goal=mine"];
-        let own = load("fleet", &[&own[..], &[short]].concat()).expect("it loads");
-        let played = crate::run_with_options(&own, 4, &options).expect("it takes place").timeline;
+        let fleet = load("fleet", &[&fleet[..], &[short]].concat()).expect("it loads");
+        let played = crate::run_with_options(&fleet, 4, &options).expect("it takes place").timeline;
         assert_eq!(played, crate::run(&rule, 4).expect("it takes place").timeline);
         let plays = vec![AgentId::wumpus(0), AgentId::unimog(0), AgentId::unimog(2)];
         assert_eq!(*sites.lock().expect("nobody panicked"), [(plays, "{\"depth\":3}".to_owned(), 5)]);
-        let missing = crate::run(&own, 4).map(drop);
+        let missing = crate::run(&fleet, 4).map(drop);
         assert!(matches!(&missing, Err(RunError::NoPolicy { name, .. }) if name.name() == "mine"), "{missing:?}");
     }
 
@@ -264,8 +268,8 @@ mod tests {
     #[test]
     fn names_that_nobody_has_and_rules_of_the_other_kind_are_refused_with_their_place() {
         let refusal = |changes: &[&str]| load("smoke", changes).expect_err("nobody knows it").to_string();
-        let said = refusal(&["unimog.goal=oldes"]);
-        assert!(said.contains("unimog.goal") && said.contains("no policy of this name is known"), "{said}");
+        let message = refusal(&["unimog.goal=oldes"]);
+        assert!(message.contains("unimog.goal") && message.contains("no policy of this name is known"), "{message}");
         assert!(refusal(&["unimog.goal=random-intact"]).contains("random-intact"));
         assert!(refusal(&["wumpus.goal=oldest"]).contains("wumpus.goal"));
         assert!(refusal(&["policy.oldest.command=['x']"]).contains("policy"));
@@ -275,7 +279,7 @@ mod tests {
     fn names_are_short_plain_and_nobody_elses() {
         let maker = |_: &PolicyContext<'_>| -> Result<Box<dyn Policy>, MakeError> { Err(MakeError::new("no")) };
         let mine = Policies::default().with("mine", maker).expect("it is free");
-        assert_eq!(mine.own_names().map(PlannerName::name).collect::<Vec<_>>(), ["mine"]);
+        assert_eq!(mine.custom_names().map(PlannerName::name).collect::<Vec<_>>(), ["mine"]);
         let refusal = |name: &str| mine.clone().with(name, maker).err().map(|error| error.to_string());
         assert_eq!(refusal("other"), None);
         assert_eq!(refusal("mine").as_deref(), Some("two policies cannot both be called `mine`"));

@@ -6,7 +6,7 @@ use wildfire_module::{Failure, FailureKind, Instance};
 
 use super::process::{Launch, Process, ProcessError, ProcessErrorKind, QueryLimits, say};
 use super::protocol::ToProgram;
-use super::supervisor::MAX_SAID;
+use super::supervisor::MAX_STDERR_LINES;
 
 /// Something that answers a line with a line.
 #[derive(Debug)]
@@ -23,7 +23,7 @@ pub struct WasmInstance {
     /// Instructions that nobody has counted yet.
     instructions: u64,
     /// Lines of stderr that were passed on.
-    said: u64,
+    stderr_lines: u64,
 }
 
 impl Backend {
@@ -37,7 +37,7 @@ impl Backend {
                     name: program.name.clone(),
                     instance,
                     instructions: 0,
-                    said: 0,
+                    stderr_lines: 0,
                 })))
             }
         }
@@ -72,7 +72,7 @@ impl Backend {
     pub fn begin_run(&mut self) {
         match self {
             Self::Process(process) => process.begin_run(),
-            Self::Module(guest) => guest.said = 0,
+            Self::Module(guest) => guest.stderr_lines = 0,
         }
     }
 
@@ -94,11 +94,11 @@ impl Backend {
 impl WasmInstance {
     fn exchange(&mut self, message: &[u8], budget: u64) -> Result<Vec<u8>, ProcessError> {
         let answer = self.instance.exchange(message, budget, self.instructions);
-        for line in String::from_utf8_lossy(&self.instance.said()).lines() {
-            if self.said < MAX_SAID {
+        for line in String::from_utf8_lossy(&self.instance.stderr()).lines() {
+            if self.stderr_lines < MAX_STDERR_LINES {
                 say(&self.name, line);
             }
-            self.said += 1;
+            self.stderr_lines += 1;
         }
         let (instructions, answer) = match answer {
             Ok(answer) => (answer.instructions, Ok(answer.line)),
@@ -108,7 +108,7 @@ impl WasmInstance {
                     FailureKind::Crashed => ProcessErrorKind::Crashed,
                     FailureKind::BadAnswer => ProcessErrorKind::BadAnswer,
                 };
-                (instructions, Err(ProcessError { kind, words: message }))
+                (instructions, Err(ProcessError { kind, message }))
             }
         };
         self.instructions = self.instructions.saturating_add(instructions);

@@ -87,8 +87,9 @@ impl ExternalClient {
     ) -> Reply {
         if self.spent_in_a_row == MAX_SPENT_IN_A_ROW {
             let budget = self.program.query_instructions;
-            let words = format!("was given up after {MAX_SPENT_IN_A_ROW} queries in a row over {budget} instructions");
-            let answer = Err(ProcessError { kind: ProcessErrorKind::BudgetSpent, words });
+            let message =
+                format!("was given up after {MAX_SPENT_IN_A_ROW} queries in a row over {budget} instructions");
+            let answer = Err(ProcessError { kind: ProcessErrorKind::BudgetSpent, message });
             return Reply { answer, cpu: None, starting: Duration::ZERO, instructions: Some(budget) };
         }
         let (running, started) = self.running();
@@ -105,11 +106,11 @@ impl ExternalClient {
         let allowance = QueryLimits { wall, cpu, instructions: self.program.query_instructions, answer: "answer" };
         let answer = session.peer.exchange(&query(number), allowance);
         let answer = answer.and_then(|line| {
-            let refuse = |words: &str| Err(ProcessError::bad_answer(&line, words));
+            let refuse = |reason: &str| Err(ProcessError::bad_answer(&line, reason));
             match FromProgram::parse(&line) {
-                Err(words) => refuse(&words),
+                Err(reason) => refuse(&reason),
                 Ok(answer) => match (check(&answer), answer.id()) {
-                    (Err(words), _) => refuse(words),
+                    (Err(reason), _) => refuse(reason),
                     (Ok(()), Some(id)) if id != number => refuse(&format!("`id` is {id}; expected {number}")),
                     _ => Ok(answer),
                 },
@@ -141,7 +142,7 @@ impl ExternalClient {
         let (started, cpu) = Session::start(&self.program, &self.field, self.program.query_instructions);
         let started = started.map_err(|error| {
             self.failed_starts += 1;
-            ProcessError { kind: ProcessErrorKind::Crashed, words: format!("did not start again: {}", error.words) }
+            ProcessError { kind: ProcessErrorKind::Crashed, message: format!("did not start again: {}", error.message) }
         });
         (started, cpu)
     }
@@ -179,14 +180,14 @@ impl Session {
         let hello =
             ToProgram::Hello { protocol: VERSION, program: concat!("wildfire ", env!("CARGO_PKG_VERSION")).into() };
         let line = self.peer.exchange(&hello.line(), self.at_start(program, since, "`hello`"))?;
-        let words = match FromProgram::parse(&line) {
+        let problem = match FromProgram::parse(&line) {
             Ok(FromProgram::Hello(hello)) if hello.protocol == VERSION => None,
             Ok(FromProgram::Hello(hello)) => Some(format!("`protocol` is {}; expected {VERSION}", hello.protocol)),
             Ok(_) => Some("expected the type `hello`".to_owned()),
-            Err(words) => Some(words),
+            Err(problem) => Some(problem),
         };
-        match words {
-            Some(words) => Err(ProcessError::bad_answer(&line, &words)),
+        match problem {
+            Some(problem) => Err(ProcessError::bad_answer(&line, &problem)),
             None => Ok(()),
         }
     }
@@ -202,13 +203,13 @@ impl Session {
     fn show(&mut self, program: &Launch, field: &[u8], since: WallStopwatch) -> Result<(), ProcessError> {
         self.queries = 0;
         let line = self.peer.exchange(field, self.at_start(program, since, "`ready`"))?;
-        let words = match FromProgram::parse(&line) {
+        let problem = match FromProgram::parse(&line) {
             Ok(FromProgram::Ready) => return Ok(()),
             Ok(FromProgram::Error(error)) => return Err(ProcessError::refused(&error.message)),
             Ok(_) => "expected the type `ready` or `error`".to_owned(),
-            Err(words) => words,
+            Err(problem) => problem,
         };
-        Err(ProcessError::bad_answer(&line, &words))
+        Err(ProcessError::bad_answer(&line, &problem))
     }
 
     /// Returns what it may take until it is ready, from its start on. Where the CPU time of queries is limited, that of a start

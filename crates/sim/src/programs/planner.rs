@@ -88,8 +88,8 @@ impl TruckPlanner for ProgramPlanner {
                 }
             }
             Ok(_) => unreachable!("other answers are refused"),
-            Err(ProcessError { kind, words }) => {
-                Plan { effort: effort(None), cpu: cpu_of(cpu, None), ..Plan::failed(kind.into(), words) }
+            Err(ProcessError { kind, message }) => {
+                Plan { effort: effort(None), cpu: cpu_of(cpu, None), ..Plan::failed(kind.into(), message) }
             }
         }
     }

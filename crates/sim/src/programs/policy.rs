@@ -40,13 +40,13 @@ impl ProgramPolicy {
         let respondent = self.respondent.as_mut().expect("it is given back when this is dropped");
         let Reply { answer, cpu, .. } = respondent.ask(|id| question(id, seen, options, line), check);
         self.report = QueryReport { elsewhere: cpu.unwrap_or_default(), ..QueryReport::default() };
-        answer.map_err(|ProcessError { kind, words }| self.report.failure = Some((kind.into(), words))).ok()
+        answer.map_err(|ProcessError { kind, message }| self.report.failure = Some((kind.into(), message))).ok()
     }
 }
 
 impl Policy for ProgramPolicy {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
-        let options: Vec<(AgentId, Vec<Cell>)> = asked.iter().map(|&agent| (agent, seen.options(agent))).collect();
+    fn choose(&mut self, seen: &Observation<'_>, queried: &[AgentId]) -> Vec<(AgentId, Action)> {
+        let options: Vec<(AgentId, Vec<Cell>)> = queried.iter().map(|&agent| (agent, seen.options(agent))).collect();
         let answer = self.ask(seen, &options, None, |answer| match answer {
             FromProgram::Answer(_) => Ok(()),
             _ => Err("expected the type `answer`"),
@@ -58,12 +58,12 @@ impl Policy for ProgramPolicy {
         let names: BTreeSet<String> = seen.agents.iter().map(|agent| agent.id.to_string()).collect();
         let stranger = choices.iter().find(|choice| !names.contains(&choice.agent));
         self.report.illegal = stranger.map(|choice| format!("the run has no agent `{}`", visible_start(&choice.agent)));
-        let chosen = |agent: AgentId| {
+        let selected = |agent: AgentId| {
             let name = agent.to_string();
             let cell = choices.iter().rev().find(|choice| choice.agent == name).and_then(|choice| choice.cell);
             (agent, cell.map_or(Action::Wait, |[col, row]| Action::Go(Cell { col, row })))
         };
-        options.iter().map(|&(agent, _)| chosen(agent)).collect()
+        options.iter().map(|&(agent, _)| selected(agent)).collect()
     }
 
     fn line(&mut self, seen: &Observation<'_>, line: &FirelineContext<'_>) -> Vec<DVec2> {

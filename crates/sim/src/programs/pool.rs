@@ -96,8 +96,8 @@ impl ProgramPool {
     ///
     /// # Errors
     /// If one of them cannot have its name.
-    pub fn planners_of(&self, scenario: &Scenario, known: Planners) -> Result<Planners, NameError> {
-        self.trusted("planner", &scenario.planner).try_fold(known, |planners, (name, table)| {
+    pub fn planners_of(&self, scenario: &Scenario, registry: Planners) -> Result<Planners, NameError> {
+        self.trusted("planner", &scenario.planner).try_fold(registry, |planners, (name, table)| {
             let launch = self.launch(name, table);
             let run = scenario.name.clone();
             let stream = name.name().to_owned();
@@ -123,9 +123,9 @@ impl ProgramPool {
     ///
     /// # Errors
     /// If one of them cannot have its name.
-    pub fn policies_of(&self, scenario: &Scenario, known: Policies) -> Result<Policies, PolicyNameError> {
+    pub fn policies_of(&self, scenario: &Scenario, registry: Policies) -> Result<Policies, PolicyNameError> {
         let bodies: Arc<[_]> = scenario.unimog.iter().map(|truck| (truck.vehicle, truck.speed_limits())).collect();
-        self.trusted("policy", &scenario.policy).try_fold(known, |policies, (name, table)| {
+        self.trusted("policy", &scenario.policy).try_fold(registry, |policies, (name, table)| {
             let launch = self.launch(name, table);
             let run = scenario.name.clone();
             let stream = name.name().to_owned();
@@ -142,7 +142,7 @@ impl ProgramPool {
                     limits: body.map(|(_, speeds)| limits(speeds)),
                     agents: names(site.agents),
                     plays: names(site.plays),
-                    ..FieldMessage::new(&run, seed, &site.frame, &cells, site.own)
+                    ..FieldMessage::new(&run, seed, &site.frame, &cells, site.custom_settings)
                 });
                 let respondent = start(launch, idle.as_ref(), seed, &message)?;
                 Ok(Box::new(ProgramPolicy::new(respondent, idle)))
@@ -181,7 +181,7 @@ impl ProgramPool {
         let bytes = table.read_module(file).map_err(|error| format!("{}: {error}", key.0.display()))?;
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         let module = Module::new(Engine::default(), &name, &bytes, limits)
-            .map_err(|words| format!("{} {words}", key.0.display()))?;
+            .map_err(|message| format!("{} {message}", key.0.display()))?;
         modules.insert(key, module.clone());
         Ok(module)
     }
@@ -214,7 +214,7 @@ fn start(
 ) -> Result<ExternalClient, MakeError> {
     let before = idle.and_then(|idle| idle.take(&launch));
     launch.module.iter_mut().for_each(|(_, of_run)| *of_run = seed);
-    ExternalClient::new(Arc::new(launch), field, before).map_err(|error| MakeError::new(error.words))
+    ExternalClient::new(Arc::new(launch), field, before).map_err(|error| MakeError::new(error.message))
 }
 
 impl<'a> FieldMessage<'a> {

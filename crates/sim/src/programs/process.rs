@@ -20,7 +20,7 @@ use nix::unistd::Pid;
 
 use super::process_tree::GroupClock;
 use super::protocol::MAX_BYTES;
-use super::supervisor::{self, Exceeded, ExitCause, GRACE, Limits, MAX_SAID, Report, SupervisorCommand};
+use super::supervisor::{self, Exceeded, ExitCause, GRACE, Limits, MAX_STDERR_LINES, Report, SupervisorCommand};
 use wildfire_base::time::wall::WallStopwatch;
 use wildfire_base::untrusted::visible;
 use wildfire_module::Module;
@@ -91,33 +91,33 @@ impl From<ProcessErrorKind> for PlanFailure {
 pub struct ProcessError {
     pub kind: ProcessErrorKind,
     /// What happened; reads well after the program's name.
-    pub words: String,
+    pub message: String,
 }
 
 impl ProcessError {
-    pub fn crashed(words: impl Into<String>) -> Self {
-        Self { kind: ProcessErrorKind::Crashed, words: words.into() }
+    pub fn crashed(message: impl Into<String>) -> Self {
+        Self { kind: ProcessErrorKind::Crashed, message: message.into() }
     }
 
     /// The program said itself that it cannot play.
     pub fn refused(message: &str) -> Self {
         let quoted: String = message.chars().take(MAX_QUOTED).collect();
-        Self { kind: ProcessErrorKind::BadAnswer, words: format!("refuses the field: {}", visible(&quoted)) }
+        Self { kind: ProcessErrorKind::BadAnswer, message: format!("refuses the field: {}", visible(&quoted)) }
     }
 
-    fn timed_out(words: String) -> Self {
-        Self { kind: ProcessErrorKind::TimedOut, words }
+    fn timed_out(message: String) -> Self {
+        Self { kind: ProcessErrorKind::TimedOut, message }
     }
 
     /// An answer that is none; quotes its beginning.
-    pub fn bad_answer(answer: &[u8], words: &str) -> Self {
+    pub fn bad_answer(answer: &[u8], problem: &str) -> Self {
         // A character has four bytes at most.
         let beginning = String::from_utf8_lossy(&answer[..answer.len().min(4 * MAX_QUOTED)]);
         let quoted: String = beginning.chars().take(MAX_QUOTED).collect();
         let more = if beginning.chars().nth(MAX_QUOTED).is_some() { "…" } else { "" };
         Self {
             kind: ProcessErrorKind::BadAnswer,
-            words: format!("answered `{}{more}`: {words}", visible(quoted.trim_end())),
+            message: format!("answered `{}{more}`: {problem}", visible(quoted.trim_end())),
         }
     }
 }
@@ -169,7 +169,7 @@ struct ExitReport {
     not_started: Option<String>,
     exceeded: Option<Exceeded>,
     ending: Option<ExitCause>,
-    last_said: Option<String>,
+    last_stderr: Option<String>,
     /// It closed its output and did not end.
     has_lived_on: bool,
     /// The supervisor is gone, and with it all that it held.
@@ -248,8 +248,8 @@ impl Process {
                 return Ok(line);
             }
             if self.received.len() >= MAX_BYTES {
-                let words = format!("it is longer than {MAX_BYTES} bytes");
-                return Err(ProcessError::bad_answer(&self.received, &words));
+                let problem = format!("it is longer than {MAX_BYTES} bytes");
+                return Err(ProcessError::bad_answer(&self.received, &problem));
             }
             let elapsed = watch.elapsed();
             let mut wait = allowance.wall.saturating_sub(elapsed);
@@ -264,7 +264,7 @@ impl Process {
                     self.fate.has_lived_on = !self.fate.is_over();
                     // Its supervisor knows how it ended, and what its last words were.
                     self.kill();
-                    return Err(ProcessError::crashed(self.fate.words()));
+                    return Err(ProcessError::crashed(self.fate.message()));
                 }
                 wait = wait.min(LAST_BREATH);
             }
@@ -389,16 +389,16 @@ impl Process {
             Report::Reaped { cpu_us } => {
                 self.clock.iter_mut().for_each(|clock| clock.reaped = Duration::from_micros(cpu_us));
             }
-            Report::Said { line } => {
+            Report::Stderr { line } => {
                 say(&self.name, &line);
                 if !line.trim().is_empty() {
-                    self.fate.last_said = Some(line);
+                    self.fate.last_stderr = Some(line);
                 }
             }
-            Report::SaidTooMuch => {
-                say(&self.name, &format!("more than {MAX_SAID} lines; the rest of this run is left out"));
+            Report::StderrCut => {
+                say(&self.name, &format!("more than {MAX_STDERR_LINES} lines; the rest of this run is left out"));
             }
-            Report::SaidLast { line } => self.fate.last_said = Some(line),
+            Report::LastStderr { line } => self.fate.last_stderr = Some(line),
             Report::Exceeded { limit } => self.fate.exceeded = Some(limit),
             Report::Ended { how } => self.fate.ending = Some(how),
         }
@@ -468,7 +468,7 @@ impl ExitReport {
     }
 
     /// Words what happened to the program.
-    fn words(&self) -> String {
+    fn message(&self) -> String {
         let ending = self.ending.filter(|_| !self.has_lived_on);
         let what = match (&self.not_started, self.exceeded, ending) {
             (Some(reason), ..) => return format!("cannot be started: {reason}"),
@@ -484,7 +484,7 @@ impl ExitReport {
             }
             (None, None, None) => "closed its output".to_owned(),
         };
-        match &self.last_said {
+        match &self.last_stderr {
             Some(line) => format!("{what}; its last words: {}", visible(line.trim())),
             None => what,
         }

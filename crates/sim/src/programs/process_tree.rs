@@ -16,7 +16,7 @@ const LOOKS: u32 = 40;
 #[derive(Debug)]
 pub struct ProcessTree {
     /// This process, to which those come that lose their parent.
-    own: i32,
+    this_process: i32,
     leader: i32,
     others: BTreeSet<i32>,
     /// The process that was started last when somebody looked, if the system says which that is.
@@ -28,7 +28,7 @@ pub struct ProcessTree {
 impl ProcessTree {
     pub fn new(leader: i32) -> Self {
         let page_bytes = sysconf(SysconfVar::PAGE_SIZE).ok().flatten().map_or(4096, i64::unsigned_abs);
-        Self { own: Pid::this().as_raw(), leader, others: BTreeSet::new(), newest: None, looks: 0, page_bytes }
+        Self { this_process: Pid::this().as_raw(), leader, others: BTreeSet::new(), newest: None, looks: 0, page_bytes }
     }
 
     /// Lists the processes beside the leader.
@@ -57,19 +57,19 @@ impl ProcessTree {
     fn adopt(&mut self, pids: Vec<i32>) {
         let mut strangers: Vec<(i32, i32)> = pids
             .into_iter()
-            .filter(|pid| *pid != self.leader && *pid != self.own && !self.others.contains(pid))
+            .filter(|pid| *pid != self.leader && *pid != self.this_process && !self.others.contains(pid))
             .filter_map(|pid| Stat::of(pid).filter(|stat| stat.is_alive).map(|stat| (pid, stat.parent)))
             .collect();
         loop {
-            let known = strangers.len();
+            let count = strangers.len();
             strangers.retain(|&(pid, parent)| {
-                let is_ours = parent == self.own || parent == self.leader || self.others.contains(&parent);
+                let is_ours = parent == self.this_process || parent == self.leader || self.others.contains(&parent);
                 if is_ours {
                     self.others.insert(pid);
                 }
                 !is_ours
             });
-            if strangers.len() == known {
+            if strangers.len() == count {
                 return;
             }
         }
@@ -176,11 +176,11 @@ impl GroupClock {
         let read = |clock: ClockId| clock_gettime(clock).ok().map(Duration::from);
         let of_ended = |stat: Stat| self.tick * u32::try_from(stat.ended_ticks).unwrap_or(u32::MAX);
         // A process that has ended has no clock, and one that ended at once never had; what it took is among what was reaped.
-        let own = self.clock.and_then(read);
-        let leader = own.map_or(Duration::ZERO, |own| own + self.leader_stat().map_or(Duration::ZERO, of_ended));
+        let time = self.clock.and_then(read);
+        let leader = time.map_or(Duration::ZERO, |time| time + self.leader_stat().map_or(Duration::ZERO, of_ended));
         let others = self.others.iter().filter_map(|&pid| {
-            let own = read(ClockId::pid_cpu_clock_id(Pid::from_raw(pid)).ok()?)?;
-            Some(own + Stat::of(pid).map_or(Duration::ZERO, of_ended))
+            let time = read(ClockId::pid_cpu_clock_id(Pid::from_raw(pid)).ok()?)?;
+            Some(time + Stat::of(pid).map_or(Duration::ZERO, of_ended))
         });
         self.total = self.total.max(leader + others.sum::<Duration>() + self.reaped);
         Some(self.total)
@@ -212,11 +212,11 @@ mod tests {
     }
 
     #[test]
-    fn own_process_has_a_parent_memory_and_a_time_that_never_runs_back() {
-        let own = Pid::this().as_raw();
-        assert_eq!(Stat::of(own).map(|stat| stat.parent), Some(Pid::parent().as_raw()));
-        assert!(ProcessTree::new(own).memory_bytes(0) > 100_000);
-        let mut clock = GroupClock::new(own);
+    fn this_process_has_a_parent_memory_and_a_time_that_never_runs_back() {
+        let this_process = Pid::this().as_raw();
+        assert_eq!(Stat::of(this_process).map(|stat| stat.parent), Some(Pid::parent().as_raw()));
+        assert!(ProcessTree::new(this_process).memory_bytes(0) > 100_000);
+        let mut clock = GroupClock::new(this_process);
         let mut before = Duration::ZERO;
         for _ in 0..100 {
             let now = clock.total().expect("this is Linux");

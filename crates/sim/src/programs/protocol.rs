@@ -261,10 +261,10 @@ pub struct PathAnswer {
     #[serde(default, deserialize_with = "first_of::<KEPT_SEGMENTS, _, _>")]
     pub poses: Option<Vec<[f64; 3]>>,
     /// Nodes that were expanded: charged as simulated time if the scenario says so, and a column of tables.
-    #[serde(default, deserialize_with = "given")]
+    #[serde(default, deserialize_with = "non_null")]
     pub expansions: Option<u32>,
     /// CPU seconds that it took, for programs that plan elsewhere; it counts if it is more than what is measured.
-    #[serde(default, deserialize_with = "given")]
+    #[serde(default, deserialize_with = "non_null")]
     pub cpu_s: Option<f64>,
     /// Lines that the search looked at, x0, y0, x1, y1, to be drawn.
     #[serde(default, deserialize_with = "first_of::<MAX_SEARCH_EDGES, _, _>")]
@@ -278,10 +278,10 @@ pub struct NoneAnswer {
     /// The reason why there is no path.
     pub reason: Reason,
     /// Nodes that were expanded.
-    #[serde(default, deserialize_with = "given")]
+    #[serde(default, deserialize_with = "non_null")]
     pub expansions: Option<u32>,
     /// CPU seconds that it took.
-    #[serde(default, deserialize_with = "given")]
+    #[serde(default, deserialize_with = "non_null")]
     pub cpu_s: Option<f64>,
     /// Lines that the search looked at.
     #[serde(default, deserialize_with = "first_of::<MAX_SEARCH_EDGES, _, _>")]
@@ -329,7 +329,7 @@ pub struct ChoiceMessage {
 }
 
 /// Reads a member that may be left out, and may not be null.
-fn given<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer: D) -> Result<Option<T>, D::Error> {
+fn non_null<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer: D) -> Result<Option<T>, D::Error> {
     T::deserialize(deserializer).map(Some)
 }
 
@@ -474,9 +474,9 @@ fn has_word_for_no_number(text: &str) -> bool {
 /// Words an error with the character at which it is, since there is one line only.
 fn sentence(error: &serde_json::Error) -> String {
     let message = error.to_string();
-    let words = message.rsplit_once(" at line ").map_or(message.as_str(), |(words, _)| words);
-    let words = words.replace("f64", "a number").replace("u32", "a whole number").replace("u64", "a whole number");
-    format!("{words} (at character {})", error.column())
+    let text = message.rsplit_once(" at line ").map_or(message.as_str(), |(text, _)| text);
+    let text = text.replace("f64", "a number").replace("u32", "a whole number").replace("u64", "a whole number");
+    format!("{text} (at character {})", error.column())
 }
 
 /// The messages of both sides.
@@ -525,7 +525,7 @@ pub fn question(
         goal: agent.goal.as_ref().map(pair),
         options: options
             .iter()
-            .find(|(asked, _)| *asked == agent.id)
+            .find(|(queried, _)| *queried == agent.id)
             .map(|(_, cells)| cells.iter().map(pair).collect()),
     });
     let ask = AskQuery {
@@ -586,8 +586,8 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said_in_words() {
-        for (line, words) in [
+    fn what_is_wrong_is_reported() {
+        for (line, expected) in [
             (&b"hello"[..], "it is no JSON object"),
             (b"[1]", "it is no JSON object"),
             (b"\xff{}", "no UTF-8"),
@@ -613,8 +613,8 @@ mod tests {
             (b"{\"type\":\"answer\",\"id\":1,\"choices\":[{\"agent\":\"unimog/0\",\"cell\":[1]}]}", "choices[0].cell"),
             (b"{\"type\":\"line\",\"id\":1,\"points\":[[1,2],[3]]}", "`points[1]`: invalid length 1"),
         ] {
-            let said = FromProgram::parse(line).expect_err("it is wrong");
-            assert!(said.contains(words), "{}: {said}", String::from_utf8_lossy(line));
+            let message = FromProgram::parse(line).expect_err("it is wrong");
+            assert!(message.contains(expected), "{}: {message}", String::from_utf8_lossy(line));
         }
     }
 

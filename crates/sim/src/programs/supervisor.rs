@@ -53,10 +53,10 @@ pub const GRACE: Duration = Duration::from_secs(2);
 const GIVE_UP: Duration = Duration::from_secs(10);
 
 /// The most lines of stderr that are handed on in a run.
-pub const MAX_SAID: u64 = 10_000;
+pub const MAX_STDERR_LINES: u64 = 10_000;
 
 /// The most bytes of a line of stderr that are handed on.
-const MAX_SAID_BYTES: usize = 2000;
+const MAX_STDERR_LINE_BYTES: usize = 2000;
 
 /// The most bytes that wait for us to read them.
 const MAX_WAITING: usize = 1 << 16;
@@ -90,13 +90,16 @@ pub enum Report {
         pids: Vec<i32>,
     },
     /// A line of stderr.
-    Said {
+    #[serde(rename = "said")]
+    Stderr {
         line: String,
     },
     /// There are more lines than are handed on.
-    SaidTooMuch,
+    #[serde(rename = "said-too-much")]
+    StderrCut,
     /// The last line of stderr, if it was not handed on.
-    SaidLast {
+    #[serde(rename = "said-last")]
+    LastStderr {
         line: String,
     },
     /// It is being killed for this.
@@ -168,7 +171,7 @@ pub fn command(limits: Limits, folder: &Path, program: &[OsString]) -> io::Resul
 /// Supervises a program if the arguments of this process, its own name left out, ask for that; returns the exit code.
 ///
 /// Every program that starts supervisors by itself calls this before anything else.
-pub fn run_if_asked(arguments: &[OsString]) -> Option<u8> {
+pub fn run_if_requested(arguments: &[OsString]) -> Option<u8> {
     let (word, arguments) = arguments.split_first()?;
     (word == WORD).then(|| match Task::from_arguments(arguments).and_then(|task| supervise(&task)) {
         Ok(()) => 0,
@@ -240,7 +243,7 @@ fn supervise(task: &Task<'_>) -> io::Result<()> {
         orders: Vec::new(),
         child_ended,
         outbox: Arc::clone(&outbox),
-        said: counter,
+        stderr_lines: counter,
         limits: task.limits,
         family: ProcessTree::new(pid.as_raw()),
         pid,
@@ -249,7 +252,7 @@ fn supervise(task: &Task<'_>) -> io::Result<()> {
     };
     watch.until_all_are_gone();
     if let Some(Ok(reader)) = reader
-        && !watch.has_given_up()
+        && !watch.has_timed_out()
     {
         let _ = reader.join();
     }
@@ -319,23 +322,23 @@ fn pause(time: Duration) {
 }
 
 /// Hands on lines of stderr until it is closed. While too much waits for us, the program has to wait.
-fn hand_on(stderr: ChildStderr, outbox: &SendBuffer, said: &Mutex<u64>) {
+fn hand_on(stderr: ChildStderr, outbox: &SendBuffer, counter: &Mutex<u64>) {
     let mut stderr = BufReader::new(stderr);
     let mut last = None;
     while let Some(line) = line_of_limited_length(&mut stderr) {
-        let said = {
-            let mut said = said.lock().unwrap_or_else(PoisonError::into_inner);
-            *said += 1;
-            *said
+        let count = {
+            let mut count = counter.lock().unwrap_or_else(PoisonError::into_inner);
+            *count += 1;
+            *count
         };
-        let report = match said {
-            ..=MAX_SAID => Report::Said { line },
+        let report = match count {
+            ..=MAX_STDERR_LINES => Report::Stderr { line },
             _ => {
                 last = Some(line);
-                if said > MAX_SAID + 1 {
+                if count > MAX_STDERR_LINES + 1 {
                     continue;
                 }
-                Report::SaidTooMuch
+                Report::StderrCut
             }
         };
         let mut waiting = outbox.send(&report);
@@ -345,14 +348,14 @@ fn hand_on(stderr: ChildStderr, outbox: &SendBuffer, said: &Mutex<u64>) {
         }
     }
     if let Some(line) = last {
-        outbox.send(&Report::SaidLast { line });
+        outbox.send(&Report::LastStderr { line });
     }
 }
 
 /// Reads a line; of a longer one, its beginning. `None` at the end.
 fn line_of_limited_length(reader: &mut impl BufRead) -> Option<String> {
     let mut line = Vec::new();
-    let mut has_begun = false;
+    let mut has_input = false;
     loop {
         let bytes = match reader.fill_buf() {
             Ok([]) => break,
@@ -360,17 +363,17 @@ fn line_of_limited_length(reader: &mut impl BufRead) -> Option<String> {
             Err(error) if error.kind() == ErrorKind::Interrupted => continue,
             Err(_) => break,
         };
-        has_begun = true;
+        has_input = true;
         let end = bytes.iter().position(|&byte| byte == b'\n');
         let part = &bytes[..end.unwrap_or(bytes.len())];
-        line.extend_from_slice(&part[..part.len().min(MAX_SAID_BYTES - line.len())]);
+        line.extend_from_slice(&part[..part.len().min(MAX_STDERR_LINE_BYTES - line.len())]);
         let used = end.map_or(bytes.len(), |end| end + 1);
         reader.consume(used);
         if end.is_some() {
             break;
         }
     }
-    has_begun.then(|| String::from_utf8_lossy(&line).trim_end_matches('\r').to_owned())
+    has_input.then(|| String::from_utf8_lossy(&line).trim_end_matches('\r').to_owned())
 }
 
 /// The program and its descendants, from its start to the end of the last of them.
@@ -383,7 +386,7 @@ struct Watch {
     child_ended: UnixStream,
     outbox: Arc<SendBuffer>,
     /// Lines of stderr in this run.
-    said: Arc<Mutex<u64>>,
+    stderr_lines: Arc<Mutex<u64>>,
     limits: Limits,
     family: ProcessTree,
     /// The program, whose number is that of its group too.
@@ -396,7 +399,7 @@ struct Watch {
 
 impl Watch {
     fn until_all_are_gone(&mut self) {
-        while self.reap() && !self.has_given_up() {
+        while self.reap() && !self.has_timed_out() {
             self.look();
             if self.ending.is_some_and(|since| since.elapsed() >= GRACE) {
                 self.kill_group();
@@ -411,7 +414,7 @@ impl Watch {
         }
     }
 
-    fn has_given_up(&self) -> bool {
+    fn has_timed_out(&self) -> bool {
         self.killing.is_some_and(|since| since.elapsed() > GIVE_UP)
     }
 
@@ -500,7 +503,7 @@ impl Watch {
             let line: Vec<u8> = self.orders.drain(..=end).collect();
             match serde_json::from_slice(&line) {
                 Ok(SupervisorCommand::End) => self.ending = Some(WallStopwatch::start()),
-                Ok(SupervisorCommand::NextRun) => *self.said.lock().unwrap_or_else(PoisonError::into_inner) = 0,
+                Ok(SupervisorCommand::NextRun) => *self.stderr_lines.lock().unwrap_or_else(PoisonError::into_inner) = 0,
                 Ok(SupervisorCommand::Kill) | Err(_) => self.kill_group(),
             }
         }

@@ -33,11 +33,11 @@ pub struct ValidationError {
 
 /// What should be there instead.
 enum Expected {
-    Words(String),
+    Text(String),
     /// One of the names that are known of a kind: planner, policy.
     Name {
         kind: &'static str,
-        known: Vec<String>,
+        valid_names: Vec<String>,
     },
 }
 
@@ -46,10 +46,10 @@ impl ValidationError {
         let field = self.path.to_string();
         let found = self.found.clone();
         match &self.expected {
-            Expected::Words(expected) => Fault::Value { field, found, expected: expected.clone() },
-            Expected::Name { kind, known } => {
-                let nearest = nearest_name(&found, known.iter().map(String::as_str));
-                Fault::UnknownName { kind, field, found: shortened(&found), known: known.clone(), nearest }
+            Expected::Text(expected) => Fault::Value { field, found, expected: expected.clone() },
+            Expected::Name { kind, valid_names } => {
+                let nearest = nearest_name(&found, valid_names.iter().map(String::as_str));
+                Fault::UnknownName { kind, field, found: shortened(&found), valid_names: valid_names.clone(), nearest }
             }
         }
     }
@@ -61,7 +61,7 @@ pub type Check = Result<(), Box<ValidationError>>;
 /// Checks the number that a path leads to.
 pub fn check_number(path: FieldPath, number: f64, range: RangeInclusive<f64>) -> Check {
     check_range("", number, range).map_err(|OutOfRange { found, expected, .. }| {
-        Box::new(ValidationError { path, found, expected: Expected::Words(expected) })
+        Box::new(ValidationError { path, found, expected: Expected::Text(expected) })
     })
 }
 
@@ -98,7 +98,7 @@ impl TablePath {
     pub fn settings(&self, settings: &dyn SettingsTable, frame: &FieldFrame) -> Check {
         settings.check(frame).map_err(|OutOfRange { name, found, expected }| {
             let path = FieldPath([self.0.0.clone(), FieldPath::parse(&name).0].concat());
-            Box::new(ValidationError { path, found, expected: Expected::Words(expected) })
+            Box::new(ValidationError { path, found, expected: Expected::Text(expected) })
         })
     }
 
@@ -134,12 +134,12 @@ impl TablePath {
     }
 
     pub fn refuse_step(&self, step: PathStep, found: String, expected: String) -> Check {
-        Err(Box::new(ValidationError { path: self.0.join(step), found, expected: Expected::Words(expected) }))
+        Err(Box::new(ValidationError { path: self.0.join(step), found, expected: Expected::Text(expected) }))
     }
 
     /// Refuses a name that nobody of this kind, planner or policy, has.
-    pub fn refuse_name(&self, key: &str, kind: &'static str, found: &str, known: Vec<String>) -> Check {
+    pub fn refuse_name(&self, key: &str, kind: &'static str, found: &str, valid_names: Vec<String>) -> Check {
         let path = self.0.join(PathStep::key(key));
-        Err(Box::new(ValidationError { path, found: found.to_owned(), expected: Expected::Name { kind, known } }))
+        Err(Box::new(ValidationError { path, found: found.to_owned(), expected: Expected::Name { kind, valid_names } }))
     }
 }

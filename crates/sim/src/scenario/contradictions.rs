@@ -121,7 +121,7 @@ pub(super) fn first(written: &Value) -> Option<(FieldPath, Fault)> {
         let fault = Fault::Conflict { one: one.to_string(), other: other.to_string(), reason };
         return Some((one, fault));
     }
-    let is_given = |dotted: &str| FieldPath::parse(dotted).leads_to(written);
-    let (one, other) = NEEDS.into_iter().find(|(one, other)| is_given(one) && !is_given(other))?;
+    let is_set = |dotted: &str| FieldPath::parse(dotted).leads_to(written);
+    let (one, other) = NEEDS.into_iter().find(|(one, other)| is_set(one) && !is_set(other))?;
     Some((FieldPath::parse(one), Fault::Rule { message: format!("`{one}` also needs `{other}`") }))
 }

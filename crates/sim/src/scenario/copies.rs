@@ -69,7 +69,7 @@ impl AgentExpansion {
 
     /// Returns the entry of the file that an agent is written in.
     pub fn entry(&self, kind: &str, agent: usize) -> Option<usize> {
-        let place = KINDS.iter().position(|known| *known == kind)?;
+        let place = KINDS.iter().position(|other| *other == kind)?;
         self.0[place].get(agent).copied()
     }
 
@@ -102,8 +102,8 @@ impl AgentExpansion {
         }
         let frame = scenario.field.frame();
         // Where the bushes are drawn they keep off the starts; where they are given the starts keep off them.
-        let is_given = scenario.field.given.is_some() || scenario.layers().is_some();
-        let terrain = is_given.then(|| Terrain::from_scenario(scenario, SHOWN_SEED).ok()).flatten();
+        let has_map = scenario.field.imported.is_some() || scenario.layers().is_some();
+        let terrain = has_map.then(|| Terrain::from_scenario(scenario, SHOWN_SEED).ok()).flatten();
         let field = OpenField { frame, terrain };
         self.place_kind("wumpus", &field, &mut scenario.wumpus)?;
         self.place_kind("unimog", &field, &mut scenario.unimog)
@@ -122,7 +122,7 @@ impl AgentExpansion {
             }
             let stream = stream.as_mut().expect("the first agent of an entry comes before its copies");
             let Some(placed) = best_candidate(agent, field, &taken, stream) else {
-                let found = self.0.iter().zip(KINDS).find(|(_, known)| *known == kind);
+                let found = self.0.iter().zip(KINDS).find(|(_, other)| *other == kind);
                 let count = found.map_or(0, |(entries, _)| entries.iter().filter(|&&other| other == entry).count());
                 let expected = "no more agents than find a free place to start".to_owned();
                 return Err(refusal(kind, entry, count.to_string(), expected));
@@ -301,7 +301,7 @@ mod tests {
                 "wumpus.start_m=[102.5,17.5]",
             ],
         );
-        let occupied = &scenario.field.given.as_ref().expect("it has a map").occupied;
+        let occupied = &scenario.field.imported.as_ref().expect("it has a map").occupied;
         let frame = scenario.field.frame();
         for truck in &scenario.unimog[1..] {
             for corner in truck.vehicle.footprint(truck.start.pose()).corners() {
@@ -339,9 +339,9 @@ mod tests {
         let changes = ["unimog.count=30".to_owned(), "wumpus.count=3".to_owned(), "field.size_m=500".to_owned()];
         let loaded = LoadedScenario::open("smoke", &changes).expect("it loads");
         let text = explain(&loaded, super::super::MemoryLimit::default()).to_text();
-        let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(words.contains("1 to 29: like 0, at random places from the stream `starts/unimog/0`."), "{words}");
-        assert_eq!(words.matches("turning_radius_m=").count(), 1, "{words}");
-        assert!(loaded.is_given("unimog.17.start.x_m") && !loaded.is_given("unimog.17.rescue"));
+        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(text.contains("1 to 29: like 0, at random places from the stream `starts/unimog/0`."), "{text}");
+        assert_eq!(text.matches("turning_radius_m=").count(), 1, "{text}");
+        assert!(loaded.is_set("unimog.17.start.x_m") && !loaded.is_set("unimog.17.rescue"));
     }
 }

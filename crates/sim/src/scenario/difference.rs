@@ -45,7 +45,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn agents_that_only_one_scenario_has_are_differences_of_their_own() {
+    fn agents_that_only_one_scenario_has_are_separate_differences() {
         let json = |trucks: &[f64]| {
             let trucks: Vec<_> = trucks.iter().map(|speed| serde_json::json!({ "speed_mps": speed })).collect();
             serde_json::json!({ "unimog": trucks, "start": [1, 2, 3] })

@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn values_that_do_nothing_are_warned_of() {
-        for (changes, words) in [
+        for (changes, expected) in [
             (&["sight.wumpuses=true"][..], "The table `sight` has no effect"),
             (&["dispatch.policy=auction", "dispatch.rollouts=7"], "`dispatch.rollouts` has no effect"),
             (&["dispatch.policy=auction", "unimog.retarget=on-event"], "`unimog.retarget` has no effect"),
@@ -227,7 +227,7 @@ mod tests {
             (&["dispatch.policy=auction", "sight.report_s=7"], "`sight.report_s` has no effect"),
         ] {
             let text = explained(changes);
-            assert!(text.contains(words), "`{words}` is not in {text}");
+            assert!(text.contains(expected), "`{expected}` is not in {text}");
         }
         assert!(!explained(&["dispatch.policy=auction", "dispatch.idle=centroids"]).contains("has no effect"));
     }

@@ -37,13 +37,13 @@ pub enum Fault {
     #[error("this is not JSON: {message}")]
     NotJson { message: String },
     #[error("unknown field `{name}`{}", in_table(.table))]
-    UnknownField { name: String, table: String, known: Vec<String>, nearest: Option<String> },
+    UnknownField { name: String, table: String, valid_names: Vec<String>, nearest: Option<String> },
     #[error("missing field `{name}`{}", in_table(.table))]
     MissingField { name: String, table: String },
-    #[error("`{field}` cannot be `{found}`; expected one of {}", listed(.known))]
-    UnknownWord { field: String, found: String, known: Vec<String>, nearest: Option<String> },
+    #[error("`{field}` cannot be `{found}`; expected one of {}", listed(.valid_names))]
+    UnknownWord { field: String, found: String, valid_names: Vec<String>, nearest: Option<String> },
     #[error("`{field}` is `{found}`, and no {kind} of this name is known")]
-    UnknownName { kind: &'static str, field: String, found: String, known: Vec<String>, nearest: Option<String> },
+    UnknownName { kind: &'static str, field: String, found: String, valid_names: Vec<String>, nearest: Option<String> },
     #[error("`{field}` is {found}; expected {expected}")]
     Value { field: String, found: String, expected: String },
     #[error("{message}")]
@@ -141,14 +141,14 @@ impl Fault {
             {
                 Some(format!("a scenario of this name is built in: `--scenario {path}`"))
             }
-            Self::UnknownField { nearest, known, .. } if !known.is_empty() => {
-                Some(format!("{}expected one of {}", did_you_mean(nearest.as_deref()), known.join(", ")))
+            Self::UnknownField { nearest, valid_names, .. } if !valid_names.is_empty() => {
+                Some(format!("{}expected one of {}", did_you_mean(nearest.as_deref()), valid_names.join(", ")))
             }
             Self::UnknownWord { nearest: Some(nearest), .. } => Some(format!("did you mean `{nearest}`?")),
-            Self::UnknownName { kind, nearest, known, .. } => Some(format!(
+            Self::UnknownName { kind, nearest, valid_names, .. } => Some(format!(
                 "{}expected one of {}; register another one with a table [{kind}.NAME] or --command NAME='PROGRAM ...'",
                 did_you_mean(nearest.as_deref()),
-                known.join(", ")
+                valid_names.join(", ")
             )),
             _ => None,
         }
@@ -209,10 +209,10 @@ impl fmt::Debug for SourceLocation {
     }
 }
 
-/// Finds the name in `known` that is most like `name`, if any is similar enough to be meant.
-pub fn nearest_name<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+/// Finds the name in `valid_names` that is most like `name`, if any is similar enough to be meant.
+pub fn nearest_name<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let likeness = |other: &str| strsim::jaro_winkler(&name.to_lowercase(), other);
-    let scored = known.into_iter().map(|other| (likeness(other), other));
+    let scored = candidates.into_iter().map(|other| (likeness(other), other));
     let best = scored.max_by(|one, other| one.0.total_cmp(&other.0).then(other.1.cmp(one.1)))?;
     (best.0 > 0.75).then(|| best.1.to_owned())
 }
@@ -221,8 +221,8 @@ fn in_table(table: &str) -> String {
     if table.is_empty() { String::new() } else { format!(" in `{table}`") }
 }
 
-fn listed(known: &[String]) -> String {
-    known.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+fn listed(names: &[String]) -> String {
+    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
 
 fn did_you_mean(nearest: Option<&str>) -> String {

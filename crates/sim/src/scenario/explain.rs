@@ -51,10 +51,10 @@ pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> Document {
     }
     add("Programs", [describe_programs(scenario), values.of("planner", &[]), values.of("policy", &[])].concat());
     let left = values.all.iter().filter(|value| value.is_default).count();
-    let given = values.all.len() - left;
+    let set = values.all.len() - left;
     let counts = match left {
-        0 => format!("All {given} values are set."),
-        _ => format!("{given} values are set, {left} have their defaults, marked by {DEFAULT}."),
+        0 => format!("All {set} values are set."),
+        _ => format!("{set} values are set, {left} have their defaults, marked by {DEFAULT}."),
     };
     add("Values", vec![counts]);
     let terrain = Terrain::from_scenario(scenario, SHOWN_SEED);
@@ -100,7 +100,7 @@ impl Values {
     fn new(loaded: &LoadedScenario) -> Self {
         let values = loaded.values().into_iter().filter(|(_, value)| value != "[]");
         Self {
-            all: values.map(|(path, value)| ListedValue { is_default: !loaded.is_given(&path), path, value }).collect(),
+            all: values.map(|(path, value)| ListedValue { is_default: !loaded.is_set(&path), path, value }).collect(),
             schema: schema().to_value(),
         }
     }
@@ -171,7 +171,7 @@ fn describe_agents(agents: &dyn AgentList, loaded: &LoadedScenario, values: &Val
             [values, [agents.facts(number), meanings].concat()]
         })
         .collect();
-    let is_shared = |part: usize, line: &String| each.len() > 1 && each.iter().all(|own| own[part].contains(line));
+    let is_shared = |part: usize, line: &String| each.len() > 1 && each.iter().all(|agent| agent[part].contains(line));
     let mut lines = Vec::new();
     let mut add = |who: &str, [values, sentences]: [Vec<&String>; 2]| {
         let values = values.into_iter().map(String::as_str).collect::<Vec<_>>().join(", ");
@@ -179,8 +179,8 @@ fn describe_agents(agents: &dyn AgentList, loaded: &LoadedScenario, values: &Val
         lines.extend(sentences.into_iter().map(|sentence| format!("{who}: {sentence}")));
     };
     add("all", [0, 1].map(|part| each[0][part].iter().filter(|line| is_shared(part, line)).collect()));
-    for (&number, own) in numbers.iter().zip(&each) {
-        add(&number.to_string(), [0, 1].map(|part| own[part].iter().filter(|line| !is_shared(part, line)).collect()));
+    for (&number, agent) in numbers.iter().zip(&each) {
+        add(&number.to_string(), [0, 1].map(|part| agent[part].iter().filter(|line| !is_shared(part, line)).collect()));
         let last = (number + 1..agents.len()).take_while(|&other| copies.is_copy(kind, other)).last();
         if let (Some(last), Some(entry)) = (last, copies.entry(kind, number)) {
             let numbers = if last == number + 1 { last.to_string() } else { format!("{} to {last}", number + 1) };
@@ -203,7 +203,7 @@ fn describe_programs(scenario: &Scenario) -> Vec<String> {
 fn describe_terrain(scenario: &Scenario, terrain: &Terrain) -> Vec<Block> {
     let bushes = terrain.bushes.len();
     let share = percent(bushes as f64 / terrain.frame.cell_count() as f64);
-    let pieces = match &scenario.field.given {
+    let pieces = match &scenario.field.imported {
         Some(_) => String::new(),
         None => format!("{} pieces, ", scenario.field.wanted_pieces()),
     };
@@ -299,8 +299,8 @@ mod tests {
         assert_narrow(|name| name == "county");
     }
 
-    fn assert_narrow(is_asked_for: fn(&str) -> bool) {
-        for (name, _) in BUILT_IN.iter().filter(|(name, _)| is_asked_for(name)) {
+    fn assert_narrow(is_selected: fn(&str) -> bool) {
+        for (name, _) in BUILT_IN.iter().filter(|(name, _)| is_selected(name)) {
             // The places of some lie all over their kilometres.
             let sizes = match *name {
                 "landscape" | "brigade" | "initial-attack" => &["2000"][..],
@@ -318,16 +318,16 @@ mod tests {
 
     fn assert_explained(source: &str, changes: &[&str], expected: &[&str], absent: &[&str]) {
         let text = in_one_line(&explained(source, changes));
-        for words in expected {
-            assert!(text.contains(words), "`{words}` is not in {text}");
+        for phrase in expected {
+            assert!(text.contains(phrase), "`{phrase}` is not in {text}");
         }
-        for words in absent {
-            assert!(!text.contains(words), "`{words}` is in {text}");
+        for phrase in absent {
+            assert!(!text.contains(phrase), "`{phrase}` is in {text}");
         }
     }
 
     #[test]
-    fn values_are_listed_with_what_their_words_mean_and_defaults_are_marked() {
+    fn values_are_listed_with_their_meanings_and_defaults_are_marked() {
         let rules = ["spread_delay_s=9.0,", "spread_from=\"lit\": Only cells lit by a Wumpus", "62 tetrominoes."];
         assert_explained("original-2024", &[], &rules, &[]);
         assert_explained("contest", &[], &["All 121 values are set. Field of seed"], &["*,"]);
@@ -383,13 +383,13 @@ mod tests {
 
     fn drawn(map: &str) -> String {
         let wumpus_alone = load("wumpus-alone", &["wumpus.start_m=[2.5, 2.5]".into()]).expect("this scenario is right");
-        let given = ImportedField::parse(map, 5.0).expect("this map is right");
-        let scenario = Scenario { field: Field { given: Some(given), ..Field::default() }, ..wumpus_alone };
+        let imported = ImportedField::parse(map, 5.0).expect("this map is right");
+        let scenario = Scenario { field: Field { imported: Some(imported), ..Field::default() }, ..wumpus_alone };
         draw_sketch(&Terrain::from_scenario(&scenario, 1).expect("a given field needs no drawing"), &scenario)
     }
 
     #[test]
-    fn a_map_is_drawn_as_it_was_given() {
+    fn a_map_is_drawn_as_it_was_imported() {
         assert_eq!(drawn("#..\n.##\n..."), "  #..\n  .##\n  W..\n");
     }
 

@@ -413,7 +413,7 @@ mod tests {
     #[test]
     fn patches_cover_their_share_and_the_same_for_a_seed() {
         for share in [0.0, 0.1, 0.35, 0.9] {
-            let patches = [Patches { fuel: FuelName::known("SH5"), share, size_m: 40.0 }];
+            let patches = [Patches { fuel: FuelName::from_code("SH5"), share, size_m: 40.0 }];
             let ground = laid(&patches, None, &[], 1);
             assert_eq!(count(&ground, 145), (share * FRAME.cell_count() as f64).round() as usize);
             assert_eq!(ground, laid(&patches, None, &[], 1));
@@ -468,7 +468,7 @@ mod tests {
 
     #[test]
     fn a_feature_more_moves_no_other() {
-        let patches = [Patches { fuel: FuelName::known("SH5"), share: 0.2, size_m: 40.0 }];
+        let patches = [Patches { fuel: FuelName::from_code("SH5"), share: 0.2, size_m: 40.0 }];
         let alone = laid(&patches, None, &[], 7);
         let with_river = laid(&patches, Some(&River::default()), &[], 7);
         let moved = alone.iter().zip(&with_river).filter(|(one, other)| one != other && ![WATER, BARE].contains(other));

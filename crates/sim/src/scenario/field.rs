@@ -9,7 +9,7 @@ use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::check::{Check, TablePath};
-use super::given::{ImportedField, MAX_CELLS_A_SIDE};
+use super::imported::{ImportedField, MAX_CELLS_A_SIDE};
 use super::tetromino::Shape;
 use wildfire_base::geometry::FieldFrame;
 use wildfire_base::ranges;
@@ -49,9 +49,9 @@ pub struct Field {
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub map_invert: bool,
     /// The content of the file at `map`. Loading fills it in, so that a resolved scenario is complete without the file.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(skip)]
-    pub given: Option<ImportedField>,
+    pub imported: Option<ImportedField>,
     /// The frame of a landscape's rasters or image. Loading fills it in.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(skip)]
@@ -71,7 +71,7 @@ impl Default for Field {
             map: None,
             map_tolerance: None,
             map_invert: false,
-            given: None,
+            imported: None,
             raster_frame: None,
         }
     }
@@ -151,7 +151,7 @@ pub enum Overlaps {
 impl Field {
     /// Returns the frame of the field's cells in the world: that of the map or of rasters, or a square of whole cells.
     pub fn frame(&self) -> FieldFrame {
-        if let Some(frame) = self.given.as_ref().map(|given| given.frame).or(self.raster_frame) {
+        if let Some(frame) = self.imported.as_ref().map(|imported| imported.frame).or(self.raster_frame) {
             return frame;
         }
         let side = (self.size_m / self.cell_m).round() as u16;
@@ -176,7 +176,7 @@ impl Field {
 impl Field {
     pub(super) fn check(&self, table: &TablePath) -> Check {
         table.settings(self, &self.frame())?;
-        if self.given.is_some() {
+        if self.imported.is_some() {
             return Ok(());
         }
         let side = self.size_m / self.cell_m;

@@ -71,7 +71,7 @@ impl Default for Fire {
             model: FireModelName::Radius,
             spread_delay_s: 10.0,
             spread_radius_m: 30.0,
-            spread_from: SpreadFrom::Lit,
+            spread_from: SpreadFrom::Ignited,
             burn_out_s: Some(60.0),
             relight: false,
             rothermel: None,
@@ -88,7 +88,8 @@ impl Default for Fire {
 pub enum SpreadFrom {
     All,
     /// Only cells lit by a Wumpus or an `[[ignition]]`.
-    Lit,
+    #[serde(rename = "lit")]
+    Ignited,
     None,
 }
 

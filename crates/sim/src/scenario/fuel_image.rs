@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::fuel_name::FuelName;
-use super::given::MAX_CELLS_A_SIDE;
+use super::imported::MAX_CELLS_A_SIDE;
 use super::landscape::colour_of;
 use super::layers::ImportedLayers;
 use wildfire_base::geometry::FieldFrame;
@@ -34,10 +34,10 @@ impl FuelImage {
             for (col, colour) in pixels.row(row).iter().enumerate() {
                 let Some(&number) = fuels.get(colour) else {
                     let [red, green, blue] = colour;
-                    let known = legend.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
+                    let colours = legend.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
                     return Err(format!(
                         "{name}: row {row}, column {col}: found the colour #{red:02x}{green:02x}{blue:02x}, expected \
-                         a colour of the legend: {known}"
+                         a colour of the legend: {colours}"
                     ));
                 };
                 fuel.push(number);

@@ -134,8 +134,8 @@ impl Shapes {
     /// Returns what the coordinates measure, `None` if the file does not say.
     fn coordinates(&self) -> Result<Option<Coordinates>, String> {
         let Some(name) = &self.crs else { return Ok(None) };
-        let known = Coordinates::of_name(name).filter(|known| *known != Coordinates::Unusable);
-        known.map(Some).ok_or_else(|| {
+        let supported = Coordinates::of_name(name).filter(|supported| *supported != Coordinates::Unusable);
+        supported.map(Some).ok_or_else(|| {
             let name = visible_start(name);
             format!(
                 "the coordinate system `{name}` is not known, or not one in degrees, metres or feet on the ground; ogr2ogr \

@@ -46,8 +46,8 @@ macro_rules! goals {
                 if policies.contains_key(name) {
                     return Ok(());
                 }
-                let known = Self::BUILT_IN.into_iter().chain(policies.keys().map(PlannerName::name));
-                table.refuse_name(key, "policy", name.name(), known.map(str::to_owned).collect())
+                let valid_names = Self::BUILT_IN.into_iter().chain(policies.keys().map(PlannerName::name));
+                table.refuse_name(key, "policy", name.name(), valid_names.map(str::to_owned).collect())
             }
         }
 

@@ -36,9 +36,9 @@ struct FuelShare {
 fn fuel_shares(landscape: &Landscape) -> Vec<FuelShare> {
     let mut counts = [0_usize; 256];
     landscape.fuel.iter().for_each(|&number| counts[usize::from(number)] += 1);
-    let known =
+    let to_share =
         |(number, &cells): (usize, &usize)| Some(FuelShare { model: FuelModel::by_number(number as u8)?, cells });
-    let mut shares: Vec<_> = counts.iter().enumerate().filter_map(known).filter(|share| share.cells > 0).collect();
+    let mut shares: Vec<_> = counts.iter().enumerate().filter_map(to_share).filter(|share| share.cells > 0).collect();
     shares.sort_by_key(|share| (std::cmp::Reverse(share.cells), share.model.number));
     shares
 }
@@ -51,9 +51,9 @@ pub fn describe_ground(scenario: &Scenario, terrain: &Terrain) -> Vec<String> {
     let mut listed: Vec<String> = shares
         .iter()
         .take(SHOWN_FUELS)
-        .map(|FuelShare { model, cells: own }| {
+        .map(|FuelShare { model, cells: count }| {
             let burns = if model.burns() { "" } else { ", does not burn" };
-            format!("{} ({}{burns}) {} %", model.code, model.name, percent(*own as f64 / cells))
+            format!("{} ({}{burns}) {} %", model.code, model.name, percent(*count as f64 / cells))
         })
         .collect();
     if shares.len() > SHOWN_FUELS {
@@ -81,7 +81,7 @@ pub fn describe_ground(scenario: &Scenario, terrain: &Terrain) -> Vec<String> {
         ));
     }
     if let Some(settings) = &scenario.landscape
-        && let (Some(file), Some(roads)) = (&settings.roads_file, &settings.given_roads)
+        && let (Some(file), Some(roads)) = (&settings.roads_file, &settings.imported_roads)
     {
         let roads =
             roads.bytes(landscape.fuel.len()).map_or(0, |cells| cells.iter().filter(|&&road| road == 1).count());

@@ -56,19 +56,19 @@ pub struct LandscapeSettings {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
     /// What the files say. Loading fills it in, so that a resolved scenario is complete without them.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(skip)]
-    pub given: Option<ImportedLayers>,
+    pub imported: Option<ImportedLayers>,
     /// 1 for the cells of roads of a file, 0 for others. Loading fills it in.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "given_roads", skip_serializing_if = "Option::is_none")]
     #[schemars(skip)]
-    pub given_roads: Option<PackedLayer>,
+    pub imported_roads: Option<PackedLayer>,
 }
 
 impl Default for LandscapeSettings {
     fn default() -> Self {
         Self {
-            blocks: vec![FuelName::known("NB8")],
+            blocks: vec![FuelName::from_code("NB8")],
             image: None,
             legend: BTreeMap::new(),
             patches: Vec::new(),
@@ -77,8 +77,8 @@ impl Default for LandscapeSettings {
             roads: Vec::new(),
             roads_file: None,
             seed: None,
-            given: None,
-            given_roads: None,
+            imported: None,
+            imported_roads: None,
         }
     }
 }
@@ -109,10 +109,10 @@ impl LandscapeSettings {
                 expected,
             );
         }
-        if self.given.as_ref().is_some_and(|given| !given.is_sound()) {
+        if self.imported.as_ref().is_some_and(|imported| !imported.is_sound()) {
             return table.refuse("given", "damaged".into(), "layers that can be unpacked and fit the field".into());
         }
-        if self.given_roads.as_ref().is_some_and(|roads| roads.bytes(frame.cell_count()).is_none()) {
+        if self.imported_roads.as_ref().is_some_and(|roads| roads.bytes(frame.cell_count()).is_none()) {
             return table.refuse(
                 "given_roads",
                 "damaged".into(),
@@ -156,14 +156,14 @@ pub fn cover(scenario: &Scenario, seed: u64, frame: &FieldFrame) -> Result<Optio
     }
     let everywhere = scenario.fire.rothermel.as_ref().map_or(0, |settings| settings.ground.number());
     let Some(settings) = &scenario.landscape else { return Ok(Some(vec![everywhere; frame.cell_count()])) };
-    let given = settings.given.as_ref().map(|given| given.fuel_or(everywhere));
-    let mut fuel = given.unwrap_or_else(|| vec![everywhere; frame.cell_count()]);
+    let ground = settings.imported.as_ref().map(|ground| ground.fuel_or(everywhere));
+    let mut fuel = ground.unwrap_or_else(|| vec![everywhere; frame.cell_count()]);
     let free =
         RiverExclusion { centres: scenario.start_centres().collect(), clearance_m: scenario.field.start_clearance_m };
     if !settings.features().lay(&mut fuel, frame, seed, &free) {
         return Err(NoRiver);
     }
-    let roads = settings.given_roads.as_ref().and_then(|roads| roads.bytes(frame.cell_count())).unwrap_or_default();
+    let roads = settings.imported_roads.as_ref().and_then(|roads| roads.bytes(frame.cell_count())).unwrap_or_default();
     fuel.iter_mut().zip(roads).filter(|&(_, road)| road == 1).for_each(|(fuel, _)| *fuel = BARE);
     Ok(Some(fuel))
 }
@@ -188,8 +188,8 @@ pub fn ground(scenario: &Scenario, seed: u64, frame: FieldFrame, mut fuel: Vec<u
     }
     let canopy = scenario.fire.crowns().map(|crowns| {
         let mut trees = CanopyLayers::uniform(&crowns.canopy(), frame.cell_count());
-        if let Some(given) = &settings.given {
-            given.plant(&mut trees);
+        if let Some(imported) = &settings.imported {
+            imported.plant(&mut trees);
         }
         trees
     });
@@ -197,7 +197,7 @@ pub fn ground(scenario: &Scenario, seed: u64, frame: FieldFrame, mut fuel: Vec<u
 }
 
 fn relief(scenario: &Scenario, settings: &LandscapeSettings, seed: u64, frame: &FieldFrame) -> Relief {
-    if let Some(relief) = settings.given.as_ref().and_then(ImportedLayers::relief) {
+    if let Some(relief) = settings.imported.as_ref().and_then(ImportedLayers::relief) {
         return relief;
     }
     if !settings.hills.is_empty() {
@@ -303,8 +303,8 @@ mod tests {
         let fuel = &terrain.landscape.as_ref().expect("the ground burns").fuel;
         assert_eq!((&fuel[6..12], fuel[0], fuel[12]), (&[BARE; 6][..], 104, 102), "the second row from the south");
         assert!(terrain.blocked.iter().all(|cell| cell.row != 1), "it crosses the water on a bridge");
-        let told = super::super::ground_report::describe_ground(&scenario, &terrain).join(" ");
-        assert!(told.contains("Roads from roads.geojson: 6 cells, 25 %."), "{told}");
+        let message = super::super::ground_report::describe_ground(&scenario, &terrain).join(" ");
+        assert!(message.contains("Roads from roads.geojson: 6 cells, 25 %."), "{message}");
         let broken = json.replace("\"given_roads\":\"", "\"given_roads\":\"AAAA");
         assert!(serde_json::from_str::<Scenario>(&broken).expect("it is text").check().is_err());
         for (wrong, expected) in [

@@ -186,8 +186,9 @@ impl LayerReader {
             several => {
                 let TakenBand { number, reason } =
                     kind.band(several).ok_or_else(|| format!("{name}: {}", kind.absent(several)))?;
-                let own = several[number].name.as_ref().map(|own| format!(" ({own})")).unwrap_or_default();
-                self.taken.push(format!("{} from band {} of {name}{own}{reason}", kind.names().1, number + 1));
+                let band_name =
+                    several[number].name.as_ref().map(|band_name| format!(" ({band_name})")).unwrap_or_default();
+                self.taken.push(format!("{} from band {} of {name}{band_name}{reason}", kind.names().1, number + 1));
                 name += &format!(", band {}", number + 1);
                 if let Some(message) = kind.contradiction(several) {
                     return Err(format!("{name}: {message}"));
@@ -326,11 +327,11 @@ fn around(index: usize, cols: usize, rows: usize) -> impl Iterator<Item = usize>
 /// that they would have at the border of a field.
 fn continue_into_rim(elevation: &mut [f32], cols: usize) {
     let rows = elevation.len() / cols;
-    let known: Vec<bool> = elevation.iter().map(|height| !height.is_nan()).collect();
-    if known.iter().all(|&is_known| is_known) {
+    let has_value: Vec<bool> = elevation.iter().map(|height| !height.is_nan()).collect();
+    if has_value.iter().all(|&is_valid| is_valid) {
         return;
     }
-    let mut open: VecDeque<usize> = (0..elevation.len()).filter(|&index| known[index]).collect();
+    let mut open: VecDeque<usize> = (0..elevation.len()).filter(|&index| has_value[index]).collect();
     while let Some(index) = open.pop_front() {
         for cell in around(index, cols, rows) {
             if !elevation[cell].is_nan() {
@@ -344,10 +345,11 @@ fn continue_into_rim(elevation: &mut [f32], cols: usize) {
                 let col = 2 * near_col - col;
                 let row = 2 * near_row - row;
                 let is_there = (0..cols as isize).contains(&col) && (0..rows as isize).contains(&row);
-                let far = is_there.then(|| row as usize * cols + col as usize).filter(|&far| known[far])?;
+                let far = is_there.then(|| row as usize * cols + col as usize).filter(|&far| has_value[far])?;
                 Some(2.0 * elevation[near] - elevation[far])
             };
-            let heights: Vec<f32> = around(cell, cols, rows).filter(|&near| known[near]).filter_map(beyond).collect();
+            let heights: Vec<f32> =
+                around(cell, cols, rows).filter(|&near| has_value[near]).filter_map(beyond).collect();
             let mean = heights.iter().sum::<f32>() / heights.len() as f32;
             elevation[cell] = if heights.is_empty() { elevation[index] } else { mean };
             open.push_back(cell);
@@ -363,7 +365,7 @@ fn doubt_of_trees(place: usize, values: &[f32], name: &str) -> Option<String> {
         return None;
     }
     let found = (f64::from(greatest) * size * 100.0).round() / 100.0;
-    let words = LayerKind::Canopy(place).names().1;
+    let text = LayerKind::Canopy(place).names().1;
     let advice = if greatest < usual[0] {
         format!(
             "; if it is not in that unit, gdal_translate -a_scale {scale} in.tif out.tif converts {}",
@@ -373,7 +375,7 @@ fn doubt_of_trees(place: usize, values: &[f32], name: &str) -> Option<String> {
         String::new()
     };
     let of = CANOPY[place].1.split_once(" in ").and_then(|(_, unit)| unit.split(',').next()).unwrap_or_default();
-    Some(format!("{name}: the greatest {words} is {found} {unit}, as the raster was read in {of}{advice}."))
+    Some(format!("{name}: the greatest {text} is {found} {unit}, as the raster was read in {of}{advice}."))
 }
 
 /// Refuses a layer that does not lie on the first one.
@@ -634,9 +636,9 @@ impl LayerKind {
     /// Says that no band holds this layer.
     fn absent(self, bands: &[Band]) -> String {
         let names: Vec<&str> = bands.iter().map(|band| band.name.as_deref().unwrap_or("without a name")).collect();
-        let (own, words) = self.names();
+        let (band_name, text) = self.names();
         format!(
-            "none of its {} bands is known to hold the {words} ({}); expected a band named {own}, or 5, 8 or 10 bands \
+            "none of its {} bands is known to hold the {text} ({}); expected a band named {band_name}, or 5, 8 or 10 bands \
              without names in the order of LANDFIRE",
             bands.len(),
             names.join(", ")
@@ -674,12 +676,12 @@ const PERCENT_SLOPE: &str = "SLPP";
 /// Says whether a name contains a code, perhaps between numbers, such as `US_240FBFM40`, or consists of these words.
 fn has_code(name: &str, code: &str) -> bool {
     let upper = name.to_ascii_uppercase();
-    let words = || upper.split(|letter: char| !letter.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+    let parts = || upper.split(|letter: char| !letter.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
     let is_code = |word: &str| {
         let rest = word.trim_start_matches(|letter: char| letter.is_ascii_digit()).strip_prefix(code);
         rest.is_some_and(|rest| rest.chars().all(|letter| letter.is_ascii_digit()))
     };
-    words().any(is_code) || code.contains(' ') && words().eq(code.split(' '))
+    parts().any(is_code) || code.contains(' ') && parts().eq(code.split(' '))
 }
 
 /// Returns the metres of a unit of length by its name in lower case.
@@ -750,8 +752,8 @@ impl ImportedLayers {
     pub fn plant(&self, trees: &mut CanopyLayers) {
         for (layer, numbers) in self.canopy.iter().zip(&mut trees.0) {
             if let Some(layer) = layer {
-                let given = layer.numbers(self.frame.cell_count()).expect("it was checked");
-                *numbers = given.into_iter().map(|number| number as u16).collect();
+                let imported = layer.numbers(self.frame.cell_count()).expect("it was checked");
+                *numbers = imported.into_iter().map(|number| number as u16).collect();
             }
         }
     }
@@ -1043,7 +1045,7 @@ mod tests {
     }
 
     #[test]
-    fn bands_are_known_by_the_names_of_every_version_and_the_choice_has_a_reason() {
+    fn bands_are_recognised_by_the_names_of_every_version_and_the_choice_has_a_reason() {
         use LayerKind::{Aspect, Canopy, Elevation, Fuel, Slope};
         for (kind, names) in [
             (Fuel, &["LC22_F40_230", "US_105FBFM40", "LC24_FBFM13_250", "200F13_20", "Fuel models"][..]),

@@ -30,7 +30,7 @@ const MAX: f64 = 1e6;
 
 impl Learned {
     /// The inputs for a bush and a recent ignition.
-    pub const POST_INPUTS: [&str; 3] = ["distance / 100 m", "age / 60 s", "share of trucks that are idle"];
+    pub const STAGING_INPUTS: [&str; 3] = ["distance / 100 m", "age / 60 s", "share of trucks that are idle"];
 
     /// The inputs for a cell that a Wumpus may light.
     pub const LIGHT_INPUTS: [&str; 7] = [
@@ -45,7 +45,7 @@ impl Learned {
 
     pub(super) fn check(&self, table: &TablePath) -> Check {
         for (key, weights, inputs) in
-            [("posts", &self.posts, Self::POST_INPUTS.len()), ("lights", &self.lights, Self::LIGHT_INPUTS.len())]
+            [("posts", &self.posts, Self::STAGING_INPUTS.len()), ("lights", &self.lights, Self::LIGHT_INPUTS.len())]
         {
             let size = Network::size(inputs);
             if !weights.is_empty() && weights.len() != size {

@@ -144,7 +144,7 @@ impl Scenario {
     }
 
     /// Returns the policy of the crews, if there are any and it is not built in.
-    pub fn own_line_policy(&self) -> Option<&PlannerName> {
+    pub fn custom_line_policy(&self) -> Option<&PlannerName> {
         match &self.line.as_ref().filter(|_| !self.crew.is_empty())?.policy {
             LinePolicy::Policy(name) => Some(name),
             _ => None,

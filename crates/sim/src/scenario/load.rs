@@ -11,7 +11,7 @@ use super::copies::AgentExpansion;
 use super::error::{Fault, ScenarioError, SourceLocation};
 use super::fuel_image::FuelImage;
 use super::geojson;
-use super::given::json_fault;
+use super::imported::json_fault;
 use super::layers::{LayerKind, LayerReader, PackedLayer, Weights};
 use super::path::{FieldPath, FoundSpan, PathStep};
 use super::program::{Unusable, UnusableFile};
@@ -89,7 +89,7 @@ impl LoadedScenario {
     /// With a map, what only a generated field has is left out.
     pub fn values(&self) -> Vec<(String, String)> {
         let mut root = Value::try_from(&self.scenario).expect("every part of a scenario can be written as TOML");
-        let of_map = if self.scenario.field.given.is_some() { &GENERATED_ONLY[..] } else { &[] };
+        let of_map = if self.scenario.field.imported.is_some() { &GENERATED_ONLY[..] } else { &[] };
         let of_file = if self.scenario.wind_file.is_some() { &["wind"][..] } else { &[] };
         for hidden in [&LOADED, of_map, of_file].concat() {
             FieldPath::parse(hidden).all_in(&root).iter().for_each(|path| path.remove_from(&mut root));
@@ -99,7 +99,7 @@ impl LoadedScenario {
 
     /// Says whether the file or a change gives the value at this path, such as `unimog.0.prm.samples`. The starts of agents
     /// that an entry has by their number are given by it.
-    pub fn is_given(&self, dotted: &str) -> bool {
+    pub fn is_set(&self, dotted: &str) -> bool {
         let path = FieldPath::parse(dotted);
         self.copies.is_drawn(&path) || self.copies.written(&path).leads_to(&self.written)
     }
@@ -226,7 +226,7 @@ impl WrittenScenario<'_> {
                             unreadable(&file, &error).at(self.location(&path, KeyOrValue::Value))
                         }
                         #[cfg(unix)]
-                        Unusable::Module(words) => self.rule(&path, format!("`{}` {words}", file.display())),
+                        Unusable::Module(message) => self.rule(&path, format!("`{}` {message}", file.display())),
                     }
                 })?;
             }
@@ -275,7 +275,7 @@ impl WrittenScenario<'_> {
         field.cell_m = layers.frame.cell_m;
         field.size_m = layers.frame.width_m().max(layers.frame.height_m());
         field.raster_frame = Some(layers.frame);
-        scenario.landscape.get_or_insert_default().given = Some(layers);
+        scenario.landscape.get_or_insert_default().imported = Some(layers);
         Ok(())
     }
 
@@ -290,18 +290,18 @@ impl WrittenScenario<'_> {
         let file = self.file(&path, file);
         let cannot_be_read = |error| unreadable(&file, &error).at(self.location(&path, KeyOrValue::Value));
         let text = input_file::read_text(&file, MAX_MAP_BYTES).map_err(cannot_be_read)?;
-        let cells = geojson::road_cells(&text, &frame, settings.given.as_ref()).map_err(|error| {
+        let cells = geojson::road_cells(&text, &frame, settings.imported.as_ref()).map_err(|error| {
             let error = json_fault(&text, &error, FieldPath::default());
             Fault::from(error.fault).at(SourceLocation::new(&file.display().to_string(), &text, error.span))
         })?;
         let cells = cells.map_err(|message| self.rule(&path, format!("{}: {message}", file.display())))?;
-        settings.given_roads = Some(PackedLayer::from_bytes(&cells));
+        settings.imported_roads = Some(PackedLayer::from_bytes(&cells));
         Ok(())
     }
 
     fn load_densities(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
         let frame = scenario.field.frame();
-        let layers = scenario.landscape.as_ref().and_then(|landscape| landscape.given.as_ref());
+        let layers = scenario.landscape.as_ref().and_then(|landscape| landscape.imported.as_ref());
         for (number, ignition) in scenario.ignition.iter_mut().enumerate() {
             let list = FieldPath(vec![PathStep::key("ignition"), PathStep::Index(number)]);
             let IgnitionCells::Density(density) = &mut ignition.cells else { continue };
@@ -354,20 +354,20 @@ impl WrittenScenario<'_> {
         let Some(map) = &scenario.field.map else { return Ok(()) };
         let path = FieldPath::parse("field.map");
         let file = self.file(&path, map);
-        let given = self.read_map(&path, &file, &scenario.field)?;
+        let imported = self.read_map(&path, &file, &scenario.field)?;
         let field = &mut scenario.field;
-        if let Some(frame) = field.raster_frame.filter(|&frame| frame != given.frame) {
-            let FieldFrame { cols, rows, .. } = given.frame;
+        if let Some(frame) = field.raster_frame.filter(|&frame| frame != imported.frame) {
+            let FieldFrame { cols, rows, .. } = imported.frame;
             let message = format!(
                 "`field.map` has {cols} x {rows} cells of {} m; expected {} x {} of {} m, as the landscape has",
-                given.frame.cell_m, frame.cols, frame.rows, frame.cell_m
+                imported.frame.cell_m, frame.cols, frame.rows, frame.cell_m
             );
             return Err(self.rule(&path, message));
         }
-        field.cell_m = given.frame.cell_m;
-        field.size_m = given.frame.width_m().max(given.frame.height_m());
-        field.coverage = given.coverage();
-        field.given = Some(given);
+        field.cell_m = imported.frame.cell_m;
+        field.size_m = imported.frame.width_m().max(imported.frame.height_m());
+        field.coverage = imported.coverage();
+        field.imported = Some(imported);
         Ok(())
     }
 
@@ -382,20 +382,20 @@ impl WrittenScenario<'_> {
                 .map_err(|fault| self.rule(path, format!("{}: {fault}", file.display())));
         }
         let text = input_file::text(bytes).map_err(cannot_be_read)?;
-        let mut given = ImportedField::parse(&text, field.cell_m).map_err(|error| {
+        let mut imported = ImportedField::parse(&text, field.cell_m).map_err(|error| {
             let place = SourceLocation::new(&file.display().to_string(), &text, error.span.clone());
             Fault::from(error.fault).at(place)
         })?;
         if field.map_invert {
-            given.occupied.values_mut().iter_mut().for_each(|cell| *cell = !*cell);
+            imported.occupied.values_mut().iter_mut().for_each(|cell| *cell = !*cell);
         }
-        Ok(given)
+        Ok(imported)
     }
 
     /// Places the agents without a start of their own on a map. Where the map is a change, that is also those whose start
     /// in the file lies outside it.
     fn place_starts(&self, written: &Value, scenario: &mut Scenario) {
-        if scenario.field.given.is_none() {
+        if scenario.field.imported.is_none() {
             return;
         }
         let frame = scenario.field.frame();

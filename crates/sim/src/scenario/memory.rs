@@ -157,34 +157,34 @@ impl MemoryEstimate {
     /// Adds up what a run of a scenario that was checked takes.
     pub fn new(scenario: &Scenario) -> Self {
         let frame = scenario.field.frame();
-        let bushes = match &scenario.field.given {
-            Some(given) => given.occupied.values().iter().filter(|&&occupied| occupied).count() as u64,
+        let bushes = match &scenario.field.imported {
+            Some(imported) => imported.occupied.values().iter().filter(|&&occupied| occupied).count() as u64,
             None => 4 * u64::from(scenario.field.wanted_pieces()),
         };
         let field = FieldMeasures { frame, bushes };
         let [terrain, laying] = field.terrain();
         let fires = field.fires(scenario.fire.model);
-        let own = [("the program", PROGRAM_BYTES), ("the field and its fires", terrain + fires)];
+        let fixed = [("the program", PROGRAM_BYTES), ("the field and its fires", terrain + fires)];
         let agents = scenario.kinds().map(|agents| agents.memory(&field, scenario.duration_s));
-        Self::add_up(own, laying, agents)
+        Self::add_up(fixed, laying, agents)
     }
 
     /// Adds up what planning the drives of a problem takes, by these planners one after the other.
     pub fn from_problem(problem: &Problem, planners: &[PlannerName]) -> Self {
         let terrain = &problem.terrain;
         let field = FieldMeasures { frame: terrain.frame, bushes: terrain.bushes.len() as u64 };
-        let [held, laying] = field.terrain();
-        let own = [("the program", PROGRAM_BYTES), ("the field", held)];
+        let [terrain_bytes, laying] = field.terrain();
+        let fixed = [("the program", PROGRAM_BYTES), ("the field", terrain_bytes)];
         let by_planner = planners.iter().map(|planner| {
             let truck = Unimog { planner: planner.clone(), ..problem.truck.clone() };
-            Self::add_up(own, laying, [vec![truck].memory(&field, 0.0)])
+            Self::add_up(fixed, laying, [vec![truck].memory(&field, 0.0)])
         });
-        by_planner.max_by_key(Self::needed).unwrap_or_else(|| Self::add_up(own, laying, []))
+        by_planner.max_by_key(Self::needed).unwrap_or_else(|| Self::add_up(fixed, laying, []))
     }
 
     /// Adds up the parts that belong to no agent, and those of agents. `laying` is only needed while the field is made.
-    fn add_up(own: [(&str, u64); 2], laying: u64, agents: impl IntoIterator<Item = AgentsMemory>) -> Self {
-        let mut parts = own.map(|(name, bytes)| MemoryPart::new(name, bytes)).to_vec();
+    fn add_up(fixed: [(&str, u64); 2], laying: u64, agents: impl IntoIterator<Item = AgentsMemory>) -> Self {
+        let mut parts = fixed.map(|(name, bytes)| MemoryPart::new(name, bytes)).to_vec();
         let (mut counted, mut has_trucks) = (0, false);
         for of_kind in agents {
             parts.extend(of_kind.parts);
@@ -331,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn every_planners_own_settings_count_and_no_others() {
+    fn every_planners_custom_settings_count_and_no_others() {
         let of =
             |planner: &str, change: &str| estimate("contest", &[&format!("unimog.planner={planner}"), change]).needed();
         let plain = |planner: &str| of(planner, "unimog.speed_mps=8");

@@ -28,10 +28,10 @@ mod fire;
 mod fuel_image;
 mod fuel_name;
 mod geojson;
-mod given;
 mod goal;
 mod ground_report;
 mod ground_speed;
+mod imported;
 mod json_location;
 mod landscape;
 mod layers;
@@ -71,9 +71,9 @@ pub use features::{Hill, Patches, River, Road, Runs};
 pub use field::{Field, MAX_COVERAGE, MapTolerance, Overlaps};
 pub use fire::{Fire, FireModelName, SpreadFrom};
 pub use fuel_name::FuelName;
-pub use given::{ImportedField, MAX_CELLS_A_SIDE, MapError};
 pub use goal::{LinePolicy, TruckGoal, WumpusGoal, is_built_in_policy};
 pub use ground_speed::GroundKinds;
+pub use imported::{ImportedField, MAX_CELLS_A_SIDE, MapError};
 pub use landscape::LandscapeSettings;
 pub use layers::{ImportedLayers, LayerKind, LayerReader, Weights};
 pub use learned::{HIDDEN, Learned};
@@ -229,9 +229,9 @@ impl Scenario {
     /// Returns this scenario with everything of another that may change in the middle of a run: how trucks plan, and how
     /// agents decide.
     pub fn with_conduct_of(&self, other: &Self) -> Self {
-        let wumpus = |(own, other): (&Wumpus, &Wumpus)| Wumpus { goal: other.goal.clone(), ..own.clone() };
-        let unimog = |(own, other): (&Unimog, &Unimog)| {
-            let Unimog { start, vehicle, speed_mps, reverse_speed_mps, limits, .. } = own.clone();
+        let wumpus = |(this, other): (&Wumpus, &Wumpus)| Wumpus { goal: other.goal.clone(), ..this.clone() };
+        let unimog = |(this, other): (&Unimog, &Unimog)| {
+            let Unimog { start, vehicle, speed_mps, reverse_speed_mps, limits, .. } = this.clone();
             Unimog { start, vehicle, speed_mps, reverse_speed_mps, limits, ..other.clone() }
         };
         Self {
@@ -289,7 +289,7 @@ impl Scenario {
 
     /// Returns the layers that files give, with their place on earth.
     pub fn layers(&self) -> Option<&ImportedLayers> {
-        self.landscape.as_ref().and_then(|landscape| landscape.given.as_ref())
+        self.landscape.as_ref().and_then(|landscape| landscape.imported.as_ref())
     }
 
     /// Refuses rules that know other fires than a planner that looks for the nearest.

@@ -108,7 +108,7 @@ impl FieldPath {
     /// Returns the path of this form beside another one: both have the same steps where this one has `*`.
     pub fn beside(&self, other: &Self) -> Self {
         let step =
-            |(own, others): (&PathStep, &PathStep)| if *own == PathStep::key("*") { others } else { own }.clone();
+            |(this, others): (&PathStep, &PathStep)| if *this == PathStep::key("*") { others } else { this }.clone();
         Self(self.0.iter().zip(other.0.iter().chain(&self.0)).map(step).collect())
     }
 

@@ -46,7 +46,7 @@ const MAX_MODULE_MB: u32 = 256;
 const MAX_MODULE_BYTES: u64 = 64_000_000;
 
 /// The most words of a command, and files of a table.
-const MAX_WORDS: usize = 1000;
+const MAX_ITEMS: usize = 1000;
 
 /// A custom planner or policy.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -54,7 +54,7 @@ const MAX_WORDS: usize = 1000;
 pub struct Program {
     /// The program and its arguments; no shell is run. The program is found by `PATH`, or, if it has a slash, from the
     /// scenario's folder, which is also the program's working folder.
-    #[serde(deserialize_with = "list_of_at_most::<MAX_WORDS, _, _>")]
+    #[serde(deserialize_with = "list_of_at_most::<MAX_ITEMS, _, _>")]
     pub command: Vec<String>,
     /// File of a WebAssembly module instead of a command, relative to the scenario's folder; runs without trust.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -69,7 +69,7 @@ pub struct Program {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub folder: Option<PathBuf>,
     /// Files whose contents belong to a batch's plan; those that `command` names and the module always do.
-    #[serde(deserialize_with = "list_of_at_most::<MAX_WORDS, _, _>")]
+    #[serde(deserialize_with = "list_of_at_most::<MAX_ITEMS, _, _>")]
     pub files: Vec<PathBuf>,
     /// Passed on unchanged.
     pub settings: Map<String, Value>,
@@ -179,7 +179,7 @@ impl Program {
     /// # Errors
     /// If one of [`Self::files`] or the module cannot be read, or the module is none.
     pub(super) fn fill_in(&mut self, folder: &Path) -> Result<(), UnusableFile> {
-        self.works_in = self.folder.as_ref().map_or_else(|| folder.to_owned(), |own| folder.join(own));
+        self.works_in = self.folder.as_ref().map_or_else(|| folder.to_owned(), |subfolder| folder.join(subfolder));
         self.sha256 = self.hashes()?;
         Ok(())
     }
@@ -194,7 +194,8 @@ impl Program {
             let unusable = |reason| UnusableFile { place: vec![PathStep::key("module")], file: module.clone(), reason };
             let bytes = self.read_module(module).map_err(|error| unusable(Unusable::Unreadable(error)))?;
             #[cfg(unix)]
-            wildfire_module::check(&bytes, self.module_limits()).map_err(|words| unusable(Unusable::Module(words)))?;
+            wildfire_module::check(&bytes, self.module_limits())
+                .map_err(|message| unusable(Unusable::Module(message)))?;
             hashes.insert(module.display().to_string(), hexadecimal(&Sha256::digest(&bytes)));
         }
         for word in &self.command {
@@ -316,14 +317,14 @@ impl Scenario {
     /// Says whether an agent follows the policy of this name, or crews do.
     pub(super) fn has_follower(&self, policy: &PlannerName) -> bool {
         let trucks = self.unimog.iter().any(|truck| truck.goal.name() == policy.name());
-        let crews = self.own_line_policy().is_some_and(|own| own == policy);
+        let crews = self.custom_line_policy().is_some_and(|custom| custom == policy);
         crews || trucks || self.wumpus.iter().any(|wumpus| wumpus.goal.name() == policy.name())
     }
 
     /// Takes over the hashes of registered code from another one; no file has them.
     pub fn take_over_code(&mut self, other: &Self) {
-        for (own, others) in [(&mut self.planner, &other.planner), (&mut self.policy, &other.policy)] {
-            for (name, table) in own.iter_mut().filter(|(_, table)| !table.is_external()) {
+        for (ours, others) in [(&mut self.planner, &other.planner), (&mut self.policy, &other.policy)] {
+            for (name, table) in ours.iter_mut().filter(|(_, table)| !table.is_external()) {
                 table.sha256 = others.get(name).map_or_else(BTreeMap::new, |other| other.sha256.clone());
             }
         }

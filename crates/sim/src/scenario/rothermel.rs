@@ -51,8 +51,8 @@ impl Default for RothermelSettings {
     fn default() -> Self {
         let SurfaceOptions { curing, combine, wind_limit, length_to_width } = SurfaceOptions::default();
         Self {
-            ground: FuelName::known("GR2"),
-            bushes: FuelName::known("SH5"),
+            ground: FuelName::from_code("GR2"),
+            bushes: FuelName::from_code("SH5"),
             fuel_map: None,
             elevation: None,
             slope: None,

@@ -85,8 +85,8 @@ impl Terrain {
     }
 
     fn bushes_of(scenario: &Scenario, seed: u64, cover: &[u8]) -> Result<Self, TerrainError> {
-        if let Some(given) = &scenario.field.given {
-            return Ok(Self::from_occupied(given.frame, given.occupied.clone()));
+        if let Some(imported) = &scenario.field.imported {
+            return Ok(Self::from_occupied(imported.frame, imported.occupied.clone()));
         }
         let field = &scenario.field;
         let mut layout = PieceLayout::new(field.frame(), field.overlaps);
@@ -317,9 +317,9 @@ mod tests {
     }
 
     #[test]
-    fn a_given_field_is_the_same_for_every_seed() {
-        let given = ImportedField::parse("#..\n..#", 5.0).unwrap();
-        let scenario = scenario(Field { given: Some(given), ..Field::default() });
+    fn an_imported_field_is_the_same_for_every_seed() {
+        let map = ImportedField::parse("#..\n..#", 5.0).unwrap();
+        let scenario = scenario(Field { imported: Some(map), ..Field::default() });
         let terrain = Terrain::from_scenario(&scenario, 1).unwrap();
         assert_eq!(terrain.bushes, [Cell { col: 2, row: 0 }, Cell { col: 0, row: 1 }]);
         assert_eq!(Terrain::from_scenario(&scenario, 2).unwrap(), terrain);

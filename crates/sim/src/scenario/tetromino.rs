@@ -92,11 +92,11 @@ mod tests {
     fn rotations_are_closed_under_turning_and_nineteen_in_all() {
         let mut all: Vec<Vec<(u16, u16)>> = Vec::new();
         for shape in Shape::ALL {
-            let own: Vec<_> = shape.rotations().iter().map(sorted).collect();
+            let rotations: Vec<_> = shape.rotations().iter().map(sorted).collect();
             for piece in shape.rotations() {
-                assert!(own.contains(&turned_left(piece)), "{shape:?}: {piece:?} turned is another piece");
+                assert!(rotations.contains(&turned_left(piece)), "{shape:?}: {piece:?} turned is another piece");
             }
-            all.extend(own);
+            all.extend(rotations);
         }
         assert_eq!(all.len(), 19);
         all.sort();

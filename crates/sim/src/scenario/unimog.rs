@@ -111,7 +111,7 @@ impl Unimog {
     /// If nobody of its name is among the planners of the context, or it cannot be built.
     pub fn make_planner(&self, context: &TruckPlannerContext<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> {
         let &TruckPlannerContext { truck, seed, checker, ground, memory, planners, programs } = context;
-        let own = programs.get(&self.planner).map(|program| Value::Object(program.settings.clone()));
+        let custom = programs.get(&self.planner).map(|program| Value::Object(program.settings.clone()));
         planners.make(
             &self.planner,
             &PlannerContext {
@@ -121,7 +121,7 @@ impl Unimog {
                 cost: self.cost,
                 checker,
                 ground,
-                own: own.as_ref().unwrap_or(&Value::Null),
+                own: custom.as_ref().unwrap_or(&Value::Null),
                 stream: &|name: &str| rng::stream(seed, &format!("truck/{truck}/{name}")),
                 memory,
                 settings: &self.planner_settings(),
@@ -148,12 +148,12 @@ impl Unimog {
     /// Returns the simulated time that its planner's expansions cost: what the planner's own tables ask for, and no less
     /// than the truck's [`Self::seconds_per_expansion`].
     pub fn planning_charge(&self, programs: &Programs) -> Charge {
-        let own = match self.planner.built_in() {
+        let charge = match self.planner.built_in() {
             Some(kind) => Some(kind.maker().charge(&self.planner_settings())),
             None => programs.get(&self.planner).map(Program::charge),
         };
         let min = self.seconds_per_expansion;
-        own.map_or(Charge { roadmap_s: min, local_s: min }, |Charge { roadmap_s, local_s }| Charge {
+        charge.map_or(Charge { roadmap_s: min, local_s: min }, |Charge { roadmap_s, local_s }| Charge {
             roadmap_s: roadmap_s.max(min),
             local_s: local_s.max(min),
         })
@@ -442,13 +442,13 @@ impl AgentList for Vec<Unimog> {
         let trucks: Vec<(TruckPlannerKind, [u64; 2])> = self.iter().filter_map(memory).collect();
         let mut parts = Vec::new();
         for kind in TruckPlannerKind::ALL {
-            let own = || trucks.iter().filter(|(planner, _)| *planner == kind).map(|(_, memory)| memory);
-            let name = |what: &str| match own().count() {
+            let of_kind = || trucks.iter().filter(|(planner, _)| *planner == kind).map(|(_, memory)| memory);
+            let name = |what: &str| match of_kind().count() {
                 1 => format!("{what} of a truck ({kind})"),
                 count => format!("{what}s of {count} trucks ({kind})"),
             };
-            parts.push(MemoryPart::new(name("the planner"), own().map(|[held, _]| held).sum()));
-            parts.push(MemoryPart::new(name("the flood"), own().map(|[_, floods]| floods).sum()));
+            parts.push(MemoryPart::new(name("the planner"), of_kind().map(|[planner, _]| planner).sum()));
+            parts.push(MemoryPart::new(name("the flood"), of_kind().map(|[_, floods]| floods).sum()));
         }
         let counted = trucks.iter().map(|(_, [_, floods])| floods).sum();
         AgentsMemory { parts, counted, searches: !self.is_empty() }
@@ -466,15 +466,15 @@ fn check_planner_name(table: &TablePath, planner: &PlannerName, programs: &Progr
     if planner.built_in().is_some() || programs.contains_key(planner) {
         return Ok(());
     }
-    let own = programs.keys().map(PlannerName::name);
-    let known = TruckPlannerKind::ALL.map(TruckPlannerKind::name).into_iter().chain(own);
-    table.refuse_name("planner", "planner", planner.name(), known.map(str::to_owned).collect())
+    let custom = programs.keys().map(PlannerName::name);
+    let valid_names = TruckPlannerKind::ALL.map(TruckPlannerKind::name).into_iter().chain(custom);
+    table.refuse_name("planner", "planner", planner.name(), valid_names.map(str::to_owned).collect())
 }
 
 /// Checks that the first truck's planners can work on a field that may not be the one of their scenario.
 pub fn check_planners(unimog: &Unimog, frame: &FieldFrame) -> Check {
     let table = TablePath::named("unimog");
-    unimog.planner_settings().tables().try_for_each(|own| table.inner(own.name).settings(own.settings, frame))
+    unimog.planner_settings().tables().try_for_each(|tables| table.inner(tables.name).settings(tables.settings, frame))
 }
 
 /// Describes what its speed means in its tightest turns: speed squared over radius.
@@ -515,13 +515,13 @@ fn warn_of_truck(number: usize, unimog: &Unimog, found: &mut Vec<String>) {
     for table in settings.tables().filter(|table| !table.is_default && !used.contains(&table.name)) {
         found.push(format!("The `{}` of truck {number} has no effect: its planner does not use it.", table.name));
     }
-    if unimog.cost == DriveCost::Time && planner.is_some_and(|own| !own.knows_time()) {
+    if unimog.cost == DriveCost::Time && planner.is_some_and(|planner| !planner.knows_time()) {
         found.push(format!(
             "`cost = \"time\"` of truck {number} has no effect: {} compares drives by its own costs.",
             unimog.planner
         ));
     }
-    found.extend(planner.and_then(|own| own.warning(&settings, &unimog.vehicle, &format!("truck {number}"))));
+    found.extend(planner.and_then(|planner| planner.warning(&settings, &unimog.vehicle, &format!("truck {number}"))));
 }
 
 fn warn_of_shared_starts(trucks: &[Unimog], found: &mut Vec<String>) {

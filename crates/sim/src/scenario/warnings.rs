@@ -44,7 +44,7 @@ pub fn warnings(scenario: &Scenario, terrain: Option<&Terrain>) -> Vec<String> {
 /// Returns what of the files of a scenario may have been misread or was left out, and which of its ignitions light nothing
 /// whatever the seed.
 pub fn doubts_of_files(scenario: &Scenario) -> Vec<String> {
-    let of_map = scenario.field.given.iter().flat_map(|given| &given.doubts);
+    let of_map = scenario.field.imported.iter().flat_map(|imported| &imported.doubts);
     let of_layers = scenario.layers().into_iter().flat_map(|layers| &layers.doubts);
     let mut found: Vec<String> = of_map.chain(of_layers).cloned().collect();
     if has_fixed_ground(scenario) && !scenario.ignition.is_empty() {
@@ -93,7 +93,7 @@ fn warn_of_rules(scenario: &Scenario, found: &mut Vec<String>) {
     scenario.fire.warn(&scenario.field.frame(), found);
     if scenario.fire.model == FireModelName::Radius {
         let tables = [("landscape", scenario.landscape.is_some()), ("weather", scenario.weather.is_some())];
-        for (table, _) in tables.iter().filter(|(_, is_given)| *is_given) {
+        for (table, _) in tables.iter().filter(|(_, is_present)| *is_present) {
             found.push(format!("The table `{table}` has no effect: the fire model `radius` burns only bushes."));
         }
         if !scenario.wind.is_empty() {
@@ -115,7 +115,7 @@ fn warn_of_ignitions(scenario: &Scenario, terrain: Option<&Terrain>, found: &mut
 /// Returns whether what covers the field is the same for every seed.
 fn has_fixed_ground(scenario: &Scenario) -> bool {
     let field = &scenario.field;
-    let has_pieces = field.given.is_none() && field.pieces.map_or(field.coverage > 0.0, |pieces| pieces > 0);
+    let has_pieces = field.imported.is_none() && field.pieces.map_or(field.coverage > 0.0, |pieces| pieces > 0);
     !has_pieces
         && !scenario
             .landscape
@@ -126,7 +126,7 @@ fn has_fixed_ground(scenario: &Scenario) -> bool {
 /// Adds a warning for ignitions of which nothing can burn on a field.
 fn warn_of_cells(scenario: &Scenario, terrain: &Terrain, found: &mut Vec<String>) {
     // Bushes of a generated field that alone burn are elsewhere in every run.
-    if terrain.landscape.is_none() && scenario.field.given.is_none() {
+    if terrain.landscape.is_none() && scenario.field.imported.is_none() {
         return;
     }
     let mut burns = vec![false; terrain.frame.cell_count()];
@@ -183,7 +183,7 @@ mod tests {
 
     #[test]
     fn what_is_probably_not_meant_is_reported() {
-        for (source, changes, words) in [
+        for (source, changes, expected) in [
             ("contest", vec![], "8 m/s on its circle of 13 m: 4.9 m/s2 to the side"),
             ("contest", vec!["fire.burn_out_s=10"], "burns out after 10 s, before it would spread at 10 s"),
             ("contest", vec!["fire.spread_radius_m=4.9"], "no two cells are within 4.9 m"),
@@ -230,7 +230,7 @@ mod tests {
             ("fleet", vec!["suppression.reach_m=none"], "Truck 2 extinguishes fires from its start and never drives"),
         ] {
             let found = warned(source, &changes);
-            assert!(found.contains(words), "{source} {changes:?}: {found}");
+            assert!(found.contains(expected), "{source} {changes:?}: {found}");
         }
     }
 
@@ -238,8 +238,8 @@ mod tests {
     fn starts_in_a_bush_and_ignitions_beside_one_are_reported() {
         let mut scenario = load("smoke", &["ignition=[{ at_s = 1, cells = [[4, 0], [5, 0]] }]".into()]).unwrap();
         let south_edge = format!("{}\n{}", ".".repeat(20), "....#.".to_owned() + &"#".repeat(14));
-        let given = ImportedField::parse(&south_edge, 5.0).unwrap();
-        scenario.field.given = Some(given);
+        let map = ImportedField::parse(&south_edge, 5.0).unwrap();
+        scenario.field.imported = Some(map);
         scenario.unimog[0].start = StartPose { x_m: 60.0, y_m: 4.0, heading_deg: 0.0 };
         scenario.wumpus[0].start_m = [18.5, 2.5];
         let of = |scenario: &Scenario| warnings(scenario, Terrain::from_scenario(scenario, 1).ok().as_ref()).join("\n");
@@ -265,7 +265,7 @@ mod tests {
         let frame = scenario.field.frame();
         let mut fuel = vec![102; frame.cell_count()];
         fuel[5] = 98;
-        scenario.landscape.get_or_insert_default().given = Some(ImportedLayers::from_fuel(frame, &fuel));
+        scenario.landscape.get_or_insert_default().imported = Some(ImportedLayers::from_fuel(frame, &fuel));
         let found = doubts_of_files(&scenario);
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(
@@ -273,7 +273,7 @@ mod tests {
             "{found:?}"
         );
         fuel.fill(99);
-        scenario.landscape.get_or_insert_default().given = Some(ImportedLayers::from_fuel(frame, &fuel));
+        scenario.landscape.get_or_insert_default().imported = Some(ImportedLayers::from_fuel(frame, &fuel));
         scenario.ignition[0].cells = IgnitionCells::Random(3);
         assert_eq!(doubts_of_files(&scenario), ["The ignition at 1 s lights nothing: none of its cells can burn."]);
     }
@@ -282,7 +282,7 @@ mod tests {
     fn bare_fields_and_agents_without_a_place_are_reported() {
         let of = |rows: [&str; 20], cell_m: f64| {
             let mut scenario = load("smoke", &[]).unwrap();
-            scenario.field.given = Some(ImportedField::parse(&rows.join("\n"), cell_m).unwrap());
+            scenario.field.imported = Some(ImportedField::parse(&rows.join("\n"), cell_m).unwrap());
             scenario.unimog[0].start = StartPose { x_m: 20.0, y_m: 20.0, heading_deg: 0.0 };
             (scenario.wumpus[0].start_m, scenario.wumpus[0].size_m) = ([12.5, 12.5], 1.0);
             let found = warnings(&scenario, Terrain::from_scenario(&scenario, 1).ok().as_ref()).join("\n");

@@ -65,10 +65,10 @@ impl Default for Water {
 ranges! { Water {
     tank_l: 0.001..=1e6, stop_l: 0.001..=1e6, fill_lps: 0.001..=1e6, reach_m: 1.0..=1000.0,
     pump_lps: 0.001..=1e6, jet_m: 0.01..=1000.0, applied: 1.0..=1000.0,
-} and |own, _| {
-    let expected = format!("at most `tank_l`, {}", number_text(own.tank_l));
-    let is_held = own.stop_l <= own.tank_l;
-    if is_held { Ok(()) } else { Err(OutOfRange::new("stop_l", own.stop_l, expected)) }
+} and |water, _| {
+    let expected = format!("at most `tank_l`, {}", number_text(water.tank_l));
+    let fits = water.stop_l <= water.tank_l;
+    if fits { Ok(()) } else { Err(OutOfRange::new("stop_l", water.stop_l, expected)) }
 } }
 
 /// Selects the water of a stop: the same each time, or as much as the heat of the fire demands.
@@ -196,7 +196,7 @@ mod tests {
 
     #[test]
     fn values_that_no_tank_has_are_refused() {
-        for (change, words) in [
+        for (change, expected) in [
             ("water.stop_l=2001", "water.stop_l"),
             ("water.fill_lps=0", "water.fill_lps"),
             ("water.effect=energy", "the model `rothermel`"),
@@ -205,7 +205,7 @@ mod tests {
             ("water.place=[{x_m=1,y_m=5},{x_m=5,y_m=500}]", "water.place.1.y_m"),
         ] {
             let message = scenario(&[change]).expect_err("this is wrong");
-            assert!(message.contains(words), "{change}: {message}");
+            assert!(message.contains(expected), "{change}: {message}");
         }
     }
 

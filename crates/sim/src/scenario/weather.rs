@@ -117,7 +117,7 @@ ranges! { WeatherSettings {
     start_h: 0.0..=100_000.0, latitude_deg: -90.0..=90.0, utc_offset_h: -12.0..=14.0, speed_sd_mps: 0.0..=50.0, toward_sd_deg: 0.0..=360.0,
     moisture_sd: 0.0..=0.5; moisture
 } }
-ranges! { MoistureChange { at_s: 0.0..=1e6 } and |own, frame| own.moisture().check(frame) }
+ranges! { MoistureChange { at_s: 0.0..=1e6 } and |change, frame| change.moisture().check(frame) }
 
 impl WeatherSettings {
     pub(super) fn check(&self, table: &TablePath, frame: &FieldFrame) -> Check {
@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn winds_are_told_in_both_conventions() {
+    fn winds_are_reported_in_both_conventions() {
         assert_eq!(describe_wind(5.0, 0.0), "5 m/s at 10 m toward 0 deg, that is from the west (270)");
         assert_eq!(describe_wind(5.0, 90.0), "5 m/s at 10 m toward 90 deg, that is from the south (180)");
         assert_eq!(describe_wind(2.5, -45.0), "2.5 m/s at 10 m toward -45 deg, that is from the north-west (315)");

@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_rows_are_told_with_their_line() {
+    fn wrong_rows_are_reported_with_their_line() {
         for (text, expected) in [
             ("t_s,speed_mps,from_deg\n0,1,2\n0,1,2\n", "line 3: `t_s` is 0, expected a time after 0 s"),
             ("t_s,speed_mps,from_deg\n0,fast,2\n", "line 2: `speed_mps` is fast, expected a number from 0 to 150"),

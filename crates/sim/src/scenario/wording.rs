@@ -18,16 +18,16 @@ pub enum KeyOrValue {
 pub fn fault_from_message(message: &str, path: FieldPath) -> (Fault, FieldPath, KeyOrValue) {
     let mut quoted = message.split('`').skip(1).step_by(2);
     let name = quoted.next().unwrap_or_default();
-    let is_loaded = |known: &str| LOADED.iter().any(|path| path.rsplit('.').next() == Some(known));
-    let known: Vec<String> = quoted.filter(|known| !is_loaded(known)).map(str::to_owned).collect();
+    let is_loaded = |name: &str| LOADED.iter().any(|path| path.rsplit('.').next() == Some(name));
+    let valid_names: Vec<String> = quoted.filter(|name| !is_loaded(name)).map(str::to_owned).collect();
     if message.starts_with("unknown field") {
         let table = table_of(&path, name);
-        (unknown_field(name, &table, known), table.join(PathStep::key(name)), KeyOrValue::Key)
+        (unknown_field(name, &table, valid_names), table.join(PathStep::key(name)), KeyOrValue::Key)
     } else if message.starts_with("missing field") {
         (Fault::MissingField { name: name.to_owned(), table: path.to_string() }, path, KeyOrValue::Value)
     } else if message.starts_with("unknown variant") {
-        let nearest = nearest_name(name, known.iter().map(String::as_str));
-        let fault = Fault::UnknownWord { field: path.to_string(), found: shortened(name), known, nearest };
+        let nearest = nearest_name(name, valid_names.iter().map(String::as_str));
+        let fault = Fault::UnknownWord { field: path.to_string(), found: shortened(name), valid_names, nearest };
         (fault, path, KeyOrValue::Value)
     } else {
         (value_fault(message, &path), path, KeyOrValue::Value)
@@ -35,9 +35,9 @@ pub fn fault_from_message(message: &str, path: FieldPath) -> (Fault, FieldPath, 
 }
 
 /// Describes an unknown field, with the most similar known name.
-pub fn unknown_field(name: &str, table: &FieldPath, known: Vec<String>) -> Fault {
-    let nearest = nearest_name(name, known.iter().map(String::as_str));
-    Fault::UnknownField { name: shortened(name), table: table.to_string(), known, nearest }
+pub fn unknown_field(name: &str, table: &FieldPath, valid_names: Vec<String>) -> Fault {
+    let nearest = nearest_name(name, valid_names.iter().map(String::as_str));
+    Fault::UnknownField { name: shortened(name), table: table.to_string(), valid_names, nearest }
 }
 
 /// Returns the table that holds an unknown field, whether or not the reported path includes the field itself.
@@ -59,10 +59,10 @@ fn value_fault(message: &str, path: &FieldPath) -> Fault {
         let message = format!("`{field}` is a list: each entry begins with [[{field}]]");
         return Fault::Rule { message };
     }
-    Fault::Value { field, found: found_words(found), expected: expected_words(expected) }
+    Fault::Value { field, found: found_text(found), expected: expected_text(expected) }
 }
 
-fn found_words(found: &str) -> String {
+fn found_text(found: &str) -> String {
     let plain = ["integer ", "floating point ", "boolean "].iter().find_map(|kind| found.strip_prefix(kind));
     match found {
         "map" => "a table".into(),
@@ -85,7 +85,7 @@ pub fn shortened(text: &str) -> String {
     text.chars().take(LONGEST_QUOTE).chain("...".chars()).collect()
 }
 
-fn expected_words(expected: &str) -> String {
+fn expected_text(expected: &str) -> String {
     match expected {
         "f64" => "a number".into(),
         "u16" => format!("a whole number from 0 to {}", u16::MAX),

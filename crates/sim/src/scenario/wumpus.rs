@@ -144,7 +144,7 @@ impl Wumpus {
     }
 
     /// Bounds the memory that it alone takes in a run of this length.
-    fn own_bytes(&self, field: &FieldMeasures, duration_s: f64) -> u64 {
+    fn bytes_without_ground(&self, field: &FieldMeasures, duration_s: f64) -> u64 {
         if !self.gives_up_in_minima() {
             return BYTES_OF_A_WUMPUS;
         }
@@ -287,15 +287,15 @@ impl AgentList for Vec<Wumpus> {
             check_wumpus(&table, wumpus, &frame)?;
             wumpus.goal.check(&table, "goal", &scenario.policy)?;
             let pitch_m = wumpus.lattice_m.unwrap_or(frame.cell_m);
-            let own_points = (frame.width_m() / pitch_m).max(1.0) * (frame.height_m() / pitch_m).max(1.0);
-            if own_points > MAX_LATTICE_POINTS {
+            let point_count = (frame.width_m() / pitch_m).max(1.0) * (frame.height_m() / pitch_m).max(1.0);
+            if point_count > MAX_LATTICE_POINTS {
                 let expected = format!(
-                    "a lattice of at most {MAX_LATTICE_POINTS:e} points; on this field it would have {own_points:.2e}"
+                    "a lattice of at most {MAX_LATTICE_POINTS:e} points; on this field it would have {point_count:.2e}"
                 );
                 return table.refuse("lattice_m", number_text(pitch_m), expected);
             }
             if wumpus.gives_up_in_minima() {
-                tries += bushes * own_points.min(scenario.duration_s * wumpus.speed_mps / pitch_m);
+                tries += bushes * point_count.min(scenario.duration_s * wumpus.speed_mps / pitch_m);
             }
             if tries > MAX_TRIES {
                 let expected =
@@ -370,13 +370,13 @@ impl AgentList for Vec<Wumpus> {
                 *sum += if is_first(number, is_shared) { bytes } else { 0 };
             }
         }
-        let own = self.iter().map(|wumpus| wumpus.own_bytes(field, duration_s)).sum();
+        let agents = self.iter().map(|wumpus| wumpus.bytes_without_ground(field, duration_s)).sum();
         let [lattices, planners, targets] = shared;
         let parts = [
             ("the lattices of Wumpuses", lattices),
             ("the planners of Wumpuses", planners),
             ("what Wumpuses can light", targets),
-            ("the Wumpuses", own),
+            ("the Wumpuses", agents),
         ];
         let parts = parts.map(|(name, bytes)| MemoryPart::new(name, bytes)).to_vec();
         AgentsMemory { parts, ..AgentsMemory::default() }
@@ -424,17 +424,17 @@ fn warn_of_wumpus(number: usize, wumpus: &Wumpus, found: &mut Vec<String>) {
 /// Warns of Wumpuses that can come nowhere within reach of a bush's centre.
 fn warn_of_idle_wumpuses(wumpuses: &[Wumpus], terrain: &Terrain, found: &mut Vec<String>) {
     let mut points = 0.0;
-    let mut known: Option<(LatticeShape, WalkLattice)> = None;
+    let mut last: Option<(LatticeShape, WalkLattice)> = None;
     for (number, wumpus) in wumpuses.iter().enumerate() {
         let shape = wumpus.lattice_shape(&terrain.frame);
-        if known.as_ref().is_none_or(|(known, _)| *known != shape) {
+        if last.as_ref().is_none_or(|(last_shape, _)| *last_shape != shape) {
             points += WalkLattice::point_count(&terrain.frame, &shape);
             if points > MAX_POINTS_EXAMINED {
                 return;
             }
-            known = Some((shape, WalkLattice::new(terrain.frame, &terrain.occupied, shape)));
+            last = Some((shape, WalkLattice::new(terrain.frame, &terrain.occupied, shape)));
         }
-        let Some((_, lattice)) = &known else { continue };
+        let Some((_, lattice)) = &last else { continue };
         let Some(start) = lattice.nearest_free(wumpus.start_centre()) else { continue };
         // Most often a bush is near, and nobody has to know all that can be reached.
         let bushes = &terrain.bushes;

@@ -95,8 +95,8 @@ impl Truck {
             // The goal may itself be one that the planner had failed on and the flood reached.
             return unclaimed.filter(|cell| agent.goal == Some(*cell) || !self.failed_goals.contains(cell)).collect();
         }
-        let begun = self.deliberation.as_ref().filter(|begun| begun.revision == agent.revision);
-        let blocked = begun.map_or(&[][..], |begun| &begun.blocked);
+        let state = self.deliberation.as_ref().filter(|state| state.revision == agent.revision);
+        let blocked = state.map_or(&[][..], |state| &state.blocked);
         if blocked.len() >= self.traffic.goals as usize {
             return Vec::new();
         }
@@ -124,7 +124,7 @@ fn depart_or_wait(
     truck: &mut Truck,
     drive: Drive,
     outset: DepartureContext<'_>,
-    begun: &mut DecisionState,
+    state: &mut DecisionState,
 ) -> Option<DecisionOutcome> {
     let by_flood = drive.is_by_flood();
     let may_lead_elsewhere = truck.traffic.plan == TrafficPlan::Together && !by_flood;
@@ -139,7 +139,7 @@ fn depart_or_wait(
         Err(blocked) if by_flood => Some(DecisionOutcome::Waits(vec![blocked])),
         Err(blocked) => {
             // Looking for a way round is expensive: once for every truck that is in the way.
-            let is_new = !begun.before.iter().any(|before| before.reason() == blocked.reason());
+            let is_new = !state.before.iter().any(|before| before.reason() == blocked.reason());
             let is_worthwhile = is_new || truck.traffic.plan == TrafficPlan::Together;
             let detour = if truck.traffic.detours == Detours::Each && is_worthwhile {
                 truck.detour(&blocked.drive, outset, &mut agent.cost)
@@ -147,7 +147,7 @@ fn depart_or_wait(
                 None
             };
             if detour.is_none() {
-                begun.blocked.push(blocked);
+                state.blocked.push(blocked);
             }
             detour.map(|(drive, leg)| DecisionOutcome::SetsOut(drive, leg))
         }
@@ -172,7 +172,7 @@ impl Fleet<'_, '_> {
     pub fn deliberate(&mut self, entity: Entity, fires: &FireField) {
         let now = self.now();
         let (mut agent, mut truck) = self.trucks.one_mut(entity);
-        if truck.deliberation.as_ref().is_some_and(|begun| begun.revision == agent.revision) {
+        if truck.deliberation.as_ref().is_some_and(|state| state.revision == agent.revision) {
             return;
         }
         truck.failed_goals.retain(|&cell| fires.is_burning(cell));
@@ -233,16 +233,16 @@ impl Fleet<'_, '_> {
         let reservations = self.reservations();
         let (mut agent, mut truck) = self.trucks.one_mut(entity);
         let (agent, truck) = (&mut *agent, &mut *truck);
-        let mut begun = truck.deliberation.take()?;
+        let mut state = truck.deliberation.take()?;
         let traffic = Traffic::new(&reservations, entity);
         let pose = agent.trajectory.start();
-        let delay = begun.delay;
+        let delay = state.delay;
         let outset = DepartureContext { now, pose, frame: fires.frame(), traffic, delay };
         let by_flood = truck.failed_goals.contains(&goal);
-        let known = begun.before.iter().map(|blocked| &blocked.drive);
-        let known = known.filter(|drive| drive.is_by_flood() == by_flood).find(|drive| drive.goal == goal);
-        let drive = if let Some(known) = known {
-            Some(known.clone())
+        let searched = state.before.iter().map(|blocked| &blocked.drive);
+        let searched = searched.filter(|drive| drive.is_by_flood() == by_flood).find(|drive| drive.goal == goal);
+        let drive = if let Some(searched) = searched {
+            Some(searched.clone())
         } else if by_flood {
             let drive = truck.plan_by_flood(goal, outset, &mut agent.cost);
             if drive.is_none() {
@@ -251,14 +251,14 @@ impl Fleet<'_, '_> {
             }
             drive
         } else {
-            match truck.plan(goal, outset, &mut begun.spent, &mut agent.cost, &mut self.recorder) {
+            match truck.plan(goal, outset, &mut state.spent, &mut agent.cost, &mut self.recorder) {
                 Ok(drive) => Some(drive),
                 Err((reason, effort)) => {
                     let until = now + truck.charge(&effort);
                     truck.failed_goals.push(goal);
                     agent.answer(now, AgentFact::PlanFailed { goal, reason, effort, until }, &mut self.recorder);
                     if until > now {
-                        truck.deliberation = Some(begun);
+                        truck.deliberation = Some(state);
                         agent.wait_until(entity, until, &mut self.queue);
                         return Some(DecisionOutcome::Thinks);
                     }
@@ -266,8 +266,8 @@ impl Fleet<'_, '_> {
                 }
             }
         };
-        let conclusion = drive.and_then(|drive| depart_or_wait(agent, truck, drive, outset, &mut begun));
-        truck.deliberation = Some(begun);
+        let conclusion = drive.and_then(|drive| depart_or_wait(agent, truck, drive, outset, &mut state));
+        truck.deliberation = Some(state);
         conclusion
     }
 
@@ -289,13 +289,13 @@ impl Fleet<'_, '_> {
         nearest.truncate(MAX_GOALS);
         nearest.retain(|cell| !truck.failed_goals.contains(cell));
         if nearest.len() > 1 && truck.reach_m.is_finite() {
-            let mut begun = truck.deliberation.take()?;
+            let mut state = truck.deliberation.take()?;
             let traffic = Traffic::new(&reservations, entity);
-            let outset = DepartureContext { now, pose, frame, traffic, delay: begun.delay };
-            let drive = truck.plan_to_nearest(&nearest, outset, &mut begun.spent, &mut agent.cost, &mut self.recorder);
+            let outset = DepartureContext { now, pose, frame, traffic, delay: state.delay };
+            let drive = truck.plan_to_nearest(&nearest, outset, &mut state.spent, &mut agent.cost, &mut self.recorder);
             let has_drive = drive.is_some();
-            let conclusion = drive.and_then(|drive| depart_or_wait(agent, truck, drive, outset, &mut begun));
-            truck.deliberation = Some(begun);
+            let conclusion = drive.and_then(|drive| depart_or_wait(agent, truck, drive, outset, &mut state));
+            truck.deliberation = Some(state);
             if has_drive {
                 return conclusion;
             }
@@ -316,9 +316,9 @@ impl Fleet<'_, '_> {
             (false, true) => RestReason::NothingReachable,
             (false, false) => RestReason::NoPlan,
         };
-        let begun = truck.deliberation.as_mut();
-        let (blocked, before, delay) = begun.map_or_else(Default::default, |begun| {
-            (std::mem::take(&mut begun.blocked), begun.before.first().map(Blocked::reason), begun.delay)
+        let state = truck.deliberation.as_mut();
+        let (blocked, before, delay) = state.map_or_else(Default::default, |state| {
+            (std::mem::take(&mut state.blocked), state.before.first().map(Blocked::reason), state.delay)
         });
         let Some(first) = blocked.first() else { return DecisionOutcome::Rests(rests) };
         let tried = match truck.traffic.plan {
@@ -347,8 +347,8 @@ impl Fleet<'_, '_> {
     ) -> Option<ActivityTransition> {
         let now = self.now();
         let (mut agent, mut truck) = self.trucks.one_mut(entity);
-        let begun = truck.deliberation.take()?;
-        cpu_log.add(now, agent.id, agent.cost.total() - begun.cpu);
+        let state = truck.deliberation.take()?;
+        cpu_log.add(now, agent.id, agent.cost.total() - state.cpu);
         let has_new_plans = matches!(
             conclusion,
             DecisionOutcome::SetsOut(..) | DecisionOutcome::Relocates(_) | DecisionOutcome::Thinks
@@ -372,7 +372,7 @@ impl Fleet<'_, '_> {
             }
             DecisionOutcome::Waits(blocked) => {
                 let (goal, by) = blocked[0].reason();
-                if begun.before.first().map(Blocked::reason) != Some((goal, by)) {
+                if state.before.first().map(Blocked::reason) != Some((goal, by)) {
                     self.recorder.record_agent(now, agent.id, AgentFact::Blocked { goal, by });
                 }
                 agent.revision += 1;
@@ -382,7 +382,7 @@ impl Fleet<'_, '_> {
             }
         }
         let (agent, _) = self.trucks.one(entity);
-        Some(ActivityTransition { has_new_plans, was: begun.activity, is: agent.activity })
+        Some(ActivityTransition { has_new_plans, was: state.activity, is: agent.activity })
     }
 }
 
@@ -407,18 +407,18 @@ pub fn decide(mut fleet: Fleet, fires: Res<Fires>, mut resources: DecisionResour
         let choices = if fleet.options(wake.agent, &[wake.agent], fires).is_empty() {
             vec![(wake.agent, Action::Wait)]
         } else {
-            let mut asked = Vec::new();
+            let mut queried = Vec::new();
             for due in fleet.queue.decisions(now).filter(|due| fleet.trucks.contains(due.agent)) {
                 let (agent, _) = fleet.trucks.one(due.agent);
                 let is_meant = agent.revision == due.revision && agent.activity != Activity::Suppressing;
                 let who = (agent.id, due.agent);
-                if is_meant && resources.followers.get(due.agent) == Ok(&policy) && !asked.contains(&who) {
-                    asked.push(who);
+                if is_meant && resources.followers.get(due.agent) == Ok(&policy) && !queried.contains(&who) {
+                    queried.push(who);
                 }
             }
             let trucks = fleet.trucks.agents().map(|agent| agent.view(now));
             let agents = trucks.chain(resources.others.iter().map(|agent| agent.view(now))).collect();
-            let inquiry = PolicyQuery { now, fires, agents, asked };
+            let inquiry = PolicyQuery { now, fires, agents, queried };
             resources.following.ask(policy, inquiry, &|entity: Entity| fleet.options(entity, &[entity], fires))
         };
         if choices.is_empty() {

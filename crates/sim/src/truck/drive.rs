@@ -217,7 +217,7 @@ impl Truck {
         let mut effort = blocked.effort;
         let ready = |effort: &Effort| outset.now + outset.delay + self.charge(effort);
         let direct = self.leg(&blocked.path, ready(&effort));
-        let others = outset.traffic.known_to(&self.body);
+        let others = outset.traffic.predicted_for(&self.body);
         let mut found = Vec::new();
         for (wait_s, leg, meets_at) in outset.traffic.meetings(&self.body, &direct) {
             let blocked_leg = BlockedLeg { path: &blocked.path, leg: &leg, meets_at };

@@ -24,7 +24,7 @@ use wildfire_planning::{Effort, GoalDisc};
 use wildfire_timeline::{AgentFact, AgentId};
 
 /// How near to its place a truck that is sent there comes, in metres: that of the middle of its body.
-const POST_RADIUS_M: f64 = 10.0;
+const STAGING_RADIUS_M: f64 = 10.0;
 
 /// How long a truck does not try again to set out for a place that others are in the way to.
 const PATIENCE: SimTime = SimTime::from_nanos(10_000_000_000);
@@ -48,14 +48,14 @@ impl Agent {
 /// Trucks whose decisions are due.
 struct DueTrucks {
     /// By number.
-    asked: Vec<(AgentId, Entity)>,
+    queried: Vec<(AgentId, Entity)>,
     /// Those of them that are under way.
     moving: Vec<Entity>,
 }
 
 impl DueTrucks {
     fn entities(&self) -> Vec<Entity> {
-        self.asked.iter().map(|&(_, entity)| entity).collect()
+        self.queried.iter().map(|&(_, entity)| entity).collect()
     }
 }
 
@@ -68,7 +68,7 @@ impl Fleet<'_, '_> {
         resources: &mut DecisionResources<'_, '_>,
     ) -> bool {
         let mut called = self.called(policy, resources);
-        if called.asked.is_empty() {
+        if called.queried.is_empty() {
             self.queue.drop_next();
             return true;
         }
@@ -82,10 +82,10 @@ impl Fleet<'_, '_> {
             if self.has_blocked_drives(entity) && self.options(entity, &all, fires).is_empty() {
                 let conclusion = self.stop_looking(entity, fires);
                 changed.extend(self.conclude_in_team(entity, conclusion, resources).then_some(entity));
-                called.asked.retain(|&(_, other)| other != entity);
+                called.queried.retain(|&(_, other)| other != entity);
             }
         }
-        if !called.asked.is_empty() {
+        if !called.queried.is_empty() {
             let orders = self.ask_team(policy, &called, fires, resources);
             if orders.is_empty() {
                 return false;
@@ -111,19 +111,19 @@ impl Fleet<'_, '_> {
     /// Lists the trucks of a policy that decide now.
     fn called(&self, policy: PolicyId, resources: &DecisionResources<'_, '_>) -> DueTrucks {
         let now = self.now();
-        let mut called = DueTrucks { asked: Vec::new(), moving: Vec::new() };
+        let mut called = DueTrucks { queried: Vec::new(), moving: Vec::new() };
         for due in self.queue.decisions(now).filter(|due| self.trucks.contains(due.agent)) {
             let (agent, _) = self.trucks.one(due.agent);
             let is_meant = agent.revision == due.revision && resources.followers.get(due.agent) == Ok(&policy);
             let stands = agent.goal.is_none() && agent.stands(now);
             let is_called_off = agent.is_called && agent.may_be_called_off(now);
             let who = (agent.id, due.agent);
-            if is_meant && (stands || is_called_off) && !called.asked.contains(&who) {
-                called.asked.push(who);
+            if is_meant && (stands || is_called_off) && !called.queried.contains(&who) {
+                called.queried.push(who);
                 called.moving.extend((!stands).then_some(due.agent));
             }
         }
-        called.asked.sort_by_key(|&(id, _)| id);
+        called.queried.sort_by_key(|&(id, _)| id);
         called
     }
 
@@ -139,7 +139,7 @@ impl Fleet<'_, '_> {
         let now = self.now();
         let trucks = self.trucks.agents().map(|agent| agent.view(now));
         let agents = trucks.chain(resources.others.iter().map(|agent| agent.view(now))).collect();
-        let inquiry = PolicyQuery { now, fires, agents, asked: called.asked.clone() };
+        let inquiry = PolicyQuery { now, fires, agents, queried: called.queried.clone() };
         let all = called.entities();
         let mut stopwatch = CpuStopwatch::start();
         let choices = resources.following.ask(policy, inquiry, &|entity| self.options(entity, &all, fires));
@@ -151,8 +151,8 @@ impl Fleet<'_, '_> {
         for &entity in &all {
             let (mut agent, mut truck) = self.trucks.one_mut(entity);
             agent.is_called = false;
-            if let Some(begun) = &mut truck.deliberation {
-                begun.delay = delay;
+            if let Some(state) = &mut truck.deliberation {
+                state.delay = delay;
             }
         }
         let choice_of =
@@ -205,8 +205,8 @@ impl Fleet<'_, '_> {
     }
 
     fn has_blocked_drives(&self, entity: Entity) -> bool {
-        let begun = self.trucks.one(entity).1.deliberation.as_ref();
-        begun.is_some_and(|begun| !begun.blocked.is_empty())
+        let state = self.trucks.one(entity).1.deliberation.as_ref();
+        state.is_some_and(|state| !state.blocked.is_empty())
     }
 
     /// Ends a decision; returns true if trucks that are blocked have something new to look at.
@@ -230,7 +230,7 @@ impl Fleet<'_, '_> {
             agent.staging_point = Some(place);
             return DecisionOutcome::Stays(None);
         }
-        self.drive_to(entity, GoalDisc { centre: place, radius_m: POST_RADIUS_M }, fires)
+        self.drive_to(entity, GoalDisc { centre: place, radius_m: STAGING_RADIUS_M }, fires)
     }
 
     /// Plans a truck's drive to a place without a fire. The truck stays if there is no path or others block it.
@@ -245,7 +245,7 @@ impl Fleet<'_, '_> {
         }
         truck.closed_posts.retain(|closed| closed.from == pose && closed.until > now);
         let place = disc.centre;
-        let delay = truck.deliberation.as_ref().map_or(SimTime::ZERO, |begun| begun.delay);
+        let delay = truck.deliberation.as_ref().map_or(SimTime::ZERO, |state| state.delay);
         let traffic = Traffic::new(&reservations, entity);
         let outset = DepartureContext { now, pose, frame: fires.frame(), traffic, delay };
         let mut spent = Effort::default();

@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn a_way_back_that_was_never_begun_takes_nothing_off() {
+    fn a_way_back_that_was_never_started_takes_nothing_off() {
         let (mut tracks, pose) = driven();
         set_out_back(&mut tracks, pose, 3, Path::standing(pose));
         tracks.record(None);

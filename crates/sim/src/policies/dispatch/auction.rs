@@ -43,7 +43,7 @@ impl Assignment for Auction {
     fn assign(&mut self, team: &Team<'_>, effort: &mut u64) -> Vec<(AgentId, Cell)> {
         let open = OpenFires::new(team);
         let routes = routes(&open, effort);
-        let goals = routes.iter().filter(|route| route.truck.is_asked).filter_map(|route| {
+        let goals = routes.iter().filter(|route| route.truck.is_queried).filter_map(|route| {
             let first = route.stops.first()?;
             Some((route.truck.id, open.fires[first.fire].cell))
         });
@@ -257,7 +257,7 @@ mod tests {
     use wildfire_timeline::WaterRules;
 
     #[test]
-    fn goals_are_savable_open_and_given_once() {
+    fn goals_are_savable_open_and_assigned_once() {
         for seed in 0..60 {
             let sample = Sample::new(seed);
             sample.assert_sound(&Auction.assign(&sample.team(), &mut 0));
@@ -342,16 +342,16 @@ mod tests {
         threats: &[u32],
         trucks: &[TeamTruck],
         taken: &mut Vec<usize>,
-        own: usize,
+        count: usize,
     ) -> u32 {
         let Some((truck, others)) = trucks.split_first() else { return 0 };
-        // The last `own` of what is taken is this truck's route.
-        let Some((_, saved)) = drive(open, threats, truck, &taken[taken.len() - own..]) else { return 0 };
+        // The last `count` of what is taken is this truck's route.
+        let Some((_, saved)) = drive(open, threats, truck, &taken[taken.len() - count..]) else { return 0 };
         let mut max = saved + max_saved(open, threats, others, taken, 0);
         for fire in 0..open.fires.len() {
             if !taken.contains(&fire) {
                 taken.push(fire);
-                max = max.max(max_saved(open, threats, trucks, taken, own + 1));
+                max = max.max(max_saved(open, threats, trucks, taken, count + 1));
                 taken.pop();
             }
         }
@@ -434,7 +434,7 @@ mod tests {
         sample.burn((12, 10));
         let goals = |sample: &Sample| Auction.assign(&sample.team(), &mut 0);
         assert_eq!(goals(&sample), [(AgentId::unimog(0), (12, 10).into())]);
-        sample.trucks[0].is_asked = false;
+        sample.trucks[0].is_queried = false;
         sample.trucks[0].free_at = SimTime::from_seconds(2.0);
         assert_eq!(goals(&sample), []);
         sample.trucks[0].free_at = SimTime::from_seconds(30.0);

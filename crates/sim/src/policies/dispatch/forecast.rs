@@ -100,23 +100,23 @@ impl<'a> Forecast<'a> {
             seen: 0,
             fires: self.fires.clone(),
             trucks: Vec::with_capacity(self.team.trucks.len()),
-            lit: BTreeSet::new(),
+            ignited: BTreeSet::new(),
             due: BinaryHeap::new(),
             loss: Loss { bushes: 0, burning_s: 0.0 },
         };
         (0..future.fires.len()).for_each(|fire| future.expect(fire));
         let index = |cell: Cell| self.team.frame.index(cell);
         let number = |cell: Cell| self.fires.binary_search_by_key(&index(cell), |fire| index(fire.cell)).ok();
-        for (truck, known) in self.team.trucks.iter().enumerate() {
-            let place = known.place;
-            let speed_mps = known.speed_mps;
-            future.trucks.push(FutureTruck { place, speed_mps, is_free: known.is_asked, is_idle: false, goal: None });
-            if !known.is_asked {
+        for (truck, seen) in self.team.trucks.iter().enumerate() {
+            let place = seen.place;
+            let speed_mps = seen.speed_mps;
+            future.trucks.push(FutureTruck { place, speed_mps, is_free: seen.is_queried, is_idle: false, goal: None });
+            if !seen.is_queried {
                 // It is free when it has put out what it goes for, or stands at.
-                let goal = known.goal.and_then(number);
+                let goal = seen.goal.and_then(number);
                 future.trucks[truck].goal = goal;
                 goal.into_iter().for_each(|goal| future.fires[goal].is_claimed = true);
-                future.due.push(Reverse((self.team.sets_out_at(known), Due::TruckFree(truck))));
+                future.due.push(Reverse((self.team.sets_out_at(seen), Due::TruckFree(truck))));
             }
         }
         for &(truck, cell) in goals {
@@ -138,7 +138,7 @@ struct Future<'a> {
     seen: usize,
     trucks: Vec<FutureTruck>,
     /// What has caught fire since the forecast began.
-    lit: BTreeSet<Cell>,
+    ignited: BTreeSet<Cell>,
     due: BinaryHeap<Reverse<(SimTime, Due)>>,
     loss: Loss,
 }
@@ -194,7 +194,7 @@ impl Future<'_> {
         let team = self.of.team;
         for &(cols, rows) in &self.of.near {
             let Some(cell) = team.frame.offset(from, cols, rows) else { continue };
-            if self.fires.len() >= MAX_FIRES || !team.intact.is_intact(cell) || !self.lit.insert(cell) {
+            if self.fires.len() >= MAX_FIRES || !team.intact.is_intact(cell) || !self.ignited.insert(cell) {
                 continue;
             }
             let delay = team.rules.spread.filter(|_| team.rules.caught_spreads).map(|(_, delay)| delay);
@@ -246,7 +246,7 @@ impl Future<'_> {
             let out_at = self.now + team.stop_time(speed_mps, place, goal);
             (burns && !is_claimed && out_at <= burns_out.min(team.end)).then_some(out_at)
         };
-        let known = self.of.fires.len();
+        let existing = self.of.fires.len();
         let old = if is_idle {
             None
         } else {
@@ -255,7 +255,7 @@ impl Future<'_> {
             let found = self.of.index.nearest(place, 1, team.range_m(speed_mps, time), |fire| out_at(fire).is_some());
             found.first().and_then(|&(_, fire)| Some((out_at(fire)?, fire, truck)))
         };
-        let from = if is_idle { self.seen.max(known) } else { known };
+        let from = if is_idle { self.seen.max(existing) } else { existing };
         let new = (from..self.fires.len()).filter_map(|fire| Some((out_at(fire)?, fire, truck)));
         old.into_iter().chain(new).min()
     }

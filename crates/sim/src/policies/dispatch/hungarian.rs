@@ -24,10 +24,10 @@ pub struct Hungarian;
 impl Assignment for Hungarian {
     fn assign(&mut self, team: &Team<'_>, effort: &mut u64) -> Vec<(AgentId, Cell)> {
         let open = OpenFires::new(team);
-        let asked: Vec<usize> = (0..team.trucks.len()).filter(|&truck| team.trucks[truck].is_asked).collect();
+        let queried: Vec<usize> = (0..team.trucks.len()).filter(|&truck| team.trucks[truck].is_queried).collect();
         let threats = threats(team, &open.fires);
         let mut rows: Vec<Vec<(f64, usize)>> = Vec::new();
-        for &truck in &asked {
+        for &truck in &queried {
             let prospects = (0..open.fires.len()).filter_map(|fire| open.prospect(&team.trucks[truck], fire));
             let cost = |out_at: SimTime, fire: usize| {
                 (out_at - team.now).as_seconds() - BUSH_S * f64::from(bushes_saved(&open, &threats, fire, out_at))
@@ -36,15 +36,15 @@ impl Assignment for Hungarian {
             *effort += open.fires.len() as u64;
             // As many as there are trucks will do: one of a truck's cheapest is always left by the others.
             row.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            row.truncate(asked.len());
+            row.truncate(queried.len());
             rows.push(row);
         }
         let mut columns: Vec<usize> = rows.iter().flatten().map(|&(_, fire)| fire).collect();
         columns.sort_unstable();
         columns.dedup();
         // Behind the fires each truck has a column of its own: it stays where it is, at no cost.
-        let width = columns.len() + asked.len();
-        let mut costs = vec![f64::INFINITY; asked.len() * width];
+        let width = columns.len() + queried.len();
+        let mut costs = vec![f64::INFINITY; queried.len() * width];
         for (number, row) in rows.iter().enumerate() {
             for &(cost, fire) in row {
                 let column = columns.binary_search(&fire).expect("the columns are those of all rows");
@@ -52,9 +52,9 @@ impl Assignment for Hungarian {
             }
             costs[number * width + columns.len() + number] = 0.0;
         }
-        let columns_of = min_total(asked.len(), width, |row, column| costs[row * width + column]);
+        let columns_of = min_total(queried.len(), width, |row, column| costs[row * width + column]);
         let goals = columns_of.iter().enumerate().filter_map(|(row, &column)| Some((row, *columns.get(column)?)));
-        goals.map(|(row, fire)| (team.trucks[asked[row]].id, open.fires[fire].cell)).collect()
+        goals.map(|(row, fire)| (team.trucks[queried[row]].id, open.fires[fire].cell)).collect()
     }
 
     fn replans(&self) -> bool {
@@ -192,8 +192,8 @@ mod tests {
                 saved += i64::from(bushes_saved(&open, &threats, fire, out_at));
                 seconds += (out_at - team.now).as_seconds();
             }
-            let asked: Vec<usize> = team.asked().map(|truck| usize::from(truck.id.number)).collect();
-            let (max, min_s) = best(&open, &threats, &asked, 0);
+            let queried: Vec<usize> = team.queried().map(|truck| usize::from(truck.id.number)).collect();
+            let (max, min_s) = best(&open, &threats, &queried, 0);
             assert_eq!(saved, max, "seed {seed}");
             assert!((seconds - min_s).abs() < 1e-6, "seed {seed}: {seconds} s, {min_s} s would do");
         }

@@ -12,9 +12,9 @@ pub struct NearestByNumber;
 impl Assignment for NearestByNumber {
     fn assign(&mut self, team: &Team<'_>, effort: &mut u64) -> Vec<(AgentId, Cell)> {
         let mut taken: Vec<Cell> =
-            team.trucks.iter().filter(|truck| !truck.is_asked).filter_map(|truck| truck.goal).collect();
+            team.trucks.iter().filter(|truck| !truck.is_queried).filter_map(|truck| truck.goal).collect();
         let mut goals = Vec::new();
-        for truck in team.trucks.iter().filter(|truck| truck.is_asked) {
+        for truck in team.trucks.iter().filter(|truck| truck.is_queried) {
             let left = team.fires.iter().filter(|fire| !taken.contains(&fire.cell));
             let squared_m = |place: glam::DVec2| (place - truck.place).length_squared();
             let nearest = left.min_by(|a, b| squared_m(a.place).total_cmp(&squared_m(b.place)));

@@ -27,8 +27,8 @@ impl Assignment for NearestByDrive {
 
 /// The same where nobody is sent to a place to wait: each truck chooses when those before it have acted.
 impl Policy for NearestByDrive {
-    fn choose(&mut self, _: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
-        asked.first().map(|&truck| (truck, Action::GoToNearest)).into_iter().collect()
+    fn choose(&mut self, _: &Observation<'_>, queried: &[AgentId]) -> Vec<(AgentId, Action)> {
+        queried.first().map(|&truck| (truck, Action::GoToNearest)).into_iter().collect()
     }
 
     fn fork(&self) -> Option<Box<dyn Policy>> {

@@ -20,8 +20,8 @@ pub struct NearestSavable;
 impl Assignment for NearestSavable {
     fn assign(&mut self, team: &Team<'_>, effort: &mut u64) -> Vec<(AgentId, Cell)> {
         let open = OpenFires::new(team);
-        let asked: Vec<usize> = (0..team.trucks.len()).filter(|&truck| team.trucks[truck].is_asked).collect();
-        let goals = nearest_first(&open, &asked, &mut vec![false; open.fires.len()], effort);
+        let queried: Vec<usize> = (0..team.trucks.len()).filter(|&truck| team.trucks[truck].is_queried).collect();
+        let goals = nearest_first(&open, &queried, &mut vec![false; open.fires.len()], effort);
         goals.into_iter().map(|(truck, fire)| (team.trucks[truck].id, open.fires[fire].cell)).collect()
     }
 
@@ -100,7 +100,7 @@ mod tests {
         let open = OpenFires::new(team);
         let mut pairs: Vec<(AgentId, Cell)> = Vec::new();
         loop {
-            let trucks = team.asked().filter(|truck| pairs.iter().all(|&(id, _)| id != truck.id));
+            let trucks = team.queried().filter(|truck| pairs.iter().all(|&(id, _)| id != truck.id));
             let bids = trucks.flat_map(|truck| {
                 let free = (0..open.fires.len()).filter(|&fire| pairs.iter().all(|p| p.1 != open.fires[fire].cell));
                 let open = &open;
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn goals_are_savable_open_and_given_once() {
+    fn goals_are_savable_open_and_assigned_once() {
         for seed in 0..60 {
             let sample = Sample::new(seed);
             let team = sample.team();

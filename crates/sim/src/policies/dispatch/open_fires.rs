@@ -35,7 +35,7 @@ pub struct OpenFires<'a> {
 impl<'a> OpenFires<'a> {
     pub fn new(team: &'a Team<'a>) -> Self {
         let mut claimed: Vec<Cell> =
-            team.trucks.iter().filter(|truck| !truck.is_asked).filter_map(|truck| truck.goal).collect();
+            team.trucks.iter().filter(|truck| !truck.is_queried).filter_map(|truck| truck.goal).collect();
         claimed.sort_unstable();
         let fires: Vec<Fire> =
             team.fires.iter().filter(|fire| claimed.binary_search(&fire.cell).is_err()).copied().collect();
@@ -100,7 +100,7 @@ impl Team<'_> {
     }
 
     /// Lists the trucks that are asked, by number.
-    pub fn asked(&self) -> impl Iterator<Item = &TeamTruck> {
-        self.trucks.iter().filter(|truck| truck.is_asked)
+    pub fn queried(&self) -> impl Iterator<Item = &TeamTruck> {
+        self.trucks.iter().filter(|truck| truck.is_queried)
     }
 }

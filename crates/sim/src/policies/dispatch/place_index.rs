@@ -72,7 +72,7 @@ impl PlaceIndex {
                     for &number in &self.order[self.begins[bucket] as usize..self.begins[bucket + 1] as usize] {
                         let metres = (self.places[number as usize] - from).length();
                         let number = number as usize;
-                        let at = found.partition_point(|&known| known < (metres, number));
+                        let at = found.partition_point(|&other| other < (metres, number));
                         if metres <= max_m && at < count && accept(number) {
                             found.truncate(count - 1);
                             found.insert(at, (metres, number));

@@ -60,13 +60,13 @@ impl DispatchPolicy {
 }
 
 impl Policy for DispatchPolicy {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
+    fn choose(&mut self, seen: &Observation<'_>, queried: &[AgentId]) -> Vec<(AgentId, Action)> {
         let mut effort = 0;
-        let known = FleetKnowledge::new(&self.site, seen);
-        let team = known.team(asked);
+        let knowledge = FleetKnowledge::new(&self.site, seen);
+        let team = knowledge.team(queried);
         let goals = assign(self.assignment.as_mut(), &team, seen, &mut effort);
         let goal_of = |id: AgentId| goals.iter().find(|&&(truck, _)| truck == id).map(|&(_, cell)| cell);
-        let free = team.trucks.iter().filter(|truck| truck.is_asked && goal_of(truck.id).is_none());
+        let free = team.trucks.iter().filter(|truck| truck.is_queried && goal_of(truck.id).is_none());
         // Trucks without a goal refill first.
         let full_tank = self.site.water.as_ref().map_or(u32::MAX, |water| water.full_tank);
         let (full, to_refill): (Vec<&TeamTruck>, Vec<&TeamTruck>) =
@@ -79,7 +79,7 @@ impl Policy for DispatchPolicy {
         let choice = |id: AgentId| {
             let truck = team.trucks.iter().find(|truck| truck.id == id)?;
             let staging_point = posts.iter().find(|(idle, _)| *idle == id).map(|&(_, place)| place);
-            let refills = !truck.is_asked || to_refill.iter().any(|other| other.id == id);
+            let refills = !truck.is_queried || to_refill.iter().any(|other| other.id == id);
             let choice = match (goal_of(id), staging_point, truck.goal) {
                 (None, ..) if refills => Action::Refill,
                 (Some(_), _, _) if self.assignment.is_by_drive() => Action::GoToNearest,
@@ -87,11 +87,11 @@ impl Policy for DispatchPolicy {
                 (None, Some(place), _) => Action::Move(place),
                 // What it went for is not worth it any more.
                 (None, None, Some(_)) => Action::Move(truck.place),
-                (None, None, None) => known.next_report().map_or(Action::Wait, Action::WaitUntil),
+                (None, None, None) => knowledge.next_report().map_or(Action::Wait, Action::WaitUntil),
             };
             Some((id, choice))
         };
-        let choices = asked.iter().filter_map(|&id| choice(id)).collect();
+        let choices = queried.iter().filter_map(|&id| choice(id)).collect();
         self.charge = SimTime::from_seconds(self.seconds_per_evaluation * effort as f64);
         choices
     }
@@ -116,13 +116,13 @@ fn assign(
     seen: &Observation<'_>,
     effort: &mut u64,
 ) -> Vec<(AgentId, Cell)> {
-    let kept: Vec<Cell> = team.trucks.iter().filter(|truck| !truck.is_asked).filter_map(|truck| truck.goal).collect();
+    let kept: Vec<Cell> = team.trucks.iter().filter(|truck| !truck.is_queried).filter_map(|truck| truck.goal).collect();
     let mut goals: Vec<(AgentId, Cell)> = Vec::new();
     let mut barred = Vec::new();
     for (truck, cell) in assignment.assign(team, effort) {
         let is_taken = kept.contains(&cell) || goals.iter().any(|&(_, other)| other == cell);
-        let is_asked = team.trucks.iter().any(|own| own.id == truck && own.is_asked);
-        if !is_asked || is_taken {
+        let is_queried = team.trucks.iter().any(|other| other.id == truck && other.is_queried);
+        if !is_queried || is_taken {
             continue;
         }
         if seen.options(truck).contains(&cell) { goals.push((truck, cell)) } else { barred.push(truck) }
@@ -136,7 +136,7 @@ fn assign(
         };
         let rest = Team {
             fires: team.fires.iter().copied().filter(is_left).collect(),
-            trucks: team.trucks.iter().map(|own| TeamTruck { is_asked: own.id == truck, ..*own }).collect(),
+            trucks: team.trucks.iter().map(|other| TeamTruck { is_queried: other.id == truck, ..*other }).collect(),
             ..team.clone()
         };
         let found = assignment.assign(&rest, effort).into_iter();
@@ -185,20 +185,20 @@ impl<'a> FleetKnowledge<'a> {
         unknown.filter_map(|cell| self.reported_at(cell)).min()
     }
 
-    fn team(&self, asked: &[AgentId]) -> Team<'_> {
+    fn team(&self, queried: &[AgentId]) -> Team<'_> {
         let FleetContext { end, frame, rules, sight, water, trucks, .. } = self.site;
         let wumpuses = self.agents.iter().filter(|agent| sight.wumpuses && agent.id.role.lights());
-        let trucks = trucks.iter().filter_map(|own| {
-            let view = self.agents.iter().find(|agent| agent.id == own.id)?;
+        let trucks = trucks.iter().filter_map(|truck| {
+            let view = self.agents.iter().find(|agent| agent.id == truck.id)?;
             Some(TeamTruck {
-                id: own.id,
+                id: truck.id,
                 place: view.free_place,
                 free_at: view.free_at,
-                speed_mps: own.speed_mps,
+                speed_mps: truck.speed_mps,
                 goal: view.goal,
                 staging_point: view.staging_point,
-                start: own.start,
-                is_asked: asked.contains(&own.id) && view.stops_left != Some(0),
+                start: truck.start,
+                is_queried: queried.contains(&truck.id) && view.stops_left != Some(0),
                 stops_left: view.stops_left.unwrap_or(u32::MAX),
             })
         });
@@ -325,8 +325,8 @@ mod tests {
             let intact = team.intact.bushes().iter().map(|&cell| team.intact.is_intact(cell)).collect();
             let fires: Vec<Cell> = team.fires.iter().map(|fire| fire.cell).collect();
             self.0.lock().expect("nobody panicked").push((fires.clone(), intact, team.wumpuses.len()));
-            let asked = team.trucks.iter().filter(|truck| truck.is_asked);
-            fires.first().map_or_else(Vec::new, |&fire| asked.map(|truck| (truck.id, fire)).collect())
+            let queried = team.trucks.iter().filter(|truck| truck.is_queried);
+            fires.first().map_or_else(Vec::new, |&fire| queried.map(|truck| (truck.id, fire)).collect())
         }
 
         fn replans(&self) -> bool {
@@ -369,7 +369,7 @@ mod tests {
     }
 
     #[test]
-    fn fires_out_of_sight_are_known_when_they_are_reported() {
+    fn fires_out_of_sight_count_when_they_are_reported() {
         let with = |report_s| Sight { field: SightOfField::Radius, radius_m: 0.0, report_s, wumpuses: false };
         let choices = |report_s| choose(with(report_s), |_| vec![NEAR, FAR]).0.into_iter().map(|(_, choice)| choice);
         // They began five seconds ago.

@@ -35,7 +35,7 @@ type Plan = Vec<(usize, Option<usize>)>;
 impl Assignment for Rollout {
     fn assign(&mut self, team: &Team<'_>, effort: &mut u64) -> Vec<(AgentId, Cell)> {
         let open = OpenFires::new(team);
-        if open.fires.is_empty() || team.asked().next().is_none() {
+        if open.fires.is_empty() || team.queried().next().is_none() {
             return Vec::new();
         }
         let mut search = Search {
@@ -81,12 +81,12 @@ fn kept(open: &OpenFires<'_>) -> Plan {
 }
 
 fn plan_of(open: &OpenFires<'_>, goals: &[(AgentId, Cell)]) -> Plan {
-    let asked = (0..open.team.trucks.len()).filter(|&truck| open.team.trucks[truck].is_asked);
+    let queried = (0..open.team.trucks.len()).filter(|&truck| open.team.trucks[truck].is_queried);
     let goal_of = |truck: usize| {
         let (_, cell) = goals.iter().find(|(id, _)| *id == open.team.trucks[truck].id)?;
         open.fires.iter().position(|fire| fire.cell == *cell)
     };
-    asked.map(|truck| (truck, goal_of(truck))).collect()
+    queried.map(|truck| (truck, goal_of(truck))).collect()
 }
 
 struct Search<'a> {
@@ -134,12 +134,12 @@ impl Search<'_> {
                 let others = near.into_iter().map(|prospect| Some(prospect.fire)).chain([None]);
                 for fire in others {
                     let mut plan = self.best_plan().clone();
-                    let given_up = std::mem::replace(&mut plan[place].1, fire);
+                    let previous = std::mem::replace(&mut plan[place].1, fire);
                     let holds = |other: usize| other != place && fire.is_some() && plan[other].1 == fire;
                     if let Some(other) = (0..plan.len()).find(|&other| holds(other)) {
                         // Who had it takes what this truck leaves, if that is not too late.
                         let truck = &self.open.team.trucks[plan[other].0];
-                        plan[other].1 = given_up.filter(|&left| self.open.prospect(truck, left).is_some());
+                        plan[other].1 = previous.filter(|&left| self.open.prospect(truck, left).is_some());
                     }
                     gained |= self.consider(plan);
                 }
@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn goals_are_savable_open_and_given_once() {
+    fn goals_are_savable_open_and_assigned_once() {
         for seed in 0..60 {
             let sample = Sample::new(seed);
             let mut spent = 0;
@@ -197,7 +197,7 @@ mod tests {
         for seed in 0..30 {
             let sample = Sample::drawn(seed, 1, TRIED);
             let team = sample.team();
-            if team.asked().next().is_none() {
+            if team.queried().next().is_none() {
                 continue;
             }
             let found = loss(&team, &Rollout { rollouts: 100 }.assign(&team, &mut 0));

@@ -57,7 +57,7 @@ impl Sample {
             match rng.random_range(0..5) {
                 0 if sample.trucks.iter().all(|other| other.goal != Some(goal)) => truck.goal = Some(goal),
                 1 if sample.trucks.iter().all(|other| other.goal != Some(goal)) => {
-                    (truck.goal, truck.is_asked) = (Some(goal), false);
+                    (truck.goal, truck.is_queried) = (Some(goal), false);
                     truck.free_at = SimTime::from_seconds(100.0 + rng.random_range(0.0..20.0));
                 }
                 _ => {}
@@ -129,7 +129,7 @@ impl Sample {
         let open = OpenFires::new(&team);
         assert!(goals.is_sorted_by(|one, next| one.0 < next.0), "trucks come by number, each once: {goals:?}");
         for (number, (id, cell)) in goals.iter().enumerate() {
-            let truck = team.asked().find(|truck| truck.id == *id).expect("only trucks that are asked get goals");
+            let truck = team.queried().find(|truck| truck.id == *id).expect("only trucks that are asked get goals");
             let fire = open.fires.iter().position(|fire| fire.cell == *cell).expect("only open fires are given");
             assert!(open.prospect(truck, fire).is_some(), "{id} comes too late");
             assert!(goals[..number].iter().all(|(_, other)| other != cell), "{cell} is given twice");
@@ -156,7 +156,7 @@ fn truck_at(number: u16, place: DVec2) -> TeamTruck {
         goal: None,
         staging_point: None,
         start: place,
-        is_asked: true,
+        is_queried: true,
         stops_left: u32::MAX,
     }
 }

@@ -47,7 +47,7 @@ pub struct TeamTruck {
     pub start: DVec2,
     /// True if a decision may assign it another goal: it is free, or it is driving and may change its mind, and its
     /// tank lasts for a stop.
-    pub is_asked: bool,
+    pub is_queried: bool,
     /// The number of stops that its tank lasts for; `u32::MAX` where water does not matter.
     pub stops_left: u32,
 }

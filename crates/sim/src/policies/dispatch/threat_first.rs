@@ -21,7 +21,7 @@ impl Assignment for ThreatFirst {
         let mut levels: Vec<u32> = threats.iter().copied().filter(|&threat| threat > 0).collect();
         levels.sort_unstable();
         levels.dedup();
-        let mut free: Vec<usize> = (0..team.trucks.len()).filter(|&truck| team.trucks[truck].is_asked).collect();
+        let mut free: Vec<usize> = (0..team.trucks.len()).filter(|&truck| team.trucks[truck].is_queried).collect();
         let mut pairs: Vec<(usize, usize)> = Vec::new();
         for level in levels.into_iter().rev() {
             if free.is_empty() {
@@ -56,7 +56,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn goals_are_savable_open_and_given_once() {
+    fn goals_are_savable_open_and_assigned_once() {
         for seed in 0..60 {
             let sample = Sample::new(seed);
             sample.assert_sound(&ThreatFirst.assign(&sample.team(), &mut 0));
@@ -85,15 +85,15 @@ mod tests {
             let open = OpenFires::new(&team);
             let threats = threats(&team, &open.fires);
             let goals = ThreatFirst.assign(&team, &mut 0);
-            for truck in team.asked() {
+            for truck in team.queried() {
                 let stops =
                     |fire: usize| open.prospect(truck, fire).is_some_and(|p| p.out_at <= open.fires[fire].spreads_at);
                 let goal = goals.iter().find(|(id, _)| *id == truck.id).map(|&(_, cell)| cell);
                 let goal = (0..open.fires.len()).find(|&fire| Some(open.fires[fire].cell) == goal);
-                let own = goal.map_or(0, |fire| if stops(fire) { threats[fire] } else { 0 });
+                let selected = goal.map_or(0, |fire| if stops(fire) { threats[fire] } else { 0 });
                 let left = (0..open.fires.len()).filter(|&fire| goals.iter().all(|(_, c)| *c != open.fires[fire].cell));
                 for fire in left.filter(|&fire| stops(fire)) {
-                    assert!(own >= threats[fire], "seed {seed}, {}", truck.id);
+                    assert!(selected >= threats[fire], "seed {seed}, {}", truck.id);
                     assert!(goal.is_some(), "seed {seed}, {} has nothing to go for", truck.id);
                 }
             }

@@ -56,8 +56,8 @@ impl LearnedArsonist {
 }
 
 impl Policy for LearnedArsonist {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
-        first_goes(seen, asked, |agent| self.best(seen, agent))
+    fn choose(&mut self, seen: &Observation<'_>, queried: &[AgentId]) -> Vec<(AgentId, Action)> {
+        first_goes(seen, queried, |agent| self.best(seen, agent))
     }
 
     fn fork(&self) -> Option<Box<dyn Policy>> {

@@ -29,14 +29,14 @@ static SHIPPED: LazyLock<Learned> = LazyLock::new(|| {
 
 impl Networks {
     /// Takes the weights of a scenario, and those that come with the program for what it leaves out.
-    pub fn new(own: Option<&Learned>) -> Self {
+    pub fn new(custom: Option<&Learned>) -> Self {
         let pick = |weights: fn(&Learned) -> &Vec<f64>| {
-            let own = own.map(weights).filter(|own| !own.is_empty());
-            own.unwrap_or_else(|| weights(&SHIPPED)).as_slice()
+            let custom = custom.map(weights).filter(|custom| !custom.is_empty());
+            custom.unwrap_or_else(|| weights(&SHIPPED)).as_slice()
         };
         let network = |inputs: usize, weights: &[f64]| Arc::new(Network::new(inputs, weights));
         Self {
-            posts: network(Learned::POST_INPUTS.len(), pick(|learned| &learned.posts)),
+            posts: network(Learned::STAGING_INPUTS.len(), pick(|learned| &learned.posts)),
             lights: network(Learned::LIGHT_INPUTS.len(), pick(|learned| &learned.lights)),
         }
     }

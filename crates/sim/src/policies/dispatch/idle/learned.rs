@@ -28,32 +28,32 @@ pub struct LearnedPosts {
     census: BushDensity,
     network: Arc<Network>,
     /// The cells of recent ignitions, their places and times, the latest last.
-    lit: Vec<(Cell, DVec2, SimTime)>,
+    ignitions: Vec<(Cell, DVec2, SimTime)>,
 }
 
 impl LearnedPosts {
     pub fn new(network: Arc<Network>) -> Self {
-        Self { census: BushDensity::default(), network, lit: Vec::new() }
+        Self { census: BushDensity::default(), network, ignitions: Vec::new() }
     }
 
     /// Remembers fires that arsonists have lit: where only those spread, the others are left out.
     fn remember(&mut self, team: &Team<'_>) {
         let tells = team.rules.spread.is_some() && !team.rules.caught_spreads;
         for fire in team.fires.iter().filter(|fire| !tells || fire.spreads_at < SimTime::MAX) {
-            if !self.lit.iter().any(|(cell, _, since)| (*cell, *since) == (fire.cell, fire.since)) {
-                self.lit.push((fire.cell, fire.place, fire.since));
+            if !self.ignitions.iter().any(|(cell, _, since)| (*cell, *since) == (fire.cell, fire.since)) {
+                self.ignitions.push((fire.cell, fire.place, fire.since));
             }
         }
-        self.lit.retain(|(.., since)| team.now.since(*since) < FORGOTTEN);
-        self.lit.sort_by_key(|(.., since)| *since);
-        self.lit.drain(..self.lit.len().saturating_sub(REMEMBERED));
+        self.ignitions.retain(|(.., since)| team.now.since(*since) < FORGOTTEN);
+        self.ignitions.sort_by_key(|(.., since)| *since);
+        self.ignitions.drain(..self.ignitions.len().saturating_sub(REMEMBERED));
     }
 
     fn weight(&self, place: DVec2, now: SimTime, idle_share: f64) -> f64 {
         let mut weight = 1.0;
-        for (_, lit, since) in &self.lit {
+        for (_, place_ignited, since) in &self.ignitions {
             let age_s = now.since(*since).as_seconds();
-            weight += self.network.value(&[(*lit - place).length() / 100.0, age_s / 60.0, idle_share]);
+            weight += self.network.value(&[(*place_ignited - place).length() / 100.0, age_s / 60.0, idle_share]);
         }
         weight.max(MIN)
     }
@@ -81,7 +81,7 @@ mod tests {
     use crate::policies::learned::Networks;
 
     #[test]
-    fn trucks_wait_nearer_to_where_a_fire_was_just_lit() {
+    fn trucks_wait_nearer_to_where_a_fire_just_ignited() {
         let mut sample = Sample::with_trucks(&[(10.0, 10.0)]);
         let cells: Vec<(u16, u16)> = (0..50).flat_map(|col| (0..50).map(move |row| (col, row))).collect();
         sample.grow(&cells);
@@ -103,9 +103,9 @@ mod tests {
             sample.burn((3 * col, 20));
         }
         posts.remember(&sample.team());
-        assert_eq!(posts.lit.len(), REMEMBERED);
+        assert_eq!(posts.ignitions.len(), REMEMBERED);
         sample.now_s = 301.0;
         posts.remember(&Team { fires: Vec::new(), ..sample.team() });
-        assert_eq!(posts.lit, []);
+        assert_eq!(posts.ignitions, []);
     }
 }

@@ -23,7 +23,7 @@ impl StagingRule for Regions {
         let blocks = self.census.blocks(team);
         let mut all = Vec::new();
         for region in 0..starts.len() {
-            let own: Vec<Block> =
+            let within: Vec<Block> =
                 blocks.iter().copied().filter(|block| region_of(&starts, block.place) == region).collect();
             let trucks: Vec<&TeamTruck> = team
                 .trucks
@@ -32,8 +32,8 @@ impl StagingRule for Regions {
                 .collect();
             // From their starts and not from where they are: the sites of a region do not depend on who is where.
             let mut sites: Vec<DVec2> = trucks.iter().map(|truck| truck.start).collect();
-            spread_out(&own, &mut sites);
-            if own.is_empty() {
+            spread_out(&within, &mut sites);
+            if within.is_empty() {
                 sites = trucks.iter().map(|truck| waits_at(truck)).collect();
             }
             all.extend(posts(&trucks, &sites, worth_m(team, idle.len())));
@@ -53,13 +53,13 @@ impl Assignment for RegionsFirst {
         let starts = starts(team);
         // Fires that somebody keeps whatever is decided, from whichever region.
         let kept: Vec<Cell> =
-            team.trucks.iter().filter(|truck| !truck.is_asked).filter_map(|truck| truck.goal).collect();
+            team.trucks.iter().filter(|truck| !truck.is_queried).filter_map(|truck| truck.goal).collect();
         let mut goals: Vec<(AgentId, Cell)> = Vec::new();
         for region in 0..starts.len() {
-            let mut own = team.clone();
-            own.fires.retain(|fire| region_of(&starts, fire.place) == region && !kept.contains(&fire.cell));
-            own.trucks.retain(|truck| region_of(&starts, truck.start) == region);
-            goals.extend(self.0.assign(&own, effort));
+            let mut part = team.clone();
+            part.fires.retain(|fire| region_of(&starts, fire.place) == region && !kept.contains(&fire.cell));
+            part.trucks.retain(|truck| region_of(&starts, truck.start) == region);
+            goals.extend(self.0.assign(&part, effort));
         }
         let mut rest = team.clone();
         rest.fires.retain(|fire| goals.iter().all(|&(_, cell)| cell != fire.cell));
@@ -98,7 +98,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_truck_serves_its_own_region_first_and_then_helps() {
+    fn a_truck_serves_its_region_first_and_then_helps() {
         let mut sample = Sample::with_trucks(&[(50.0, 50.0), (150.0, 50.0)]);
         // Both fires lie in the region of the second truck, which is near to neither.
         sample.trucks[0].place = DVec2::new(150.0, 100.0);
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn goals_are_savable_open_and_given_once() {
+    fn goals_are_savable_open_and_assigned_once() {
         for seed in 0..60 {
             let sample = Sample::new(seed);
             sample.assert_sound(&RegionsFirst(Box::new(NearestSavable)).assign(&sample.team(), &mut 0));
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn idle_trucks_wait_in_their_own_regions() {
+    fn idle_trucks_wait_in_their_regions() {
         let mut sample = Sample::with_trucks(&[(60.0, 125.0), (190.0, 125.0), (190.0, 125.0)]);
         let cells: Vec<(u16, u16)> = (0..50).flat_map(|col| (0..50).map(move |row| (col, row))).collect();
         sample.grow(&cells);

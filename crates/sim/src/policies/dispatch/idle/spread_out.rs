@@ -124,8 +124,8 @@ mod tests {
                 spread_out(&blocks, &mut sites);
                 assert!(cost(&blocks, &sites) < cost(&blocks, &start), "seed {seed}, {count} sites");
                 for (number, site) in sites.iter().enumerate() {
-                    let own = blocks.iter().filter(|block| nearest(&sites, block.place).0 == number);
-                    let (sum, bushes) = own.fold((DVec2::ZERO, 0.0), |(sum, all), block| {
+                    let nearby = blocks.iter().filter(|block| nearest(&sites, block.place).0 == number);
+                    let (sum, bushes) = nearby.fold((DVec2::ZERO, 0.0), |(sum, all), block| {
                         (sum + block.bushes * block.place, all + block.bushes)
                     });
                     assert!(bushes > 0.0, "seed {seed}: every site has bushes of its own");

@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn a_given_field_survives_being_written() {
+    fn an_imported_field_survives_being_written() {
         let field = ImportedField::parse("#..#\n....\n.##.", 2.5).unwrap();
         let written = serde_json::to_string(&field).unwrap();
         assert_eq!(serde_json::from_str::<ImportedField>(&written).unwrap(), field);

@@ -23,18 +23,18 @@ pub struct PolicyQuery<'a> {
     pub fires: &'a FireField,
     /// All agents of the run, in any order.
     pub agents: Vec<AgentView>,
-    pub asked: Vec<(AgentId, Entity)>,
+    pub queried: Vec<(AgentId, Entity)>,
 }
 
 /// The options of those who are asked, for policies, who know agents by their names.
 struct OptionsByName<'a> {
-    asked: &'a [(AgentId, Entity)],
+    queried: &'a [(AgentId, Entity)],
     options_of: &'a dyn ActionMask<Entity>,
 }
 
 impl OptionsByName<'_> {
     fn entity(&self, agent: AgentId) -> Option<Entity> {
-        self.asked.iter().find(|&&(known, _)| known == agent).map(|&(_, entity)| entity)
+        self.queried.iter().find(|&&(id, _)| id == agent).map(|&(_, entity)| entity)
     }
 }
 
@@ -51,7 +51,7 @@ impl ActionMask<AgentId> for OptionsByName<'_> {
 /// Agents that wait for an answer, and what they can see meanwhile.
 #[derive(Clone, Debug)]
 pub struct PendingDecision {
-    pub asked: Vec<AgentId>,
+    pub queried: Vec<AgentId>,
     pub agents: Vec<AgentView>,
     /// The options of each asked agent, in the same order.
     pub options: Vec<Vec<Cell>>,
@@ -75,25 +75,25 @@ impl CustomPolicyStats {
     }
 
     /// Adds a message about an answer that nobody could carry out.
-    fn add_illegal(&mut self, name: &PlannerName, now: SimTime, words: &str) {
+    fn add_illegal(&mut self, name: &PlannerName, now: SimTime, message: &str) {
         self.tally.get_or_insert_default().illegal += 1;
-        self.messages.add_words(&format!("policy {name}"), now, &format!("{ILLEGAL}: {words}"));
+        self.messages.add_text(&format!("policy {name}"), now, &format!("{ILLEGAL}: {message}"));
     }
 
     fn add(&mut self, name: &PlannerName, now: SimTime, report: QueryReport) {
         let tally = self.tally.get_or_insert_default();
         tally.asked += 1;
         let who = format!("policy {name}");
-        if let Some((reason, words)) = report.failure {
+        if let Some((reason, message)) = report.failure {
             match reason {
                 PlanFailure::TimedOut => tally.timed_out += 1,
                 PlanFailure::BadAnswer => tally.bad_answer += 1,
                 _ => tally.crashed += 1,
             }
-            self.messages.add(&who, now, reason, &words);
+            self.messages.add(&who, now, reason, &message);
         }
-        if let Some(words) = report.illegal {
-            self.add_illegal(name, now, &words);
+        if let Some(message) = report.illegal {
+            self.add_illegal(name, now, &message);
         }
     }
 }
@@ -104,7 +104,7 @@ pub const ILLEGAL: &str = "illegal";
 /// A policy, and its name if it is not built in.
 struct PolicyEntry {
     policy: Box<dyn Policy>,
-    own: Option<PlannerName>,
+    custom_name: Option<PlannerName>,
 }
 
 /// A choice that an agent gets instead of its policy's, from the instant at which it is asked next until it has set out
@@ -114,31 +114,31 @@ pub struct ActionOverride {
     agent: AgentId,
     choice: Action,
     /// The time at which the agent was asked first.
-    asked_at: Option<SimTime>,
+    queried_at: Option<SimTime>,
     /// The time at which it got the choice.
-    pub given_at: Option<SimTime>,
+    pub applied_at: Option<SimTime>,
     is_over: bool,
 }
 
 impl ActionOverride {
     pub fn new(agent: AgentId, choice: Action) -> Self {
-        Self { agent, choice, asked_at: None, given_at: None, is_over: false }
+        Self { agent, choice, queried_at: None, applied_at: None, is_over: false }
     }
 
     /// Returns whether the agent, asked now with these options, gets the choice.
     fn applies(&mut self, agent: &AgentView, now: SimTime, options: &[Cell]) -> bool {
-        let is_first_instant = *self.asked_at.get_or_insert(now) == now;
+        let is_first_instant = *self.queried_at.get_or_insert(now) == now;
         let applies = match self.choice {
             Action::Go(cell) => {
-                let has_set_out = self.given_at.is_none() || agent.goal == Some(cell);
+                let has_set_out = self.applied_at.is_none() || agent.goal == Some(cell);
                 options.contains(&cell) && (is_first_instant || !has_set_out)
             }
-            _ => self.given_at.is_none(),
+            _ => self.applied_at.is_none(),
         };
         self.is_over |= !applies && !is_first_instant;
         let applies = applies && !self.is_over;
         if applies {
-            self.given_at.get_or_insert(now);
+            self.applied_at.get_or_insert(now);
         }
         applies
     }
@@ -167,7 +167,7 @@ pub struct PolicySet {
     pub answer: Vec<(AgentId, Action)>,
     /// CPU time of the policies of teams.
     pub team_cpu: Duration,
-    pub own: CustomPolicyStats,
+    pub custom_stats: CustomPolicyStats,
     /// A choice that takes the place of the policy's.
     pub forced: Option<ActionOverride>,
     /// The decisions so far, if they are recorded.
@@ -176,16 +176,22 @@ pub struct PolicySet {
 
 impl PolicySet {
     pub fn add(&mut self, policy: Box<dyn Policy>) -> PolicyId {
-        self.policies.push(PolicyEntry { policy, own: None });
+        self.policies.push(PolicyEntry { policy, custom_name: None });
         PolicyId(self.policies.len() - 1)
     }
 
     /// Adds a policy for these agents that is not built in, and what making it took.
-    pub fn add_own(&mut self, agents: &[AgentId], name: &PlannerName, mut policy: Box<dyn Policy>, making: Duration) {
-        self.own.tally.get_or_insert_default();
-        self.own.add_cpu(making, policy.take_report().elsewhere);
+    pub fn add_custom(
+        &mut self,
+        agents: &[AgentId],
+        name: &PlannerName,
+        mut policy: Box<dyn Policy>,
+        making: Duration,
+    ) {
+        self.custom_stats.tally.get_or_insert_default();
+        self.custom_stats.add_cpu(making, policy.take_report().elsewhere);
         self.add_for(agents, policy);
-        self.policies.last_mut().expect("it was just added").own = Some(name.clone());
+        self.policies.last_mut().expect("it was just added").custom_name = Some(name.clone());
     }
 
     /// Lets the policy that was added last say where crews build line.
@@ -199,10 +205,10 @@ impl PolicySet {
     /// The name of the first policy that cannot be copied.
     pub fn fork(&self) -> Result<Self, String> {
         let copy = |followed: &PolicyEntry| {
-            let own = followed.own.clone();
-            let name = own.as_ref().map_or("that the program was given", PlannerName::name);
+            let custom_name = followed.custom_name.clone();
+            let name = custom_name.as_ref().map_or("that the program was given", PlannerName::name);
             let policy = followed.policy.fork().ok_or_else(|| name.to_owned())?;
-            Ok::<_, String>(PolicyEntry { policy, own })
+            Ok::<_, String>(PolicyEntry { policy, custom_name })
         };
         Ok(Self {
             policies: self.policies.iter().map(copy).collect::<Result<_, _>>()?,
@@ -211,7 +217,7 @@ impl PolicySet {
             question: self.question.clone(),
             answer: self.answer.clone(),
             team_cpu: self.team_cpu,
-            own: self.own.clone(),
+            custom_stats: self.custom_stats.clone(),
             forced: self.forced,
             decisions: self.decisions.clone(),
         })
@@ -219,10 +225,10 @@ impl PolicySet {
 
     /// Takes over the policies of another run, and returns what agents follow here that follow one of them there.
     pub fn adopt(&mut self, other: Self) -> impl Fn(PolicyId) -> PolicyId + use<> {
-        let held = self.policies.len();
+        let existing = self.policies.len();
         self.policies.extend(other.policies);
-        self.own.tally = self.own.tally.or(other.own.tally);
-        move |PolicyId(number)| PolicyId(held + number)
+        self.custom_stats.tally = self.custom_stats.tally.or(other.custom_stats.tally);
+        move |PolicyId(number)| PolicyId(existing + number)
     }
 
     /// Draws what policies leave to chance from now on by another seed.
@@ -253,7 +259,7 @@ impl PolicySet {
 
     /// Returns the policy of an agent at the start of the run.
     pub fn policy_of(&self, agent: AgentId) -> PolicyId {
-        let of_agent = self.of_agents.iter().find(|&&(known, _)| known == agent);
+        let of_agent = self.of_agents.iter().find(|&&(id, _)| id == agent);
         of_agent.expect("policies are made for all agents before these").1
     }
 
@@ -270,17 +276,17 @@ impl PolicySet {
     /// Asks the policy of the crews where they build line; a bad answer has no points.
     pub fn ask_for_line(&mut self, seen: &Observation<'_>, line: &FirelineContext<'_>) -> Vec<DVec2> {
         let Some(PolicyId(number)) = self.crews else { return Vec::new() };
-        let PolicyEntry { policy, own } = &mut self.policies[number];
+        let PolicyEntry { policy, custom_name } = &mut self.policies[number];
         let mut stopwatch = CpuStopwatch::start();
         let mut points = policy.line(seen, line);
         let mut report = policy.take_report();
-        self.own.add_cpu(stopwatch.elapsed_since_last(), report.elsewhere);
-        if let Err(words) = check_line(&points, seen.fires.frame()) {
+        self.custom_stats.add_cpu(stopwatch.elapsed_since_last(), report.elsewhere);
+        if let Err(message) = check_line(&points, seen.fires.frame()) {
             points.clear();
-            report.failure = report.failure.or(Some((PlanFailure::BadAnswer, words)));
+            report.failure = report.failure.or(Some((PlanFailure::BadAnswer, message)));
         }
-        if let Some(name) = own {
-            self.own.add(name, seen.now, report);
+        if let Some(name) = custom_name {
+            self.custom_stats.add(name, seen.now, report);
         }
         points
     }
@@ -293,11 +299,11 @@ impl PolicySet {
         inquiry: PolicyQuery<'_>,
         options_of: &dyn ActionMask<Entity>,
     ) -> Vec<(Entity, Action)> {
-        let PolicyQuery { now, fires, mut agents, asked } = inquiry;
+        let PolicyQuery { now, fires, mut agents, queried } = inquiry;
         agents.sort_by_key(|agent| agent.id);
-        let entity_of = |id: AgentId| asked.iter().find(|&&(known, _)| known == id).map(|&(_, entity)| entity);
-        let ids: Vec<AgentId> = asked.iter().map(|&(id, _)| id).collect();
-        let by_name = OptionsByName { asked: &asked, options_of };
+        let entity_of = |id: AgentId| queried.iter().find(|&&(other, _)| other == id).map(|&(_, entity)| entity);
+        let ids: Vec<AgentId> = queried.iter().map(|&(id, _)| id).collect();
+        let by_name = OptionsByName { queried: &queried, options_of };
         let mut choices = std::mem::take(&mut self.answer);
         let forced = self.forced_among(&agents, &by_name, now);
         if let Some(forced) = forced
@@ -308,26 +314,26 @@ impl PolicySet {
         } else if !choices.is_empty() {
             // The answer comes from outside.
             let is_team = self.asking(policy) != PolicyScope::Each;
-            if let Some(name) = &self.policies[policy.0].own
-                && let Some(words) = refuse_illegal(&mut choices, &agents, &by_name, is_team)
+            if let Some(name) = &self.policies[policy.0].custom_name
+                && let Some(message) = refuse_illegal(&mut choices, &agents, &by_name, is_team)
             {
-                self.own.add_illegal(name, now, &words);
+                self.custom_stats.add_illegal(name, now, &message);
             }
         } else {
             let seen = Observation { now, fires, agents: &agents, options_of: &by_name };
-            let PolicyEntry { policy, own } = &mut self.policies[policy.0];
+            let PolicyEntry { policy, custom_name } = &mut self.policies[policy.0];
             let mut stopwatch = CpuStopwatch::start();
             choices = policy.choose(&seen, &ids);
-            if let Some(name) = own {
+            if let Some(name) = custom_name {
                 let mut report = policy.take_report();
                 // The time of a team's policy is measured with what else its decision takes.
                 let here =
                     if policy.asking() == PolicyScope::Each { stopwatch.elapsed_since_last() } else { Duration::ZERO };
-                self.own.add_cpu(here, report.elsewhere);
+                self.custom_stats.add_cpu(here, report.elsewhere);
                 let is_team = policy.asking() != PolicyScope::Each;
                 let illegal = refuse_illegal(&mut choices, &agents, &by_name, is_team);
                 report.illegal = report.illegal.or(illegal);
-                self.own.add(name, now, report);
+                self.custom_stats.add(name, now, report);
             }
         }
         choices.retain(|(id, _)| ids.contains(id));
@@ -346,8 +352,8 @@ impl PolicySet {
             }
         }
         if choices.is_empty() {
-            let options = asked.iter().map(|&(_, entity)| options_of.list(entity)).collect();
-            self.question = Some(PendingDecision { asked: ids, agents, options });
+            let options = queried.iter().map(|&(_, entity)| options_of.list(entity)).collect();
+            self.question = Some(PendingDecision { queried: ids, agents, options });
             return Vec::new();
         }
         choices.into_iter().filter_map(|(id, choice)| Some((entity_of(id)?, choice))).collect()
@@ -396,7 +402,7 @@ fn refuse_illegal(
     options: &OptionsByName<'_>,
     is_team: bool,
 ) -> Option<String> {
-    let mut words = None;
+    let mut message = None;
     for (agent, choice) in choices {
         let Some(view) = agents.iter().find(|view| view.id == *agent && options.entity(*agent).is_some()) else {
             continue;
@@ -412,7 +418,7 @@ fn refuse_illegal(
             _ => continue,
         };
         *choice = Action::Wait;
-        words.get_or_insert_with(|| format!("{agent} cannot {refused}"));
+        message.get_or_insert_with(|| format!("{agent} cannot {refused}"));
     }
-    words
+    message
 }
