@@ -121,7 +121,7 @@ impl Unimog {
                 cost: self.cost,
                 checker,
                 ground,
-                own: own.as_ref().unwrap_or(&Value::Null),
+                custom_settings: own.as_ref().unwrap_or(&Value::Null),
                 stream: &|name: &str| rng::stream(seed, &format!("truck/{truck}/{name}")),
                 memory,
                 settings: &self.planner_settings(),
