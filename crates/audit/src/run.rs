@@ -366,7 +366,7 @@ mod tests {
     }
 
     #[test]
-    fn without_rules_of_fire_its_times_are_its_own() {
+    fn without_rules_of_fire_its_times_are_free() {
         let events = vec![ignited(1.0, NEAR, Cause::Scheduled), ignited(2.0, FAR, Cause::Spread(NEAR))];
         let mut timeline = Timeline { setting: setting(), events, ground: Vec::new() };
         timeline.setting.rules.fire = None;

@@ -427,7 +427,7 @@ mod tests {
     }
 
     #[test]
-    fn extinguished_bushes_keep_a_wumpus_busy_only_where_they_can_be_lit_again() {
+    fn extinguished_bushes_keep_a_wumpus_busy_only_where_they_can_ignite_again() {
         let mut events: Vec<_> = [A, B, C, sample::D].map(|cell| at(0.0, ignited(cell))).into();
         events.push(at(40.0, Fact::Fire(FireFact::Extinguished { cell: A, by: TRUCK })));
         let mut timeline = run(&[WUMPUS, TRUCK], events);

@@ -52,7 +52,8 @@ impl ClearanceProfile {
         Self { min_clearance_m, tight: ends.collect(), rule: PieceRule::LesserOfEnds }
     }
 
-    /// Creates a profile for a drive that only has a start, at which the body has the clearance `start_clearance_m`, positive.
+    /// Creates a profile for a drive that only has a start, at which the body has the clearance `start_clearance_m`,
+    /// positive.
     pub fn from_start(min_clearance_m: f64, start: Pose, start_clearance_m: f64) -> Self {
         Self { rule: PieceRule::AtItsStart, ..Self::new(min_clearance_m, [(start, start_clearance_m)]) }
     }

@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn few_agents_have_blocks_of_their_own_and_many_are_summed_up() {
+    fn few_agents_have_separate_blocks_and_many_are_summed_up() {
         assert_eq!(blocks(&RunView::new(timeline(1, 8), None), 100.0).len(), 8);
         let crowd = RunView::new(timeline(1, 9), None);
         assert!(crowd.is_crowded());
