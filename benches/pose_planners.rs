@@ -105,7 +105,7 @@ fn measure_planner(kind: TruckPlannerKind, problems: &[Problem], truck: &Unimog)
             limits: &truck.speed_limits(),
             cost: truck.cost,
             checker: &checker,
-            own: &serde_json::Value::Null,
+            custom_settings: &serde_json::Value::Null,
             stream: &stream,
             memory: &memory,
             settings: &settings,

@@ -168,7 +168,7 @@ impl Answers {
             limits: &truck.speed_limits(),
             cost: truck.cost,
             checker: &checker,
-            own: &serde_json::Value::Null,
+            custom_settings: &serde_json::Value::Null,
             stream: &stream,
             memory: &memory,
             settings: &settings,

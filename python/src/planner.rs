@@ -179,10 +179,10 @@ impl PythonPlannerFactory {
 
     fn call(&self, py: Python<'_>, site: &planning::PlannerContext<'_>) -> PyResult<Box<dyn TruckPlanner>> {
         let checker = Py::new(py, Checker::new(CollisionChecker::clone(site.checker)))?;
-        let settings = if site.own.is_null() {
+        let settings = if site.custom_settings.is_null() {
             PyDict::new(py).into_any()
         } else {
-            py.import("json")?.call_method1("loads", (site.own.to_string(),))?
+            py.import("json")?.call_method1("loads", (site.custom_settings.to_string(),))?
         };
         let seed = (site.stream)(&self.name).next_u64() >> (u64::BITS - SEED_BITS);
         let context = Py::new(py, Site::new(site, seed, settings.unbind(), checker.clone_ref(py)))?;

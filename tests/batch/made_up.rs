@@ -32,7 +32,7 @@ fn made_up_timeline(seed: u64) -> Timeline {
     let at = |second: usize, fact| Event { time: SimTime::from_seconds(second as f64), fact };
     let mut events = Vec::new();
     for (second, &cell) in bushes.iter().enumerate().take(lit) {
-        events.push(at(second + 1, Fact::Fire(FireFact::Ignited { cell, cause: Cause::Lit(wumpus) })));
+        events.push(at(second + 1, Fact::Fire(FireFact::Ignited { cell, cause: Cause::Agent(wumpus) })));
     }
     for (second, &cell) in bushes.iter().enumerate().take(lit / 2) {
         events.push(at(second + 50, Fact::Fire(FireFact::Extinguished { cell, by: truck })));
@@ -60,7 +60,7 @@ fn made_up_timeline(seed: u64) -> Timeline {
                 suppression_dwell: SimTime::from_seconds(5.0),
                 extinguishes_all: None,
                 fire: None,
-                relight: false,
+                reignition: false,
                 score_wumpus_ignited: 1.0,
                 score_wumpus_burned_out: 1.0,
                 score_truck_extinguished: 2.0,

@@ -231,7 +231,7 @@ fn a_planner_sees_its_truck_its_settings_and_a_stream_of_its_own() {
     );
     let truck = scenario.unimog[0].clone();
     let planners = planners("own", |site: &PlannerContext<'_>| {
-        assert_eq!(site.own, &serde_json::json!({ "range_m": 12.5, "names": ["a"] }));
+        assert_eq!(site.custom_settings, &serde_json::json!({ "range_m": 12.5, "names": ["a"] }));
         assert_eq!((site.truck, site.limits.forward_mps), (0, 8.0));
         assert_eq!(site.body, site.checker.body());
         let drawn = (site.stream)("own");

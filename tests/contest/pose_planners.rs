@@ -63,7 +63,7 @@ impl FieldFile {
             limits: &truck.speed_limits(),
             cost: truck.cost,
             checker: &checker,
-            own: &serde_json::Value::Null,
+            custom_settings: &serde_json::Value::Null,
             stream: &stream,
             memory: &memory,
             settings: &settings,

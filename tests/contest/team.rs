@@ -199,7 +199,7 @@ impl Policy for Lazy {
 fn a_team_that_waits_by_choice_is_idle_and_not_stuck() {
     let scenario = load("fleet", &["duration_s=600"]);
     let timeline = led_by(&scenario, 1, Lazy);
-    assert!(count(&timeline, |fact| matches!(fact, AgentFact::Rested { reason: RestReason::Chosen })) >= 3);
+    assert!(count(&timeline, |fact| matches!(fact, AgentFact::Rested { reason: RestReason::PolicyWait })) >= 3);
     let outcome = Outcome::new(&timeline);
     assert_eq!((outcome.truck_stuck_s, outcome.extinguished), (0.0, 0));
     for truck in outcome.agents.iter().filter(|agent| agent.agent.role.suppresses()) {

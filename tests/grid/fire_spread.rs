@@ -374,13 +374,13 @@ fn burn_with(
     landscape: &Landscape,
     weather: &Weather,
     rules: RothermelRules,
-    relight: bool,
+    reignition: bool,
     acts: &[(SimTime, Act)],
 ) -> Vec<Option<SimTime>> {
     let frame = landscape.frame;
     let burns = |&index: &usize| FuelModel::by_number(landscape.fuel[index]).is_some_and(FuelModel::burns);
     let ground = (0..frame.cell_count()).filter(burns).map(|index| frame.cell(index));
-    let mut fires = FireField::new(frame, &[], relight).with_ground(ground);
+    let mut fires = FireField::new(frame, &[], reignition).with_ground(ground);
     let mut model = Rothermel::new(Arc::new(landscape.clone()), Arc::new(weather.clone()), rules);
     let mut queue = EventQueue::default();
     for &(time, act) in acts {
@@ -562,7 +562,7 @@ struct Reference<'a> {
     /// By interval.
     directions: Vec<DirectionSet>,
     flaming_s: f64,
-    relight: bool,
+    reignition: bool,
     burned: Vec<Option<(f64, bool)>>,
     out: Vec<bool>,
     open_from: Vec<f64>,
@@ -765,7 +765,7 @@ impl Reference<'_> {
                         Act::Extinguish(_) if flames => {
                             was_source = self.burned[index].is_some_and(|(_, is_source)| is_source);
                             self.burned[index] = None;
-                            self.out[index] = !self.relight;
+                            self.out[index] = !self.reignition;
                             self.open_from[index] = now;
                         }
                         Act::Wet(_, until) if can_burn => {
@@ -790,7 +790,7 @@ fn repairs_give_the_times_of_plans_that_are_all_made_anew() {
     for case in 0..36 {
         let mut rng = wildfire::rng::stream(case, "repair");
         let neighbours = TEMPLATES[case as usize % 3];
-        let (relight, flaming_s) = (rng.random_bool(0.5), if rng.random_bool(0.5) { 100.0 } else { 400.0 });
+        let (reignition, flaming_s) = (rng.random_bool(0.5), if rng.random_bool(0.5) { 100.0 } else { 400.0 });
         let rules = RothermelRules { burn_out: Some(seconds(flaming_s)), ..rules(neighbours) };
         let fuels: &[u8] = if rng.random_bool(0.5) { &[102] } else { &[102, 102, 102, 122, 91] };
         let fuel = (0..frame.cell_count()).map(|_| fuels[rng.random_range(0..fuels.len() as u64) as usize]);
@@ -798,7 +798,7 @@ fn repairs_give_the_times_of_plans_that_are_all_made_anew() {
         let mut cell = || Cell { col: rng.random_range(0..frame.cols), row: rng.random_range(0..frame.rows) };
         let mut acts: Vec<(SimTime, Act)> =
             (0..3).map(|n| (seconds(300.0 * f64::from(n)), Act::Light(cell()))).collect();
-        let alone = burn_with(&landscape, &weather, rules, relight, &acts);
+        let alone = burn_with(&landscape, &weather, rules, reignition, &acts);
         for _ in 0..150 {
             let place = Cell { col: rng.random_range(0..frame.cols), row: rng.random_range(0..frame.rows) };
             let Some(lit) = alone[frame.index(place)] else { continue };
@@ -833,13 +833,13 @@ fn repairs_give_the_times_of_plans_that_are_all_made_anew() {
             ellipses: ellipses.clone(),
             starts: winds.iter().map(|&(start, _)| start).collect(),
             flaming_s,
-            relight,
+            reignition,
             burned: vec![None; count],
             out: vec![false; count],
             open_from: vec![0.0; count],
             plans: vec![f64::INFINITY; count],
         };
-        let times = burn_with(&landscape, &weather, rules, relight, &acts);
+        let times = burn_with(&landscape, &weather, rules, reignition, &acts);
         let slow = reference.burn(&acts);
         for index in 0..count {
             let [one, two] = [times[index].map(SimTime::as_seconds), slow[index]];

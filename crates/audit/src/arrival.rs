@@ -51,7 +51,7 @@ pub enum CellChange {
 /// The changes of all cells.
 #[derive(Debug)]
 pub struct FireHistory {
-    relight: bool,
+    reignition: bool,
     /// Cells, in columns or rows, beyond which nothing concerns a cell but a source.
     reach: i32,
     /// The same of sources.
@@ -73,7 +73,7 @@ pub struct FireHistory {
 #[derive(Clone, Copy, Debug)]
 struct CellBefore {
     /// When it caught fire, if that counts.
-    lit: u64,
+    ignited: u64,
     is_source: bool,
     /// From when on fire may pass over it; [`NEVER`] if it may not.
     open_from: u64,
@@ -81,10 +81,10 @@ struct CellBefore {
 
 impl FireHistory {
     /// Creates the history of cells of which none burns yet.
-    pub fn new(cells: usize, relight: bool, [reach, source_reach]: [i32; 2]) -> Self {
+    pub fn new(cells: usize, reignition: bool, [reach, source_reach]: [i32; 2]) -> Self {
         let no = vec![false; cells];
         Self {
-            relight,
+            reignition,
             reach,
             source_reach,
             first: vec![NEVER; cells],
@@ -158,23 +158,23 @@ impl FireHistory {
     }
 
     /// Returns a cell as it is after all its changes before a time.
-    fn known(&self, index: usize, before: u64) -> CellBefore {
+    fn cell_before(&self, index: usize, before: u64) -> CellBefore {
         if !self.has_more[index] {
-            let lit = if self.first[index] < before { self.first[index] } else { NEVER };
-            return CellBefore { lit, is_source: self.is_source[index], open_from: 0 };
+            let ignited = if self.first[index] < before { self.first[index] } else { NEVER };
+            return CellBefore { ignited, is_source: self.is_source[index], open_from: 0 };
         }
-        let mut known = CellBefore { lit: NEVER, is_source: false, open_from: 0 };
+        let mut state = CellBefore { ignited: NEVER, is_source: false, open_from: 0 };
         for &(time, change) in self.changes(index).iter().take_while(|(time, _)| *time < before) {
             match change {
-                CellChange::Ignited { is_source } => (known.lit, known.is_source) = (time, is_source),
-                CellChange::Wetted { until } => known.open_from = known.open_from.max(until.as_nanos()),
+                CellChange::Ignited { is_source } => (state.ignited, state.is_source) = (time, is_source),
+                CellChange::Wetted { until } => state.open_from = state.open_from.max(until.as_nanos()),
                 CellChange::Extinguished => {
-                    known.lit = NEVER;
-                    known.open_from = if self.relight { known.open_from.max(time) } else { NEVER };
+                    state.ignited = NEVER;
+                    state.open_from = if self.reignition { state.open_from.max(time) } else { NEVER };
                 }
             }
         }
-        known
+        state
     }
 }
 
@@ -353,17 +353,17 @@ impl<'a> Arrivals<'a> {
                 None => sampled_cells(self.fuel.len()).map(|index| self.ellipse(interval, index)).collect(),
             };
             let directions = DirectionSet::new(self.rules.neighbours, &ellipses);
-            let known = self.sets.iter().position(|set| set.directions == directions);
-            self.set_of.push(known.unwrap_or(self.sets.len()));
-            if known.is_some() {
+            let existing = self.sets.iter().position(|set| set.directions == directions);
+            self.set_of.push(existing.unwrap_or(self.sets.len()));
+            if existing.is_some() {
                 continue;
             }
             let cell_m = self.frame.cell_m;
             let mut lines = Vec::new();
             for &(cols, rows) in directions.steps() {
-                let known = self.lines.iter().position(|line| (line.cols, line.rows) == (-cols, -rows));
-                lines.push(known.unwrap_or(self.lines.len()));
-                if known.is_none() {
+                let existing = self.lines.iter().position(|line| (line.cols, line.rows) == (-cols, -rows));
+                lines.push(existing.unwrap_or(self.lines.len()));
+                if existing.is_none() {
                     self.lines.push(Line::new(-cols, -rows, cell_m));
                 }
             }
@@ -496,27 +496,27 @@ impl<'a> Arrivals<'a> {
             let line = self.line(number);
             let Some(from) = self.frame.offset(cell, line.cols, line.rows) else { continue };
             let from = self.frame.index(from);
-            let mut known = history.known(from, before);
-            if from == parent && known.lit == NEVER {
+            let mut source = history.cell_before(from, before);
+            if from == parent && source.ignited == NEVER {
                 // Where the front would pass a pair before the later one of it burned, it comes at that very instant.
-                let at_once = history.known(from, before.saturating_add(1));
-                if at_once.lit == before {
-                    known = at_once;
+                let at_once = history.cell_before(from, before.saturating_add(1));
+                if at_once.ignited == before {
+                    source = at_once;
                 }
             }
-            let CellBefore { lit, is_source, .. } = known;
+            let CellBefore { ignited, is_source, .. } = source;
             let is_of_disc = number >= count;
             // What burned later than fire comes anyway cannot be earlier.
-            let is_late = lit >= earliest.time && from != parent;
-            if lit == NEVER || is_late || (is_of_disc && !is_source) {
+            let is_late = ignited >= earliest.time && from != parent;
+            if ignited == NEVER || is_late || (is_of_disc && !is_source) {
                 continue;
             }
             let (lies, opens) = self.on_line(history, cell, number, before, fuel);
-            if lies == GroundAlong::Barrier || (is_of_disc && (lies != GroundAlong::OneFuel || opens > lit)) {
+            if lies == GroundAlong::Barrier || (is_of_disc && (lies != GroundAlong::OneFuel || opens > ignited)) {
                 continue;
             }
-            let start = opens.max(lit);
-            if start > lit && !self.flames_at(from, lit, start) {
+            let start = opens.max(ignited);
+            if start > ignited && !self.flames_at(from, ignited, start) {
                 continue;
             }
             let is_one_fuel = lies == GroundAlong::OneFuel;
@@ -529,9 +529,9 @@ impl<'a> Arrivals<'a> {
                 let time = self.straight_arrival(cell, number, start, is_one_fuel);
                 consider(&mut earliest, time, from);
             }
-            let is_plain = !is_of_disc && is_one_fuel && start == lit;
+            let is_plain = !is_of_disc && is_one_fuel && start == ignited;
             if let Some(place) = plain.get_mut(number).filter(|_| is_plain) {
-                *place = Some(EdgeArrival { line: number, index: from, time: lit });
+                *place = Some(EdgeArrival { line: number, index: from, time: ignited });
             }
         }
         for set in 0..self.sets.len() {
@@ -579,7 +579,7 @@ impl<'a> Arrivals<'a> {
             } else if is_undisturbed {
                 0
             } else {
-                history.known(index, before).open_from
+                history.cell_before(index, before).open_from
             }
         };
         let (mut opens, mut is_one_fuel) = (0, true);
@@ -697,18 +697,18 @@ impl<'a> Arrivals<'a> {
             return [0.0; 2];
         }
         let ellipse = self.ellipse(interval, self.frame.index(cell));
-        lines.map(|begun| {
-            let along = ellipse.travel_s(self.lines[begun.line].v);
-            if along == f64::INFINITY { 0.0 } else { self.line_seconds(cell, begun.line, interval, true) - along }
+        lines.map(|arrival| {
+            let along = ellipse.travel_s(self.lines[arrival.line].v);
+            if along == f64::INFINITY { 0.0 } else { self.line_seconds(cell, arrival.line, interval, true) - along }
         })
     }
 
     /// Says whether a cell that caught fire at a time flames longer than until another.
-    fn flames_at(&self, index: usize, lit: u64, time: u64) -> bool {
+    fn flames_at(&self, index: usize, ignited: u64, time: u64) -> bool {
         let (Some(min), Some(fuel)) = (self.rules.burn_out, self.fuel[index]) else { return true };
-        let interval = self.weather.interval_at(SimTime::from_nanos(lit));
+        let interval = self.weather.interval_at(SimTime::from_nanos(ignited));
         let residence = SimTime::from_seconds(self.beds[interval][usize::from(fuel)].residence_s());
-        lit.saturating_add(min.max(residence).as_nanos()) > time
+        ignited.saturating_add(min.max(residence).as_nanos()) > time
     }
 }
 

@@ -74,8 +74,8 @@ impl Automaton<'_> {
     /// Says whether a cell burned for a step by then, and its try succeeds.
     fn spreads(&self, from: Cell, caught: &Change) -> bool {
         let Some((direction, to)) = self.neighbours(from).find(|&(_, to)| to == caught.cell) else { return false };
-        ignitions(self.log.of_cell(from)).any(|(begun, episode, later)| {
-            begun.time + self.rules.step == caught.time
+        ignitions(self.log.of_cell(from)).any(|(ignition, episode, later)| {
+            ignition.time + self.rules.step == caught.time
                 && !is_put_out(later, |time| time < caught.time)
                 && self.succeeds(from, episode, direction, to, caught.time)
         })

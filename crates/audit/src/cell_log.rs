@@ -46,7 +46,7 @@ impl Change {
 
     fn agent(&self) -> Option<AgentId> {
         match self.what {
-            ChangeKind::Ignited(Cause::Lit(by)) | ChangeKind::Extinguished { by } | ChangeKind::Wetted { by, .. } => {
+            ChangeKind::Ignited(Cause::Agent(by)) | ChangeKind::Extinguished { by } | ChangeKind::Wetted { by, .. } => {
                 Some(by)
             }
             ChangeKind::Ignited(_) | ChangeKind::BurnedOut | ChangeKind::Cleared { .. } => None,
@@ -104,7 +104,7 @@ impl<'a> CellLog<'a> {
         for change in self.of_cell(cell).iter().take_while(|change| change.time <= time) {
             match change.what {
                 ChangeKind::Ignited(_) => is_left = false,
-                ChangeKind::Extinguished { .. } => is_left = self.setting.rules.relight && change.time < time,
+                ChangeKind::Extinguished { .. } => is_left = self.setting.rules.reignition && change.time < time,
                 ChangeKind::Wetted { until, .. } if until >= time => return false,
                 ChangeKind::Cleared { holds: true } => return false,
                 ChangeKind::Wetted { .. } | ChangeKind::Cleared { .. } | ChangeKind::BurnedOut => {}

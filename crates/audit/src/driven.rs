@@ -123,23 +123,23 @@ impl<'a> DrivenLegs<'a> {
 
     /// Returns the place of the agent at a time.
     pub fn pose_at(&self, time: SimTime) -> Pose {
-        let begun = self.begun(time);
-        begun.checked_sub(1).map_or(self.start, |last| self.legs[last].driven().pose_at(time))
+        let started_legs = self.started_legs(time);
+        started_legs.checked_sub(1).map_or(self.start, |last| self.legs[last].driven().pose_at(time))
     }
 
     /// Returns until when the agent stays in place at a time: that time itself if it is under way, `MAX` if
     /// forever.
     pub fn stands_until(&self, time: SimTime) -> SimTime {
-        let begun = self.begun(time);
-        let is_under_way = begun > 0 && self.legs[begun - 1].driven().end_time() > time;
+        let started_legs = self.started_legs(time);
+        let is_under_way = started_legs > 0 && self.legs[started_legs - 1].driven().end_time() > time;
         if is_under_way {
             return time;
         }
-        self.legs.get(begun).map_or(SimTime::MAX, |next| next.driven().start_time())
+        self.legs.get(started_legs).map_or(SimTime::MAX, |next| next.driven().start_time())
     }
 
     /// Returns how many legs have begun; legs that join begin in their order.
-    fn begun(&self, time: SimTime) -> usize {
+    fn started_legs(&self, time: SimTime) -> usize {
         self.legs.partition_point(|leg| leg.driven().start_time() <= time)
     }
 

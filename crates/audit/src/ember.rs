@@ -75,7 +75,7 @@ fn ember_source(
     let frame = &landscape.frame;
     let rate_mps = match cause {
         Cause::Spread(from) => fire.front_normal_rate_mps(frame.centre(cell) - frame.centre(from)),
-        Cause::Spotted(_) | Cause::Lit(_) | Cause::Scheduled => fire.rate_mps,
+        Cause::Spotted(_) | Cause::Agent(_) | Cause::Scheduled => fire.rate_mps,
     };
     let intensity_kw_m = fire.intensity_kw_m(rate_mps);
     let heat_kj_m2 = fire.heat_kj_m2();

@@ -76,15 +76,15 @@ impl<'a> Fires<'a> {
             self.check_spread(cell, from, time)?;
         }
         let Some(rules) = self.rules else { return Ok(Bush::Burning { since: time, spreads: false }) };
-        let is_lit = !matches!(cause, Cause::Spread(_));
-        let spreads = if is_lit { rules.lit_spreads } else { rules.caught_spreads };
+        let is_source = !matches!(cause, Cause::Spread(_));
+        let spreads = if is_source { rules.sources_spread } else { rules.caught_spreads };
         self.due.extend(spreads.then(|| (time + rules.spread_delay, index)));
         self.due.extend(rules.burn_out.map(|burn_out| (time + burn_out, index)));
         Ok(Bush::Burning { since: time, spreads })
     }
 
     fn can_burn(&self, bush: Bush) -> bool {
-        bush == Bush::Intact || self.setting.rules.relight && matches!(bush, Bush::Extinguished { .. })
+        bush == Bush::Intact || self.setting.rules.reignition && matches!(bush, Bush::Extinguished { .. })
     }
 
     fn check_spread(&self, cell: Cell, from: Cell, time: SimTime) -> Result<(), ViolationKind> {

@@ -200,9 +200,9 @@ impl LegMoment {
 
 /// Checks that the timeline says the same.
 fn check_state(leg: &Trajectory, elapsed_s: f64, at: UnitPose, tolerance: Tolerance) -> Result<(), LegViolation> {
-    let said = UnitPose::new(leg.pose_at(leg.start_time() + SimTime::from_seconds(elapsed_s)));
-    let metres = (said.place - at.place).length();
-    let radians = (said.facing - at.facing).length();
+    let reported = UnitPose::new(leg.pose_at(leg.start_time() + SimTime::from_seconds(elapsed_s)));
+    let metres = (reported.place - at.place).length();
+    let radians = (reported.facing - at.facing).length();
     if metres <= tolerance.metres && radians <= tolerance.radians {
         return Ok(());
     }
@@ -298,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn a_proper_leg_passes_at_the_step_that_was_asked_for() {
+    fn a_proper_leg_passes_at_the_requested_step() {
         let audited = audit(&leg(Pose::new(20.0, 20.0, 0.5), winding())).expect("nothing is wrong with it");
         assert!(audited.poses >= 23 * 50, "{} poses", audited.poses);
         assert!((audited.metres - 23.0).abs() < 1e-9);
@@ -388,7 +388,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_violations_the_first_in_time_is_told() {
+    fn of_two_violations_the_first_in_time_is_reported() {
         let drive = |length_m, speed_mps| {
             let segment = segment(0.0, length_m);
             Piece::Drive { segment, speed_mps, acceleration_mps2: 0.0 }

@@ -179,12 +179,12 @@ mod tests {
                 fire: Some(FireRules {
                     spread_delay: seconds(10.0),
                     spread_radius_m: 30.0,
-                    lit_spreads: true,
+                    sources_spread: true,
                     caught_spreads: false,
                     burn_out: Some(seconds(60.0)),
-                    relight: false,
+                    reignition: false,
                 }),
-                relight: false,
+                reignition: false,
                 score_wumpus_ignited: 1.0,
                 score_wumpus_burned_out: 1.0,
                 score_truck_extinguished: 2.0,
@@ -280,8 +280,11 @@ mod tests {
     fn a_fire_that_goes_out_too_far_away_is_found() {
         let violation = violation(vec![ignited(1.0, NEAR, Cause::Scheduled), extinguished(50.0)]);
         assert!(matches!(violation.kind, ViolationKind::OutOfReach { cell: NEAR, .. }));
-        let words = violation.to_string();
-        assert!(words.starts_with("at 50.000 s, (20.000, 46.000) m: unimog/0: the fire at cell (10, 10)"), "{words}");
+        let message = violation.to_string();
+        assert!(
+            message.starts_with("at 50.000 s, (20.000, 46.000) m: unimog/0: the fire at cell (10, 10)"),
+            "{message}"
+        );
     }
 
     #[test]
@@ -293,8 +296,8 @@ mod tests {
             timeline.setting.agents[0].pose = Pose::new(52.5 - metres - 1.5, 52.5, 0.0);
             let violation = audit_timeline(&timeline, SampleStep::default()).violation;
             assert_eq!(violation.is_none(), is_within, "{violation:?}");
-            let told = violation.map(|violation| violation.to_string()).unwrap_or_default();
-            assert_eq!(told.contains("goes out 10.100 m away, beyond the reach of 10 m"), !is_within, "{told}");
+            let message = violation.map(|violation| violation.to_string()).unwrap_or_default();
+            assert_eq!(message.contains("goes out 10.100 m away, beyond the reach of 10 m"), !is_within, "{message}");
         }
     }
 
@@ -330,11 +333,14 @@ mod tests {
 
     #[test]
     fn fires_burn_out_at_their_time() {
-        let lit = ignited(0.0, NEAR, Cause::Scheduled);
-        assert_eq!(run(vec![lit.clone(), burned_out(60.0, NEAR)]).violation, None);
+        let ignition = ignited(0.0, NEAR, Cause::Scheduled);
+        assert_eq!(run(vec![ignition.clone(), burned_out(60.0, NEAR)]).violation, None);
         let due = Some(seconds(60.0));
-        assert_eq!(kind(vec![lit.clone(), burned_out(59.0, NEAR)]), ViolationKind::WrongBurnOut { cell: NEAR, due });
-        let forgotten = violation(vec![lit]);
+        assert_eq!(
+            kind(vec![ignition.clone(), burned_out(59.0, NEAR)]),
+            ViolationKind::WrongBurnOut { cell: NEAR, due }
+        );
+        let forgotten = violation(vec![ignition]);
         assert_eq!((forgotten.kind, forgotten.time), (ViolationKind::WrongBurnOut { cell: NEAR, due }, seconds(60.0)));
         assert_eq!(run(vec![ignited(40.0, NEAR, Cause::Scheduled), burned_out(100.0, NEAR)]).violation, None);
         assert!(run(vec![ignited(40.0, NEAR, Cause::Scheduled)]).violation.is_some(), "what is due at the end happens");
@@ -343,12 +349,12 @@ mod tests {
     #[test]
     fn fire_spreads_when_and_as_far_as_it_does() {
         let spread = |time_s| ignited(time_s, FAR, Cause::Spread(NEAR));
-        let lit = || ignited(50.0, NEAR, Cause::Scheduled);
-        let too_far = kind(vec![lit(), spread(60.0)]);
+        let ignition = || ignited(50.0, NEAR, Cause::Scheduled);
+        let too_far = kind(vec![ignition(), spread(60.0)]);
         assert!(matches!(too_far, ViolationKind::TooFarToSpread { metres: 40.0, .. }), "{too_far:?}");
-        assert_eq!(kind(vec![lit(), spread(59.0)]), ViolationKind::NoSource { cell: FAR, from: NEAR });
+        assert_eq!(kind(vec![ignition(), spread(59.0)]), ViolationKind::NoSource { cell: FAR, from: NEAR });
         assert_eq!(kind(vec![spread(60.0)]), ViolationKind::NoSource { cell: FAR, from: NEAR });
-        let mut wide = Timeline { setting: setting(), events: vec![lit()], ground: Vec::new() };
+        let mut wide = Timeline { setting: setting(), events: vec![ignition()], ground: Vec::new() };
         wide.setting.rules.fire.as_mut().expect("it is set").spread_radius_m = 40.1;
         let spared = audit_timeline(&wide, SampleStep::default()).violation.expect("it should have caught fire");
         assert_eq!(
@@ -360,7 +366,7 @@ mod tests {
     }
 
     #[test]
-    fn without_rules_of_fire_its_times_are_its_own() {
+    fn without_rules_of_fire_its_times_are_free() {
         let events = vec![ignited(1.0, NEAR, Cause::Scheduled), ignited(2.0, FAR, Cause::Spread(NEAR))];
         let mut timeline = Timeline { setting: setting(), events, ground: Vec::new() };
         timeline.setting.rules.fire = None;
@@ -370,7 +376,7 @@ mod tests {
 
     #[test]
     fn trucks_light_nothing() {
-        assert_eq!(kind(vec![ignited(1.0, NEAR, Cause::Lit(TRUCK))]), ViolationKind::WrongAgent);
+        assert_eq!(kind(vec![ignited(1.0, NEAR, Cause::Agent(TRUCK))]), ViolationKind::WrongAgent);
     }
 
     #[test]

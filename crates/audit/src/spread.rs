@@ -118,7 +118,7 @@ impl<'a> States<'a> {
 
     fn next_state(&mut self, index: usize, change: &Change) -> Result<CellState, ViolationKind> {
         let &Change { time, cell, what } = change;
-        let relight = self.setting.rules.relight;
+        let reignition = self.setting.rules.reignition;
         match (what, self.state_at(index, time)) {
             (_, CellState::Burning { until }) if until < time => {
                 Err(ViolationKind::WrongBurnOut { cell, due: Some(until) })
@@ -127,7 +127,7 @@ impl<'a> States<'a> {
                 Err(ViolationKind::NoSource { cell, from })
             }
             (ChangeKind::Ignited(_), state) => {
-                let is_left = state == CellState::Intact || relight && state == CellState::Extinguished;
+                let is_left = state == CellState::Intact || reignition && state == CellState::Extinguished;
                 if !is_left || !self.has_fuel[index] || self.wet_until[index] > time {
                     return Err(ViolationKind::CannotBurn { cell });
                 }
@@ -139,7 +139,7 @@ impl<'a> States<'a> {
                 Err(ViolationKind::WrongBurnOut { cell, due })
             }
             (ChangeKind::Cleared { holds }, state) => {
-                let is_left = state == CellState::Intact || relight && state == CellState::Extinguished;
+                let is_left = state == CellState::Intact || reignition && state == CellState::Extinguished;
                 if holds && !(is_left && self.has_fuel[index]) {
                     return Err(ViolationKind::WrongLine { cell });
                 }
@@ -150,7 +150,7 @@ impl<'a> States<'a> {
             (ChangeKind::Extinguished { .. }, CellState::Burning { .. }) => Ok(CellState::Extinguished),
             (ChangeKind::BurnedOut | ChangeKind::Extinguished { .. }, _) => Err(ViolationKind::NotBurning { cell }),
             (ChangeKind::Wetted { until, .. }, state) => {
-                let is_left = state == CellState::Intact || relight && state == CellState::Extinguished;
+                let is_left = state == CellState::Intact || reignition && state == CellState::Extinguished;
                 if !is_left || !self.has_fuel[index] || self.wet.is_none_or(|wet| until != time + wet) {
                     return Err(ViolationKind::WrongWater { cell });
                 }
@@ -196,7 +196,7 @@ struct ArrivalCheck<'a> {
 impl<'a> ArrivalCheck<'a> {
     fn new(setting: &'a Setting, arrivals: Arrivals<'a>, changes: &[Change], end: SimTime) -> Self {
         let frame = setting.frame;
-        let mut history = FireHistory::new(frame.cell_count(), setting.rules.relight, arrivals.reach());
+        let mut history = FireHistory::new(frame.cell_count(), setting.rules.reignition, arrivals.reach());
         let mut ignitions = Vec::new();
         for change in changes {
             let index = frame.index(change.cell);
@@ -258,20 +258,20 @@ impl<'a> ArrivalCheck<'a> {
             return Ok(());
         }
         let cell = self.setting.frame.cell(index);
-        let relight = self.setting.rules.relight;
+        let reignition = self.setting.rules.reignition;
         let mut from = Some(SimTime::ZERO);
         for &(_, time, cause) in ignitions {
             // An ignition of what cannot burn is found where states are followed.
-            let Some(begun) = from.filter(|&begun| begun <= time) else { return Ok(()) };
-            self.check_wait(cell, Wait { from: begun, until: time, by: Some(cause) })?;
+            let Some(start) = from.filter(|&start| start <= time) else { return Ok(()) };
+            self.check_wait(cell, Wait { from: start, until: time, by: Some(cause) })?;
             let put_out = self
                 .history
                 .changes(index)
                 .iter()
                 .find(|&&(put_out, change)| change == CellChange::Extinguished && put_out >= time.as_nanos());
-            from = put_out.filter(|_| relight).map(|&(put_out, _)| SimTime::from_nanos(put_out));
+            from = put_out.filter(|_| reignition).map(|&(put_out, _)| SimTime::from_nanos(put_out));
         }
-        let unburned = from.filter(|&begun| begun <= self.end);
+        let unburned = from.filter(|&start| start <= self.end);
         unburned.map_or(Ok(()), |from| self.check_wait(cell, Wait { from, until: self.end, by: None }))
     }
 
@@ -361,7 +361,7 @@ mod tests {
     }
 
     /// Grass with patches of shrubs and of nothing, a few bushes, a road with a gap, and wind that turns.
-    fn setting(relief: Relief, neighbours: Neighbours, relight: bool) -> Setting {
+    fn setting(relief: Relief, neighbours: Neighbours, reignition: bool) -> Setting {
         let fuel = |index: usize| {
             let Cell { col, row } = FRAME.cell(index);
             let is_road = col + row == 62 && row != 30;
@@ -403,7 +403,7 @@ mod tests {
                 suppression_dwell: seconds(5.0),
                 extinguishes_all: Some(true),
                 fire: None,
-                relight,
+                reignition,
                 score_wumpus_ignited: 1.0,
                 score_wumpus_burned_out: 1.0,
                 score_truck_extinguished: 2.0,
@@ -466,7 +466,7 @@ mod tests {
         let spread = setting.spread.clone().expect("it was set");
         let wet = if let SpreadSetting::Rothermel { rules, .. } = &spread { rules.wet } else { SimTime::ZERO };
         let ground = (0..FRAME.cell_count()).map(|index| FRAME.cell(index)).filter(|&cell| setting.is_ground(cell));
-        let mut fires = FireField::new(FRAME, &setting.bushes, setting.rules.relight).with_ground(ground);
+        let mut fires = FireField::new(FRAME, &setting.bushes, setting.rules.reignition).with_ground(ground);
         let mut model = spread.model(setting.seed);
         let mut timeline = Timeline { setting, events: Vec::new(), ground: Vec::new() };
         let mut queue = EventQueue::default();
@@ -479,8 +479,8 @@ mod tests {
             let mut changes: Vec<(FireChange, Option<ChangeKind>)> = Vec::new();
             match queue.pop_due(now, 0).expect("it was just seen") {
                 Act::Light(cell) => {
-                    let lit = fires.ignite(cell, now, true);
-                    changes.extend(lit.map(|change| (change, Some(ChangeKind::Ignited(Cause::Scheduled)))));
+                    let ignition = fires.ignite(cell, now, true);
+                    changes.extend(ignition.map(|change| (change, Some(ChangeKind::Ignited(Cause::Scheduled)))));
                 }
                 Act::Stop(number) => {
                     let burning: Vec<Cell> = fires.burning().collect();
@@ -546,8 +546,8 @@ mod tests {
     }
 
     /// Two fires, eight stops at them, and a third fire.
-    fn fought(relief: Relief, neighbours: Neighbours, relight: bool) -> Timeline {
-        burn(setting(relief, neighbours, relight), acts())
+    fn fought(relief: Relief, neighbours: Neighbours, reignition: bool) -> Timeline {
+        burn(setting(relief, neighbours, reignition), acts())
     }
 
     fn acts() -> Vec<(f64, Act)> {
@@ -559,20 +559,20 @@ mod tests {
 
     #[test]
     fn fires_of_the_model_keep_the_rules_whoever_fights_them() {
-        for (neighbours, relight) in [
+        for (neighbours, reignition) in [
             (Neighbours::ThirtyTwo, false),
             (Neighbours::ThirtyTwo, true),
             (Neighbours::Sixteen, true),
             (Neighbours::Eight, false),
         ] {
             for relief in [Relief::FLAT, Relief::Plane(DVec2::new(0.3, -0.2)), hill()] {
-                let timeline = fought(relief, neighbours, relight);
+                let timeline = fought(relief, neighbours, reignition);
                 let count =
                     |is: fn(&GroundFact) -> bool| timeline.ground.iter().filter(|event| is(&event.fact)).count();
                 let ignited = count(|fact| matches!(fact, GroundFact::Ignited(_)));
                 let put_out = count(|fact| matches!(fact, GroundFact::Extinguished { .. }));
                 let wetted = count(|fact| matches!(fact, GroundFact::Wetted { .. }));
-                println!("{neighbours:?} {relight}: {ignited} caught fire, {put_out} put out, {wetted} wetted");
+                println!("{neighbours:?} {reignition}: {ignited} caught fire, {put_out} put out, {wetted} wetted");
                 assert!(ignited > 500 && put_out > 5 && wetted > 50);
                 assert_eq!(audit_spread(&timeline), Ok(()));
             }
@@ -613,8 +613,8 @@ mod tests {
     }
 
     /// The same with embers.
-    fn spotted(relief: Relief, relight: bool) -> (Timeline, Vec<usize>) {
-        let mut setting = setting(relief, Neighbours::ThirtyTwo, relight);
+    fn spotted(relief: Relief, reignition: bool) -> (Timeline, Vec<usize>) {
+        let mut setting = setting(relief, Neighbours::ThirtyTwo, reignition);
         let Some(SpreadSetting::Rothermel { rules, .. }) = &mut setting.spread else { unreachable!("it was set so") };
         let settings = EmberSettings { per_mj: 0.02, i_min_kw_m: 50.0, p_ign: 1.0, ..EmberSettings::default() };
         rules.embers = Some(Embers { settings, seed: setting.seed });
@@ -625,8 +625,8 @@ mod tests {
     }
 
     /// Lets the automaton burn with everything else as it is.
-    fn by_automaton(relief: Relief, relight: bool, p0: f64) -> Timeline {
-        let mut setting = setting(relief, Neighbours::ThirtyTwo, relight);
+    fn by_automaton(relief: Relief, reignition: bool, p0: f64) -> Timeline {
+        let mut setting = setting(relief, Neighbours::ThirtyTwo, reignition);
         let Some(SpreadSetting::Rothermel { landscape, weather, .. }) = setting.spread.take() else {
             unreachable!("it was set so")
         };
@@ -641,8 +641,8 @@ mod tests {
     #[test]
     fn every_try_of_the_automaton_is_drawn_again() {
         for relief in [Relief::FLAT, hill()] {
-            for relight in [false, true] {
-                let timeline = by_automaton(relief.clone(), relight, 0.8);
+            for reignition in [false, true] {
+                let timeline = by_automaton(relief.clone(), reignition, 0.8);
                 println!("{} facts of ground", timeline.ground.len());
                 assert!(timeline.ground.len() > 300);
                 assert_eq!(audit_spread(&timeline), Ok(()));
@@ -667,8 +667,8 @@ mod tests {
     #[test]
     fn fires_by_embers_are_those_of_the_draws() {
         for relief in [Relief::FLAT, hill()] {
-            for relight in [false, true] {
-                let (timeline, places) = spotted(relief.clone(), relight);
+            for reignition in [false, true] {
+                let (timeline, places) = spotted(relief.clone(), reignition);
                 println!("{} of {} by embers", places.len(), timeline.ground.len());
                 assert!(places.len() > 5);
                 assert_eq!(audit_spread(&timeline), Ok(()));

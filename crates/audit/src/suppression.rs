@@ -51,7 +51,7 @@ pub fn audit_acts(timeline: &Timeline) -> Result<u64, Violation> {
                 actor.extinguish(&timeline.setting, cell, event.time).map_err(violation)?;
                 extinctions += 1;
             }
-            Fact::Fire(FireFact::Ignited { cell, cause: Cause::Lit(_) }) => {
+            Fact::Fire(FireFact::Ignited { cell, cause: Cause::Agent(_) }) => {
                 actor.light(cell, event.time).map_err(violation)?;
             }
             _ => actor.follow(&timeline.setting, event).map_err(violation)?,
@@ -133,7 +133,7 @@ impl Actor {
         if !self.id.role.lights() {
             return Err(ViolationKind::WrongAgent);
         }
-        if self.stands_since > time { Err(ViolationKind::LitInPassing { cell }) } else { Ok(()) }
+        if self.stands_since > time { Err(ViolationKind::IgnitedInPassing { cell }) } else { Ok(()) }
     }
 
     fn extinguish(&mut self, setting: &Setting, cell: Cell, time: SimTime) -> Result<(), ViolationKind> {

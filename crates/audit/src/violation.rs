@@ -83,7 +83,7 @@ pub enum ViolationKind {
         cell: Cell,
     },
     /// A Wumpus lit a bush on its way.
-    LitInPassing {
+    IgnitedInPassing {
         cell: Cell,
     },
     /// A cell that was not burning went out or burned out.
@@ -247,7 +247,9 @@ impl fmt::Display for ViolationKind {
             Self::SecondFire { cell } => {
                 write!(f, "the fire at cell {cell} goes out at a stop that has put out another one already")
             }
-            Self::LitInPassing { cell } => write!(f, "the bush at cell {cell} is lit before the walk there is over"),
+            Self::IgnitedInPassing { cell } => {
+                write!(f, "the bush at cell {cell} is lit before the walk there is over")
+            }
             Self::NotBurning { cell } => write!(f, "a fire ends at cell {cell}, where nothing burns"),
             Self::CannotBurn { cell } => write!(f, "fire catches at cell {cell}, where nothing is left that may burn"),
             Self::NoSource { cell, from } => {

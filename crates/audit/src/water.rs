@@ -37,13 +37,13 @@ pub fn audit_water(timeline: &Timeline) -> Result<(), Violation> {
     for change in &changes {
         let ChangeKind::Extinguished { by } = change.what else { continue };
         let stop = stops.get_mut(&by).and_then(|stops| stops.iter_mut().rfind(|(begins, ..)| *begins < change.time));
-        let lit = ignition(change.cell, change.time);
-        let front = lit.and_then(|lit| spread.front(lit, |near| Some(ignition(near, lit.1)?.1)));
-        let is_right = stop.zip(lit).zip(front).is_some_and(|(((begins, water_units, litres), lit), front)| {
+        let ignited = ignition(change.cell, change.time);
+        let front = ignited.and_then(|ignited| spread.front(ignited, |near| Some(ignition(near, ignited.1)?.1)));
+        let is_right = stop.zip(ignited).zip(front).is_some_and(|(((begins, water_units, litres), ignited), front)| {
             *litres += litres_of(front, energy, setting.frame.cell_m);
             let taken_l = f64::from(*water_units) * energy.portion_l;
             let sprayed = SimTime::from_seconds(taken_l / energy.pump_lps);
-            lit.1 <= *begins
+            ignited.1 <= *begins
                 && *litres <= taken_l * (1.0 + ROUNDING)
                 && change.time == *begins + setting.rules.suppression_dwell + sprayed
         });

@@ -264,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_file_of_text_is_said_to_be_so() {
+    fn what_is_no_file_of_text_is_reported() {
         let folder = tempfile::tempdir().expect("a scratch folder");
         let path = folder.path().join("input");
         assert_eq!(read(&path, 9).expect_err("it is not there").kind(), ErrorKind::NotFound);

@@ -145,7 +145,7 @@ macro_rules! ranges {
 
             fn write_ranges(schema: &mut $crate::ranges::Schema) {
                 $($crate::ranges::write_range::<Self>(schema, stringify!($name), &$range);)*
-                $($($crate::ranges::write_within(schema, |own: &Self| &own.$table);)+)?
+                $($($crate::ranges::write_within(schema, |settings: &Self| &settings.$table);)+)?
             }
         }
     };

@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn names_and_seeds_give_streams_of_their_own() {
+    fn names_and_seeds_give_separate_streams() {
         let first = |seed, name| stream(seed, name).next_u64();
         let draws = [first(1, "a"), first(1, "b"), first(2, "a"), first(2, "b"), first(0, "")];
         for (i, draw) in draws.iter().enumerate() {

@@ -25,8 +25,8 @@ impl BushState {
     }
 
     /// Returns true if it can catch fire, where the rules let extinguished bushes burn again or not.
-    pub fn can_be_lit(self, relight: bool) -> bool {
-        self == Self::Intact || (relight && self == Self::Extinguished)
+    pub fn can_ignite(self, reignition: bool) -> bool {
+        self == Self::Intact || (reignition && self == Self::Extinguished)
     }
 
     pub fn kind(self) -> BushStateKind {
@@ -72,7 +72,7 @@ struct FieldCell {
     kind: Option<BushStateKind>,
     is_bush: bool,
     /// True if somebody lit it when it last caught fire.
-    is_lit: bool,
+    is_source: bool,
 }
 
 /// The cells on which something grows, found by their index in the field. A large field is mostly bare.
@@ -133,7 +133,7 @@ impl IndexMut<usize> for FuelCells {
 pub struct FireField {
     frame: FieldFrame,
     /// Whether what was extinguished can burn again.
-    relight: bool,
+    reignition: bool,
     /// By cell index; where nothing grows that burns it is nothing's.
     cells: FuelCells,
     /// All that can burn or could once.
@@ -147,12 +147,12 @@ pub struct FireField {
 
 impl FireField {
     /// Creates a field on which all `bushes` are intact, and nothing else burns.
-    pub fn new(frame: FieldFrame, bushes: &[Cell], relight: bool) -> Self {
-        let bare = FieldCell { ignited: SimTime::ZERO, episode: 0, kind: None, is_bush: false, is_lit: false };
+    pub fn new(frame: FieldFrame, bushes: &[Cell], reignition: bool) -> Self {
+        let bare = FieldCell { ignited: SimTime::ZERO, episode: 0, kind: None, is_bush: false, is_source: false };
         let count = frame.cell_count();
         let mut field = Self {
             frame,
-            relight,
+            reignition,
             cells: FuelCells::bare(bare),
             fuel: CellSet::new(count),
             flammable: CellSet::new(count),
@@ -229,12 +229,12 @@ impl FireField {
     }
 
     pub fn can_burn(&self, cell: Cell) -> bool {
-        let can_be_lit = match self.kind(cell) {
+        let can_ignite = match self.kind(cell) {
             Some(BushStateKind::Intact) => true,
-            Some(BushStateKind::Extinguished) => self.relight,
+            Some(BushStateKind::Extinguished) => self.reignition,
             _ => false,
         };
-        can_be_lit && !self.is_wet(cell)
+        can_ignite && !self.is_wet(cell)
     }
 
     pub fn is_burning(&self, cell: Cell) -> bool {
@@ -251,13 +251,13 @@ impl FireField {
     }
 
     /// Returns true if what was extinguished can burn again.
-    pub fn relights(&self) -> bool {
-        self.relight
+    pub fn allows_reignition(&self) -> bool {
+        self.reignition
     }
 
     /// Returns true if somebody lit the cell when it last caught fire, and it did not catch fire from another one.
-    pub fn was_lit(&self, cell: Cell) -> bool {
-        self.cells[self.frame.index(cell)].is_lit
+    pub fn is_source(&self, cell: Cell) -> bool {
+        self.cells[self.frame.index(cell)].is_source
     }
 
     /// Returns the number that tells a cell's last burning from its earlier ones.
@@ -292,8 +292,8 @@ impl FireField {
         self.flammable.within(first, end).map(|index| self.frame.cell(index))
     }
 
-    /// Sets a cell on fire; `lit` by somebody, or caught from another cell. Returns `None` if it cannot burn.
-    pub fn ignite(&mut self, cell: Cell, now: SimTime, lit: bool) -> Option<FireChange> {
+    /// Sets a cell on fire; `is_source` if somebody lit it, not another cell. Returns `None` if it cannot burn.
+    pub fn ignite(&mut self, cell: Cell, now: SimTime, is_source: bool) -> Option<FireChange> {
         if !self.can_burn(cell) {
             return None;
         }
@@ -303,15 +303,15 @@ impl FireField {
         let burning = &mut self.cells[index];
         burning.kind = Some(BushStateKind::Burning);
         burning.ignited = now;
-        burning.is_lit = lit;
+        burning.is_source = is_source;
         burning.episode += 1;
-        Some(FireChange::Ignited { cell, lit })
+        Some(FireChange::Ignited { cell, is_source })
     }
 
     /// Ends a fire by suppression.
     pub fn extinguish(&mut self, cell: Cell) -> FireChange {
         self.end_burning(cell, BushStateKind::Extinguished);
-        if self.relight {
+        if self.reignition {
             self.flammable.insert(self.frame.index(cell));
         }
         FireChange::Extinguished { cell }
@@ -327,7 +327,7 @@ impl FireField {
     pub fn wet(&mut self, cell: Cell, until: SimTime) -> Option<FireChange> {
         let is_left = match self.kind(cell) {
             Some(BushStateKind::Intact) => true,
-            Some(BushStateKind::Extinguished) => self.relight,
+            Some(BushStateKind::Extinguished) => self.reignition,
             _ => false,
         };
         if !is_left || self.wet_until(cell).is_some_and(|so_far| so_far >= until) {
@@ -367,17 +367,17 @@ mod tests {
     fn a_cell_burns_once_unless_extinguished_ones_can_burn_again() {
         let frame = FieldFrame { cols: 3, rows: 3, cell_m: 5.0 };
         let cell = Cell { col: 1, row: 1 };
-        for relight in [false, true] {
-            let mut fires = FireField::new(frame, &[cell], relight);
-            assert_eq!(fires.ignite(cell, SimTime::ZERO, true), Some(FireChange::Ignited { cell, lit: true }));
+        for reignition in [false, true] {
+            let mut fires = FireField::new(frame, &[cell], reignition);
+            assert_eq!(fires.ignite(cell, SimTime::ZERO, true), Some(FireChange::Ignited { cell, is_source: true }));
             let first = fires.episode(cell);
             assert_eq!(fires.ignite(cell, SimTime::ZERO, true), None, "it burns already");
             fires.extinguish(cell);
             assert!(!fires.goes_on(cell, first));
             let again = fires.ignite(cell, SimTime::from_seconds(1.0), true);
-            assert_eq!(again.is_some(), relight);
+            assert_eq!(again.is_some(), reignition);
             assert!(!fires.goes_on(cell, first), "another burning is not the first");
-            if relight {
+            if reignition {
                 fires.burn_out(cell);
                 assert_eq!(fires.ignite(cell, SimTime::from_seconds(2.0), true), None);
             }

@@ -44,21 +44,23 @@ pub struct FireRules {
     /// In metres between cell centres, inclusive.
     pub spread_radius_m: f64,
     /// Whether cells that were lit spread, and whether cells that caught fire from others do.
-    pub lit_spreads: bool,
+    #[serde(rename = "lit_spreads")]
+    pub sources_spread: bool,
     pub caught_spreads: bool,
     /// From ignition to burned out; `None` burns forever.
     pub burn_out: Option<SimTime>,
     /// Whether extinguished cells can burn again.
-    pub relight: bool,
+    #[serde(rename = "relight")]
+    pub reignition: bool,
 }
 
 /// A change of one cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FireChange {
-    /// It caught fire; `lit` by somebody, or else from another cell.
+    /// It caught fire; `is_source` if somebody lit it, not another cell.
     Ignited {
         cell: Cell,
-        lit: bool,
+        is_source: bool,
     },
     Extinguished {
         cell: Cell,

@@ -54,9 +54,9 @@ impl LoneFire {
     /// hour.
     pub fn burn_until(&mut self, until: SimTime) {
         loop {
-            let lit = self.ignitions.last().map(|&(time, _)| time);
+            let ignition = self.ignitions.last().map(|&(time, _)| time);
             let arrival = self.model.next_arrival();
-            let Some(now) = lit.into_iter().chain(arrival).min().filter(|&now| now <= until) else { return };
+            let Some(now) = ignition.into_iter().chain(arrival).min().filter(|&now| now <= until) else { return };
             while let Some((_, cell)) = self.ignitions.pop_if(|&mut (time, _)| time == now) {
                 self.ignite(now, cell, cell);
             }

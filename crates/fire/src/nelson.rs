@@ -190,10 +190,10 @@ impl Stick {
         let temperature_c = self.temperature_c;
         for node in 1..NODES - 1 {
             let (outside, inside) = (node - 1, node + 1);
-            let own = radius(node) * spacing / step_h;
+            let storage = radius(node) * spacing / step_h;
             let mixed = |old: &[f64; NODES], out: f64, within: f64| {
                 let [out, within] = [out * radius(outside) / spacing, within * radius(inside) / spacing];
-                (out * old[outside] + within * old[inside] + own * old[node]) / (out + within + own)
+                (out * old[outside] + within * old[inside] + storage * old[node]) / (out + within + storage)
             };
             self.moisture[node] =
                 mixed(&moisture, self.diffusivity[outside], self.diffusivity[inside]).min(MAX_MOISTURE);

@@ -72,25 +72,25 @@ fn burn(length_to_width: f64, heading_deg: f64, cells_along: f64, neighbours: Ne
     let size = centre + half_box + margin - low;
     let count = |metres: f64| (metres / CELL_M).ceil() as u16;
     let frame = FieldFrame { cols: count(size.x), rows: count(size.y), cell_m: CELL_M };
-    let lit = Cell { col: count(-low.x), row: count(-low.y) };
+    let origin = Cell { col: count(-low.x), row: count(-low.y) };
     let landscape = Arc::new(Landscape::uniform(frame, FUEL));
     let weather = Arc::new(Weather::constant(wind_mps, FuelMoisture::default()));
     let rules = RothermelRules { options: options(), neighbours, ..RothermelRules::default() };
     let mut stopwatch = CpuStopwatch::start();
-    let mut fire = LoneFire::new(landscape, weather, rules, &[(SimTime::ZERO, lit)]);
+    let mut fire = LoneFire::new(landscape, weather, rules, &[(SimTime::ZERO, origin)]);
     fire.burn_until(SimTime::from_seconds(head_m / exact.rate_mps));
     let seconds = stopwatch.elapsed_since_last().as_secs_f64();
     let cells = (0..frame.cell_count()).map(|index| frame.cell(index));
     let burned: Vec<Cell> = cells.filter(|&cell| fire.arrival(cell).is_some()).collect();
     for &cell in &burned {
         let time = fire.arrival(cell).expect("it burned").as_seconds();
-        let exact = exact.ellipse().travel_s(frame.centre(cell) - frame.centre(lit));
+        let exact = exact.ellipse().travel_s(frame.centre(cell) - frame.centre(origin));
         assert!(
             time >= exact * (1.0 - 1e-9),
             "{length_to_width}, {heading_deg}: {cell} burns at {time} s, not at {exact} s"
         );
     }
-    let along = burned.iter().map(|&cell| (frame.centre(cell) - frame.centre(lit)).dot(heading));
+    let along = burned.iter().map(|&cell| (frame.centre(cell) - frame.centre(origin)).dot(heading));
     Share {
         area: burned.len() as f64 * CELL_M * CELL_M / (PI * half_length * half_width),
         // A cell burns when fire is in its middle.

@@ -82,7 +82,7 @@ pub fn nearest_occupied(occupied: &Grid<bool>) -> Option<Grid<u32>> {
         for col in 0..cols {
             let below = nearest[(row + 1, col)].filter(|&below| below > row);
             if let Some(below) =
-                below.filter(|below| nearest[(row, col)].is_none_or(|own| below - row < row.abs_diff(own)))
+                below.filter(|below| nearest[(row, col)].is_none_or(|above| below - row < row.abs_diff(above)))
             {
                 nearest[(row, col)] = Some(below);
             }
@@ -91,8 +91,11 @@ pub fn nearest_occupied(occupied: &Grid<bool>) -> Option<Grid<u32>> {
     let mut cells = Grid::filled(rows, cols, 0);
     let mut envelope = Envelope::default();
     for row in 0..rows {
-        let heights: Vec<i32> =
-            nearest.row(row).iter().map(|own| own.map_or(FAR, |own| own.abs_diff(row) as i32)).collect();
+        let heights: Vec<i32> = nearest
+            .row(row)
+            .iter()
+            .map(|occupied_row| occupied_row.map_or(FAR, |occupied_row| occupied_row.abs_diff(row) as i32))
+            .collect();
         envelope.stand_on(&heights, 1, cols as i64);
         for (site, reach) in envelope.reaches(cols as i64) {
             let site_row = nearest[(row, site as usize)].expect("arcs stand on columns with an occupied cell");

@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn the_share_of_a_random_map_is_near_the_one_asked_for() {
+    fn the_share_of_a_random_map_is_near_the_requested_one() {
         let mut rng = rng::stream(2, "grid/drawn");
         for share in [0.0, 0.1, 0.3, 1.0] {
             let free = free_count(&random(100, 100, share, &mut rng)) as f64;

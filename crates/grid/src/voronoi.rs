@@ -204,9 +204,9 @@ pub fn path_along(
             } else {
                 Along { beside: longer(beside, offset), along }
             };
-            let known = lengths[to];
+            let best = lengths[to];
             let key = |lengths: Along| (metric(lengths.beside), metric(lengths.along));
-            if known == unseen || key(next) < key(known) {
+            if best == unseen || key(next) < key(best) {
                 lengths[to] = next;
                 parents[to] = index as u32;
                 open.push(Waiting { lengths: next, index: to.0 * cols + to.1 });

@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn capitals_are_as_high_as_asked_for_to_the_pixel() {
+    fn capitals_are_as_high_as_requested_to_the_pixel() {
         for weight in WEIGHTS {
             for height in [6.0, 7.0, 8.1, 9.0, 11.3, 14.0, 25.0] {
                 let [_, bottom, _, top] = edges('H', weight, height).expect("it has ink").map(|edge| edge * height);

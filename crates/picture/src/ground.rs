@@ -86,7 +86,7 @@ const LIGHTEST: f64 = 0.22;
 
 /// Lights a colour as ground with a gradient has it under the sun: by the cosine of the angle between the ground's normal and
 /// the sun (Horn, "Hill shading and the reflectance map", Proceedings of the IEEE 69(1), 1981), compared with flat ground.
-pub fn lit(colour: Rgb, gradient: DVec2) -> Rgb {
+pub fn hillshade(colour: Rgb, gradient: DVec2) -> Rgb {
     if gradient == DVec2::ZERO {
         return colour;
     }
@@ -119,10 +119,10 @@ mod tests {
     #[test]
     fn slopes_towards_the_sun_are_light() {
         let colour = GroundCover::Grass.colour();
-        assert_eq!(lit(colour, DVec2::ZERO), colour);
+        assert_eq!(hillshade(colour, DVec2::ZERO), colour);
         // Falling to the north-west, and rising to it.
-        assert!(lit(colour, DVec2::new(0.3, -0.3))[0] > colour[0]);
-        assert!(lit(colour, DVec2::new(-0.3, 0.3))[0] < colour[0]);
-        assert!(lit(colour, DVec2::new(-1e6, 1e6))[0] > 100);
+        assert!(hillshade(colour, DVec2::new(0.3, -0.3))[0] > colour[0]);
+        assert!(hillshade(colour, DVec2::new(-0.3, 0.3))[0] < colour[0]);
+        assert!(hillshade(colour, DVec2::new(-1e6, 1e6))[0] > 100);
     }
 }

@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn chosen_values_are_written_as_they_are() {
+    fn selected_values_are_written_as_they_are() {
         for (value, label) in
             [(0.05, "0.05"), (12345.0, "12345"), (-0.0, "0"), (1e300, "1e300"), (1.0 / 3.0, "0.3333"), (1e-7, "1e-7")]
         {

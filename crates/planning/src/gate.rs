@@ -92,8 +92,8 @@ impl TruckPlanner for ValidatedPlanner {
         let mut stopwatch = CpuStopwatch::start();
         let calls = self.calls.load(Ordering::Relaxed);
         // A planner of somebody else's costs a query when it panics, and never a run.
-        let asked = catch_unwind(AssertUnwindSafe(|| self.planner.plan_observed(start, goal, observer)));
-        let mut plan = asked.unwrap_or_else(|panic| Plan::failed(PlanFailure::Crashed, words_of_panic(&*panic)));
+        let result = catch_unwind(AssertUnwindSafe(|| self.planner.plan_observed(start, goal, observer)));
+        let mut plan = result.unwrap_or_else(|panic| Plan::failed(PlanFailure::Crashed, panic_message(&*panic)));
         let time = stopwatch.elapsed_since_last();
         plan.cpu.get_or_insert(QueryCpu { time, starting: Duration::ZERO, source: CpuSource::Thread });
         // What it says of its effort is charged and added up: a lie must not overflow.
@@ -112,10 +112,10 @@ impl TruckPlanner for ValidatedPlanner {
     }
 }
 
-fn words_of_panic(panic: &(dyn Any + Send)) -> String {
+fn panic_message(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().copied();
-    let words = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
-    format!("it panicked: {}", words.unwrap_or("without words"))
+    let message = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    format!("it panicked: {}", message.unwrap_or("without words"))
 }
 
 /// Calls of the checker that count as one expansion: those of `hybrid-astar`, which tries six motions for each.

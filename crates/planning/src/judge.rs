@@ -382,7 +382,7 @@ mod tests {
 
     #[test]
     fn numbers_that_are_none_are_refused() {
-        for (bad, words) in [
+        for (bad, expected) in [
             (segment(f64::NAN, 5.0), "curvature is NaN"),
             (segment(f64::INFINITY, 5.0), "curvature is inf"),
             (segment(0.0, f64::NAN), "length is NaN"),
@@ -391,9 +391,9 @@ mod tests {
             (segment(0.0, 1e-310), "length is 1e-310, which is too small"),
         ] {
             let path = path(&[segment(0.0, 5.0), bad, segment(0.0, 1.0)]);
-            let refused = judge().check(START, START.into(), &path).expect_err(words).to_string();
+            let refused = judge().check(START, START.into(), &path).expect_err(expected).to_string();
             assert!(refused.starts_with("segment 2 of 3, 5.00 m along, at (25.00, 22.50): its "), "{refused}");
-            assert!(refused.contains(words), "{refused}");
+            assert!(refused.contains(expected), "{refused}");
         }
         let nowhere = Pose { x: f64::NAN, ..START };
         assert!(judge().check(nowhere, START.into(), &Path::standing(nowhere)).is_err());
@@ -433,8 +433,8 @@ mod tests {
             );
         }
         let hardly = 1.0 / 13.0 + f64::EPSILON;
-        let words = refusal(&path(&[segment(hardly, 4.0)]));
-        assert!(words.contains("radius 12.9999999999999"), "{words}");
+        let message = refusal(&path(&[segment(hardly, 4.0)]));
+        assert!(message.contains("radius 12.9999999999999"), "{message}");
     }
 
     #[test]
@@ -446,27 +446,27 @@ mod tests {
         assert!(refusal(&path(&[segment(0.0, 28.0)])).ends_with("from the bush at cell (10, 4), the least is 10 mm"));
         assert!(refusal(&path(&[segment(0.0, -19.05)])).contains(" from the border, the least is 10 mm"));
         let outside = Pose { x: 0.5, ..START };
-        let words = judge().check(outside, START.into(), &Path { start: outside, segments: vec![segment(0.0, 9.0)] });
+        let verdict = judge().check(outside, START.into(), &Path { start: outside, segments: vec![segment(0.0, 9.0)] });
         assert_eq!(
-            words.expect_err("it begins outside").to_string(),
+            verdict.expect_err("it begins outside").to_string(),
             "segment 1 of 1, 0.00 m along, at (0.50, 22.50): 450 mm outside the field, the least is 10 mm"
         );
-        let words = judge().check(outside, outside.into(), &Path::standing(outside)).expect_err("it stands outside");
-        assert!(words.to_string().starts_with("where it stays, at (0.50, 22.50): 450 mm outside"), "{words}");
+        let verdict = judge().check(outside, outside.into(), &Path::standing(outside)).expect_err("it stands outside");
+        assert!(verdict.to_string().starts_with("where it stays, at (0.50, 22.50): 450 mm outside"), "{verdict}");
         let inside = Pose { x: 52.0, ..START };
-        let words = judge().check(inside, START.into(), &Path { start: inside, segments: vec![segment(0.0, 9.0)] });
+        let verdict = judge().check(inside, START.into(), &Path { start: inside, segments: vec![segment(0.0, 9.0)] });
         assert!(
-            words.expect_err("it begins in the bush").to_string().contains(": touching the bush at cell (10, 4), ")
+            verdict.expect_err("it begins in the bush").to_string().contains(": touching the bush at cell (10, 4), ")
         );
     }
 
     #[test]
-    fn what_comes_hardly_too_near_is_told_with_the_digits_that_show_it() {
+    fn what_comes_hardly_too_near_is_reported_with_the_digits_that_show_it() {
         // Beside the bush, whose edge is at y = 25, with half of the body's width.
         let beside = Pose { y: 25.0 + 1.1 + 0.00999, ..START };
         let path = Path { start: beside, segments: vec![segment(0.0, 50.0)] };
-        let words = judge().check(beside, path.end().into(), &path).expect_err("too near").to_string();
-        assert!(words.contains("9.99 mm from the bush at cell (10, 4), the least is 10 mm"), "{words}");
+        let message = judge().check(beside, path.end().into(), &path).expect_err("too near").to_string();
+        assert!(message.contains("9.99 mm from the bush at cell (10, 4), the least is 10 mm"), "{message}");
     }
 
     #[test]

@@ -150,7 +150,7 @@ fn a_disc_without_extent_is_met_with_the_middle_of_the_body() {
 }
 
 #[test]
-fn the_nearest_of_several_discs_is_hardly_farther_than_the_nearest_when_asked_for_each() {
+fn the_nearest_of_several_discs_is_hardly_farther_than_the_nearest_when_queried_for_each() {
     every_planner(|kind| {
         let (mut together_m, mut apart_m) = (0.0, 0.0);
         for seed in 0..4 {
@@ -185,7 +185,7 @@ fn without_a_disc_none_is_the_nearest() {
 }
 
 #[test]
-fn answers_do_not_depend_on_what_was_asked_before() {
+fn answers_do_not_depend_on_previous_queries() {
     every_planner(|kind| {
         for seed in 0..2 {
             let mut field = TestField::random(seed, 40);
@@ -282,8 +282,8 @@ fn failures_have_their_reasons() {
         }
         for goal in [Goal::Pose(court), disc(court, 4.0)] {
             let walled_in = reason(field.start, goal);
-            let is_known = matches!(walled_in, Some(PlanFailure::Disconnected | PlanFailure::BudgetSpent));
-            assert!(is_known, "{kind}: {walled_in:?}");
+            let is_expected = matches!(walled_in, Some(PlanFailure::Disconnected | PlanFailure::BudgetSpent));
+            assert!(is_expected, "{kind}: {walled_in:?}");
         }
     });
 }

@@ -97,7 +97,7 @@ pub use registry::{
     MakeError, NameError, PlannerContext, PlannerFactory, PlannerName, Planners, TruckPlannerKind, TruckPlannerSettings,
 };
 pub use search_recorder::{SearchRecorder, Searched};
-pub use traffic::{BlockedLeg, KnownMotions, find_yield_pose, plan_among, replan_around};
+pub use traffic::{BlockedLeg, PredictedMotions, find_yield_pose, plan_among, replan_around};
 pub use wildfire_base::query::{
     END_M, END_RAD, Effort, FoundBy, Goal, GoalDisc, MAX_SEARCH_EDGES, PlanFailure, SearchGraph, SearchPhase,
 };

@@ -48,14 +48,14 @@ pub struct MemoryMeter(Arc<Counters>);
 struct Counters {
     limit: u64,
     /// Bytes by kind, in the order of [`MemoryKind::ALL`].
-    held: [AtomicU64; MemoryKind::ALL.len()],
+    reserved: [AtomicU64; MemoryKind::ALL.len()],
     is_overrun: AtomicBool,
 }
 
 impl MemoryMeter {
     /// Creates a meter; `limit` is in bytes, for everything together.
     pub fn new(limit: u64) -> Self {
-        Self(Arc::new(Counters { limit, held: Default::default(), is_overrun: AtomicBool::new(false) }))
+        Self(Arc::new(Counters { limit, reserved: Default::default(), is_overrun: AtomicBool::new(false) }))
     }
 
     /// Creates a meter that counts and never refuses.
@@ -69,17 +69,17 @@ impl MemoryMeter {
     }
 
     /// Returns the sum of the bytes that are held.
-    pub fn held(&self) -> u64 {
-        MemoryKind::ALL.into_iter().map(|kind| self.held_by(kind)).sum()
+    pub fn reserved(&self) -> u64 {
+        MemoryKind::ALL.into_iter().map(|kind| self.reserved_by(kind)).sum()
     }
 
-    fn held_by(&self, kind: MemoryKind) -> u64 {
-        self.0.held[kind as usize].load(Ordering::Relaxed)
+    fn reserved_by(&self, kind: MemoryKind) -> u64 {
+        self.0.reserved[kind as usize].load(Ordering::Relaxed)
     }
 
     /// Returns the kind that holds the most, with its bytes, if memory was refused to a holder.
     pub fn overrun(&self) -> Option<(MemoryKind, u64)> {
-        let by_size = MemoryKind::ALL.into_iter().map(|kind| (kind, self.held_by(kind)));
+        let by_size = MemoryKind::ALL.into_iter().map(|kind| (kind, self.reserved_by(kind)));
         self.0.is_overrun.load(Ordering::Relaxed).then(|| by_size.max_by_key(|&(_, bytes)| bytes)).flatten()
     }
 }
@@ -103,7 +103,7 @@ impl MemoryShare {
             return !self.meter.0.is_overrun.load(Ordering::Relaxed);
         }
         let counters = &self.meter.0;
-        let others = self.meter.held() - self.bytes;
+        let others = self.meter.reserved() - self.bytes;
         if others.saturating_add(bytes) > counters.limit {
             counters.is_overrun.store(true, Ordering::Relaxed);
         }
@@ -111,7 +111,7 @@ impl MemoryShare {
             return false;
         }
         // One run is one thread's: nobody counts in between.
-        counters.held[self.kind as usize].fetch_add(bytes - self.bytes, Ordering::Relaxed);
+        counters.reserved[self.kind as usize].fetch_add(bytes - self.bytes, Ordering::Relaxed);
         self.bytes = bytes;
         true
     }
@@ -133,7 +133,7 @@ impl Clone for MemoryShare {
 
 impl Drop for MemoryShare {
     fn drop(&mut self) {
-        self.meter.0.held[self.kind as usize].fetch_sub(self.bytes, Ordering::Relaxed);
+        self.meter.0.reserved[self.kind as usize].fetch_sub(self.bytes, Ordering::Relaxed);
     }
 }
 
@@ -171,15 +171,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn held_memory_is_counted_until_its_holder_is_dropped() {
+    fn reserved_memory_is_counted_until_its_holder_is_dropped() {
         let meter = MemoryMeter::new(100);
         let mut flood = meter.holder(MemoryKind::Floods);
         let mut search = meter.holder(MemoryKind::Searches);
         assert!(flood.cover(60) && search.cover(40) && flood.cover(50));
-        assert_eq!((meter.held(), meter.overrun()), (100, None), "what shrinks keeps its memory");
+        assert_eq!((meter.reserved(), meter.overrun()), (100, None), "what shrinks keeps its memory");
         drop(flood);
         assert!(search.cover(100));
-        assert_eq!((meter.held(), meter.overrun()), (100, None));
+        assert_eq!((meter.reserved(), meter.overrun()), (100, None));
     }
 
     #[test]
@@ -189,12 +189,12 @@ mod tests {
         let mut search = meter.holder(MemoryKind::Searches);
         assert!(flood.cover(70) && search.cover(20));
         assert!(!search.cover(31));
-        assert_eq!((meter.held(), meter.overrun()), (90, Some((MemoryKind::Floods, 70))));
+        assert_eq!((meter.reserved(), meter.overrun()), (90, Some((MemoryKind::Floods, 70))));
         assert!(!search.cover(1) && !flood.cover(71));
     }
 
     #[test]
-    fn the_growth_of_a_list_is_known_before_it_grows() {
+    fn the_growth_of_a_list_is_counted_before_it_grows() {
         let mut list: Vec<u64> = Vec::new();
         for _ in 0..10_000 {
             let foretold = list.bytes_after(3);

@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn answers_do_not_depend_on_what_was_asked_before() {
+    fn answers_do_not_depend_on_previous_queries() {
         let mut field = TestField::random(3, 45);
         let goals: Vec<GoalDisc> = (0..12).map(|_| field.random_goal()).collect();
         let mut forth = Reachability::new(&field.checker, &MemoryMeter::unlimited(), field.start);

@@ -80,7 +80,7 @@ pub struct PlannerContext<'a> {
     /// Ground on which the truck is slow; `None` where it is nowhere.
     pub ground: Option<&'a GroundSpeed>,
     /// The `settings` of the scenario's table `[planner.NAME]`, for a planner that is not built in; else null.
-    pub own: &'a serde_json::Value,
+    pub custom_settings: &'a serde_json::Value,
     /// Returns the truck's own random stream of a name, which is the same in every run of the seed.
     pub stream: &'a dyn Fn(&str) -> Xoshiro256PlusPlus,
     /// The meter to which built-in planners report their growing memory.
@@ -114,8 +114,8 @@ pub struct MakeError(String);
 
 impl MakeError {
     /// Creates an error with these words.
-    pub fn new(words: impl Into<String>) -> Self {
-        Self(words.into())
+    pub fn new(message: impl Into<String>) -> Self {
+        Self(message.into())
     }
 }
 
@@ -203,7 +203,7 @@ pub enum NameError {
 /// Planners by name: the built-in ones, and those that were registered.
 #[derive(Clone, Default)]
 pub struct Planners {
-    own: BTreeMap<PlannerName, Arc<dyn PlannerFactory>>,
+    custom: BTreeMap<PlannerName, Arc<dyn PlannerFactory>>,
 }
 
 impl Planners {
@@ -215,9 +215,9 @@ impl Planners {
         let name = PlannerName::new(name)?;
         match name.built_in() {
             Some(kind) => Err(NameError::BuiltIn(kind)),
-            None if self.own.contains_key(&name) => Err(NameError::Taken(name.into())),
+            None if self.custom.contains_key(&name) => Err(NameError::Taken(name.into())),
             None => {
-                self.own.insert(name, Arc::new(maker));
+                self.custom.insert(name, Arc::new(maker));
                 Ok(self)
             }
         }
@@ -225,12 +225,12 @@ impl Planners {
 
     /// Returns whether there is a planner of this name.
     pub fn knows(&self, name: &PlannerName) -> bool {
-        name.built_in().is_some() || self.own.contains_key(name)
+        name.built_in().is_some() || self.custom.contains_key(name)
     }
 
     /// Lists the names of the planners that are not built in.
-    pub fn own_names(&self) -> impl Iterator<Item = &PlannerName> {
-        self.own.keys()
+    pub fn custom_names(&self) -> impl Iterator<Item = &PlannerName> {
+        self.custom.keys()
     }
 
     /// Makes a planner: a built-in one, whose paths are smoothed if the truck's wheels turn at a limited rate, or a
@@ -246,9 +246,9 @@ impl Planners {
                 None => planner,
             });
         }
-        let Some(maker) = self.own.get(name) else {
-            let words = format!("`{name}` is neither built in nor registered, nor a program that may be started");
-            return Err(MakeError(words));
+        let Some(maker) = self.custom.get(name) else {
+            let message = format!("`{name}` is neither built in nor registered, nor a program that may be started");
+            return Err(MakeError(message));
         };
         Ok(Box::new(ValidatedPlanner::build(maker.as_ref(), context)?))
     }
@@ -256,7 +256,7 @@ impl Planners {
 
 impl fmt::Debug for Planners {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_set().entries(TruckPlannerKind::ALL).entries(self.own.keys()).finish()
+        f.debug_set().entries(TruckPlannerKind::ALL).entries(self.custom.keys()).finish()
     }
 }
 
@@ -330,7 +330,7 @@ impl TruckPlannerKind {
             cost: DriveCost::Length,
             ground: None,
             checker,
-            own: &serde_json::Value::Null,
+            custom_settings: &serde_json::Value::Null,
             stream: &|name| rng::stream(seed, name),
             memory: &MemoryMeter::unlimited(),
             settings: &OwnedSettings::default().all(),
@@ -440,17 +440,17 @@ mod tests {
         assert_eq!(planners.clone().with("mine", maker).err(), Some(NameError::Taken("mine".into())));
         let taken = Planners::default().with("prm-rs", maker).err();
         assert_eq!(taken, Some(NameError::BuiltIn(TruckPlannerKind::PrmRs)));
-        let known = |name: &str| planners.knows(&PlannerName::new(name).expect("it has the form"));
-        assert!(known("mine") && known("lattice") && !known("other"));
+        let is_registered = |name: &str| planners.knows(&PlannerName::new(name).expect("it has the form"));
+        assert!(is_registered("mine") && is_registered("lattice") && !is_registered("other"));
     }
 
     #[test]
     fn every_table_of_settings_is_used_by_a_planner_and_planners_use_no_other() {
         let settings = OwnedSettings::default();
-        let known: Vec<&str> = settings.all().tables().map(|table| table.name).collect();
+        let names: Vec<&str> = settings.all().tables().map(|table| table.name).collect();
         let used: Vec<&str> = TruckPlannerKind::ALL.iter().flat_map(|kind| kind.maker().tables()).copied().collect();
-        assert!(used.iter().all(|name| known.contains(name)), "{used:?} are used of {known:?}");
-        assert!(known.iter().all(|name| used.contains(name)), "{used:?} are used of {known:?}");
+        assert!(used.iter().all(|name| names.contains(name)), "{used:?} are used of {names:?}");
+        assert!(names.iter().all(|name| used.contains(name)), "{used:?} are used of {names:?}");
     }
 
     #[test]

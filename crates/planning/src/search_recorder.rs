@@ -42,21 +42,21 @@ impl SearchRecorder {
         if !self.is_on {
             return;
         }
-        let known = self.graphs.entry(phase).or_default();
+        let recorded = self.graphs.entry(phase).or_default();
         for ends in lines {
-            if known.graph.edges.len() == MAX_SEARCH_EDGES {
+            if recorded.graph.edges.len() == MAX_SEARCH_EDGES {
                 return;
             }
-            let [from, to] = ends.map(|place| known.index_of(place));
-            if from != to && known.edges.insert((from, to)) {
-                known.graph.edges.push((from, to));
+            let [from, to] = ends.map(|place| recorded.index_of(place));
+            if from != to && recorded.edges.insert((from, to)) {
+                recorded.graph.edges.push((from, to));
             }
         }
     }
 
     /// Returns the recorded lines, in the order of the phases.
     pub fn finish(self) -> Vec<Searched> {
-        let graphs = self.graphs.into_iter().map(|(phase, known)| Searched { phase, graph: known.graph });
+        let graphs = self.graphs.into_iter().map(|(phase, recorded)| Searched { phase, graph: recorded.graph });
         graphs.filter(|searched| !searched.graph.places.is_empty()).collect()
     }
 }
@@ -107,14 +107,14 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_wanted_is_not_asked_for() {
+    fn what_is_not_wanted_is_not_requested() {
         let mut recorder = SearchRecorder::new(false);
         recorder.add(SearchPhase::Local, std::iter::once_with(|| unreachable!("nobody asked")));
         assert_eq!(recorder.finish(), []);
     }
 
     #[test]
-    fn the_first_edges_are_kept_and_no_more_is_asked_for() {
+    fn the_first_edges_are_kept_and_no_more_is_requested() {
         let graph = recorded((0..).map(|place| line(f64::from(place), f64::from(place) + 1.0)));
         assert_eq!((graph.edges.len(), graph.places.len()), (MAX_SEARCH_EDGES, MAX_SEARCH_EDGES + 1));
         assert_eq!(graph.edges[0], (0, 1));

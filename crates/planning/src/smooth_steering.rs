@@ -212,8 +212,8 @@ impl Corners<'_> {
 
     /// Returns the path whose own segments have these lengths.
     fn path(&self, lengths_m: &[f64]) -> Path {
-        let own = self.segments.iter().zip(lengths_m).enumerate();
-        let segments = own.flat_map(|(index, (segment, &length_m))| {
+        let arcs = self.segments.iter().zip(lengths_m).enumerate();
+        let segments = arcs.flat_map(|(index, (segment, &length_m))| {
             std::iter::once(Segment { length_m, ..*segment }).chain(self.clothoid(index))
         });
         Path { start: self.start, segments: segments.collect() }
@@ -223,8 +223,8 @@ impl Corners<'_> {
     /// turned about the segment's end.
     fn moves(&self, lengths_m: &[f64], centre: DVec2, lever_m: f64) -> Vec<DVec3> {
         let mut pose = self.start;
-        let own = self.segments.iter().zip(lengths_m).enumerate();
-        let columns = own.map(|(index, (segment, &length_m))| {
+        let arcs = self.segments.iter().zip(lengths_m).enumerate();
+        let columns = arcs.map(|(index, (segment, &length_m))| {
             pose = Segment { length_m, ..*segment }.end(pose);
             let by = pose.direction() + (centre - pose.position()).perp() * segment.curvature;
             pose = self.clothoid(index).fold(pose, |pose, arc| arc.end(pose));

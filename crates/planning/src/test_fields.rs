@@ -86,7 +86,7 @@ impl TestField {
             cost: DriveCost::Length,
             ground: None,
             checker: &self.checker,
-            own: &serde_json::Value::Null,
+            custom_settings: &serde_json::Value::Null,
             stream: &stream,
             memory: &memory,
             settings: &settings.all(),

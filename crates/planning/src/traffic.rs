@@ -57,12 +57,12 @@ pub fn find_yield_pose(
     start: Pose,
     mut may_stand: impl FnMut(Pose) -> bool,
 ) -> Option<Path> {
-    let own_m = checker.clearance(start);
-    if own_m <= 0.0 {
+    let start_clearance_m = checker.clearance(start);
+    if start_clearance_m <= 0.0 {
         return None;
     }
     CLEARANCES_M.into_iter().find_map(|clearance_m| {
-        let profile = ClearanceProfile::new(clearance_m, [(start, own_m)]);
+        let profile = ClearanceProfile::new(clearance_m, [(start, start_clearance_m)]);
         let mut space = YieldSpace { checker, profile, may_stand: &mut may_stand };
         let mut search = PoseSearch::new(checker.body(), LATTICE, &MemoryMeter::unlimited());
         search.begin(&mut space, [start], ());
@@ -71,7 +71,7 @@ pub fn find_yield_pose(
 }
 
 /// Other bodies whose motions are known for all time.
-pub trait KnownMotions {
+pub trait PredictedMotions {
     /// Returns true if a body keeps clear of them on a segment from `from` between two times, in seconds.
     fn leave_free(&self, from: Pose, segment: Segment, seconds: [f64; 2]) -> bool;
 
@@ -104,7 +104,7 @@ const TIMED_WEIGHT: f64 = 1.3;
 /// Speeds are those of `speed`; where it limits acceleration, times are estimates, and the caller tests the drive.
 pub fn plan_among(
     checker: &CollisionChecker,
-    others: &dyn KnownMotions,
+    others: &dyn PredictedMotions,
     blocked: BlockedLeg<'_>,
     speed: &SpeedLimits,
     disc: GoalDisc,
@@ -120,13 +120,13 @@ pub fn plan_among(
         let metres = leg.distance_m(leaves_at);
         let (mut kept, _) = path.split_at(metres);
         let start = kept.end();
-        let own_m = checker.clearance(start);
-        if own_m <= 0.0 {
+        let start_clearance_m = checker.clearance(start);
+        if start_clearance_m <= 0.0 {
             continue;
         }
         // From a standstill it takes longer to be as fast as the search assumes.
         let lag_s = if metres > 0.0 { 0.0 } else { lag_s(speed, speed.acceleration_mps2) };
-        let profile = ClearanceProfile::new(CLEARANCES_M[0], [(start, own_m)]);
+        let profile = ClearanceProfile::new(CLEARANCES_M[0], [(start, start_clearance_m)]);
         let mut space = TimedSpace { checker, profile, others, speed, disc, cusp_s };
         search.begin(&mut space, [start], leaves_at.as_seconds() + lag_s);
         let found = search.run(&mut space, MAX_TIMED_EXPANSIONS);
@@ -148,7 +148,7 @@ fn lag_s(speed: &SpeedLimits, rate_mps2: Option<f64>) -> f64 {
 struct TimedSpace<'a> {
     checker: &'a CollisionChecker,
     profile: ClearanceProfile,
-    others: &'a dyn KnownMotions,
+    others: &'a dyn PredictedMotions,
     speed: &'a SpeedLimits,
     disc: GoalDisc,
     /// The time that a change of direction takes.
@@ -171,7 +171,7 @@ impl SearchSpace for TimedSpace<'_> {
     /// The time at which it is reached, in seconds.
     type Mark = f64;
     /// A motion of the lattice.
-    type Own = u8;
+    type Custom = u8;
 
     fn has_room(&mut self, _: &mut SearchOf<Self>) -> bool {
         true
@@ -199,7 +199,7 @@ impl SearchSpace for TimedSpace<'_> {
             let turns_back = node.turns_back(motion.is_reverse());
             let cost = node.cost + self.seconds(motion, turns_back) + if turns_back { CUSP_S } else { 0.0 };
             let to_go = self.beyond_m(motion.end(node.pose)).max(0.0) / self.speed.forward_mps;
-            search.push(cost + self.weight() * to_go, cost, from.node, Step::Own(index as u8));
+            search.push(cost + self.weight() * to_go, cost, from.node, Step::Custom(index as u8));
         }
     }
 
@@ -214,7 +214,7 @@ impl SearchSpace for TimedSpace<'_> {
         let pose = motion.end(start);
         let reverse = motion.is_reverse();
         let seconds = [begins_s, begins_s + self.seconds(motion, node.turns_back(reverse))];
-        if search.is_known(pose, reverse, from.cost)
+        if search.is_dominated(pose, reverse, from.cost)
             || !self.motion_is_free(start, motion)
             || !self.others.leave_free(start, motion, seconds)
         {
@@ -238,7 +238,7 @@ struct YieldSpace<'a, F> {
 
 impl<F: FnMut(Pose) -> bool> SearchSpace for YieldSpace<'_, F> {
     type Mark = ();
-    type Own = Never;
+    type Custom = Never;
 
     const IS_UNINFORMED: bool = true;
 
@@ -271,8 +271,8 @@ impl<F: FnMut(Pose) -> bool> SearchSpace for YieldSpace<'_, F> {
         self.profile.motion_is_free(self.checker, from, motion)
     }
 
-    fn take(&mut self, _: &mut SearchOf<Self>, _: Candidate<Never>, own: Never) -> Option<u32> {
-        match own {}
+    fn take(&mut self, _: &mut SearchOf<Self>, _: Candidate<Never>, never: Never) -> Option<u32> {
+        match never {}
     }
 
     fn is_goal(&mut self, pose: Pose) -> bool {
@@ -314,7 +314,7 @@ mod tests {
         opens_s: f64,
     }
 
-    impl KnownMotions for Gate {
+    impl PredictedMotions for Gate {
         fn leave_free(&self, from: Pose, segment: Segment, [begins_s, _]: [f64; 2]) -> bool {
             let x = |pose: Pose| self.body.body_centre(pose).x;
             begins_s >= self.opens_s || (x(from) < 60.0 && x(segment.end(from)) < 60.0)

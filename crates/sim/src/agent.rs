@@ -238,7 +238,7 @@ impl Agent {
         queue: &mut SimQueue,
         recorder: &mut Recorder,
     ) {
-        self.rest(now, RestReason::Chosen, recorder);
+        self.rest(now, RestReason::PolicyWait, recorder);
         if let Some(until) = until {
             queue.push_for(until.max(now + SHORTEST_WAIT), AgentEvent::Decision, self.wake(entity));
         }

@@ -200,7 +200,7 @@ fn setting(
             suppression_dwell: SimTime::from_seconds(scenario.suppression.dwell_s),
             extinguishes_all: Some(scenario.suppression.extinguishes == Extinguishes::AllInReach),
             fire: scenario.fire.recorded_rules(),
-            relight: scenario.fire.relight,
+            reignition: scenario.fire.relight,
             score_wumpus_ignited: scenario.score.wumpus_ignited,
             score_wumpus_burned_out: scenario.score.wumpus_burned_out,
             score_truck_extinguished: scenario.score.truck_extinguished,

@@ -18,7 +18,7 @@ use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::{SpeedLimits, Trajectory};
 use wildfire_base::vehicle::Dimensions;
 use wildfire_base::vehicle::Segment;
-use wildfire_planning::KnownMotions;
+use wildfire_planning::PredictedMotions;
 use wildfire_planning::collision::{CollisionChecker, MIN_CLEARANCE_M, MovingBody, first_conflict, gap_between};
 use wildfire_timeline::AgentId;
 
@@ -277,7 +277,7 @@ const LOOKS: u32 = 4;
 /// Metres besides [`MARGIN_M`] that a body keeps at these instants: from others that move, and from others that stand.
 const EXTRA_M: [f64; 2] = [0.3, 0.05];
 
-impl KnownMotions for MotionsOfOthers<'_> {
+impl PredictedMotions for MotionsOfOthers<'_> {
     fn leave_free(&self, from: Pose, segment: Segment, [begins_s, ends_s]: [f64; 2]) -> bool {
         let swept = SweptBox::standing(self.body, from).widened(segment.length_m.abs() + EXTRA_M[0]);
         self.traffic.others().filter(|other| other.swept.is_near(&swept)).all(|other| {

@@ -107,7 +107,7 @@ impl Trigger {
                 (matches!(agent.activity, Activity::Resting(_)), AgentEvent::Replan)
             }
             (Self::ChangeWhileWaiting, TriggerEvent::Ignition(_) | TriggerEvent::FireOver(_)) => {
-                (agent.activity == Activity::Resting(RestReason::Chosen), AgentEvent::Replan)
+                (agent.activity == Activity::Resting(RestReason::PolicyWait), AgentEvent::Replan)
             }
             (Self::ChangeForTeam { replans }, TriggerEvent::Ignition(_) | TriggerEvent::FireOver(_)) => {
                 let is_woken = agent.is_free() || agent.is_relocating(now) || replans && agent.is_under_way();

@@ -353,7 +353,7 @@ fn light(
             Turn { entity, agent, wumpus, now, queue: &mut queue, recorder: &mut recorder }.give_up(goal);
         } else {
             agent.reconsider(wake.agent, clock.0, &mut queue);
-            queue.push(clock.0, Due::Cell(CellEvent::Ignite { cell: goal, cause: Cause::Lit(agent.id) }));
+            queue.push(clock.0, Due::Cell(CellEvent::Ignite { cell: goal, cause: Cause::Agent(agent.id) }));
         }
     }
 }

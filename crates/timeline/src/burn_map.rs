@@ -94,10 +94,10 @@ impl<'a> BurnMap<'a> {
     }
 
     /// Iterates over cells that an agent or the scenario lit, by cell index.
-    pub fn lit(&self) -> impl Iterator<Item = Cell> + '_ {
+    pub fn sources(&self) -> impl Iterator<Item = Cell> + '_ {
         let cells = self.ignitions.iter().enumerate();
-        let lit = cells.filter(|(_, ignition)| ignition.is_some_and(|(_, cause)| cause.parent().is_none()));
-        lit.map(|(index, _)| self.setting.frame.cell(index))
+        let sources = cells.filter(|(_, ignition)| ignition.is_some_and(|(_, cause)| cause.parent().is_none()));
+        sources.map(|(index, _)| self.setting.frame.cell(index))
     }
 
     /// Returns the arrival time of fire at each cell, in seconds from the start of the run.
@@ -167,7 +167,7 @@ impl SpreadSetting {
             Cause::Spread(parent) => {
                 fire.front_normal_rate_mps(front_direction(&landscape.frame, (cell, time, parent), ignited_at))
             }
-            Cause::Spotted(_) | Cause::Lit(_) | Cause::Scheduled => fire.rate_mps,
+            Cause::Spotted(_) | Cause::Agent(_) | Cause::Scheduled => fire.rate_mps,
         };
         Some(Front { intensity_kw_m: fire.intensity_kw_m(rate_mps), heat_kj_m2: fire.heat_kj_m2() })
     }
@@ -283,7 +283,7 @@ mod tests {
         let behavior = map.behavior().expect("there is ground");
         let at = |values: &[f64], col, row| values[FRAME.index(Cell { col, row })];
         assert_eq!(map.burned(), FRAME.cell_count());
-        assert_eq!(map.lit().collect::<Vec<_>>(), [START]);
+        assert_eq!(map.sources().collect::<Vec<_>>(), [START]);
         assert!(at(&behavior.intensity_kw_m, 15, 20).is_nan(), "the first cell was lit");
         assert!(behavior.fire_type.iter().all(|&kind| kind == 0.0), "there are no trees");
         let head = fire.intensity_kw_m(fire.rate_mps);

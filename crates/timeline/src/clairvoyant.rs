@@ -40,8 +40,8 @@ const MAX_EXAMINED: usize = 1 << 24;
 /// can burn again, or where a recording does not say what trucks can do.
 pub fn min_loss(timeline: &Timeline) -> Option<u32> {
     let setting = &timeline.setting;
-    let fire = setting.rules.fire.filter(|fire| !fire.relight)?;
-    if setting.spread.is_some() || setting.rules.relight {
+    let fire = setting.rules.fire.filter(|fire| !fire.reignition)?;
+    if setting.spread.is_some() || setting.rules.reignition {
         return None;
     }
     let trucks = setting.agents.iter().filter(|agent| agent.id.role == Role::Unimog).map(|start| {
@@ -51,7 +51,7 @@ pub fn min_loss(timeline: &Timeline) -> Option<u32> {
         Some(TruckBound { start: centre, speed_mps: limits.forward_mps.max(limits.reverse_mps), swing_m })
     });
     let trucks = trucks.collect::<Option<Vec<TruckBound>>>()?;
-    let acts = lit_by_somebody(timeline);
+    let acts = source_ignitions(timeline);
     if trucks.is_empty() {
         let caught = timeline.events.iter().filter(|event| matches!(event.fact, Fact::Fire(FireFact::Ignited { .. })));
         return Some(caught.count() as u32);
@@ -62,12 +62,12 @@ pub fn min_loss(timeline: &Timeline) -> Option<u32> {
 }
 
 /// Lists what was lit, by Wumpuses and the scenario, in order of time.
-fn lit_by_somebody(timeline: &Timeline) -> Vec<(usize, SimTime)> {
-    let lit = timeline.events.iter().filter_map(|event| match event.fact.ignition()? {
-        (cell, Cause::Lit(_) | Cause::Scheduled) => Some((timeline.setting.bush_index(cell)?, event.time)),
+fn source_ignitions(timeline: &Timeline) -> Vec<(usize, SimTime)> {
+    let ignitions = timeline.events.iter().filter_map(|event| match event.fact.ignition()? {
+        (cell, Cause::Agent(_) | Cause::Scheduled) => Some((timeline.setting.bush_index(cell)?, event.time)),
         _ => None,
     });
-    lit.collect()
+    ignitions.collect()
 }
 
 /// A truck as far as it limits what can be saved.
@@ -86,7 +86,7 @@ struct Job {
     /// Its place among the bushes.
     bush: usize,
     place: DVec2,
-    lit: SimTime,
+    ignited: SimTime,
     /// The earliest time at which it may burn in any world: it may catch fire before it is lit.
     burns_from_s: f64,
     /// When it is burned out, or the run over, in any world.
@@ -97,13 +97,13 @@ struct Job {
 
 impl Job {
     /// Returns whether it is certain that it is lit, and has not caught fire before.
-    fn is_lit_for_sure(&self) -> bool {
+    fn is_surely_ignited(&self) -> bool {
         self.burns_from_s == f64::INFINITY
     }
 
     /// The earliest time at which it may burn, lit or caught.
     fn first_burns_s(&self) -> f64 {
-        self.burns_from_s.min(self.lit.as_seconds())
+        self.burns_from_s.min(self.ignited.as_seconds())
     }
 }
 
@@ -139,29 +139,29 @@ impl<'a> Limits<'a> {
 
     /// True if what is lit ever sets anything on fire: burn-out comes before spread.
     fn spreads(&self) -> bool {
-        self.fire.lit_spreads && self.fire.burn_out.is_none_or(|span| span > self.fire.spread_delay)
+        self.fire.sources_spread && self.fire.burn_out.is_none_or(|span| span > self.fire.spread_delay)
     }
 
     fn jobs(&self, acts: &[(usize, SimTime)]) -> Vec<Job> {
         let place = |bush: usize| self.setting.frame.centre(self.setting.bushes[bush]);
         let delay_s = self.fire.spread_delay.as_seconds();
         // Fire goes from one to another in steps of the radius at most, each after the delay, if what caught fire spreads on.
-        let arrives_s = |from: DVec2, lit: SimTime, to: DVec2| {
+        let arrives_s = |from: DVec2, ignited: SimTime, to: DVec2| {
             let steps = ((to - from).length() / self.fire.spread_radius_m - RADIUS_TOLERANCE).ceil().max(1.0);
             let is_possible = self.spreads() && (steps <= 1.0 || self.fire.caught_spreads);
-            if is_possible { lit.as_seconds() + steps * delay_s } else { f64::INFINITY }
+            if is_possible { ignited.as_seconds() + steps * delay_s } else { f64::INFINITY }
         };
         let places: Vec<DVec2> = acts.iter().map(|&(bush, _)| place(bush)).collect();
         let is_small = acts.len() <= MAX_CHAINED;
         let job = |number: usize| {
-            let (bush, lit) = acts[number];
+            let (bush, ignited) = acts[number];
             // What is lit later spreads later, so only those before matter; of too many it is taken for granted that they do.
             let before = (0..number).map(|other| arrives_s(places[other], acts[other].1, places[number]));
             let first_s = if is_small { before.fold(f64::INFINITY, f64::min) } else { f64::NEG_INFINITY };
-            let burns_from_s = if first_s <= lit.as_seconds() + TOLERANCE_S { first_s } else { f64::INFINITY };
+            let burns_from_s = if first_s <= ignited.as_seconds() + TOLERANCE_S { first_s } else { f64::INFINITY };
             let place = places[number];
             let arrival_s = self.first_arrival_s(places[number]);
-            Job { bush, place, lit, burns_from_s, due_s: self.due_s(lit), arrival_s }
+            Job { bush, place, ignited, burns_from_s, due_s: self.due_s(ignited), arrival_s }
         };
         (0..acts.len()).map(job).collect()
     }
@@ -190,16 +190,16 @@ impl<'a> Limits<'a> {
         let mut due: BinaryHeap<Reverse<(SimTime, bool, usize)>> = BinaryHeap::new();
         for job in jobs {
             jobs_of.insert(job.bush, job);
-            due.push(Reverse((job.lit, true, job.bush)));
+            due.push(Reverse((job.ignited, true, job.bush)));
         }
         let mut caught = BTreeSet::new();
         let mut lost = 0;
         let mut examined = 0;
-        while let Some(Reverse((now, is_lit, bush))) = due.pop() {
+        while let Some(Reverse((now, is_source, bush))) = due.pop() {
             if now > self.setting.rules.duration || examined > MAX_EXAMINED {
                 break;
             }
-            let ignited: Vec<usize> = if is_lit { vec![bush] } else { self.within_radius(bush, &mut examined) };
+            let ignited: Vec<usize> = if is_source { vec![bush] } else { self.within_radius(bush, &mut examined) };
             for bush in ignited {
                 if !caught.insert(bush) {
                     continue;
@@ -210,8 +210,8 @@ impl<'a> Limits<'a> {
                     lost += u32::from(arrival_s + self.dwell_s > self.due_s(now) + TOLERANCE_S);
                 }
                 // Where only what was lit spreads, it does not if in another world it has caught fire before.
-                let goes_on = if is_lit {
-                    self.fire.caught_spreads || jobs_of.get(&bush).is_some_and(|job| job.is_lit_for_sure())
+                let goes_on = if is_source {
+                    self.fire.caught_spreads || jobs_of.get(&bush).is_some_and(|job| job.is_surely_ignited())
                 } else {
                     self.fire.caught_spreads
                 };
@@ -350,7 +350,7 @@ mod tests {
     use wildfire_base::rng;
 
     /// Fires that were lit at these times, on a field of 1 km under the rules of the contest.
-    fn lit(trucks: &[(f64, f64)], acts: &[(f64, (u16, u16))], bushes: &[(u16, u16)]) -> Timeline {
+    fn with_fires(trucks: &[(f64, f64)], acts: &[(f64, (u16, u16))], bushes: &[(u16, u16)]) -> Timeline {
         let ids: Vec<AgentId> = (0..trucks.len()).map(|number| AgentId::unimog(number as u16)).collect();
         let mut setting = small_setting(&ids);
         setting.frame = FieldFrame { cols: 200, rows: 200, cell_m: 5.0 };
@@ -360,10 +360,10 @@ mod tests {
         setting.rules.fire = Some(FireRules {
             spread_delay: SimTime::from_seconds(10.0),
             spread_radius_m: 30.0,
-            lit_spreads: true,
+            sources_spread: true,
             caught_spreads: false,
             burn_out: Some(SimTime::from_seconds(60.0)),
-            relight: false,
+            reignition: false,
         });
         for (agent, &(x, y)) in setting.agents.iter_mut().zip(trucks) {
             agent.pose = Pose::new(x, y, 0.0);
@@ -377,7 +377,7 @@ mod tests {
     #[test]
     fn what_no_truck_can_reach_in_time_is_lost_with_what_it_sets_on_fire() {
         let neighbours = [(180, 181), (186, 180), (187, 180)];
-        let far = |time_s: f64| min_loss(&lit(&[(20.0, 20.0)], &[(time_s, (180, 180))], &neighbours));
+        let far = |time_s: f64| min_loss(&with_fires(&[(20.0, 20.0)], &[(time_s, (180, 180))], &neighbours));
         assert_eq!(far(0.0), Some(3), "1.2 km take longer than a minute; one bush lies beyond 30 m");
         assert_eq!(far(200.0), Some(0), "a truck that knows is there by then");
         // From about 154 s on a truck can be there: too late for what was lit, in time for some or all of its neighbours.
@@ -387,15 +387,15 @@ mod tests {
     #[test]
     fn one_truck_cannot_be_at_two_places_at_once() {
         let acts = [(500.0, (10, 10)), (500.0, (190, 190))];
-        assert_eq!(min_loss(&lit(&[(500.0, 500.0)], &acts, &[])), Some(1));
-        assert_eq!(min_loss(&lit(&[(500.0, 500.0), (510.0, 500.0)], &acts, &[])), Some(0));
+        assert_eq!(min_loss(&with_fires(&[(500.0, 500.0)], &acts, &[])), Some(1));
+        assert_eq!(min_loss(&with_fires(&[(500.0, 500.0), (510.0, 500.0)], &acts, &[])), Some(0));
         let apart = [(500.0, (10, 10)), (700.0, (190, 190))];
-        assert_eq!(min_loss(&lit(&[(500.0, 500.0)], &apart, &[])), Some(0));
+        assert_eq!(min_loss(&with_fires(&[(500.0, 500.0)], &apart, &[])), Some(0));
     }
 
     #[test]
     fn without_trucks_all_is_lost() {
-        let timeline = lit(&[], &[(1.0, (10, 10)), (2.0, (50, 50))], &[(90, 90)]);
+        let timeline = with_fires(&[], &[(1.0, (10, 10)), (2.0, (50, 50))], &[(90, 90)]);
         assert_eq!(min_loss(&timeline), Some(2));
         assert_eq!(Outcome::new(&timeline).burned(), 2);
     }
@@ -445,7 +445,7 @@ mod tests {
                     free_s + travel_s((job.place - place).length() - limits.reach_m, reacher.speed_mps)
                 }
             };
-            let out_s = arrives_s.max(job.lit.as_seconds()) + limits.dwell_s;
+            let out_s = arrives_s.max(job.ignited.as_seconds()) + limits.dwell_s;
             if out_s <= job.due_s {
                 let rest = max_saved(limits, jobs, truck, Some((job.place, out_s)), taken | (1 << number));
                 max = max.max(1 + rest);
@@ -470,7 +470,7 @@ mod tests {
                     acts.push((time_s, cell));
                 }
             }
-            let timeline = lit(trucks, &acts, &[]);
+            let timeline = with_fires(trucks, &acts, &[]);
             let bound = min_loss(&timeline).expect("the rules are those of the radius");
             let reachers = timeline.setting.agents.iter().map(|start| TruckBound {
                 start: start.body.centre(start.pose),
@@ -479,7 +479,7 @@ mod tests {
             });
             let fire = timeline.setting.rules.fire.expect("it is set");
             let limits = Limits::new(&timeline.setting, fire, reachers.collect());
-            let jobs = limits.jobs(&lit_by_somebody(&timeline));
+            let jobs = limits.jobs(&source_ignitions(&timeline));
             let loss = 5 - max_saved(&limits, &jobs, 0, None, 0);
             assert!(bound <= loss, "{bound} > {loss}: {trucks:?} {acts:?}");
             (bound_sum, loss_sum) = (bound_sum + bound, loss_sum + loss);

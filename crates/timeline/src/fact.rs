@@ -17,7 +17,7 @@ use wildfire_base::trajectory::Trajectory;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
     /// The agent that lit it.
-    Lit(AgentId),
+    Agent(AgentId),
     /// The burning cell that it caught fire from. Where several burning cells reach it, that is the one whose spread
     /// comes due first; of those due at one instant, the one that was scheduled first, which is the one that itself
     /// caught fire earlier. Recordings of every format hold it.
@@ -42,7 +42,8 @@ pub enum RestReason {
     /// A truck whose planner failed on all fires, if no other planner takes over.
     NoPlan,
     /// Its policy chose to wait although it has options; it stands, and is not stuck.
-    Chosen,
+    #[serde(rename = "Chosen")]
+    PolicyWait,
     /// A truck whose tank is too empty for a stop, and that finds no path to water.
     NoWater,
     /// A truck when all that burns is too hot for its pump, or takes more water than its tank holds.
@@ -59,7 +60,7 @@ impl fmt::Display for RestReason {
             Self::NothingReachable => "nothing reachable",
             Self::LocalMinima => "local minima wherever it goes",
             Self::NoPlan => "no plan for anything that burns",
-            Self::Chosen => "its policy lets it wait",
+            Self::PolicyWait => "its policy lets it wait",
             Self::NoWater => "no way to water",
             Self::TooHot => "all that burns is too hot for its water",
             Self::NotReady => "not ready yet",
@@ -121,7 +122,7 @@ impl GroundEvent {
     /// Returns the agent that lit, extinguished or wetted the cell, if any.
     pub fn agent(&self) -> Option<AgentId> {
         match self.fact {
-            GroundFact::Ignited(Cause::Lit(by)) | GroundFact::Extinguished { by } | GroundFact::Wetted { by, .. } => {
+            GroundFact::Ignited(Cause::Agent(by)) | GroundFact::Extinguished { by } | GroundFact::Wetted { by, .. } => {
                 Some(by)
             }
             GroundFact::Ignited(_) | GroundFact::Cleared { .. } => None,
@@ -223,7 +224,7 @@ impl Fact {
         match *self {
             Self::Agent(agent, _)
             | Self::Fire(
-                FireFact::Ignited { cause: Cause::Lit(agent), .. } | FireFact::Extinguished { by: agent, .. },
+                FireFact::Ignited { cause: Cause::Agent(agent), .. } | FireFact::Extinguished { by: agent, .. },
             ) => Some(agent),
             Self::Fire(_) | Self::Ended { .. } => None,
         }
@@ -257,7 +258,7 @@ impl Cause {
     pub fn parent(self) -> Option<Cell> {
         match self {
             Self::Spread(from) | Self::Spotted(from) => Some(from),
-            Self::Lit(_) | Self::Scheduled => None,
+            Self::Agent(_) | Self::Scheduled => None,
         }
     }
 }

@@ -427,12 +427,12 @@ mod tests {
     }
 
     #[test]
-    fn extinguished_bushes_keep_a_wumpus_busy_only_where_they_can_be_lit_again() {
+    fn extinguished_bushes_keep_a_wumpus_busy_only_where_they_can_ignite_again() {
         let mut events: Vec<_> = [A, B, C, sample::D].map(|cell| at(0.0, ignited(cell))).into();
         events.push(at(40.0, Fact::Fire(FireFact::Extinguished { cell: A, by: TRUCK })));
         let mut timeline = run(&[WUMPUS, TRUCK], events);
         assert_eq!(Outcome::new(&timeline).wumpus_stuck_s, 0.0);
-        timeline.setting.rules.relight = true;
+        timeline.setting.rules.reignition = true;
         assert_eq!(Outcome::new(&timeline).wumpus_stuck_s, 60.0);
     }
 
@@ -453,7 +453,7 @@ mod tests {
             at(4.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: A, water_units: 1 })),
             at(9.0, Fact::Fire(FireFact::Extinguished { cell: A, by: TRUCK })),
             at(9.0, ignited(B)),
-            at(9.0, Fact::Agent(TRUCK, AgentFact::Rested { reason: RestReason::Chosen })),
+            at(9.0, Fact::Agent(TRUCK, AgentFact::Rested { reason: RestReason::PolicyWait })),
             at(20.0, Fact::Ended { reason: EndReason::Duration }),
         ];
         let truck = &Outcome::new(&run(&[TRUCK], events)).agents[0];

@@ -212,7 +212,7 @@ mod tests {
     /// Finds what the last fact about a bush says, without a replay.
     fn bush_by_scanning(timeline: &Timeline, bush: Cell, time: SimTime) -> BushState {
         let past = timeline.events.iter().rev().filter(|event| event.time <= time);
-        let told = |event: &Event| match event.fact {
+        let reported = |event: &Event| match event.fact {
             Fact::Fire(FireFact::Ignited { cell, .. }) if cell == bush => {
                 Some(BushState::Burning { since: event.time })
             }
@@ -220,7 +220,7 @@ mod tests {
             Fact::Fire(FireFact::Extinguished { cell, .. }) if cell == bush => Some(BushState::Extinguished),
             _ => None,
         };
-        past.filter_map(told).next().unwrap_or(BushState::Intact)
+        past.filter_map(reported).next().unwrap_or(BushState::Intact)
     }
 
     /// Pose and speed by the last leg begun, and whether the agent moves along it.
@@ -299,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_told_by_hand_passes_through_these_states() {
+    fn a_run_written_by_hand_passes_through_these_states() {
         let timeline = sample::by_hand();
         let story = |time_s: f64| {
             let agents = timeline.state_at(seconds(time_s)).agents;

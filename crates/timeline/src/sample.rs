@@ -41,10 +41,10 @@ pub const LIMITS: SpeedLimits = SpeedLimits {
 const FIRE: FireRules = FireRules {
     spread_delay: SimTime::from_nanos(10_000_000_000),
     spread_radius_m: 30.0,
-    lit_spreads: true,
+    sources_spread: true,
     caught_spreads: false,
     burn_out: Some(SimTime::from_nanos(60_000_000_000)),
-    relight: false,
+    reignition: false,
 };
 
 pub fn seconds(seconds: f64) -> SimTime {
@@ -103,7 +103,7 @@ pub fn small_setting(agents: &[AgentId]) -> Setting {
             suppression_dwell: seconds(5.0),
             extinguishes_all: Some(false),
             fire: Some(FIRE),
-            relight: false,
+            reignition: false,
             score_wumpus_ignited: 1.0,
             score_wumpus_burned_out: 1.0,
             score_truck_extinguished: 2.0,
@@ -139,7 +139,7 @@ pub fn by_hand() -> Timeline {
         at(0.0, Fact::Agent(WUMPUS, AgentFact::OutOfReach { cells: vec![C] })),
         at(0.0, planned(WUMPUS, A, first_walk.clone())),
         at(0.0, Fact::Agent(TRUCK, AgentFact::Rested { reason: RestReason::NothingBurns })),
-        at(10.0, Fact::Fire(FireFact::Ignited { cell: A, cause: Cause::Lit(WUMPUS) })),
+        at(10.0, Fact::Fire(FireFact::Ignited { cell: A, cause: Cause::Agent(WUMPUS) })),
         at(10.0, planned(WUMPUS, B, leg(10.0, first_walk.end(), 2.0, &[20.0]))),
         at(10.0, planned(TRUCK, A, first_drive.clone())),
         at(15.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: A, water_units: 1 })),
@@ -235,7 +235,7 @@ pub fn on_ground() -> Timeline {
         fact(30.0, goal, GroundFact::Extinguished { by: TRUCK }),
         fact(30.0, cell(6, 3), GroundFact::Wetted { until: seconds(60.0), by: TRUCK }),
         fact(30.0, B, GroundFact::Wetted { until: seconds(60.0), by: TRUCK }),
-        fact(40.0, cell(0, 9), GroundFact::Ignited(Cause::Lit(WUMPUS))),
+        fact(40.0, cell(0, 9), GroundFact::Ignited(Cause::Agent(WUMPUS))),
         fact(44.0, cell(5, 9), GroundFact::Ignited(Cause::Spotted(cell(0, 9)))),
         spread(50.0, goal, cell(7, 5)),
         // Farther than directions reach, and out of the order of cell indices.
@@ -401,7 +401,7 @@ impl World {
             Due::WumpusArrives => {
                 let goal = self.goals[0].take().expect("it walked to a goal");
                 if self.bush(goal) == BushState::Intact {
-                    self.ignite(goal, Cause::Lit(WUMPUS));
+                    self.ignite(goal, Cause::Agent(WUMPUS));
                     self.queue.push(self.now + seconds(10.0), 2, (0, Due::Spread(goal)));
                 }
                 self.wumpus_decides();

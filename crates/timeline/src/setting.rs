@@ -56,7 +56,8 @@ pub struct Rules {
     pub extinguishes_all: Option<bool>,
     /// The rules of spread and burn-out; `None` if the recording does not include them.
     pub fire: Option<FireRules>,
-    pub relight: bool,
+    #[serde(rename = "relight")]
+    pub reignition: bool,
     pub score_wumpus_ignited: f64,
     pub score_wumpus_burned_out: f64,
     pub score_truck_extinguished: f64,

@@ -194,7 +194,7 @@ fn of_run(
         values: vec![(String::new(), values)],
         shown: Vec::new(),
         without_value: "not burned",
-        ignitions: map.lit().collect(),
+        ignitions: map.sources().collect(),
         burnable: None,
         setting: setting.clone(),
         place,

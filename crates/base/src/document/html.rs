@@ -42,7 +42,7 @@ impl Document {
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <title>{title}</title>\n<style>{STYLE}</style>\n{heading}"
         );
-        let mut page = Page { text, sections: sections(&self.blocks), begun: 0 };
+        let mut page = Page { text, sections: sections(&self.blocks), started: 0 };
         page.push_blocks(&self.blocks);
         page.text + "</html>\n"
     }
@@ -80,8 +80,8 @@ fn sections(blocks: &[Block]) -> Vec<Section<'_>> {
 
 /// Letters and digits of a heading, with hyphens for what is between them.
 fn id_of(heading: &str) -> String {
-    let words = heading.split(|letter: char| !letter.is_alphanumeric()).filter(|word| !word.is_empty());
-    let id = words.collect::<Vec<_>>().join("-").to_lowercase();
+    let parts = heading.split(|letter: char| !letter.is_alphanumeric()).filter(|word| !word.is_empty());
+    let id = parts.collect::<Vec<_>>().join("-").to_lowercase();
     if id.is_empty() { "section".into() } else { id }
 }
 
@@ -90,7 +90,7 @@ struct Page<'a> {
     text: String,
     sections: Vec<Section<'a>>,
     /// The number of sections that have begun.
-    begun: usize,
+    started: usize,
 }
 
 impl Page<'_> {
@@ -98,9 +98,9 @@ impl Page<'_> {
         for block in blocks {
             match block {
                 Block::Heading(line) => {
-                    let id = &self.sections[self.begun].id;
+                    let id = &self.sections[self.started].id;
                     self.text.push_str(&format!("<h2 id=\"{id}\">{}</h2>\n", escaped(line)));
-                    self.begun += 1;
+                    self.started += 1;
                 }
                 Block::Contents => {
                     let links: String = self

@@ -111,11 +111,11 @@ impl LatexBlocks {
 
     /// The table's own caption, without the number that LaTeX gives it, or else the heading above and its first column.
     fn caption(&self, table: &Table) -> String {
-        let own = table.caption.as_deref().map(|caption| {
+        let captioned = table.caption.as_deref().map(|caption| {
             let numbered = caption.strip_prefix("TABLE ").and_then(|rest| rest.split_once(". "));
-            numbered.map_or(caption, |(_, words)| words).to_owned()
+            numbered.map_or(caption, |(_, text)| text).to_owned()
         });
-        own.unwrap_or_else(|| {
+        captioned.unwrap_or_else(|| {
             let first = table.whole_headings().next().unwrap_or_default();
             [self.section.as_str(), &first].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(": ")
         })
@@ -125,10 +125,10 @@ impl LatexBlocks {
     fn label(&mut self, caption: &str) -> String {
         const MAX_LETTERS: usize = 40;
         let plain = caption.to_lowercase().replace(|letter: char| !letter.is_ascii_alphanumeric(), "-");
-        let words: Vec<&str> = plain.split('-').filter(|word| !word.is_empty()).collect();
-        let joined: String = words.join("-").chars().take(MAX_LETTERS).collect();
+        let parts: Vec<&str> = plain.split('-').filter(|word| !word.is_empty()).collect();
+        let joined: String = parts.join("-").chars().take(MAX_LETTERS).collect();
         let label = format!("tab:{}", joined.trim_end_matches('-'));
-        let same = self.labels.iter().filter(|known| **known == label).count();
+        let same = self.labels.iter().filter(|existing| **existing == label).count();
         self.labels.push(label.clone());
         if same == 0 { label } else { format!("{label}-{}", same + 1) }
     }
@@ -208,8 +208,8 @@ mod tests {
         assert_eq!(text, expected);
         text.clear();
         (0..2).for_each(|_| blocks.push_table(&mut text, &table));
-        for words in ["\\caption{Runs: Run}\\label{tab:runs-run}", "\\label{tab:runs-run-2}"] {
-            assert!(text.contains(words), "{words}: {text}");
+        for expected_part in ["\\caption{Runs: Run}\\label{tab:runs-run}", "\\label{tab:runs-run-2}"] {
+            assert!(text.contains(expected_part), "{expected_part}: {text}");
         }
     }
 
@@ -225,8 +225,8 @@ mod tests {
     fn nothing_from_a_file_becomes_a_command() {
         let latex = filled("\\input{x} $y_1^2$ 5% & #a ~b [c]").to_latex();
         assert!(!latex.contains("\\input"), "{latex}");
-        let own =
+        let escaped =
             "\\textbackslash{}input\\{x\\} \\$y\\_1\\textasciicircum{}2\\$ 5\\% \\& \\#a \\textasciitilde{}b {[}c{]}";
-        assert_eq!(latex.matches(own).count(), 14, "everywhere but between ties: {latex}");
+        assert_eq!(latex.matches(escaped).count(), 14, "everywhere but between ties: {latex}");
     }
 }

@@ -149,20 +149,20 @@ mod tests {
 
     /// A document with the same text in every place that takes any.
     pub fn filled(text: &str) -> Document {
-        let own = || text.to_owned();
-        let table = Table { caption: Some(own()), ..Table::new(&[text], vec![vec![own()]]) };
+        let copy = || text.to_owned();
+        let table = Table { caption: Some(copy()), ..Table::new(&[text], vec![vec![copy()]]) };
         Document::new(text).with([
-            Block::Heading(own()),
+            Block::Heading(copy()),
             Block::Contents,
-            Block::Text(own()),
-            Block::List(vec![own()]),
-            Block::Links(vec![(own(), own())]),
-            Block::Terms(vec![(own(), own())]),
+            Block::Text(copy()),
+            Block::List(vec![copy()]),
+            Block::Links(vec![(copy(), copy())]),
+            Block::Terms(vec![(copy(), copy())]),
             Block::Table(table),
-            Block::Verbatim(own()),
-            Block::Figure(Figure { svg: String::new(), file: Some(own()), more_files: Vec::new() }),
-            Block::Image { caption: own(), png: Vec::new() },
-            Block::Folded(own(), vec![Block::Text(own())]),
+            Block::Verbatim(copy()),
+            Block::Figure(Figure { svg: String::new(), file: Some(copy()), more_files: Vec::new() }),
+            Block::Image { caption: copy(), png: Vec::new() },
+            Block::Folded(copy(), vec![Block::Text(copy())]),
         ])
     }
 
@@ -179,12 +179,12 @@ mod tests {
     #[test]
     fn drawings_without_files_and_contents_are_for_pages_only() {
         let alone = Figure { svg: "<svg/>".into(), file: None, more_files: Vec::new() };
-        let words = || Document::new("title").with([Block::Text("words".into())]);
-        let with_figure = words().with([Block::Contents, Block::Figure(alone)]);
+        let document = || Document::new("title").with([Block::Text("words".into())]);
+        let with_figure = document().with([Block::Contents, Block::Figure(alone)]);
         assert!(with_figure.to_html().contains("<svg/>"));
-        assert_eq!(with_figure.to_text(), words().to_text());
-        assert_eq!(with_figure.to_markdown(), words().to_markdown());
-        assert_eq!(with_figure.to_latex(), words().to_latex());
+        assert_eq!(with_figure.to_text(), document().to_text());
+        assert_eq!(with_figure.to_markdown(), document().to_markdown());
+        assert_eq!(with_figure.to_latex(), document().to_latex());
     }
 
     #[test]

@@ -85,16 +85,16 @@ pub fn wrapped(text: &str, width: usize) -> Vec<String> {
 /// Does the same, and begins every line but the first with an indent.
 fn hanging(text: &str, width: usize, indent: &str) -> Vec<String> {
     let mut lines = vec![String::new()];
-    let mut is_begun = false;
+    let mut has_text = false;
     for word in text.split([' ', '\n']) {
         let line = lines.last_mut().expect("there is one always");
-        if is_begun && line.chars().count() + 1 + word.chars().count() > width {
+        if has_text && line.chars().count() + 1 + word.chars().count() > width {
             lines.push(format!("{indent}{word}"));
         } else {
-            line.push_str(if is_begun { " " } else { "" });
+            line.push_str(if has_text { " " } else { "" });
             line.push_str(word);
         }
-        is_begun = true;
+        has_text = true;
     }
     lines
 }
@@ -153,13 +153,13 @@ impl Table {
 mod tests {
     use super::*;
 
-    fn words(words: &[&str]) -> Vec<String> {
-        words.iter().map(|&word| word.to_owned()).collect()
+    fn cells(cells: &[&str]) -> Vec<String> {
+        cells.iter().map(|&word| word.to_owned()).collect()
     }
 
     #[test]
     fn tables_are_aligned_and_ruled() {
-        let rows = vec![words(&["1", "10.5", "3"]), words(&["Mean", "7", "-"])];
+        let rows = vec![cells(&["1", "10.5", "3"]), cells(&["Mean", "7", "-"])];
         let table = Table { rules_before: vec![1], ..Table::new(&["Run", "Reacha-\nbility", "Sum"], rows) };
         let expected =
             "     Reacha-\nRun   bility Sum\n----------------\n1       10.5   3\n----------------\nMean       7   -\n";
@@ -174,7 +174,7 @@ mod tests {
         let table = Table::new(&["N"], vec![vec!["1".into()]]).with_caption("TABLE I.");
         let document = Document::new("T").with([
             Block::Text("One <two>.".into()),
-            Block::List(words(&["A", "B"])),
+            Block::List(cells(&["A", "B"])),
             terms,
             table.into(),
         ]);

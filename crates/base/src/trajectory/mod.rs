@@ -246,8 +246,8 @@ impl Trajectory {
         }
         let progress = self.progress_at(until);
         let whole = progress.map_or(self.pieces.len(), |progress| progress.index);
-        let begun = progress.map_or(0.0, |progress| self.pieces[progress.index].covered_m(progress.elapsed_s));
-        self.pieces[..whole].iter().map(Piece::length_m).sum::<f64>() + begun
+        let partial_m = progress.map_or(0.0, |progress| self.pieces[progress.index].covered_m(progress.elapsed_s));
+        self.pieces[..whole].iter().map(Piece::length_m).sum::<f64>() + partial_m
     }
 
     /// Changes between forward and reverse over the whole trajectory.

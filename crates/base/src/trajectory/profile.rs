@@ -93,7 +93,7 @@ impl Paced {
 
 /// Returns the pieces of the fastest drive along segments.
 pub(super) fn fastest_pieces(segments: impl Iterator<Item = Paced>, limits: &SpeedLimits) -> Vec<Piece> {
-    let segments: Vec<Paced> = segments.filter(|own| own.segment.length_m != 0.0).collect();
+    let segments: Vec<Paced> = segments.filter(|paced| paced.segment.length_m != 0.0).collect();
     let mut pieces = Vec::with_capacity(segments.len());
     // The curvature for which the front wheels stand.
     let mut wheels = 0.0;

@@ -21,8 +21,8 @@ impl Trajectory {
             return self.clone();
         }
         let mut pieces = self.pieces[..progress.index].to_vec();
-        let begun = self.pieces[progress.index].until(progress.elapsed_s);
-        pieces.extend(begun);
+        let partial = self.pieces[progress.index].until(progress.elapsed_s);
+        pieces.extend(partial);
         if let Some(braking) = limits.braking_mps2 {
             self.brake(progress, braking, &mut pieces);
         }

@@ -62,7 +62,7 @@ impl Default for Dimensions {
 
 crate::ranges! { Dimensions {
     length_m: 0.1..=100.0, width_m: 0.1..=100.0, turning_radius_m: 0.1..=10_000.0, steering_rate_deg_s: 1.0..=1000.0,
-} and |own, _| own.check_body() }
+} and |dimensions, _| dimensions.check_body() }
 
 impl Dimensions {
     /// Checks that the axles are under the body, and that its steering reaches its turning radius.

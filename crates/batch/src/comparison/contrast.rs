@@ -162,8 +162,8 @@ impl Contrast {
         let interval = self.interval.map(|Interval { low, high }| (low, high));
         let number = |value| rounded(value, decimals);
         let ends = interval.map_or_else(String::new, |(low, high)| format!(" ({} to {})", number(low), number(high)));
-        let words = format!("{}{ends}", number(self.difference));
-        ForestRow { name, difference: Some(Estimate { value: self.difference, interval }), words, is_significant }
+        let text = format!("{}{ends}", number(self.difference));
+        ForestRow { name, difference: Some(Estimate { value: self.difference, interval }), text, is_significant }
     }
 }
 

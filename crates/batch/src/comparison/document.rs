@@ -173,7 +173,7 @@ fn forest(against: &ComparisonToA) -> Block {
         };
         ForestRow {
             difference: row.difference.filter(|_| *mean_a != 0.0).map(in_percent),
-            words: format!("{}{unit}{of_zero}", row.words),
+            text: format!("{}{unit}{of_zero}", row.text),
             ..row
         }
     };

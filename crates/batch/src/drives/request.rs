@@ -63,7 +63,7 @@ pub fn ask_all<'a>(problems: &'a [Problem], question: &AttemptSettings<'_>) -> R
 /// Returns changes of a scenario that declare the registered planners and policies.
 pub fn own_names(registry: &CustomRegistry) -> impl Iterator<Item = String> {
     let CustomRegistry { planners, policies, .. } = registry;
-    let planners = planners.own_names().map(|name| format!("planner.\"{name}\".command=[]"));
+    let planners = planners.custom_names().map(|name| format!("planner.\"{name}\".command=[]"));
     planners.chain(policies.custom_names().map(|name| format!("policy.\"{name}\".command=[]")))
 }
 

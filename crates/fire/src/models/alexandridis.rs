@@ -183,8 +183,8 @@ impl Alexandridis {
 
     /// Lets a fire burn by itself that begins in these cells, all lit at time 0, for at most this number of steps. Returns
     /// the last step in which a cell caught fire, 0 if none did.
-    pub fn burn_alone(&self, fires: &mut FireField, lit: &[Cell], steps: u32) -> u32 {
-        let mut burning: Vec<Cell> = lit.to_vec();
+    pub fn burn_alone(&self, fires: &mut FireField, ignited: &[Cell], steps: u32) -> u32 {
+        let mut burning: Vec<Cell> = ignited.to_vec();
         burning.retain(|&cell| fires.ignite(cell, SimTime::ZERO, true).is_some());
         let (mut now, mut last_step) = (SimTime::ZERO, 0);
         for step in 1..=steps {

@@ -62,9 +62,9 @@ impl FireModel for Radius {
         change: FireChange,
         expected: &mut Vec<(SimTime, FireEvent)>,
     ) {
-        let FireChange::Ignited { cell, lit } = change else { return };
+        let FireChange::Ignited { cell, is_source } = change else { return };
         let episode = fires.episode(cell);
-        if if lit { self.rules.lit_spreads } else { self.rules.caught_spreads } {
+        if if is_source { self.rules.sources_spread } else { self.rules.caught_spreads } {
             let arrival = FireEvent::Arrival(Arrival { cell, revision: episode });
             expected.push((now + self.rules.spread_delay, arrival));
         }
@@ -99,10 +99,10 @@ mod tests {
         FireRules {
             spread_delay: SimTime::from_seconds(10.0),
             spread_radius_m: 30.0,
-            lit_spreads: true,
+            sources_spread: true,
             caught_spreads: false,
             burn_out: Some(SimTime::from_seconds(60.0)),
-            relight: false,
+            reignition: false,
         }
     }
 
@@ -151,26 +151,26 @@ mod tests {
     }
 
     #[test]
-    fn only_what_was_lit_spreads_under_the_rules_of_the_report() {
-        let lit = Cell { col: 0, row: 0 };
+    fn only_sources_spread_under_the_rules_of_the_report() {
+        let source = Cell { col: 0, row: 0 };
         let caught = Cell { col: 1, row: 0 };
         let mut model = Radius::new(&FRAME, rules());
-        let mut fires = FireField::new(FRAME, &[lit, caught], false);
+        let mut fires = FireField::new(FRAME, &[source, caught], false);
         let now = SimTime::from_seconds(100.0);
         let mut expected = Vec::new();
-        for (cell, is_lit) in [(lit, true), (caught, false)] {
-            let change = fires.ignite(cell, now, is_lit).expect("it is intact");
+        for (cell, is_source) in [(source, true), (caught, false)] {
+            let change = fires.ignite(cell, now, is_source).expect("it is intact");
             model.follow(&fires, now, change, &mut expected);
         }
-        let spreads = Arrival { cell: lit, revision: 1 };
+        let spreads = Arrival { cell: source, revision: 1 };
         let burn_out = SimTime::from_seconds(160.0);
         let wanted = [
             (SimTime::from_seconds(110.0), FireEvent::Arrival(spreads)),
-            (burn_out, FireEvent::BurnOut { cell: lit, episode: 1 }),
+            (burn_out, FireEvent::BurnOut { cell: source, episode: 1 }),
             (burn_out, FireEvent::BurnOut { cell: caught, episode: 1 }),
         ];
         assert_eq!(expected, wanted);
-        fires.extinguish(lit);
+        fires.extinguish(source);
         assert_eq!(model.arrive(&fires, SimTime::from_seconds(110.0), spreads, &mut expected), [], "it burns no more");
     }
 }

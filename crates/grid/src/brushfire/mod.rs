@@ -56,11 +56,11 @@ pub fn brushfire_into(occupied: &Grid<bool>, connectivity: Connectivity, values:
         return false;
     }
     let far_rows = BandSweep::<u8>::new(occupied, connectivity).run(rows, values);
-    let is_known = far_rows == 0 || BandSweep::<i16>::new(occupied, connectivity).run(far_rows, values) == 0;
-    if !is_known {
+    let is_complete = far_rows == 0 || BandSweep::<i16>::new(occupied, connectivity).run(far_rows, values) == 0;
+    if !is_complete {
         values.values_mut().fill(0);
     }
-    is_known
+    is_complete
 }
 
 /// The working memory of the two sweeps over a map.
@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_kept_map_held_does_not_matter() {
+    fn what_a_kept_map_contained_does_not_matter() {
         let mut rng = rng::stream(3, "grid/brushfire");
         let mut kept = Grid::filled(1, 1, 9);
         for rows in [70, 70, 70, 69, 40, 40, 40, 1] {

@@ -79,8 +79,8 @@ impl<T: StepCount> DistanceRow<T> {
     }
 
     /// Lowers distances by a step from the row before, where that is less.
-    pub fn step_and_join(&mut self, before: &Self, connectivity: Connectivity, known: &Self) {
-        self.step(before, connectivity, known.cells(), T::min);
+    pub fn step_and_join(&mut self, before: &Self, connectivity: Connectivity, current: &Self) {
+        self.step(before, connectivity, current.cells(), T::min);
     }
 
     fn step<U: Copy>(&mut self, before: &Self, connectivity: Connectivity, beside: &[U], join: impl Fn(T, U) -> T) {

@@ -43,9 +43,9 @@ pub(super) fn check_decoded(decoded: u64, limit: u64, bytes: u64, (rows, cols): 
 /// in words alone.
 pub(super) fn damaged(error: ImageError) -> Fault {
     let message = error.to_string();
-    let words = message.to_lowercase();
+    let text = message.to_lowercase();
     let is_of_unknown_kind = matches!(error, ImageError::Unsupported(_))
-        || ["unsupported", "not supported", "unimplemented"].iter().any(|known| words.contains(known));
+        || ["unsupported", "not supported", "unimplemented"].iter().any(|phrase| text.contains(phrase));
     if is_of_unknown_kind { Fault::Unread { format: "image", reason: message } } else { Fault::Image { message } }
 }
 

@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn obstacles_lighter_than_the_tolerance_are_told_of() {
+    fn obstacles_lighter_than_the_tolerance_are_reported() {
         let auto = Reading { tolerance: Tolerance::Auto, inverted: false };
         let light = [(5, 76), (5, 150), (90, 255)];
         let advice = "With --tolerance auto, 202, 10.0 % of the cells would be occupied instead of 0.0 %.";

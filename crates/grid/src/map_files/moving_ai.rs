@@ -40,8 +40,8 @@ fn read_header<R: BufRead>(lines: &mut TextLines<R>) -> Result<(usize, usize), F
         let Some(line) = line else {
             return Err(fault("the file ends before a line `map`".to_owned()));
         };
-        let words: Vec<&str> = line.split_ascii_whitespace().collect();
-        match words[..] {
+        let tokens: Vec<&str> = line.split_ascii_whitespace().collect();
+        match tokens[..] {
             ["type", _] => {}
             ["height", number] if rows.is_none() => rows = Some(side(number).map_err(fault)?),
             ["width", number] if cols.is_none() => cols = Some(side(number).map_err(fault)?),

@@ -100,10 +100,10 @@ mod tests {
                     centre.saturating_add(rng.random_range(0..spread))
                 })
                 .collect();
-            let Some(chosen) = threshold(&grey) else { continue };
+            let Some(selected) = threshold(&grey) else { continue };
             let low = *grey.iter().min().expect("some");
             let high = *grey.iter().max().expect("some");
-            let within = variance_within(&grey, chosen);
+            let within = variance_within(&grey, selected);
             assert!((low..high).all(|other| within <= variance_within(&grey, other) + 1e-6), "{grey:?}");
         }
     }

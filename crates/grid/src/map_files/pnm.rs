@@ -108,7 +108,10 @@ impl PnmHeader {
                 "TUPLTYPE" => tuple_type = format!("{tuple_type} {}", value.trim()),
                 _ if name.is_empty() || name.starts_with('#') => {}
                 _ => {
-                    let number = NUMBERS.iter().position(|known| *known == name).zip(value.trim().parse::<u32>().ok());
+                    let number = NUMBERS
+                        .iter()
+                        .position(|number_name| *number_name == name)
+                        .zip(value.trim().parse::<u32>().ok());
                     let Some((place, number)) = number.filter(|&(place, _)| numbers[place].is_none()) else {
                         let message = format!("its header has `{}`; expected one number each for", visible_start(line));
                         return Err(bad_header(&format!("{message} {}", NUMBERS.join(", "))));

@@ -264,7 +264,7 @@ fn boxed_kind(start: &[u8]) -> Option<&'static str> {
     }
     let length = start.first_chunk().map_or(0, |length| u32::from_be_bytes(*length) as usize);
     let brands = start.get(8..length.min(start.len())).unwrap_or_default();
-    let has = |known: &[&[u8]]| brands.chunks_exact(4).any(|brand| known.contains(&brand));
+    let has = |expected: &[&[u8]]| brands.chunks_exact(4).any(|brand| expected.contains(&brand));
     Some(if has(&[b"avif", b"avis"]) {
         "an AVIF image, which an image editor can save as PNG"
     } else if has(&[b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"msf1"]) {

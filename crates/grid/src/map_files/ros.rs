@@ -73,7 +73,7 @@ fn key_of(part: &[u8]) -> Option<&'static str> {
     } else {
         key
     };
-    KEYS.into_iter().find(|known| key == known.as_bytes())
+    KEYS.into_iter().find(|name| key == name.as_bytes())
 }
 
 impl RosMap {
@@ -151,16 +151,16 @@ const SWITCH: &str = "0 or 1";
 struct Entry {
     key: String,
     line: usize,
-    words: Option<Vec<String>>,
+    parts: Option<Vec<String>>,
     is_list: bool,
 }
 
 impl Entry {
     fn unlike(&self, expected: &str) -> Fault {
-        let found = match &self.words {
-            Some(words) if self.is_list => format!("[{}]", words.join(", ")),
-            Some(words) if words.concat().is_empty() => "empty".to_owned(),
-            Some(words) => words.concat(),
+        let found = match &self.parts {
+            Some(parts) if self.is_list => format!("[{}]", parts.join(", ")),
+            Some(parts) if parts.concat().is_empty() => "empty".to_owned(),
+            Some(parts) => parts.concat(),
             None => "a value with parts".to_owned(),
         };
         let message = format!("`{}` is {}; expected {expected}", self.key, visible_start(&found));
@@ -168,7 +168,7 @@ impl Entry {
     }
 
     fn word(&self, expected: &str) -> Result<&str, Fault> {
-        match self.words.as_deref() {
+        match self.parts.as_deref() {
             Some([word]) if !self.is_list && !word.is_empty() => Ok(word),
             _ => Err(self.unlike(expected)),
         }
@@ -179,8 +179,8 @@ impl Entry {
     }
 
     fn numbers(&self, expected: &str) -> Result<[f64; 3], Fault> {
-        let words = self.words.as_deref().filter(|_| self.is_list).unwrap_or_default();
-        let numbers: Option<Vec<f64>> = words.iter().map(|word| finite(word)).collect();
+        let parts = self.parts.as_deref().filter(|_| self.is_list).unwrap_or_default();
+        let numbers: Option<Vec<f64>> = parts.iter().map(|word| finite(word)).collect();
         numbers.and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| self.unlike(expected))
     }
 }
@@ -215,7 +215,7 @@ impl Entries {
                         let message = format!("`{}` stands twice; expected it once", visible_start(&word));
                         return Err(Fault::Line { line, message });
                     }
-                    entries.push(Entry { key: word.into_owned(), line, words: Some(Vec::new()), is_list: false });
+                    entries.push(Entry { key: word.into_owned(), line, parts: Some(Vec::new()), is_list: false });
                     is_key = false;
                 }
                 Event::MappingStart(..) | Event::SequenceStart(..) | Event::Scalar(..) | Event::Alias(_) => {
@@ -225,10 +225,10 @@ impl Entries {
                     };
                     match event {
                         Event::Scalar(word, ..) => {
-                            entry.words.iter_mut().for_each(|words| words.push(word.to_string()));
+                            entry.parts.iter_mut().for_each(|parts| parts.push(word.to_string()));
                         }
                         Event::SequenceStart(..) if depth == 1 => entry.is_list = true,
-                        _ => entry.words = None,
+                        _ => entry.parts = None,
                     }
                     depth += usize::from(opens);
                     is_key = depth == 1;

@@ -139,9 +139,9 @@ impl TileRecord<&mut [u32; LENGTH]> {
 fn lower(line: &mut [u32; SIDE], arrivals: &SideSteps) -> SideSteps {
     let mut improvements = [FAR; SIDE];
     for ((improvement, word), &arrival) in improvements.iter_mut().zip(line).zip(arrivals) {
-        let known = *word as i32;
-        *improvement = far_if(arrival >= known, arrival);
-        *word = arrival.min(known) as u32;
+        let current = *word as i32;
+        *improvement = far_if(arrival >= current, arrival);
+        *word = arrival.min(current) as u32;
     }
     improvements
 }

@@ -62,10 +62,10 @@ impl<'a> Tiles<'a> {
 
     /// Lets what is known along a tile's sides from `level` on run through it.
     fn flood<M: Moves>(&mut self, tile: Place, index: usize, level: i32) -> Sides {
-        let known = self.first[index];
+        let previous = self.first[index];
         // Not again the levels before an improvement that comes too late for their window.
-        let joins = level < known.saturating_add(SPAN as i32);
-        let first = if joins { known.min(level) } else { level };
+        let joins = level < previous.saturating_add(SPAN as i32);
+        let first = if joins { previous.min(level) } else { level };
         let record = self.records.get(tile);
         let (free, arrivals) = (record.free(), record.sides());
         let mut sides = arrivals;
@@ -81,7 +81,7 @@ impl<'a> Tiles<'a> {
         let mut record = self.records.get_mut(tile);
         record.set_sides(&sides);
         self.first[index] = match only {
-            Some((first, codes)) if windows == 1 && joins && known != OFTEN => {
+            Some((first, codes)) if windows == 1 && joins && previous != OFTEN => {
                 self.records.set_codes(tile, &codes);
                 first
             }

@@ -59,11 +59,11 @@ pub struct BoxSeries {
 impl BoxChart {
     /// Lists what it shows, the values of each box in ascending order.
     pub fn rows(&self) -> impl Iterator<Item = ChartRow<'_>> {
-        let boxes = self.panels.iter().flat_map(|panel| panel.boxes.iter().map(|own| (panel.name.as_str(), own)));
-        boxes.flat_map(|(panel, own)| {
-            own.values.iter().map(move |&value| ChartRow {
+        let boxes = self.panels.iter().flat_map(|panel| panel.boxes.iter().map(|series| (panel.name.as_str(), series)));
+        boxes.flat_map(|(panel, series)| {
+            series.values.iter().map(move |&value| ChartRow {
                 panel,
-                series: &own.name,
+                series: &series.name,
                 x: String::new(),
                 value,
                 interval: None,
@@ -74,10 +74,10 @@ impl BoxChart {
     /// Draws the panels on as many sheets of this width, in units, as they take.
     pub fn draw(&self, width: f32) -> Vec<Drawing> {
         let boxes = || self.panels.iter().flat_map(|panel| &panel.boxes);
-        let widest = boxes().map(|own| width_of(&own.name, LABEL)).fold(0.0, f32::max);
+        let widest = boxes().map(|series| width_of(&series.name, LABEL)).fold(0.0, f32::max);
         let left = widest.min(WIDEST_NAME) + 12.0;
         let places = self.places();
-        let ends = boxes().flat_map(|own| own.values.first().into_iter().chain(own.values.last()));
+        let ends = boxes().flat_map(|series| series.values.first().into_iter().chain(series.values.last()));
         let scale = AxisScale::around(ends.map(|&end| (places.of(end), places.of(end))));
         let max_rows = self.panels.iter().map(|panel| panel.boxes.len()).max().unwrap_or(0).max(1);
         let sheets = sheets(&self.panels, |panel| &panel.name, (ROWS / max_rows).max(1));
@@ -102,7 +102,7 @@ impl BoxChart {
     }
 
     fn places(&self) -> Places {
-        let values = self.panels.iter().flat_map(|panel| &panel.boxes).flat_map(|own| &own.values);
+        let values = self.panels.iter().flat_map(|panel| &panel.boxes).flat_map(|series| &series.values);
         let min = values.copied().filter(|value| *value > 0.0).fold(f64::INFINITY, f64::min);
         if self.is_logarithmic { Places::Logarithmic { min: min.min(f64::MAX) } } else { Places::Linear }
     }
@@ -146,20 +146,20 @@ fn draw_panel(drawing: &mut Drawing, axis: &Axis, panel: &BoxPanel) {
         Places::Linear => plot.draw_x_axis(drawing, axis.scale),
         Places::Logarithmic { .. } => plot.draw_log_x_axis(drawing, axis.scale),
     }
-    for (index, own) in panel.boxes.iter().enumerate() {
+    for (index, series) in panel.boxes.iter().enumerate() {
         let middle = plot.top + (index as f32 + 0.5) * ROW;
         let name_at = (plot.left - 10.0, middle + 0.5 * LABEL);
-        drawing.text(&fitted(&own.name, WIDEST_NAME, LABEL), name_at, Align::Right, LABEL, INK);
-        match own.quartiles {
-            Some(quartiles) => draw_box(drawing, axis, middle, own, quartiles),
+        drawing.text(&fitted(&series.name, WIDEST_NAME, LABEL), name_at, Align::Right, LABEL, INK);
+        match series.quartiles {
+            Some(quartiles) => draw_box(drawing, axis, middle, series, quartiles),
             None => drawing.text("no drive", (plot.left + 8.0, name_at.1), Align::Left, LABEL, INK),
         }
     }
     plot.draw_base(drawing);
 }
 
-fn draw_box(drawing: &mut Drawing, axis: &Axis, middle: f32, own: &BoxSeries, [lower, median, upper]: [f64; 3]) {
-    let (low, high) = whiskers(&own.values, lower, upper);
+fn draw_box(drawing: &mut Drawing, axis: &Axis, middle: f32, series: &BoxSeries, [lower, median, upper]: [f64; 3]) {
+    let (low, high) = whiskers(&series.values, lower, upper);
     let half = 0.5 * BOX;
     for (from, to) in [(low, lower), (upper, high)] {
         drawing.line(vec![(axis.x(from), middle), (axis.x(to), middle)], 1.4, INK);
@@ -170,16 +170,16 @@ fn draw_box(drawing: &mut Drawing, axis: &Axis, middle: f32, own: &BoxSeries, [l
     // A box of no width can still be seen.
     let left = axis.x(lower);
     let right = axis.x(upper).max(axis.x(lower) + 2.0);
-    own.style.fill_rect(drawing, (left, middle - half), (right, middle + half));
+    series.style.fill_rect(drawing, (left, middle - half), (right, middle + half));
     let at = axis.x(median);
     for (width, colour) in [(4.0, PAPER), (1.8, INK)] {
         drawing.line(vec![(at, middle - half - 2.0), (at, middle + half + 2.0)], width, colour);
     }
     let mut last = f32::NEG_INFINITY;
-    for &value in own.values.iter().filter(|value| **value < low || **value > high) {
+    for &value in series.values.iter().filter(|value| **value < low || **value > high) {
         let at = axis.x(value);
         if at - last >= POINT {
-            own.style.mark(drawing, (at, middle), 1.8);
+            series.style.mark(drawing, (at, middle), 1.8);
             last = at;
         }
     }
@@ -209,11 +209,11 @@ mod tests {
 
     fn chart(is_logarithmic: bool) -> BoxChart {
         let values: Vec<f64> = (1..=1000).map(|index| 1e-3 * f64::from(index * index)).collect();
-        let own = |name: &str, values: Vec<f64>| {
+        let series = |name: &str, values: Vec<f64>| {
             let quartiles = values.get(values.len() / 2).map(|median| [0.5 * median, *median, 1.5 * median]);
             BoxSeries { name: name.into(), style: STYLES[0], values, quartiles }
         };
-        let boxes = vec![own("one", values), own("none", Vec::new()), own("two", vec![2.0, 2.0])];
+        let boxes = vec![series("one", values), series("none", Vec::new()), series("two", vec![2.0, 2.0])];
         let panels = ["a", "b"].map(|name| BoxPanel { name: name.into(), boxes: boxes.clone() }).to_vec();
         BoxChart { titles: Titles::default(), is_logarithmic, panels }
     }

@@ -25,7 +25,7 @@ const MAX_OF_ROOM: f32 = 0.7;
 /// The reach of marks and whiskers to either side.
 const MARK: f32 = 5.0;
 /// The most places of marks that are the ticks of their axis; among more, round values are.
-const MAX_CHOSEN: usize = 12;
+const MAX_MARK_TICKS: usize = 12;
 
 /// Curves in pairs of axes, which are the same in all panels.
 #[derive(Clone, Debug, PartialEq)]
@@ -123,19 +123,19 @@ impl CurveChart {
     }
 
     /// Ticks where the marks of all panels are; `None` if these are too many, or there are none.
-    fn chosen_ticks(&self) -> Option<Vec<Tick>> {
+    fn mark_ticks(&self) -> Option<Vec<Tick>> {
         let points = self.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
         let mut places: Vec<f64> = points.map(|&(x, _)| x).filter(|x| x.is_finite()).collect();
         places.sort_by(f64::total_cmp);
         places.dedup();
-        let are_few = self.spread != Spread::Bands && (1..=MAX_CHOSEN).contains(&places.len());
+        let are_few = self.spread != Spread::Bands && (1..=MAX_MARK_TICKS).contains(&places.len());
         are_few.then(|| places.into_iter().map(tick_at).collect())
     }
 
     fn draw_panel(&self, drawing: &mut Drawing, axes: &Axes, panel: &CurvePanel) {
         draw_panel_name(drawing, &axes.plot, LEFT, &panel.name);
         axes.plot.draw_y_axis(drawing, axes.y);
-        match self.chosen_ticks() {
+        match self.mark_ticks() {
             Some(ticks) => axes.plot.draw_x_ticks(drawing, axes.x, &ticks),
             None => axes.plot.draw_x_axis(drawing, axes.x),
         }

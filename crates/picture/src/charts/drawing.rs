@@ -172,7 +172,7 @@ pub const CLASSES: [(Rgb, &str); 4] = [(INK, "ink"), (NOTE_INK, "note"), (FAINT_
 /// Writes the colour of an attribute, and its class if it has one.
 fn painted(attribute: &str, colour: Rgb) -> String {
     let [red, green, blue] = colour;
-    let class = CLASSES.iter().find(|(known, _)| *known == colour);
+    let class = CLASSES.iter().find(|(class_colour, _)| *class_colour == colour);
     let class = class.map_or_else(String::new, |(_, class)| format!(" class=\"{class}\""));
     format!(" {attribute}=\"#{red:02x}{green:02x}{blue:02x}\"{class}")
 }

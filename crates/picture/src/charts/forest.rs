@@ -32,7 +32,7 @@ pub struct ForestRow {
     /// The difference and its interval; `None` where it cannot be given in the unit of the axis.
     pub difference: Option<Estimate>,
     /// Words to the right of it, such as the same in its own unit.
-    pub words: String,
+    pub text: String,
     /// True if there is evidence of a difference: the mark is filled.
     pub is_significant: bool,
 }
@@ -51,8 +51,8 @@ impl ForestChart {
             self.rows.iter().map(|row| width_of(text(row), LABEL)).fold(0.0, f32::max).min(max)
         };
         let of_names = widest(|row| &row.name, WIDEST_NAME * width);
-        let of_words = widest(|row| &row.words, WIDEST_TEXT * width - of_names);
-        let (left, right) = (of_names + GAP, of_words + GAP);
+        let of_texts = widest(|row| &row.text, WIDEST_TEXT * width - of_names);
+        let (left, right) = (of_names + GAP, of_texts + GAP);
         let height = ROW * self.rows.len().max(1) as f32;
         let layout =
             SheetLayout { titles: &self.titles, swatch: Swatch::Bar, key: Vec::new(), width, left, right, height };
@@ -68,7 +68,7 @@ impl ForestChart {
                 rule(&mut drawing, &plot, middle - 0.5 * ROW);
             }
             draw_text(&mut drawing, &row.name, of_names, (plot.left - GAP, middle), Align::Right);
-            draw_text(&mut drawing, &row.words, of_words, (plot.right + GAP, middle), Align::Left);
+            draw_text(&mut drawing, &row.text, of_texts, (plot.right + GAP, middle), Align::Left);
             draw_difference(&mut drawing, &plot, scale, middle, row);
         }
         plot.draw_base(&mut drawing);
@@ -119,7 +119,7 @@ mod tests {
         let row = |value: f64, is_significant| ForestRow {
             name: "a metric with a long name".into(),
             difference: Some(Estimate { value, interval: Some((value - 2.0, value + 3.0)) }),
-            words: "5 (3 to 8)".into(),
+            text: "5 (3 to 8)".into(),
             is_significant,
         };
         let without = ForestRow { difference: None, ..row(0.0, false) };
@@ -127,7 +127,7 @@ mod tests {
         let drawing = ForestChart { titles: Titles::default(), rows }.draw(SCREEN_WIDTH);
         let lines = |width: f32| {
             let lines = drawing.marks.iter().filter_map(move |mark| match mark {
-                DrawingMark::Line { points, width: own, .. } if *own == width => Some(points.clone()),
+                DrawingMark::Line { points, width: stroke, .. } if *stroke == width => Some(points.clone()),
                 _ => None,
             });
             lines.collect::<Vec<_>>()
@@ -161,7 +161,7 @@ mod tests {
             let row = ForestRow {
                 name: name.into(),
                 difference: Some(Estimate { value: -0.68, interval: Some((-1.46, 0.11)) }),
-                words: "-0.68 (-1.46 to 0.11)".into(),
+                text: "-0.68 (-1.46 to 0.11)".into(),
                 is_significant: false,
             };
             let drawing = ForestChart { titles: Titles::default(), rows: vec![row] }.draw(340.0);

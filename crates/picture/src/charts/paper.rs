@@ -100,7 +100,7 @@ impl Drawing {
         for mark in &self.marks {
             match mark {
                 DrawingMark::Area { corners, colour, opacity } => {
-                    let index = opacities.iter().position(|known| known == opacity).unwrap_or(0);
+                    let index = opacities.iter().position(|other| other == opacity).unwrap_or(0);
                     content.set_parameters(Name(state_name(index).as_bytes()));
                     fill_colour(&mut content, *colour);
                     push_points(&mut content, corners);
@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn a_page_has_the_width_that_was_asked_for_and_the_same_bytes_each_time() {
+    fn a_page_has_the_requested_width_and_the_same_bytes_each_time() {
         let pdf = drawing().to_pdf(COLUMN);
         assert!(pdf.starts_with(b"%PDF-1.5\n") && pdf.ends_with(b"%%EOF"));
         assert_eq!(pdf, drawing().to_pdf(COLUMN));

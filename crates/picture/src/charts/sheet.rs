@@ -482,7 +482,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_of_given_ticks_do_not_touch_and_those_of_the_ends_are_there() {
+    fn numbers_of_custom_ticks_do_not_touch_and_those_of_the_ends_are_there() {
         let plot = Plot { left: 0.0, top: 0.0, right: 100.0, bottom: 50.0 };
         let values: [f64; 6] = [1.0, 2.0, 3.0, 50.0, 99.0, 100.0];
         let ticks = values.map(|value| Tick { value, label: value.to_string() });

@@ -4,7 +4,7 @@ use crate::canvas::{Canvas, Point};
 use crate::colours::{FAINT_INK, INK, PAPER, Rgb, WITHOUT_VALUE};
 use crate::contours::{ContourLine, contour_lines};
 use crate::field_map::{FieldMap, MapQuantity, MapScale};
-use crate::ground::{GroundCover, lit};
+use crate::ground::{GroundCover, hillshade};
 use crate::marks::{Mark, to_f32};
 use crate::text::{Align, draw_text, draw_text_on, measure_text};
 use crate::ticks::{Tick, round_step};
@@ -139,7 +139,7 @@ impl<'a> Panel<'a> {
         }
         let cover = self.map.covers[index];
         let ground = self.map.landscape.filter(|_| cover != GroundCover::Water);
-        lit(ground_colour(cover), ground.map_or(DVec2::ZERO, |ground| ground.gradient(cell)))
+        hillshade(ground_colour(cover), ground.map_or(DVec2::ZERO, |ground| ground.gradient(cell)))
     }
 
     /// A place among the centres of cells, columns and rows from the south, on the sheet.

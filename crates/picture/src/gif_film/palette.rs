@@ -65,9 +65,9 @@ impl Palette {
 
     /// The place of the colour that is nearest to `colour`, the first of several.
     pub fn nearest(&mut self, colour: Rgb) -> u8 {
-        let known = self.nearest[number(colour)];
-        if known != TRANSPARENT {
-            return known;
+        let cached = self.nearest[number(colour)];
+        if cached != TRANSPARENT {
+            return cached;
         }
         // Asked once for each colour of the film: a frame repeats those of the frames before.
         let places = (1..=u8::MAX).zip(&self.colours).min_by_key(|&(_, &other)| squared_distance(colour, other));
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn many_colours_are_told_apart_by_what_is_nearest() {
+    fn many_colours_are_distinguished_by_what_is_nearest() {
         let colours: Vec<Rgb> =
             (0..4096).map(|number: u32| [1, 16, 256].map(|unit| (number / unit % 16 * 16) as u8)).collect();
         let mut palette = counted(&colours).palette();

@@ -28,7 +28,7 @@ use scene::CellGrid;
 use wildfire_base::query::SearchPhase;
 use wildfire_base::time::SimTime;
 use wildfire_fire::BushStateKind;
-use wildfire_timeline::export::{CellChange, ExportError, Sampling, cell_changes, event_words, ground_event_words};
+use wildfire_timeline::export::{CellChange, ExportError, Sampling, cell_changes, event_text, ground_event_text};
 use wildfire_timeline::{AgentFact, AgentId, AgentState, Event, Fact, FollowedLeg, GroundEvent, RunIndex, Timeline};
 
 /// The most cells of a field whose states are written.
@@ -185,7 +185,7 @@ impl<'a, W: Write> SceneWriter<'a, W> {
             Moment::Cells(changes) => self.write_cells(time, changes),
             Moment::Event(event) => self.write_event(event),
             Moment::GroundEvent(event) => {
-                let (name, detail) = ground_event_words(event);
+                let (name, detail) = ground_event_text(event);
                 let agent = event.agent().map_or_else(String::new, |agent| agent.to_string());
                 self.log(time, agent, &[name, &event.cell.to_string(), &detail])
             }
@@ -224,14 +224,14 @@ impl<'a, W: Write> SceneWriter<'a, W> {
         {
             self.message(channel, event.time, &scene::search(event.time, format!("{id}/{phase}"), graph))?;
         }
-        let (name, detail) = event_words(&event.fact);
+        let (name, detail) = event_text(&event.fact);
         let cell = event.fact.cell().map_or_else(String::new, |cell| cell.to_string());
         self.log(event.time, agent.map_or_else(String::new, |agent| agent.to_string()), &[name, &cell, &detail])
     }
 
-    fn log(&mut self, time: SimTime, name: String, words: &[&str]) -> Result<(), ExportError> {
-        let words: Vec<&str> = words.iter().copied().filter(|word| !word.is_empty()).collect();
-        self.message(self.events, time, &Log::new(time, name, words.join(" ")))
+    fn log(&mut self, time: SimTime, name: String, texts: &[&str]) -> Result<(), ExportError> {
+        let texts: Vec<&str> = texts.iter().copied().filter(|word| !word.is_empty()).collect();
+        self.message(self.events, time, &Log::new(time, name, texts.join(" ")))
     }
 
     /// Writes where agents are, of those only that are elsewhere than when it was last written, or will be at the next
@@ -383,7 +383,7 @@ mod tests {
     }
 
     #[test]
-    fn agents_that_are_not_asked_for_have_no_channels() {
+    fn agents_that_are_not_requested_have_no_channels() {
         let messages = messages(&written(&sample::by_hand(), 1.0, &[TRUCK]));
         assert!(messages.iter().any(|(topic, ..)| topic == "/unimog/0/state"));
         assert!(!messages.iter().any(|(topic, ..)| topic.starts_with("/wumpus")));

@@ -108,9 +108,9 @@ impl AxisEdge {
     }
 
     /// Writes words beside the edge, their nearer end `away` from it.
-    fn write(&self, canvas: &mut Canvas, words: &str, share: f32, away: f32) {
-        let (x, y) = self.beside(share, away + 0.5 * measure_text(words, TEXT));
-        draw_text(canvas, words, (x, y + 0.5 * TEXT), Align::Centre, TEXT, INK);
+    fn write(&self, canvas: &mut Canvas, text: &str, share: f32, away: f32) {
+        let (x, y) = self.beside(share, away + 0.5 * measure_text(text, TEXT));
+        draw_text(canvas, text, (x, y + 0.5 * TEXT), Align::Centre, TEXT, INK);
     }
 
     fn beside(&self, share: f32, away: f32) -> Point {

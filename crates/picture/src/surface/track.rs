@@ -44,9 +44,10 @@ impl SurfaceTrack<'_> {
     /// Returns the centre of a cell, on the surface; at its own value where its tile is drawn as something else.
     fn cell(&self, place: Place) -> Spot {
         let (x, y) = self.relief.centre(place);
-        let own = self.scene.value_at(place).zip(self.heights).map(|(value, heights)| to_f32(heights.fraction(value)));
-        let level = match (self.relief.face_at(x, y), own) {
-            (BlockFace::Obstacle | BlockFace::WithoutValue, Some(own)) => own,
+        let cell_level =
+            self.scene.value_at(place).zip(self.heights).map(|(value, heights)| to_f32(heights.fraction(value)));
+        let level = match (self.relief.face_at(x, y), cell_level) {
+            (BlockFace::Obstacle | BlockFace::WithoutValue, Some(cell_level)) => cell_level,
             _ => self.relief.level_at(x, y),
         };
         Spot { x, y, level }

@@ -62,12 +62,12 @@ impl Certificate {
             return Err(BadCertificate::OutOfRange("step_m", "less than the body's inner radius and the clearance"));
         }
         let places = [self.start, self.goal].map(|[x, y, _]| DVec2::new(x, y));
-        let mut known: Vec<(DVec2, [f64; 2])> =
+        let mut corners: Vec<(DVec2, [f64; 2])> =
             self.corners.iter().map(|&[x, y, near, far]| (DVec2::new(x, y), [near, far])).collect();
         for centre in &bushes.centres {
             for corner in bushes.outline(*centre, bushes.radius_m) {
                 let straight_m = corner.distance(places[0]) + corner.distance(places[1]);
-                let is_listed = || known.iter().any(|(other, _)| other.distance_squared(corner) < SAME_M * SAME_M);
+                let is_listed = || corners.iter().any(|(other, _)| other.distance_squared(corner) < SAME_M * SAME_M);
                 if straight_m < self.bound_m && !bushes.shuts_out(corner, bushes.radius_m) && !is_listed() {
                     return Err(BadCertificate::MissingCorner(corner));
                 }
@@ -75,7 +75,7 @@ impl Certificate {
         }
         for (end, name) in ["start", "goal"].into_iter().enumerate() {
             // Only this end has a length from itself.
-            let mut lengths: Vec<(DVec2, f64)> = known.iter().map(|(at, lengths)| (*at, lengths[end])).collect();
+            let mut lengths: Vec<(DVec2, f64)> = corners.iter().map(|(at, lengths)| (*at, lengths[end])).collect();
             lengths.push((places[end], 0.0));
             for (index, &(one, one_m)) in lengths.iter().enumerate() {
                 for &(other, other_m) in &lengths[..index] {
@@ -88,8 +88,8 @@ impl Certificate {
                 }
             }
         }
-        known.extend([(places[0], [0.0, f64::INFINITY]), (places[1], [f64::INFINITY, 0.0])]);
-        self.check_cut(&bushes, &known, checker.body().turning_radius_m)
+        corners.extend([(places[0], [0.0, f64::INFINITY]), (places[1], [f64::INFINITY, 0.0])]);
+        self.check_cut(&bushes, &corners, checker.body().turning_radius_m)
     }
 
     fn check_numbers(&self) -> Result<(), BadCertificate> {
@@ -109,7 +109,7 @@ impl Certificate {
     fn check_cut(
         &self,
         bushes: &Bushes,
-        known: &[(DVec2, [f64; 2])],
+        corners: &[(DVec2, [f64; 2])],
         turning_radius_m: f64,
     ) -> Result<(), BadCertificate> {
         let [start, goal] = [self.start, self.goal].map(|[x, y, heading]| Pose::new(x, y, heading));
@@ -129,7 +129,7 @@ impl Certificate {
                 continue;
             }
             let taut_m = [0, 1].map(|end| {
-                let ways = known.iter().map(|(corner, lengths)| (lengths[end] + corner.distance(at), *corner));
+                let ways = corners.iter().map(|(corner, lengths)| (lengths[end] + corner.distance(at), *corner));
                 // Ways as long as all that is claimed need no look.
                 let ways = ways.filter(|way| way.0 < self.bound_m + self.step_m);
                 let open = ways.filter(|&(_, corner)| !bushes.part(corner, at, shrunk_m));

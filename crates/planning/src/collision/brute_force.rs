@@ -66,8 +66,8 @@ pub fn polygon_to_polygon(one: &[DVec2; 4], other: &[DVec2; 4]) -> f64 {
     if crossing {
         return 0.0;
     }
-    let own = one.iter().map(|&corner| point_to_polygon(corner, other));
-    own.chain(other.iter().map(|&corner| point_to_polygon(corner, one))).fold(f64::INFINITY, f64::min)
+    let distances = one.iter().map(|&corner| point_to_polygon(corner, other));
+    distances.chain(other.iter().map(|&corner| point_to_polygon(corner, one))).fold(f64::INFINITY, f64::min)
 }
 
 fn edges(polygon: &[DVec2; 4]) -> impl Iterator<Item = (DVec2, DVec2)> {

@@ -100,11 +100,11 @@ impl Rectangle {
         }
         let along = self.axis.dot(other.axis).abs();
         let across = self.axis.perp_dot(other.axis).abs();
-        let beyond = |own: &Self, their: &Self| {
-            let u = offset.dot(own.axis).abs();
-            let v = own.axis.perp_dot(offset).abs();
-            let lengthwise = own.half_length + their.half_length * along + their.half_width * across;
-            let crosswise = own.half_width + their.half_length * across + their.half_width * along;
+        let beyond = |this: &Self, their: &Self| {
+            let u = offset.dot(this.axis).abs();
+            let v = this.axis.perp_dot(offset).abs();
+            let lengthwise = this.half_length + their.half_length * along + their.half_width * across;
+            let crosswise = this.half_width + their.half_length * across + their.half_width * along;
             (u - lengthwise).max(v - crosswise)
         };
         beyond(self, other).max(beyond(other, self))
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn bodies_that_keep_apart_do_so_at_every_instant_and_others_meet_where_told() {
+    fn bodies_that_keep_apart_do_so_at_every_instant_and_others_meet_where_reported() {
         let mut rng = rng::stream(2, "collision/meeting");
         let body = Dimensions::default();
         let other_body = Dimensions { length_m: 6.0, ..Dimensions::default() };

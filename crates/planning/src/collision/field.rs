@@ -382,9 +382,12 @@ mod tests {
                 assert!(bound <= distance + 1e-9, "{point}: bound {bound}, distance {distance}");
                 let border = frame.border_distance(point);
                 if border > 0.0 {
-                    let known = test.field.interpolate(point);
-                    assert!(known.max().min(border) >= distance - 1e-9, "{point}: {known:?}, {distance}");
-                    assert!(!known.is_surely_below(distance) || distance >= border, "{point}: {known:?}, {distance}");
+                    let interpolated = test.field.interpolate(point);
+                    assert!(interpolated.max().min(border) >= distance - 1e-9, "{point}: {interpolated:?}, {distance}");
+                    assert!(
+                        !interpolated.is_surely_below(distance) || distance >= border,
+                        "{point}: {interpolated:?}, {distance}"
+                    );
                     assert!((test.field.distance(point) - distance).abs() < 1e-6, "{point}");
                 }
                 if distance < cell_m {

@@ -77,8 +77,8 @@ impl Rectangle {
         let mut min = limit;
         let half = DVec2::new(self.half_length, self.half_width);
         for (along, across) in [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)] {
-            let own = self.axis * (along * half.x) + self.axis.perp() * (across * half.y);
-            min = min.min(((own - offset).abs() - half_side).max(DVec2::ZERO).length_squared());
+            let corner = self.axis * (along * half.x) + self.axis.perp() * (across * half.y);
+            min = min.min(((corner - offset).abs() - half_side).max(DVec2::ZERO).length_squared());
             let other = offset + DVec2::new(along, across) * half_side;
             let seen = DVec2::new(other.dot(self.axis), self.axis.perp_dot(other));
             min = min.min((seen.abs() - half).max(DVec2::ZERO).length_squared());

@@ -67,8 +67,8 @@ mod tests {
         let (mut proven, mut refused) = (0, 0);
         for _ in 0..500 {
             // Distance to the nearest of some places, less a floor: it changes by at most 1 a metre.
-            let posts: Vec<f64> = (0..4).map(|_| rng.random_range(-15.0..25.0)).collect();
-            let excess = |at: f64| posts.iter().map(|post| (at - post).abs()).fold(f64::INFINITY, f64::min) - 1.0;
+            let marks: Vec<f64> = (0..4).map(|_| rng.random_range(-15.0..25.0)).collect();
+            let excess = |at: f64| marks.iter().map(|mark| (at - mark).abs()).fold(f64::INFINITY, f64::min) - 1.0;
             let places = (0..=10_000).map(|k| f64::from(k) * 1e-3);
             let failure = places.clone().find(|&place| excess(place) < 0.0).unwrap_or(10.0);
             let min = places.map(excess).fold(f64::INFINITY, f64::min);
@@ -77,8 +77,8 @@ mod tests {
                 calls += 1;
                 (excess(place) >= 0.0).then(|| excess(place))
             });
-            assert!(!answer || min >= -0.03, "{min} at {posts:?}");
-            assert!(answer || min < 0.001, "{min} at {posts:?}");
+            assert!(!answer || min >= -0.03, "{min} at {marks:?}");
+            assert!(answer || min < 0.001, "{min} at {marks:?}");
             assert!(calls <= 2 * 10 * 17, "{calls} places for 10 m, though none proves less than 6 cm");
             let prefix = proven_prefix(10.0, 1.0, 0.03, |place| (excess(place) >= 0.0).then(|| excess(place)));
             assert!(prefix == 0.0 || prefix <= failure + 0.031, "{prefix} m, but it fails at {failure} m");

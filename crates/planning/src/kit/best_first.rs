@@ -95,7 +95,7 @@ pub enum Step<S> {
     /// Sweep a motion of the lattice.
     Motion { index: u8 },
     /// A step defined by the search space.
-    Own(S),
+    Custom(S),
 }
 
 /// The step type of search spaces that define none.
@@ -145,14 +145,14 @@ pub enum SearchFailure {
 }
 
 /// The search of a space.
-pub type SearchOf<P> = PoseSearch<<P as SearchSpace>::Mark, <P as SearchSpace>::Own>;
+pub type SearchOf<P> = PoseSearch<<P as SearchSpace>::Mark, <P as SearchSpace>::Custom>;
 
 /// The problem that a [`PoseSearch`] searches.
 pub trait SearchSpace: Sized {
     /// The notes about a node.
     type Mark: Copy;
     /// Steps besides motions of the lattice.
-    type Own: Copy;
+    type Custom: Copy;
 
     /// True for a search without cost-to-go: it offers what follows a node as soon as the node is reached, so that the
     /// queue holds motions alone, and may come back to its start.
@@ -172,13 +172,13 @@ pub trait SearchSpace: Sized {
     fn analytic_expansion(&self, node: &Node<Self::Mark>) -> AnalyticExpansion;
 
     /// Offers what may follow a node.
-    fn offer_successors(&mut self, search: &mut SearchOf<Self>, from: Candidate<Self::Own>);
+    fn offer_successors(&mut self, search: &mut SearchOf<Self>, from: Candidate<Self::Custom>);
 
     /// Returns whether the body may drive a motion.
     fn motion_is_free(&self, from: Pose, motion: Segment) -> bool;
 
     /// Takes a step of its own; returns the node that it reaches, if that is a goal.
-    fn take(&mut self, search: &mut SearchOf<Self>, from: Candidate<Self::Own>, own: Self::Own) -> Option<u32>;
+    fn take(&mut self, search: &mut SearchOf<Self>, from: Candidate<Self::Custom>, step: Self::Custom) -> Option<u32>;
 
     /// Returns whether a pose is a goal. Starts are not asked.
     fn is_goal(&mut self, _pose: Pose) -> bool {
@@ -220,7 +220,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
     }
 
     /// Begins a search from any of some poses with their marks; of several in a bin, the first counts.
-    pub fn begin<P: SearchSpace<Mark = M, Own = S>>(
+    pub fn begin<P: SearchSpace<Mark = M, Custom = S>>(
         &mut self,
         space: &mut P,
         starts: impl IntoIterator<Item = Pose>,
@@ -242,7 +242,11 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
     ///
     /// # Errors
     /// The reason why there is no path, or none yet.
-    pub fn run<P: SearchSpace<Mark = M, Own = S>>(&mut self, space: &mut P, limit: u32) -> Result<Path, SearchFailure> {
+    pub fn run<P: SearchSpace<Mark = M, Custom = S>>(
+        &mut self,
+        space: &mut P,
+        limit: u32,
+    ) -> Result<Path, SearchFailure> {
         while let Some(best) = self.open.pop() {
             if !space.has_room(self) {
                 return Err(SearchFailure::BudgetSpent);
@@ -265,7 +269,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
                     None
                 }
                 Step::Motion { index } => self.drive(space, best, index),
-                Step::Own(own) => space.take(self, best, own),
+                Step::Custom(step) => space.take(self, best, step),
             };
             if let Some(node) = at_goal {
                 return Ok(self.path_to(space, node));
@@ -296,12 +300,12 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
     }
 
     /// Returns true if the bin of a pose is known to be reached as cheaply.
-    pub fn is_known(&self, pose: Pose, reverse: bool, cost: f64) -> bool {
+    pub fn is_dominated(&self, pose: Pose, reverse: bool, cost: f64) -> bool {
         self.closed.dominates(pose, reverse, cost)
     }
 
     /// Keeps a node unless its bin is known to be reached as cheaply; returns its index if it is a goal.
-    pub fn reach<P: SearchSpace<Mark = M, Own = S>>(&mut self, space: &mut P, node: Node<M>) -> Option<u32> {
+    pub fn reach<P: SearchSpace<Mark = M, Custom = S>>(&mut self, space: &mut P, node: Node<M>) -> Option<u32> {
         if space.is_goal(node.pose) {
             return Some(self.add(node));
         }
@@ -348,7 +352,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
         self.memory.cover(bytes)
     }
 
-    fn keep<P: SearchSpace<Mark = M, Own = S>>(&mut self, space: &mut P, mut node: Node<M>) {
+    fn keep<P: SearchSpace<Mark = M, Custom = S>>(&mut self, space: &mut P, mut node: Node<M>) {
         let analytic = space.estimate(&mut node);
         let Node { cost, cost_to_go, .. } = node;
         let index = self.add(node);
@@ -366,7 +370,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
         }
     }
 
-    fn drive<P: SearchSpace<Mark = M, Own = S>>(
+    fn drive<P: SearchSpace<Mark = M, Custom = S>>(
         &mut self,
         space: &mut P,
         from: Candidate<S>,
@@ -377,7 +381,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
         let pose = motion.end(start);
         let reverse = motion.is_reverse();
         // The bin is asked first, because a sweep costs much more.
-        if self.is_known(pose, reverse, from.cost) || !space.motion_is_free(start, motion) {
+        if self.is_dominated(pose, reverse, from.cost) || !space.motion_is_free(start, motion) {
             return None;
         }
         let (parent, cost) = (from.node, from.cost);
@@ -385,7 +389,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
     }
 
     /// Returns the whole path by way of a node, if its analytic expansion is free.
-    fn arrive<P: SearchSpace<Mark = M, Own = S>>(&mut self, space: &mut P, index: u32) -> Option<Path> {
+    fn arrive<P: SearchSpace<Mark = M, Custom = S>>(&mut self, space: &mut P, index: u32) -> Option<Path> {
         let expansion = space.analytic_expansion(self.node(index));
         let mut pose = self.node(index).pose;
         let is_free = expansion.segments().all(|segment| {
@@ -402,7 +406,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
     }
 
     /// Returns the way from a start to a node.
-    fn path_to<P: SearchSpace<Mark = M, Own = S>>(&self, space: &mut P, last: u32) -> Path {
+    fn path_to<P: SearchSpace<Mark = M, Custom = S>>(&self, space: &mut P, last: u32) -> Path {
         let mut way = Vec::new();
         let mut index = last;
         while self.node(index).parent != ROOT {

@@ -44,14 +44,18 @@ impl ClearanceProfile {
     pub fn new(min_clearance_m: f64, ends: impl IntoIterator<Item = (Pose, f64)>) -> Self {
         let ends = ends.into_iter();
         let ends = ends
-            .map(|(pose, own_m)| LowClearanceEnd { position: pose.position(), min_clearance_m: END_SHARE * own_m })
+            .map(|(pose, clearance_m)| LowClearanceEnd {
+                position: pose.position(),
+                min_clearance_m: END_SHARE * clearance_m,
+            })
             .filter(|end| end.min_clearance_m < min_clearance_m);
         Self { min_clearance_m, tight: ends.collect(), rule: PieceRule::LesserOfEnds }
     }
 
-    /// Creates a profile for a drive that only has a start, at which the body has the clearance `own_m`, positive.
-    pub fn from_start(min_clearance_m: f64, start: Pose, own_m: f64) -> Self {
-        Self { rule: PieceRule::AtItsStart, ..Self::new(min_clearance_m, [(start, own_m)]) }
+    /// Creates a profile for a drive that only has a start, at which the body has the clearance `start_clearance_m`,
+    /// positive.
+    pub fn from_start(min_clearance_m: f64, start: Pose, start_clearance_m: f64) -> Self {
+        Self { rule: PieceRule::AtItsStart, ..Self::new(min_clearance_m, [(start, start_clearance_m)]) }
     }
 
     /// Returns whether the body keeps its clearance along a segment from `pose`.
@@ -95,12 +99,12 @@ impl ClearanceProfile {
         let mut pose = start;
         let mut rest_m = segment.length_m;
         while rest_m != 0.0 {
-            let asked_m = self.at(pose);
-            if asked_m >= self.min_clearance_m {
+            let required_m = self.at(pose);
+            if required_m >= self.min_clearance_m {
                 return checker.motion_is_free(pose, Segment { length_m: rest_m, ..segment }, self.min_clearance_m);
             }
             let piece = Segment { length_m: rest_m.clamp(-PIECE_M, PIECE_M), ..segment };
-            if !checker.motion_is_free(pose, piece, asked_m) {
+            if !checker.motion_is_free(pose, piece, required_m) {
                 return false;
             }
             pose = piece.end(pose);
@@ -162,11 +166,11 @@ mod tests {
             let field = TestField::random(seed, 45);
             for _ in 0..400 {
                 let pose = random_pose(&mut rng, 150.0);
-                let own_m = field.checker.clearance(pose);
-                if own_m <= 0.05 {
+                let clearance_m = field.checker.clearance(pose);
+                if clearance_m <= 0.05 {
                     continue;
                 }
-                let profile = ClearanceProfile::new(1.5, [(pose, own_m)]);
+                let profile = ClearanceProfile::new(1.5, [(pose, clearance_m)]);
                 let curvature = f64::from(rng.random_range(-1..=1)) * field.checker.body().max_curvature();
                 let segment = Segment { curvature, length_m: rng.random_range(-25.0..25.0) };
                 if !profile.motion_is_free(&field.checker, pose, segment) {
@@ -174,8 +178,11 @@ mod tests {
                 }
                 for (_, there) in (Path { start: pose, segments: vec![segment] }).samples(0.05) {
                     let kept = field.checker.clearance(there);
-                    let asked = profile.at(there) - RAMP * PIECE_M;
-                    assert!(kept > 0.0 && kept >= asked.min(1.0) - MOTION_TOLERANCE_M - 1e-9, "{kept}, not {asked}");
+                    let required = profile.at(there) - RAMP * PIECE_M;
+                    assert!(
+                        kept > 0.0 && kept >= required.min(1.0) - MOTION_TOLERANCE_M - 1e-9,
+                        "{kept}, not {required}"
+                    );
                 }
                 let min = least_clearance(&field.checker, &Path { start: pose, segments: vec![segment] });
                 if min >= 1.0 { full += 1 } else { less += 1 }
@@ -192,10 +199,10 @@ mod tests {
             let field = TestField::random(seed, 45);
             for _ in 0..200 {
                 let pose = random_pose(&mut rng, 150.0);
-                let own_m = field.checker.clearance(pose);
+                let clearance_m = field.checker.clearance(pose);
                 let segment = Segment { curvature: 0.0, length_m: rng.random_range(2.0..25.0) };
-                if own_m > 0.1 {
-                    let profile = ClearanceProfile::new(0.75, [(pose, own_m)]);
+                if clearance_m > 0.1 {
+                    let profile = ClearanceProfile::new(0.75, [(pose, clearance_m)]);
                     let out = profile.motion_is_free(&field.checker, pose, segment);
                     let back = Segment { length_m: -segment.length_m, ..segment };
                     match (out, profile.motion_is_free(&field.checker, segment.end(pose), back)) {

@@ -145,10 +145,10 @@ mod tests {
                     Pose::new(rng.random_range(0.0..90.0), rng.random_range(0.0..90.0), rng.random_range(-3.0..3.0));
                 let reverse = rng.random_bool(0.5);
                 let cost = rng.random_range(0.0..100.0);
-                let known = map.entry(bins.key(pose, reverse)).or_insert(f64::INFINITY);
-                assert_eq!(bins.dominates(pose, reverse, cost), *known <= cost);
-                assert_eq!(bins.improve(pose, reverse, cost), cost < *known);
-                *known = known.min(cost);
+                let best = map.entry(bins.key(pose, reverse)).or_insert(f64::INFINITY);
+                assert_eq!(bins.dominates(pose, reverse, cost), *best <= cost);
+                assert_eq!(bins.improve(pose, reverse, cost), cost < *best);
+                *best = best.min(cost);
             }
             assert_eq!(bins.used, map.len());
         }

@@ -179,11 +179,11 @@ impl HolonomicHeuristic {
 
     /// Returns the cost from a cell to the goal, if a walk leads there; the search goes on until it is final.
     fn cost_of(&mut self, field: &ClearanceField, place: Place) -> Option<u32> {
-        let asked = self.slot(field, place);
+        let queried = self.slot(field, place);
         let estimate = place.walk_cost(self.target);
         let mut expanded = 0;
         loop {
-            let cost = self.costs[asked];
+            let cost = self.costs[queried];
             if cost == SHUT || self.is_short {
                 return None;
             }
@@ -210,7 +210,7 @@ impl HolonomicHeuristic {
             self.expand(field, from, cost);
             expanded += 1;
             // Where the cell lies in a pocket, the search would flood all the rest of the field before it knew.
-            if expanded == PATIENCE && self.costs[asked] == UNREACHED {
+            if expanded == PATIENCE && self.costs[queried] == UNREACHED {
                 self.shut_pocket(field, place);
             }
         }
@@ -230,12 +230,12 @@ impl HolonomicHeuristic {
     /// Reaches a cell at a cost, unless a lower one is known; says whether it is open.
     fn offer(&mut self, field: &ClearanceField, place: Place, cost: u32) -> bool {
         let slot = self.slot(field, place);
-        let known = self.costs[slot];
-        if cost < known {
+        let before = self.costs[slot];
+        if cost < before {
             self.costs[slot] = cost;
             self.wait(place, cost + place.walk_cost(self.target));
         }
-        known != SHUT
+        before != SHUT
     }
 
     fn wait(&mut self, place: Place, key: u32) {
@@ -246,7 +246,7 @@ impl HolonomicHeuristic {
     /// Goes on to the cells of this key, those of the goal among them.
     fn settle(&mut self, key: u32) {
         self.settled = key;
-        while let Some((_, place)) = self.goal_cells.pop_if(|(own, _)| *own == key) {
+        while let Some((_, place)) = self.goal_cells.pop_if(|(goal_key, _)| *goal_key == key) {
             self.wait(place, key);
         }
     }
@@ -403,11 +403,11 @@ mod tests {
         walk: &mut HolonomicHeuristic,
         field: &ClearanceField,
         target: Target<'_>,
-        (asked, rng): (u32, &mut Xoshiro256PlusPlus),
+        (queries, rng): (u32, &mut Xoshiro256PlusPlus),
     ) -> [u32; 2] {
         let all = walks(field, target);
         let mut counts = [0; 2];
-        for _ in 0..asked {
+        for _ in 0..queries {
             let index = rng.random_range(0..all.values().len());
             let cost = walk.cost_of(field, place(field, index));
             let length = all.values()[index];
@@ -421,7 +421,7 @@ mod tests {
     }
 
     #[test]
-    fn asked_in_any_order_it_tells_the_lengths_of_shortest_walks() {
+    fn queried_in_any_order_it_returns_the_lengths_of_shortest_walks() {
         let mut reached = 0;
         for seed in 0..8 {
             let mut field = TestField::random(seed, 60);
@@ -475,7 +475,7 @@ mod tests {
     }
 
     #[test]
-    fn without_memory_nothing_is_told() {
+    fn without_memory_nothing_is_returned() {
         let field = TestField::random(1, 25);
         let memory = MemoryMeter::new(1000);
         let mut walk = HolonomicHeuristic::new(&memory);

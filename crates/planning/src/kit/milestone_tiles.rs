@@ -112,11 +112,11 @@ impl Tiles {
         let cols = range(place.x, self.cols);
         for row in range(place.y, self.rows) {
             for col in cols.clone() {
-                let own = match self.opened.get(&((row * self.cols + col) as u32)) {
-                    Some(own) => own.clone(),
+                let numbers = match self.opened.get(&((row * self.cols + col) as u32)) {
+                    Some(numbers) => numbers.clone(),
                     None => self.open(milestones, [col, row]),
                 };
-                let distances = own.map(|number| (milestones.position(number).distance(place), number));
+                let distances = numbers.map(|number| (milestones.position(number).distance(place), number));
                 found.extend(distances.filter(|&(distance, _)| distance <= reach_m));
             }
         }
@@ -134,8 +134,8 @@ impl Tiles {
         let tile = (row * self.cols + col) as u32;
         let drawn = milestones.count() - first;
         self.ranks.extend((0..drawn as u64).map(|place| u64::from(tile) << 32 | place));
-        let own = first as u32..milestones.count() as u32;
-        self.opened.insert(tile, own.clone());
-        own
+        let numbers = first as u32..milestones.count() as u32;
+        self.opened.insert(tile, numbers.clone());
+        numbers
     }
 }

@@ -342,7 +342,7 @@ struct LatticeSpace<'a> {
 
 impl SearchSpace for LatticeSpace<'_> {
     type Mark = Option<AnalyticExpansion>;
-    type Own = Never;
+    type Custom = Never;
 
     /// One step adds a pose with its expansion, or the motions that follow one.
     fn has_room(&mut self, search: &mut SearchOf<Self>) -> bool {
@@ -375,7 +375,7 @@ impl SearchSpace for LatticeSpace<'_> {
         self.profile.motion_is_free(self.checker, from, motion)
     }
 
-    fn take(&mut self, _: &mut SearchOf<Self>, _: Candidate<Never>, own: Never) -> Option<u32> {
-        match own {}
+    fn take(&mut self, _: &mut SearchOf<Self>, _: Candidate<Never>, never: Never) -> Option<u32> {
+        match never {}
     }
 }

@@ -78,9 +78,9 @@ pub enum SafetyForm {
 
 ranges! { SafetySettings {
     weight: 0.0..=1000.0, max_cost: 0.001..=1e6, safety_distance: 1.0..=1000.0, cost_rate: 0.0..=1e6,
-} and |own, _| {
-    ranges::check_range("safety_max", own.safety_max, 0.0..=own.max_cost)?;
-    ranges::check_range("safety_min", own.safety_min, 0.0..=own.safety_max)
+} and |settings, _| {
+    ranges::check_range("safety_max", settings.safety_max, 0.0..=settings.max_cost)?;
+    ranges::check_range("safety_min", settings.safety_min, 0.0..=settings.safety_max)
 } }
 
 impl SafetySettings {

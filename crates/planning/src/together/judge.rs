@@ -87,9 +87,9 @@ pub fn check(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> (Vec<Fa
             faults.push(Fault::Missing(vehicle.name.clone()));
             continue;
         };
-        for (is_goal, found, asked) in [(false, first, vehicle.start), (true, last, vehicle.goal)] {
-            let off_m = (found.position() - asked.position()).length();
-            let off_rad = ops::wrap_angle(found.heading - asked.heading).abs();
+        for (is_goal, found, requested) in [(false, first, vehicle.start), (true, last, vehicle.goal)] {
+            let off_m = (found.position() - requested.position()).length();
+            let off_rad = ops::wrap_angle(found.heading - requested.heading).abs();
             if !(off_m <= ROUNDING_M && off_rad <= ROUNDING_RAD) {
                 faults.push(Fault::WrongEnd { vehicle: vehicle.name.clone(), is_goal, off_m, off_rad });
             }

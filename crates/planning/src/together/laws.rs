@@ -118,7 +118,7 @@ fn vehicles_make_way_for_each_other() {
 }
 
 #[test]
-fn what_cannot_be_solved_is_said() {
+fn what_cannot_be_solved_is_reported() {
     let reason = |instance: &Instance| solve(instance, &settings(Mode::Exact, 1)).expect_err("no solution").to_string();
     let start = Pose::new(5.0, 15.0, 0.0);
     let goal = Pose::new(20.0, 15.0, 0.0);

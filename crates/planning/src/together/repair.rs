@@ -248,7 +248,7 @@ impl<'a> Team<'a> {
 
     fn set_route(&mut self, vehicle: usize, route: Option<Route>) {
         for other in std::mem::take(&mut self.conflicts[vehicle]) {
-            self.conflicts[other].retain(|&own| own != vehicle);
+            self.conflicts[other].retain(|&index| index != vehicle);
         }
         self.traffic.remove(vehicle);
         if let Some(route) = &route {
@@ -260,7 +260,7 @@ impl<'a> Team<'a> {
             });
             for other in met.clone() {
                 let theirs = &mut self.conflicts[other];
-                let place = theirs.partition_point(|&own| own < vehicle);
+                let place = theirs.partition_point(|&index| index < vehicle);
                 theirs.insert(place, vehicle);
             }
             self.traffic.insert(vehicle, route);
@@ -269,9 +269,9 @@ impl<'a> Team<'a> {
     }
 
     fn plan_one(&mut self, vehicle: usize, care: SearchBudget) -> Route {
-        let own = &self.instance.vehicles[vehicle];
-        let at_goal = self.traffic.conflicts_of_standing(own.goal);
-        let may_wait_at_start = self.grounds[vehicle].allows(&Motion::standing(own.start));
+        let spec = &self.instance.vehicles[vehicle];
+        let at_goal = self.traffic.conflicts_of_standing(spec.goal);
+        let may_wait_at_start = self.grounds[vehicle].allows(&Motion::standing(spec.start));
         let others = Others { traffic: &self.traffic, at_goal, may_wait_at_start, penalty_m: care.penalty_m };
         let mut best_m = f64::INFINITY;
         let mut best = None;
@@ -289,7 +289,7 @@ impl<'a> Team<'a> {
             let expansions = if best_m < min_m + care.penalty_m { care.expansions / 4 } else { care.expansions };
             let query = Query {
                 ground: &self.grounds[vehicle],
-                vehicle: own,
+                vehicle: spec,
                 others: Some(&others),
                 bound_m: best_m,
                 expansions,
@@ -301,7 +301,7 @@ impl<'a> Team<'a> {
                 keep(&mut self.drives[vehicle], drive);
             }
         }
-        best.unwrap_or_else(|| Route { start: own.start, steps: Vec::new() })
+        best.unwrap_or_else(|| Route { start: spec.start, steps: Vec::new() })
     }
 
     /// Plans in one order after the other until nobody conflicts.
@@ -351,8 +351,8 @@ impl<'a> Team<'a> {
                 break;
             }
             let mut drawn = self.random.random_range(0.0..sum);
-            let seed = excess.iter().position(|&own| {
-                drawn -= own;
+            let seed = excess.iter().position(|&share| {
+                drawn -= share;
                 drawn < 0.0
             });
             let group = self.group_around(seed.unwrap_or(0));

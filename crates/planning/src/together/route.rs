@@ -188,12 +188,13 @@ pub fn drives(
 
 /// Adds a drive to those of a vehicle; the longest of too many goes.
 pub fn keep(drives: &mut Vec<Drive>, drive: Drive) {
-    let is_known =
-        |own: &Drive| own.motions.len() == drive.motions.len() && (own.length_m - drive.length_m).abs() < 1e-9;
-    if drives.iter().any(is_known) {
+    let is_duplicate = |existing: &Drive| {
+        existing.motions.len() == drive.motions.len() && (existing.length_m - drive.length_m).abs() < 1e-9
+    };
+    if drives.iter().any(is_duplicate) {
         return;
     }
-    let place = drives.partition_point(|own| own.length_m <= drive.length_m);
+    let place = drives.partition_point(|existing| existing.length_m <= drive.length_m);
     drives.insert(place, drive);
     drives.truncate(MAX_DRIVES);
 }

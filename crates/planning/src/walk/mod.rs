@@ -170,9 +170,9 @@ mod tests {
             let mut connected = vec![false; lattice.points()];
             for goal in lattice.points_of_reach(cell, 6.25) {
                 let more = lattice.reachable_from(goal);
-                connected.iter_mut().zip(more).for_each(|(known, more)| *known |= more);
+                connected.iter_mut().zip(more).for_each(|(is_connected, more)| *is_connected |= more);
             }
-            assert_eq!(wave.expansions as usize, connected.iter().filter(|&&known| known).count());
+            assert_eq!(wave.expansions as usize, connected.iter().filter(|&&is_connected| is_connected).count());
         });
         assert!(greedy_effort < exact_effort, "{greedy_effort} expansions against {exact_effort}");
     }

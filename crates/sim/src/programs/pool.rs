@@ -109,7 +109,7 @@ impl ProgramPool {
                     truck: Some(site.truck),
                     vehicle: Some(vehicle(site.body, site.limits)),
                     limits: Some(limits(site.limits)),
-                    ..FieldMessage::new(&run, seed, site.checker.field().frame(), &cells, site.own)
+                    ..FieldMessage::new(&run, seed, site.checker.field().frame(), &cells, site.custom_settings)
                 });
                 let respondent = start(launch, idle.as_ref(), seed, &message)?;
                 let curves = ReedsShepp { radius_m: site.body.turning_radius_m };

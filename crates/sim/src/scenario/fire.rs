@@ -173,10 +173,10 @@ impl Fire {
         FireRules {
             spread_delay: SimTime::from_seconds(self.spread_delay_s),
             spread_radius_m: self.spread_radius_m,
-            lit_spreads: self.spread_from != SpreadFrom::None,
+            sources_spread: self.spread_from != SpreadFrom::None,
             caught_spreads: self.spread_from == SpreadFrom::All,
             burn_out: self.burn_out_s.map(SimTime::from_seconds),
-            relight: self.relight,
+            reignition: self.relight,
         }
     }
 

@@ -121,7 +121,7 @@ impl Unimog {
                 cost: self.cost,
                 checker,
                 ground,
-                own: custom.as_ref().unwrap_or(&Value::Null),
+                custom_settings: custom.as_ref().unwrap_or(&Value::Null),
                 stream: &|name: &str| rng::stream(seed, &format!("truck/{truck}/{name}")),
                 memory,
                 settings: &self.planner_settings(),

@@ -26,15 +26,15 @@ pub use arrays::write_npz;
 pub use changes::{CellChange, cell_changes};
 pub use object::{schema, write_json};
 pub use sampling::{FINEST_STEP_S, MAX_SAMPLES, Sampling};
-pub use tables::{event_words, ground_event_words, write_events, write_trace};
+pub use tables::{event_text, ground_event_text, write_events, write_trace};
 
 /// The reason why a run was not written.
 #[derive(Debug, Error)]
 pub enum ExportError {
     #[error("samples need a step of {FINEST_STEP_S} s or more, found {found}")]
     Step { found: f64 },
-    #[error("there is no {found} in this run, only {known}")]
-    NoSuchAgent { found: AgentId, known: String },
+    #[error("there is no {found} in this run, only {existing}")]
+    NoSuchAgent { found: AgentId, existing: String },
     #[error("{found} samples of agents; expected at most {MAX_SAMPLES}: choose a longer step, or fewer agents")]
     TooManySamples { found: u64 },
     #[error("the field has {found} cells; expected at most {limit} for this formatat")]

@@ -66,9 +66,9 @@ impl Sampling {
 }
 
 fn no_such_agent(found: AgentId, setting: &Setting) -> ExportError {
-    let known = setting.agents.iter().map(|start| start.id.to_string()).collect::<Vec<_>>();
-    let known = if known.is_empty() { "nobody".into() } else { known.join(", ") };
-    ExportError::NoSuchAgent { found, known }
+    let existing = setting.agents.iter().map(|start| start.id.to_string()).collect::<Vec<_>>();
+    let existing = if existing.is_empty() { "nobody".into() } else { existing.join(", ") };
+    ExportError::NoSuchAgent { found, existing }
 }
 
 #[cfg(test)]

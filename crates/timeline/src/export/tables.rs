@@ -44,19 +44,19 @@ fn write_ground_event(table: &mut csv::Writer<impl Write>, event: &GroundEvent) 
     let agent = event.agent().map_or_else(String::new, |agent| agent.to_string());
     let col = event.cell.col.to_string();
     let row = event.cell.row.to_string();
-    let (name, detail) = ground_event_words(event);
+    let (name, detail) = ground_event_text(event);
     table.write_record([&seconds(event.time), name, &agent, &col, &row, &detail])
 }
 
 /// Returns the word for a fact and its details, as in the columns `event` and `detail`.
-pub fn event_words(fact: &Fact) -> (&'static str, String) {
+pub fn event_text(fact: &Fact) -> (&'static str, String) {
     (name(fact), detail(fact))
 }
 
 /// Returns the word and the details of a change of the ground.
-pub fn ground_event_words(event: &GroundEvent) -> (&'static str, String) {
+pub fn ground_event_text(event: &GroundEvent) -> (&'static str, String) {
     match event.fact {
-        GroundFact::Ignited(cause) => ("ground-ignited", words_of(cause)),
+        GroundFact::Ignited(cause) => ("ground-ignited", cause_text(cause)),
         GroundFact::Extinguished { .. } => ("ground-extinguished", String::new()),
         GroundFact::Wetted { until, .. } => ("wetted", format!("until_s={}", seconds(until))),
         GroundFact::Cleared { flank, along_mm, holds } => {
@@ -65,9 +65,9 @@ pub fn ground_event_words(event: &GroundEvent) -> (&'static str, String) {
     }
 }
 
-fn words_of(cause: Cause) -> String {
+fn cause_text(cause: Cause) -> String {
     match cause {
-        Cause::Lit(_) => "cause=lit".into(),
+        Cause::Agent(_) => "cause=lit".into(),
         Cause::Spread(from) => format!("cause=spread; from={}", short(from)),
         Cause::Spotted(from) => format!("cause=ember; from={}", short(from)),
         Cause::Scheduled => "cause=schedule".into(),
@@ -144,7 +144,7 @@ fn detail(fact: &Fact) -> String {
             let cells: Vec<_> = cells.iter().map(|&cell| short(cell)).collect();
             format!("cells={}", cells.join(" "))
         }
-        Fact::Fire(FireFact::Ignited { cause, .. }) => words_of(*cause),
+        Fact::Fire(FireFact::Ignited { cause, .. }) => cause_text(*cause),
         Fact::Agent(_, AgentFact::Planned { trajectory, effort, found_by, .. }) => {
             let by_lattice = found_by.is_some_and(FoundBy::is_after_failure);
             let found_by = found_by.map_or_else(String::new, |found_by| format!("; found_by={found_by}"));
@@ -244,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn trucks_that_meet_are_told_of() {
+    fn trucks_that_meet_are_reported() {
         let text = events(&sample::meeting());
         let lines: Vec<_> = text.lines().collect();
         assert_eq!(lines[3], "10.000000000,blocked,unimog/0,1,1,by=unimog/1");
@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn searches_are_told_by_their_sizes() {
+    fn searches_are_reported_by_their_sizes() {
         let text = events(&sample::searched());
         let lines: Vec<_> = text.lines().collect();
         assert_eq!(lines[2], "10.000000000,searched,unimog/0,,,phase=roadmap; places=4; edges=3");

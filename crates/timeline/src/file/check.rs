@@ -156,8 +156,9 @@ fn check_landscape(landscape: &Landscape, frame: FieldFrame) -> Result<(), FileE
     let is_of_field = landscape.frame == frame && landscape.fuel.len() == cells && reliefs == cells;
     require(is_of_field, || "its landscape does not fit its field".into())?;
     require(is_finite, || "its landscape is not finite".into())?;
-    let known: Vec<bool> = (0..=u8::MAX).map(|number| number == 0 || FuelModel::by_number(number).is_some()).collect();
-    let stranger = landscape.fuel.iter().find(|&&number| !known[usize::from(number)]);
+    let is_valid: Vec<bool> =
+        (0..=u8::MAX).map(|number| number == 0 || FuelModel::by_number(number).is_some()).collect();
+    let stranger = landscape.fuel.iter().find(|&&number| !is_valid[usize::from(number)]);
     stranger.map_or(Ok(()), |number| require(false, || format!("its landscape has the unknown fuel model {number}")))
 }
 

@@ -23,7 +23,7 @@ mod kind {
     pub const START_MOVED: u32 = 0;
     pub const ROADMAP_BUILT: u32 = 1;
     pub const OUT_OF_REACH: u32 = 2;
-    pub const LIT: u32 = 3;
+    pub const IGNITED_BY_AGENT: u32 = 3;
     pub const SPREAD: u32 = 4;
     pub const SCHEDULED: u32 = 5;
     pub const BURNED_OUT: u32 = 6;
@@ -77,7 +77,7 @@ const REST_REASONS: [RestReason; 9] = [
     RestReason::NothingReachable,
     RestReason::LocalMinima,
     RestReason::NoPlan,
-    RestReason::Chosen,
+    RestReason::PolicyWait,
     RestReason::NoWater,
     RestReason::NotReady,
     RestReason::TooHot,
@@ -111,12 +111,12 @@ const NO_SUCH_LEG: FileError = FileError::Damaged("it refers to a leg that it do
 pub const NO_SUCH_TIME: FileError = FileError::Damaged("it contains a time out of range");
 pub const NO_SUCH_WORD: FileError = FileError::Damaged("a record in it cannot be read");
 
-fn number_of<T: PartialEq>(words: &[T], word: &T) -> u32 {
-    words.iter().position(|known| known == word).expect("all words are listed") as u32
+fn number_of<T: PartialEq>(values: &[T], word: &T) -> u32 {
+    values.iter().position(|other| other == word).expect("all words are listed") as u32
 }
 
-fn word_of<T: Copy>(words: &[T], number: u32) -> Result<T, FileError> {
-    words.get(number as usize).copied().ok_or(NO_SUCH_WORD)
+fn word_of<T: Copy>(values: &[T], number: u32) -> Result<T, FileError> {
+    values.get(number as usize).copied().ok_or(NO_SUCH_WORD)
 }
 
 /// Writes facts.
@@ -174,7 +174,7 @@ impl<'a> FactWriter<'a> {
         match fact {
             Fact::Agent(agent, fact) => self.agent_fact(self.agent(*agent), fact),
             Fact::Fire(FireFact::Ignited { cell, cause }) => match *cause {
-                Cause::Lit(agent) => self.record(kind::LIT, &[self.cell(*cell), self.agent(agent)]),
+                Cause::Agent(agent) => self.record(kind::IGNITED_BY_AGENT, &[self.cell(*cell), self.agent(agent)]),
                 Cause::Spread(from) => self.record(kind::SPREAD, &[self.cell(*cell), self.cell(from)]),
                 Cause::Spotted(from) => self.record(kind::SPOTTED, &[self.cell(*cell), self.cell(from)]),
                 Cause::Scheduled => self.record(kind::SCHEDULED, &[self.cell(*cell)]),
@@ -427,9 +427,9 @@ impl<'a> FactReader<'a> {
 
     fn fact(&mut self, kind: u32) -> Result<Fact, FileError> {
         Ok(match kind {
-            kind::LIT => {
+            kind::IGNITED_BY_AGENT => {
                 let cell = self.cell()?;
-                Fact::Fire(FireFact::Ignited { cell, cause: Cause::Lit(self.agent()?.1) })
+                Fact::Fire(FireFact::Ignited { cell, cause: Cause::Agent(self.agent()?.1) })
             }
             kind::SPREAD => {
                 let cell = self.cell()?;

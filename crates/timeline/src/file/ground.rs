@@ -26,7 +26,7 @@ const MISCOUNTED: FileError = FileError::Damaged("its ground log has a different
 mod kind {
     pub const SPREAD: u32 = 0;
     pub const SPOTTED: u32 = 1;
-    pub const LIT: u32 = 2;
+    pub const IGNITED_BY_AGENT: u32 = 2;
     pub const SCHEDULED: u32 = 3;
     pub const EXTINGUISHED: u32 = 4;
     pub const WETTED: u32 = 5;
@@ -72,7 +72,7 @@ impl GroundWriter {
         let mut writer = Self { facts: log.len() as u32, ..Self::default() };
         let mut ordinary: Vec<Option<(SimTime, u8)>> = vec![None; frame.cell_count()];
         let mut last = None;
-        let mut told = Told::default();
+        let mut base = RecordBase::default();
         for (place, event) in log.iter().enumerate() {
             let index = frame.index(event.cell);
             let towards = match event.fact {
@@ -86,7 +86,7 @@ impl GroundWriter {
                     ordinary[index] = Some((event.time, towards));
                     last = key;
                 }
-                None => writer.record(setting, event, place as u32, &mut told),
+                None => writer.record(setting, event, place as u32, &mut base),
             }
         }
         writer.write_ordinary(frame.cols.into(), &ordinary);
@@ -96,11 +96,11 @@ impl GroundWriter {
     fn write_ordinary(&mut self, cols: usize, ordinary: &[Option<(SimTime, u8)>]) {
         let mut plane = PlanePredictor::new(cols, ordinary.len());
         let mut times = DifferenceWriter::default();
-        let (mut stretch, mut is_told) = (0_u32, false);
+        let (mut stretch, mut is_ordinary) = (0_u32, false);
         for (index, ignition) in ordinary.iter().enumerate() {
-            if ignition.is_some() != is_told {
+            if ignition.is_some() != is_ordinary {
                 append(&mut self.stretches, &stretch);
-                (stretch, is_told) = (0, !is_told);
+                (stretch, is_ordinary) = (0, !is_ordinary);
             }
             stretch += 1;
             if let Some((time, towards)) = *ignition {
@@ -109,28 +109,28 @@ impl GroundWriter {
                 plane.learn(index, time.as_nanos());
             }
         }
-        if is_told {
+        if is_ordinary {
             append(&mut self.stretches, &stretch);
         }
         (self.time_lengths, self.time_bits) = times.finish();
     }
 
-    fn record(&mut self, setting: &Setting, event: &GroundEvent, place: u32, told: &mut Told) {
+    fn record(&mut self, setting: &Setting, event: &GroundEvent, place: u32, base: &mut RecordBase) {
         let index = |cell: Cell| setting.frame.index(cell) as u32;
         let agent = |id: AgentId| setting.agent_index(id).expect("the timeline was checked") as u32;
         let (kind, other) = match event.fact {
             GroundFact::Ignited(Cause::Spread(from)) => (kind::SPREAD, Some(index(from))),
             GroundFact::Ignited(Cause::Spotted(from)) => (kind::SPOTTED, Some(index(from))),
-            GroundFact::Ignited(Cause::Lit(by)) => (kind::LIT, Some(agent(by))),
+            GroundFact::Ignited(Cause::Agent(by)) => (kind::IGNITED_BY_AGENT, Some(agent(by))),
             GroundFact::Ignited(Cause::Scheduled) => (kind::SCHEDULED, None),
             GroundFact::Extinguished { by } => (kind::EXTINGUISHED, Some(agent(by))),
             GroundFact::Wetted { by, .. } => (kind::WETTED, Some(agent(by))),
             GroundFact::Cleared { .. } => (kind::CLEARED, None),
         };
-        append(&mut self.records, &(place - told.place));
-        append(&mut self.records, &(event.time - told.time).as_nanos());
+        append(&mut self.records, &(place - base.place));
+        append(&mut self.records, &(event.time - base.time).as_nanos());
         append(&mut self.records, &kind);
-        append(&mut self.records, &(index(event.cell).cast_signed() - told.index.cast_signed()));
+        append(&mut self.records, &(index(event.cell).cast_signed() - base.index.cast_signed()));
         other.into_iter().for_each(|number| append(&mut self.records, &number));
         if let GroundFact::Wetted { until, .. } = event.fact {
             append(&mut self.records, &(until - event.time).as_nanos());
@@ -138,7 +138,7 @@ impl GroundWriter {
         if let GroundFact::Cleared { flank, along_mm, holds } = event.fact {
             append(&mut self.records, &(flank, along_mm, holds));
         }
-        *told = Told { place, time: event.time, index: index(event.cell) };
+        *base = RecordBase { place, time: event.time, index: index(event.cell) };
     }
 
     pub fn record_of_all(&self) -> GroundRecord<'_> {
@@ -155,7 +155,7 @@ impl GroundWriter {
 
 /// What the next record is told by its differences from.
 #[derive(Clone, Copy, Debug, Default)]
-struct Told {
+struct RecordBase {
     place: u32,
     time: SimTime,
     index: u32,
@@ -174,9 +174,9 @@ impl GroundRecord<'_> {
         let mut ordinary = self.read_ordinary(setting)?.into_iter();
         let mut log = Vec::new();
         let mut records = self.records;
-        let mut told = Told::default();
+        let mut base = RecordBase::default();
         for _ in 0..count - ordinary_count {
-            let (place, event) = take_record(&mut records, setting, told)?;
+            let (place, event) = take_record(&mut records, setting, base)?;
             while log.len() < place as usize {
                 log.push(ordinary.next().ok_or(MISCOUNTED)?);
             }
@@ -184,7 +184,7 @@ impl GroundRecord<'_> {
             if log.len() != place as usize {
                 return Err(MISCOUNTED);
             }
-            told = Told { place, time: event.time, index: setting.frame.index(event.cell) as u32 };
+            base = RecordBase { place, time: event.time, index: setting.frame.index(event.cell) as u32 };
             log.push(event);
         }
         log.extend(ordinary);
@@ -199,14 +199,14 @@ impl GroundRecord<'_> {
         let mut directions = self.directions.iter();
         let mut stretches = self.stretches;
         let mut index = 0;
-        let mut is_told = false;
+        let mut is_ordinary = false;
         let mut ignitions = Vec::with_capacity(self.directions.len());
         while !stretches.is_empty() {
             let stretch = take::<u32>(&mut stretches)? as usize;
             if stretch > frame.cell_count() - index {
                 return Err(NO_SUCH_CELL);
             }
-            for index in (index..index + stretch).take_while(|_| is_told) {
+            for index in (index..index + stretch).take_while(|_| is_ordinary) {
                 let time = times.next(plane.predict(index))?;
                 plane.learn(index, time);
                 let cell = frame.cell(index);
@@ -218,7 +218,7 @@ impl GroundRecord<'_> {
                 ignitions.push(GroundEvent { time: SimTime::from_nanos(time), cell, fact });
             }
             index += stretch;
-            is_told = !is_told;
+            is_ordinary = !is_ordinary;
         }
         if directions.next().is_some() || !times.is_finished() {
             return Err(MISCOUNTED);
@@ -230,7 +230,7 @@ impl GroundRecord<'_> {
 }
 
 /// Takes a record from the front of others, with its place in the log.
-fn take_record(records: &mut &[u8], setting: &Setting, told: Told) -> Result<(u32, GroundEvent), FileError> {
+fn take_record(records: &mut &[u8], setting: &Setting, base: RecordBase) -> Result<(u32, GroundEvent), FileError> {
     let frame = setting.frame;
     let cell = |index: u32| {
         let is_inside = (index as usize) < frame.cell_count();
@@ -238,14 +238,14 @@ fn take_record(records: &mut &[u8], setting: &Setting, told: Told) -> Result<(u3
     };
     let agent = |place: u32| setting.agents.get(place as usize).map(|agent| agent.id).ok_or(NO_SUCH_AGENT);
     let later = |time: SimTime, nanos| time.as_nanos().checked_add(nanos).map(SimTime::from_nanos).ok_or(NO_SUCH_TIME);
-    let place = told.place.checked_add(take(records)?).ok_or(MISCOUNTED)?;
-    let time = later(told.time, take(records)?)?;
+    let place = base.place.checked_add(take(records)?).ok_or(MISCOUNTED)?;
+    let time = later(base.time, take(records)?)?;
     let kind: u32 = take(records)?;
-    let changed = cell(told.index.checked_add_signed(take(records)?).ok_or(NO_SUCH_CELL)?)?;
+    let changed = cell(base.index.checked_add_signed(take(records)?).ok_or(NO_SUCH_CELL)?)?;
     let fact = match kind {
         kind::SPREAD => GroundFact::Ignited(Cause::Spread(cell(take(records)?)?)),
         kind::SPOTTED => GroundFact::Ignited(Cause::Spotted(cell(take(records)?)?)),
-        kind::LIT => GroundFact::Ignited(Cause::Lit(agent(take(records)?)?)),
+        kind::IGNITED_BY_AGENT => GroundFact::Ignited(Cause::Agent(agent(take(records)?)?)),
         kind::SCHEDULED => GroundFact::Ignited(Cause::Scheduled),
         kind::EXTINGUISHED => GroundFact::Extinguished { by: agent(take(records)?)? },
         kind::WETTED => {

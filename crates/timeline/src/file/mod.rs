@@ -234,8 +234,8 @@ fn take<'a, T: Deserialize<'a>>(bytes: &mut &'a [u8]) -> Result<T, FileError> {
 
 /// The payload of a recording, still deflated.
 fn checked_payload(bytes: &[u8]) -> Result<&[u8], FileError> {
-    let known = bytes.len().min(MAGIC.len());
-    if bytes[..known] != MAGIC[..known] {
+    let length = bytes.len().min(MAGIC.len());
+    if bytes[..length] != MAGIC[..length] {
         return Err(FileError::NotARecording);
     }
     let Some((header, payload)) = bytes.split_at_checked(HEADER_BYTES) else {

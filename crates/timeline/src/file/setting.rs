@@ -73,7 +73,7 @@ struct RulesRecord {
     duration_ns: u64,
     suppression_reach_m: Option<f64>,
     suppression_dwell_ns: u64,
-    relight: bool,
+    reignition: bool,
     score_wumpus_ignited: f64,
     score_wumpus_burned_out: f64,
     score_truck_extinguished: f64,
@@ -148,10 +148,10 @@ enum FireRecord {
     Radius {
         spread_delay_ns: u64,
         spread_radius_m: f64,
-        lit_spreads: bool,
+        sources_spread: bool,
         caught_spreads: bool,
         burn_out_ns: Option<u64>,
-        relight: bool,
+        reignition: bool,
     },
 }
 
@@ -171,7 +171,7 @@ impl From<&Setting> for SettingRecord {
                 duration_ns: rules.duration.as_nanos(),
                 suppression_reach_m: rules.suppression_reach_m,
                 suppression_dwell_ns: rules.suppression_dwell.as_nanos(),
-                relight: rules.relight,
+                reignition: rules.reignition,
                 score_wumpus_ignited: rules.score_wumpus_ignited,
                 score_wumpus_burned_out: rules.score_wumpus_burned_out,
                 score_truck_extinguished: rules.score_truck_extinguished,
@@ -252,10 +252,10 @@ impl From<&Setting> for SettingTail {
             fire: setting.rules.fire.map_or(FireRecord::Unknown, |rules| FireRecord::Radius {
                 spread_delay_ns: rules.spread_delay.as_nanos(),
                 spread_radius_m: rules.spread_radius_m,
-                lit_spreads: rules.lit_spreads,
+                sources_spread: rules.sources_spread,
                 caught_spreads: rules.caught_spreads,
                 burn_out_ns: rules.burn_out.map(SimTime::as_nanos),
-                relight: rules.relight,
+                reignition: rules.reignition,
             }),
         }
     }
@@ -286,7 +286,7 @@ impl SettingRecord {
                 suppression_dwell: SimTime::from_nanos(self.rules.suppression_dwell_ns),
                 extinguishes_all: supplement.extinguishes_all,
                 fire: supplement.fire.rules(),
-                relight: self.rules.relight,
+                reignition: self.rules.reignition,
                 score_wumpus_ignited: self.rules.score_wumpus_ignited,
                 score_wumpus_burned_out: self.rules.score_wumpus_burned_out,
                 score_truck_extinguished: self.rules.score_truck_extinguished,
@@ -352,16 +352,21 @@ impl FireRecord {
     fn rules(self) -> Option<FireRules> {
         match self {
             Self::Unknown => None,
-            Self::Radius { spread_delay_ns, spread_radius_m, lit_spreads, caught_spreads, burn_out_ns, relight } => {
-                Some(FireRules {
-                    spread_delay: SimTime::from_nanos(spread_delay_ns),
-                    spread_radius_m,
-                    lit_spreads,
-                    caught_spreads,
-                    burn_out: burn_out_ns.map(SimTime::from_nanos),
-                    relight,
-                })
-            }
+            Self::Radius {
+                spread_delay_ns,
+                spread_radius_m,
+                sources_spread,
+                caught_spreads,
+                burn_out_ns,
+                reignition,
+            } => Some(FireRules {
+                spread_delay: SimTime::from_nanos(spread_delay_ns),
+                spread_radius_m,
+                sources_spread,
+                caught_spreads,
+                burn_out: burn_out_ns.map(SimTime::from_nanos),
+                reignition,
+            }),
         }
     }
 }

@@ -116,12 +116,12 @@ const CROWN_METHODS: [CrownMethod; 2] = [CrownMethod::ScottReinhardt, CrownMetho
 const VEGETATIONS: [Vegetation; 3] = [Vegetation::Agricultural, Vegetation::Thickets, Vegetation::Pine];
 const DENSITIES: [Density; 3] = [Density::Sparse, Density::Normal, Density::Dense];
 
-fn place_of<T: PartialEq>(words: &[T], word: T) -> u8 {
-    words.iter().position(|known| *known == word).expect("all words are listed") as u8
+fn place_of<T: PartialEq>(values: &[T], word: T) -> u8 {
+    values.iter().position(|other| *other == word).expect("all words are listed") as u8
 }
 
-fn word_at<T: Copy>(words: &[T], place: u8) -> Result<T, FileError> {
-    words.get(usize::from(place)).copied().ok_or(NO_WORD)
+fn word_at<T: Copy>(values: &[T], place: u8) -> Result<T, FileError> {
+    values.get(usize::from(place)).copied().ok_or(NO_WORD)
 }
 
 impl From<&Setting> for GroundSetting {

@@ -186,7 +186,7 @@ pub(super) struct Surroundings<'a> {
     /// Burning cells that trucks go for, and how many do, which only matter to a truck that stands.
     pub burning_goals: &'a [(Cell, u32)],
     /// The goal of the agent itself.
-    pub own_goal: Option<Cell>,
+    pub agent_goal: Option<Cell>,
 }
 
 impl Surroundings<'_> {
@@ -194,7 +194,7 @@ impl Surroundings<'_> {
     fn others_goals(&self) -> impl Iterator<Item = Cell> + '_ {
         self.burning_goals
             .iter()
-            .filter_map(|&(cell, trucks)| (trucks > u32::from(self.own_goal == Some(cell))).then_some(cell))
+            .filter_map(|&(cell, trucks)| (trucks > u32::from(self.agent_goal == Some(cell))).then_some(cell))
     }
 }
 
@@ -276,10 +276,10 @@ impl<'a> AgentReader<'a> {
 
     pub fn record_change(&mut self, BushChange { bush, from, to }: BushChange) {
         if self.out_of_reach.contains(&bush) {
-            let relight = self.timeline.setting.rules.relight;
+            let reignition = self.timeline.setting.rules.reignition;
             self.burning_out_of_reach = self.burning_out_of_reach - u32::from(from.burns()) + u32::from(to.burns());
-            self.lightable_out_of_reach =
-                self.lightable_out_of_reach - u32::from(from.can_be_lit(relight)) + u32::from(to.can_be_lit(relight));
+            self.lightable_out_of_reach = self.lightable_out_of_reach - u32::from(from.can_ignite(reignition))
+                + u32::from(to.can_ignite(reignition));
         }
     }
 
@@ -304,7 +304,10 @@ impl<'a> AgentReader<'a> {
         };
         self.rests_by_choice = match fact {
             AgentFact::Rested { reason } => {
-                matches!(reason, RestReason::Chosen | RestReason::NoWater | RestReason::TooHot | RestReason::NotReady)
+                matches!(
+                    reason,
+                    RestReason::PolicyWait | RestReason::NoWater | RestReason::TooHot | RestReason::NotReady
+                )
             }
             AgentFact::OutOfReach { .. } | AgentFact::Searched { .. } | AgentFact::RelocationFailed { .. } => {
                 self.rests_by_choice
@@ -313,8 +316,8 @@ impl<'a> AgentReader<'a> {
         };
         self.has_nothing_to_do = match fact {
             AgentFact::Rested { reason } => {
-                use RestReason::{Chosen, NoWater, NotReady, NothingBurns, TooHot};
-                matches!(reason, Chosen | NothingBurns | NoWater | TooHot | NotReady)
+                use RestReason::{NoWater, NotReady, NothingBurns, PolicyWait, TooHot};
+                matches!(reason, PolicyWait | NothingBurns | NoWater | TooHot | NotReady)
             }
             AgentFact::Relocated { .. } | AgentFact::Halted { .. } | AgentFact::Refilling { .. } => true,
             AgentFact::OutOfReach { .. } | AgentFact::Searched { .. } | AgentFact::RelocationFailed { .. } => {
@@ -460,7 +463,7 @@ impl<'a> AgentReader<'a> {
     /// whatever burns.
     fn left_to_do(&self, around: &Surroundings<'_>) -> (bool, bool) {
         if !self.is_truck() {
-            let lightable = around.bushes.lightable(self.timeline.setting.rules.relight);
+            let lightable = around.bushes.lightable(self.timeline.setting.rules.reignition);
             let wet_in_reach =
                 around.wet_bushes.iter().filter(|&bush| !self.out_of_reach.contains(bush)).count() as u32;
             let dry = lightable - around.wet_bushes.len() as u32;
@@ -494,7 +497,7 @@ impl<'a> AgentReader<'a> {
         for bush in cells.iter().filter_map(|&cell| setting.bush_index(cell)) {
             if self.out_of_reach.insert(bush) {
                 self.burning_out_of_reach += u32::from(bushes[bush].burns());
-                self.lightable_out_of_reach += u32::from(bushes[bush].can_be_lit(setting.rules.relight));
+                self.lightable_out_of_reach += u32::from(bushes[bush].can_ignite(setting.rules.reignition));
             }
         }
     }

@@ -42,8 +42,8 @@ impl BushCounts {
     }
 
     /// Returns the number of bushes that can catch fire, depending on whether extinguished ones burn again.
-    pub fn lightable(&self, relight: bool) -> u32 {
-        let extinguished = if relight { self.count(BushStateKind::Extinguished) } else { 0 };
+    pub fn lightable(&self, reignition: bool) -> u32 {
+        let extinguished = if reignition { self.count(BushStateKind::Extinguished) } else { 0 };
         self.count(BushStateKind::Intact) + extinguished
     }
 
@@ -174,7 +174,7 @@ impl BushReader {
 
     pub fn record_fact(&mut self, fact: &Fact) {
         match fact {
-            Fact::Fire(FireFact::Ignited { cause: Cause::Lit(_), .. }) => self.outcome.lit_by_wumpus += 1,
+            Fact::Fire(FireFact::Ignited { cause: Cause::Agent(_), .. }) => self.outcome.lit_by_wumpus += 1,
             Fact::Fire(FireFact::Ignited { cause: Cause::Spread(_) | Cause::Spotted(_), .. }) => {
                 self.outcome.caught_by_spread += 1;
             }
@@ -270,7 +270,7 @@ fn due_spreads(timeline: &Timeline) -> Vec<(SimTime, Cell)> {
         let Some(bush) = timeline.setting.bush_index(fact.cell()) else { continue };
         match fact {
             FireFact::Ignited { cause, .. } => {
-                let may = if matches!(cause, Cause::Spread(_)) { fire.caught_spreads } else { fire.lit_spreads };
+                let may = if matches!(cause, Cause::Spread(_)) { fire.caught_spreads } else { fire.sources_spread };
                 due[bush] = may.then_some(event.time + fire.spread_delay);
             }
             FireFact::BurnedOut { .. } | FireFact::Extinguished { .. } => {

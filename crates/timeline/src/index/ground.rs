@@ -93,8 +93,8 @@ impl GroundIndex {
                 GroundFact::Extinguished { .. } => {
                     let index = frame.index(event.cell);
                     let of_cell = &mut burnings[first[index] as usize..first[index + 1] as usize];
-                    let begun = of_cell.partition_point(|burning| burning.ignited <= event.time);
-                    if let Some(burning) = of_cell[..begun].last_mut().filter(|burning| burning.ends >= event.time) {
+                    let started = of_cell.partition_point(|burning| burning.ignited <= event.time);
+                    if let Some(burning) = of_cell[..started].last_mut().filter(|burning| burning.ends >= event.time) {
                         (burning.ends, burning.is_extinguished) = (event.time, true);
                     }
                 }
@@ -161,8 +161,8 @@ impl GroundIndex {
             return None;
         }
         let time = time.min(self.end);
-        let begun = self.burnings_of(cell).iter().rev().find(|burning| burning.ignited <= time);
-        Some(match begun {
+        let started = self.burnings_of(cell).iter().rev().find(|burning| burning.ignited <= time);
+        Some(match started {
             None => BushState::Intact,
             Some(burning) if burning.ends > time => BushState::Burning { since: burning.ignited },
             Some(Burning { is_extinguished: true, .. }) => BushState::Extinguished,
@@ -175,8 +175,8 @@ impl GroundIndex {
         let index = self.frame.index(cell);
         let first = self.wettings.partition_point(|wetting| self.frame.index(wetting.cell) < index);
         let of_cell = self.wettings[first..].iter().take_while(|wetting| wetting.cell == cell);
-        let begun = of_cell.take_while(|wetting| wetting.from <= time.min(self.end));
-        begun.map(|wetting| wetting.until).max().filter(|&until| until > time)
+        let started = of_cell.take_while(|wetting| wetting.from <= time.min(self.end));
+        started.map(|wetting| wetting.until).max().filter(|&until| until > time)
     }
 
     /// Returns all wetting by trucks, and the line of crews, until [`SimTime::MAX`], by cell index and then time.
@@ -199,13 +199,13 @@ impl GroundIndex {
 
     /// Goes through all times at which the number of burning cells changes, with the number from then on.
     pub(super) fn burning_counts(&self) -> impl Iterator<Item = (SimTime, u32)> + '_ {
-        let mut lit = &self.ignited[..];
+        let mut ignitions = &self.ignited[..];
         let mut out = Ends { first: &self.burned_out, second: &self.extinguished };
         let mut burning = 0_u32;
         std::iter::from_fn(move || {
-            let now = [lit.first().copied(), out.next_time()].into_iter().flatten().min()?;
-            let caught = lit.partition_point(|&time| time <= now);
-            lit = &lit[caught..];
+            let now = [ignitions.first().copied(), out.next_time()].into_iter().flatten().min()?;
+            let caught = ignitions.partition_point(|&time| time <= now);
+            ignitions = &ignitions[caught..];
             burning = burning + caught as u32 - out.take_until(now);
             Some((now, burning))
         })
@@ -373,7 +373,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_told_by_hand_has_this_ground() {
+    fn a_run_written_by_hand_has_this_ground() {
         let timeline = sample::on_ground();
         let ground = GroundIndex::new(&timeline).expect("it has ground");
         let outcome = ground.outcome(&timeline);

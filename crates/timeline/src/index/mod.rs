@@ -137,8 +137,8 @@ impl<'a> RunIndex<'a> {
     /// Iterates over the legs that an agent followed between two times, both included, last first.
     pub fn legs_between(&self, agent: usize, from: SimTime, to: SimTime) -> impl Iterator<Item = FollowedLeg> + '_ {
         let legs = &self.agents[agent].legs;
-        let begun = legs.partition_point(|leg| leg.from <= to);
-        legs[..begun].iter().rev().take_while(move |leg| leg.until >= from).copied()
+        let started = legs.partition_point(|leg| leg.from <= to);
+        legs[..started].iter().rev().take_while(move |leg| leg.until >= from).copied()
     }
 
     /// Returns all legs of an agent in order of time; of legs that begin at one instant the last is followed.
@@ -332,7 +332,7 @@ impl<'a> Reader<'a> {
                 burning_ground,
                 wet_bushes: &wet_bushes,
                 burning_goals: if matters { burning_goals.get_or_init(|| self.burning_goals()) } else { &[] },
-                own_goal: self.replay.goal(index),
+                agent_goal: self.replay.goal(index),
             };
             self.agents[index].account(span, activity, &around);
         }
@@ -346,7 +346,7 @@ impl<'a> Reader<'a> {
         let bushes = self.replay.bushes();
         let mut places: Vec<usize> = wet
             .filter_map(|wetting| setting.bush_index(wetting.cell))
-            .filter(|&bush| bushes[bush].can_be_lit(setting.rules.relight))
+            .filter(|&bush| bushes[bush].can_ignite(setting.rules.reignition))
             .collect();
         places.dedup();
         places
@@ -580,7 +580,7 @@ mod tests {
     }
 
     #[test]
-    fn without_rules_only_what_lit_something_has_spread() {
+    fn without_rules_only_what_ignited_something_has_spread() {
         let mut timeline =
             run(vec![at(0.0, ignited(A)), at(0.0, ignited(D)), at(7.0, caught(B, A)), at(7.0, caught(C, A))]);
         timeline.setting.rules.fire = None;

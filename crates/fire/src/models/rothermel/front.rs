@@ -348,12 +348,12 @@ impl Front {
         }
     }
 
-    /// Takes in that a cell was put out, for good or to `relight`.
-    pub fn extinguish(&mut self, cell: Cell, now: u64, relight: bool) {
+    /// Takes in that a cell was put out, for good or with `reignition`.
+    pub fn extinguish(&mut self, cell: Cell, now: u64, reignition: bool) {
         let index = self.cells.index(cell);
         self.cells.state[index] &= NEAR;
         self.cells.time[index] = NEVER;
-        if relight {
+        if reignition {
             self.delay(cell, now);
         } else {
             self.cells.fuel[index] = BARRIER;
@@ -463,9 +463,9 @@ impl Front {
                 if !cells.has_burned(beside) {
                     continue;
                 }
-                let own = EdgeStart { index: from, way: number };
+                let current = EdgeStart { index: from, way: number };
                 let other = EdgeStart { index: beside, way: other };
-                let [first, second] = if first_place == place { [own, other] } else { [other, own] };
+                let [first, second] = if first_place == place { [current, other] } else { [other, current] };
                 let first_time = cells.time[first.index];
                 let second_time = cells.time[second.index];
                 let first_drift = table.along[first.way].1;
@@ -515,7 +515,7 @@ impl Front {
             if crossing != Crossing::Uniform {
                 continue;
             }
-            let own = EdgeStart { index: from, way: number };
+            let current = EdgeStart { index: from, way: number };
             for (other_place, is_first) in [((place + count - 1) % count, true), ((place + 1) % count, false)] {
                 let other = usize::from(set.ways[other_place]);
                 let other_way = &template.ways[other];
@@ -523,7 +523,7 @@ impl Front {
                 let is_uniform = cells.has_burned(beside.index)
                     && cells.crossing(beside.index, other_way, fuel) == Crossing::Uniform;
                 if is_uniform {
-                    let ends = if is_first { [beside, own] } else { [own, beside] };
+                    let ends = if is_first { [beside, current] } else { [current, beside] };
                     if let Some(time) = two_point_arrival(rates, cells, template, to, ends) {
                         offer(cells, queue, to, time, number);
                     }
@@ -572,14 +572,14 @@ impl Front {
             if crossing == Crossing::Blocked || (is_of_disc && crossing != Crossing::Uniform) {
                 continue;
             }
-            let lit = self.cells.time[from];
-            let start = self.cells.open_from(from, way).max(lit);
+            let ignited = self.cells.time[from];
+            let start = self.cells.open_from(from, way).max(ignited);
             if !is_of_disc {
-                plain[number] = start == lit && crossing == Crossing::Uniform;
+                plain[number] = start == ignited && crossing == Crossing::Uniform;
             }
             let interval = self.rates.weather().interval_at(SimTime::from_nanos(start));
             let is_taken = self.template.contains(interval, number);
-            if is_taken && (start == lit || (!is_of_disc && self.flames_at(from, start))) {
+            if is_taken && (start == ignited || (!is_of_disc && self.flames_at(from, start))) {
                 let way = self.template.way(number);
                 let time = arrival_along(&mut self.rates, &self.cells, from, way, start);
                 consider(time, &self.cells, from, number);
@@ -597,8 +597,8 @@ impl Front {
                 });
                 let later = [first, second].into_iter().max_by_key(|one| (self.cells.time[one.index], one.index));
                 let later = later.expect("there are two");
-                let lit = SimTime::from_nanos(self.cells.time[later.index]);
-                if self.template.set_number(self.rates.weather().interval_at(lit)) != set {
+                let ignited = SimTime::from_nanos(self.cells.time[later.index]);
+                if self.template.set_number(self.rates.weather().interval_at(ignited)) != set {
                     continue;
                 }
                 let ends = [first, second];
@@ -612,9 +612,9 @@ impl Front {
 
     /// Says whether a cell that burned flames longer than until a time.
     fn flames_at(&mut self, index: usize, time: u64) -> bool {
-        let lit = self.cells.time[index];
-        let flaming = self.flaming(self.cells.cell(index), lit);
-        flaming.is_none_or(|span| lit.saturating_add(span.as_nanos()) > time)
+        let ignited = self.cells.time[index];
+        let flaming = self.flaming(self.cells.cell(index), ignited);
+        flaming.is_none_or(|span| ignited.saturating_add(span.as_nanos()) > time)
     }
 }
 

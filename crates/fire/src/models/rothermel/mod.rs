@@ -108,7 +108,7 @@ impl Rothermel {
                 }
                 self.front.ignite(cell, nanos);
             }
-            FireChange::Extinguished { cell } => self.front.extinguish(cell, nanos, fires.relights()),
+            FireChange::Extinguished { cell } => self.front.extinguish(cell, nanos, fires.allows_reignition()),
             FireChange::Wetted { cell, until } => self.front.delay(cell, until.as_nanos()),
             // Fire goes on from what has burned out, and what dries was planned for when it became wet.
             FireChange::BurnedOut { .. } | FireChange::Dried { .. } => {}

@@ -102,9 +102,9 @@ impl ArrivalQueue {
         let shift = level as u32 * LEVEL_BITS;
         let above = self.tick >> (shift + LEVEL_BITS) << LEVEL_BITS;
         self.tick = (above | bucket as u64) << shift;
-        let own = &mut self.levels[level];
-        own.occupied[bucket / 64] &= !(1 << (bucket % 64));
-        let mut cells = std::mem::take(&mut own.buckets[bucket]);
+        let current = &mut self.levels[level];
+        current.occupied[bucket / 64] &= !(1 << (bucket % 64));
+        let mut cells = std::mem::take(&mut current.buckets[bucket]);
         for cell in cells.drain(..) {
             let time = times(cell);
             // What has another time by now is in the bucket of that time too.

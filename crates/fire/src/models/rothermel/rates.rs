@@ -235,8 +235,8 @@ impl Rates {
         }
         let key = (interval as u64) << 32 | index as u64;
         let place = (index + 61 * interval) & (self.kept.len() - 1);
-        let (known, spreading) = self.kept[place];
-        if known == key {
+        let (cached_key, spreading) = self.kept[place];
+        if cached_key == key {
             return spreading;
         }
         let spreading = self.cell_spreading(interval, fuel, cell());

@@ -110,8 +110,8 @@ impl Template {
         let mut template =
             Self { ways: Vec::new(), disc: Vec::new(), vectors: Vec::new(), sets: Vec::new(), set_of: Vec::new() };
         for set in directions {
-            let known = directions.iter().position(|other| other == set).expect("it is one of them");
-            let number = template.set_of.get(known).copied().unwrap_or_else(|| {
+            let existing = directions.iter().position(|other| other == set).expect("it is one of them");
+            let number = template.set_of.get(existing).copied().unwrap_or_else(|| {
                 let set = template.edge_set(set, stride, cell_m, gradient);
                 template.sets.push(set);
                 template.sets.len() as u16 - 1
@@ -194,12 +194,12 @@ impl Template {
 
 /// Returns the number of a way in a list, and whether it was added to it just now.
 fn number_of(ways: &mut Vec<Edge>, step: (i32, i32), stride: usize) -> (u16, bool) {
-    let known = ways.iter().position(|way| (way.cols, way.rows) == step);
-    let number = known.unwrap_or(ways.len()) as u16;
-    if known.is_none() {
+    let existing = ways.iter().position(|way| (way.cols, way.rows) == step);
+    let number = existing.unwrap_or(ways.len()) as u16;
+    if existing.is_none() {
         ways.push(Edge::new(step, stride));
     }
-    (number, known.is_none())
+    (number, existing.is_none())
 }
 
 #[cfg(test)]

@@ -18,13 +18,13 @@ const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
 /// Returns whether a file begins as grids do: with one of the keys.
 pub(super) fn is_start(bytes: &[u8]) -> bool {
-    let word = Words::new(bytes).next().map(|word| &word[..word.len().min(16)]);
+    let word = Tokens::new(bytes).next().map(|word| &word[..word.len().min(16)]);
     word.is_some_and(|word| key_of(word).is_some())
 }
 
 pub(super) fn parse(bytes: &[u8], coordinates: Option<Coordinates>) -> Result<Raster, RasterFault> {
-    let mut words = Words::new(bytes);
-    let head = Head::read(&mut words)?;
+    let mut tokens = Tokens::new(bytes);
+    let head = Head::read(&mut tokens)?;
     let rows = head.whole("nrows")?;
     let cols = head.whole("ncols")?;
     check_size(rows, cols)?;
@@ -37,20 +37,20 @@ pub(super) fn parse(bytes: &[u8], coordinates: Option<Coordinates>) -> Result<Ra
 
     let cells = rows * cols;
     // A value takes at least a digit and what parts it from the next one.
-    let max = words.left().div_ceil(2);
+    let max = tokens.left().div_ceil(2);
     if max < cells {
-        let at = words.count();
+        let at = tokens.count();
         return Err(RasterFault::Ends { row: at / cols, col: at % cols, rows, cols });
     }
     let mut values = with_room(cells)?;
     values.resize(cells, 0.0);
     for index in 0..cells {
         let (row, col) = (index / cols, index % cols);
-        let word = words.next().ok_or(RasterFault::Ends { row, col, rows, cols })?;
+        let word = tokens.next().ok_or(RasterFault::Ends { row, col, rows, cols })?;
         let value = number(word).ok_or_else(|| RasterFault::Cell { row, col, found: shown(word) })?;
         values[(rows - 1 - row) * cols + col] = value;
     }
-    if words.next().is_some() {
+    if tokens.next().is_some() {
         return Err(RasterFault::GoesOn { row: rows - 1, col: cols - 1, rows, cols });
     }
     Ok(Raster { rows, cols, west_m, south_m, cell_m, values, nodata, crs: None })
@@ -83,14 +83,14 @@ struct Head(Vec<(&'static str, f64)>);
 
 impl Head {
     /// Reads keys and their numbers up to the first word that is a number or `nan`.
-    fn read(words: &mut Words) -> Result<Self, RasterFault> {
+    fn read(tokens: &mut Tokens) -> Result<Self, RasterFault> {
         let mut head = Vec::new();
-        while let Some(word) = words.peek() {
+        while let Some(word) = tokens.peek() {
             let begins_a_number = word[0].is_ascii_digit() || b"+-.".contains(&word[0]);
             if begins_a_number || word.eq_ignore_ascii_case(b"nan") {
                 break;
             }
-            let line = words.line();
+            let line = tokens.line();
             let wrong = |message: String| Err(RasterFault::Header { line, message });
             let Some(key) = key_of(word) else {
                 return wrong(format!("found {}, expected one of {}", shown(word), KEYS.join(", ")));
@@ -98,8 +98,8 @@ impl Head {
             if head.iter().any(|(earlier, _)| *earlier == key) {
                 return wrong(format!("`{key}` is given twice"));
             }
-            words.next();
-            let Some(word) = words.next() else { return wrong(format!("`{key}` has no number")) };
+            tokens.next();
+            let Some(word) = tokens.next() else { return wrong(format!("`{key}` has no number")) };
             let number = decimal(word).and_then(|text| text.parse::<f64>().ok());
             let is_none = key == "nodata_value" && number.is_some_and(f64::is_nan);
             match number.filter(|number| number.is_finite() || is_none) {
@@ -145,12 +145,12 @@ impl Head {
 }
 
 /// The words of a text.
-struct Words<'a> {
+struct Tokens<'a> {
     bytes: &'a [u8],
     at: usize,
 }
 
-impl<'a> Words<'a> {
+impl<'a> Tokens<'a> {
     fn new(bytes: &'a [u8]) -> Self {
         Self { bytes: bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes), at: 0 }
     }

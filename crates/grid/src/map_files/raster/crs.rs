@@ -78,7 +78,7 @@ impl Coordinates {
     /// of a description; `None` for a name that is not known.
     pub fn of_name(name: &str) -> Option<Self> {
         let upper = name.to_ascii_uppercase();
-        if ["CRS84", "CRS83", "CRS27"].iter().any(|known| upper.contains(known)) {
+        if ["CRS84", "CRS83", "CRS27"].iter().any(|datum| upper.contains(datum)) {
             return Some(Self::Degrees);
         }
         epsg_of_name(name).map(Self::of_epsg)
@@ -89,7 +89,7 @@ impl Coordinates {
     pub fn of_text(text: &str) -> (Option<Self>, Option<f64>) {
         let upper = text.trim().to_ascii_uppercase();
         if upper.starts_with("PROJECTION") {
-            return of_key_words(&upper);
+            return of_arc_info(&upper);
         }
         let vertical = ["VERT_CS[", "VERTCS[", "VERTCRS["].iter().find_map(|start| upper.find(start));
         let (horizontal, heights) = upper.split_at(vertical.unwrap_or(upper.len()));
@@ -104,7 +104,7 @@ impl Coordinates {
             ["GEOGCS[", "GEOGCRS[", "GEODCRS["].iter().any(|start| horizontal.contains(start)).then_some(Self::Degrees)
         } else if method.contains("AUXILIARY SPHERE") || method.contains("PSEUDO MERCATOR") {
             Some(Self::WebMercator)
-        } else if method.starts_with("MERCATOR") || is_cylinder.iter().any(|known| method.contains(known)) {
+        } else if method.starts_with("MERCATOR") || is_cylinder.iter().any(|method_name| method.contains(method_name)) {
             Some(Self::Unusable)
         } else {
             last_unit(horizontal).map(|unit_m| Self::Lengths { unit_m })
@@ -183,10 +183,12 @@ pub(super) fn are_likely_degrees([west, south]: [f64; 2], size: [f64; 2], cell: 
 }
 
 /// Reads a description in the key words of ArcInfo: `Projection UTM`, `Units METERS`, `Zunits FEET`.
-fn of_key_words(upper: &str) -> (Option<Coordinates>, Option<f64>) {
+fn of_arc_info(upper: &str) -> (Option<Coordinates>, Option<f64>) {
     let value = |key: &str| {
         let lines = upper.lines().map(|line| line.split_ascii_whitespace().collect::<Vec<_>>());
-        lines.filter(|words| words.first() == Some(&key)).find_map(|words| words.get(1).map(|word| (*word).to_owned()))
+        lines
+            .filter(|tokens| tokens.first() == Some(&key))
+            .find_map(|tokens| tokens.get(1).map(|word| (*word).to_owned()))
     };
     let unit_m = |word: &str| match word {
         "METERS" | "METRES" | "1.0" => Some(1.0),
@@ -324,7 +326,7 @@ mod tests {
     const US_FEET_IN: Coordinates = Coordinates::Lengths { unit_m: US_SURVEY_FOOT_M };
 
     #[test]
-    fn systems_are_known_by_number_and_by_name() {
+    fn systems_are_found_by_number_and_by_name() {
         for (number, expected) in [
             (32_611, Coordinates::METRES),
             (5070, Coordinates::METRES),
@@ -378,7 +380,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_can_only_be_degrees_are_told_from_small_fields() {
+    fn numbers_that_can_only_be_degrees_are_distinguished_from_small_fields() {
         assert!(are_likely_degrees([-117.0, 36.0], [0.016, 0.011], 1.0 / 3600.0));
         assert!(are_likely_degrees([10.0, -40.0], [5.0, 5.0], 0.05));
         assert!(!are_likely_degrees([0.0, 0.0], [3.0, 2.0], 0.05), "a burning table");

@@ -215,8 +215,11 @@ impl Pixels {
             for (offset, row) in samples.chunks_exact(cols * together).take(rows).enumerate() {
                 let start = (self.rows - 1 - north - offset) * self.cols + west;
                 for (band, values) in bands[plane..plane + together].iter_mut().enumerate() {
-                    let own = row.iter().skip(band).step_by(together);
-                    values[start..start + cols].iter_mut().zip(own).for_each(|(value, &sample)| *value = sample);
+                    let band_samples = row.iter().skip(band).step_by(together);
+                    values[start..start + cols]
+                        .iter_mut()
+                        .zip(band_samples)
+                        .for_each(|(value, &sample)| *value = sample);
                 }
             }
         }

@@ -208,7 +208,7 @@ fn coordinate_systems_are_handed_on_and_points_become_areas() {
 }
 
 #[test]
-fn grids_are_words_whatever_their_lines_and_the_north_row_comes_first() {
+fn grids_are_tokens_whatever_their_lines_and_the_north_row_comes_first() {
     let expected = [4.0, 5.0, 6.0, 1.0, 2.0, 3.0];
     for (head, values) in [
         (PLACED, "1 2 3\n4 5 6"),
@@ -224,7 +224,7 @@ fn grids_are_words_whatever_their_lines_and_the_north_row_comes_first() {
 }
 
 #[test]
-fn faults_in_grids_are_told_with_their_place() {
+fn faults_in_grids_are_reported_with_their_place() {
     for (text, expected) in [
         (grid(PLACED, "1 2 3 4 x 6"), "row 1, column 1: found `x`, expected a number"),
         (grid(PLACED, "1 2 3 4,500,1 5 6"), "row 1, column 0: found `4,500,1`, expected a number"),

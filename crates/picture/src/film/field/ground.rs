@@ -14,7 +14,7 @@ use crate::field_map::{MapQuantity, MapScale};
 use crate::film::RunView;
 use crate::film::field::lines::draw_visible_line;
 use crate::film::field::{Layer, Pane};
-use crate::ground::{GroundCover, lit};
+use crate::ground::{GroundCover, hillshade};
 use crate::text::{Align, draw_text_on};
 use crate::thin_line::draw_line;
 use wildfire_base::geometry::{DVec2, FieldFrame};
@@ -212,8 +212,8 @@ impl GroundView {
     /// Marks what embers have lit, and for a while where they came from.
     pub(super) fn draw_embers(&self, canvas: &mut Canvas, pane: &Pane) {
         let (now, unit) = (pane.view.state.time, pane.unit());
-        let begun = self.spotted.partition_point(|&(time, ..)| time <= now);
-        for &(time, cell, from) in &self.spotted[..begun] {
+        let started = self.spotted.partition_point(|&(time, ..)| time <= now);
+        for &(time, cell, from) in &self.spotted[..started] {
             let (at, from) = (pane.at(cell), pane.at(from));
             let age = now.since(time);
             if age < FLIGHT_LASTS {
@@ -303,7 +303,7 @@ fn cover_colours(landscape: &Landscape) -> Vec<Rgb> {
         let cover = GroundCover::from_fuel(number);
         let is_level = cover == GroundCover::Water;
         let gradient = if is_level { DVec2::ZERO } else { landscape.gradient(landscape.frame.cell(index)) };
-        lit(cover.colour(), gradient)
+        hillshade(cover.colour(), gradient)
     };
     landscape.fuel.iter().enumerate().map(colour).collect()
 }

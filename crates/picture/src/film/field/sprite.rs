@@ -92,14 +92,14 @@ impl Sprite {
 
 /// `side` is -1 for the mirrored shape, else 1.
 fn read_shape(line: &str, side: f32) -> Option<SpriteShape> {
-    let mut words = line.split_whitespace();
-    let kind = words.next()?;
-    let ink = read_ink(words.next()?)?;
+    let mut tokens = line.split_whitespace();
+    let kind = tokens.next()?;
+    let ink = read_ink(tokens.next()?)?;
     let size = match kind {
-        "disc" | "line" | "curve" => Some(words.next()?.parse().ok()?),
+        "disc" | "line" | "curve" => Some(tokens.next()?.parse().ok()?),
         _ => None,
     };
-    let points: Option<Vec<Point>> = words.map(|word| read_point(word, side)).collect();
+    let points: Option<Vec<Point>> = tokens.map(|word| read_point(word, side)).collect();
     let points = points.filter(|points| !points.is_empty())?;
     let (path, width) = match (kind, size) {
         ("area", None) => (closed(&points), None),

@@ -75,9 +75,9 @@ fn truck(pane: &Pane) -> Option<usize> {
         });
     let is_truck = |agent: &AgentId| agent.role.suppresses();
     let agents = &pane.setting().agents;
-    let asked = [options.followed_agent(), selected].into_iter().flatten().find(is_truck);
-    let asked = asked.and_then(|agent| pane.setting().agent_index(agent));
-    asked.or_else(|| agents.iter().position(|agent| is_truck(&agent.id)))
+    let preferred = [options.followed_agent(), selected].into_iter().flatten().find(is_truck);
+    let preferred = preferred.and_then(|agent| pane.setting().agent_index(agent));
+    preferred.or_else(|| agents.iter().position(|agent| is_truck(&agent.id)))
 }
 
 impl ValueMap {

@@ -29,7 +29,7 @@ pub fn draw_wind(canvas: &mut Canvas, pane: &Pane) {
     let unit = pane.unit();
     let [margin, padding, text, dial] = [MARGIN, PADDING, TEXT, DIAL].map(|length| length * unit);
     let is_calm = speed < 0.05;
-    let words = if is_calm {
+    let lines = if is_calm {
         ["calm".to_owned(), String::new()]
     } else {
         [format!("{speed:.1} m/s"), format!("from {}", compass_word(compass::azimuth_deg(-wind)))]
@@ -49,9 +49,9 @@ pub fn draw_wind(canvas: &mut Canvas, pane: &Pane) {
         let up = (wind.y / speed) as f32;
         draw_arrow(canvas, centre, (right, up), 0.78 * dial);
     }
-    for (line, words) in words.iter().enumerate() {
+    for (line, content) in lines.iter().enumerate() {
         let base = top + 2.0 * (padding + dial) + text * (0.9 + 1.5 * line as f32);
-        draw_text(canvas, words, (centre.0, base), Align::Centre, text, INK);
+        draw_text(canvas, content, (centre.0, base), Align::Centre, text, INK);
     }
 }
 
@@ -68,8 +68,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn azimuths_have_words() {
-        let words = [0.0, 11.0, 12.0, 90.0, 225.0, 270.0, 348.0, 349.0, 360.0].map(compass_word);
-        assert_eq!(words, ["N", "N", "NNE", "E", "SW", "W", "NNW", "N", "N"]);
+    fn azimuths_have_compass_points() {
+        let names = [0.0, 11.0, 12.0, 90.0, 225.0, 270.0, 348.0, 349.0, 360.0].map(compass_word);
+        assert_eq!(names, ["N", "N", "NNE", "E", "SW", "W", "NNW", "N", "N"]);
     }
 }

@@ -2,12 +2,12 @@
 
 use crate::Rgb;
 use crate::colours::{FAINT_INK, UNIMOG, WUMPUS};
+use crate::film::hud::formatting::{format_clock, format_cpu, format_percent};
 use crate::film::hud::legend::{agents_of, legend_block, run_sentence, wrapped_lines};
 use crate::film::hud::panel::{LineMark, PanelBlock, PanelLine};
 use crate::film::hud::pen::TextFace;
 use crate::film::hud::stories::{agent_blocks, story_block};
-use crate::film::hud::words::{format_clock, format_cpu, format_percent};
-use crate::film::hud::{HudView, words};
+use crate::film::hud::{HudView, formatting};
 use crate::film::{Layer, ViewOptions};
 use wildfire_fire::BushStateKind;
 use wildfire_timeline::{BushCounts, GroundCounts, Role};
@@ -39,7 +39,8 @@ pub fn values(texts: impl IntoIterator<Item = String>, face: TextFace) -> Vec<Li
 
 /// Above the values of the runs of a comparison: what they are of, and the names of the runs.
 pub fn heading(view: &HudView, name: LineMark) -> PanelLine {
-    let names = values((0..view.runs.len()).map(|run_index| words::run_name(run_index).to_owned()), TextFace::STRONG);
+    let names =
+        values((0..view.runs.len()).map(|run_index| formatting::run_name(run_index).to_owned()), TextFace::STRONG);
     PanelLine::new([name].into_iter().chain(names).collect())
 }
 
@@ -47,7 +48,7 @@ pub fn title_block(view: &HudView) -> PanelBlock {
     let lines = view.runs.iter().enumerate().flat_map(|(run_index, run)| {
         let (name, changes) = run.title().split_once(", ").unwrap_or((run.title(), ""));
         let (name, face) = if view.is_comparison() {
-            (format!("{}  {name}", words::run_name(run_index)), TextFace::STRONG)
+            (format!("{}  {name}", formatting::run_name(run_index)), TextFace::STRONG)
         } else {
             (name.to_owned(), TextFace::TITLE)
         };
@@ -162,10 +163,10 @@ pub fn scores_block(view: &HudView) -> Option<PanelBlock> {
 
 /// CPU time of all decisions so far, where it is known of a run.
 fn cpu_line(view: &HudView) -> Option<PanelLine> {
-    let known: Vec<_> = view.runs.iter().map(|run| run.cpu_until(view.time)).collect();
-    known.iter().any(Option::is_some).then(|| {
+    let times: Vec<_> = view.runs.iter().map(|run| run.cpu_until(view.time)).collect();
+    times.iter().any(Option::is_some).then(|| {
         let mut marks = vec![LineMark::left("CPU for plans", TextFace::faint())];
-        marks.extend(values(known.iter().map(|cpu| cpu.map_or("-".to_owned(), format_cpu)), TextFace::PLAIN));
+        marks.extend(values(times.iter().map(|cpu| cpu.map_or("-".to_owned(), format_cpu)), TextFace::PLAIN));
         PanelLine::new(marks)
     })
 }

@@ -138,10 +138,10 @@ mod tests {
     /// A run with a random story of its first agents, and that many in all.
     fn timeline(seed: u64, agents: u16) -> Timeline {
         let mut timeline = sample::random(seed, SimTime::from_seconds(300.0));
-        let known = timeline.setting.agents.len() as u16;
+        let existing = timeline.setting.agents.len() as u16;
         let last = *timeline.setting.agents.last().expect("there is a truck");
         let others =
-            (known..agents).map(|number| wildfire_timeline::AgentStart { id: AgentId::unimog(number), ..last });
+            (existing..agents).map(|number| wildfire_timeline::AgentStart { id: AgentId::unimog(number), ..last });
         timeline.setting.agents.extend(others);
         timeline
     }
@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn few_agents_have_blocks_of_their_own_and_many_are_summed_up() {
+    fn few_agents_have_separate_blocks_and_many_are_summed_up() {
         assert_eq!(blocks(&RunView::new(timeline(1, 8), None), 100.0).len(), 8);
         let crowd = RunView::new(timeline(1, 9), None);
         assert!(crowd.is_crowded());

@@ -4,14 +4,14 @@
 mod blocks;
 pub(super) mod chart;
 mod fleet;
+pub(super) mod formatting;
 pub(super) mod legend;
 mod notes;
 mod panel;
 mod pen;
 pub(super) mod stories;
-pub(super) mod words;
 
-pub use words::format_clock;
+pub use formatting::format_clock;
 
 use blocks::panel_blocks;
 use chart::ChartRenderer;

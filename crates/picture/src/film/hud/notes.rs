@@ -2,9 +2,9 @@
 
 use crate::canvas::Point;
 use crate::colours::{INK, PAPER};
+use crate::film::hud::formatting::format_clock;
 use crate::film::hud::pen::{TextFace, TextPen};
-use crate::film::hud::words::format_clock;
-use crate::film::hud::{HudView, words};
+use crate::film::hud::{HudView, formatting};
 use crate::film::lettering::fitted;
 use crate::film::{BINDINGS, FrameLayout, Layer};
 use crate::text::{Align, measure_weighted};
@@ -20,7 +20,7 @@ pub fn draw_run_names(pen: &mut TextPen, layout: &FrameLayout, view: &HudView) {
     for (run_index, (pane, run)) in layout.fields.iter().zip(view.runs).enumerate() {
         let seed = run.timeline().setting.seed;
         let end = run.end_time();
-        let mut name = format!("{}  {}, seed {seed}", words::run_name(run_index), run.title());
+        let mut name = format!("{}  {}, seed {seed}", formatting::run_name(run_index), run.title());
         if view.time >= end {
             name.push_str(&format!(", ended at {}", format_clock(end)));
         }

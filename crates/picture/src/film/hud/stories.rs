@@ -3,10 +3,10 @@
 use crate::colours::agent_colour;
 use crate::film::hud::blocks::{heading, values};
 use crate::film::hud::fleet::fleet_blocks;
+use crate::film::hud::formatting::{activity_name, format_clock, format_cpu};
 use crate::film::hud::panel::{LineMark, PanelBlock, PanelLine};
 use crate::film::hud::pen::TextFace;
-use crate::film::hud::words::{activity_name, format_clock, format_cpu};
-use crate::film::hud::{HudView, words};
+use crate::film::hud::{HudView, formatting};
 use crate::film::{RunView, Selected};
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
@@ -78,17 +78,17 @@ fn agent_ids(view: &HudView) -> Vec<AgentId> {
 
 fn compared_agent_lines(view: &HudView, id: AgentId) -> Vec<PanelLine> {
     let runs = view.runs.iter().zip(view.states);
-    let known = runs.map(|(run, state)| {
+    let activities = runs.map(|(run, state)| {
         let index = run.timeline().setting.agent_index(id)?;
         Some((state.agents[index].activity, run.stats_at(index, view.time)))
     });
-    let known: Vec<Option<(Activity, AgentStats)>> = known.collect();
+    let activities: Vec<Option<(Activity, AgentStats)>> = activities.collect();
     let line = |name: &str, tell: &dyn Fn(Activity, &AgentStats) -> String| {
-        let told =
+        let cell_text =
             |run: &Option<(Activity, AgentStats)>| run.map_or("-".to_owned(), |(activity, did)| tell(activity, &did));
         let marks = [LineMark::left(name, TextFace::faint())]
             .into_iter()
-            .chain(values(known.iter().map(told), TextFace::PLAIN));
+            .chain(values(activities.iter().map(cell_text), TextFace::PLAIN));
         PanelLine::new(marks.collect())
     };
     vec![
@@ -120,7 +120,7 @@ fn story_heading(view: &HudView, run_index: usize, selected: Selected) -> PanelL
     };
     let mut marks = vec![LineMark::left(name, TextFace { colour, ..TextFace::STRONG })];
     if view.is_comparison() {
-        marks.push(LineMark::right(format!("in {}", words::run_name(run_index)), TextFace::faint()));
+        marks.push(LineMark::right(format!("in {}", formatting::run_name(run_index)), TextFace::faint()));
     }
     PanelLine::new(marks)
 }
@@ -135,8 +135,8 @@ fn bush_story(run: &RunView, cell: Cell, now: SimTime) -> Option<Vec<PanelLine>>
     ])];
     for event in run.changes_of(bush) {
         let face = if event.time <= now { TextFace::PLAIN } else { TextFace::faint() };
-        let told = change_text(&event.fact, burns_since.is_some());
-        lines.push(PanelLine::new(vec![LineMark::left(told, face), LineMark::right(format_clock(event.time), face)]));
+        let text = change_text(&event.fact, burns_since.is_some());
+        lines.push(PanelLine::new(vec![LineMark::left(text, face), LineMark::right(format_clock(event.time), face)]));
         lines.extend(
             burned_for(event, burns_since)
                 .map(|text| PanelLine::new(vec![LineMark::Left { from: 1.0, text, face: TextFace::faint() }])),
@@ -155,7 +155,7 @@ pub fn change_text(fact: &Fact, burned_before: bool) -> String {
         Fact::Fire(FireFact::Ignited { cause, .. }) => {
             let again = if burned_before { " again" } else { "" };
             match cause {
-                Cause::Lit(agent) => format!("lit{again} by {agent}"),
+                Cause::Agent(agent) => format!("lit{again} by {agent}"),
                 Cause::Spread(from) => format!("caught fire{again} from {from}"),
                 Cause::Spotted(from) => format!("caught fire{again} from an ember of {from}"),
                 Cause::Scheduled => format!("lit{again} by schedule"),
@@ -198,7 +198,7 @@ fn agent_story(run: &RunView, state: &State, id: AgentId, now: SimTime) -> Optio
         Activity::Standing,
     ];
     let spent = activities.map(|activity| (activity, stats.spent(activity)));
-    let told = spent.into_iter().filter(|(_, time)| *time > SimTime::ZERO);
-    lines.extend(told.map(|(activity, time)| PanelLine::pair(activity_name(id, activity), format_clock(time))));
+    let spent = spent.into_iter().filter(|(_, time)| *time > SimTime::ZERO);
+    lines.extend(spent.map(|(activity, time)| PanelLine::pair(activity_name(id, activity), format_clock(time))));
     Some(lines)
 }

@@ -11,9 +11,9 @@ use super::ground::GroundData;
 use crate::Rgb;
 use crate::film::field::searches::STYLES;
 use crate::film::hud::chart::CountScale;
+use crate::film::hud::formatting::activity_name;
 use crate::film::hud::legend::points_sentence;
 use crate::film::hud::stories::{burned_for, cells_word, change_text};
-use crate::film::hud::words::activity_name;
 use crate::film::{RunView, Verdict};
 use wildfire_base::geometry::{Cell, Pose};
 use wildfire_base::time::SimTime;
@@ -415,7 +415,7 @@ fn verdicts(run: &RunView) -> Vec<(String, Vec<i64>)> {
         return Vec::new();
     }
     let times = |verdict: Verdict| {
-        let those = run.verdicts().iter().filter(|(_, own)| *own == verdict);
+        let those = run.verdicts().iter().filter(|(_, other)| *other == verdict);
         (hex(verdict.colour()), time_differences(those.map(|(time, _)| *time)))
     };
     Verdict::ALL.map(times).to_vec()

@@ -188,15 +188,15 @@ impl GroundData {
 impl CellColours {
     fn new(colours: impl Iterator<Item = Option<Rgb>>) -> Self {
         let mut places: BTreeMap<Rgb, i64> = BTreeMap::new();
-        let mut known = Vec::new();
+        let mut palette = Vec::new();
         let mut place = |colour: Rgb| {
             *places.entry(colour).or_insert_with(|| {
-                known.push(hex(colour));
-                known.len() as i64 - 1
+                palette.push(hex(colour));
+                palette.len() as i64 - 1
             })
         };
         let cells = colours.map(|colour| colour.map_or(-1, &mut place)).collect();
-        Self { colours: known, cells }
+        Self { colours: palette, cells }
     }
 }
 

@@ -78,14 +78,14 @@ impl Flood {
     /// Returns the first pose found whose body centre lies in a disc; the flood grows until there is one, but spreads
     /// from at most `limit` poses.
     pub fn pose_in(&mut self, disc: GoalDisc, limit: u32) -> Option<u32> {
-        self.known_in(disc, limit).min().or_else(|| self.grow_into(disc, limit))
+        self.found_in(disc, limit).min().or_else(|| self.grow_into(disc, limit))
     }
 
     /// Returns all known poses in a disc that are found by spreading from at most `limit` poses.
-    pub fn known_in(&self, disc: GoalDisc, limit: u32) -> impl Iterator<Item = u32> + '_ {
+    pub fn found_in(&self, disc: GoalDisc, limit: u32) -> impl Iterator<Item = u32> + '_ {
         let reach = disc.radius_m + self.checker.body().centre_offset_m().abs();
-        let known = self.bins.about(disc.centre, reach);
-        known.filter(move |&pose| self.spreads_to(pose) <= limit && self.is_in(pose, disc))
+        let nearby = self.bins.about(disc.centre, reach);
+        nearby.filter(move |&pose| self.spreads_to(pose) <= limit && self.is_in(pose, disc))
     }
 
     /// Spreads from up to `limit` poses, and returns the number of poses from which it can spread.
@@ -123,8 +123,8 @@ impl Flood {
             if self.next as u32 >= limit || !self.spread_next() {
                 return None;
             }
-            if let Some(entered) = (first..self.found.len() as u32).find(|&new| self.is_in(new, disc)) {
-                return Some(entered);
+            if let Some(reached) = (first..self.found.len() as u32).find(|&new| self.is_in(new, disc)) {
+                return Some(reached);
             }
         }
     }
@@ -228,10 +228,10 @@ impl BinPages {
     /// Returns the number of bins that there is memory for once there are `more` further ones: it doubles, up to the most that
     /// may be.
     fn bins_after(&self, more: usize) -> Option<usize> {
-        let known = self.poses.len() + more;
+        let needed = self.poses.len() + more;
         let room = self.poses.capacity();
-        let grown = if known <= room { room } else { known.max((2 * room).min(MAX_BINS)) };
-        (known <= MAX_BINS).then_some(grown)
+        let grown = if needed <= room { room } else { needed.max((2 * room).min(MAX_BINS)) };
+        (needed <= MAX_BINS).then_some(grown)
     }
 
     fn page_len(&self) -> usize {
@@ -255,9 +255,9 @@ impl BinPages {
 
     /// Returns the index in `poses` at which a page begins, if it was ever written to.
     fn start_of(&self, block: usize, page: usize) -> Option<usize> {
-        let known = |start: &u32| *start != NONE;
-        let pages = Some(self.blocks[block]).filter(known)? as usize;
-        Some(self.pages[pages + page]).filter(known).map(|start| start as usize)
+        let is_allocated = |start: &u32| *start != NONE;
+        let pages = Some(self.blocks[block]).filter(is_allocated)? as usize;
+        Some(self.pages[pages + page]).filter(is_allocated).map(|start| start as usize)
     }
 
     fn is_taken(&self, pose: Pose) -> bool {
@@ -332,10 +332,10 @@ mod tests {
             let BinPages { blocks, pages, poses, .. } = &flood.bins;
             let bins = size_of::<u32>() * (blocks.capacity() + pages.capacity() + poses.capacity());
             let lists = size_of::<Found>() * flood.found.capacity() + size_of::<Pose>() * flood.frontier.capacity();
-            let held = (bins + lists) as u64;
-            assert!(held <= memory.held(), "{held} of {}", memory.held());
+            let expected = (bins + lists) as u64;
+            assert!(expected <= memory.reserved(), "{expected} of {}", memory.reserved());
             drop(flood);
-            assert_eq!(memory.held(), 0);
+            assert_eq!(memory.reserved(), 0);
         }
     }
 
@@ -347,7 +347,7 @@ mod tests {
         let mut flood = flood(&field, &memory, LATTICES[2]);
         let spread = flood.grow(u32::MAX);
         assert!(spread > 100 && spread < ample && flood.is_full(), "{spread} of {ample}");
-        assert!(memory.overrun().is_some() && memory.held() <= 2_000_000);
+        assert!(memory.overrun().is_some() && memory.reserved() <= 2_000_000);
         assert_eq!(flood.path_to(0), Path::standing(field.start));
     }
 

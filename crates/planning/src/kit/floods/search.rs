@@ -56,8 +56,8 @@ impl Floods {
     fn pose_in(&mut self, disc: GoalDisc) -> Option<(usize, u32)> {
         // Else all of a large field would be flooded before the finest lattice said no. A goal that the floods have
         // come to already needs no such proof.
-        let is_known = self.floods[0].as_ref().is_some_and(|flood| flood.known_in(disc, u32::MAX).next().is_some());
-        if !is_known && lies_in_pocket(&self.checker, self.root, disc) {
+        let is_reached = self.floods[0].as_ref().is_some_and(|flood| flood.found_in(disc, u32::MAX).next().is_some());
+        if !is_reached && lies_in_pocket(&self.checker, self.root, disc) {
             return None;
         }
         for place in 0..LATTICES.len() {
@@ -186,7 +186,7 @@ impl FloodSearch {
     fn expand_analytically(&self, flood: &Flood, goal: Goal, profile: &ClearanceProfile, budget: u32) -> Option<Path> {
         let disc = goal.disc(self.checker.body());
         let near = GoalDisc { radius_m: disc.radius_m + NEAR_M, ..disc };
-        let ways = flood.known_in(near, budget).filter_map(|index| {
+        let ways = flood.found_in(near, budget).filter_map(|index| {
             let pose = flood.path_to(index).end();
             Some((index, pose, self.heuristic.without_bushes(pose, None, Target::from(&goal)).expansion?))
         });

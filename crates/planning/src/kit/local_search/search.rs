@@ -214,13 +214,13 @@ impl PrimitiveSpace<'_> {
         let way = &self.primitives.ways[steered.way as usize];
         let surcharge = self.primitives.price.way_surcharge(pose, way.pieces());
         let key = cost + self.weight() * ((way.cost + surcharge) + tail);
-        search.push(key, cost, index, Step::Own(steered));
+        search.push(key, cost, index, Step::Custom(steered));
     }
 }
 
 impl SearchSpace for PrimitiveSpace<'_> {
     type Mark = Progress;
-    type Own = Steered;
+    type Custom = Steered;
 
     /// One step adds a turn and a straight, the motions that follow, and ways to the waypoints ahead.
     fn has_room(&mut self, search: &mut SearchOf<Self>) -> bool {
@@ -318,14 +318,14 @@ impl SearchSpace for PrimitiveSpace<'_> {
     }
 
     /// Sweeps a turn and a straight, and keeps a node after each.
-    fn take(&mut self, search: &mut SearchOf<Self>, from: Candidate<Steered>, own: Steered) -> Option<u32> {
-        let TurnStraight { turn, straight, .. } = self.primitives.ways[own.way as usize];
+    fn take(&mut self, search: &mut SearchOf<Self>, from: Candidate<Steered>, steered: Steered) -> Option<u32> {
+        let TurnStraight { turn, straight, .. } = self.primitives.ways[steered.way as usize];
         let start = *search.node(from.node);
         // The straight first: it is longer and farther from where the truck is known to fit.
         if !self.motion_is_free(turn.end(start.pose), straight) || !self.motion_is_free(start.pose, turn) {
             return None;
         }
-        let mut node = Node { mark: Progress { waypoint: own.waypoint, way: NO_WAY }, ..start };
+        let mut node = Node { mark: Progress { waypoint: steered.waypoint, way: NO_WAY }, ..start };
         let mut parent = from.node;
         let pieces = [turn, straight].map(|piece| (piece.length_m != 0.0).then_some(piece));
         let last = if pieces[1].is_some() { 1 } else { 0 };

@@ -86,4 +86,4 @@ ranges! { PrimitiveSettings {
     step_m: 0.1..=1000.0, bin_m: 0.01..=1000.0, headings: 4.0..=360.0, clearance_m: 0.01..=100.0,
     turn_cost: 0.0..=1e6, reverse_cost: 0.0..=1e6, cusp_cost: 0.0..=1e6, heuristic_weight: 0.0..=1000.0,
     waypoint_tolerance_m: 0.01..=1000.0, max_expansions: 1.0..=1e6, seconds_per_expansion: 0.0..=1e6,
-} and |own, frame| check_bins(own.bin_m, frame) }
+} and |settings, frame| check_bins(settings.bin_m, frame) }

@@ -59,4 +59,4 @@ ranges! { HybridSettings {
     clearance_m: 0.01..=100.0, step_m: 0.1..=1000.0, bin_m: 0.01..=1000.0, headings: 4.0..=360.0,
     cusp_cost: 0.0..=1e6, heuristic_weight: 0.0..=1000.0, shortcuts: 0.0..=1e6, pulls: 0.0..=1000.0,
     first_expansions: 1.0..=MAX_FIRST_EXPANSIONS as f64, max_expansions: 1.0..=1e6, seconds_per_expansion: 0.0..=1e6,
-} and |own, frame| check_bins(own.bin_m, frame) }
+} and |settings, frame| check_bins(settings.bin_m, frame) }

@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn answers_and_effort_do_not_depend_on_what_was_asked_before() {
+    fn answers_and_effort_do_not_depend_on_previous_queries() {
         let mut field = TestField::random(3, 40);
         let mut goals: Vec<Goal> = (0..6).map(|_| Goal::Disc(field.random_goal())).collect();
         goals.extend((0..4).map(|_| Goal::Pose(random_free_pose(&mut field, 0.3))));

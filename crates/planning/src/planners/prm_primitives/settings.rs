@@ -88,4 +88,4 @@ impl PrmSettings {
 ranges! { PrmSettings {
     samples: 0.0..=100_000.0, neighbours: 1.0..=100.0, max_edge_m: 0.01..=1e6, clearance_m: 0.0..=1000.0,
     seconds_per_expansion: 0.0..=1e6,
-} and |own, frame| check_density(own.samples_per_hectare, frame) }
+} and |settings, frame| check_density(settings.samples_per_hectare, frame) }

@@ -343,7 +343,7 @@ mod tests {
     }
 
     #[test]
-    fn a_growing_roadmap_answers_the_same_whatever_was_asked_before() {
+    fn a_growing_roadmap_answers_the_same_whatever_the_previous_queries() {
         let mut field = TestField::random(3, 40);
         let goals: Vec<GoalDisc> = (0..12).map(|_| field.random_goal()).collect();
         let mut kept = lazy(&field, 3);

@@ -467,8 +467,8 @@ impl Roadmap {
 
     /// Returns whether an edge keeps one of the clearances; it is swept the first time that this is asked.
     pub fn is_free(&mut self, edge: u32, level: ClearanceLevel) -> bool {
-        if let Some(known) = self.edges[edge as usize].is_free[level] {
-            return known;
+        if let Some(cached) = self.edges[edge as usize].is_free[level] {
+            return cached;
         }
         let way = *self.way(edge);
         let start = self.pose(self.edges[edge as usize].nodes[0]);
@@ -645,17 +645,17 @@ mod tests {
     }
 
     #[test]
-    fn what_is_known_of_an_edge_does_not_change_it() {
+    fn what_is_cached_of_an_edge_does_not_change_it() {
         let field = TestField::random(2, 40);
-        let mut asked = roadmap(&field);
+        let mut queried = roadmap(&field);
         let mut fresh = roadmap(&field);
         let mut rng = rng::stream(2, "edges");
         let edges: Vec<(u32, ClearanceLevel)> =
-            (0..300).map(|_| (rng.random_range(0..asked.edge_count() as u32), rng.random_range(0..LEVELS))).collect();
-        let answers: Vec<bool> = edges.iter().map(|&(edge, level)| asked.is_free(edge, level)).collect();
+            (0..300).map(|_| (rng.random_range(0..queried.edge_count() as u32), rng.random_range(0..LEVELS))).collect();
+        let answers: Vec<bool> = edges.iter().map(|&(edge, level)| queried.is_free(edge, level)).collect();
         for (&(edge, level), &answer) in edges.iter().zip(&answers).rev() {
             assert_eq!(fresh.is_free(edge, level), answer);
-            assert_eq!(asked.is_free(edge, level), answer);
+            assert_eq!(queried.is_free(edge, level), answer);
         }
     }
 }

@@ -31,8 +31,8 @@ const LOCAL_M: f64 = 30.0;
 const WEIGHT_GROWING: f64 = 1.3;
 /// and enter no more milestones than this, and this number for every metre of the straight line. Most drives that it
 /// serves take less; others are served better by the lattice search.
-const MAX_ENTERED: f64 = 30.0;
-const MAX_ENTERED_A_METRE: f64 = 0.1;
+const MAX_EXPANSIONS: f64 = 30.0;
+const MAX_EXPANSIONS_PER_METRE: f64 = 0.1;
 /// The lattice of poses about the start.
 const LATTICE: Lattice = Lattice { bin_m: 2.5, headings: 24, step_m: 4.0 };
 
@@ -135,10 +135,10 @@ impl RoadmapSearch {
         self.notes.begin();
         let limits = if roadmap.is_lazy() {
             let straight_m = query.target.straight_m(query.start.position());
-            let max_entered = (MAX_ENTERED + MAX_ENTERED_A_METRE * straight_m) as u32;
-            SearchLimits { weight: WEIGHT_GROWING, max_entered }
+            let max_expansions = (MAX_EXPANSIONS + MAX_EXPANSIONS_PER_METRE * straight_m) as u32;
+            SearchLimits { weight: WEIGHT_GROWING, max_expansions }
         } else {
-            SearchLimits { weight: WEIGHT, max_entered: u32::MAX }
+            SearchLimits { weight: WEIGHT, max_expansions: u32::MAX }
         };
         let mut space = RoadmapSpace { query, roadmap, notes: &mut self.notes, limits };
         self.search.begin(&mut space, [query.start], Mark { via: NodeEntry::Motion, expansion: None });
@@ -204,7 +204,7 @@ struct RoadmapSpace<'a> {
 struct SearchLimits {
     /// Costs-to-go are multiplied with this.
     weight: f64,
-    max_entered: u32,
+    max_expansions: u32,
 }
 
 impl RoadmapSpace<'_> {
@@ -245,7 +245,7 @@ impl RoadmapSpace<'_> {
             let pose = self.roadmap.pose(to);
             let cost = min_length_m(self.query.checker.body().turning_radius_m, start, pose);
             let key = cost + self.limits.weight * self.min_cost_to_go(pose);
-            search.push(key.max(from.key), cost, from.node, Step::Own(Along::Curve { to }));
+            search.push(key.max(from.key), cost, from.node, Step::Custom(Along::Curve { to }));
         }
     }
 
@@ -268,7 +268,7 @@ impl RoadmapSpace<'_> {
 
     fn work_out_curve(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, to: u32) {
         let serves = match self.notes.roadmap_serves {
-            Some(known) => known,
+            Some(cached) => cached,
             None => self.leads_to_goal(),
         };
         self.notes.roadmap_serves = Some(serves);
@@ -306,7 +306,7 @@ impl RoadmapSpace<'_> {
         let state = &self.notes.states[index as usize];
         if !state.is_closed {
             let key = (from.cost + self.limits.weight * state.cost_to_go).max(from.key);
-            search.push(key, from.cost, from.node, Step::Own(Along::Enter { state: index, via }));
+            search.push(key, from.cost, from.node, Step::Custom(Along::Enter { state: index, via }));
         }
     }
 
@@ -342,7 +342,7 @@ impl RoadmapSpace<'_> {
             // What a link costs at least holds whether its curve is known or not.
             let cost = from.cost + self.roadmap.min_m(node, link.to);
             let key = cost + self.limits.weight * self.min_cost_to_go(self.roadmap.pose(link.to));
-            search.push(key.max(from.key), cost, reached, Step::Own(Along::Link { link: number }));
+            search.push(key.max(from.key), cost, reached, Step::Custom(Along::Link { link: number }));
         }
     }
 
@@ -360,13 +360,13 @@ impl RoadmapSpace<'_> {
 
 impl SearchSpace for RoadmapSpace<'_> {
     type Mark = Mark;
-    type Own = Along;
+    type Custom = Along;
 
     /// One step adds a pose, a curve, two expansions, and what is offered from there. A search that has entered as many
     /// milestones as it may ends as one without memory does, and the planner asks for less.
     fn has_room(&mut self, search: &mut SearchOf<Self>) -> bool {
         let Self { roadmap, notes, .. } = self;
-        if notes.effort.roadmap_expansions >= self.limits.max_entered {
+        if notes.effort.roadmap_expansions >= self.limits.max_expansions {
             return false;
         }
         let offered = search.motions.len().max(roadmap.max_links());
@@ -407,8 +407,8 @@ impl SearchSpace for RoadmapSpace<'_> {
         self.query.profile.motion_is_free(self.query.checker, from, motion)
     }
 
-    fn take(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, own: Along) -> Option<u32> {
-        match own {
+    fn take(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, step: Along) -> Option<u32> {
+        match step {
             Along::Curve { to } => self.work_out_curve(search, from, to),
             Along::Link { link } => self.work_out_link(search, from, link),
             Along::Enter { state, via } => self.enter(search, from, state, via),

@@ -236,7 +236,7 @@ impl<'a> FleetKnowledge<'a> {
             let burn_out = self.site.rules.burn_out.filter(|_| self.fires.is_bush(cell));
             let burns_out = burn_out.map_or(SimTime::MAX, |burn_out| since + burn_out);
             let rules = &self.site.rules;
-            let spreads = rules.spread.filter(|_| rules.caught_spreads || self.fires.was_lit(cell));
+            let spreads = rules.spread.filter(|_| rules.caught_spreads || self.fires.is_source(cell));
             let spreads_at = spreads.map(|(_, delay)| since + delay).filter(|&time| time > self.now);
             let spreads_at = spreads_at.unwrap_or(SimTime::MAX);
             (self.knows(cell) && !stops.contains(&cell)).then_some(Fire { cell, place, since, burns_out, spreads_at })

@@ -163,7 +163,7 @@ impl From<Effort> for EffortObject {
 impl From<Cause> for CauseObject {
     fn from(cause: Cause) -> Self {
         match cause {
-            Cause::Lit(agent) => Self::Lit { agent: AgentName(agent) },
+            Cause::Agent(agent) => Self::Lit { agent: AgentName(agent) },
             Cause::Spread(from) => Self::Spread { from: pair(from) },
             Cause::Spotted(from) => Self::Ember { from: pair(from) },
             Cause::Scheduled => Self::Schedule,

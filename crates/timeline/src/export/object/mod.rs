@@ -257,12 +257,12 @@ mod tests {
         assert_eq!(run["ended_ns"], 90_000_000_000_u64);
         assert_eq!(run["events"].as_array().expect("a list").len(), timeline.events.len());
         assert_eq!(run["setting"]["agents"][1]["agent"], "unimog/0");
-        let lit = &run["events"][5];
+        let ignition = &run["events"][5];
         assert_eq!(
-            (&lit["event"], &lit["cause"], &lit["agent"]),
+            (&ignition["event"], &ignition["cause"], &ignition["agent"]),
             (&"ignited".into(), &"lit".into(), &"wumpus/0".into())
         );
-        assert_eq!((&lit["t_ns"], &lit["cell"]), (&10_000_000_000_u64.into(), &serde_json::json!([1, 1])));
+        assert_eq!((&ignition["t_ns"], &ignition["cell"]), (&10_000_000_000_u64.into(), &serde_json::json!([1, 1])));
         let planned = &run["events"][7];
         let leg = &run["legs"][planned["leg"].as_u64().expect("it has a leg") as usize];
         assert_eq!((&leg["agent"], &leg["event"]), (&"unimog/0".into(), &7.into()));
@@ -297,8 +297,8 @@ mod tests {
             let outcome = index.outcome();
             let fires = run["fires"].as_array().expect("a list");
             let of_bushes = fires.iter().filter(|fire| fire["ground"] == false);
-            let lit = outcome.lit_by_wumpus + outcome.caught_by_spread + outcome.lit_by_schedule;
-            assert_eq!(of_bushes.count(), lit as usize);
+            let ignitions = outcome.lit_by_wumpus + outcome.caught_by_spread + outcome.lit_by_schedule;
+            assert_eq!(of_bushes.count(), ignitions as usize);
             let burning = fires.iter().filter(|fire| fire["ground"] == false && fire["ended_ns"].is_null()).count();
             assert_eq!(burning, outcome.burning as usize);
         }

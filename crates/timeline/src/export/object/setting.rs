@@ -246,7 +246,7 @@ impl From<&Rules> for RulesObject {
         let radius = |fire: FireRules| RadiusObject {
             spread_delay_ns: fire.spread_delay.as_nanos(),
             spread_radius_m: fire.spread_radius_m,
-            lit_spreads: fire.lit_spreads,
+            lit_spreads: fire.sources_spread,
             caught_spreads: fire.caught_spreads,
             burn_out_ns: fire.burn_out.map(SimTime::as_nanos),
         };
@@ -255,7 +255,7 @@ impl From<&Rules> for RulesObject {
             suppression_reach_m: rules.suppression_reach_m,
             suppression_dwell_ns: rules.suppression_dwell.as_nanos(),
             extinguishes_all: rules.extinguishes_all,
-            relight: rules.relight,
+            relight: rules.reignition,
             score_wumpus_ignited: rules.score_wumpus_ignited,
             score_wumpus_burned_out: rules.score_wumpus_burned_out,
             score_truck_extinguished: rules.score_truck_extinguished,

@@ -10,7 +10,7 @@ use strips::{draw_differences, draw_event_lanes, draw_stacked_counts, draw_witho
 use crate::Rgb;
 use crate::canvas::Canvas;
 use crate::colours::{FAINT_INK, INK, PAPER, blend};
-use crate::film::hud::words;
+use crate::film::hud::formatting;
 use crate::film::lettering::{LetterStyle, Lettering};
 use crate::film::{FrameLayout, FrameRequest, RunView, RunViewId};
 use crate::font::Weight;
@@ -315,7 +315,7 @@ fn draw_run_name(ChartPen { canvas, lettering, plan, .. }: &mut ChartPen, strip:
     let (top, height) = strip.area;
     let style = LetterStyle { height: 1.4 * plan.text as f32, weight: Weight::Bold, colour: INK };
     let base = top as f32 + 0.5 * height as f32 + 0.5 * style.height;
-    lettering.draw(canvas, words::run_name(run_index), (plan.length(1.2), base), Align::Left, style);
+    lettering.draw(canvas, formatting::run_name(run_index), (plan.length(1.2), base), Align::Left, style);
 }
 
 #[cfg(test)]
@@ -325,18 +325,19 @@ mod tests {
     use wildfire_timeline::{Timeline, sample};
 
     /// A run with that many bushes, so many of which catch fire one after the other.
-    fn run(bushes: u16, lit: u16) -> RunView {
+    fn run(bushes: u16, ignited: u16) -> RunView {
         let mut setting = sample::small_setting(&[]);
         setting.frame = FieldFrame { cols: 100, rows: 100, cell_m: 5.0 };
         let cell = |index: u16| Cell { col: index % 100, row: index / 100 };
         setting.bushes = (0..bushes).map(cell).collect();
-        let events = (0..lit).map(|index| sample::at(0.001 * f64::from(index), sample::ignited(cell(index)))).collect();
+        let events =
+            (0..ignited).map(|index| sample::at(0.001 * f64::from(index), sample::ignited(cell(index)))).collect();
         RunView::new(Timeline { setting, events, ground: Vec::new() }, None)
     }
 
     #[test]
     fn intact_bushes_are_left_out_where_they_would_take_most_of_the_height() {
-        for (bushes, lit, max) in [
+        for (bushes, ignited, max) in [
             (2000, 400, Some(500.0)),
             (2000, 401, None),
             (2000, 0, None),
@@ -345,7 +346,7 @@ mod tests {
             (10_000, 1671, Some(2200.0)),
         ] {
             let expected = max.map_or(CountScale::All, |max| CountScale::WithoutIntact { max });
-            assert_eq!(CountScale::new(&[&run(bushes, lit)]), expected, "{lit} of {bushes}");
+            assert_eq!(CountScale::new(&[&run(bushes, ignited)]), expected, "{ignited} of {bushes}");
         }
         let (calm, wild) = (run(2000, 8), run(2000, 80));
         assert_eq!(CountScale::new(&[&calm, &wild]), CountScale::WithoutIntact { max: 100.0 });
@@ -353,7 +354,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_intact_fills_the_chart_and_the_words_say_what_is_left_out() {
+    fn what_is_not_intact_fills_the_chart_and_the_text_says_what_is_left_out() {
         let layout = FrameLayout::new((1280, 800), 1);
         let mut lettering = Lettering::default();
         let picture = |run: &RunView, lettering: &mut Lettering| draw_chart(&[run], &layout, lettering, 1.0).finish();

@@ -57,14 +57,14 @@ fn edges(counts: &BushCounts, scale: CountScale, height: u32) -> [f64; 4] {
 pub fn draw_without_intact(pen: &mut ChartPen, (top, height): RowRange, run: &RunView) {
     let counts = run.counts_at(run.end_time());
     let intact = counts.count(BushStateKind::Intact);
-    let words = format!("intact bushes left out: {intact} of {} at the end", counts.bushes());
+    let note = format!("intact bushes left out: {intact} of {} at the end", counts.bushes());
     let ChartPen { canvas, lettering, plan, .. } = pen;
     let style =
         LetterStyle { height: 0.85 * plan.text as f32, weight: Weight::Regular, colour: blend(PAPER, INK, 0.7) };
     let base = top as f32 + 1.3 * style.height;
     if height as f32 > 3.0 * style.height {
-        let words = fitted(&words, (style.height, style.weight), plan.columns.1 as f32);
-        lettering.draw(canvas, &words, (plan.columns.0 as f32 + plan.length(0.6), base), Align::Left, style);
+        let note = fitted(&note, (style.height, style.weight), plan.columns.1 as f32);
+        lettering.draw(canvas, &note, (plan.columns.0 as f32 + plan.length(0.6), base), Align::Left, style);
     }
 }
 
@@ -148,7 +148,7 @@ fn event_columns(run: &RunView, width: u32, end: SimTime, lane: &Lane) -> Vec<u3
 /// Returns the columns of decisions by verdict, with their colours.
 fn verdict_columns(run: &RunView, width: u32, end: SimTime) -> LaneMarks {
     let columns = |verdict: Verdict| {
-        let those = run.verdicts().iter().filter(|(time, own)| *own == verdict && *time <= end);
+        let those = run.verdicts().iter().filter(|(time, other)| *other == verdict && *time <= end);
         (verdict.colour(), those.map(|(time, _)| column_of(*time, width, end)).collect())
     };
     Verdict::ALL.map(columns).to_vec()
