@@ -279,7 +279,7 @@ fn keys_that_were_swept_in_another_order_make_the_same_pairs() {
     let comparison = compared(&[&a, &b], &["saved"]);
     let pairs = &comparison.against_a[0].pairs;
     assert_eq!((pairs.runs.len(), pairs.without_partner), (24, [0, 0]));
-    assert_eq!(pairs.stratum_words(1), "a.b 1, c.d 20");
+    assert_eq!(pairs.stratum_text(1), "a.b 1, c.d 20");
     assert_eq!(only_judged(&comparison).contrast.difference, 5.0);
 }
 

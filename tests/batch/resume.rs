@@ -184,7 +184,7 @@ fn batch_that_was_killed_before_its_plan_appeared_is_begun_again_without_force()
             fs::write(scratch.path().join("runs.journal"), "").expect("writable");
         }
         match Batch::resume(folder(scratch.path()), Slice::WHOLE).map(drop) {
-            Err(BatchError::NotYetBegun { leftover, .. }) => assert_eq!(leftover, "plan.json.123.part"),
+            Err(BatchError::NotStarted { leftover, .. }) => assert_eq!(leftover, "plan.json.123.part"),
             other => panic!("{other:?}"),
         }
         let empty = OutputFolder::named(scratch.path(), false).expect("nothing of worth is there");

@@ -31,7 +31,7 @@ pub mod stats;
 mod table;
 
 pub use decisions::{
-    AlternativeAction, Answers, ChosenDecisions, DecisionTally, DecisionValue, HindsightBound, JudgeError,
+    AlternativeAction, Answers, SelectedDecisions, DecisionTally, DecisionValue, HindsightBound, JudgeError,
     JudgeProgress, WhyReport, attain, attain_all, judge_batch,
 };
 #[doc(hidden)]
@@ -39,8 +39,8 @@ pub use drives::made_up_drives;
 pub use drives::{
     Attempt, AttemptSettings, COMPARED, DRIVE_COLUMNS, DRIVE_LEGEND, DriveColumn, DriveContrast, DriveError,
     DriveFailure, DriveProblems, DriveQuery, DriveRequest, DriveTable, INTERVAL_LEGEND, MAX_QUERIES, MEASURES, Measure,
-    PlannerSummary, QueryCost, ask_all, asked_planners, attempts, contrast_table, expect_known_planners,
-    failure_sentences, interval_tables, missed, own_names, queries_words, rows_table, shortened_field, summary_table,
+    PlannerSummary, QueryCost, ask_all, requested_planners, attempts, contrast_table, expect_planners_exist,
+    failure_sentences, interval_tables, missed, custom_names, queries_text, rows_table, shortened_field, summary_table,
     violation_sentences,
 };
 pub use execute::{
@@ -58,10 +58,10 @@ pub use plan::{
     EntryCard, LONG_VERSION, MAX_RUNS, MAX_SEEDS_BYTES, MAX_SLICES, MAX_VARIANTS, PLAN_FILE, PLAN_TEMPLATE,
     PLANNER_KEY, PROGRAM_VERSION, PlanError, PlanWriter, PlannedRun, RUNS_WITHOUT_FORCE, Record, RequestError,
     RunLabel, Seeds, SeedsError, Setting, Slice, SliceError, Sweep, SweepError, Value, Variant, plan_schema,
-    planner_of, range_words, rules_schema, shell_word,
+    planner_of, range_text, rules_schema, shell_word,
 };
 pub use report::{
-    AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, ChartData, ChosenQuantities, Facet, FacetSeries,
+    AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, ChartData, SelectedQuantities, Facet, FacetSeries,
     Failures, FieldPicture, LISTED_VIOLATIONS, ListedViolation, MAX_PANELS, Merged, NotableRun, PaperCharts,
     ReportError, ReportParts, RunObject, SHOWN_RUNS, Tables, Tally, VariantReport, WrittenReport, audit_all, merge,
     notable_runs, notes, read_report, read_rows, runs_with_pages, word_facets, write_chart, write_chart_data,

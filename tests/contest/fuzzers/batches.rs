@@ -8,7 +8,7 @@ use std::sync::{Arc, LazyLock};
 
 use wildfire::batch::comparison::{Selection, compare};
 use wildfire::batch::{
-    Append, Batch, BatchPlan, BatchRequest, ChosenQuantities, Disk, FinishedBatch, JournalIndex, OutputFolder,
+    Append, Batch, BatchPlan, BatchRequest, SelectedQuantities, Disk, FinishedBatch, JournalIndex, OutputFolder,
     PLAN_FILE, PLAN_TEMPLATE, PaperCharts, PlanError, RUNS_FILE, ReportParts, STATES_PARQUET, Slice, Sweep, Whole,
     batch_status, merge, run_column, write_report,
 };
@@ -320,7 +320,7 @@ pub fn report(case: &mut Case<'_>) -> Law {
     let batch = FinishedBatch::open(case.folder).map_err(|error| error.to_string())?;
     let size = PaperSize { width_mm: 88.0, font_pt: 8.0 };
     let paper = PaperCharts { size, pdf: true, pgf: true };
-    let quantities = ChosenQuantities::default();
+    let quantities = SelectedQuantities::default();
     match write_report(&batch, &ReportParts { playing: &[], field: None, quantities: &quantities, paper }) {
         Ok(_) => {
             case.count("reports written");
