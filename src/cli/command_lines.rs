@@ -28,7 +28,9 @@ pub fn parsed(case: &mut Case<'_>, command: &str, args: Vec<String>) -> Result<O
             case.count("command lines accepted");
             Ok(Some(arguments.command))
         }
-        Err(refusal) if matches!(refusal.exit_code(), 0 | 2) => check_message(&refusal.render().to_string()).map(|()| None),
+        Err(refusal) if matches!(refusal.exit_code(), 0 | 2) => {
+            check_message(&refusal.render().to_string()).map(|()| None)
+        }
         Err(refusal) => Err(format!("it ends with {}: {refusal}", refusal.exit_code())),
     }
 }

@@ -302,8 +302,7 @@ mod tests {
 
     #[test]
     fn earlier_names_of_options_are_still_taken() {
-        for line in
-            ["render --html x.html", "plan --report x", "batch --seed 1..3", "run -s 2", "export -s 2 -o x.csv"]
+        for line in ["render --html x.html", "plan --report x", "batch --seed 1..3", "run -s 2", "export -s 2 -o x.csv"]
         {
             let parsed = Arguments::try_parse_from(["wildfire"].into_iter().chain(line.split(' ')));
             assert!(parsed.is_ok(), "{line}: {parsed:?}");

@@ -20,7 +20,7 @@ use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::object;
 use wildfire_base::time::SimTime;
 use wildfire_batch::{
-    SelectedDecisions, DECISIONS_PARQUET, DecisionTally, FinishedBatch, JudgeError, JudgeProgress, judge_batch,
+    DECISIONS_PARQUET, DecisionTally, FinishedBatch, JudgeError, JudgeProgress, SelectedDecisions, judge_batch,
     limit_threads,
 };
 use wildfire_sim::RunOptions;

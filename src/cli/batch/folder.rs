@@ -26,10 +26,10 @@ use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::time::SimTime;
 use wildfire_base::time::wall::WallStopwatch;
 use wildfire_batch::{
-    BatchError, BatchPlan, BatchStatus, SelectedQuantities, FailedRuns, FieldPicture, FinishedBatch, JournalError,
-    JournalScan, MissingRuns, NotableRun, OutputFolder, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts,
-    Slice, SliceState, batch_status, limit_threads, notable_runs, range_text, runs_with_pages, shell_word,
-    write_report,
+    BatchError, BatchPlan, BatchStatus, FailedRuns, FieldPicture, FinishedBatch, JournalError, JournalScan,
+    MissingRuns, NotableRun, OutputFolder, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts,
+    SelectedQuantities, Slice, SliceState, batch_status, limit_threads, notable_runs, range_text, runs_with_pages,
+    shell_word, write_report,
 };
 use wildfire_picture::film::{FrameRequest, RunView, ViewOptions, still};
 

@@ -29,8 +29,8 @@ use estimates::Estimates;
 use keeping::LockArguments;
 use wildfire_base::document::{Block, Document};
 use wildfire_batch::{
-    Batch, BatchError, BatchPlan, BatchRequest, SelectedDecisions, CoursePlan, CourseRefusal, CourseRequest,
-    FinishedBatch, Found, OutputFolder, PROGRAM_VERSION, RequestError, Slice, Status, limit_threads, shell_word,
+    Batch, BatchError, BatchPlan, BatchRequest, CoursePlan, CourseRefusal, CourseRequest, FinishedBatch, Found,
+    OutputFolder, PROGRAM_VERSION, RequestError, SelectedDecisions, Slice, Status, limit_threads, shell_word,
 };
 use wildfire_sim::scenario::ScenarioText;
 

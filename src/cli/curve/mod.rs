@@ -158,7 +158,7 @@ mod tests {
 
     use super::*;
     use crate::cli::Command;
-    use crate::cli::command_lines::{parsed, check_message};
+    use crate::cli::command_lines::{check_message, parsed};
     use crate::cli::fuzz::text::{NUMBERS, mutated};
     use crate::cli::fuzz::{Case, Fuzzer, Law, below, one_of};
     use wildfire_base::geometry::Pose;

@@ -12,7 +12,7 @@ use std::process::ExitCode;
 use clap::Args;
 
 use joined::PathJudge;
-use path_table::{Fault, TablePath, PathTable};
+use path_table::{Fault, PathTable, TablePath};
 use report::JudgeReport;
 
 use crate::cli::args::{MemoryArguments, ProgramArguments, parse_seed};

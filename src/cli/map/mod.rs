@@ -140,7 +140,7 @@ mod tests {
 
     use super::*;
     use crate::cli::Command;
-    use crate::cli::command_lines::{drawn_args, parsed, check_message};
+    use crate::cli::command_lines::{check_message, drawn_args, parsed};
     use crate::cli::fuzz::{Case, Fuzzer, Law, below, one_of};
     use wildfire_grid::Grid;
     use wildfire_grid::map_files::MapFile;

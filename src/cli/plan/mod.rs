@@ -26,7 +26,7 @@ use crate::cli::terminal;
 use crate::cli::together;
 use wildfire_base::input_file::is_standard_stream;
 use wildfire_batch::{
-    AttemptSettings, DriveTable, PlannerSummary, ask_all, requested_planners, expect_planners_exist, file_name_of,
+    AttemptSettings, DriveTable, PlannerSummary, ask_all, expect_planners_exist, file_name_of, requested_planners,
 };
 use wildfire_planning::PlannerName;
 use wildfire_sim::scenario::{LoadedScenario, Problem};
@@ -130,7 +130,9 @@ fn write_files(
             (arguments.csv.as_deref(), &|path| report.drives.write(path)),
             (arguments.paths.as_deref(), &|path| paths_file::write_paths(path, &report.attempts)),
             (arguments.ompl.as_deref(), &|path| ompl_log(arguments, report, started).write(path)),
-            (arguments.certify.as_deref(), &|path| report.certificates.iter().try_for_each(|certificate| certificate.write(path))),
+            (arguments.certify.as_deref(), &|path| {
+                report.certificates.iter().try_for_each(|certificate| certificate.write(path))
+            }),
         ],
         quiet,
     );
@@ -153,7 +155,8 @@ fn ompl_log<'a>(arguments: &PlanArguments, report: &'a PlanReport, started: Opti
         format!("field {}, {} x {} m, {goals} goals", problem.name, frame.width_m(), frame.height_m())
     };
     let planner = |planner: &'a PlannerName| {
-        let attempts = report.attempts.iter().zip(&report.drives.rows).filter(|(attempt, _)| attempt.planner == *planner);
+        let attempts =
+            report.attempts.iter().zip(&report.drives.rows).filter(|(attempt, _)| attempt.planner == *planner);
         let settings = planner_settings(planner, report.loaded);
         OmplPlanner {
             name: planner.name(),

@@ -109,7 +109,8 @@ impl Source {
     ) -> Result<Self, CliError> {
         let source = match named {
             Named::Scenario(text) => {
-                let scenario = Box::new(LoadedScenario::from_text(text, &context.with_custom_names(overrides))?.scenario);
+                let scenario =
+                    Box::new(LoadedScenario::from_text(text, &context.with_custom_names(overrides))?.scenario);
                 context.expect_trusted(&scenario)?;
                 let title = iter::once(&scenario.name).chain(overrides).map(String::as_str).collect::<Vec<_>>();
                 return Ok(Self::Scenario {

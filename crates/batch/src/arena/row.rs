@@ -102,7 +102,8 @@ impl ArenaRow {
         let differences: Vec<String> =
             differing.map(|(name, says, gives)| format!("{name} {says}, its run gives {gives}")).collect();
         let condition = if self.condition.is_empty() { String::new() } else { format!(", {}", self.condition) };
-        (!differences.is_empty()).then(|| format!("{}{condition}, seed {}: {}", self.entry, self.seed, differences.join("; ")))
+        (!differences.is_empty())
+            .then(|| format!("{}{condition}, seed {}: {}", self.entry, self.seed, differences.join("; ")))
     }
 
     /// Reads rows as [`write`](Self::write) makes them.

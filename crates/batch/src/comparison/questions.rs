@@ -60,7 +60,11 @@ impl FromStr for Amount {
         if !(value > 0.0 && value <= 1e12) {
             return Err(expected());
         }
-        Ok(Self { text: trimmed.to_owned(), value: value * factor, unit: Some(unit).filter(|&unit| unit != Unit::None) })
+        Ok(Self {
+            text: trimmed.to_owned(),
+            value: value * factor,
+            unit: Some(unit).filter(|&unit| unit != Unit::None),
+        })
     }
 }
 

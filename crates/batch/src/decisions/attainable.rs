@@ -68,7 +68,14 @@ fn exhaust(start: &Simulation, (choices, budget): (usize, u32)) -> Result<Option
     let (best, answers) = tree.best.expect("the run itself was played");
     let attainable = best.lost();
     let runs = budget - tree.left;
-    Ok(Some(HindsightBound { lost: first_lost, attainable, answers, runs, is_exact: true, timeline: best.finish().timeline }))
+    Ok(Some(HindsightBound {
+        lost: first_lost,
+        attainable,
+        answers,
+        runs,
+        is_exact: true,
+        timeline: best.finish().timeline,
+    }))
 }
 
 /// Plays a copy of a run to its end.

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::decisions::futures::{AlternativeAction, SelectedDecisions, DecisionValue};
+use crate::decisions::futures::{AlternativeAction, DecisionValue, SelectedDecisions};
 use crate::decisions::why::WhyReport;
 use crate::execute::{BatchError, DECISIONS_PARQUET, RealDisk, RunResult, RunRow};
 use crate::plan::{PlannedRun, Value};

@@ -28,6 +28,6 @@ pub use error::DriveError;
 pub use made_up::made_up_drives;
 pub use problems::DriveProblems;
 pub use query::{DRIVE_COLUMNS, DriveColumn, DriveFailure, DriveQuery, QueryCost};
-pub use request::{DriveRequest, ask_all, requested_planners, expect_planners_exist, custom_names};
+pub use request::{DriveRequest, ask_all, custom_names, expect_planners_exist, requested_planners};
 pub use summary::{MEASURES, Measure, PlannerSummary};
 pub use table::{DriveTable, MAX_QUERIES};

@@ -198,7 +198,8 @@ impl<'a> Reading<'a> {
                 expansions: reader.count(at("expansions"), "a whole number")?,
             })
         };
-        let parsed = |parsed: Option<_>| parsed.ok_or_else(|| reader.wrong_value(reason, "a reason for having no path"));
+        let parsed =
+            |parsed: Option<_>| parsed.ok_or_else(|| reader.wrong_value(reason, "a reason for having no path"));
         let success = match reader.bytes(success) {
             b"true" => true,
             b"false" => false,

@@ -232,7 +232,8 @@ pub fn planner_of(scenario: &Scenario) -> String {
 
 /// Lists the policies of a scenario's agents.
 fn policies_of(scenario: &Scenario) -> Vec<(AgentId, String)> {
-    let wumpuses = scenario.wumpus.iter().zip(0..).map(|(wumpus, number)| (AgentId::wumpus(number), wumpus.goal.name()));
+    let wumpuses =
+        scenario.wumpus.iter().zip(0..).map(|(wumpus, number)| (AgentId::wumpus(number), wumpus.goal.name()));
     let dispatched = scenario.dispatch.as_ref().map(Dispatch::label);
     let policy_of = |truck: &Unimog| dispatched.clone().unwrap_or_else(|| truck.goal.name().to_owned());
     let trucks = scenario.unimog.iter().zip(0..).map(|(truck, number)| (AgentId::unimog(number), policy_of(truck)));

@@ -8,7 +8,7 @@ use std::thread;
 use serde::{Serialize, Serializer};
 
 use super::automaton_arguments::AutomatonArguments;
-use super::{TimedIgnition, SpreadArguments};
+use super::{SpreadArguments, TimedIgnition};
 use crate::cli::args::jobs_or_all;
 use crate::cli::error::CliError;
 use crate::cli::fire::options::WindStep;
@@ -89,7 +89,12 @@ impl<'a> AutomatonReport<'a> {
 }
 
 /// Burns all fires on a few threads, in the order of their seeds whatever thread has burned which.
-fn burn_all(automaton: &Alexandridis, frame: &FieldFrame, ignited: &[Cell], arguments: &AutomatonArguments) -> Vec<Burned> {
+fn burn_all(
+    automaton: &Alexandridis,
+    frame: &FieldFrame,
+    ignited: &[Cell],
+    arguments: &AutomatonArguments,
+) -> Vec<Burned> {
     let &AutomatonArguments { runs, seed, steps, jobs, .. } = arguments;
     let cells = || (0..frame.cell_count()).map(|index| frame.cell(index));
     let fuel = FireField::new(*frame, &[], false).with_ground(cells());

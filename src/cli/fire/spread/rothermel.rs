@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::ground::GroundSources;
 use super::report::SpreadReport;
-use super::{TimedIgnition, SpreadArguments, perimeters};
+use super::{SpreadArguments, TimedIgnition, perimeters};
 use crate::cli::error::CliError;
 use crate::cli::map_of;
 use crate::cli::output_files::{self, Files, Format};

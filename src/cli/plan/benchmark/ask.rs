@@ -12,7 +12,7 @@ use crate::cli::terminal::Progress;
 use wildfire_base::input_file::is_standard_stream;
 use wildfire_batch::{
     AttemptSettings, BatchPlan, BatchRequest, DriveQuery, DriveTable, MAX_QUERIES, PLANNER_KEY, RequestError, Seeds,
-    Sweep, Value, Variant, ask_all, requested_planners, expect_planners_exist,
+    Sweep, Value, Variant, ask_all, expect_planners_exist, requested_planners,
 };
 use wildfire_planning::PlannerName;
 use wildfire_sim::scenario::{Problem, ScenarioText};

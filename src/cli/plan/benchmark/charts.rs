@@ -97,8 +97,9 @@ fn boxes(queries: &DriveTable, groups: &[PlannerSummary], measure: &Measure) -> 
         }
     };
     let facets = word_facets(group_texts(queries, groups), None).into_iter();
-    let panels: Vec<BoxPanel> =
-        facets.map(|panel| BoxPanel { name: panel.name, boxes: panel.series.into_iter().map(named_box).collect() }).collect();
+    let panels: Vec<BoxPanel> = facets
+        .map(|panel| BoxPanel { name: panel.name, boxes: panel.series.into_iter().map(named_box).collect() })
+        .collect();
     let mut ends =
         panels.iter().flat_map(|panel| &panel.boxes).filter_map(|it| it.values.first().zip(it.values.last()));
     let (&first, _) = ends.clone().next()?;

@@ -137,8 +137,10 @@ fn ompl_log<'a>(
             let plan_variant = &plan.variants[variant];
             let swept = plan.swept_keys.iter().cloned().zip(plan_variant.swept.iter().map(ToString::to_string));
             let settings = planner_settings(planner, &loaded);
-            let settings =
-                swept.filter(|(key, _)| settings.iter().all(|(setting, _)| setting != key)).chain(settings.clone()).collect();
+            let settings = swept
+                .filter(|(key, _)| settings.iter().all(|(setting, _)| setting != key))
+                .chain(settings.clone())
+                .collect();
             planners.push((variant, OmplPlanner { name: planner.name(), settings, runs: Vec::new() }));
         }
     }
@@ -146,8 +148,9 @@ fn ompl_log<'a>(
     for (number, problem) in report.problems.iter().enumerate() {
         let count = problem.goals * benchmark.planners[problem.variant].len();
         for query in &report.drives.rows[place..place + count] {
-            let planner =
-                planners.iter_mut().find(|(variant, planner)| *variant == problem.variant && *planner.name == *query.planner);
+            let planner = planners
+                .iter_mut()
+                .find(|(variant, planner)| *variant == problem.variant && *planner.name == *query.planner);
             let run = OmplRun { problem: number, seed: problem.seed, query };
             planner.expect("it is one of those asked").1.runs.push(run);
         }

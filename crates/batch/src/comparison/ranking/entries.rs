@@ -241,7 +241,8 @@ fn divided<'a>(
     free: &FreeKeys,
 ) -> Result<Vec<EntryRuns<'a>>, RankingError> {
     let side = whole(table, selection)?;
-    let conditions: Vec<&Condition> = side.varying().into_iter().filter(|it| belongs_to_entry(&it.name, free)).collect();
+    let conditions: Vec<&Condition> =
+        side.varying().into_iter().filter(|it| belongs_to_entry(&it.name, free)).collect();
     let mut index_of: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
     let mut entries: Vec<EntryRuns<'a>> = Vec::new();
     for run in side.runs {

@@ -179,7 +179,8 @@ impl JournalIndex {
 
     /// Iterates over the runs that are missing from the journal, in order.
     pub fn missing(&self) -> impl Iterator<Item = u64> + Send + 'static {
-        let (slice, is_stored): (Slice, Vec<bool>) = (self.slice, self.offsets.iter().map(|&offset| offset != 0).collect());
+        let (slice, is_stored): (Slice, Vec<bool>) =
+            (self.slice, self.offsets.iter().map(|&offset| offset != 0).collect());
         (0..).zip(is_stored).filter(|(_, is_stored)| !is_stored).map(move |(place, _)| slice.run_at(place))
     }
 

@@ -42,7 +42,11 @@ pub struct ListedRun {
 
 impl Collected {
     /// Reads all rows, and keeps the usual and the chosen quantities of runs.
-    pub fn read(plan: &BatchPlan, mut rows: FinishedRows, selected: &SelectedQuantities) -> Result<Self, FinishedError> {
+    pub fn read(
+        plan: &BatchPlan,
+        mut rows: FinishedRows,
+        selected: &SelectedQuantities,
+    ) -> Result<Self, FinishedError> {
         let kept = selected.kept();
         let mut collected = Self::default();
         let mut stuck: Vec<(u64, f64)> = Vec::new();

@@ -148,7 +148,11 @@ impl Compared {
 
     /// Returns the words for a difference from the best, and the factor of the difference in them.
     pub fn than(&self) -> (&'static str, f64) {
-        if self.is_in_bushes { ("more bushes per run", 1.0) } else { (self.aim.than, self.quantity.unit_and_factor().1) }
+        if self.is_in_bushes {
+            ("more bushes per run", 1.0)
+        } else {
+            (self.aim.than, self.quantity.unit_and_factor().1)
+        }
     }
 
     /// Returns by how much the best is better than another.

@@ -77,7 +77,8 @@ fn facets(variants: usize, labels: &Labels) -> Vec<Facet> {
         match series.iter_mut().find(|series| series.name == name) {
             Some(series) => series.variants.push(variant),
             None => {
-                let style = STYLES[names.iter().position(|other_name| *other_name == name).expect("all names are known")];
+                let style =
+                    STYLES[names.iter().position(|other_name| *other_name == name).expect("all names are known")];
                 series.push(FacetSeries { name, style, variants: vec![variant] });
             }
         }

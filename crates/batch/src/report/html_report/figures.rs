@@ -7,7 +7,7 @@ use super::facets::{Facet, FacetSeries, MAX_PANELS, variant_facets};
 use super::labels::Labels;
 use super::over_time::StateCurves;
 use super::quantities::{
-    BURNED_AREA, CPU_PARTS, SelectedQuantities, SAVED, SHARE_OF_OBSTACLES, STATES, is_of_custom_planners,
+    BURNED_AREA, CPU_PARTS, SAVED, SHARE_OF_OBSTACLES, STATES, SelectedQuantities, is_of_custom_planners,
 };
 use super::sweeps::{SweepChart, interval_note, main_curves, main_differences, sweep_charts};
 use crate::comparison::Metric;
@@ -370,7 +370,10 @@ mod tests {
             constant_text(&MEASURES[2], &strips, &commonest)
         };
         let title = MEASURES[2].title();
-        assert_eq!(sentence(&[strip(vec![0.0; 4])]), format!("{title}: no distribution, since it is 0 s in all 4 runs."));
+        assert_eq!(
+            sentence(&[strip(vec![0.0; 4])]),
+            format!("{title}: no distribution, since it is 0 s in all 4 runs.")
+        );
         let nearly = strip([vec![0.0; 20], vec![7.5]].concat());
         assert_eq!(
             sentence(&[nearly, strip(vec![])]),

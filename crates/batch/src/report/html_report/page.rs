@@ -226,7 +226,12 @@ fn runs(plan: &BatchPlan, shown: &[ListedRun], count: u64, heading: &str) -> Vec
                 .iter()
                 .map(|listed| {
                     let run = plan.run(listed.number);
-                    vec![listed.number.to_string(), run.seed.to_string(), listed.reason.clone(), run.repeating_command()]
+                    vec![
+                        listed.number.to_string(),
+                        run.seed.to_string(),
+                        listed.reason.clone(),
+                        run.repeating_command(),
+                    ]
                 })
                 .collect(),
         )
