@@ -79,14 +79,14 @@ fn main() {
                 }
                 let landscape = landscape(side, kind);
                 let frame = landscape.frame;
-                let lit = Cell { col: side / 3, row: side / 2 + 1 };
+                let ignition = Cell { col: side / 3, row: side / 2 + 1 };
                 let rules = RothermelRules { neighbours, ..RothermelRules::default() };
                 // A small field is burned several times, so that the clock has something to count.
                 let times = (1_000_000 / frame.cell_count()).clamp(1, 10);
                 let fires: Vec<LoneFire> = (0..times)
                     .map(|_| {
                         let (landscape, weather) = (Arc::new(landscape.clone()), Arc::new(weather(kind)));
-                        LoneFire::new(landscape, weather, rules, &[(SimTime::ZERO, lit)])
+                        LoneFire::new(landscape, weather, rules, &[(SimTime::ZERO, ignition)])
                     })
                     .collect();
                 let mut stopwatch = CpuStopwatch::start();

@@ -21,9 +21,11 @@ fn ended(mut simulation: Simulation) -> Timeline {
 }
 
 fn main() {
-    let asked: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
+    let requested: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
     println!("{:18} {:>6} {:>10} {:>14} {:>10}", "", "forks", "us a fork", "us a copy over", "ms a run");
-    for (name, _) in BUILT_IN.iter().filter(|(name, _)| asked.is_empty() || asked.iter().any(|word| word == name)) {
+    for (name, _) in
+        BUILT_IN.iter().filter(|(name, _)| requested.is_empty() || requested.iter().any(|word| word == name))
+    {
         let mut scenario = scenario::load(name, &[]).expect("it is built in");
         scenario.duration_s = scenario.duration_s.min(LONGEST_S);
         let mut watch = CpuStopwatch::start();

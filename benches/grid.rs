@@ -30,12 +30,12 @@ const KINDS: [&str; 5] = ["random10", "random30", "blobs", "single", "maze"];
 const BOTH: [Connectivity; 2] = [Connectivity::Four, Connectivity::Eight];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let is_asked = |option| std::env::args().any(|argument| argument == option);
-    if is_asked("--serve") {
+    let has_option = |option| std::env::args().any(|argument| argument == option);
+    if has_option("--serve") {
         return serve();
     }
     print_kinds();
-    print_growth(SIDES.into_iter().chain(is_asked("--huge").then_some(HUGE_SIDE)));
+    print_growth(SIDES.into_iter().chain(has_option("--huge").then_some(HUGE_SIDE)));
     print_plain();
     if let Some(peak) = peak_memory() {
         println!("\npeak memory: {peak}");
@@ -169,8 +169,8 @@ fn serve() -> Result<(), Box<dyn Error>> {
     let mut bench = CounterfactualRunner::new("single", 2);
     for line in io::stdin().lines() {
         let line = line?;
-        let words: Vec<&str> = line.split_whitespace().collect();
-        match words[..] {
+        let fields: Vec<&str> = line.split_whitespace().collect();
+        match fields[..] {
             ["draw", kind, side] => {
                 bench = CounterfactualRunner::new(kind, side.parse()?);
                 println!("drawn");

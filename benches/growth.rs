@@ -243,7 +243,7 @@ fn measure_before(program: &Path, files: &[PathBuf], kind: TruckPlannerKind) -> 
 /// Measures runs with more and more trucks, and Wumpuses.
 fn agents(is_short: bool, before: Option<&Path>) {
     let counts: &[usize] = if is_short { &[1, 5, 20] } else { &[1, 2, 5, 10, 20, 50, 100] };
-    let own = Path::new(env!("CARGO_BIN_EXE_wildfire"));
+    let program = Path::new(env!("CARGO_BIN_EXE_wildfire"));
     type Fleet = fn(usize) -> [usize; 2];
     let fleets: [(&str, Fleet); 2] =
         [("trucks, with 5 Wumpuses", |count| [count, 5]), ("Wumpuses, with 5 trucks", |count| [5, count])];
@@ -253,7 +253,7 @@ fn agents(is_short: bool, before: Option<&Path>) {
         let mut cpu = Vec::new();
         for &count in counts {
             let [trucks, wumpuses] = fleet(count);
-            let Some((seconds, megabytes, plans)) = run(own, trucks, wumpuses) else {
+            let Some((seconds, megabytes, plans)) = run(program, trucks, wumpuses) else {
                 println!("{count:6}  refused");
                 continue;
             };

@@ -34,12 +34,12 @@ mod unix {
     const REAL_RUNS: u64 = 40;
 
     pub fn main() {
-        let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
+        let args: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
         let number = |at: usize, usual: u64| {
-            words.get(at).map_or(usual, |word| word.parse().expect("expected a scenario, rows and slices"))
+            args.get(at).map_or(usual, |word| word.parse().expect("expected a scenario, rows and slices"))
         };
-        let scenario = words.first().map_or("smoke", String::as_str);
-        let sizes = match words.len() {
+        let scenario = args.first().map_or("smoke", String::as_str);
+        let sizes = match args.len() {
             0 | 1 => vec![(10_000, 1000), (100_000, 1000)],
             _ => vec![(number(1, 100_000), number(2, 1000))],
         };

@@ -28,8 +28,8 @@ use wildfire::time::cpu::CpuStopwatch;
 use wildfire::vehicle::{Dimensions, Path, ReedsShepp};
 
 const START: Pose = Pose { x: 50.0, y: 50.0, heading: 0.0 };
-const OWN_FIELDS: u64 = 20;
-const OWN_GOALS: usize = 50;
+const GENERATED_FIELDS: u64 = 20;
+const GENERATED_GOALS: usize = 50;
 const REACH_M: f64 = 10.0;
 /// The bound is tight for so many goals of each field.
 const BOUNDED_GOALS: usize = 3;
@@ -77,8 +77,8 @@ fn measure_all(truck: &Unimog, planners: &[TruckPlannerKind]) {
         measure("reference problems", &reference, truck, planners);
     }
     for coverage in [0.1, 0.15, 0.2] {
-        let own: Vec<_> = (1..=OWN_FIELDS).map(|seed| own_problem(coverage, seed)).collect();
-        measure(&format!("{:.0} % of the cells under bushes", 100.0 * coverage), &own, truck, planners);
+        let problems: Vec<_> = (1..=GENERATED_FIELDS).map(|seed| generated_problem(coverage, seed)).collect();
+        measure(&format!("{:.0} % of the cells under bushes", 100.0 * coverage), &problems, truck, planners);
     }
 }
 
@@ -120,7 +120,7 @@ fn measure_planner(kind: TruckPlannerKind, problems: &[Problem], truck: &Unimog)
             poses.take_time(monitor.finish().0);
             poses.take(plan, (number < BOUNDED_GOALS).then_some(bound_m), &checker);
         }
-        for &centre in problem.bushes.iter().take(OWN_GOALS) {
+        for &centre in problem.bushes.iter().take(GENERATED_GOALS) {
             let gap_m = checker.body().body_centre(problem.start).distance(centre) - REACH_M;
             let goal = Goal::Disc(GoalDisc { centre, radius_m: REACH_M - 0.01 });
             let mut monitor = QueryMonitor::new(false);
@@ -220,13 +220,13 @@ fn problem_of(file: &FieldFile) -> Problem {
     problem(frame, &occupied, pose(file.start), file.goals.iter().map(|goal| pose(goal.pose)).collect())
 }
 
-fn own_problem(coverage: f64, seed: u64) -> Problem {
+fn generated_problem(coverage: f64, seed: u64) -> Problem {
     let mut scenario: Scenario = toml::from_str("wumpus = [{}]\nunimog = [{}]").expect("a scenario of defaults");
     scenario.field.coverage = coverage;
     let terrain = Terrain::from_scenario(&scenario, seed).expect("the coverage leaves room");
     let mut problem = problem(terrain.frame, &terrain.occupied, START, Vec::new());
     let mut rng = rng::stream(seed, "bench/hybrid/goals");
-    while problem.goals.len() < OWN_GOALS {
+    while problem.goals.len() < GENERATED_GOALS {
         let side_m = terrain.frame.width_m();
         let pose = Pose::new(rng.random_range(0.0..side_m), rng.random_range(0.0..side_m), rng.random_range(0.0..TAU));
         if problem.checker.pose_is_free(pose, 0.5) {

@@ -66,16 +66,16 @@ mod unix {
                 planner.plan(start, Goal::Disc(goal));
             }
             let mut stopwatch = CpuStopwatch::start();
-            let mut own = 0.0;
+            let mut program_s = 0.0;
             for _ in 0..QUERIES {
                 let plan = planner.plan(start, Goal::Disc(goal));
-                own += plan.cpu.map_or(0.0, |cpu| cpu.time.as_secs_f64());
+                program_s += plan.cpu.map_or(0.0, |cpu| cpu.time.as_secs_f64());
             }
             let (ours, queries) = (stopwatch.elapsed_since_last().as_secs_f64(), f64::from(QUERIES));
             println!(
                 "{segments:4} segments: {:6.1} us, the program's own {:6.1} us",
                 1e6 * ours / queries,
-                1e6 * own / queries
+                1e6 * program_s / queries
             );
         }
     }

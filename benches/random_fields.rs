@@ -59,7 +59,7 @@ struct Answers {
 #[expect(clippy::print_stderr, reason = "a benchmark prints what is wrong with its arguments")]
 fn main() -> ExitCode {
     let (fields, scenario, planners) = match arguments() {
-        Ok(asked) => asked,
+        Ok(parsed) => parsed,
         Err(error) => {
             eprintln!("{error}");
             return ExitCode::FAILURE;
@@ -83,8 +83,8 @@ fn main() -> ExitCode {
 
 /// The number of fields, the settings, and the planners that the command line asks for.
 fn arguments() -> Result<(u64, Scenario, Vec<TruckPlannerKind>), String> {
-    let words = std::env::args().skip(1).filter(|argument| !argument.starts_with("--"));
-    let (changes, names): (Vec<String>, Vec<String>) = words.partition(|argument| argument.contains('='));
+    let args = std::env::args().skip(1).filter(|argument| !argument.starts_with("--"));
+    let (changes, names): (Vec<String>, Vec<String>) = args.partition(|argument| argument.contains('='));
     let (numbers, names): (Vec<String>, Vec<String>) = names.into_iter().partition(|word| word.parse::<u64>().is_ok());
     let fields = numbers.first().and_then(|number| number.parse().ok()).unwrap_or(FIELDS);
     let scenario = scenario::load("drives", &changes).map_err(|error| error.to_string())?;

@@ -31,9 +31,9 @@ const WARM_UP_FRAMES: usize = 20;
 #[expect(clippy::print_stdout, clippy::print_stderr, reason = "a benchmark prints its figures")]
 fn main() -> ExitCode {
     let arguments: Vec<String> = env::args().skip(1).filter(|argument| argument != "--bench").collect();
-    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    let seconds = words.last().and_then(|word| word.parse().ok()).unwrap_or(SECONDS);
-    let report = match words.first() {
+    let args: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let seconds = args.last().and_then(|word| word.parse().ok()).unwrap_or(SECONDS);
+    let report = match args.first() {
         Some(&"empty") => watch(empty_window(Msaa::default()), seconds),
         Some(&"unsampled") => watch(empty_window(Msaa::Off), seconds),
         Some(&"playing") => playing_window().and_then(|(begin, app)| watch((begin, app), seconds)),
@@ -90,8 +90,8 @@ fn compare(seconds: f64) -> Answer<String> {
 
 fn child(kind: &str, seconds: f64) -> Answer<Watched> {
     let output = Command::new(env::current_exe()?).args([kind, &seconds.to_string()]).output()?;
-    let said = String::from_utf8_lossy(&output.stdout);
-    let figures: Vec<f64> = said.split_whitespace().filter_map(|figure| figure.parse().ok()).collect();
+    let printed = String::from_utf8_lossy(&output.stdout);
+    let figures: Vec<f64> = printed.split_whitespace().filter_map(|figure| figure.parse().ok()).collect();
     match figures[..] {
         [start_ms, frame_ms] if output.status.success() => Ok(Watched { start_ms, frame_ms }),
         _ => Err(format!("the {kind} window: {}", String::from_utf8_lossy(&output.stderr).trim()).into()),

@@ -92,14 +92,14 @@ fn compare_queries() -> Result<(), Box<dyn Error>> {
     let terrain = Terrain::from_scenario(&scenario, 1)?;
     let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
     let checker = CollisionChecker::new(field, truck.vehicle);
-    let mut own = ThroughOnePose { checker: checker.clone(), rng: rng::stream(1, "own-planner") };
+    let mut custom = ThroughOnePose { checker: checker.clone(), rng: rng::stream(1, "own-planner") };
     let mut built_in = truck.build_planner(&checker, 1)?;
 
     println!("goal                 own planner          {}", truck.planner);
     let start = truck.start.pose();
     for _ in 0..8 {
         let goal = loop {
-            let pose = own.draw_pose();
+            let pose = custom.draw_pose();
             if checker.pose_is_free(pose, CLEARANCE_M) {
                 break pose;
             }
@@ -108,8 +108,8 @@ fn compare_queries() -> Result<(), Box<dyn Error>> {
             Ok(path) => format!("{:6.1} m, {} cusps", path.length_m(), path.cusps()),
             Err(failure) => failure.to_string(),
         };
-        let (own, built_in) = (own.plan(start, Goal::Pose(goal)), built_in.plan(start, Goal::Pose(goal)));
-        println!("({:5.1}, {:5.1}) m   {:20} {}", goal.x, goal.y, answer(own), answer(built_in));
+        let (custom, built_in) = (custom.plan(start, Goal::Pose(goal)), built_in.plan(start, Goal::Pose(goal)));
+        println!("({:5.1}, {:5.1}) m   {:20} {}", goal.x, goal.y, answer(custom), answer(built_in));
     }
     Ok(())
 }

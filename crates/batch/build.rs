@@ -22,17 +22,17 @@ const SOURCES: [&str; 9] = [
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    let own = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").expect("cargo sets it for every build script"));
+    let crate_dir = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").expect("cargo sets it for every build script"));
     // `crates/batch` of the repository.
-    let root = own.join("../..");
+    let root = crate_dir.join("../..");
     let is_release = env::var("PROFILE").is_ok_and(|profile| profile == "release");
-    let commit = if is_release { packaged_commit(&own).or_else(|| commit_of_clone(&root)) } else { None };
-    let words = match &commit {
+    let commit = if is_release { packaged_commit(&crate_dir).or_else(|| commit_of_clone(&root)) } else { None };
+    let text = match &commit {
         Some(commit) => commit,
         None if is_release => "unknown",
         None => "unknown (development build)",
     };
-    println!("cargo::rustc-env=WILDFIRE_COMMIT_WORDS={words}");
+    println!("cargo::rustc-env=WILDFIRE_COMMIT_WORDS={text}");
     println!("cargo::rustc-env=WILDFIRE_COMMIT={}", commit.as_deref().unwrap_or_default());
     println!("cargo::rustc-env=WILDFIRE_COMPILER={}", compiler().as_deref().unwrap_or("unknown"));
     println!("cargo::rustc-env=WILDFIRE_TARGET={}", env::var("TARGET").as_deref().unwrap_or("unknown"));
@@ -40,8 +40,8 @@ fn main() {
 
 /// The first line that the compiler says of itself.
 fn compiler() -> Option<String> {
-    let said = Command::new(env::var_os("RUSTC")?).arg("--version").output().ok()?;
-    Some(String::from_utf8(said.stdout).ok()?.lines().next()?.trim().to_owned())
+    let output = Command::new(env::var_os("RUSTC")?).arg("--version").output().ok()?;
+    Some(String::from_utf8(output.stdout).ok()?.lines().next()?.trim().to_owned())
 }
 
 /// The commit that `cargo package` took the crate from.
@@ -101,7 +101,7 @@ fn hash_of(name: &str, folder: &Path) -> Option<String> {
 fn is_changed(root: &Path) -> bool {
     let mut git = Command::new("git");
     git.current_dir(root).env("GIT_OPTIONAL_LOCKS", "0").args(["status", "--porcelain", "--untracked-files=no", "--"]);
-    git.args(SOURCES).output().is_ok_and(|said| said.status.success() && !said.stdout.is_empty())
+    git.args(SOURCES).output().is_ok_and(|output| output.status.success() && !output.stdout.is_empty())
 }
 
 /// The text, if it is the hash of a commit.

@@ -63,11 +63,11 @@ pub struct NamedModule {
 
 fn parse_module(text: &str) -> Result<NamedModule, String> {
     let (name, file) = text.split_once('=').ok_or("expected NAME=FILE.wasm, such as rrt=rrt.wasm")?;
-    Ok(NamedModule { name: parse_own_name(name)?, file: file.to_owned() })
+    Ok(NamedModule { name: parse_custom_name(name)?, file: file.to_owned() })
 }
 
 /// Reads a name that no built-in planner has.
-fn parse_own_name(name: &str) -> Result<PlannerName, String> {
+fn parse_custom_name(name: &str) -> Result<PlannerName, String> {
     let name = PlannerName::new(name).map_err(|error| format!("`{name}`: {error}"))?;
     match name.built_in() {
         Some(kind) => Err(NameError::BuiltIn(kind).to_string()),
@@ -79,29 +79,29 @@ fn parse_own_name(name: &str) -> Result<PlannerName, String> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NamedCommand {
     pub name: PlannerName,
-    pub words: Vec<String>,
+    pub args: Vec<String>,
 }
 
 fn parse_command(text: &str) -> Result<NamedCommand, String> {
     let (name, command) = text.split_once('=').ok_or("expected NAME=COMMAND, such as rrt='python3 rrt.py'")?;
-    let name = parse_own_name(name)?;
-    let words = shell_words(command)?;
-    if words.first().is_none_or(String::is_empty) {
+    let name = parse_custom_name(name)?;
+    let args = shell_args(command)?;
+    if args.first().is_none_or(String::is_empty) {
         return Err("expected a program after NAME=".to_owned());
     }
-    Ok(NamedCommand { name, words })
+    Ok(NamedCommand { name, args })
 }
 
 /// Splits a command into words as a POSIX shell does: at blanks, but not within quotes or after a backslash. Nothing else
 /// has a meaning.
-fn shell_words(command: &str) -> Result<Vec<String>, String> {
-    let mut words = Vec::new();
+fn shell_args(command: &str) -> Result<Vec<String>, String> {
+    let mut args = Vec::new();
     let mut word = None::<String>;
     let mut quote = None;
     let mut letters = command.chars();
     while let Some(letter) = letters.next() {
         match (quote, letter) {
-            (None, ' ' | '\t' | '\n') => words.extend(word.take()),
+            (None, ' ' | '\t' | '\n') => args.extend(word.take()),
             (Some(open), _) if letter == open => quote = None,
             (None, '\'' | '"') => {
                 quote = Some(letter);
@@ -119,10 +119,10 @@ fn shell_words(command: &str) -> Result<Vec<String>, String> {
             _ => word.get_or_insert_default().push(letter),
         }
     }
-    words.extend(word);
+    args.extend(word);
     match quote {
         Some(open) => Err(format!("a {open} is not closed")),
-        None => Ok(words),
+        None => Ok(args),
     }
 }
 
@@ -208,13 +208,13 @@ pub fn parse_jobs(text: &str) -> Result<NonZeroUsize, String> {
 
 /// Returns the threads that are asked for, or those that this process is given: by Slurm, where it says so, as a task
 /// that is not bound to its processors sees all of its machine; else by the machine.
-pub fn jobs_or_usual(asked: Option<NonZeroUsize>) -> usize {
-    jobs_or_all(asked.or_else(|| parse_jobs(&env::var("SLURM_CPUS_PER_TASK").ok()?).ok()))
+pub fn jobs_or_usual(requested: Option<NonZeroUsize>) -> usize {
+    jobs_or_all(requested.or_else(|| parse_jobs(&env::var("SLURM_CPUS_PER_TASK").ok()?).ok()))
 }
 
 /// Returns the threads that are asked for, or as many as the machine runs at once.
-pub fn jobs_or_all(asked: Option<NonZeroUsize>) -> usize {
-    asked.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get)
+pub fn jobs_or_all(requested: Option<NonZeroUsize>) -> usize {
+    requested.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get)
 }
 
 pub fn parse_seed(text: &str) -> Result<u64, String> {
@@ -227,34 +227,34 @@ mod tests {
 
     #[test]
     fn commands_are_split_as_a_shell_does() {
-        for (command, words) in [
+        for (command, args) in [
             ("python3 rrt.py  --range 12", &["python3", "rrt.py", "--range", "12"][..]),
             (r#"a 'b c' "d \"e\" \x" f\ g ''"#, &["a", "b c", r#"d "e" \x"#, "f g", ""]),
             ("a|b ; $c 'it'\\''s'", &["a|b", ";", "$c", "it's"]),
         ] {
             assert_eq!(
-                shell_words(command).as_deref(),
-                Ok(&words.iter().map(ToString::to_string).collect::<Vec<_>>()[..])
+                shell_args(command).as_deref(),
+                Ok(&args.iter().map(ToString::to_string).collect::<Vec<_>>()[..])
             );
         }
         for wrong in ["'a", "a \"b", "a\\"] {
-            assert!(shell_words(wrong).is_err(), "{wrong}");
+            assert!(shell_args(wrong).is_err(), "{wrong}");
         }
     }
 
     #[test]
     fn command_has_a_name_of_its_own_and_a_program() {
         let named = parse_command("rrt=./a=b c").expect("it is one");
-        assert_eq!((named.name.name(), named.words), ("rrt", vec!["./a=b".to_owned(), "c".to_owned()]));
-        for (wrong, words) in [
+        assert_eq!((named.name.name(), named.args), ("rrt", vec!["./a=b".to_owned(), "c".to_owned()]));
+        for (wrong, fragment) in [
             ("rrt", "expected NAME=COMMAND"),
             ("rrt=", "expected a program"),
             ("rrt=''", "expected a program"),
             ("RRT=a", "a letter first"),
             ("prm-rs=a", "built-in"),
         ] {
-            let said = parse_command(wrong).expect_err("it is wrong");
-            assert!(said.contains(words), "{wrong}: {said}");
+            let message = parse_command(wrong).expect_err("it is wrong");
+            assert!(message.contains(fragment), "{wrong}: {message}");
         }
     }
 }

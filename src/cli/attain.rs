@@ -62,7 +62,7 @@ fn parse_runs(text: &str) -> Result<u32, String> {
 const MAX_SEEDS: u64 = 100_000;
 
 pub fn run(arguments: &AttainArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
-    let changes = context.with_own_names(&arguments.scenario.overrides);
+    let changes = context.with_custom_names(&arguments.scenario.overrides);
     let scenario = scenario::load(&arguments.scenario.source, &changes)?;
     context.expect_trusted(&scenario)?;
     context.note_doubts([&scenario]);

@@ -56,27 +56,27 @@ impl CertificateFile {
     /// valid path, and adds its bound to the rows of these attempts.
     pub fn new(attempts: &[Attempt], drives: &mut DriveTable) -> Self {
         let mut certificates = Vec::new();
-        let mut known: Option<(&Problem, CollisionChecker)> = None;
+        let mut cached: Option<(&Problem, CollisionChecker)> = None;
         let is_one_goal =
             |one: &Attempt, next: &Attempt| std::ptr::eq(one.problem, next.problem) && one.goal == next.goal;
         let mut done = 0;
-        for own in attempts.chunk_by(is_one_goal) {
-            let rows = &mut drives.rows[done..done + own.len()];
-            done += own.len();
+        for group in attempts.chunk_by(is_one_goal) {
+            let rows = &mut drives.rows[done..done + group.len()];
+            done += group.len();
             let lengths = rows.iter().filter_map(|row| Some(row.solved()?.length_m));
-            let problem = own[0].problem;
-            let (Some(shortest_m), Goal::Pose(goal)) = (lengths.min_by(f64::total_cmp), problem.goals[own[0].goal])
+            let problem = group[0].problem;
+            let (Some(shortest_m), Goal::Pose(goal)) = (lengths.min_by(f64::total_cmp), problem.goals[group[0].goal])
             else {
                 continue;
             };
             let (_, checker) =
-                known.take_if(|(of, _)| std::ptr::eq(*of, problem)).unwrap_or_else(|| (problem, checker(problem)));
+                cached.take_if(|(of, _)| std::ptr::eq(*of, problem)).unwrap_or_else(|| (problem, checker(problem)));
             let ends = (problem.start, goal);
             if let Some(certificate) = Certificate::new(&checker, ends, MIN_CLEARANCE_M, shortest_m) {
                 rows.iter_mut().for_each(|row| row.certified_bound_m = Some(certificate.bound_m));
-                certificates.push(Certified { field: problem.name.clone(), goal: own[0].goal, certificate });
+                certificates.push(Certified { field: problem.name.clone(), goal: group[0].goal, certificate });
             }
-            known = Some((problem, checker));
+            cached = Some((problem, checker));
         }
         Self { wildfire_certificates: FORMAT, certificates }
     }
@@ -108,8 +108,8 @@ fn checker(problem: &Problem) -> CollisionChecker {
 /// Says for each planner what its paths are longer than certified.
 pub fn gap_sentences(summaries: &[PlannerSummary], drives: &DriveTable) -> Vec<String> {
     let sentence = |summary: &PlannerSummary| {
-        let own = drives.rows.iter().filter(|row| row.planner == summary.planner);
-        let gaps = own.filter_map(|row| Some(row.solved()?.length_m / row.certified_bound_m? - 1.0));
+        let rows = drives.rows.iter().filter(|row| row.planner == summary.planner);
+        let gaps = rows.filter_map(|row| Some(row.solved()?.length_m / row.certified_bound_m? - 1.0));
         let gaps: Vec<f64> = gaps.collect();
         let mean = gaps.iter().sum::<f64>() / gaps.len() as f64;
         let max = gaps.iter().copied().fold(0.0, f64::max);
@@ -130,29 +130,29 @@ pub fn gap_sentences(summaries: &[PlannerSummary], drives: &DriveTable) -> Vec<S
 /// Checks a file of certificates on the fields of these problems.
 pub fn judge(path: &Path, problems: &[Problem], fields: &[PathBuf], form: FormArguments) -> Result<ExitCode, CliError> {
     let inputs = fields.iter().map(PathBuf::as_path).chain([path]).collect();
-    let words = Files { inputs, form, ..Files::default() }.check()?;
+    let stream = Files { inputs, form, ..Files::default() }.check()?;
     let read = CertificateFile::open(path)?;
-    let mut known: Option<(usize, CollisionChecker)> = None;
+    let mut cached: Option<(usize, CollisionChecker)> = None;
     let mut rows = Vec::new();
-    for (number, own) in read.certificates.into_iter().enumerate() {
-        let named = problems.iter().position(|problem| problem.name == own.field);
-        let goals = named.map(|index| (index, problems[index].goals.get(own.goal)));
+    for (number, certified) in read.certificates.into_iter().enumerate() {
+        let named = problems.iter().position(|problem| problem.name == certified.field);
+        let goals = named.map(|index| (index, problems[index].goals.get(certified.goal)));
         let Some((index, Some(&goal))) = goals else {
             let sentence = format!(
                 "{}: certificate {number} is for goal {} of the field {}, which is not among those given",
                 path.display(),
-                own.goal,
-                visible_start(&own.field)
+                certified.goal,
+                visible_start(&certified.field)
             );
             return Err(CliError::bad_input(sentence, Some("name the field files that were planned on")));
         };
         let problem = &problems[index];
-        let checker = known.take_if(|(of, _)| *of == index).map_or_else(|| checker(problem), |(_, known)| known);
-        rows.push(Checked::new(own, (problem.start, goal), &checker));
-        known = Some((index, checker));
+        let checker = cached.take_if(|(of, _)| *of == index).map_or_else(|| checker(problem), |(_, cached)| cached);
+        rows.push(Checked::new(certified, (problem.start, goal), &checker));
+        cached = Some((index, checker));
     }
     let report = CertificateReport { rows };
-    words.print(&form.render(&report))?;
+    stream.print(&form.render(&report))?;
     let is_clean = report.rows.iter().all(|row| row.fault.is_none());
     Ok(if is_clean { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
 }

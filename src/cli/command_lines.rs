@@ -13,45 +13,47 @@ fn command_lines_take_anything() {
 }
 
 fn command_line(case: &mut Case<'_>) -> Law {
-    let words = drawn_words(case, &[]);
-    let name = words.first().cloned().unwrap_or_default();
-    parsed(case, &name, words.into_iter().skip(1).collect())?;
+    let args = drawn_args(case, &[]);
+    let name = args.first().cloned().unwrap_or_default();
+    parsed(case, &name, args.into_iter().skip(1).collect())?;
     Ok(())
 }
 
 /// Parses `wildfire COMMAND WORDS...` with clap; `None` if clap refuses it, which it does with a message.
-pub fn parsed(case: &mut Case<'_>, command: &str, words: Vec<String>) -> Result<Option<Command>, String> {
-    let line = [vec!["wildfire".to_owned(), command.to_owned()], words].concat();
+pub fn parsed(case: &mut Case<'_>, command: &str, args: Vec<String>) -> Result<Option<Command>, String> {
+    let line = [vec!["wildfire".to_owned(), command.to_owned()], args].concat();
     case.input = line.join("\n").into_bytes();
     match Arguments::try_parse_from(&line) {
         Ok(arguments) => {
             case.count("command lines accepted");
             Ok(Some(arguments.command))
         }
-        Err(refusal) if matches!(refusal.exit_code(), 0 | 2) => said(&refusal.render().to_string()).map(|()| None),
+        Err(refusal) if matches!(refusal.exit_code(), 0 | 2) => {
+            check_message(&refusal.render().to_string()).map(|()| None)
+        }
         Err(refusal) => Err(format!("it ends with {}: {refusal}", refusal.exit_code())),
     }
 }
 
 /// Checks that something is said.
-pub fn said(text: &str) -> Law {
+pub fn check_message(text: &str) -> Law {
     if text.trim().is_empty() { Err("nothing is said".into()) } else { Ok(()) }
 }
 
 /// Draws arguments of some command below these, whose own names are left out.
-pub fn drawn_words(case: &mut Case<'_>, names: &[&str]) -> Vec<String> {
+pub fn drawn_args(case: &mut Case<'_>, names: &[&str]) -> Vec<String> {
     let mut root = Arguments::command();
     root.build();
     let mut command = &root;
     for name in names {
         command = command.find_subcommand(name).expect("it is a command");
     }
-    let mut words = Vec::new();
+    let mut args = Vec::new();
     // Some commands do something by themselves too.
     while command.has_subcommands() && (command.is_subcommand_required_set() || case.chance(30)) {
         let commands: Vec<&ClapCommand> = command.get_subcommands().collect();
         command = *one_of(&mut case.dice, &commands);
-        words.push(command.get_name().to_owned());
+        args.push(command.get_name().to_owned());
     }
     let arguments: Vec<_> = command.get_arguments().collect();
     let needed = arguments.iter().filter(|argument| argument.is_required_set() || argument.is_positional());
@@ -64,13 +66,13 @@ pub fn drawn_words(case: &mut Case<'_>, names: &[&str]) -> Vec<String> {
         let takes_value = argument.get_action().takes_values();
         let value = if takes_value { value(case, argument) } else { String::new() };
         match (argument.get_long(), takes_value) {
-            (Some(name), true) if case.chance(50) => words.push(format!("--{name}={value}")),
-            (Some(name), true) => words.extend([format!("--{name}"), value]),
-            (Some(name), false) => words.push(format!("--{name}")),
-            (None, _) => words.push(value),
+            (Some(name), true) if case.chance(50) => args.push(format!("--{name}={value}")),
+            (Some(name), true) => args.extend([format!("--{name}"), value]),
+            (Some(name), false) => args.push(format!("--{name}")),
+            (None, _) => args.push(value),
         }
     }
-    words
+    args
 }
 
 fn value(case: &mut Case<'_>, argument: &clap::Arg) -> String {

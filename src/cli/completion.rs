@@ -53,7 +53,7 @@ impl Names {
         }
     }
 
-    fn words(self) -> Vec<String> {
+    fn candidates(self) -> Vec<String> {
         let scenarios = || BUILT_IN.iter().map(|(name, _)| (*name).to_owned()).collect::<Vec<_>>();
         let planners = || TruckPlannerKind::ALL.map(|kind| kind.name().to_owned()).to_vec();
         let columns = RUN_COLUMNS.iter().filter(|column| column.holds_numbers()).map(|column| column.name.to_owned());
@@ -149,24 +149,24 @@ fn bash(program: Command) -> String {
     {
         let list = if argument.get_value_delimiter() == Some(',') { " is_list=1" } else { "" };
         let files = if names.or_files() { " has_files=1" } else { "" };
-        let words = names.words().join(" ");
+        let candidates = names.candidates().join(" ");
         let patterns = patterns(command, argument);
-        writeln!(cases, "        {patterns}) names=\"{words}\"{list}{files} ;;").expect("a string takes any text");
+        writeln!(cases, "        {patterns}) names=\"{candidates}\"{list}{files} ;;").expect("a string takes any text");
     }
     for (command, _, names) in takers(&program).into_iter().filter(|(_, argument, _)| argument.is_positional()) {
-        let known = program.find_subcommand(command).expect("it was listed");
-        let options = known.get_opts().filter(|option| option.get_action().takes_values());
+        let subcommand = program.find_subcommand(command).expect("it was listed");
+        let options = subcommand.get_opts().filter(|option| option.get_action().takes_values());
         let options = options.map(|option| patterns(command, option)).collect::<Vec<_>>().join("|");
-        let words = names.words().join(" ");
+        let candidates = names.candidates().join(" ");
         writeln!(cases, "        {options}) return 1 ;;").expect("a string takes any text");
-        writeln!(cases, "        {command},*) [[ $value == -* ]] && return 1; names=\"{words}\" has_files=1 ;;")
+        writeln!(cases, "        {command},*) [[ $value == -* ]] && return 1; names=\"{candidates}\" has_files=1 ;;")
             .expect("a string takes any text");
     }
-    let asked_first = BASH.replace("CASES", cases.trim_end());
+    let functions = BASH.replace("CASES", cases.trim_end());
     let script = generated(Shell::Bash, program);
     let registered = "complete -F _wildfire ";
     assert!(script.contains(registered), "the script registers its function");
-    asked_first + &script.replace(registered, "complete -F _wildfire_with_names ")
+    functions + &script.replace(registered, "complete -F _wildfire_with_names ")
 }
 
 /// Where `=` parts words, as it does unless somebody changed that, the shell replaces what is behind it only.
@@ -227,8 +227,8 @@ fn zsh(program: Command) -> String {
     for names in Names::ALL {
         script = script.replace(names.mark().1, &format!(":{}", names.function()));
         let files = if names.or_files() { "    _files\n" } else { "" };
-        let words = names.words().join(" ");
-        write!(functions, "{}() {{\n    compset -P '*,'\n    compadd -- {words}\n{files}}}\n\n", names.function())
+        let candidates = names.candidates().join(" ");
+        write!(functions, "{}() {{\n    compset -P '*,'\n    compadd -- {candidates}\n{files}}}\n\n", names.function())
             .expect("a string takes any text");
     }
     let end = script.find("if [ \"$funcstack[1]\"").expect("the script registers its function at its end");
@@ -240,8 +240,8 @@ fn zsh(program: Command) -> String {
 fn fish(program: Command) -> String {
     let mut lines = String::new();
     for names in Names::ALL {
-        let words = names.words().join(" ");
-        write!(lines, "\nfunction {}\n    printf '%s\\n' {words}\nend\n", names.function())
+        let candidates = names.candidates().join(" ");
+        write!(lines, "\nfunction {}\n    printf '%s\\n' {candidates}\nend\n", names.function())
             .expect("a string takes any text");
     }
     lines.push('\n');
@@ -272,10 +272,10 @@ mod tests {
         let takers = takers(&program);
         for names in Names::ALL {
             assert!(takers.iter().any(|(_, _, taken)| *taken == names), "{names:?}");
-            let words = names.words();
-            assert!(words.len() > 2, "{words:?}");
+            let candidates = names.candidates();
+            assert!(candidates.len() > 2, "{candidates:?}");
             let is_plain = |word: &String| word.chars().all(|c| c.is_ascii_alphanumeric() || "-_+.=".contains(c));
-            assert!(words.iter().all(is_plain), "{words:?}");
+            assert!(candidates.iter().all(is_plain), "{candidates:?}");
         }
         for (command, option) in [("batch", "planner"), ("plan", "planner"), ("judge", "against"), ("plan", "scenario")]
         {

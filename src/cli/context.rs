@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::cli::args::ProgramArguments;
 use crate::cli::error::CliError;
 use crate::cli::terminal;
-use wildfire_batch::{BatchPlan, own_names};
+use wildfire_batch::{BatchPlan, custom_names};
 use wildfire_planning::{PlannerName, Planners};
 #[cfg(unix)]
 use wildfire_sim::programs::{ProgramPool, Trust};
@@ -44,17 +44,17 @@ impl CommandContext {
 
     /// Adds to the changes of a scenario that the planners and policies that were registered are known, and the programs of
     /// the command line.
-    pub fn with_own_names(&self, changes: &[String]) -> Vec<String> {
+    pub fn with_custom_names(&self, changes: &[String]) -> Vec<String> {
         // A text, and a list of texts, is the same in JSON and in TOML.
         let ProgramArguments { commands, modules, .. } = &self.programs;
-        let commands = commands.iter().map(|own| (&own.name, "command", serde_json::json!(own.words)));
-        let modules = modules.iter().map(|own| (&own.name, "module", serde_json::json!(own.file)));
+        let commands = commands.iter().map(|program| (&program.name, "command", serde_json::json!(program.args)));
+        let modules = modules.iter().map(|program| (&program.name, "module", serde_json::json!(program.file)));
         let programs = commands.chain(modules).flat_map(|(name, key, value)| {
             // A program may be a policy too, unless a built-in one has its name.
             let kinds = if is_built_in_policy(name.name()) { &["planner"][..] } else { &["planner", "policy"] };
             kinds.iter().map(move |kind| format!("{kind}.\"{name}\".{key}={value}")).collect::<Vec<_>>()
         });
-        own_names(&self.registry).chain(programs).chain(changes.iter().cloned()).collect()
+        custom_names(&self.registry).chain(programs).chain(changes.iter().cloned()).collect()
     }
 
     /// Returns the options of a run.
@@ -81,8 +81,8 @@ impl CommandContext {
     }
 
     /// Refuses planners that are programs which are not trusted.
-    pub fn expect_trusted_planners(&self, scenario: &Scenario, asked: &[PlannerName]) -> Result<(), CliError> {
-        let tables = asked.iter().filter_map(|name| Some((name, scenario.planner.get(name)?)));
+    pub fn expect_trusted_planners(&self, scenario: &Scenario, requested: &[PlannerName]) -> Result<(), CliError> {
+        let tables = requested.iter().filter_map(|name| Some((name, scenario.planner.get(name)?)));
         let programs = tables.filter(|(_, table)| table.is_external());
         let mut used = programs.map(|(name, table)| UsedProgram { kind: "planner", name, table });
         used.try_for_each(|used| self.expect_trusted_program(&used))
@@ -125,7 +125,7 @@ impl CommandContext {
                 self.programs
                     .commands
                     .iter()
-                    .flat_map(|own| ["planner", "policy"].map(|kind| (kind, own.name.clone())))
+                    .flat_map(|program| ["planner", "policy"].map(|kind| (kind, program.name.clone())))
                     .collect(),
             ),
         }

@@ -71,13 +71,13 @@ Then try
 ";
 
 /// What runs a command from its words.
-type RunWords<'a> = dyn Fn(Vec<OsString>, &CommandContext) -> Result<ExitCode, CliError> + 'a;
+type RunCommand<'a> = dyn Fn(Vec<OsString>, &CommandContext) -> Result<ExitCode, CliError> + 'a;
 
 /// Does the steps one after the other.
 pub fn run(
     arguments: &DemoArguments,
     context: &CommandContext,
-    run_words: &RunWords<'_>,
+    run_command: &RunCommand<'_>,
 ) -> Result<ExitCode, CliError> {
     // A name that begins with a hyphen would be read as an option.
     let begins_with_hyphen = arguments.out.as_os_str().as_encoded_bytes().starts_with(b"-");
@@ -92,8 +92,8 @@ pub fn run(
         let gap = if index == 0 { "" } else { "\n" };
         let typed = command.replace("DIR", &shell_word(&shown));
         terminal::print(&format!("{gap}{}/{}  {why}\n\n$ wildfire {typed}\n\n", index + 1, STEPS.len()))?;
-        let words = command.split(' ').map(|word| in_folder(word, folder));
-        let code = run_words(std::iter::once(OsString::from("wildfire")).chain(words).collect(), &quiet)?;
+        let args = command.split(' ').map(|word| in_folder(word, folder));
+        let code = run_command(std::iter::once(OsString::from("wildfire")).chain(args).collect(), &quiet)?;
         if code != ExitCode::SUCCESS {
             return Ok(code);
         }
@@ -133,9 +133,9 @@ mod tests {
     #[test]
     fn the_commands_of_the_demonstration_are_commands() {
         for Step { command, .. } in STEPS {
-            let words = command.split(' ').map(|word| in_folder(word, Path::new("folder")));
-            let words = std::iter::once(OsString::from("wildfire")).chain(words);
-            Arguments::try_parse_from(words).expect(command);
+            let args = command.split(' ').map(|word| in_folder(word, Path::new("folder")));
+            let args = std::iter::once(OsString::from("wildfire")).chain(args);
+            Arguments::try_parse_from(args).expect(command);
         }
     }
 }

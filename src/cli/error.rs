@@ -233,12 +233,12 @@ impl From<DriveError> for CliError {
             DriveError::SameName { .. } => "tables identify a field by `field`, or by its file's name".to_owned(),
             DriveError::NoGoals { what: "bushes", .. } => "leave out --cells, to drive to poses".to_owned(),
             DriveError::NoGoals { .. } => "list `goals`, or drive to bushes with --cells".to_owned(),
-            DriveError::UnknownPlanner { name, known } => {
-                let nearest = nearest_name(name.name(), known.iter().map(String::as_str));
+            DriveError::UnknownPlanner { name, valid } => {
+                let nearest = nearest_name(name.name(), valid.iter().map(String::as_str));
                 let nearest = nearest.map_or(String::new(), |nearest| format!("did you mean `{nearest}`? "));
                 format!(
                     "{nearest}expected one of {}; register a program with --command {name}='PROGRAM ...'",
-                    known.join(", ")
+                    valid.join(", ")
                 )
             }
             _ => {
@@ -274,12 +274,12 @@ impl From<BatchError> for CliError {
             BatchError::Journal(JournalError::Damaged { .. }) => {
                 Some("delete that line and all after it to repeat those runs")
             }
-            BatchError::OtherSlices { path, asked, .. } if asked.is_whole() => {
+            BatchError::OtherSlices { path, requested, .. } if requested.is_whole() => {
                 help = help_on_unfinished(path);
                 help.as_deref()
             }
             BatchError::OtherSlices { .. } => Some("all slices of a batch are K/N with one N"),
-            BatchError::NotYetBegun { .. } => Some("start the batch again, with --out and this folder"),
+            BatchError::NotStarted { .. } => Some("start the batch again, with --out and this folder"),
             BatchError::NoJournal { .. } => Some("start a new batch, with --force to replace the old results"),
             _ => None,
         };

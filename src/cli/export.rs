@@ -115,7 +115,7 @@ impl Outputs {
         };
         if let Self::Json(_) = outputs {
             let unused = [("--step", arguments.step.is_some()), ("--agent", !arguments.agents.is_empty())];
-            if let Some((option, _)) = unused.into_iter().find(|(_, is_given)| *is_given) {
+            if let Some((option, _)) = unused.into_iter().find(|(_, is_set)| *is_set) {
                 let sentence = format!("{option} applies to samples; JSON holds the legs of all agents instead");
                 return Err(CliError::bad_input(sentence, None));
             }
@@ -174,8 +174,8 @@ fn format_of(arguments: &ExportArguments) -> Result<ExportFormat, CliError> {
     }
     let ending = arguments.out.extension().unwrap_or_default();
     let by_ending = ExportFormat::value_variants().iter().copied();
-    let known = |format: ExportFormat| format.to_possible_value().expect("none is hidden");
-    let mut named = by_ending.filter(|&format| ending.eq_ignore_ascii_case(known(format).get_name()));
+    let possible_value = |format: ExportFormat| format.to_possible_value().expect("none is hidden");
+    let mut named = by_ending.filter(|&format| ending.eq_ignore_ascii_case(possible_value(format).get_name()));
     named.next().ok_or_else(|| {
         let sentence = match is_standard_stream(&arguments.out) {
             true => "- (stdout) has no ending that selects a format; expected --format json, npz or mcap".to_owned(),

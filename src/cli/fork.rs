@@ -84,7 +84,7 @@ pub fn run(arguments: &ForkArguments, context: &CommandContext) -> Result<ExitCo
     }
     let files = Files { form: arguments.form, ..Files::default() }
         .writing([(Format::Recording, &arguments.out), (Format::Recording, &arguments.parent)]);
-    let words = files.check()?;
+    let stream = files.check()?;
 
     let options = context.run_options(false, memory.limit());
     let stopwatch = WallStopwatch::start();
@@ -105,16 +105,16 @@ pub fn run(arguments: &ForkArguments, context: &CommandContext) -> Result<ExitCo
     fork.cost.total = cpu.elapsed_since_last() + fork.cost.elsewhere();
     let row = RunRow::done(RunLabel::from_scenario(&after, seed), result_of(&fork), stopwatch.elapsed());
     let parent = ended(parent, None)?;
-    let own = Outcome::new(&fork.timeline).burned();
+    let burned = Outcome::new(&fork.timeline).burned();
     let was = Outcome::new(&parent.timeline).burned();
-    let verdict = match own.cmp(&was) {
-        std::cmp::Ordering::Less => format!("{} fewer than without the change", was - own),
+    let verdict = match burned.cmp(&was) {
+        std::cmp::Ordering::Less => format!("{} fewer than without the change", was - burned),
         std::cmp::Ordering::Equal => "as many as without the change".to_owned(),
-        std::cmp::Ordering::Greater => format!("{} more than without the change", own - was),
+        std::cmp::Ordering::Greater => format!("{} more than without the change", burned - was),
     };
-    words.print(&arguments.form.render(&RunReport { row }))?;
+    stream.print(&arguments.form.render(&RunReport { row }))?;
     if arguments.form.is_text() {
-        words.print(&format!("{own} bushes burned, {verdict}.\n"))?;
+        stream.print(&format!("{burned} bushes burned, {verdict}.\n"))?;
     }
     for (path, run) in [(&arguments.out, &fork), (&arguments.parent, &parent)] {
         if let Some(path) = path {

@@ -205,13 +205,13 @@ pub fn main_with(registry: impl Into<CustomRegistry>) -> ExitCode {
 }
 
 /// Does the same with other words than the arguments of the process; the first is the program's name.
-pub fn main_from(words: Vec<OsString>, registry: impl Into<CustomRegistry>) -> ExitCode {
+pub fn main_from(args: Vec<OsString>, registry: impl Into<CustomRegistry>) -> ExitCode {
     #[cfg(unix)]
-    if let Some(code) = supervisor::run_if_requested(words.get(1..).unwrap_or_default()) {
+    if let Some(code) = supervisor::run_if_requested(args.get(1..).unwrap_or_default()) {
         return ExitCode::from(code);
     }
     interrupt::install();
-    let arguments = Arguments::try_parse_from(&words).unwrap_or_else(|error| refuse(&words, &error));
+    let arguments = Arguments::try_parse_from(&args).unwrap_or_else(|error| refuse(&args, &error));
     let context = CommandContext::new(arguments.quiet, registry.into());
     dispatch(&arguments, &context).unwrap_or_else(CliError::print)
 }
@@ -220,9 +220,9 @@ pub fn main_from(words: Vec<OsString>, registry: impl Into<CustomRegistry>) -> E
 ///
 /// The message quotes arguments. So that nothing in them acts on the terminal, it is made once more from arguments in
 /// which that is escaped, and which are wrong for the same reason.
-fn refuse(words: &[OsString], error: &clap::Error) -> ! {
-    let words = words.iter().map(|word| visible(&word.to_string_lossy()).into_owned());
-    match Arguments::try_parse_from(words) {
+fn refuse(args: &[OsString], error: &clap::Error) -> ! {
+    let args = args.iter().map(|word| visible(&word.to_string_lossy()).into_owned());
+    match Arguments::try_parse_from(args) {
         Err(same) if same.kind() == error.kind() => same.exit(),
         _ => error.exit(),
     }
@@ -230,8 +230,8 @@ fn refuse(words: &[OsString], error: &clap::Error) -> ! {
 
 fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     match &arguments.command {
-        Command::Demo(demo) => demo::run(demo, context, &|words, context| {
-            let arguments = Arguments::try_parse_from(words).expect("the demonstration's commands are right");
+        Command::Demo(demo) => demo::run(demo, context, &|args, context| {
+            let arguments = Arguments::try_parse_from(args).expect("the demonstration's commands are right");
             dispatch(&Arguments { quiet: context.quiet, ..arguments }, context)
         }),
         Command::Run(run) => run::run(run, &context.with_programs(&run.scenario.programs)),
@@ -302,11 +302,10 @@ mod tests {
 
     #[test]
     fn earlier_names_of_options_are_still_taken() {
-        for words in
-            ["render --html x.html", "plan --report x", "batch --seed 1..3", "run -s 2", "export -s 2 -o x.csv"]
+        for line in ["render --html x.html", "plan --report x", "batch --seed 1..3", "run -s 2", "export -s 2 -o x.csv"]
         {
-            let parsed = Arguments::try_parse_from(["wildfire"].into_iter().chain(words.split(' ')));
-            assert!(parsed.is_ok(), "{words}: {parsed:?}");
+            let parsed = Arguments::try_parse_from(["wildfire"].into_iter().chain(line.split(' ')));
+            assert!(parsed.is_ok(), "{line}: {parsed:?}");
         }
     }
 }

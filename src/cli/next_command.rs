@@ -14,7 +14,7 @@ pub fn resume_command(folder: &Path, slice: Slice) -> String {
 /// Returns the command that brings a batch nearer to its tables, and what it is for; `None` while processes work on all
 /// that is left.
 pub fn next_command(folder: &Path, slices: &[(Slice, SliceState)], lock: &str) -> Option<(&'static str, String)> {
-    let waiting = slices.iter().find(|(_, state)| state.held < state.runs && !state.is_running);
+    let waiting = slices.iter().find(|(_, state)| state.stored < state.runs && !state.is_running);
     match waiting {
         Some((slice, _)) => Some(("Continue", resume_command(folder, *slice) + lock)),
         None if slices.iter().any(|(_, state)| state.is_running) => None,

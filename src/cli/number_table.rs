@@ -173,13 +173,13 @@ impl<'a, const N: usize> NumberTable<'a, N> {
         let number = match &column.content {
             Content::Number(range) => self.rows.number(field).filter(|number| range.contains(number)),
             Content::Class(last) => self.rows.number::<u8>(field).filter(|class| class <= last).map(f64::from),
-            Content::Word(words) => words.iter().position(|word| Some(*word) == text).map(|place| place as f64),
+            Content::Word(allowed) => allowed.iter().position(|word| Some(*word) == text).map(|place| place as f64),
             Content::Text => Some(f64::NAN),
         };
         let expected = || match &column.content {
-            Content::Number(range) => format!("a number {}", numbers::range_words(range)),
+            Content::Number(range) => format!("a number {}", numbers::range_text(range)),
             Content::Class(last) => format!("a whole number from 0 to {last}"),
-            Content::Word(words) => words.join(" or "),
+            Content::Word(allowed) => allowed.join(" or "),
             Content::Text => String::new(),
         };
         number.ok_or_else(|| self.fault(field, column.name, expected()))

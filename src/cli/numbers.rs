@@ -24,7 +24,7 @@ pub fn parse_within<T: FromStr + PartialOrd + Display>(
     range: &RangeInclusive<T>,
     what: &str,
 ) -> Result<T, String> {
-    within(text, range).ok_or_else(|| format!("expected {what} {}", range_words(range)))
+    within(text, range).ok_or_else(|| format!("expected {what} {}", range_text(range)))
 }
 
 /// Reads a time: a number of seconds, `m:ss`, or `h:mm:ss`, with decimals of seconds in each.
@@ -45,7 +45,7 @@ pub fn parse_time(text: &str) -> Option<f64> {
 pub fn parse_time_within(text: &str, range: &RangeInclusive<f64>) -> Result<f64, String> {
     parse_time(text)
         .filter(|seconds| range.contains(seconds))
-        .ok_or_else(|| format!("expected seconds {}, or h:mm:ss", range_words(range)))
+        .ok_or_else(|| format!("expected seconds {}, or h:mm:ss", range_text(range)))
 }
 
 /// Reads an instant of a run.
@@ -54,7 +54,7 @@ pub fn parse_instant(text: &str) -> Result<f64, String> {
 }
 
 /// Words a range, as `from 0 to 5`.
-pub fn range_words<T: Display>(range: &RangeInclusive<T>) -> String {
+pub fn range_text<T: Display>(range: &RangeInclusive<T>) -> String {
     format!("from {} to {}", range.start(), range.end())
 }
 

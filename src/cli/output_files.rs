@@ -81,7 +81,7 @@ impl Format {
 
     fn check(self, path: &Path) -> Result<(), CliError> {
         let ending = path.extension().unwrap_or_default();
-        if self.endings().iter().any(|known| ending.eq_ignore_ascii_case(known)) {
+        if self.endings().iter().any(|valid| ending.eq_ignore_ascii_case(valid)) {
             return Ok(());
         }
         let endings = self.endings().iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(" or ");
@@ -97,12 +97,12 @@ impl Format {
 
 /// The stream that the words of a command go to: stdout, or stderr if a file goes to stdout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Words {
+pub enum ReportStream {
     Stdout,
     Stderr,
 }
 
-impl Words {
+impl ReportStream {
     /// Prints a result for people.
     pub fn print(self, result: &str) -> Result<(), CliError> {
         match self {
@@ -136,7 +136,7 @@ impl<'a> Files<'a> {
     ///
     /// # Errors
     /// Bad input; a fault of the environment where the system does not let the folder be looked at.
-    pub fn check(&self) -> Result<Words, CliError> {
+    pub fn check(&self) -> Result<ReportStream, CliError> {
         if self.inputs.iter().filter(|path| is_standard_stream(path)).count() > 1 {
             return Err(CliError::bad_input(
                 "- is stdin, which can be read only once; expected it as a single input",
@@ -163,7 +163,7 @@ impl<'a> Files<'a> {
             check_place(path)?;
             format.check(path)?;
         }
-        Ok(if on_stdout > 0 { Words::Stderr } else { Words::Stdout })
+        Ok(if on_stdout > 0 { ReportStream::Stderr } else { ReportStream::Stdout })
     }
 }
 

@@ -98,7 +98,7 @@ pub fn run(arguments: &PageArguments, quiet: bool) -> Result<ExitCode, CliError>
 
 fn first_game(arguments: &PageArguments) -> Result<Game, CliError> {
     let name = &arguments.scenario;
-    let scenario = if BUILT_IN.iter().any(|(known, _)| known == name) {
+    let scenario = if BUILT_IN.iter().any(|(existing, _)| existing == name) {
         GameScenario::Name(name.clone())
     } else {
         GameScenario::Text(ScenarioText::open(name)?.text)
@@ -120,12 +120,12 @@ pub fn read_game(path: &Path) -> Result<Game, CliError> {
     Game::from_json(&text).map_err(|error| refuse(error.to_string()))
 }
 
-fn read_module(asked_for: Option<&Path>) -> Result<Vec<u8>, CliError> {
+fn read_module(requested: Option<&Path>) -> Result<Vec<u8>, CliError> {
     let beside = || {
         let program = env::current_exe().ok()?.canonicalize().ok()?;
         MODULES.iter().map(|name| program.with_file_name(name)).find(|path| path.is_file())
     };
-    let Some(path) = asked_for.map(Path::to_owned).or_else(beside) else {
+    let Some(path) = requested.map(Path::to_owned).or_else(beside) else {
         let sentence = format!("{} not found next to the program; expected --module FILE.wasm", MODULES[0]);
         return Err(CliError::bad_input(sentence, Some("`wildfire page --help` shows how to build it")));
     };

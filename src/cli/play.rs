@@ -68,11 +68,11 @@ pub fn run(_: &PlayArguments, _: &CommandContext) -> Result<ExitCode, CliError> 
     use crate::cli::terminal;
     use wildfire_batch::shell_word;
 
-    let given = std::env::args_os().skip(1).map(|word| shell_word(&word.to_string_lossy())).collect::<Vec<_>>();
-    let given = given.join(" ");
+    let args = std::env::args_os().skip(1).map(|word| shell_word(&word.to_string_lossy())).collect::<Vec<_>>();
+    let args = args.join(" ");
     terminal::note(&format!(
         "built without the window; to build with it: cargo run --release --features view -- \
-        {given}"
+        {args}"
     ));
     Ok(ExitCode::from(exit::ENVIRONMENT))
 }

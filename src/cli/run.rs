@@ -12,7 +12,7 @@ use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::export::write_export;
 use crate::cli::numbers;
-use crate::cli::output_files::{self, Files, Format, Words};
+use crate::cli::output_files::{self, Files, Format, ReportStream};
 use crate::cli::page::read_game;
 use crate::cli::report::FormArguments;
 use crate::cli::show::parse_agent;
@@ -74,7 +74,7 @@ pub fn run(arguments: &RunArguments, context: &CommandContext) -> Result<ExitCod
     let mut options = context.run_options(arguments.record_searches, arguments.memory.limit());
     let (scenario, seed, replay) = match &arguments.answers {
         None => {
-            let changes = context.with_own_names(&arguments.scenario.overrides);
+            let changes = context.with_custom_names(&arguments.scenario.overrides);
             (scenario::load(&arguments.scenario.source, &changes)?, arguments.seed, None)
         }
         Some(path) => {
@@ -86,7 +86,7 @@ pub fn run(arguments: &RunArguments, context: &CommandContext) -> Result<ExitCod
     };
     context.expect_trusted(&scenario)?;
     context.note_doubts([&scenario]);
-    let (outputs, words) = Outputs::checked(arguments, &scenario, seed)?;
+    let (outputs, stream) = Outputs::checked(arguments, &scenario, seed)?;
     let (row, timeline) = run_once(&scenario, seed, &options)?;
     if let Some((path, question)) = replay.and_then(|(path, unanswered)| Some((path, unanswered.take()?))) {
         let sentence = format!("{}: the game stops before the end of the run: {question}", path.display());
@@ -95,7 +95,7 @@ pub fn run(arguments: &RunArguments, context: &CommandContext) -> Result<ExitCod
     let report = RunReport { row };
     // A run that failed is an object too, but says nothing to people besides its error.
     let is_printed = arguments.form.json || report.row.result.is_some();
-    let printed = if is_printed { words.print(&arguments.form.render(&report)) } else { Ok(()) };
+    let printed = if is_printed { stream.print(&arguments.form.render(&report)) } else { Ok(()) };
     // Whatever cannot be written, all else of the run is kept.
     let written = timeline.map_or(Ok(()), |timeline| outputs.write(&timeline, context.quiet));
     printed.and(written)?;
@@ -132,7 +132,7 @@ struct Outputs<'a> {
 
 impl<'a> Outputs<'a> {
     /// Checks what can be checked before the run, and returns where its words go.
-    fn checked(arguments: &'a RunArguments, scenario: &Scenario, seed: u64) -> Result<(Self, Words), CliError> {
+    fn checked(arguments: &'a RunArguments, scenario: &Scenario, seed: u64) -> Result<(Self, ReportStream), CliError> {
         let step_s = arguments.step;
         if !(step_s.is_finite() && step_s >= FINEST_STEP_S) {
             let sentence = format!("--step is {step_s}; expected seconds, at least {FINEST_STEP_S}");
@@ -146,10 +146,10 @@ impl<'a> Outputs<'a> {
             (Format::Csv, &arguments.events),
             (Format::Csv, &arguments.trace),
         ]);
-        let words = files.check()?;
+        let stream = files.check()?;
         let events = arguments.events.as_deref();
         let trace = arguments.trace.as_deref();
-        Ok((Self { recording, events, trace, step_s, agents: &arguments.agents }, words))
+        Ok((Self { recording, events, trace, step_s, agents: &arguments.agents }, stream))
     }
 
     /// Tries all files; the error is the first.

@@ -214,7 +214,7 @@ impl From<&ScenariosAnswer> for Document {
 /// Bad input if the scenario is wrong, or if a run would be refused since it needs more memory than the limit.
 pub fn check(arguments: &CheckArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let loaded =
-        LoadedScenario::open(&arguments.scenario.source, &context.with_own_names(&arguments.scenario.overrides))?;
+        LoadedScenario::open(&arguments.scenario.source, &context.with_custom_names(&arguments.scenario.overrides))?;
     let document = scenario::explain(&loaded, arguments.memory);
     let answer = CheckAnswer::new(&loaded, &document);
     terminal::print(&arguments.form.render_either(&answer, || document))?;
@@ -239,11 +239,11 @@ pub fn list_or_show(arguments: &ScenariosArguments) -> Result<ExitCode, CliError
 }
 
 fn built_in(name: &str) -> Result<&'static str, CliError> {
-    let found = BUILT_IN.iter().find(|(known, _)| *known == name);
+    let found = BUILT_IN.iter().find(|(existing, _)| *existing == name);
     found.map(|(_, text)| *text).ok_or_else(|| {
-        let names: Vec<_> = BUILT_IN.iter().map(|(known, _)| *known).collect();
-        let known = format!("the built-in scenarios are {}", names.join(", "));
-        CliError::bad_input(format_args!("there is no built-in scenario `{name}`"), Some(&known))
+        let names: Vec<_> = BUILT_IN.iter().map(|(existing, _)| *existing).collect();
+        let help = format!("the built-in scenarios are {}", names.join(", "));
+        CliError::bad_input(format_args!("there is no built-in scenario `{name}`"), Some(&help))
     })
 }
 
@@ -290,7 +290,7 @@ pub fn new(arguments: &NewArguments, quiet: bool) -> Result<ExitCode, CliError> 
 fn planner_template(file: Option<&Path>) -> Result<String, CliError> {
     let file = file.unwrap_or(Path::new("planner.py"));
     let ending = file.extension().unwrap_or_default();
-    let Some((_, text)) = PLANNER_TEMPLATES.iter().find(|(known, _)| ending == *known) else {
+    let Some((_, text)) = PLANNER_TEMPLATES.iter().find(|(existing, _)| ending == *existing) else {
         let sentence = format!("{}: expected a name that ends in .py, .c, .cpp or .rs", file.display());
         return Err(CliError::bad_input(sentence, Some("the ending selects the planner's language")));
     };

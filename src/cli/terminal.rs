@@ -56,7 +56,7 @@ pub struct Progress {
     /// What is counted.
     things: &'static str,
     /// Where there were some before.
-    held: u64,
+    resumed: u64,
     lines: Option<Mutex<WallStopwatch>>,
 }
 
@@ -73,13 +73,13 @@ impl Progress {
         bar.set_style(ProgressStyle::with_template(&template).expect("the template is well formed"));
         bar.enable_steady_tick(Duration::from_millis(200));
         let lines = (!quiet && !io::stderr().is_terminal()).then(|| Mutex::new(WallStopwatch::start()));
-        Self { bar, things, held: 0, lines }
+        Self { bar, things, resumed: 0, lines }
     }
 
     /// Says that there are some already.
     #[must_use]
-    pub fn held(self, held: u64) -> Self {
-        Self { bar: self.bar.with_position(held), held, ..self }
+    pub fn resumed(self, resumed: u64) -> Self {
+        Self { bar: self.bar.with_position(resumed), resumed, ..self }
     }
 
     /// Says how many there will be.
@@ -124,7 +124,7 @@ impl Progress {
         let done = self.bar.position();
         let count = self.bar.length().unwrap_or(0);
         let gone = self.bar.elapsed();
-        let left = gone.mul_f64(count.saturating_sub(done) as f64 / done.saturating_sub(self.held).max(1) as f64);
+        let left = gone.mul_f64(count.saturating_sub(done) as f64 / done.saturating_sub(self.resumed).max(1) as f64);
         let message = self.bar.message();
         let space = if message.is_empty() { "" } else { " " };
         format!(

@@ -20,7 +20,7 @@ use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::object;
 use wildfire_base::time::SimTime;
 use wildfire_batch::{
-    ChosenDecisions, DECISIONS_PARQUET, DecisionTally, FinishedBatch, JudgeError, JudgeProgress, judge_batch,
+    DECISIONS_PARQUET, DecisionTally, FinishedBatch, JudgeError, JudgeProgress, SelectedDecisions, judge_batch,
     limit_threads,
 };
 use wildfire_sim::RunOptions;
@@ -55,10 +55,10 @@ pub struct WhyArguments {
     #[arg(long, value_name = "DECISIONS", allow_hyphen_values = true, value_parser = parse_sample)]
     pub sample: Option<usize>,
     /// Play at most so many choices of a decision: the one that was taken, and the cells nearest to the agent.
-    #[arg(long, default_value_t = ChosenDecisions::CHOICES, allow_hyphen_values = true, value_parser = parse_choices)]
+    #[arg(long, default_value_t = SelectedDecisions::CHOICES, allow_hyphen_values = true, value_parser = parse_choices)]
     pub choices: usize,
     /// Play each choice in at most so many futures.
-    #[arg(long, default_value_t = ChosenDecisions::FUTURES, allow_hyphen_values = true, value_parser = parse_futures)]
+    #[arg(long, default_value_t = SelectedDecisions::FUTURES, allow_hyphen_values = true, value_parser = parse_futures)]
     pub futures: u32,
     /// Number of threads [default: the number of processors].
     #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
@@ -80,8 +80,8 @@ fn parse_futures(text: &str) -> Result<u32, String> {
 }
 
 /// Lists which decisions are judged, and how closely.
-fn chosen(arguments: &WhyArguments) -> ChosenDecisions {
-    ChosenDecisions {
+fn selection(arguments: &WhyArguments) -> SelectedDecisions {
+    SelectedDecisions {
         agents: arguments.agents.clone(),
         from: SimTime::from_seconds(arguments.from),
         to: arguments.to.map_or(SimTime::MAX, SimTime::from_seconds),
@@ -98,7 +98,7 @@ pub fn run(arguments: &WhyArguments, context: &CommandContext) -> Result<ExitCod
     if let (Source::Batch { batch, options, .. }, None) = (&source, arguments.run.seed) {
         context.expect_trusted_plan(batch.plan())?;
         batch.plan().variants.iter().try_for_each(|it| check_agents("--agent", &arguments.agents, &it.scenario))?;
-        judge_runs(batch, &chosen(arguments), options, arguments.form, context)?;
+        judge_runs(batch, &selection(arguments), options, arguments.form, context)?;
         return Ok(ExitCode::SUCCESS);
     }
     let scenario = source.expect_scenario(name, context)?;
@@ -107,20 +107,20 @@ pub fn run(arguments: &WhyArguments, context: &CommandContext) -> Result<ExitCod
     check_agents("--agent", &arguments.agents, scenario)?;
     let options = context.run_options(false, arguments.run.memory.limit());
     let progress = Progress::new(0, "decisions", context.quiet);
-    let begun = AtomicU64::new(0);
+    let started = AtomicU64::new(0);
     let futures = arguments.futures;
     let judged =
-        chosen(arguments).judge(scenario, arguments.run.seed.unwrap_or(1), &options, |judging| match judging {
+        selection(arguments).judge(scenario, arguments.run.seed.unwrap_or(1), &options, |judging| match judging {
             JudgeProgress::Begins { decisions } => {
                 let decisions = decisions as u64;
-                progress.expect(begun.fetch_add(decisions, Ordering::Relaxed) + decisions);
+                progress.expect(started.fetch_add(decisions, Ordering::Relaxed) + decisions);
             }
             JudgeProgress::Played => progress.advance(),
-            JudgeProgress::Known { futures: played, report } if arguments.form.is_text() => {
+            JudgeProgress::Interim { futures: played, report } if arguments.form.is_text() => {
                 let text = Document::from(report).to_text();
                 progress.preview(&format!("After {played} of at most {futures} futures:\n{text}\n"));
             }
-            JudgeProgress::Known { .. } => {}
+            JudgeProgress::Interim { .. } => {}
         });
     progress.end();
     let report = judged.map_err(CliError::run_failed)?;
@@ -131,13 +131,13 @@ pub fn run(arguments: &WhyArguments, context: &CommandContext) -> Result<ExitCod
 /// Judges decisions of all runs of a batch, writes their table, and prints how many were mistakes.
 pub fn judge_runs(
     batch: &FinishedBatch,
-    chosen: &ChosenDecisions,
+    selection: &SelectedDecisions,
     options: &RunOptions,
     form: FormArguments,
     context: &CommandContext,
 ) -> Result<(), CliError> {
     let progress = Progress::new(batch.count(), "runs", context.quiet);
-    let judged = judge_batch(batch, chosen, options, || progress.advance());
+    let judged = judge_batch(batch, selection, options, || progress.advance());
     progress.end();
     let tallies = judged.map_err(|error| match error {
         JudgeError::Run(error) => CliError::run_failed(error),

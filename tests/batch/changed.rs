@@ -66,10 +66,10 @@ fn journal_that_is_changed_under_a_batch_ends_it_before_the_next_line() {
             "that were written",
         ),
     ];
-    for (change, words) in changes {
-        let (over, said) = ended_by(change);
-        assert_eq!(over, 5, "{said}");
-        assert!(said.contains(words), "{said}");
+    for (change, fragment) in changes {
+        let (over, message) = ended_by(change);
+        assert_eq!(over, 5, "{message}");
+        assert!(message.contains(fragment), "{message}");
     }
 }
 
@@ -126,7 +126,7 @@ fn rows_that_a_program_rewrites_with_their_checksums_never_come_into_tables() {
     drop(batch);
     // Resuming believes none of the rows.
     let resumed = Batch::resume(OutputFolder::shared(&path).expect("it is there"), Slice::WHOLE);
-    assert_eq!(resumed.expect("there is a plan").progress().held(), (0, 0));
+    assert_eq!(resumed.expect("there is a plan").progress().stored(), (0, 0));
 }
 
 #[test]

@@ -105,8 +105,8 @@ fn difference_that_is_there_is_found_and_said() {
     assert_eq!((judged.verdict, judged.contrast.pairs), (Verdict::Difference, 60));
     // Seeds 1 to 60 have every remainder twelve times: 4 + 2 in the mean.
     assert!((judged.contrast.difference - 6.0).abs() < 1e-9);
-    let said = judged.sentence('B');
-    assert!(said.starts_with("B saves 6.00 more obstacles per run, 95 % interval 5."), "{said}");
+    let sentence = judged.sentence('B');
+    assert!(sentence.starts_with("B saves 6.00 more obstacles per run, 95 % interval 5."), "{sentence}");
 }
 
 #[test]
@@ -114,12 +114,12 @@ fn power_and_equivalence_are_those_of_the_differences_by_seed() {
     let scratch = Scratch::new();
     let a = scratch.batch("a", &runs(1..=60, noise));
     let b = scratch.batch("b", &runs(1..=60, |seed| noise(seed) + 4 + seed % 5));
-    let asked = |power: &str, equivalent: &str| {
+    let with_questions = |power: &str, equivalent: &str| {
         let amount = |text: &str| Some(text.parse().expect("it is an amount"));
         compared(&[&a, &b], &["saved", "truck_won"])
             .asking(Questions { power: amount(power), equivalent: amount(equivalent) })
     };
-    let comparison = asked("0.5 cells", "6.2").expect("both have an answer");
+    let comparison = with_questions("0.5 cells", "6.2").expect("both have an answer");
     let judged = only_judged(&comparison);
     // In Python: x = numpy.repeat([4, 5, 6, 7, 8], 12); effect = 0.5 / x.std(ddof=1); with statsmodels 0.15,
     // TTestPower().power(effect, 60, 0.05), .solve_power(effect_size=effect, power=0.8, alpha=0.05) rounded up, and
@@ -133,11 +133,14 @@ fn power_and_equivalence_are_those_of_the_differences_by_seed() {
     assert!((equivalence.p_value - 0.1408871408911236).abs() < 1e-9 && !equivalence.is_equivalent(), "{equivalence:?}");
     assert!((equivalence.interval.low - 5.692326834099681).abs() < 1e-9, "{equivalence:?}");
     assert!(
-        only_judged(&asked("1", "6.5").expect("both have an answer")).equivalence.expect("as above").is_equivalent()
+        only_judged(&with_questions("1", "6.5").expect("both have an answer"))
+            .equivalence
+            .expect("as above")
+            .is_equivalent()
     );
-    let refusal = asked("5 m", "1").expect_err("nothing is in metres").to_string();
+    let refusal = with_questions("5 m", "1").expect_err("nothing is in metres").to_string();
     assert_eq!(refusal, "--power 5 m: no metric has this unit; expected one of saved: cells, truck_won: below 100 %");
-    assert!(asked("1", "100 %").is_err(), "no two shares differ by that much");
+    assert!(with_questions("1", "100 %").is_err(), "no two shares differ by that much");
 }
 
 #[test]
@@ -279,7 +282,7 @@ fn keys_that_were_swept_in_another_order_make_the_same_pairs() {
     let comparison = compared(&[&a, &b], &["saved"]);
     let pairs = &comparison.against_a[0].pairs;
     assert_eq!((pairs.runs.len(), pairs.without_partner), (24, [0, 0]));
-    assert_eq!(pairs.stratum_words(1), "a.b 1, c.d 20");
+    assert_eq!(pairs.stratum_text(1), "a.b 1, c.d 20");
     assert_eq!(only_judged(&comparison).contrast.difference, 5.0);
 }
 

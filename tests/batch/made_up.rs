@@ -28,13 +28,13 @@ fn made_up_timeline(seed: u64) -> Timeline {
     let bushes: Vec<Cell> = (0..10).map(|col| Cell { col, row: 3 }).collect();
     let (wumpus, truck) = (AgentId::wumpus(0), AgentId::unimog(0));
     let start = |id, x, body| AgentStart { id, pose: Pose::new(x, 50.0, 0.0), body, limits: None };
-    let lit = (seed % 7) as usize;
+    let ignited = (seed % 7) as usize;
     let at = |second: usize, fact| Event { time: SimTime::from_seconds(second as f64), fact };
     let mut events = Vec::new();
-    for (second, &cell) in bushes.iter().enumerate().take(lit) {
+    for (second, &cell) in bushes.iter().enumerate().take(ignited) {
         events.push(at(second + 1, Fact::Fire(FireFact::Ignited { cell, cause: Cause::Agent(wumpus) })));
     }
-    for (second, &cell) in bushes.iter().enumerate().take(lit / 2) {
+    for (second, &cell) in bushes.iter().enumerate().take(ignited / 2) {
         events.push(at(second + 50, Fact::Fire(FireFact::Extinguished { cell, by: truck })));
     }
     events.push(at(100, Fact::Ended { reason: EndReason::Duration }));
@@ -103,9 +103,9 @@ pub fn made_up_run(_: &Scenario, seed: u64) -> Result<Run, RunError> {
 /// Makes runs up, and stops the batch when so many have begun. The callback of rows would be too late: workers may have
 /// made all runs up before it is called.
 pub fn made_up_runs_until(max: u64, stop: &Arc<AtomicBool>) -> Box<RunScenario> {
-    let (begun, stop) = (AtomicU64::new(0), Arc::clone(stop));
+    let (started, stop) = (AtomicU64::new(0), Arc::clone(stop));
     Box::new(move |scenario: &Scenario, seed| {
-        if begun.fetch_add(1, Ordering::Relaxed) + 1 >= max {
+        if started.fetch_add(1, Ordering::Relaxed) + 1 >= max {
             stop.store(true, Ordering::Relaxed);
         }
         made_up_run(scenario, seed)

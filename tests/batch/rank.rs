@@ -271,17 +271,17 @@ fn other_seeds_and_other_rules_are_refused_with_what_differs() {
     let a = scratch.batch("a", &runs("prm-rs", 1..=5, same));
     let b = scratch.batch("b", &runs("prm-rs", 1..=6, same));
     let usual = request("saved");
-    let said = refusal(&[&a, &b], &usual);
-    assert_eq!(said, "a and b do not have the same seeds: 1..5 and 1..6; expected all entries to have the same");
-    for (options, words) in [
+    let message = refusal(&[&a, &b], &usual);
+    assert_eq!(message, "a and b do not have the same seeds: 1..5 and 1..6; expected all entries to have the same");
+    for (options, fragment) in [
         (["fire.relight=true"], "fire.relight is false and true"),
         (["unimog.speed_mps=7"], "unimog.speed_mps is 8.0 and 7.0"),
         (["wumpus.goal=nearest-intact"], "wumpus.goal is random-intact and nearest-intact"),
         (["unimog.prm_rs.seconds_per_expansion=0.1"], "unimog.prm_rs.seconds_per_expansion is 0.0 and 0.1"),
     ] {
         let c = scratch.batch_of("c", &runs("prm-rs", 1..=5, same), &[], &options);
-        let said = refusal(&[&a, &c], &usual);
-        assert_eq!(said, format!("a and c did not play by the same rules: {words}"));
+        let message = refusal(&[&a, &c], &usual);
+        assert_eq!(message, format!("a and c did not play by the same rules: {fragment}"));
         let key = options[0].split('=').next().expect("a key");
         let freed = RankingRequest { free: vec![key.into()], ..usual.clone() };
         assert!(rank(&[a.clone(), c.clone()], &freed).is_ok(), "{key}");
@@ -290,17 +290,17 @@ fn other_seeds_and_other_rules_are_refused_with_what_differs() {
         assert_eq!(rank(&[a.clone(), c], &table).is_err(), key.ends_with("seconds_per_expansion"), "{key}");
     }
     // What is the entry's own is not compared.
-    let own = scratch.batch_of(
+    let renamed = scratch.batch_of(
         "own",
         &runs("lattice", 1..=5, same),
         &["lattice"],
         &["unimog.prm_rs.samples=77", "name=other"],
     );
-    let text = fs::read_to_string(own.join("runs.csv")).expect("it is there").replace("smoke,", "other,");
-    fs::write(own.join("runs.csv"), text).expect("writable");
-    assert_eq!(ranked(&[&a, &own], "saved").entries.len(), 2);
+    let text = fs::read_to_string(renamed.join("runs.csv")).expect("it is there").replace("smoke,", "other,");
+    fs::write(renamed.join("runs.csv"), text).expect("writable");
+    assert_eq!(ranked(&[&a, &renamed], "saved").entries.len(), 2);
     // Other programs, other memory.
-    for (from, to, words) in [
+    for (from, to, fragment) in [
         ("\"program_version\": \"", "\"program_version\": \"9.", "the program's version is"),
         ("\"format\": 2", "\"format\": 1", "is not a batch plan"),
     ] {
@@ -308,8 +308,8 @@ fn other_seeds_and_other_rules_are_refused_with_what_differs() {
         let plan = fs::read_to_string(d.join("plan.json")).expect("it is there").replacen(from, to, 1);
         fs::write(d.join("plan.json"), plan).expect("writable");
         match rank(&[a.clone(), d], &usual) {
-            Err(error) => assert!(error.to_string().contains(words), "{error}"),
-            Ok(_) => assert_eq!(words, "is not a batch plan", "an older format that can be read"),
+            Err(error) => assert!(error.to_string().contains(fragment), "{error}"),
+            Ok(_) => assert_eq!(fragment, "is not a batch plan", "an older format that can be read"),
         }
     }
     fs::remove_file(a.join("plan.json")).expect("it is there");
@@ -325,14 +325,14 @@ fn what_is_no_batch_or_no_metric_is_refused() {
     assert!(refusal(&[&nowhere], &usual).contains("expected a folder with a runs.csv, or such a file"));
     fs::create_dir(scratch.path().join("empty")).expect("writable");
     assert!(refusal(&[&a, &scratch.path().join("empty")], &usual).contains("expected a folder with a runs.csv"));
-    let said = refusal(&[&a], &request("savd"));
-    assert!(said.contains("there is no metric `savd`: did you mean `saved`?"), "{said}");
+    let message = refusal(&[&a], &request("savd"));
+    assert!(message.contains("there is no metric `savd`: did you mean `saved`?"), "{message}");
     assert_eq!(
         refusal(&[&a], &request("stray")),
         "`stray` has no built-in better side: add `--better higher` or `--better lower`"
     );
-    let said_so = RankingRequest { better: Some(Better::Lower), ..request("stray") };
-    assert!(rank(std::slice::from_ref(&a), &said_so).is_ok());
+    let explicit = RankingRequest { better: Some(Better::Lower), ..request("stray") };
+    assert!(rank(std::slice::from_ref(&a), &explicit).is_ok());
     assert!(refusal(&[&a, &a], &usual).ends_with("runs.csv is given twice; expected every entry once"));
     let free = RankingRequest { free: vec!["*".into()], ..usual.clone() };
     assert!(refusal(&[&a], &free).contains("`*` would free everything"));
@@ -346,8 +346,8 @@ fn what_is_no_batch_or_no_metric_is_refused() {
     });
     let folder = scratch.batch("many", &runs("prm-rs", 1..=5, |seed| Some(noise(seed))));
     fs::write(folder.join("runs.csv"), many).expect("writable");
-    let said = refusal(&[&folder], &usual);
-    assert!(said.contains("plan.json does not go with") || said.contains("expected at most 100"), "{said}");
+    let message = refusal(&[&folder], &usual);
+    assert!(message.contains("plan.json does not go with") || message.contains("expected at most 100"), "{message}");
 }
 
 #[test]
@@ -358,21 +358,21 @@ fn programs_that_are_kept_from_run_to_run_are_refused() {
         scratch.batch_of(name, &runs("mine", 1..=5, |seed| Some(noise(seed))), &["mine"], &options)
     };
     let kept = entry("kept", &["planner.mine.reuse=true"]);
-    let said = refusal(&[&kept], &request("saved"));
-    assert!(said.starts_with("mine has `reuse = true` in [planner.mine]"), "{said}");
+    let message = refusal(&[&kept], &request("saved"));
+    assert!(message.starts_with("mine has `reuse = true` in [planner.mine]"), "{message}");
     // Limits of programs are rules, commands are not.
     let one = entry("one", &["planner.mine.query_cpu_s=1"]);
     let two = entry("two", &["planner.mine.query_cpu_s=1", "planner.mine.settings={ range_m = 3 }"]);
     let three = entry("three", &["planner.mine.query_cpu_s=2"]);
     assert_eq!(ranked(&[&one, &two], "saved").entries.len(), 2);
-    let said = refusal(&[&one, &two, &three], &request("saved"));
-    assert!(said.ends_with("planner.*.query_cpu_s of their programs is 1.0 and 2.0"), "{said}");
+    let message = refusal(&[&one, &two, &three], &request("saved"));
+    assert!(message.ends_with("planner.*.query_cpu_s of their programs is 1.0 and 2.0"), "{message}");
     let freed = RankingRequest { free: vec!["planner.*".into()], ..request("saved") };
     assert_eq!(rank(&[one.clone(), two, three], &freed).expect("limits may differ").entries.len(), 3);
     // Prices are no limits that `planner.*` frees.
     let four = entry("four", &["planner.mine.query_cpu_s=1", "planner.mine.expansions_per_query=5"]);
-    let said = rank(&[one, four], &freed).expect_err("prices are equal for all").to_string();
-    assert!(said.ends_with("planner.*.expansions_per_query of their programs is 0 and 5"), "{said}");
+    let message = rank(&[one, four], &freed).expect_err("prices are equal for all").to_string();
+    assert!(message.ends_with("planner.*.expansions_per_query of their programs is 0 and 5"), "{message}");
 }
 
 #[test]
@@ -389,9 +389,9 @@ fn rows_whose_bushes_do_not_add_up_are_refused_and_their_entry_can_be_left_out()
         });
         fs::write(folder.join("runs.csv"), rows.collect::<String>()).expect("writable");
     }
-    let said = refusal(&[&honest, &sly], &request("saved"));
+    let message = refusal(&[&honest, &sly], &request("saved"));
     assert_eq!(
-        said,
+        message,
         "sly, seed 3: intact, burning, burned_out and extinguished add up to 250, and there are 257 obstacles, so no \
          run wrote this row"
     );

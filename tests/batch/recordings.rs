@@ -63,8 +63,8 @@ fn lost_recordings_of_a_finished_batch_are_made_again_and_nothing_else_changes()
     let mut batch = resumed(folder, Slice::WHOLE);
     let found = lost(&batch);
     assert_eq!(found.iter().map(|(run, _)| *run).collect::<Vec<_>>(), [1, 2, 3, 4]);
-    for ((_, reason), words) in found.iter().zip(["missing", "truncated", "truncated", "checksum"]) {
-        assert!(reason.contains(words), "{reason}");
+    for ((_, reason), fragment) in found.iter().zip(["missing", "truncated", "truncated", "checksum"]) {
+        assert!(reason.contains(fragment), "{reason}");
     }
     go_on(&mut batch, Box::new(made_up_run), false).expect("the disk is fine");
     drop(batch);
@@ -83,7 +83,7 @@ fn lost_recordings_of_half_a_batch_are_made_again_before_it_goes_on() {
     fs::write(folder.join("runs.journal"), kept).expect("writable");
     fs::remove_dir_all(folder.join("recordings")).expect("it is there");
     let mut batch = resumed(folder, Slice::WHOLE);
-    assert_eq!(batch.progress().held().0, 5);
+    assert_eq!(batch.progress().stored().0, 5);
     assert!((3..=5).contains(&lost(&batch).len()), "{:?}", lost(&batch));
     go_on(&mut batch, Box::new(made_up_run), false).expect("the disk is fine");
     assert_eq!(contents(folder).len(), 17 + 2);

@@ -44,8 +44,8 @@ fn stopped_batch_goes_on_where_it_was() {
     begin_and_stop(&stopped, 20);
     assert!(!stopped.join("runs.csv").exists(), "there are no tables of half a batch");
     let batch = Batch::resume(folder(&stopped), Slice::WHOLE).expect("it can be resumed");
-    let (held, _) = batch.progress().held();
-    assert!((20..60).contains(&held), "{held} runs were over");
+    let (stored, _) = batch.progress().stored();
+    assert!((20..60).contains(&stored), "{stored} runs were over");
     drop(batch);
     resume(&stopped).expect("it can be resumed");
     assert_like_the_uninterrupted(&stopped, &whole);
@@ -72,7 +72,7 @@ fn journal_torn_anywhere_loses_no_more_than_what_was_torn() {
         fs::write(torn.join("runs.journal"), &journal[..cut.min(journal.len())]).expect("writable");
         let lines = journal[..cut.min(journal.len())].iter().filter(|&&byte| byte == b'\n').count() as u64;
         let batch = Batch::resume(folder(&torn), Slice::WHOLE).expect("it is torn, not damaged");
-        assert_eq!(batch.progress().held().0, lines.saturating_sub(1), "cut at {cut}");
+        assert_eq!(batch.progress().stored().0, lines.saturating_sub(1), "cut at {cut}");
         drop(batch);
         // Going on is the slow part, and the same whatever is missing.
         if index % 100 == 0 {
@@ -184,7 +184,7 @@ fn batch_that_was_killed_before_its_plan_appeared_is_begun_again_without_force()
             fs::write(scratch.path().join("runs.journal"), "").expect("writable");
         }
         match Batch::resume(folder(scratch.path()), Slice::WHOLE).map(drop) {
-            Err(BatchError::NotYetBegun { leftover, .. }) => assert_eq!(leftover, "plan.json.123.part"),
+            Err(BatchError::NotStarted { leftover, .. }) => assert_eq!(leftover, "plan.json.123.part"),
             other => panic!("{other:?}"),
         }
         let empty = OutputFolder::named(scratch.path(), false).expect("nothing of worth is there");

@@ -75,7 +75,7 @@ fn rows_that_two_processes_made_are_taken_once() {
     assert_eq!((batch.found().repeated, batch.progress().is_complete()), (18, true));
     drop(batch);
     let status = batch_status(&existing(&one)).expect("it is readable");
-    assert_eq!((status.slices[0].1.held, status.slices[0].1.repeated, status.slices[1].1.repeated), (18, 18, 0));
+    assert_eq!((status.slices[0].1.stored, status.slices[0].1.repeated, status.slices[1].1.repeated), (18, 18, 0));
     assert_eq!(merged(&one).expect("all runs are there").repeated, 18);
     assert_like_the_whole(&one);
 }
@@ -97,9 +97,9 @@ fn rows_of_one_run_that_differ_are_damage() {
         batch_status(&existing(scratch.path())).map(drop).expect_err("it is damaged"),
     ];
     for refusal in refusals {
-        let words = refusal.to_string();
-        assert!(words.contains("damaged in line 20: run "), "{words}");
-        assert!(words.contains(" appears twice with different results: its row has intact "), "{words}");
+        let message = refusal.to_string();
+        assert!(message.contains("damaged in line 20: run "), "{message}");
+        assert!(message.contains(" appears twice with different results: its row has intact "), "{message}");
     }
 }
 
@@ -144,10 +144,10 @@ fn journal_on_a_local_disk_is_brought_to_its_place_when_the_process_ends_or_is_s
     });
     assert!(matches!(ended, Err(BatchError::Stopped)), "{ended:?}");
     drop(batch);
-    let held = lines(&home).len() as u64 - 1;
-    assert!(held == 5 && files_in(&disk).is_empty(), "{held} rows are in their place");
+    let stored = lines(&home).len() as u64 - 1;
+    assert!(stored == 5 && files_in(&disk).is_empty(), "{stored} rows are in their place");
     let mut batch = join(&out, 1, 2, local(&disk)).expect("it is free");
-    assert_eq!(batch.progress().held().0, held);
+    assert_eq!(batch.progress().stored().0, stored);
     work_off(&mut batch).expect("the disk is fine");
     drop(batch);
     work_off(&mut join(&out, 2, 2, local(&disk)).expect("it is free")).expect("the disk is fine");
@@ -170,7 +170,7 @@ fn local_journal_of_a_process_that_was_killed_is_gone_on_with() {
     write_lines(left, &all);
     // A second file of that name that has nothing to do with what is in its place is replaced.
     let mut batch = join(&out, 1, 2, local(&disk)).expect("it is free");
-    assert_eq!(batch.progress().held().0, 7);
+    assert_eq!(batch.progress().stored().0, 7);
     work_off(&mut batch).expect("the disk is fine");
     drop(batch);
     assert_eq!(lines(&out.join("runs-1-of-2.journal")).len(), 19);
@@ -213,8 +213,8 @@ fn damage_behind_the_last_run_is_found() {
     let mut all = lines(&journal);
     all.push("00000000 {}".into());
     write_lines(&journal, &all);
-    let words = merged(scratch.path()).expect_err("it is damaged").to_string();
-    assert!(words.contains("runs-2-of-2.journal is damaged in line 19: its checksum is wrong"), "{words}");
+    let message = merged(scratch.path()).expect_err("it is damaged").to_string();
+    assert!(message.contains("runs-2-of-2.journal is damaged in line 19: its checksum is wrong"), "{message}");
     assert!(!scratch.path().join("runs.csv").exists());
 }
 

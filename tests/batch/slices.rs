@@ -50,7 +50,7 @@ fn slices_that_are_missing_or_incomplete_are_not_merged() {
     run_slice(scratch.path(), 1, 3, 1);
     run_slice(scratch.path(), 3, 3, 1);
     let refusal = merged(scratch.path()).expect_err("slice 2 is missing");
-    assert!(matches!(refusal, BatchError::NotBegun { slice, .. } if slice.to_string() == "2/3"), "{refusal}");
+    assert!(matches!(refusal, BatchError::SliceNotStarted { slice, .. } if slice.to_string() == "2/3"), "{refusal}");
     drop(join(scratch.path(), SEEDS, 2, 3).expect("the disk is fine"));
     let refusal = merged(scratch.path()).expect_err("slice 2 has no runs");
     assert!(matches!(refusal, BatchError::Incomplete { missing: 12, of: 12, .. }), "{refusal}");

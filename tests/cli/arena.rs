@@ -24,8 +24,8 @@ fn board() -> Story {
 
 #[test]
 fn reference_entries_do_what_they_did_when_the_tracks_were_frozen() {
-    let said = Story::begin().tell(&["arena", "verify", "--seeds", "1"]).expect_code(0).stdout;
-    assert!(said.contains("all of the rows that were frozen"), "{said}");
+    let printed = Story::begin().tell(&["arena", "verify", "--seeds", "1"]).expect_code(0).stdout;
+    assert!(printed.contains("all of the rows that were frozen"), "{printed}");
     for track in &TRACKS {
         let plan = track.golden_plan(track.public_seeds()).expect("the references are right");
         assert_eq!(track.golden().len() as u64, plan.count(), "{}", track.name);
@@ -82,23 +82,23 @@ fn one_changed_digit_is_found_and_named() {
         values[place].insert(if place == 4 { 0 } else { 5 }, if digit == '7' { '8' } else { '7' });
         lines[17] = values.join(",");
         fs::write(story.path("board/drive.csv"), lines.join("\n") + "\n").expect("writable");
-        let said = story.tell(&["arena", "recompute"]).expect_code(4).stdout;
+        let printed = story.tell(&["arena", "recompute"]).expect_code(4).stdout;
         let seed = format!("{}, {}, seed {}: {name} ", values[0], values[1], values[2]);
-        assert!(said.contains("1 of 600 runs differ") && said.replace("\n  ", " ").contains(&seed), "{said}");
+        assert!(printed.contains("1 of 600 runs differ") && printed.replace("\n  ", " ").contains(&seed), "{printed}");
     }
     // A seed that the track does not have cannot be slipped in either.
     let foreign = rows.replacen(",75,", ",76,", 1);
     fs::write(story.path("board/drive.csv"), foreign).expect("writable");
     for command in ["recompute", "rank"] {
-        let said = story.tell(&["arena", command]).expect_code(2).stderr;
-        assert!(said.contains("has a row of seed 76, which the track does not have"), "{said}");
+        let printed = story.tell(&["arena", command]).expect_code(2).stderr;
+        assert!(printed.contains("has a row of seed 76, which the track does not have"), "{printed}");
     }
     // Nor can all entries be shown on the seeds that suit one.
     let few: Vec<&str> = rows.lines().filter(|line| !line.contains(",75,")).collect();
     fs::write(story.path("board/drive.csv"), few.join("\n") + "\n").expect("writable");
     for command in ["recompute", "rank"] {
-        let said = story.tell(&["arena", command]).expect_code(2).stderr;
-        assert!(said.contains("runs; expected the 300 of the track's seeds"), "{said}");
+        let printed = story.tell(&["arena", command]).expect_code(2).stderr;
+        assert!(printed.contains("runs; expected the 300 of the track's seeds"), "{printed}");
     }
 }
 
@@ -118,9 +118,9 @@ fn one_changed_digit_of_a_published_ranking_is_found() {
         let mut changed = text.clone();
         changed.replace_range(digit..=digit, if text[digit..].starts_with('7') { "8" } else { "7" });
         story.file(&path, &changed);
-        let said = story.tell(&recompute).expect_code(4).stdout.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(said.contains("1 file differs from what follows from the rows"), "{said}");
-        assert!(said.contains(&format!("{file}, line ")) && said.contains("; the rows give `"), "{said}");
+        let printed = story.tell(&recompute).expect_code(4).stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(printed.contains("1 file differs from what follows from the rows"), "{printed}");
+        assert!(printed.contains(&format!("{file}, line ")) && printed.contains("; the rows give `"), "{printed}");
         story.file(&path, &text);
     }
     // A file of a track that nobody played.
@@ -164,16 +164,16 @@ fn programs_are_left_out_when_a_board_is_recomputed_without_trust() {
     assert!(answer.stdout.contains("60 runs"), "{}", answer.stdout);
     let timed: Vec<&str> = all.iter().flat_map(|lines| lines.lines()).filter(|line| !line.contains("ar,")).collect();
     fs::write(story.path("board/drive.csv"), timed.join("\n") + "\n").expect("writable");
-    let said = story.tell(&["arena", "recompute", "--sample", "10%", "--trust"]).expect_code(2).stderr;
-    assert!(said.contains("nothing could be recomputed: timed could not be started in 30 runs: "), "{said}");
+    let printed = story.tell(&["arena", "recompute", "--sample", "10%", "--trust"]).expect_code(2).stderr;
+    assert!(printed.contains("nothing could be recomputed: timed could not be started in 30 runs: "), "{printed}");
 }
 
 #[test]
 fn what_is_wrong_is_named_with_its_place() {
     let story = board();
-    let refused = |words: &[&str], part: &str| {
-        let said = story.tell(words).expect_code(2).stderr;
-        assert!(said.contains(part), "{words:?}: {said}");
+    let refused = |args: &[&str], part: &str| {
+        let printed = story.tell(args).expect_code(2).stderr;
+        assert!(printed.contains(part), "{args:?}: {printed}");
     };
     entry(&story, "fast", "contest", "[unimog]\nplanner = \"prm-rs\"\nspeed_mps = 20\n");
     refused(
@@ -206,8 +206,8 @@ fn what_is_wrong_is_named_with_its_place() {
 fn a_list_of_hidden_seeds_is_played_when_its_hash_is_the_promised_one() {
     let story = board();
     story.tell(&["arena", "tracks", "--out", "tracks"]).expect_code(0);
-    let words = ["arena", "run", "near", "--board", "season", "--seeds", "tracks/drive/hidden.txt"];
-    story.tell(&words).expect_code(0);
+    let args = ["arena", "run", "near", "--board", "season", "--seeds", "tracks/drive/hidden.txt"];
+    story.tell(&args).expect_code(0);
     let seeds = |file: &str| {
         let rows = ArenaRow::read(file.as_ref(), story.read(file).as_bytes()).expect("rows");
         rows.iter().map(|row| row.seed).collect::<std::collections::BTreeSet<_>>()

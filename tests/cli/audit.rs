@@ -36,8 +36,8 @@ fn runs_of_a_batch_pass_recorded_or_not() {
     recorded(&story, "out", "1..4");
     fs::remove_file(story.path("out/recordings/seed-2.wildfire")).expect("it was recorded");
     let answer = story.tell(&["audit", "out"]).expect_code(0);
-    for words in ["Runs: 3 recorded, 1 simulated again", "Checked: ", " extinctions.", "Violations: none."] {
-        assert!(answer.stdout.contains(words), "`{words}` is missing:\n{}", answer.stdout);
+    for fragment in ["Runs: 3 recorded, 1 simulated again", "Checked: ", " extinctions.", "Violations: none."] {
+        assert!(answer.stdout.contains(fragment), "`{fragment}` is missing:\n{}", answer.stdout);
     }
     assert!(widest(&answer.stdout) <= 80, "{}", answer.stdout);
     let again = story.tell(&["audit", "out", "--jobs", "1"]).expect_code(0);

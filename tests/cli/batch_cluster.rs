@@ -28,8 +28,9 @@ fn cut_into_slices(story: &Story, slices: usize) {
     rows.sort_unstable();
     for slice in 1..=slices {
         let head = head.replacen("1/1", &format!("{slice}/{slices}"), 1);
-        let own = rows.iter().filter(|(run, _)| run % slices == slice % slices).map(|(_, line)| format!("{line}\n"));
-        let text = format!("{:08x} {head}\n", crc32fast::hash(head.as_bytes())) + &own.collect::<String>();
+        let of_slice =
+            rows.iter().filter(|(run, _)| run % slices == slice % slices).map(|(_, line)| format!("{line}\n"));
+        let text = format!("{:08x} {head}\n", crc32fast::hash(head.as_bytes())) + &of_slice.collect::<String>();
         story.file(&format!("out/runs-{slice}-of-{slices}.journal"), &text);
     }
 }
@@ -204,9 +205,9 @@ fn script_for_slurm_submits_itself_runs_every_slice_and_merges_them() {
     story.file("plan.toml", "scenarios = [\"tiny.toml\"]\n[[sweep]]\nfield.coverage = [0.1, 0.2]\n");
     story.tell(&["batch", "plan.toml", "--seeds", "1..30", "--out", "whole"]).expect_code(0);
     let before = story.entries();
-    let asked = ["batch", "plan.toml", "--seeds", "1..30", "--slurm", "--max-tasks", "4", "--target-minutes", "0.01"];
+    let args = ["batch", "plan.toml", "--seeds", "1..30", "--slurm", "--max-tasks", "4", "--target-minutes", "0.01"];
     let options = ["--out", "my runs", "--lock", "none", "--journal-dir", "$LOCAL/disk", "--jobs", "2"];
-    let script = story.tell(&[asked.as_slice(), &options].concat()).expect_code(0).stdout;
+    let script = story.tell(&[args.as_slice(), &options].concat()).expect_code(0).stdout;
     assert_eq!(story.entries(), before, "it prints, and writes nothing");
     let array = script.lines().find_map(|line| line.strip_prefix("#SBATCH --array=1-")).expect("it is an array");
     let tasks: usize = array.parse().expect("a number of tasks");
@@ -246,8 +247,8 @@ fn script_for_slurm_submits_itself_runs_every_slice_and_merges_them() {
 fn task_that_is_told_to_end_is_queued_again() {
     let story = tiny();
     // A hundred thousand runs last long enough.
-    let asked = ["batch", "tiny.toml", "--seeds", "1..90000", "--slurm", "--out", "out", "--max-tasks", "2"];
-    story.file("fleet.sh", &story.tell(&asked).expect_code(0).stdout);
+    let args = ["batch", "tiny.toml", "--seeds", "1..90000", "--slurm", "--out", "out", "--max-tasks", "2"];
+    story.file("fleet.sh", &story.tell(&args).expect_code(0).stdout);
     program(&story, "scontrol", "printf '%s\\n' \"$*\" >> queued; exit 1");
     program(&story, "squeue", "echo RUNNING");
     let path = std::env::var("PATH").unwrap_or_default();

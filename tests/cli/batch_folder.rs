@@ -120,15 +120,15 @@ fn what_a_killed_batch_left_aside_is_named_when_it_goes_on() {
     let story = Story::begin();
     story.tell(&["batch", "smoke", "--out", "out"]).expect_code(0);
     story.file("out/plan.json.123.part", "{");
-    let words = ["removed files left by a killed process: out/plan.json.123.part"];
-    story.tell(&["batch", "--resume", "out"]).expect_code(0).expect_complaint(&words);
+    let fragments = ["removed files left by a killed process: out/plan.json.123.part"];
+    story.tell(&["batch", "--resume", "out"]).expect_code(0).expect_complaint(&fragments);
     assert!(!story.path("out/plan.json.123.part").exists());
 
     fs::create_dir(story.path("begun")).expect("writable");
     story.file("begun/plan.json.123.part", "{");
     story.file("begun/runs.journal", "");
-    let words = ["begun has no plan.json, but plan.json.123.part", "the batch had not begun", "--out"];
-    story.tell(&["batch", "--resume", "begun"]).expect_code(2).expect_complaint(&words);
+    let fragments = ["begun has no plan.json, but plan.json.123.part", "the batch had not begun", "--out"];
+    story.tell(&["batch", "--resume", "begun"]).expect_code(2).expect_complaint(&fragments);
     let answer = story.tell(&["batch", "smoke", "--out", "begun"]).expect_code(0);
     answer.expect_complaint(&["removed files left by a killed process: begun/plan.json.123.part"]);
 }

@@ -20,8 +20,8 @@ fn everything_that_is_swept_has_a_column_and_seeds_are_paired() {
     let arguments = ["batch", "smoke", "--planner", "prm+primitives,hybrid-astar", "--seeds", "3,1", "--out", "out"];
     let swept = ["--set", "field.coverage=0.05,0.10", "--set", "duration_s=60"];
     let answer = story.tell(&[arguments.as_slice(), &swept].concat()).expect_code(0);
-    for words in ["1: smoke, planner prm+primitives, field.coverage 0.05\n", "Files: out"] {
-        assert!(answer.stdout.contains(words), "`{words}` is missing:\n{}", answer.stdout);
+    for fragment in ["1: smoke, planner prm+primitives, field.coverage 0.05\n", "Files: out"] {
+        assert!(answer.stdout.contains(fragment), "`{fragment}` is missing:\n{}", answer.stdout);
     }
     let header = &outcomes(&story.path("out/runs.csv"))[0];
     assert_eq!(header[..7], ["scenario", "seed", "run", "planner", "policy", "field.coverage", "status"]);
@@ -52,8 +52,8 @@ fn dry_run_says_what_would_be_run_and_writes_nothing() {
 fn variant_whose_planner_does_not_start_is_named_with_the_reason_wherever_the_batch_is_shown() {
     let story = Story::begin();
     story.file("broken.sh", "echo hello there\n");
-    let tell = |words: &[&str], code| {
-        let answer = story.tell(words).expect_code(code);
+    let tell = |args: &[&str], code| {
+        let answer = story.tell(args).expect_code(code);
         answer.stdout.split_whitespace().collect::<Vec<_>>().join(" ")
     };
     let planners = ["--planner", "broken,prm-rs", "--command", "broken=sh broken.sh"];
@@ -70,9 +70,10 @@ fn variant_whose_planner_does_not_start_is_named_with_the_reason_wherever_the_ba
     let status: serde_json::Value = serde_json::from_str(&tell(&["status", "both", "--json"], 0)).expect("JSON");
     assert_eq!((&status["failures"][0]["failed"], &status["failures"][0]["seed"]), (&2.into(), &1.into()));
     let compared = tell(&["compare", "both"], 0);
-    for words in ["unimog.planner: broken in A, prm-rs in B", "No pair of runs finished", "saved: no seed has a value"]
+    for fragment in
+        ["unimog.planner: broken in A, prm-rs in B", "No pair of runs finished", "saved: no seed has a value"]
     {
-        assert!(compared.contains(words), "{compared}");
+        assert!(compared.contains(fragment), "{compared}");
     }
     assert!(!compared.contains("only measured times can differ"), "{compared}");
     tell(&["report", "both"], 0);
@@ -216,7 +217,9 @@ fn schemas_know_every_value_of_a_scenario_and_every_column() {
     let fire = &scenario["$defs"]["Fire"]["properties"];
     assert_eq!(fire["burn_out_s"]["anyOf"][1]["const"], "none");
     assert_eq!(fire["spread_radius_m"]["default"], 30.0);
-    assert!(fire["spread_radius_m"]["description"].as_str().is_some_and(|words| words.contains("cell centres")));
+    assert!(
+        fire["spread_radius_m"]["description"].as_str().is_some_and(|description| description.contains("cell centres"))
+    );
     assert!(scenario["$defs"]["Field"]["properties"]["given"].is_null(), "it is none of the user's");
     assert!(schema("plan")["properties"]["sweep"].is_object());
     story.tell(&["batch", "smoke", "--seeds", "1", "--out", "out"]).expect_code(0);

@@ -80,9 +80,9 @@ fn shown_large_scenario_is_its_file_and_passes_the_check_as_one() {
     check_shown(|name| LARGE.contains(&name));
 }
 
-fn check_shown(is_asked_for: fn(&str) -> bool) {
+fn check_shown(is_selected: fn(&str) -> bool) {
     let story = Story::begin();
-    for (name, text) in BUILT_IN.iter().filter(|(name, _)| is_asked_for(name)) {
+    for (name, text) in BUILT_IN.iter().filter(|(name, _)| is_selected(name)) {
         let shown = story.tell(&["scenarios", "--show", name]).expect_code(0).stdout;
         assert_eq!(shown, *text);
         story.file("mine.toml", &shown);

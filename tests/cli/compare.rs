@@ -30,8 +30,8 @@ fn hostile_batch(story: &Story) {
 fn batches_are_compared_in_every_form() {
     let story = two_batches();
     let text = story.tell(&["compare", "a", "b"]).expect_code(0).stdout;
-    for words in ["A: a/runs.csv (scenario smoke", "6 pairs of runs.", "saved: ", "B − A", "Fewer than 10 seeds"] {
-        assert!(text.contains(words), "`{words}` is missing:\n{text}");
+    for fragment in ["A: a/runs.csv (scenario smoke", "6 pairs of runs.", "saved: ", "B − A", "Fewer than 10 seeds"] {
+        assert!(text.contains(fragment), "`{fragment}` is missing:\n{text}");
     }
     assert!(widest(&text) <= 80, "{text}");
     assert_eq!(text, story.tell(&["compare", "a", "b"]).stdout, "the same files give the same figures");
@@ -64,7 +64,7 @@ fn differences_are_written_as_csv() {
     let mut table = csv::Reader::from_reader(written.as_bytes());
     let names = ["metric", "unit", "difference", "low", "percent_of_a", "mean_a"];
     let headers = table.headers().expect("a table").clone();
-    let places = names.map(|name| headers.iter().position(|known| known == name).expect(name));
+    let places = names.map(|name| headers.iter().position(|header| header == name).expect(name));
     let rows: Vec<csv::StringRecord> = table.records().map(|row| row.expect("a row")).collect();
     let metrics = json["comparisons"][0]["metrics"].as_array().expect("a list");
     assert_eq!(rows.len(), metrics.len());
@@ -91,14 +91,14 @@ fn differences_are_written_as_csv() {
 #[test]
 fn power_and_equivalence_are_answered_in_every_form() {
     let story = two_batches();
-    let asked =
+    let args =
         ["compare", "a", "b", "--metric", "saved,truck_won,mean_response_s", "--power", "1", "--equivalent", "30"];
-    let text = story.tell(&asked).expect_code(0).stdout;
-    for words in ["Seeds that a difference between A and B needs", "1 cell ", "Equivalence of A and B", "30 cells"] {
-        assert!(text.contains(words), "`{words}` is missing:\n{text}");
+    let text = story.tell(&args).expect_code(0).stdout;
+    for fragment in ["Seeds that a difference between A and B needs", "1 cell ", "Equivalence of A and B", "30 cells"] {
+        assert!(text.contains(fragment), "`{fragment}` is missing:\n{text}");
     }
     assert!(widest(&text) <= 80, "{text}");
-    let with = |more: &[&str]| story.tell(&[&asked[..], more].concat()).expect_code(0).stdout;
+    let with = |more: &[&str]| story.tell(&[&args[..], more].concat()).expect_code(0).stdout;
     assert!(with(&["--tex"]).contains("Equivalence of A and B"), "{}", with(&["--tex"]));
     let json: Value = serde_json::from_str(&with(&["--json"])).expect("it is JSON");
     let saved = &json["comparisons"][0]["metrics"][0];
@@ -112,19 +112,19 @@ fn power_and_equivalence_are_answered_in_every_form() {
     let written = story.read("differences.csv");
     let mut table = csv::Reader::from_reader(written.as_bytes());
     let headers = table.headers().expect("a table").clone();
-    let place = |name: &str| headers.iter().position(|known| known == name).expect(name);
+    let place = |name: &str| headers.iter().position(|header| header == name).expect(name);
     let row = table.records().next().expect("a row").expect("it is read");
     assert_eq!(row[place("seeds_needed")], needed.to_string());
     assert_eq!(row[place("equivalence_p")].parse().ok(), saved["equivalence"]["p_value"].as_f64());
     let alone = story.tell(&["compare", "a", "b", "--metric", "saved", "--json"]).expect_code(0).stdout;
     assert!(!alone.contains("seeds_needed") && !alone.contains("equivalen"), "{alone}");
-    for (option, value, words) in [
+    for (option, value, fragment) in [
         ("--power", "0", "expected a number above 0"),
         ("--power", "-1", "expected a number above 0"),
         ("--equivalent", "1 parsec", "there is no unit `parsec`"),
         ("--equivalent", "5 m", "--equivalent 5 m: no metric has this unit; expected one of"),
     ] {
-        refuse(&story, &["compare", "a", "b", option, value], &[words]);
+        refuse(&story, &["compare", "a", "b", option, value], &[fragment]);
     }
 }
 
@@ -163,8 +163,11 @@ fn difference_of_the_settings_heads_the_answer_in_every_form() {
             ["--tex"] => ["fire.relight: false in A, true in B", "mps:\\allowbreak{} 8.0 in A, 20.0 in B"],
             _ => ["fire.relight: false in A, true in B", "unimog.speed_mps: 8.0 in A, 20.0 in B"],
         };
-        for words in expected {
-            assert!(text.find(words).is_some_and(|place| place < finding), "{form:?}: `{words}` is missing:\n{text}");
+        for fragment in expected {
+            assert!(
+                text.find(fragment).is_some_and(|place| place < finding),
+                "{form:?}: `{fragment}` is missing:\n{text}"
+            );
         }
         assert!(!text.contains(THE_PLANNERS), "{form:?}: {text}");
     }
@@ -234,11 +237,11 @@ fn comparison_by_planner_says_what_it_is_a_mean_over() {
     let story = Story::begin();
     let planners = ["--planner", "prm-rs,lattice", "--set", "field.coverage=0.05,0.2", "--set", "duration_s=200,300"];
     story.tell(&[&["batch", "smoke", "--seeds", "1..6", "--out", "a"], &planners[..]].concat()).expect_code(0);
-    let said = "Every difference is a mean over 4 combinations of duration_s (200, 300) and field.coverage (0.05, 0.2), \
+    let sentence = "Every difference is a mean over 4 combinations of duration_s (200, 300) and field.coverage (0.05, 0.2), \
                 6 pairs each.";
     for form in &FORMS[..3] {
         let text = flat(&story, &[&["a", "--by", "planner"], *form].concat());
-        assert!(text.contains(said) && text.contains("p strata"), "{form:?}: {text}");
+        assert!(text.contains(sentence) && text.contains("p strata"), "{form:?}: {text}");
         assert!(text.contains("unimog.planner: prm-rs in A, lattice in B"), "{form:?}: {text}");
         assert!(text.contains(THE_PLANNERS), "{form:?}: {text}");
     }
@@ -267,8 +270,8 @@ fn batch_stands_beside_the_report() {
     let story = Story::begin();
     story.tell(&["batch", "smoke", "--seeds", "1..6", "--out", "a"]).expect_code(0);
     let text = story.tell(&["compare", "a", "--with", "report"]).expect_code(0).stdout;
-    for words in ["intact           0.302 0.071", "extinguished     0.357 0.037", "Wumpus search      2.072"] {
-        assert!(text.contains(words), "`{words}` is missing:\n{text}");
+    for fragment in ["intact           0.302 0.071", "extinguished     0.357 0.037", "Wumpus search      2.072"] {
+        assert!(text.contains(fragment), "`{fragment}` is missing:\n{text}");
     }
     let json = story.tell(&["compare", "a", "--with", "report", "--json"]).expect_code(0).stdout;
     let json: Value = serde_json::from_str(&json).expect("it is JSON");
@@ -304,7 +307,7 @@ fn what_cannot_be_compared_is_refused() {
         (&["runs.csv", "--where", "planner"], &["expected COLUMN=VALUE"]),
         (&["runs.csv", "--with", "thesis"], &["report"]),
     ];
-    for (arguments, words) in cases {
-        refuse(&story, &[&["compare"], arguments].concat(), words);
+    for (arguments, fragments) in cases {
+        refuse(&story, &[&["compare"], arguments].concat(), fragments);
     }
 }

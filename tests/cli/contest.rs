@@ -17,8 +17,8 @@ fn column(path: &Path, name: &str) -> Vec<String> {
 fn batch_without_arguments_plays_the_contest_and_prints_both_tables() {
     let story = Story::begin();
     let answer = story.tell(&["batch"]).expect_code(0);
-    for words in ["TABLE I.", "TABLE II.", "Champion: ", "5 finished, none failed", "Files: runs/contest"] {
-        assert!(answer.stdout.contains(words), "`{words}` is missing:\n{}", answer.stdout);
+    for fragment in ["TABLE I.", "TABLE II.", "Champion: ", "5 finished, none failed", "Files: runs/contest"] {
+        assert!(answer.stdout.contains(fragment), "`{fragment}` is missing:\n{}", answer.stdout);
     }
     assert!(widest(&answer.stdout) <= 80, "{}", answer.stdout);
     assert!(answer.stderr.is_empty(), "no progress where there is no terminal: {}", answer.stderr);
@@ -62,12 +62,12 @@ fn one_run_says_what_its_row_in_a_batch_says() {
     let answer = story.tell(&["run", "smoke", "--seed", "7", "--json"]).expect_code(0);
     let json: serde_json::Value = serde_json::from_str(&answer.stdout).expect("stdout is one JSON object");
     for (name, field) in rows[0].iter().zip(&rows[1]) {
-        let said = match &json["run"][name] {
+        let value = match &json["run"][name] {
             serde_json::Value::Null => String::new(),
             serde_json::Value::String(text) => text.clone(),
             number => number.as_f64().expect("a number").to_string(),
         };
-        assert_eq!(said, *field, "{name}");
+        assert_eq!(value, *field, "{name}");
     }
 }
 
@@ -103,7 +103,7 @@ fn agents_that_can_do_nothing_are_told_by_the_check_the_run_and_the_batch() {
         let run = joined(&tell(&["run"]));
         assert!(run.contains("Note: ") && run.contains(note), "{run}");
         let json: serde_json::Value = serde_json::from_str(&tell(&["run", "--json"])).expect("one JSON object");
-        assert!(json["notes"][0].as_str().is_some_and(|said| said.contains(note)), "{json}");
+        assert!(json["notes"][0].as_str().is_some_and(|text| text.contains(note)), "{json}");
         let batch = joined(&tell(&["batch", "--seeds", "1..3"]));
         assert!(batch.contains("In 3 of 3 runs an agent could do almost nothing; seed 1:"), "{batch}");
         assert!(batch.contains(note), "{batch}");
@@ -119,8 +119,9 @@ fn agents_that_can_do_nothing_are_told_by_the_check_the_run_and_the_batch() {
 #[test]
 fn run_names_the_winner_and_where_the_time_went() {
     let answer = Story::begin().tell(&["run", "--seed", "2"]).expect_code(0);
-    for words in ["contest, seed 2", "extinguished", "wins,", "unimog/0", "wumpus/0", "local search", "CPU per plan"] {
-        assert!(answer.stdout.contains(words), "`{words}` is missing:\n{}", answer.stdout);
+    for fragment in ["contest, seed 2", "extinguished", "wins,", "unimog/0", "wumpus/0", "local search", "CPU per plan"]
+    {
+        assert!(answer.stdout.contains(fragment), "`{fragment}` is missing:\n{}", answer.stdout);
     }
     assert!(widest(&answer.stdout) <= 80, "{}", answer.stdout);
 }
@@ -239,9 +240,9 @@ fn every_large_built_in_scenario_runs() {
     run_presets(|name| LARGE.contains(&name));
 }
 
-fn run_presets(is_asked_for: fn(&str) -> bool) {
+fn run_presets(is_selected: fn(&str) -> bool) {
     let story = Story::begin();
-    for (name, _) in wildfire::scenario::BUILT_IN.iter().filter(|(name, _)| is_asked_for(name)) {
+    for (name, _) in wildfire::scenario::BUILT_IN.iter().filter(|(name, _)| is_selected(name)) {
         story.tell(&["run", name, "--seed", "5", "--quiet"]).expect_code(0);
     }
 }

@@ -134,9 +134,9 @@ fn entries_take_turns() {
 #[test]
 fn what_the_rules_fix_is_refused_by_name_and_line() {
     let story = course();
-    let refused = |text: &str, words: &[&str]| {
+    let refused = |text: &str, fragments: &[&str]| {
         story.file("ben.toml", text);
-        refuse(&story, &with(&["--out", "course"]), words);
+        refuse(&story, &with(&["--out", "course"]), fragments);
     };
     refused(
         "[unimog]\nplanner = \"lattice\"\nspeed_mps = 20\n",
@@ -203,8 +203,8 @@ fn programs_work_in_the_folder_of_their_entry_within_the_limits_of_the_rules() {
     fs::create_dir(story.path("dora")).expect("writable");
     story.file("dora/silent.sh", SILENT);
     story.file("dora/greeting.json", "{\"type\":\"hello\",\"protocol\":1,\"name\":\"silent\",\"version\":\"1\"}\n");
-    let own = "[unimog]\nplanner = \"mine\"\n[planner.mine]\ncommand = [\"sh\", \"silent.sh\"]\nquery_cpu_s = 0.5\n";
-    story.file("dora/dora.toml", own);
+    let table = "[unimog]\nplanner = \"mine\"\n[planner.mine]\ncommand = [\"sh\", \"silent.sh\"]\nquery_cpu_s = 0.5\n";
+    story.file("dora/dora.toml", table);
     let batch = ["batch", "--rules", "rules.toml", "--agent", "anna.toml", "dora/dora.toml", "--seeds", "1..2"];
     let with = |more: &[&'static str]| [&batch[..], &["--out", "course"], more].concat();
     // What a ranking would refuse is refused before the first run.
@@ -281,31 +281,34 @@ fn every_form_says_that_outcomes_depend_on_the_machine_where_a_clock_ended_a_que
         let rules = ["batch", "--rules", "rules.toml", "--agent"];
         story.tell(&[&rules[..], entries, &out[..], &[folder], form].concat()).expect_code(0).stdout
     };
-    let words = "Outcomes depend on this machine: ";
-    let said = |what: &str, text: &str| {
-        assert!(text.split_whitespace().collect::<Vec<_>>().join(" ").contains(words), "{what}:\n{text}");
+    let sentence = "Outcomes depend on this machine: ";
+    let expect_sentence = |what: &str, text: &str| {
+        assert!(text.split_whitespace().collect::<Vec<_>>().join(" ").contains(sentence), "{what}:\n{text}");
     };
-    said("text", &batch("class", &["anna.toml", "dora.toml"], &[]));
+    expect_sentence("text", &batch("class", &["anna.toml", "dora.toml"], &[]));
     for form in ["--md", "--html", "--json", "--tex"] {
-        said(form, &batch("again", &["anna.toml", "dora.toml"], &["--force", form]));
+        expect_sentence(form, &batch("again", &["anna.toml", "dora.toml"], &["--force", form]));
     }
     for folder in ["class", "one"] {
         if folder == "one" {
-            said(folder, &batch(folder, &["dora.toml"], &[]));
+            expect_sentence(folder, &batch(folder, &["dora.toml"], &[]));
         }
         for form in [["--md"], ["--json"], ["--tex"]] {
-            said("report", &story.tell(&[&["report", folder, "--trust"][..], &form].concat()).expect_code(0).stdout);
+            expect_sentence(
+                "report",
+                &story.tell(&[&["report", folder, "--trust"][..], &form].concat()).expect_code(0).stdout,
+            );
         }
-        said("page", &story.read(&format!("{folder}/report.html")));
-        said("tables.md", &story.read(&format!("{folder}/tables.md")));
+        expect_sentence("page", &story.read(&format!("{folder}/report.html")));
+        expect_sentence("tables.md", &story.read(&format!("{folder}/tables.md")));
         for form in [&[][..], &["--md"], &["--json"], &["--tex"], &["--html"]] {
-            said("rank", &story.tell(&[&["rank", folder], form].concat()).expect_code(0).stdout);
+            expect_sentence("rank", &story.tell(&[&["rank", folder], form].concat()).expect_code(0).stdout);
         }
     }
     let run = ["run", "smoke", "--command", "mine=sh silent.sh", "--set", "unimog.planner=mine"];
     let run = [&run[..], &["--set", "planner.mine.query_limit_s=0.02", "--set", "planner.mine.restarts=0"]].concat();
     for form in [&[][..], &["--json"]] {
-        said("run", &story.tell(&[&run[..], form].concat()).expect_code(0).stdout);
+        expect_sentence("run", &story.tell(&[&run[..], form].concat()).expect_code(0).stdout);
     }
     let text = story.tell(&["rank", "class"]).expect_code(0).stdout;
     assert_eq!(text.matches("Outcomes depend").count(), 1, "anna's do not: {text}");
@@ -368,10 +371,10 @@ fn others_run_where_refused_agents_are_left_out() {
 #[test]
 fn rules_that_cannot_be_used_are_refused() {
     let story = course();
-    let refused = |from: &str, to: &str, words: &[&str]| {
+    let refused = |from: &str, to: &str, fragments: &[&str]| {
         assert!(RULES.contains(from), "{from}");
         story.file("rules.toml", &RULES.replacen(from, to, 1));
-        refuse(&story, &with(&["--out", "course"]), words);
+        refuse(&story, &with(&["--out", "course"]), fragments);
     };
     refused(
         "free = [\"unimog.planner\", \"unimog.lattice\", \"planner.*\"]",
@@ -437,9 +440,9 @@ fn whole_scenarios_of_rules_have_nothing_of_others() {
 #[test]
 fn new_assignment_is_a_course_that_runs_and_is_ranked_with_sheets() {
     let story = Story::begin();
-    let words = story.tell(&["new", "assignment", "logic"]).expect_code(0).stdout;
-    let commands: Vec<&str> = words.lines().filter_map(|line| line.strip_prefix("  wildfire ")).collect();
-    let [batch, rank] = commands[..] else { panic!("{words}") };
+    let printed = story.tell(&["new", "assignment", "logic"]).expect_code(0).stdout;
+    let commands: Vec<&str> = printed.lines().filter_map(|line| line.strip_prefix("  wildfire ")).collect();
+    let [batch, rank] = commands[..] else { panic!("{printed}") };
     let batch: Vec<&str> = batch.split(' ').collect();
     let dry = story.tell(&[&batch[..], &["--dry-run"]].concat()).expect_code(0).stdout;
     assert!(dry.starts_with("3 variants x 20 seeds") && dry.contains("entry cem"), "{dry}");
@@ -453,8 +456,10 @@ fn new_assignment_is_a_course_that_runs_and_is_ranked_with_sheets() {
     story.tell(&[&batch[..], &["--seeds", "1..4"]].concat()).expect_code(0);
     story.tell(&rank.split(' ').collect::<Vec<_>>()).expect_code(0);
     let sheet = story.read("runs/sheets/ben.md");
-    for words in ["# ben: rank ", "Difference from the first: -", "| budget spent |", "wildfire render arena --seed "] {
-        assert!(sheet.contains(words), "`{words}` is missing:\n{sheet}");
+    for fragment in
+        ["# ben: rank ", "Difference from the first: -", "| budget spent |", "wildfire render arena --seed "]
+    {
+        assert!(sheet.contains(fragment), "`{fragment}` is missing:\n{sheet}");
     }
     // The worst runs are those of the table, and the commands make pages.
     let rows = outcomes(&story.path("runs/course/runs.csv"));

@@ -59,14 +59,14 @@ fn both_curves_are_told_with_length_word_and_segments() {
 #[test]
 fn words_have_the_letters_that_are_driven() {
     let story = Story::begin();
-    let words = |to: &str, more: &[&str]| {
+    let curves_to = |to: &str, more: &[&str]| {
         let found = curves(&story, &[&["curve", "--from", "0,0,0", "--to", to, "--radius", "3"], more].concat());
-        let words = found.iter().map(|curve| curve["word"].as_str().expect("a word").to_owned());
-        (words.collect::<Vec<_>>(), found.last().and_then(|curve| curve["price"]["price_m"].as_f64()))
+        let texts = found.iter().map(|curve| curve["word"].as_str().expect("a word").to_owned());
+        (texts.collect::<Vec<_>>(), found.last().and_then(|curve| curve["price"]["price_m"].as_f64()))
     };
-    assert_eq!(words("0,0,0", &[]).0, ["", ""]);
-    assert_eq!(words("5,0,0", &[]).0, ["S+", "S"]);
-    let (found, price_m) = words("3,0,180", &["--cusp-m", "20"]);
+    assert_eq!(curves_to("0,0,0", &[]).0, ["", ""]);
+    assert_eq!(curves_to("5,0,0", &[]).0, ["S+", "S"]);
+    let (found, price_m) = curves_to("3,0,180", &["--cusp-m", "20"]);
     assert!(["L+R+L+", "R+L+R+"].contains(&found[2].as_str()), "{found:?}");
     assert!((price_m.expect("it has a price") - 21.158).abs() < 0.01, "{price_m:?}");
     let answer = story.tell(&["curve", "--from", "0,0,0", "--to", "0,0,0"]).expect_code(0).stdout;
@@ -103,9 +103,9 @@ fn segments_lead_from_the_start_to_the_goal() {
                 assert_eq!(curve["cusps"], path.cusps());
                 assert!((number(&curve["length_m"]) - path.length_m()).abs() <= 1e-12 * (path.length_m() + radius_m));
                 let turns = curve["segments"].as_array().expect("a list").iter().zip(&path.segments);
-                for (told, segment) in turns {
+                for (reported, segment) in turns {
                     let degrees = (segment.curvature * segment.length_m).to_degrees();
-                    assert!((number(&told["turn_deg"]) - degrees).abs() < 1e-9, "{told}");
+                    assert!((number(&reported["turn_deg"]) - degrees).abs() < 1e-9, "{reported}");
                 }
             }
         }
@@ -183,19 +183,19 @@ fn pictures_are_the_same_every_time() {
 #[test]
 fn poses_and_options_that_make_no_sense_are_refused() {
     let story = Story::begin();
-    let refuse = |arguments: &str, words: &[&str]| {
+    let refuse = |arguments: &str, fragments: &[&str]| {
         let arguments: Vec<_> = std::iter::once("curve").chain(arguments.split_whitespace()).collect();
-        refuse(&story, &arguments, words);
+        refuse(&story, &arguments, fragments);
     };
     for pose in ["1,2", "1,2,3,4", "a,2,3", "nan,0,0", "0,inf,0", "0,0,-1e7", "1000001,0,0"] {
         refuse(&format!("--from {pose} --to 0,0,0"), &[pose, "--from", "X,Y,DEG", "from -1000000 to 1000000"]);
     }
     for radius in ["0", "-13", "nan", "inf", "1e7", "wide"] {
-        let words = ["--radius", "expected metres from 0.001 to 1000000"];
-        refuse(&format!("--from 0,0,0 --to 1,1,1 --radius {radius} --png curve.png"), &words);
-        refuse(&format!("--pairs pairs.csv --csv out.csv --radius {radius}"), &words);
+        let fragments = ["--radius", "expected metres from 0.001 to 1000000"];
+        refuse(&format!("--from 0,0,0 --to 1,1,1 --radius {radius} --png curve.png"), &fragments);
+        refuse(&format!("--pairs pairs.csv --csv out.csv --radius {radius}"), &fragments);
     }
-    for (arguments, words) in [
+    for (arguments, fragment) in [
         ("", "--from"),
         ("--from 0,0,0", "--to"),
         ("--to 0,0,0", "--from"),
@@ -211,7 +211,7 @@ fn poses_and_options_that_make_no_sense_are_refused() {
         ("--pairs pairs.csv --csv out.csv --cusp-m 1", "--cusp-m"),
         ("--pairs pairs.csv --csv out.csv --from 0,0,0 --to 1,1,1", "--from"),
     ] {
-        refuse(arguments, &[words]);
+        refuse(arguments, &[fragment]);
     }
 }
 

@@ -28,10 +28,10 @@ fn lengths_and_words_stand_after_what_was_there() {
         ("last,-1,1e1,2,3,4,5", Pose::new(10.0, 2.0, 3.0), Pose::new(4.0, 5.0, -1.0)),
     ];
     assert_eq!(lines.len(), 1 + poses.len());
-    for (line, (own, from, to)) in lines[1..].iter().zip(poses) {
+    for (line, (input, from, to)) in lines[1..].iter().zip(poses) {
         let best = ReedsShepp { radius_m: 8.0 }.shortest(from, to);
         let forward = Dubins { radius_m: 8.0 }.shortest(from, to);
-        let added = line.strip_prefix(own).and_then(|rest| rest.strip_prefix(',')).expect("own columns come first");
+        let added = line.strip_prefix(input).and_then(|rest| rest.strip_prefix(',')).expect("own columns come first");
         let added: Vec<&str> = added.split(',').collect();
         assert_eq!(added[0].parse(), Ok(best.length_m), "numbers read back exactly");
         assert_eq!(added[2].parse(), Ok(forward.length_m));
@@ -95,7 +95,7 @@ fn lengths_agree_with_independent_programs() {
 fn broken_tables_are_refused_with_line_and_column() {
     let story = Story::begin();
     let row = "\n1,2,3,4,5,6\n";
-    for (text, words) in [
+    for (text, fragment) in [
         (String::new(), "pairs.csv: the file is empty; expected a header with the columns x0,y0,th0,x1,y1,th1"),
         ("\n\n \n".to_owned(), "the file is empty"),
         ("1,2,3,4,5,6\n".to_owned(), "line 1: the column x0 is missing"),
@@ -115,7 +115,7 @@ fn broken_tables_are_refused_with_line_and_column() {
         (format!("{HEADER}{row}\"1,2,3,4,5,6\n"), "line 3, column x0: found"),
     ] {
         story.file("pairs.csv", &text);
-        refuse(&story, &["curve", "--pairs", "pairs.csv", "--csv", "out.csv"], &["pairs.csv: ", words]);
+        refuse(&story, &["curve", "--pairs", "pairs.csv", "--csv", "out.csv"], &["pairs.csv: ", fragment]);
     }
 }
 

@@ -6,8 +6,10 @@ use super::story::Story;
 fn a_first_minute_leaves_a_page_pictures_and_a_report() {
     let story = Story::begin();
     let answer = story.tell(&["demo", "--out", "first look"]).expect_code(0);
-    for said in ["1/7", "7/7", "$ wildfire run contest --seed 7 --out 'first look'/run.wildfire", "Violations: none"] {
-        assert!(answer.stdout.contains(said), "{said} is not in {}", answer.stdout);
+    for fragment in
+        ["1/7", "7/7", "$ wildfire run contest --seed 7 --out 'first look'/run.wildfire", "Violations: none"]
+    {
+        assert!(answer.stdout.contains(fragment), "{fragment} is not in {}", answer.stdout);
     }
     assert_eq!(answer.stderr, "");
     let page = story.read("first look/run.html");

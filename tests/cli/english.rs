@@ -156,19 +156,19 @@ fn length_to_quote(text: &str, quote: char) -> usize {
 }
 
 /// An identifier as small words, with a space before and after each: `is_toldApart` is ` is told apart `.
-fn as_words(identifier: &str) -> String {
-    let mut words = String::from(" ");
+fn spaced(identifier: &str) -> String {
+    let mut text = String::from(" ");
     let mut was_small = false;
     for letter in identifier.chars() {
         if (letter.is_uppercase() && was_small) || letter == '_' {
-            words.push(' ');
+            text.push(' ');
         }
         was_small = letter.is_lowercase() || letter.is_numeric();
         if letter != '_' {
-            words.extend(letter.to_lowercase());
+            text.extend(letter.to_lowercase());
         }
     }
-    words + " "
+    text + " "
 }
 
 #[test]
@@ -181,10 +181,10 @@ fn dialect_leaves_the_names_of_the_code() {
             *uses.entry(name.to_owned()).or_default() += 1;
         }
     }
-    let split: Vec<(String, usize)> = uses.iter().map(|(name, uses)| (as_words(name), *uses)).collect();
+    let split: Vec<(String, usize)> = uses.iter().map(|(name, uses)| (spaced(name), *uses)).collect();
     for (phrase, better) in BANNED {
         let phrase = format!(" {phrase} ");
-        let found: Vec<_> = split.iter().filter(|(words, _)| words.contains(&phrase)).collect();
+        let found: Vec<_> = split.iter().filter(|(text, _)| text.contains(&phrase)).collect();
         assert!(found.is_empty(), "{found:?} -> {better}");
     }
     let mut wrong = Vec::new();
@@ -195,8 +195,8 @@ fn dialect_leaves_the_names_of_the_code() {
         };
         // Types are whole names, everything else is a part of one.
         let is_type = word.starts_with(|letter: char| letter.is_uppercase());
-        let phrase = as_words(word);
-        let parts = || split.iter().filter(|(words, _)| words.contains(&phrase)).map(|(_, uses)| uses).sum();
+        let phrase = spaced(word);
+        let parts = || split.iter().filter(|(text, _)| text.contains(&phrase)).map(|(_, uses)| uses).sum();
         let count: usize = if is_type { uses.get(word).copied().unwrap_or(0) } else { parts() };
         let allowed: usize = allowed.parse().expect("a number");
         if count != allowed {
@@ -215,5 +215,5 @@ fn dialect_leaves_the_names_of_the_code() {
 fn identifiers_are_found_outside_of_comments_and_text() {
     let code = "let told = 'a'; // asked\nr#\"given \"# + \"said \\\" held\" 'x: b'\\'' lifetime";
     assert_eq!(identifiers(code), ["let", "told", "x", "b", "lifetime"]);
-    assert_eq!(as_words("is_toldApart"), " is told apart ");
+    assert_eq!(spaced("is_toldApart"), " is told apart ");
 }

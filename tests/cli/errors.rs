@@ -169,13 +169,13 @@ fn line_of_megabytes_is_shown_in_part() {
     story.file("list.toml", &format!("unimog = []\nignition = [{}]\n", "{ at_s = 1, random = 1 },".repeat(10_000)));
     story.file("map.txt", &format!("..#\n{}é\n", ".".repeat(100_000)));
     story.file("map.toml", "wumpus = []\nunimog = []\nfield.map = \"map.txt\"\n");
-    for (file, words) in [
+    for (file, fragment) in [
         ("name.toml", "name.toml:3:8"),
         ("field.toml", "field.toml:3:1"),
         ("list.toml", "list.toml:1:1"),
         ("map.toml", "map.txt:2:100001"),
     ] {
-        let answer = story.tell(&["check", file]).expect_code(2).expect_complaint(&[words]);
+        let answer = story.tell(&["check", file]).expect_code(2).expect_complaint(&[fragment]);
         assert!(answer.stderr.len() < 3000, "{file}: {} bytes\n{:.3000}", answer.stderr.len(), answer.stderr);
     }
 }

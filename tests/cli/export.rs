@@ -7,8 +7,8 @@ use serde_json::Value as Json;
 use crate::story::{Story, refuse};
 
 fn object(story: &Story, arguments: &[&str]) -> Json {
-    let words = [&["export"], arguments, &["--format", "json", "-o", "-"]].concat();
-    let answer = story.tell(&words).expect_code(0);
+    let args = [&["export"], arguments, &["--format", "json", "-o", "-"]].concat();
+    let answer = story.tell(&args).expect_code(0);
     serde_json::from_str(&answer.stdout).expect("it is JSON")
 }
 

@@ -75,7 +75,7 @@ fn story() -> Story {
     story
 }
 
-fn words(command: &str) -> Vec<&str> {
+fn split_args(command: &str) -> Vec<&str> {
     command.split_whitespace().collect()
 }
 
@@ -84,11 +84,11 @@ fn file_of_another_format_than_its_name_says_is_refused() {
     let story = story();
     for (command, ending, _) in OUTPUTS {
         for name in ["new.svg", "new", "new.jpg", ".csv"] {
-            refuse(&story, &[&words(command)[..], &[name]].concat(), &[name, "expected a name that ends in ."]);
+            refuse(&story, &[&split_args(command)[..], &[name]].concat(), &[name, "expected a name that ends in ."]);
         }
         for other in ["png", "npy", "wildfire"].into_iter().filter(|other| *other != ending) {
             let name = format!("new.{other}");
-            refuse(&story, &[&words(command)[..], &[&name]].concat(), &[&name, "expected a name that ends in ."]);
+            refuse(&story, &[&split_args(command)[..], &[&name]].concat(), &[&name, "expected a name that ends in ."]);
         }
     }
     story.tell(&["map", "brushfire", "map.txt", "--png", "NEW.PNG"]).expect_code(0);
@@ -100,12 +100,12 @@ fn dash_is_stdout_for_every_output_and_the_words_go_to_stderr() {
     let story = story();
     for (command, ending, start) in OUTPUTS {
         let before = story.entries();
-        let piped = output_of(&mut story.command(&[&words(command)[..], &["-"]].concat()));
+        let piped = output_of(&mut story.command(&[&split_args(command)[..], &["-"]].concat()));
         assert_eq!(piped.status.code(), Some(0), "{command}: {}", String::from_utf8_lossy(&piped.stderr));
         assert!(piped.stdout.starts_with(start), "{command}: {:?}", &piped.stdout[..piped.stdout.len().min(40)]);
         assert_eq!(story.entries(), before, "{command}");
         let name = format!("new.{ending}");
-        let filed = story.tell(&[&words(command)[..], &[&name]].concat()).expect_code(0);
+        let filed = story.tell(&[&split_args(command)[..], &[&name]].concat()).expect_code(0);
         assert_eq!(filed.stdout.is_empty(), piped.stderr.is_empty(), "{command}: the words are lost, or there twice");
         let has_times = command.starts_with("plan") && !command.contains("--png") && !command.contains("--paths");
         let written = fs::read(story.path(&name)).expect("it was written");
@@ -128,9 +128,9 @@ fn two_results_on_stdout_are_refused() {
         "render smoke -o - --gif -",
         "render smoke -o - --html -",
     ] {
-        refuse(&story, &words(command), &["- is stdout, which takes a single output; expected it once"]);
+        refuse(&story, &split_args(command), &["- is stdout, which takes a single output; expected it once"]);
     }
-    refuse(&story, &words("render - --with - -o new.png"), &["- is stdin, which can be read only once"]);
+    refuse(&story, &split_args("render - --with - -o new.png"), &["- is stdin, which can be read only once"]);
 }
 
 #[test]
@@ -153,7 +153,11 @@ fn output_that_is_no_file_is_refused_and_never_opened() {
         ] {
             let folder_for_recordings = command.ends_with("--out") && name == "folder.csv";
             if !folder_for_recordings {
-                refuse(&story, &[&words(command)[..], &[name]].concat(), &[name, "it is", what, "expected a file"]);
+                refuse(
+                    &story,
+                    &[&split_args(command)[..], &[name]].concat(),
+                    &[name, "it is", what, "expected a file"],
+                );
             }
         }
     }
@@ -167,7 +171,7 @@ fn one_cause_of_an_input_has_one_exit_code_in_all_commands() {
     fs::create_dir(story.path("folder")).expect("writable");
     for (command, _) in INPUTS {
         for name in ["missing", "missing/below", "file/below", "garbage", "folder"] {
-            refuse(&story, &words(&command.replace("{}", name)), &[name]);
+            refuse(&story, &split_args(&command.replace("{}", name)), &[name]);
         }
     }
 }
@@ -179,13 +183,13 @@ fn one_cause_of_an_output_has_one_exit_code_in_all_commands() {
     for (command, ending, _) in OUTPUTS {
         for folder in ["missing", "file", "missing/below"] {
             let name = format!("{folder}/new.{ending}");
-            refuse(&story, &[&words(command)[..], &[&name]].concat(), &[&name, "the folder does not exist"]);
+            refuse(&story, &[&split_args(command)[..], &[&name]].concat(), &[&name, "the folder does not exist"]);
         }
     }
     for command in
         ["batch smoke --out file", "batch smoke --out file/below", "batch smoke --out file/below --shard 1/2"]
     {
-        refuse(&story, &words(command), &["file", "expected a folder"]);
+        refuse(&story, &split_args(command), &["file", "expected a folder"]);
     }
 }
 
@@ -233,13 +237,13 @@ fn what_may_not_be_read_or_written_is_the_environment_in_all_commands() {
             false => &["secret", "hidden/below"],
         };
         for name in names {
-            tell(&words(&command.replace("{}", name))).expect_code(3).expect_complaint(&[name]);
+            tell(&split_args(&command.replace("{}", name))).expect_code(3).expect_complaint(&[name]);
         }
     }
     for (command, ending, _) in OUTPUTS {
         for folder in ["fixed", "hidden"] {
             let name = format!("{folder}/new.{ending}");
-            tell(&[&words(command)[..], &[&name]].concat()).expect_code(3).expect_complaint(&[&name]);
+            tell(&[&split_args(command)[..], &[&name]].concat()).expect_code(3).expect_complaint(&[&name]);
         }
     }
     tell(&["batch", "smoke", "--out", "fixed/new"]).expect_code(3).expect_complaint(&["fixed/new"]);

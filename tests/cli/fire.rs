@@ -79,7 +79,7 @@ fn wind_at_another_height_is_brought_down() {
 #[test]
 fn winds_and_slopes_are_written_in_one_way_and_the_old_ways_are_read_still() {
     let same = |one: &[&str], other: &[&str]| {
-        let [one, other] = [one, other].map(|words| object(&[&["fire"], words, &["--json"]].concat()));
+        let [one, other] = [one, other].map(|args| object(&[&["fire"], args, &["--json"]].concat()));
         assert_eq!(one, other);
     };
     let behavior = ["behavior", "--fuel", "GR2", "--wind"];
@@ -87,8 +87,8 @@ fn winds_and_slopes_are_written_in_one_way_and_the_old_ways_are_read_still() {
     let refused = Story::begin().tell(&["fire", "behavior", "--fuel", "GR2", "--wind", "5@200", "--wind-from", "90"]);
     assert!(refused.expect_code(2).stderr.contains("expected no --wind-from"));
     let spread = ["spread", "--model", "alexandridis", "--rows", "31", "--cols", "31", "--p0", "0.05"];
-    let areas = |words: &[&str]| {
-        let fire = object(&[&["fire"], &spread[..], words, &["--json"]].concat());
+    let areas = |args: &[&str]| {
+        let fire = object(&[&["fire"], &spread[..], args, &["--json"]].concat());
         let number = |name: &str| fire[name].as_f64().expect("a number");
         (number("area_mean"), number("slope_deg").round(), number("uphill_deg").round())
     };
@@ -113,10 +113,10 @@ fn grass_with_water(cols: usize, rows: usize, is_water: impl Fn(usize, usize) ->
 fn long_rasters_are_read_and_what_limits_them_is_memory() {
     let story = Story::begin();
     story.file("long.asc", &grass_with_water(5000, 5, |_, _| false));
-    let words = ["fire", "spread", "--fuel", "long.asc", "--duration", "300"];
-    let report = story.tell(&words).expect_code(0).stdout;
+    let args = ["fire", "spread", "--fuel", "long.asc", "--duration", "300"];
+    let report = story.tell(&args).expect_code(0).stdout;
     assert!(report.contains("5 rows and 5000 columns of 10 m"), "{report}");
-    let refused = story.tell(&[&words[..], &["--memory", "1MB"]].concat()).expect_code(2).stderr;
+    let refused = story.tell(&[&args[..], &["--memory", "1MB"]].concat()).expect_code(2).stderr;
     assert!(refused.contains("would take up to 1.2 MB of memory; the limit is 1 MB"), "{refused}");
     story.file("mine.toml", "wumpus = []\nunimog = []\n[fire]\nmodel = \"rothermel\"\n[fire.rothermel]\nfuel_map = \"long.asc\"\n[field]\ncoverage = 0\n");
     story.tell(&["check", "mine.toml"]).expect_code(0);
@@ -157,14 +157,14 @@ fn layers_are_taken_from_the_bands_of_one_file_and_a_rim_without_data_does_not_b
          [[ignition]]\nat_s = 0\ncells = [[20, 10]]\n";
     story.file("valley.toml", scenario);
     let checked = story.tell(&["check", "valley.toml"]).expect_code(0).stdout.replace("\n  ", " ");
-    for words in [
+    for fragment in [
         "fuel models from band 4 of valley.lcp (FBFM); slope from band 2 of valley.lcp (SLPD)",
         "height of trees from band 6 of valley.lcp (CH)",
         "bulk density of crowns from band 8 of valley.lcp (CBD)",
         "nothing 9 %",
         "Trees on 91 % of the cells.",
     ] {
-        assert!(checked.contains(words), "{words}: {checked}");
+        assert!(checked.contains(fragment), "{fragment}: {checked}");
     }
     // Heights make slopes beside a rim, so they are wanted everywhere; other gaps are named with band, row and column.
     let spread =
@@ -231,9 +231,9 @@ fn perimeters_by_the_hour_enclose_what_burned() {
     assert_eq!(times, [900.0, 1800.0, 2000.0]);
     assert!(features.is_sorted_by_key(|feature| number(feature, "area_ha")));
     let last = features.last().expect("there are three");
-    for (own, reported) in [("area_ha", "burned_ha"), ("perimeter_m", "perimeter_m")] {
-        let (own, reported) = (number(last, own), report[reported].as_f64().expect("a number"));
-        assert!((own - reported).abs() < 1e-9 * reported, "{own} and {reported}");
+    for (actual, reported) in [("area_ha", "burned_ha"), ("perimeter_m", "perimeter_m")] {
+        let (actual, reported) = (number(last, actual), report[reported].as_f64().expect("a number"));
+        assert!((actual - reported).abs() < 1e-9 * reported, "{actual} and {reported}");
     }
     assert_eq!(last["geometry"]["type"], "MultiPolygon");
     let often = ["fire", "spread", "--fuel", "GR2", "--perimeters", "hours.geojson", "--every", "1"];
@@ -245,17 +245,17 @@ fn a_fire_that_is_enclosed_is_named() {
     let story = Story::begin();
     let is_rim = |row: usize, col: usize| row.abs_diff(20).max(col.abs_diff(20)) == 2;
     story.file("fuel.asc", &grass_with_water(41, 41, is_rim));
-    let words = ["fire", "spread", "--fuel", "fuel.asc", "--ignite", "20,20"];
+    let args = ["fire", "spread", "--fuel", "fuel.asc", "--ignite", "20,20"];
     let sentence = "The fire ended after 9 cells of 1665 that can burn";
-    let report = story.tell(&words).expect_code(0).stdout;
+    let report = story.tell(&args).expect_code(0).stdout;
     assert!(report.contains(sentence), "{report}");
-    let fire = object_of(&story, &[&words[..], &["--json"]].concat());
+    let fire = object_of(&story, &[&args[..], &["--json"]].concat());
     assert_eq!((&fire["has_ended"], fire["burnable_cells"].as_u64()), (&Value::Bool(true), Some(1665)));
-    for words in [
+    for args in [
         ["fire", "spread", "--fuel", "fuel.asc", "--ignite", "5,5"],
         ["fire", "spread", "--fuel", "GR2", "--ignite", "20,20"],
     ] {
-        let report = story.tell(&words).expect_code(0).stdout;
+        let report = story.tell(&args).expect_code(0).stdout;
         assert!(!report.contains("The fire ended"), "{report}");
     }
 }
@@ -281,7 +281,7 @@ fn all_fuels_are_listed() {
 #[test]
 fn conditions_that_cannot_be_are_refused() {
     let story = Story::begin();
-    for (wrong, words) in [
+    for (wrong, fragment) in [
         (&["--fuel", "GR10"][..], "the nearest is GR9 (109)"),
         (&["--fuel", "14"], "the nearest is R13 (13) or NB1 (91)"),
         (&["--fuel", "grass"], "--list-fuels prints all"),
@@ -294,7 +294,7 @@ fn conditions_that_cannot_be_are_refused() {
         (&[], "--list-fuels"),
         (&["--conditions", "in.csv"], "--csv"),
     ] {
-        refuse(&story, &[&["fire", "behavior"], wrong].concat(), &[words]);
+        refuse(&story, &[&["fire", "behavior"], wrong].concat(), &[fragment]);
     }
 }
 
@@ -302,7 +302,7 @@ fn conditions_that_cannot_be_are_refused() {
 fn broken_tables_of_conditions_are_refused_with_line_and_column() {
     let story = Story::begin();
     let row = "102,0.06,0.07,0.08,0.6,0.9,5,270,0.3,180";
-    for (text, words) in [
+    for (text, fragment) in [
         (String::new(), "the file is empty; expected a header with the columns number,m_1h"),
         ("number\n102\n".to_owned(), "line 1: the column m_1h is missing"),
         (format!("{HEADER},number\n"), "line 1: the column number appears twice"),
@@ -317,7 +317,7 @@ fn broken_tables_of_conditions_are_refused_with_line_and_column() {
     ] {
         story.file("in.csv", &text);
         let arguments = ["fire", "behavior", "--conditions", "in.csv", "--csv", "out.csv"];
-        refuse(&story, &arguments, &["in.csv: ", words]);
+        refuse(&story, &arguments, &["in.csv: ", fragment]);
     }
 }
 

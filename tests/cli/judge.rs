@@ -193,22 +193,24 @@ fn cusps_are_changes_of_direction() {
 #[test]
 fn what_breaks_a_rule_is_told_with_line_and_place() {
     let through = path(&[(0.0, 28.0)]);
-    let words = violation(1, &through, 0.05);
+    let message = violation(1, &through, 0.05);
     assert!(
-        words.starts_with("line 5") && words.contains("26.0") && words.contains("deep in the bush at cell (10, 4)"),
-        "{words}"
+        message.starts_with("line 5")
+            && message.contains("26.0")
+            && message.contains("deep in the bush at cell (10, 4)"),
+        "{message}"
     );
 
     let sharp = path(&[(0.0, 3.0), (1.0 / 12.6, 5.0)]);
-    let words = violation(0, &sharp, 0.5);
+    let message = violation(0, &sharp, 0.5);
     assert!(
-        words.starts_with("line 9, 3.00 m along, at (23.00, 22.50): a curvature of 0.0794 1/m; the limit is 0.0787"),
-        "{words}"
+        message.starts_with("line 9, 3.00 m along, at (23.00, 22.50): a curvature of 0.0794 1/m; the limit is 0.0787"),
+        "{message}"
     );
     assert!(!violation(0, &path(&[(1.0 / 12.8, 5.0)]), 0.5).contains("curvature"), "a little more is allowed");
     let near_the_limit = (0..8).map(|step| violation(0, &path(&[(1.0 / (12.69 + 0.003 * f64::from(step)), 5.0)]), 0.5));
-    let compared = near_the_limit.filter_map(|words| {
-        let (_, found) = words.split_once("a curvature of ")?;
+    let compared = near_the_limit.filter_map(|message| {
+        let (_, found) = message.split_once("a curvature of ")?;
         let (found, limit) = found.split_once(" 1/m; the limit is ")?;
         Some([found, limit.split_once(' ')?.0].map(|number| number.parse::<f64>().expect("a number")))
     });
@@ -224,7 +226,7 @@ fn what_breaks_a_rule_is_told_with_line_and_place() {
     let turned = "mine,0,turned,20,22.5,0.002,forward\n";
     story.file("paths.csv", &format!("{HEADER}\n{crab}{spot}{away}{turned}"));
     let answer = story.tell(&["judge", "mine.json", "paths.csv", "--csv", "judged.csv"]).expect_code(4).stdout;
-    for words in [
+    for fragment in [
         "crab: violation on field mine, goal 0: line ",
         " mm sideways on 0.100 m, the limit is ",
         "spot: violation on field mine, goal 1: line 103, 0.00 m along, at (20.00, 22.50): it turns by 0.1000 rad on the spot",
@@ -232,7 +234,7 @@ fn what_breaks_a_rule_is_told_with_line_and_place() {
         "turned: violation on field mine, goal 0: line 106: it begins 0.0000 m and 0.0020 rad away from the start",
     ] {
         let flat = answer.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(flat.contains(words.trim()), "{words}\n{answer}");
+        assert!(flat.contains(fragment.trim()), "{fragment}\n{answer}");
     }
     assert!(widest(&answer) <= 80, "{answer}");
     assert!(rows(&story, "judged.csv").iter().all(|row| value(row, "success") == "false"));
@@ -325,7 +327,7 @@ fn what_is_no_table_of_paths_is_refused_with_its_line() {
     let story = begin();
     let good = "mine,0,theirs,20,22.5,0,forward";
     let long = "x".repeat(70_000);
-    for (text, words) in [
+    for (text, fragment) in [
         (String::new(), "paths.csv: the file is empty; expected a header with the columns field,goal,planner"),
         (HEADER.to_owned(), "paths.csv: the file has no row after its header"),
         (format!("{HEADER}\n\n \n"), "the file has no row after its header"),
@@ -370,7 +372,7 @@ fn what_is_no_table_of_paths_is_refused_with_its_line() {
         ("\u{7f}ELF\u{1}\u{1}\u{0}\u{0}\u{0}".to_owned(), "line 1: the column goal is missing"),
     ] {
         story.file("paths.csv", &text);
-        refuse(&story, &["judge", "mine.json", "paths.csv"], &["paths.csv: ", words]);
+        refuse(&story, &["judge", "mine.json", "paths.csv"], &["paths.csv: ", fragment]);
     }
     let many: String = (0..60).map(|number| format!("mine,0,planner{number},20,22.5,0,forward\n")).collect();
     story.file("paths.csv", &format!("{HEADER}\n{many}"));

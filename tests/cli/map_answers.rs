@@ -159,8 +159,8 @@ fn descent_is_stuck_in_the_trap_and_the_wavefront_leads_on() {
     let stuck = object(&story, descend);
     assert_eq!((&stuck["answer"], &stuck["minimum"]), (&json!("stuck"), &json!([2, 2])));
     assert_eq!((&stuck["path"], &stuck["steps"]), (&json!([[2, 1], [2, 2]]), &json!(1)));
-    let words = tell(&story, descend).stdout;
-    assert!(words.contains("Stuck in a local minimum at row 2, column 2: 1 step, length 1.000."), "{words}");
+    let printed = tell(&story, descend).stdout;
+    assert!(printed.contains("Stuck in a local minimum at row 2, column 2: 1 step, length 1.000."), "{printed}");
     let led = object(&story, &format!("{descend} --escape wavefront"));
     assert_eq!((&led["answer"], &led["minimum"]), (&json!("reached"), &json!([2, 2])));
     let cells = led["path"].as_array().expect("there is a path");
@@ -186,8 +186,8 @@ fn map_without_obstacles_is_said_and_zero() {
     let story = story();
     for computation in ["brushfire", "brushfire --connectivity 4", "cost", "repulsion", "repulsion --true-distance"] {
         assert_eq!(values(&story, &format!("{computation} open.txt")), ["0,0,0"; 2], "{computation}");
-        let said = tell(&story, &format!("{computation} open.txt")).stdout;
-        assert!(said.contains("No obstacle: no cell of the map is occupied."), "{said}");
+        let printed = tell(&story, &format!("{computation} open.txt")).stdout;
+        assert!(printed.contains("No obstacle: no cell of the map is occupied."), "{printed}");
         let answer = object(&story, &format!("{computation} open.txt"));
         assert_eq!((&answer["no_obstacle"], &answer["occupied"]), (&json!(true), &json!(0)));
     }
@@ -205,9 +205,9 @@ fn full_map_is_all_obstacle() {
     assert_eq!(values(&story, "repulsion full.txt"), ["4.8,4.8"; 2]);
     assert_eq!(values(&story, "total full.txt --goal 0,0"), ["4.8,9.8", "9.8,14.8"]);
     assert_eq!(object(&story, "total full.txt --goal 0,0 --true-distance")["maximum"], Value::Null);
-    let said = tell(&story, "attraction full.txt --goal 1,1").stdout;
-    assert!(said.contains("The goal, row 1, column 1, lies in an obstacle."), "{said}");
-    assert!(said.contains("No free cell"), "{said}");
+    let printed = tell(&story, "attraction full.txt --goal 1,1").stdout;
+    assert!(printed.contains("The goal, row 1, column 1, lies in an obstacle."), "{printed}");
+    assert!(printed.contains("No free cell"), "{printed}");
 }
 
 #[test]
@@ -320,10 +320,10 @@ fn searches_answer_cost_expansions_and_cells_touched() {
     assert!(corners["cost"].as_f64().is_some_and(|found| (found - 8.0 - SQRT_2).abs() < 1e-12));
     let four = object(&story, "greedy trap.txt --goal 2,5 --start 2,1 --connectivity 4");
     assert_eq!((&four["answer"], &four["cost"]), (&json!("reached"), &json!(10.0)));
-    let words = tell(&story, "astar trap.txt --goal 2,5 --start 2,1").stdout;
+    let printed = tell(&story, "astar trap.txt --goal 2,5 --start 2,1").stdout;
     assert!(
-        words.contains("Reached the goal: 6 steps, length 7.657.") && words.contains("touched, cost 7.657."),
-        "{words}"
+        printed.contains("Reached the goal: 6 steps, length 7.657.") && printed.contains("touched, cost 7.657."),
+        "{printed}"
     );
     let values = values(&story, "dijkstra open.txt --goal 1,2 --start 0,0");
     assert_eq!(values, ["0,1,2", "1,1.41421356237,2.41421356237"]);
@@ -487,10 +487,10 @@ fn obstacles_that_are_not_quite_dark_enough_are_said() {
     let text = tell(&story, "occupancy soft.pgm").stdout;
     assert!(text.contains("\nTolerance 50: 6.0 % of the pixels within 20 grey levels of it\n"), "{text}");
     assert!(text.contains("\n6.0 % of the pixels are within 20 grey levels of the tolerance, 50: "), "{text}");
-    let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let printed = text.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
-        words.contains("with --tolerance auto, 162, 6.0 % of the cells would be occupied instead of 2.0 %"),
-        "{words}"
+        printed.contains("with --tolerance auto, 162, 6.0 % of the cells would be occupied instead of 2.0 %"),
+        "{printed}"
     );
     let answer = tell(&story, "occupancy soft.pgm --json");
     assert!(answer.stderr.contains("6.0 % of the pixels"), "{}", answer.stderr);

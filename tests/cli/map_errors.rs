@@ -8,9 +8,9 @@ fn story() -> Story {
     story
 }
 
-fn refuse_map(story: &Story, arguments: &str, words: &[&str]) {
+fn refuse_map(story: &Story, arguments: &str, fragments: &[&str]) {
     let arguments: Vec<_> = std::iter::once("map").chain(arguments.split_whitespace()).collect();
-    refuse(story, &arguments, words);
+    refuse(story, &arguments, fragments);
 }
 
 #[test]
@@ -24,8 +24,8 @@ fn goal_outside_or_in_an_obstacle_is_refused_with_file_row_and_column() {
         );
     }
     for command in ["wavefront", "attraction", "total", "descend --start 1,0"] {
-        let words = ["map.txt: the goal at row 2, column 0 lies outside the map of 2 rows and 4 columns"];
-        refuse_map(&story, &format!("{command} map.txt --goal 2,0 --json"), &words);
+        let fragments = ["map.txt: the goal at row 2, column 0 lies outside the map of 2 rows and 4 columns"];
+        refuse_map(&story, &format!("{command} map.txt --goal 2,0 --json"), &fragments);
     }
 }
 
@@ -54,8 +54,8 @@ fn searches_refuse_wrong_ends_as_the_wavefront_does() {
 fn start_outside_the_map_is_refused() {
     let story = story();
     for command in ["wavefront", "wavefront --shortest", "descend", "descend --escape wavefront"] {
-        let words = ["map.txt: the start at row 0, column 4 lies outside the map of 2 rows and 4 columns"];
-        refuse_map(&story, &format!("{command} map.txt --goal 1,0 --start 0,4 --csv v.csv"), &words);
+        let fragments = ["map.txt: the start at row 0, column 4 lies outside the map of 2 rows and 4 columns"];
+        refuse_map(&story, &format!("{command} map.txt --goal 1,0 --start 0,4 --csv v.csv"), &fragments);
     }
 }
 
@@ -78,8 +78,8 @@ fn a_place_outside_that_lies_inside_as_column_and_row_is_suggested() {
     story.file("wide.txt", "0000000000\n0000000000\n");
     refuse_map(&story, "wavefront wide.txt --goal 7,1", &["the goal at row 7", "did you mean 1,7?"]);
     refuse_map(&story, "astar wide.txt --goal 1,7 --start 9,0", &["the start at row 9", "did you mean 0,9?"]);
-    let words = ["map", "report", "wide.txt", "--goal", "7,1", "--start", "0,0", "--out", "lab"];
-    assert!(story.tell(&words).expect_code(2).stderr.contains("did you mean 1,7?"));
+    let args = ["map", "report", "wide.txt", "--goal", "7,1", "--start", "0,0", "--out", "lab"];
+    assert!(story.tell(&args).expect_code(2).stderr.contains("did you mean 1,7?"));
     let refused = story.tell(&["map", "wavefront", "wide.txt", "--goal", "7,7"]).expect_code(2).stderr;
     assert!(!refused.contains("did you mean"), "{refused}");
 }
@@ -99,7 +99,7 @@ fn neighbours_have_one_name_and_their_old_one_is_read_still() {
 #[test]
 fn parameters_that_make_no_sense_are_refused() {
     let story = story();
-    for (arguments, words) in [
+    for (arguments, fragment) in [
         ("cost map.txt --safety-distance 0", "the safety distance must be at least 1 cell, not 0"),
         ("cost map.txt --safety-distance -3", "a whole number from 1"),
         ("cost map.txt --cost-rate nan", "the cost rate must be a number"),
@@ -129,14 +129,14 @@ fn parameters_that_make_no_sense_are_refused() {
         ("occupancy map.txt --tolerance -1", "from 0 to 255"),
         ("occupancy map.txt --remove-edges -1", "from 0 to 32767"),
     ] {
-        refuse_map(&story, &format!("{arguments} --csv values.csv"), &[words]);
+        refuse_map(&story, &format!("{arguments} --csv values.csv"), &[fragment]);
     }
 }
 
 #[test]
 fn options_that_do_not_go_together_are_refused() {
     let story = story();
-    for (arguments, words) in [
+    for (arguments, fragment) in [
         ("descend map.txt --goal 1,0", "--start"),
         ("descend map.txt --start 1,0", "--goal"),
         ("wavefront map.txt", "--goal"),
@@ -157,7 +157,7 @@ fn options_that_do_not_go_together_are_refused() {
         ("timing map.txt --csv values.csv", "--csv"),
         ("", "brushfire"),
     ] {
-        refuse_map(&story, arguments, &[words]);
+        refuse_map(&story, arguments, &[fragment]);
     }
 }
 
@@ -168,15 +168,15 @@ fn files_that_are_no_maps_are_refused_with_the_place() {
     story.file("letter.txt", "000\n0x0\n");
     story.file("empty.txt", "");
     std::fs::create_dir(story.path("folder")).expect("writable");
-    for (map, words) in [
+    for (map, fragment) in [
         ("ragged.txt", "ragged.txt: row 1, column 2"),
         ("letter.txt", "letter.txt: row 1, column 1"),
         ("empty.txt", "empty.txt: the file is empty"),
         ("folder", "folder: this is a folder"),
         ("nowhere.txt", "nowhere.txt: cannot be read"),
     ] {
-        refuse_map(&story, &format!("brushfire {map} --csv values.csv"), &[words]);
-        refuse_map(&story, &format!("timing {map}"), &[words]);
+        refuse_map(&story, &format!("brushfire {map} --csv values.csv"), &[fragment]);
+        refuse_map(&story, &format!("timing {map}"), &[fragment]);
     }
 }
 

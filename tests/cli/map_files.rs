@@ -83,12 +83,12 @@ fn grey_walls(story: &Story) {
 }
 
 #[test]
-fn tolerance_is_chosen_and_told() {
+fn tolerance_is_selected_and_reported() {
     let story = story();
     grey_walls(&story);
     let object = |options: &[&str]| -> serde_json::Value {
-        let words = [&["map", "occupancy", "walls.pgm", "--json"], options].concat();
-        serde_json::from_str(&story.tell(&words).expect_code(0).stdout).expect("JSON")
+        let args = [&["map", "occupancy", "walls.pgm", "--json"], options].concat();
+        serde_json::from_str(&story.tell(&args).expect_code(0).stdout).expect("JSON")
     };
     assert_eq!((&object(&[])["occupied"], &object(&[])["tolerance"]), (&0.into(), &50.into()));
     let auto = object(&["--tolerance", "auto"]);
@@ -97,9 +97,9 @@ fn tolerance_is_chosen_and_told() {
     let negative = object(&["--invert", "--tolerance", "auto"]);
     assert_eq!(negative["occupied"], 2);
     let doubts = story.tell(&["map", "occupancy", "walls.pgm", "--tolerance", "95"]).expect_code(0).stdout;
-    let words = doubts.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(words.contains("--tolerance auto picks one"), "{words}");
-    assert!(words.contains("--invert takes light pixels instead"), "{words}");
+    let text = doubts.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(text.contains("--tolerance auto picks one"), "{text}");
+    assert!(text.contains("--invert takes light pixels instead"), "{text}");
 }
 
 #[test]
@@ -119,8 +119,8 @@ fn maps_are_resized_without_losing_walls() {
 #[test]
 fn what_occupancy_writes_is_a_map_again() {
     let story = story();
-    let words = ["map", "occupancy", "map.txt", "--csv", "v.csv", "--npy", "v.npy"];
-    story.tell(&words).expect_code(0);
+    let args = ["map", "occupancy", "map.txt", "--csv", "v.csv", "--npy", "v.npy"];
+    story.tell(&args).expect_code(0);
     let first = story.read("v.csv");
     for map in ["v.csv", "v.npy"] {
         story.tell(&["map", "occupancy", map, "--csv", "again.csv"]).expect_code(0);
@@ -157,22 +157,22 @@ fn what_there_is_to_say_of_a_map_is_said_of_a_scenario_and_a_page() {
     let rows = (0..20).map(|row| if row == 9 { "76 ".repeat(30) } else { "255 ".repeat(30) });
     story.file("light.pgm", &format!("P2 30 20 255\n{}", rows.collect::<String>()));
     let doubt = "light.pgm: With --tolerance auto, 165, 5.0 % of the cells would be occupied instead of 0.0 %.";
-    let begun = story.tell(&["new", "scenario", "--from-map", "light.pgm", "light.toml"]).expect_code(0);
-    assert!(begun.stderr.contains(doubt), "{}", begun.stderr);
-    assert!(begun.stderr.contains("Nothing can burn: the field has no bushes."), "{}", begun.stderr);
-    let words = ["map", "report", "light.pgm", "--goal", "0,0", "--start", "2,2", "--out", "lab"];
-    let page = story.tell(&words).expect_code(0);
+    let created = story.tell(&["new", "scenario", "--from-map", "light.pgm", "light.toml"]).expect_code(0);
+    assert!(created.stderr.contains(doubt), "{}", created.stderr);
+    assert!(created.stderr.contains("Nothing can burn: the field has no bushes."), "{}", created.stderr);
+    let args = ["map", "report", "light.pgm", "--goal", "0,0", "--start", "2,2", "--out", "lab"];
+    let page = story.tell(&args).expect_code(0);
     assert!(page.stderr.contains(doubt), "{}", page.stderr);
-    let quiet = story.tell(&[&["--quiet"][..], &words].concat()).expect_code(0);
+    let quiet = story.tell(&[&["--quiet"][..], &args].concat()).expect_code(0);
     assert!(quiet.stderr.is_empty(), "{}", quiet.stderr);
-    let refusal = story.tell(&[&words[..8], &["-"][..]].concat()).expect_code(2);
+    let refusal = story.tell(&[&args[..8], &["-"][..]].concat()).expect_code(2);
     assert!(refusal.stderr.contains("expected a folder"), "{}", refusal.stderr);
 
     story.file("table.csv", &"0,0,0,0,0,0,0,0,0,0,0,1\n".repeat(12));
-    let begun = story.tell(&["new", "scenario", "--from-map", "table.csv", "--tolerance", "9", "--cell-m", "10"]);
-    let begun = begun.expect_code(0);
-    assert!(begun.stderr.contains("--tolerance has no effect: the map is not an image."), "{}", begun.stderr);
-    assert!(!begun.stderr.contains("Nothing can burn"), "{}", begun.stderr);
+    let created = story.tell(&["new", "scenario", "--from-map", "table.csv", "--tolerance", "9", "--cell-m", "10"]);
+    let created = created.expect_code(0);
+    assert!(created.stderr.contains("--tolerance has no effect: the map is not an image."), "{}", created.stderr);
+    assert!(!created.stderr.contains("Nothing can burn"), "{}", created.stderr);
 }
 
 #[test]
@@ -218,8 +218,8 @@ fn commands_of_a_page_can_be_pasted() {
     let story = story();
     for name in ["my map.txt", "it's $1 #2.txt", "-plain.txt"] {
         story.file(name, "000000\n011100\n000100\n011100\n");
-        let words = ["map", "report", "--goal", "0,0", "--start", "3,5", "--out", "lab", "--", name];
-        story.tell(&words).expect_code(0);
+        let args = ["map", "report", "--goal", "0,0", "--start", "3,5", "--out", "lab", "--", name];
+        story.tell(&args).expect_code(0);
         let page = story.read("lab/report.html").replace("&#39;", "'").replace("&#x27;", "'").replace("&amp;", "&");
         let start = page.find("wildfire map astar").expect("the page has the command");
         let line = page[start..].split(['<', '"']).next().unwrap_or_default();
@@ -237,8 +237,8 @@ fn paths_that_do_not_arrive_do_not_look_like_it() {
     let story = story();
     // A descent that begins in a closed room.
     story.file("closed.txt", "000000\n011110\n010010\n011110\n000000\n");
-    let words = ["map", "report", "closed.txt", "--goal", "4,5", "--start", "2,2", "--out", "lab"];
-    story.tell(&words).expect_code(0);
+    let args = ["map", "report", "closed.txt", "--goal", "4,5", "--start", "2,2", "--out", "lab"];
+    story.tell(&args).expect_code(0);
     let page = story.read("lab/report.html");
     let row = &page[page.find("<td>Gradient descent").or(page.find("Gradient descent")).expect("a row")..];
     assert!(row[..row.find("</tr>").expect("a row ends")].contains("stuck"), "{}", &row[..300]);
@@ -250,10 +250,10 @@ fn a_truck_that_has_no_room_is_told_of_before_the_run() {
     // Corridors of 2 m.
     let hall = format!("{}\n", [".....#.....#.....#.....#.....#.....#."; 25].join("\n"));
     story.file("hall.txt", &hall);
-    let words = ["new", "scenario", "--from-map", "hall.txt", "hall.toml", "--cell-m", "0.4"];
-    let begun = story.tell(&words).expect_code(0);
+    let args = ["new", "scenario", "--from-map", "hall.txt", "hall.toml", "--cell-m", "0.4"];
+    let created = story.tell(&args).expect_code(0);
     let sentence = "cannot start: no free place was found for it on this field";
-    assert!(begun.stderr.contains(sentence), "{}", begun.stderr);
+    assert!(created.stderr.contains(sentence), "{}", created.stderr);
     let checked = story.tell(&["check", "hall.toml"]).expect_code(0).stdout;
     let checked = checked.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(checked.contains(sentence) && !checked.contains("moved to the nearest free place: truck 0"), "{checked}");
@@ -277,9 +277,9 @@ fn a_contest_takes_its_field_from_any_map() {
         [("plan.pgm", "30 x 20 cells of 5 m"), ("hall.yaml", "30 x 20 cells of 4 m"), ("wood.geojson", "60 x 40 cells")]
     {
         let set = format!("field.map={map}");
-        let said = story.tell(&["check", "contest", "--set", &set]).expect_code(0).stdout;
-        let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(words.contains(cells), "{words}");
+        let printed = story.tell(&["check", "contest", "--set", &set]).expect_code(0).stdout;
+        let text = printed.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(text.contains(cells), "{text}");
     }
     for (set, expected) in [
         (["field.map=plan.pgm", "field.map_tolerance=300"], "`field.map_tolerance` is 300; expected a whole number"),
@@ -287,8 +287,8 @@ fn a_contest_takes_its_field_from_any_map() {
         (["field.coverage=0.1", "field.map_invert=true"], "`field.map_invert` also needs `field.map`"),
     ] {
         let refusal = story.tell(&["check", "contest", "--set", set[0], "--set", set[1]]).expect_code(2);
-        let words = refusal.stderr.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(words.contains(expected), "{words}");
+        let text = refusal.stderr.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(text.contains(expected), "{text}");
     }
     story.file("bad.csv", "0,1\n0,2\n");
     let refusal = story.tell(&["check", "contest", "--set", "field.map=bad.csv"]).expect_code(2);

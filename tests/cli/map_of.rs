@@ -54,8 +54,8 @@ fn batches_give_one_map_whatever_was_recorded_and_however_many_threads() {
         story.tell(&["batch", "smoke", "--seeds", "1..7", "--record", record, "--out", folder]).expect_code(0);
     }
     let map = |folder: &str, jobs: &str, quantity: &str, file: &str| {
-        let words = ["map-of", folder, quantity, "--jobs", jobs, "--npy", file, "--json"];
-        object(&story.tell(&words).expect_code(0).stdout)
+        let args = ["map-of", folder, quantity, "--jobs", jobs, "--npy", file, "--json"];
+        object(&story.tell(&args).expect_code(0).stdout)
     };
     for quantity in ["--burn-probability", "--mean-arrival"] {
         let kept = map("kept", "1", quantity, "kept.npy");
@@ -79,8 +79,8 @@ fn differences_are_paired_and_have_intervals() {
         story.tell(&["batch", "smoke", "--seeds", "1..6", "--set", change, "--out", folder]).expect_code(0);
     }
     let minus = |first: &str, second: &str, file: &str| {
-        let words = ["map-of", first, "--burn-probability", "--minus", second, "--npy", file, "--json"];
-        object(&story.tell(&words).expect_code(0).stdout)
+        let args = ["map-of", first, "--burn-probability", "--minus", second, "--npy", file, "--json"];
+        object(&story.tell(&args).expect_code(0).stdout)
     };
     let nothing = minus("trucks", "trucks", "nothing.npy");
     assert_eq!(nothing["difference"]["burned_cells"]["mean"], 0.0);
@@ -124,8 +124,8 @@ fn what_has_no_map_is_refused() {
     let story = Story::begin();
     for (folder, scenario, seeds) in [("a", "smoke", "1..2"), ("later", "smoke", "7..8"), ("large", "contest", "1..2")]
     {
-        let words = ["batch", scenario, "--seeds", seeds, "--set", "duration_s=60", "--out", folder];
-        story.tell(&words).expect_code(0);
+        let args = ["batch", scenario, "--seeds", seeds, "--set", "duration_s=60", "--out", folder];
+        story.tell(&args).expect_code(0);
     }
     story.tell(&["batch", "smoke", "--seeds", "1..2", "--set", "field.coverage=0.05", "--out", "thin"]).expect_code(0);
     refuse(&story, &["map-of", "smoke", "--intensity"], &["only bushes burn", "rothermel"]);

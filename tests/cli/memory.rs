@@ -48,10 +48,10 @@ fn estimated_bytes(story: &Story, scenario: &[&str]) -> u64 {
         .lines()
         .find(|line| line.contains("in total; the limit of a run is"))
         .unwrap_or_else(|| panic!("{}", check.stdout));
-    let mut words = line.split_whitespace();
-    let number: f64 = words.next().and_then(|number| number.parse().ok()).expect("a number");
+    let mut parts = line.split_whitespace();
+    let number: f64 = parts.next().and_then(|number| number.parse().ok()).expect("a number");
     let units = [("kB", 1e3), ("MB", 1e6), ("GB", 1e9), ("TB", 1e12)];
-    let unit = words.next().and_then(|unit| units.iter().find(|(name, _)| *name == unit)).expect("a unit").1;
+    let unit = parts.next().and_then(|unit| units.iter().find(|(name, _)| *name == unit)).expect("a unit").1;
     (number * unit) as u64
 }
 
@@ -64,8 +64,9 @@ fn a_hundred_large_pose_roadmaps_are_refused_before_they_are_made() {
     let check = check.expect_complaint(&["a run would be refused", "the limit is 2 GB"]).stdout;
     assert!(check.contains("No run can start") && check.contains("in total; the limit of a run is 2 GB"), "{check}");
     let (peak, run) = peak_bytes(story.command(&["run", "roadmaps.toml"]));
-    let words = ["GB of memory", "for the planners of 100 trucks (prm-rs); the limit is 2 GB", "--memory sets another"];
-    run.expect_code(1).expect_complaint(&words);
+    let fragments =
+        ["GB of memory", "for the planners of 100 trucks (prm-rs); the limit is 2 GB", "--memory sets another"];
+    run.expect_code(1).expect_complaint(&fragments);
     assert!(peak < 100_000_000, "{peak}");
 }
 
@@ -139,8 +140,8 @@ fn a_hundred_equal_wumpuses_take_little_more_than_one() {
     run.expect_code(0);
     assert!(peak < hundred && peak > 5_000_000, "{peak} of {hundred}");
     // Lattices that begin at their own starts are a hundred.
-    let own = write("own.toml", 100, "lattice_m = 5.0");
-    assert!(own > 20 * one, "{own} for a hundred lattices, {one} for one");
+    let separate = write("own.toml", 100, "lattice_m = 5.0");
+    assert!(separate > 20 * one, "{separate} for a hundred lattices, {one} for one");
     let refused = story.tell(&["run", "own.toml"]).expect_code(1);
     refused.expect_complaint(&["for the planners of Wumpuses; the limit is 2 GB"]);
 }

@@ -55,12 +55,12 @@ fn story() -> Story {
 }
 
 fn tell(story: &Story, command: &str, number: &str) -> Answer {
-    let words = command.replace('@', number);
-    story.tell(&words.split(' ').collect::<Vec<_>>())
+    let line = command.replace('@', number);
+    story.tell(&line.split(' ').collect::<Vec<_>>())
 }
 
 /// Returns the lines of an answer except measured ones, without the sign of the number that was asked for.
-fn said(text: &str) -> Vec<String> {
+fn printed_lines(text: &str) -> Vec<String> {
     let lines = text.lines().take_while(|line| !line.contains("CPU") && !line.contains(" ms"));
     lines.map(|line| line.replace("-0", "0").replace("0.0", "0")).collect()
 }
@@ -82,7 +82,7 @@ fn minus_zero_is_zero_in_every_option_that_takes_a_number() {
                 continue;
             }
             assert_eq!(found.code, zero.code, "{command} with {number}: {}", found.stderr);
-            assert_eq!(said(&found.stdout), said(&zero.stdout), "{command} with {number}");
+            assert_eq!(printed_lines(&found.stdout), printed_lines(&zero.stdout), "{command} with {number}");
             assert!(!found.stderr.contains("panicked"), "{command} with {number}: {}", found.stderr);
             assert!(written() == expected, "{command} writes something else with {number}");
         }

@@ -46,7 +46,7 @@ fn what_cannot_be_a_page_is_refused() {
     let alone = output_of(command(&copy).args(["page", "-o", "p.html"]).current_dir(story.path("")));
     let answer = Answer::of(&alone).expect_code(2);
     assert!(answer.stderr.contains("wildfire.wasm not found next to the program"), "{}", answer.stderr);
-    for (words, sentence) in [
+    for (args, sentence) in [
         (&["page", "-o", "p.html", "--module", "gone.wasm"][..], "gone.wasm: it cannot be read"),
         (&["page", "-o", "p.html", "--module", "text.wasm"], "text.wasm: it is no WebAssembly module"),
         (&["page", "-o", "p.png", "--module", "m.wasm"], "p.png would hold a page"),
@@ -58,8 +58,8 @@ fn what_cannot_be_a_page_is_refused() {
         (&["run", "--answers", "nearest.json"], "answer 1 sends wumpus/0 to the nearest fire; only trucks can"),
         (&["run", "dense", "--answers", "game.json"], "cannot be used with"),
     ] {
-        let answer = story.tell(words).expect_code(2);
-        assert!(answer.stderr.contains(sentence), "{words:?}: {}", answer.stderr);
+        let answer = story.tell(args).expect_code(2);
+        assert!(answer.stderr.contains(sentence), "{args:?}: {}", answer.stderr);
     }
     assert!(!story.path("p.html").exists() && !story.path("p.png").exists());
 }
@@ -104,8 +104,8 @@ fn lessons_are_self_contained_and_their_data_keep_the_laws() {
         &trap.expect("it is there")["runs"]
     });
     story.file("trap.txt", include_str!("../../assets/maps/u-trap.txt"));
-    let map = |words: &[&str]| {
-        let answer = story.tell(&[&["map", words[0], "trap.txt", "--goal", "10,27", "--json"], &words[1..]].concat());
+    let map = |args: &[&str]| {
+        let answer = story.tell(&[&["map", args[0], "trap.txt", "--goal", "10,27", "--json"], &args[1..]].concat());
         serde_json::from_str::<Value>(&answer.expect_code(0).stdout).expect("it is JSON")
     };
     let astar = map(&["astar", "--start", "10,2"]);

@@ -40,11 +40,11 @@ fn tables_of_a_batch_are_latex_in_which_no_name_acts() {
             assert!(paper.contains(rule), "{rule}: {paper}");
         }
         assert_eq!(paper.matches("\\begin{table}").count(), paper.matches("\\label{tab:").count(), "{paper}");
-        let begun = paper.matches("\\begin{").count();
-        assert!(begun > 1 && begun == paper.matches("\\end{").count(), "{paper}");
+        let begins = paper.matches("\\begin{").count();
+        assert!(begins > 1 && begins == paper.matches("\\end{").count(), "{paper}");
     }
-    let asked = story.tell(&["report", "a", "--tex", "--metric", "truck_cusps"]).expect_code(0).stdout;
-    assert_eq!(asked.matches("\\begin{tabular}{lrrrrr}").count(), 1, "one table for the column: {asked}");
+    let printed = story.tell(&["report", "a", "--tex", "--metric", "truck_cusps"]).expect_code(0).stdout;
+    assert_eq!(printed.matches("\\begin{tabular}{lrrrrr}").count(), 1, "one table for the column: {printed}");
     let means = story.tell(&["report", "a", "--tex"]).expect_code(0).stdout;
     assert!(means.contains("\\caption{Means over finished runs}\\label{tab:means-over-finished-runs}"), "{means}");
     assert!(!means.contains("\n1 & 1 & ") && !means.contains("Obstacle states at the end of each run"), "{means}");
@@ -71,14 +71,14 @@ fn means_of_the_variants_are_a_table_of_their_own() {
     let labels: Vec<&str> = names.iter().take(6).collect();
     assert_eq!(labels, ["variant", "scenario", "planner", "field.coverage", "finished", "failed"]);
     let place =
-        |names: &csv::StringRecord, name: &str| names.iter().position(|known| known == name).expect("it is there");
+        |names: &csv::StringRecord, name: &str| names.iter().position(|header| header == name).expect("it is there");
     let number = |row: &csv::StringRecord, place: usize| row[place].parse::<f64>().expect("a number");
     assert_eq!(means.len(), 4);
     for (index, row) in means.iter().enumerate() {
         assert_eq!([&row[0], &row[4], &row[5]], [&(index + 1).to_string(), "4", "0"]);
-        let own = &all[4 * index..4 * index + 4];
-        assert_eq!(row[place(&names, "field.coverage")], own[0][place(&all_names, "field.coverage")]);
-        let mean = own.iter().map(|run| number(run, place(&all_names, "extinguished"))).sum::<f64>() / 4.0;
+        let of_variant = &all[4 * index..4 * index + 4];
+        assert_eq!(row[place(&names, "field.coverage")], of_variant[0][place(&all_names, "field.coverage")]);
+        let mean = of_variant.iter().map(|run| number(run, place(&all_names, "extinguished"))).sum::<f64>() / 4.0;
         let found =
             ["extinguished_low", "extinguished", "extinguished_high"].map(|name| number(row, place(&names, name)));
         assert!((found[1] - mean).abs() < 1e-9 && found[0] <= mean && mean <= found[2], "{found:?} about {mean}");
@@ -105,8 +105,8 @@ fn latex_sets_everything_within_a_column() {
         "plan --goals 2",
         "fire behavior --fuel GR2 --wind 5",
     ] {
-        let words: Vec<&str> = command.split(' ').chain(["--tex"]).collect();
-        paper += &story.tell(&words).expect_code(0).stdout;
+        let args: Vec<&str> = command.split(' ').chain(["--tex"]).collect();
+        paper += &story.tell(&args).expect_code(0).stdout;
         paper += "\\clearpage\n";
     }
     story.file("paper.tex", &(paper + "\\end{document}\n"));

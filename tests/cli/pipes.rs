@@ -55,8 +55,8 @@ fn with_input(command: &str, input: &str) -> Vec<String> {
     command.replace("{}", input).split_whitespace().map(str::to_owned).collect()
 }
 
-fn command(story: &Story, words: &[String]) -> Command {
-    story.command(&words.iter().map(String::as_str).collect::<Vec<_>>())
+fn command(story: &Story, args: &[String]) -> Command {
+    story.command(&args.iter().map(String::as_str).collect::<Vec<_>>())
 }
 
 fn remove_outputs(story: &Story) {
@@ -89,9 +89,9 @@ fn every_input_may_be_stdin() {
     for (arguments, file) in INPUTS {
         let input = fs::File::open(story.path(file)).expect("it was just written");
         let mut cat = Command::new("cat").stdin(input).stdout(Stdio::piped()).spawn().expect("cat is there");
-        let words = with_input(arguments, "-");
+        let args = with_input(arguments, "-");
         let stdin = cat.stdout.take().expect("it is piped");
-        let output = output_of(command(&story, &words).stdin(stdin));
+        let output = output_of(command(&story, &args).stdin(stdin));
         end_of(cat);
         let answer = Answer::of(&output);
         assert_eq!(answer.code, Some(0), "{arguments}: {}", answer.stderr);
@@ -139,11 +139,11 @@ fn addresses_without_input(story: &Story) -> u64 {
 }
 
 /// Runs a command in bounded memory, which must end with the code of bad input.
-fn refuse_in_bounded_memory(story: &Story, words: &[String], what: &str) {
+fn refuse_in_bounded_memory(story: &Story, args: &[String], what: &str) {
     let limited = format!("ulimit -v {}; exec \"$0\" \"$@\"", READ_KIB + addresses_without_input(story));
     let mut shell = story.shell(&limited);
     // glibc reserves 64 MiB of addresses for a thread that allocates while another does, which depends on the moment.
-    let answer = Answer::of(&output_of(shell.env("MALLOC_ARENA_MAX", "1").args(words)));
+    let answer = Answer::of(&output_of(shell.env("MALLOC_ARENA_MAX", "1").args(args)));
     assert_eq!(answer.code, Some(2), "{what}: {:.500}\n{:.500}", answer.stdout, answer.stderr);
 }
 

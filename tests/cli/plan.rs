@@ -104,12 +104,12 @@ fn goals_and_starts_that_cannot_be_are_rows_with_a_reason() {
 
 /// Metres driven, pose and direction of each row of a goal's path.
 fn path(rows: &[Vec<(String, String)>], goal: &str) -> Vec<(f64, Pose, String)> {
-    let own = rows.iter().filter(|row| value(row, "goal") == goal);
+    let of_goal = rows.iter().filter(|row| value(row, "goal") == goal);
     let sample = |row: &Vec<(String, String)>| {
         let pose = Pose::new(number(row, "x_m"), number(row, "y_m"), number(row, "heading_rad"));
         (number(row, "s_m"), pose, value(row, "direction").to_owned())
     };
-    own.map(sample).collect()
+    of_goal.map(sample).collect()
 }
 
 #[test]
@@ -161,10 +161,10 @@ fn json_says_what_the_table_says() {
     let story = begin();
     let answer = story.tell(&["plan", "mine.json", "--planner", "hybrid-astar", "--csv", "a.csv", "--json"]);
     let object: Value = serde_json::from_str(&answer.expect_code(0).stdout).expect("the answer is JSON");
-    let told = object["rows"].as_array().expect("a list");
+    let reported = object["rows"].as_array().expect("a list");
     let rows = rows(&story, "a.csv");
-    assert_eq!(told.len(), rows.len());
-    for (member, row) in told.iter().zip(&rows) {
+    assert_eq!(reported.len(), rows.len());
+    for (member, row) in reported.iter().zip(&rows) {
         assert_eq!(member["success"], true);
         for column in ["length_m", "lower_bound_ratio", "min_clearance_m", "drive_s", "cpu_query_s"] {
             assert_eq!(member[column].as_f64(), Some(number(row, column)), "{column}");
@@ -239,7 +239,7 @@ fn questions_that_make_no_sense_are_refused() {
     story.file("empty.json", "{\"n\": 20, \"cells_cr\": [], \"start\": [20, 20, 0]}");
     story.file("alone.toml", "wumpus = []\nunimog = []\n");
     fs::copy(story.path("mine.json"), story.path("again.json")).expect("writable");
-    for (arguments, words) in [
+    for (arguments, fragment) in [
         ("plan broken.json --csv a.csv", &["broken.json:3", "this is not JSON"] as &[&str]),
         ("plan nothing.json", &["nothing.json", "cannot be read"]),
         ("plan contest", &["`contest` cannot be read", "--scenario contest"]),
@@ -256,7 +256,7 @@ fn questions_that_make_no_sense_are_refused() {
         ("plan mine.json --csv mine.json", &["mine.json", "two files"]),
         ("plan mine.json --csv a.csv --paths a.csv", &["a.csv", "two files"]),
     ] {
-        refuse(&story, &arguments.split_whitespace().collect::<Vec<_>>(), words);
+        refuse(&story, &arguments.split_whitespace().collect::<Vec<_>>(), fragment);
     }
     refuse(&story, &["plan", "mine.json", "--csv", "none/a.csv"], &["none/a.csv", "the folder does not exist"]);
 }

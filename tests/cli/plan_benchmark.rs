@@ -33,10 +33,10 @@ fn every_planner_is_asked_for_the_same_drives_of_every_variant_and_seed() {
     let story = Story::begin();
     let answer = story.tell(&small(&["--planner", "hybrid-astar,prm-rs", "--csv", "a.csv"])).expect_code(0);
     assert!(widest(&answer.stdout) <= 80, "{}", answer.stdout);
-    for words in
+    for fragment in
         ["seeds 1..3: 24 queries", "field.coverage 0.02: 6 queries of each planner", "field.coverage 0.05: 6 q"]
     {
-        assert!(answer.stdout.contains(words), "{words}: {}", answer.stdout);
+        assert!(answer.stdout.contains(fragment), "{fragment}: {}", answer.stdout);
     }
     assert_eq!(story.read("a.csv").lines().next(), Some(HEADER));
     let rows = outcomes(&story, "a.csv");
@@ -122,7 +122,7 @@ fn report_needs_no_other_file_and_is_the_same_again() {
     let story = Story::begin();
     story.tell(&small(&["--planner", "hybrid-astar,lattice", "--report", "bench"])).expect_code(0);
     let page = story.read("bench/report.html");
-    for words in [
+    for fragment in [
         "<h1>Drives: bench</h1>",
         ">Boxes</h2>",
         ">Medians over swept keys</h2>",
@@ -131,7 +131,7 @@ fn report_needs_no_other_file_and_is_the_same_again() {
         "hybrid-astar",
         "Wilson",
     ] {
-        assert!(page.contains(words), "{words} is missing");
+        assert!(page.contains(fragment), "{fragment} is missing");
     }
     assert!(page.contains("<svg") && !page.contains("<script") && !page.contains("src=\"http"), "it needs no network");
     let charts = |folder: &str| {
@@ -178,7 +178,7 @@ fn what_is_no_benchmark_is_refused_and_nothing_is_written() {
     let story = Story::begin();
     story.file("f.json", "{\"n\": 20, \"cells_cr\": [], \"start\": [20, 20, 0], \"goals\": [{\"pose\": [70, 70, 1]}]}");
     story.file("taken", "a file");
-    for (words, said) in [
+    for (args, fragments) in [
         (&["plan", "--seeds", "3..1"][..], &["the range `3..1` is empty"][..]),
         (&["plan", "--seeds", "1..2", "--seed", "3"], &["cannot be used with"]),
         (&["plan", "--seeds", "1..2", "--png", "a.png"], &["--png needs a single variant and seed"]),
@@ -196,7 +196,7 @@ fn what_is_no_benchmark_is_refused_and_nothing_is_written() {
         (&["plan", "--seeds", "1,2", "--csv", "nowhere/a.csv"], &["the folder does not exist"]),
         (&["plan", "--seeds", "1,2", "--jobs", "0"], &["from 1 to 1024"]),
     ] {
-        refuse(&story, words, said);
+        refuse(&story, args, fragments);
     }
 }
 
@@ -236,7 +236,7 @@ fn tables_that_are_none_are_refused_with_their_line() {
     let columns = HEADER.replace(",field.coverage", "");
     let good = "1,drives,0,lattice,true,,0.1,0.1,10.0,1.0,1.0,0,1.0,5,";
     let table = |header: &str, row: &str| format!("{header}\n{good}\n{row}\n");
-    for (header, row, said) in [
+    for (header, row, fragments) in [
         (columns.replace("cpu_query_s", "cpu"), good.to_owned(), &["there is no column `cpu_query_s`"][..]),
         (columns.clone(), "1,drives,0".to_owned(), &["line 3", "3 fields"]),
         (columns.clone(), good.replace("true", "yes"), &["line 3: success is `yes`; expected true or false"]),
@@ -248,7 +248,7 @@ fn tables_that_are_none_are_refused_with_their_line() {
         (columns.clone(), good.replacen('1', "-1", 1), &["line 3: seed is `-1`; expected a seed"]),
     ] {
         story.file("t.csv", &table(&header, &row));
-        refuse(&story, &["plan", "report", "t.csv"], said);
+        refuse(&story, &["plan", "report", "t.csv"], fragments);
     }
     story.file("t.csv", &format!("{columns}\n"));
     refuse(&story, &["plan", "report", "t.csv"], &["it has no queries"]);

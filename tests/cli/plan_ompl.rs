@@ -35,14 +35,14 @@ impl<'a> Lines<'a> {
     }
 
     /// The first word of a line that ends with these words.
-    fn ending(&mut self, words: &str) -> &'a str {
+    fn ending(&mut self, suffix: &str) -> &'a str {
         let line = self.next();
-        assert!(line.ends_with(words), "`{line}` does not end with `{words}`");
+        assert!(line.ends_with(suffix), "`{line}` does not end with `{suffix}`");
         line.split_whitespace().next().expect("a word")
     }
 
-    fn count(&mut self, words: &str) -> usize {
-        self.ending(words).parse().expect("a count")
+    fn count(&mut self, suffix: &str) -> usize {
+        self.ending(suffix).parse().expect("a count")
     }
 
     /// The lines between the signs of a text of several lines; a line that begins as its end does would be its end.
@@ -53,9 +53,9 @@ impl<'a> Lines<'a> {
     }
 
     /// What follows these words.
-    fn beginning(&mut self, words: &str) -> &'a str {
+    fn beginning(&mut self, prefix: &str) -> &'a str {
         let line = self.next();
-        line.strip_prefix(words).unwrap_or_else(|| panic!("`{line}` does not begin with `{words}`")).trim()
+        line.strip_prefix(prefix).unwrap_or_else(|| panic!("`{line}` does not begin with `{prefix}`")).trim()
     }
 }
 
@@ -72,7 +72,7 @@ fn read(text: &str) -> Log {
     lines.block();
     let hardware = lines.block();
     let seed = lines.ending(" is the random seed").parse().expect("a seed");
-    let mut limit = |words: &str| lines.ending(words).parse::<f64>().expect("a number");
+    let mut limit = |suffix: &str| lines.ending(suffix).parse::<f64>().expect("a number");
     let (seconds_per_run, megabytes_per_run) = (limit(" seconds per run"), limit(" MB per run"));
     let runs_per_planner = lines.count(" runs per planner");
     lines.ending(" seconds spent to collect the data").parse::<f64>().expect("a number");
@@ -120,8 +120,8 @@ fn log_reads_as_one_of_ompl() {
     assert_eq!(status[0], "status");
     for runs in &log.planners {
         assert!(runs.properties.iter().any(|property| *property == ("time".into(), "REAL".into())));
-        let known = ["REAL", "INTEGER", "BOOLEAN", "ENUM"];
-        assert!(runs.properties.iter().all(|(_, kind)| known.contains(&kind.as_str())));
+        let kinds = ["REAL", "INTEGER", "BOOLEAN", "ENUM"];
+        assert!(runs.properties.iter().all(|(_, kind)| kinds.contains(&kind.as_str())));
         assert!(runs.values.iter().all(|values| values.len() == runs.properties.len()));
         assert_eq!(runs.values.len(), 2);
     }
@@ -142,8 +142,8 @@ fn log_reads_as_one_of_ompl() {
 }
 
 /// The words after `plan`, and the day on which they are said.
-fn logged(story: &Story, words: &[&str], day: &str) -> Log {
-    let mut command = story.command(&[&["plan"], words, &["--ompl", "a.log"]].concat());
+fn logged(story: &Story, args: &[&str], day: &str) -> Log {
+    let mut command = story.command(&[&["plan"], args, &["--ompl", "a.log"]].concat());
     let output = output_of(command.env("SOURCE_DATE_EPOCH", day));
     Answer::of(&output).expect_code(0);
     read(&story.read("a.log"))
@@ -177,13 +177,13 @@ fn day_limits_and_processors_are_those_of_the_experiment() {
 #[test]
 fn benchmark_is_one_log_in_which_settings_tell_variants_apart() {
     let story = Story::begin();
-    let words =
+    let args =
         ["--seeds", "3,4", "--goals", "2", "--set", "field.coverage=0.02,0.05", "--planner", "hybrid-astar,lattice"];
-    let log = logged(&story, &words, "0");
+    let log = logged(&story, &args, "0");
     assert_eq!((log.seed, log.runs_per_planner), (3, 4));
     let coverage = |runs: &Runs| {
-        let own = runs.settings.iter().find(|(name, _)| name == "field.coverage");
-        own.expect("it is among the settings").1.clone()
+        let swept = runs.settings.iter().find(|(name, _)| name == "field.coverage");
+        swept.expect("it is among the settings").1.clone()
     };
     let planners: Vec<_> = log.planners.iter().map(|runs| (runs.planner.as_str(), coverage(runs))).collect();
     let expected =

@@ -22,8 +22,8 @@ fn entries_are_ranked_in_every_form() {
     let story = batches();
     let batches = ["rank", "all", "anna", "ben"];
     let text = story.tell(&batches).expect_code(0).stdout;
-    for words in ["5 entries by saved, higher is better", "Each entry: 6 runs, seeds 1..6", "all prm-rs", "anna "] {
-        assert!(text.contains(words), "`{words}` is missing:\n{text}");
+    for fragment in ["5 entries by saved, higher is better", "Each entry: 6 runs, seeds 1..6", "all prm-rs", "anna "] {
+        assert!(text.contains(fragment), "`{fragment}` is missing:\n{text}");
     }
     assert!(widest(&text) <= 80, "{text}");
     assert_eq!(text, story.tell(&["rank", "ben", "all", "anna"]).stdout, "in whatever order they are given");

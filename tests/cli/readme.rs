@@ -48,18 +48,18 @@ fn rewriting() -> bool {
 
 /// A fenced block: the words after its fence, the lines between, and where these begin on the page, from 0.
 struct Block {
-    words: Vec<String>,
+    tags: Vec<String>,
     lines: Vec<String>,
     first_line: usize,
 }
 
 impl Block {
-    fn is(&self, words: &[&str]) -> bool {
-        self.words.iter().map(String::as_str).eq(words.iter().copied())
+    fn is(&self, tags: &[&str]) -> bool {
+        self.tags.iter().map(String::as_str).eq(tags.iter().copied())
     }
 
     fn is_measured(&self) -> bool {
-        self.words.get(1).is_some_and(|word| word == "measured")
+        self.tags.get(1).is_some_and(|word| word == "measured")
     }
 
     /// The commands of the program, without the backslashes that join lines.
@@ -77,8 +77,8 @@ fn blocks(text: &str) -> Vec<Block> {
         match line.strip_prefix("```") {
             Some(_) if inside => inside = false,
             Some(info) => {
-                let words = info.split_whitespace().map(str::to_owned).collect();
-                blocks.push(Block { words, lines: Vec::new(), first_line: number + 1 });
+                let tags = info.split_whitespace().map(str::to_owned).collect();
+                blocks.push(Block { tags, lines: Vec::new(), first_line: number + 1 });
                 inside = true;
             }
             None if inside => blocks.last_mut().expect("inside a block").lines.push(line.to_owned()),
@@ -127,8 +127,8 @@ fn without_numbers(line: &str) -> String {
 
 /// A line with single spaces, and with single dashes for rules under the heads of tables.
 fn narrowed(line: &str) -> String {
-    let words = line.split_whitespace().map(|word| if word.chars().all(|letter| letter == '-') { "-" } else { word });
-    words.collect::<Vec<_>>().join(" ")
+    let cells = line.split_whitespace().map(|word| if word.chars().all(|letter| letter == '-') { "-" } else { word });
+    cells.collect::<Vec<_>>().join(" ")
 }
 
 /// Runs a line of a page as a shell would, and returns what it prints.
@@ -187,7 +187,7 @@ fn hold(page: &str, largest_picture: usize) {
                 different.push(format!("{page}:{}: the program prints\n{}", block.first_line, wanted.join("\n")));
                 replacements.push((block, wanted));
             }
-        } else if let Some(name) = block.words.get(1).filter(|name| name.contains('.')) {
+        } else if let Some(name) = block.tags.get(1).filter(|name| name.contains('.')) {
             let file = folder.path().join(name);
             fs::create_dir_all(file.parent().expect("it is below the folder")).expect("writable");
             fs::write(file, block.lines.join("\n") + "\n").expect("writable");
@@ -230,9 +230,9 @@ macro_rules! hold {
 
         #[test]
         fn every_page_is_held() {
-            let mut held = vec![$($page.to_owned()),*];
-            held.sort();
-            assert_eq!(held, pages());
+            let mut listed = vec![$($page.to_owned()),*];
+            listed.sort();
+            assert_eq!(listed, pages());
         }
     };
 }
@@ -295,12 +295,12 @@ fn blocks_are_of_a_kind_that_is_known() {
         let text = read(&page);
         for block in blocks(&text) {
             let place = format!("{page}:{}", block.first_line);
-            let words: Vec<_> = block.words.iter().map(String::as_str).collect();
+            let tags: Vec<_> = block.tags.iter().map(String::as_str).collect();
             assert!(
-                matches!(words.as_slice(), ["sh" | "text"] | ["sh" | "text", "measured"] | ["text", "times"] | ["sql"])
-                    || words.len() <= 2
-                        && ["toml", "csv", "json", "python", "pycon", "rust", "shell", "console"].contains(&words[0]),
-                "{place}: {words:?}"
+                matches!(tags.as_slice(), ["sh" | "text"] | ["sh" | "text", "measured"] | ["text", "times"] | ["sql"])
+                    || tags.len() <= 2
+                        && ["toml", "csv", "json", "python", "pycon", "rust", "shell", "console"].contains(&tags[0]),
+                "{place}: {tags:?}"
             );
             if block.is_measured() {
                 let before = text.lines().take(block.first_line).collect::<Vec<_>>().join(" ");
@@ -315,8 +315,8 @@ fn blocks_are_of_a_kind_that_is_known() {
 /// Whether a text says "measured on 2026-11-21 at commit 2d4aafe" somewhere.
 fn says_when(text: &str) -> bool {
     let text = text.to_lowercase();
-    text.match_indices("measured on ").any(|(at, words)| {
-        let (date, rest) = text[at + words.len()..].split_once(' ').unwrap_or_default();
+    text.match_indices("measured on ").any(|(at, phrase)| {
+        let (date, rest) = text[at + phrase.len()..].split_once(' ').unwrap_or_default();
         let commit: String = rest.strip_prefix("at commit ").unwrap_or_default().chars().take(7).collect();
         date.len() == 10
             && date.chars().all(|letter| letter.is_ascii_digit() || letter == '-')

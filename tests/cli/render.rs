@@ -147,7 +147,7 @@ fn recordings_that_are_none_are_refused_in_words() {
     for (name, bytes) in files {
         fs::write(story.path(name), bytes).expect("the scratch folder is writable");
     }
-    for (name, words) in [
+    for (name, fragment) in [
         ("missing.wildfire", "missing.wildfire does not exist"),
         ("short.wildfire", "truncated"),
         ("empty.wildfire", "truncated"),
@@ -156,8 +156,8 @@ fn recordings_that_are_none_are_refused_in_words() {
         ("foreign.wildfire", "not a wildfire recording"),
         ("renamed.dat", "newer"),
     ] {
-        refuse(&story, &["render", name, "-o", "x.png"], &[name, words]);
-        refuse(&story, &["render", "smoke", "--with", name, "-o", "x.png"], &[name, words]);
+        refuse(&story, &["render", name, "-o", "x.png"], &[name, fragment]);
+        refuse(&story, &["render", "smoke", "--with", name, "-o", "x.png"], &[name, fragment]);
     }
     fs::rename(story.path("run.wildfire"), story.path("run.dat")).expect("the scratch folder is writable");
     render(&story, &["run.dat", "-o", "x.png"]).expect_code(0);
@@ -198,8 +198,8 @@ fn looks_that_make_no_sense_are_refused() {
         (&["--html", "y.png"], &["y.png", "a page", ".html or .htm"]),
         (&["--html", "nowhere/x.html"], &["nowhere/x.html", "the folder does not exist"]),
     ];
-    for (look, words) in refused {
-        refuse(&story, &[&["render", "smoke", "-o", "x.png"], look].concat(), words);
+    for (look, fragments) in refused {
+        refuse(&story, &[&["render", "smoke", "-o", "x.png"], look].concat(), fragments);
     }
     refuse(&story, &["render", "nothing", "-o", "x.png"], &["nothing", "contest"]);
     refuse(&story, &["render", "smoke"], &["--out", "--gif", "--mp4"]);

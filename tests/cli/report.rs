@@ -32,8 +32,8 @@ fn charts(story: &Story, ending: &str) -> Vec<String> {
 fn report_is_one_page_with_every_table_and_chart() {
     let story = swept_batch();
     let page = report(&story);
-    for words in ["TABLE I.", "TABLE II.", "field.coverage 0.1", "Plan and version", "plan.json", "1..5"] {
-        assert!(page.contains(words), "`{words}` is missing");
+    for fragment in ["TABLE I.", "TABLE II.", "field.coverage 0.1", "Plan and version", "plan.json", "1..5"] {
+        assert!(page.contains(fragment), "`{fragment}` is missing");
     }
     let names = charts(&story, ".svg");
     for name in ["states", "cpu-time", "distribution-extinguished", "over-time-4", "sweep-field.coverage-burned_out"] {
@@ -97,7 +97,7 @@ fn opening(page: &str) -> &str {
 /// Returns the numbers of a column of runs that are done.
 fn column(story: &Story, name: &str) -> Vec<f64> {
     let rows = outcomes(&story.path("a/runs.csv"));
-    let column = rows[0].iter().position(|known| known == name).expect("the column is there");
+    let column = rows[0].iter().position(|header| header == name).expect("the column is there");
     rows[1..].iter().map(|row| row[column].parse().expect("a number")).collect()
 }
 
@@ -110,11 +110,14 @@ fn report_of_one_variant_opens_with_what_was_saved_and_a_curve() {
     let saved: Vec<f64> =
         intact.iter().zip(&extinguished).map(|(intact, extinguished)| intact + extinguished).collect();
     let mean = saved.iter().sum::<f64>() / 8.0;
-    let said = opening(&page);
-    let number = said.split_once(" saved ").expect(said).1.split_once(" of ").expect(said).0;
+    let opening_text = opening(&page);
+    let number = opening_text.split_once(" saved ").expect(opening_text).1.split_once(" of ").expect(opening_text).0;
     let decimals = number.split_once('.').map_or(0, |(_, decimals)| decimals.len());
-    assert_eq!(number, format!("{mean:.decimals$}"), "{said}");
-    assert!(said.contains(&format!(" of {} bushes (", bushes[0])) && said.contains(" in 8 runs; "), "{said}");
+    assert_eq!(number, format!("{mean:.decimals$}"), "{opening_text}");
+    assert!(
+        opening_text.contains(&format!(" of {} bushes (", bushes[0])) && opening_text.contains(" in 8 runs; "),
+        "{opening_text}"
+    );
     let curve = story.read("a/charts/over-time-1.svg");
     let at = page.find(&curve).expect("the curve is there");
     assert!(at < page.find("<nav").expect("contents") && page.matches(&curve).count() == 1);
@@ -141,24 +144,27 @@ fn field_of_the_median_run_is_shown_where_it_was_recorded() {
 fn report_of_several_variants_opens_with_the_best_and_how_sure_that_is() {
     let story = swept_batch();
     let page = report(&story);
-    let said = opening(&page);
+    let opening_text = opening(&page);
     assert!(page.contains("<div class=\"phone\">\n<svg"), "charts have a narrow form for phones");
     let saved: Vec<f64> = column(&story, "burned_ratio").iter().map(|burned| 1.0 - burned).collect();
     // The plan has coverages within planners.
     let means = [&saved[..10], &saved[10..]].map(|half| 100.0 * half.iter().sum::<f64>() / 10.0);
     let (best, mean) = if means[0] >= means[1] { ("prm+primitives", means[0]) } else { ("hybrid-astar", means[1]) };
-    let number = said.split_once(": ").expect(said).1.split_once(" %").expect(said).0;
+    let number = opening_text.split_once(": ").expect(opening_text).1.split_once(" %").expect(opening_text).0;
     let decimals = number.split_once('.').map_or(0, |(_, decimals)| decimals.len());
-    if !said.starts_with("No difference") {
-        assert!(said.starts_with(best) && said.contains("averaged over 2 values of field.coverage"), "{said}");
-        assert_eq!(number, format!("{mean:.decimals$}"), "{said}");
-        assert!(said.contains("paired by seed"), "{said}");
+    if !opening_text.starts_with("No difference") {
+        assert!(
+            opening_text.starts_with(best) && opening_text.contains("averaged over 2 values of field.coverage"),
+            "{opening_text}"
+        );
+        assert_eq!(number, format!("{mean:.decimals$}"), "{opening_text}");
+        assert!(opening_text.contains("paired by seed"), "{opening_text}");
     }
     let answer = page.find(&story.read("a/charts/answer.svg")).expect("the curve is there");
     assert!(answer < page.find("<nav").expect("contents"));
     let axis = story.read("a/charts/answer.svg");
-    for words in [">0.05<", ">0.1<", ">field.coverage<", ">bushes per run<"] {
-        assert!(axis.contains(words), "{words}");
+    for fragment in [">0.05<", ">0.1<", ">field.coverage<", ">bushes per run<"] {
+        assert!(axis.contains(fragment), "{fragment}");
     }
 }
 
@@ -195,7 +201,7 @@ fn one_batch_has_one_interval_and_the_headline_gives_where_it_holds() {
     let changed: Vec<String> = changed.collect();
     story.file("a/runs.csv", &(changed.join("\n") + "\n"));
     let page = report(&story);
-    let said = opening(&page);
+    let opening_text = opening(&page);
     let object = |arguments: &[&str]| -> Value {
         serde_json::from_str(&story.tell(arguments).expect_code(0).stdout).expect("it is JSON")
     };
@@ -212,10 +218,10 @@ fn one_batch_has_one_interval_and_the_headline_gives_where_it_holds() {
         (ranked["pairs"][0]["first"].as_str(), ends(&ranked["pairs"][0])),
         (Some("hybrid-astar"), [-high, -low])
     );
-    assert!(said.contains(&format!("(95 % interval {low:.2} to {high:.2})")), "{low} {high} {said}");
+    assert!(opening_text.contains(&format!("(95 % interval {low:.2} to {high:.2})")), "{low} {high} {opening_text}");
     let dependence = "The difference from prm+primitives depends on field.coverage, p < 0.001: hybrid-astar is \
                       significantly ahead at field.coverage 0.1; no evidence of a difference at field.coverage 0.05.";
-    assert!(said.contains(&dependence.replace('<', "&lt;")), "{said}");
+    assert!(opening_text.contains(&dependence.replace('<', "&lt;")), "{opening_text}");
     // The chart shows these differences, with the intervals of the strata.
     let strata = metric["by_stratum"]["strata"].as_array().expect("two coverages");
     let rows: Vec<String> = story.read("a/charts/answer.csv").lines().map(str::to_owned).collect();
@@ -262,8 +268,8 @@ fn distribution_of_equal_numbers_is_left_out_with_a_sentence() {
     let lines: Vec<String> = rows.iter().map(|row| row.join(",")).collect();
     story.file("a/runs.csv", &(lines.join("\n") + "\n"));
     let page = report(&story);
-    let said = "Distance driven by trucks: no distribution, since it is 12.5 m in all 4 runs.";
-    assert!(page.contains(said), "{page}");
+    let sentence = "Distance driven by trucks: no distribution, since it is 12.5 m in all 4 runs.";
+    assert!(page.contains(sentence), "{page}");
     assert!(!charts(&story, ".svg").contains(&"distribution-truck_distance_m".to_owned()));
 }
 
@@ -362,10 +368,10 @@ fn chart_that_would_have_too_many_panels_is_refused_with_words() {
     let set = format!("fire.burn_out_s={values}");
     let short = ["--set", "duration_s=5", "--set", &set];
     story.tell(&[&["batch", "smoke", "--seeds", "1", "--out", "a"], short.as_slice()].concat()).expect_code(0);
-    let said = "No charts of states over time: they would need 130 panels; at most 120 are drawn.";
+    let sentence = "No charts of states over time: they would need 130 panels; at most 120 are drawn.";
     let answer = story.tell(&["report", "a"]).expect_code(0).stdout;
-    assert!(answer.split_whitespace().collect::<Vec<_>>().join(" ").contains(said), "{answer}");
-    assert!(story.read("a/report.html").contains(said));
+    assert!(answer.split_whitespace().collect::<Vec<_>>().join(" ").contains(sentence), "{answer}");
+    assert!(story.read("a/report.html").contains(sentence));
     let names = charts(&story, ".svg");
     assert!(names.contains(&"states-19".to_owned()), "seven variants on each of 19 sheets: {names:?}");
     assert!(!names.iter().any(|name| name.starts_with("over-time")), "{names:?}");
@@ -404,8 +410,8 @@ fn runs_without_result_are_told_with_their_commands_and_nothing_becomes_a_tag() 
     story.file("a/runs.csv", &(lines.join("\n") + "\n"));
     let page = report(&story);
     assert!(page.contains("1 of 4 runs."), "{page}");
-    let told = "failed: &lt;script&gt;alert(1)&lt;/script&gt;</td><td class=\"text\">wildfire run smoke --seed 3</td>";
-    assert!(page.contains(told) && !page.contains("<script"), "{page}");
+    let cells = "failed: &lt;script&gt;alert(1)&lt;/script&gt;</td><td class=\"text\">wildfire run smoke --seed 3</td>";
+    assert!(page.contains(cells) && !page.contains("<script"), "{page}");
     assert!(page.contains("3 finished, 1 failed"), "{page}");
 }
 

@@ -40,8 +40,8 @@ impl<'a> Names<'a> {
         any.chain(part.get("items")).for_each(|part| self.add(part, path));
         // The keys of such a table are the user's.
         part.get("additionalProperties").into_iter().for_each(|value| self.add(value, &format!("{path}.*")));
-        let words = part["enum"].as_array().into_iter().flatten().chain([&part["const"]]);
-        self.found.extend(words.filter_map(Json::as_str).map(|word| format!("{path} = {word}")));
+        let values = part["enum"].as_array().into_iter().flatten().chain([&part["const"]]);
+        self.found.extend(values.filter_map(Json::as_str).map(|word| format!("{path} = {word}")));
     }
 }
 

@@ -86,10 +86,10 @@ impl Answer {
     }
 
     /// Stops the test unless stderr holds all these words.
-    pub fn expect_complaint(self, words: &[&str]) -> Self {
+    pub fn expect_complaint(self, fragments: &[&str]) -> Self {
         // Messages about options are wrapped; a word may not stand where a line was broken.
         let flat = self.stderr.split_whitespace().collect::<Vec<_>>().join(" ");
-        for word in words {
+        for word in fragments {
             assert!(flat.contains(word), "`{word}` is missing:\n{}", self.stderr);
         }
         self
@@ -97,9 +97,9 @@ impl Answer {
 }
 
 /// Tells the program something that it must refuse as bad input without writing anything.
-pub fn refuse(story: &Story, arguments: &[&str], words: &[&str]) {
+pub fn refuse(story: &Story, arguments: &[&str], fragments: &[&str]) {
     let before = story.entries();
-    let answer = story.tell(arguments).expect_code(2).expect_complaint(words);
+    let answer = story.tell(arguments).expect_code(2).expect_complaint(fragments);
     assert!(answer.stdout.is_empty(), "{}", answer.stdout);
     assert_eq!(story.entries(), before, "{arguments:?} wrote something");
 }

@@ -7,7 +7,7 @@ use std::io::Read;
 use flate2::read::GzDecoder;
 use serde_json::Value;
 
-use crate::reference::{larger, own};
+use crate::reference::{bundled, larger};
 use crate::story::{Story, refuse};
 
 const CROSSING: &str = "agents:\n\
@@ -72,9 +72,9 @@ fn reference_instances() -> Vec<(String, Vec<u8>)> {
 #[test]
 fn instances_are_solved_and_bounded_as_others_say() {
     let story = Story::begin();
-    let mut bounds = csv::Reader::from_path(own("clmapf/bounds.csv")).expect("it can be read");
+    let mut bounds = csv::Reader::from_path(bundled("clmapf/bounds.csv")).expect("it can be read");
     for row in bounds.records().map(|row| row.expect("a row")) {
-        let instance = own(&format!("clmapf/{}", &row[0])).display().to_string();
+        let instance = bundled(&format!("clmapf/{}", &row[0])).display().to_string();
         let bound_m: f64 = row[1].parse().expect("a number");
         for mode in ["benchmark", "exact"] {
             let report = solve(&story, &[&instance, "--mode", mode]);

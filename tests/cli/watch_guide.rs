@@ -28,9 +28,9 @@ fn examples_of_the_help_are_understood() {
     assert!(examples.len() >= 5, "{help}");
     for example in examples {
         // An output that cannot be written is what is found first, once the arguments make sense.
-        let words: Vec<_> = example.split_whitespace().collect();
+        let args: Vec<_> = example.split_whitespace().collect();
         let outputs = ["still.png", "film.gif", "film.mp4", "run.html", "two.png", "near.png"];
-        let nowhere: Vec<String> = words
+        let nowhere: Vec<String> = args
             .iter()
             .map(|word| if outputs.contains(word) { format!("nowhere/{word}") } else { (*word).to_owned() })
             .collect();

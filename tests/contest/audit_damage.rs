@@ -323,18 +323,18 @@ fn a_dwell_too_short_is_found() {
 fn the_extinction_of_what_does_not_burn_is_found() {
     let mut timeline = contest();
     let (place, cell) = extinction(&timeline);
-    let lit =
+    let ignition =
         first(&timeline, |event| matches!(event.fact, Fact::Fire(FireFact::Ignited { cell: of, .. }) if of == cell));
-    assert!(lit < place);
-    timeline.events.remove(lit);
+    assert!(ignition < place);
+    timeline.events.remove(ignition);
     let found = violation(&timeline);
     // What it set on fire may come first.
-    let is_told = match found.kind {
+    let is_reported = match found.kind {
         ViolationKind::NotBurning { cell: of } => of == cell,
         ViolationKind::NoSource { from, .. } | ViolationKind::SparedBySpread { cell: from, .. } => from == cell,
         _ => false,
     };
-    assert!(is_told, "{found}");
+    assert!(is_reported, "{found}");
 }
 
 #[test]
@@ -364,8 +364,8 @@ fn a_wumpus_that_runs_or_lights_in_passing_is_found() {
     let found = violation(&timeline);
     assert!(matches!(found.kind, ViolationKind::Speed { .. }) && found.agent == Some(id), "{found}");
     let mut timeline = contest();
-    let is_lit = |event: &Event| matches!(event.fact, Fact::Fire(FireFact::Ignited { cause: Cause::Agent(_), .. }));
-    let place = first(&timeline, is_lit);
+    let is_ignition = |event: &Event| matches!(event.fact, Fact::Fire(FireFact::Ignited { cause: Cause::Agent(_), .. }));
+    let place = first(&timeline, is_ignition);
     let event = timeline.events.remove(place);
     timeline.events.insert(place, Event { time: timeline.events[place - 1].time, ..event });
     let found = violation(&timeline);

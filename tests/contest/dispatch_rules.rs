@@ -49,7 +49,7 @@ struct Score {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Bush {
     Intact,
-    Burning { since: SimTime, lit: bool },
+    Burning { since: SimTime, ignited: bool },
     Gone,
     Out,
 }
@@ -216,14 +216,14 @@ impl World {
     }
 
     fn since(&self, index: usize) -> (SimTime, bool) {
-        let Some(Bush::Burning { since, lit }) = self.field.bushes[index] else { panic!("it burns") };
-        (since, lit)
+        let Some(Bush::Burning { since, ignited }) = self.field.bushes[index] else { panic!("it burns") };
+        (since, ignited)
     }
 
     fn next_event(&self) -> Option<SimTime> {
         let fires = self.burning.iter().flat_map(|&index| {
-            let (since, lit) = self.since(index);
-            [Some(since + BURN_OUT), lit.then_some(since + SPREAD_DELAY)].into_iter().flatten()
+            let (since, ignited) = self.since(index);
+            [Some(since + BURN_OUT), ignited.then_some(since + SPREAD_DELAY)].into_iter().flatten()
         });
         let wumpuses = self.arsonists.iter().filter(|wumpus| wumpus.next < wumpus.targets.len());
         let wumpuses = wumpuses.map(|wumpus| wumpus.walk.arrives);
@@ -262,8 +262,8 @@ impl World {
             }
         }
         for index in burning.into_iter().filter(|index| self.burning.contains(index)).collect::<Vec<_>>() {
-            let (since, lit) = self.since(index);
-            if lit && since + SPREAD_DELAY == now {
+            let (since, ignited) = self.since(index);
+            if ignited && since + SPREAD_DELAY == now {
                 let centre = self.field.frame.centre(self.field.frame.cell(index));
                 let near = |cell: &&Cell| (self.field.frame.centre(**cell) - centre).length() <= RADIUS_M;
                 let caught: Vec<Cell> =
@@ -297,9 +297,9 @@ impl World {
         (changed, freed)
     }
 
-    fn ignite(&mut self, cell: Cell, lit: bool) {
+    fn ignite(&mut self, cell: Cell, ignited: bool) {
         let index = self.field.frame.index(cell);
-        self.field.bushes[index] = Some(Bush::Burning { since: self.now, lit });
+        self.field.bushes[index] = Some(Bush::Burning { since: self.now, ignited });
         self.burning.insert(index);
     }
 
@@ -309,12 +309,12 @@ impl World {
         let stopped: Vec<Cell> =
             self.trucks.iter().filter(|truck| truck.stops_until.is_some()).filter_map(|truck| truck.goal).collect();
         let fires = self.burning.iter().map(|&index| (self.field.frame.cell(index), self.since(index)));
-        let fires = fires.filter(|(cell, _)| !stopped.contains(cell)).map(|(cell, (since, lit))| Fire {
+        let fires = fires.filter(|(cell, _)| !stopped.contains(cell)).map(|(cell, (since, ignited))| Fire {
             cell,
             place: self.field.frame.centre(cell),
             since,
             burns_out: since + BURN_OUT,
-            spreads_at: if lit && since + SPREAD_DELAY > now { since + SPREAD_DELAY } else { SimTime::MAX },
+            spreads_at: if ignited && since + SPREAD_DELAY > now { since + SPREAD_DELAY } else { SimTime::MAX },
         });
         let trucks = self.trucks.iter().zip(0..).map(|(truck, number)| {
             let is_queried = truck.goal.is_none() || (replans && truck.stops_until.is_none());

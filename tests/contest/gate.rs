@@ -102,17 +102,17 @@ fn change(Query { start, goal, path }: &mut Query, rng: &mut impl Rng) {
         if rng.random_bool(0.5) { size } else { -size }
     };
     let count = path.segments.len();
-    let chosen = (count > 0).then(|| rng.random_range(0..count));
-    match (rng.random_range(0..13), chosen) {
-        (0, Some(chosen)) => path.segments[chosen].length_m += small(rng),
-        (1, Some(chosen)) => path.segments[chosen].curvature *= 1.0 + 1e-3 * small(rng),
-        (2, Some(chosen)) => path.segments[chosen].curvature += 0.1 * small(rng),
-        (3, Some(chosen)) => path.segments[chosen].curvature *= -1.0,
-        (4, Some(chosen)) => path.segments[chosen].length_m *= -1.0,
-        (5, Some(chosen)) => drop(path.segments.remove(chosen)),
-        (6, Some(chosen)) => path.segments.swap(chosen, count - 1),
-        (7, Some(chosen)) => path.segments[chosen].length_m = STRANGE[rng.random_range(0..STRANGE.len())],
-        (8, Some(chosen)) => path.segments[chosen].curvature = STRANGE[rng.random_range(0..STRANGE.len())],
+    let selected = (count > 0).then(|| rng.random_range(0..count));
+    match (rng.random_range(0..13), selected) {
+        (0, Some(selected)) => path.segments[selected].length_m += small(rng),
+        (1, Some(selected)) => path.segments[selected].curvature *= 1.0 + 1e-3 * small(rng),
+        (2, Some(selected)) => path.segments[selected].curvature += 0.1 * small(rng),
+        (3, Some(selected)) => path.segments[selected].curvature *= -1.0,
+        (4, Some(selected)) => path.segments[selected].length_m *= -1.0,
+        (5, Some(selected)) => drop(path.segments.remove(selected)),
+        (6, Some(selected)) => path.segments.swap(selected, count - 1),
+        (7, Some(selected)) => path.segments[selected].length_m = STRANGE[rng.random_range(0..STRANGE.len())],
+        (8, Some(selected)) => path.segments[selected].curvature = STRANGE[rng.random_range(0..STRANGE.len())],
         // The truck itself stands elsewhere: nearer to bushes than planners go.
         (9 | 10, _) => {
             let (x, y) = (3.0 * small(rng), 3.0 * small(rng));
@@ -227,13 +227,13 @@ fn every_drive_of_a_run_passes() {
 }
 
 /// The truck of a scenario's run, with a planner of this name.
-struct Asked {
+struct QueriedField {
     problem: Problem,
     checker: CollisionChecker,
     seed: u64,
 }
 
-impl Asked {
+impl QueriedField {
     /// A field with as many goals as asked for: every other one a pose, the others the reach of a bush.
     fn new(name: &str, seed: u64, goals: usize) -> Self {
         let scenario = scenario::load(name, &[]).expect("built-in scenarios load");
@@ -269,7 +269,7 @@ impl Asked {
 #[test]
 fn no_path_of_a_built_in_planner_is_refused_or_changed() {
     let fields = [("contest", 1, 50), ("contest", 2, 50), ("dense", 3, 50), ("dense", 4, 50), ("fleet", 5, 50)];
-    let fields = fields.map(|(name, seed, goals)| Asked::new(name, seed, goals));
+    let fields = fields.map(|(name, seed, goals)| QueriedField::new(name, seed, goals));
     for kind in TruckPlannerKind::ALL {
         let inside = move |site: &PlannerContext<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> {
             Ok(kind.maker().make(site))

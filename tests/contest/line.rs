@@ -166,7 +166,7 @@ fn a_custom_policy_encloses_the_fire_between_line_and_a_road_and_no_line_is_a_ba
     assert!(audit_timeline(&hasty, SampleStep::default()).violation.is_some(), "nobody builds so fast");
     let last = fought.ground.iter().rfind(|event| is_cleared(event)).expect("line was built");
     assert!((100.0..115.0).contains(&fought.setting.frame.centre(last.cell).x), "it ends at the road: {last:?}");
-    for (points, words) in [
+    for (points, fragment) in [
         (&[][..], "no line of 0 points can be built"),
         (&[(1.0, f64::NAN), (2.0, 2.0)], "(1, NaN) is not on the field"),
         (&[(1.0, 1.0), (2.0, 601.0)], "(2, 601) is not on the field of 600 x 600 m"),
@@ -175,6 +175,6 @@ fn a_custom_policy_encloses_the_fire_between_line_and_a_road_and_no_line_is_a_ba
         let idle = run(points);
         let asks = idle.asks.expect("it was asked");
         assert!((asks.asked, asks.bad_answer) == (1, 1) && !idle.timeline.ground.iter().any(is_cleared));
-        assert!(idle.messages.to_string().contains(words), "{}", idle.messages);
+        assert!(idle.messages.to_string().contains(fragment), "{}", idle.messages);
     }
 }

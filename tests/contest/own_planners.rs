@@ -191,8 +191,8 @@ fn what_the_gate_refuses_is_a_bad_answer_with_words_and_the_run_goes_on() {
 
 #[test]
 fn a_panic_is_a_crash_and_what_a_planner_says_of_its_effort_cannot_overflow() {
-    let asked = Arc::new(AtomicU32::new(0));
-    let counter = Arc::clone(&asked);
+    let query_count = Arc::new(AtomicU32::new(0));
+    let counter = Arc::clone(&query_count);
     let panics = planners("panics", move |_| {
         let counter = Arc::clone(&counter);
         move |_, _| {
@@ -204,7 +204,7 @@ fn a_panic_is_a_crash_and_what_a_planner_says_of_its_effort_cannot_overflow() {
     });
     let run = sim::run_with(&driven_by("panics", "smoke", &[]), 1, &panics).expect("it takes place");
     let failures = failures(&run.timeline);
-    assert_eq!(failures.len() as u32, asked.load(Ordering::Relaxed));
+    assert_eq!(failures.len() as u32, query_count.load(Ordering::Relaxed));
     assert_eq!(failures[0], PlanFailure::Crashed);
     assert!(run.messages.first[0].contains("it panicked: not again, for the 0th time"), "{:?}", run.messages.first);
 }

@@ -137,7 +137,7 @@ fn a_text_map_or_a_list_is_said_to_be_no_object() {
 #[test]
 fn values_that_cannot_be_are_refused_where_they_stand() {
     let files = Files::new();
-    for (old, new, at, words) in [
+    for (old, new, at, fragment) in [
         ("\"width\": 2.0", "\"width\": -2.0", 5, "`vehicle.width` is -2; expected a number from 0.1"),
         ("\"width\": 2.0", "\"width\": \"2\"", 5, "`vehicle.width` is the text \"2\"; expected a number"),
         ("\"width\": 2.0,", "", 12, "missing field `width` in `vehicle`"),
@@ -173,7 +173,7 @@ fn values_that_cannot_be_are_refused_where_they_stand() {
         ("\"size_m\": 100, \"cell_m\": 5, \"n\": 20", "\"n\": 100000", 1, "more than 4096 cells along a side"),
     ] {
         let error = files.refused(&with(old, new));
-        assert!(error.to_string().contains(words), "{new}: {error}");
+        assert!(error.to_string().contains(fragment), "{new}: {error}");
         assert_eq!(line(&error), at, "{new}: {error}");
     }
 }

@@ -56,12 +56,12 @@ fn trucks_set_out_when_they_are_ready_and_planning_for_roads_gets_them_there_soo
 
 #[test]
 fn ground_that_does_not_exist_is_refused() {
-    for (change, words) in [
+    for (change, fragment) in [
         ("unimog.speed_by_ground={ GR22 = 0.5 }", "speed_by_ground.GR22"),
         ("unimog.speed_by_ground={ other = 1.5 }", "speed_by_ground.other"),
         ("unimog.speed_by_ground={ other = 0 }", "speed_by_ground.other"),
     ] {
         let error = scenario::load("initial-attack", &[change.to_owned()]).expect_err("this is wrong").to_string();
-        assert!(error.contains(words), "{change}: {error}");
+        assert!(error.contains(fragment), "{change}: {error}");
     }
 }

@@ -41,12 +41,12 @@ fn place(error: &ScenarioError) -> String {
 }
 
 /// Asserts that a file is refused at `line:column` with a sentence that holds all the words.
-fn assert_refused(text: &str, at: &str, words: &[&str]) {
+fn assert_refused(text: &str, at: &str, fragments: &[&str]) {
     let folder = Folder::new("case");
     let file = folder.write("case.toml", text);
     let error = refused(&file, &[]);
     assert_eq!(place(&error), format!("{file}:{at}"), "{error}\n{text}");
-    for word in words {
+    for word in fragments {
         assert!(error.to_string().contains(word), "`{word}` is not in: {error}\n{text}");
     }
 }
@@ -62,8 +62,8 @@ fn broken_toml_is_placed() {
 fn a_number_of_samples_and_a_density_contradict_each_other_unless_a_change_does_it() {
     for table in ["prm", "prm_rs"] {
         let text = format!("wumpus = []\n[[unimog]]\n[unimog.{table}]\nsamples = 100\nsamples_per_hectare = 80\n");
-        let words = format!("`unimog.{table}.samples_per_hectare` cannot be combined with `unimog.{table}.samples`");
-        assert_refused(&text, "5:1", &[&words]);
+        let fragment = format!("`unimog.{table}.samples_per_hectare` cannot be combined with `unimog.{table}.samples`");
+        assert_refused(&text, "5:1", &[&fragment]);
         let change = |change: &str| {
             scenario::load("contest", &[format!("unimog.{table}.{change}")]).expect("the change holds").unimog.remove(0)
         };
@@ -166,7 +166,7 @@ fn wrong_types_say_what_is_expected() {
 
 #[test]
 fn numbers_that_cannot_be_are_refused() {
-    for (table, line, column, words) in [
+    for (table, line, column, fragment) in [
         ("", "duration_s = 0", 14, "`duration_s` is 0; expected a number from 0.001 to 1000000"),
         ("", "duration_s = nan", 14, "`duration_s` is NaN; expected a finite number"),
         ("", "name = \"a\\nb\"", 8, "expected a line"),
@@ -251,7 +251,7 @@ fn numbers_that_cannot_be_are_refused() {
             ["wumpus", "unimog"].map(|list| if table.contains(list) { String::new() } else { format!("{list} = []") });
         let header = if table.is_empty() { String::new() } else { format!("[{table}]") };
         let text = format!("{}\n{}\n{header}\n{line}\n", lists[0], lists[1]);
-        assert_refused(&text, &format!("4:{column}"), &[words]);
+        assert_refused(&text, &format!("4:{column}"), &[fragment]);
     }
 }
 
@@ -279,7 +279,7 @@ fn contradictions_are_refused() {
         "5:1",
         &["`field.pieces` cannot be combined with `field.coverage`"],
     );
-    for (given, column) in [
+    for (setting, column) in [
         ("size_m = 250", 1),
         ("coverage = 0.1", 1),
         ("pieces = 3", 1),
@@ -287,7 +287,7 @@ fn contradictions_are_refused() {
         ("overlaps = \"dropped\"", 1),
         ("start_clearance_m = 0", 1),
     ] {
-        let text = format!("{bare}map = \"field.txt\"\n{given}\n");
+        let text = format!("{bare}map = \"field.txt\"\n{setting}\n");
         assert_refused(&text, &format!("5:{column}"), &["cannot be combined with `field.map`"]);
     }
 }
@@ -305,7 +305,7 @@ fn changes_that_contradict_each_other_are_refused() {
 fn faults_in_maps_are_placed_in_the_map() {
     let folder = Folder::new("map");
     let scenario = folder.write("case.toml", "wumpus = []\nunimog = []\n[field]\nmap = \"field.txt\"\n");
-    for (map, at, words) in [
+    for (map, at, fragment) in [
         ("", "1:1", "map is empty"),
         ("...\n..\n", "2:1", "this row has 2 cells; expected 3 as in the first row"),
         ("...\n.a.\n", "2:2", "`a` is not a cell"),
@@ -316,7 +316,7 @@ fn faults_in_maps_are_placed_in_the_map() {
         let file = folder.write("field.txt", map);
         let error = refused(&scenario, &[]);
         assert_eq!(place(&error), format!("{file}:{at}"), "{error}");
-        assert!(error.to_string().contains(words), "{error}");
+        assert!(error.to_string().contains(fragment), "{error}");
     }
     let too_wide = folder.write("field.txt", ".".repeat(4097));
     assert_eq!(place(&refused(&scenario, &[])), format!("{too_wide}:1:1"));
@@ -360,7 +360,7 @@ fn an_unknown_name_is_answered_with_the_built_in_ones() {
 
 #[test]
 fn a_wrong_change_is_placed_in_the_option() {
-    for (source, change, at, words) in [
+    for (source, change, at, fragment) in [
         ("wumpus-alone", "unimog.prm.samples=3", "1:1", "`unimog` is an empty list"),
         ("wumpus-alone", "unimog.0.speed_mps=3", "1:1", "`unimog` has no entry 0: it has 0"),
         ("contest", "fier.x=3", "1:1", "unknown field `fier`"),
@@ -383,13 +383,13 @@ fn a_wrong_change_is_placed_in_the_option() {
     ] {
         let error = refused(source, &["duration_s=60", change]);
         assert_eq!(place(&error), format!("--set:{at}"), "{change}: {error}");
-        assert!(error.to_string().contains(words), "{change}: {error}");
+        assert!(error.to_string().contains(fragment), "{change}: {error}");
     }
 }
 
 #[test]
 fn the_nearest_by_drive_is_looked_for_among_all_that_burns() {
-    for (table, at, words) in [
+    for (table, at, fragment) in [
         ("[dispatch]\npolicy = \"nearest-by-drive\"\nidle = \"regions\"\n", "3:8", "`stay` or `centroids`"),
         (
             "[dispatch]\npolicy = \"nearest-by-drive\"\n[sight]\nfield = \"radius\"\n",
@@ -398,7 +398,7 @@ fn the_nearest_by_drive_is_looked_for_among_all_that_burns() {
         ),
     ] {
         let text = format!("{table}[[wumpus]]\n[[unimog]]\n");
-        assert_refused(&text, at, &[words, "nearest-by-drive"]);
+        assert_refused(&text, at, &[fragment, "nearest-by-drive"]);
     }
     let text = "[[wumpus]]\n[[unimog]]\ngoal = \"nearest-by-drive\"\nretarget = \"on-event\"\n";
     assert_refused(text, "4:12", &["`never`", "nearest-by-drive"]);

@@ -74,19 +74,20 @@ fn both_contests_spell_out_every_value_and_those_of_the_first_are_the_defaults()
 #[test]
 fn contest_names_what_it_does_not_share_with_the_first() {
     let values = |name| LoadedScenario::open(name, &[]).expect("it loads").values();
-    let said = include_str!("../../scenarios/contest.toml").lines().filter(|line| line.contains("# contest-1: ")).map(
-        |line| {
+    let documented = include_str!("../../scenarios/contest.toml")
+        .lines()
+        .filter(|line| line.contains("# contest-1: "))
+        .map(|line| {
             let (value, first) = line.split_once('#').expect("it has a comment");
             let (key, value) = value.split_once('=').expect("it is a value");
             [key, value, first.trim_start_matches(" contest-1:")].map(|text| text.trim().trim_matches('"').to_owned())
-        },
-    );
+        });
     let both = values("contest").into_iter().zip(values("contest-1"));
     let differ = both.filter(|(new, old)| new != old && new.0 != "name").map(|((path, new), (_, old))| {
         let key = path.rsplit('.').next().expect("a path has steps").to_owned();
         [key, new.trim_matches('"').to_owned(), old.trim_matches('"').to_owned()]
     });
-    assert_eq!(said.collect::<BTreeSet<_>>(), differ.collect::<BTreeSet<_>>());
+    assert_eq!(documented.collect::<BTreeSet<_>>(), differ.collect::<BTreeSet<_>>());
 }
 
 /// Outcomes of the first contest are those that were published, so they never change.

@@ -59,12 +59,12 @@ fn place(pose: Pose) -> (i32, i32) {
 
 /// Whether a graph leads from its first place to all others.
 fn is_connected(graph: &SearchGraph) -> bool {
-    let mut known = vec![false; graph.places.len()];
-    known[0] = true;
+    let mut reached = vec![false; graph.places.len()];
+    reached[0] = true;
     for &(from, to) in &graph.edges {
-        known[to as usize] |= known[from as usize];
+        reached[to as usize] |= reached[from as usize];
     }
-    known.into_iter().all(|known| known)
+    reached.into_iter().all(|reached| reached)
 }
 
 /// What one agent's plan looked at, and the fact that tells of the plan.
@@ -265,10 +265,10 @@ fn what_decisions_cost_adds_up_to_what_the_agents_cost() {
         let run = sim::run(&scenario, 1).expect("the scenario can be run");
         assert!(run.cpu_samples.is_sorted_by_key(|sample| sample.time));
         for cost in &run.cost.agents {
-            let own: Vec<_> = run.cpu_samples.iter().filter(|sample| sample.agent == cost.agent).collect();
-            assert_eq!(own.iter().map(|sample| sample.cpu).sum::<Duration>(), cost.total());
-            assert_eq!((own[0].time, own[0].cpu), (SimTime::ZERO, cost.sampling + cost.connecting));
-            assert!(own.len() > 10 && own[1..].iter().all(|sample| !sample.cpu.is_zero()));
+            let samples: Vec<_> = run.cpu_samples.iter().filter(|sample| sample.agent == cost.agent).collect();
+            assert_eq!(samples.iter().map(|sample| sample.cpu).sum::<Duration>(), cost.total());
+            assert_eq!((samples[0].time, samples[0].cpu), (SimTime::ZERO, cost.sampling + cost.connecting));
+            assert!(samples.len() > 10 && samples[1..].iter().all(|sample| !sample.cpu.is_zero()));
         }
     }
 }

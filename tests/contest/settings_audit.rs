@@ -91,8 +91,8 @@ fn resolved<'a>(root: &'a Value, schema: &'a Value) -> &'a Value {
 
 /// Returns the values of a setting of this schema; `None` if the schema is not understood.
 fn values(root: &Value, schema: &Value) -> Option<Values> {
-    if let Some(words) = words(schema) {
-        return Some(Values::Listed(words));
+    if let Some(enum_values) = enum_values(schema) {
+        return Some(Values::Listed(enum_values));
     }
     if schema["anyOf"] == json!([{ "const": "auto" }, { "type": "boolean" }]) {
         return Some(Values::Listed(vec![json!("auto"), json!(true), json!(false)]));
@@ -106,8 +106,8 @@ fn values(root: &Value, schema: &Value) -> Option<Values> {
         Some("integer") => Some(Values::WholeNumber),
         // Names and paths.
         Some("string") => Some(Values::Fixed),
-        Some("array") => match words(resolved(root, &schema["items"])) {
-            Some(words) => Some(Values::SomeOf(words)),
+        Some("array") => match enum_values(resolved(root, &schema["items"])) {
+            Some(enum_values) => Some(Values::SomeOf(enum_values)),
             // Places, and lists of tables that the scenario leaves empty.
             None => {
                 let items = resolved(root, &schema["items"]);
@@ -130,16 +130,17 @@ fn is_optional_table(root: &Value, schema: &Value) -> bool {
 }
 
 /// The words of an enumeration.
-fn words(schema: &Value) -> Option<Vec<Value>> {
+fn enum_values(schema: &Value) -> Option<Vec<Value>> {
     if let Some(listed) = schema["enum"].as_array() {
         return Some(listed.clone());
     }
     if let Some(choices) = schema["anyOf"].as_array() {
-        return choices.iter().find_map(words);
+        return choices.iter().find_map(enum_values);
     }
     let variants = schema["oneOf"].as_array()?;
-    let of_variant = |variant: &Value| variant.get("const").map(|word| vec![word.clone()]).or_else(|| words(variant));
-    variants.iter().map(of_variant).collect::<Option<Vec<_>>>().map(|words| words.concat())
+    let of_variant =
+        |variant: &Value| variant.get("const").map(|word| vec![word.clone()]).or_else(|| enum_values(variant));
+    variants.iter().map(of_variant).collect::<Option<Vec<_>>>().map(|enum_values| enum_values.concat())
 }
 
 /// Draws another value for a setting.

@@ -301,7 +301,7 @@ fn a_wumpus_that_drops_its_goal_stops_on_its_lattice() {
 #[test]
 fn planners_do_not_change_the_arsonists_order_of_goals() {
     let alone = Scenario { unimog: Vec::new(), ..contest() };
-    let lit = |timeline: &Timeline| {
+    let ignitions = |timeline: &Timeline| {
         timeline.events.iter().find_map(|event| match event.fact {
             Fact::Agent(AgentId { role: Role::Wumpus, number: 0 }, AgentFact::Planned { goal, .. }) => Some(goal),
             _ => None,
@@ -311,9 +311,9 @@ fn planners_do_not_change_the_arsonists_order_of_goals() {
         let with_truck = run(&contest(), seed);
         let mut other = contest();
         other.unimog[0].prm.samples = 50;
-        assert_eq!(lit(&with_truck), lit(&run(&other, seed)));
+        assert_eq!(ignitions(&with_truck), ignitions(&run(&other, seed)));
         // The field keeps clear of the truck's start, so a contest without a truck has another field.
-        assert!(lit(&run(&alone, seed)).is_some());
+        assert!(ignitions(&run(&alone, seed)).is_some());
     }
 }
 

@@ -101,10 +101,10 @@ impl Draws {
 struct Fickle(Draws);
 
 impl Policy for Fickle {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
+    fn choose(&mut self, seen: &Observation<'_>, queried: &[AgentId]) -> Vec<(AgentId, Action)> {
         let draws = &mut self.0;
         let mut choices = Vec::new();
-        for &agent in asked {
+        for &agent in queried {
             let options = seen.options(agent);
             let choice = match draws.below(4) {
                 0 if !options.is_empty() => Action::Go(options[draws.below(options.len())]),
@@ -139,19 +139,19 @@ fn whatever_a_team_is_told_its_drives_are_sound_and_the_run_ends() {
 /// Sends all trucks to one place when nothing is to be done, and notes whom it was asked about.
 struct Gathering {
     place: DVec2,
-    asked: Arc<Mutex<Vec<Vec<AgentId>>>>,
+    queried: Arc<Mutex<Vec<Vec<AgentId>>>>,
 }
 
 impl Policy for Gathering {
-    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
-        self.asked.lock().expect("nobody panicked").push(asked.to_vec());
-        let mut left: Vec<_> = asked.first().map_or_else(Vec::new, |&first| seen.options(first));
+    fn choose(&mut self, seen: &Observation<'_>, queried: &[AgentId]) -> Vec<(AgentId, Action)> {
+        self.queried.lock().expect("nobody panicked").push(queried.to_vec());
+        let mut left: Vec<_> = queried.first().map_or_else(Vec::new, |&first| seen.options(first));
         let choose = |&agent: &AgentId| {
-            let own = seen.options(agent);
-            let place = left.iter().position(|cell| own.contains(cell));
+            let options = seen.options(agent);
+            let place = left.iter().position(|cell| options.contains(cell));
             (agent, place.map_or(Action::Move(self.place), |place| Action::Go(left.remove(place))))
         };
-        asked.iter().map(choose).collect()
+        queried.iter().map(choose).collect()
     }
 
     fn asking(&self) -> PolicyScope {
@@ -162,13 +162,13 @@ impl Policy for Gathering {
 #[test]
 fn a_truck_on_its_way_to_wait_is_called_to_a_fire_and_one_that_waits_is_idle() {
     let scenario = load("fleet", &["duration_s=1200", "unimog.0.retarget=never"]);
-    let asked = Arc::new(Mutex::new(Vec::new()));
-    let gathering = Gathering { place: DVec2::new(200.0, 60.0), asked: Arc::clone(&asked) };
+    let queried = Arc::new(Mutex::new(Vec::new()));
+    let gathering = Gathering { place: DVec2::new(200.0, 60.0), queried: Arc::clone(&queried) };
     let timeline = led_by(&scenario, 1, gathering);
     assert_is_sound(&timeline);
-    let asked = asked.lock().expect("nobody panicked");
-    assert!(asked[0].len() == scenario.unimog.len(), "all are free at first: {:?}", asked[0]);
-    assert!(asked.iter().all(|agents| agents.is_sorted()), "whoever is asked comes by number");
+    let queried = queried.lock().expect("nobody panicked");
+    assert!(queried[0].len() == scenario.unimog.len(), "all are free at first: {:?}", queried[0]);
+    assert!(queried.iter().all(|agents| agents.is_sorted()), "whoever is asked comes by number");
     let called = timeline.events.windows(2).any(|pair| {
         matches!(&pair[0].fact, Fact::Agent(_, AgentFact::Halted { .. }))
             && pair[1..].iter().any(|next| matches!(&next.fact, Fact::Agent(_, AgentFact::Planned { .. })))
@@ -186,8 +186,8 @@ fn a_truck_on_its_way_to_wait_is_called_to_a_fire_and_one_that_waits_is_idle() {
 struct Lazy;
 
 impl Policy for Lazy {
-    fn choose(&mut self, _: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
-        asked.iter().map(|&agent| (agent, Action::Wait)).collect()
+    fn choose(&mut self, _: &Observation<'_>, queried: &[AgentId]) -> Vec<(AgentId, Action)> {
+        queried.iter().map(|&agent| (agent, Action::Wait)).collect()
     }
 
     fn asking(&self) -> PolicyScope {
@@ -211,8 +211,8 @@ fn a_team_that_waits_by_choice_is_idle_and_not_stuck() {
 struct Hopeful;
 
 impl Policy for Hopeful {
-    fn choose(&mut self, _: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Action)> {
-        asked.iter().map(|&agent| (agent, Action::Move(DVec2::new(-500.0, -500.0)))).collect()
+    fn choose(&mut self, _: &Observation<'_>, queried: &[AgentId]) -> Vec<(AgentId, Action)> {
+        queried.iter().map(|&agent| (agent, Action::Move(DVec2::new(-500.0, -500.0)))).collect()
     }
 
     fn asking(&self) -> PolicyScope {
@@ -232,8 +232,8 @@ fn a_place_without_a_way_is_tried_once() {
 #[test]
 fn a_relocating_truck_is_seen_to_drive_and_has_no_goal() {
     let scenario = load("fleet", &["duration_s=600"]);
-    let asked = Arc::new(Mutex::new(Vec::new()));
-    let timeline = led_by(&scenario, 1, Gathering { place: DVec2::new(200.0, 60.0), asked });
+    let queried = Arc::new(Mutex::new(Vec::new()));
+    let timeline = led_by(&scenario, 1, Gathering { place: DVec2::new(200.0, 60.0), queried });
     let relocated = timeline.events.iter().find_map(|event| match &event.fact {
         Fact::Agent(agent, AgentFact::Relocated { trajectory, .. }) => Some((*agent, trajectory.clone())),
         _ => None,

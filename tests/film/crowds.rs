@@ -41,8 +41,8 @@ fn one_fire(seed: u64, agents: usize) -> (Timeline, Cell) {
             AgentStart { id: AgentId::unimog(number as u16), pose: Pose::new(at.x, at.y, 0.3), ..truck }
         })
         .collect();
-    let lit = Fact::Fire(FireFact::Ignited { cell: fire, cause: Cause::Scheduled });
-    timeline.events = vec![Event { time: SimTime::ZERO, fact: lit }];
+    let ignition = Fact::Fire(FireFact::Ignited { cell: fire, cause: Cause::Scheduled });
+    timeline.events = vec![Event { time: SimTime::ZERO, fact: ignition }];
     (timeline, fire)
 }
 

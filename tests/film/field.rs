@@ -133,7 +133,7 @@ fn bushes_have_the_colours_of_their_fates_where_they_stand() {
                     BushStateKind::Extinguished => blue > red && green > red,
                 };
                 assert!(fits, "{kind:?} at {centre} and {time_s} s, zoom {zoom}: {colour:?}");
-                found[BushStateKind::ALL.iter().position(|&known| known == kind).expect("all are listed")] += 1;
+                found[BushStateKind::ALL.iter().position(|&state| state == kind).expect("all are listed")] += 1;
             }
         }
     }

@@ -107,12 +107,12 @@ fn what_an_agent_did_grows_and_its_time_passes() {
 fn the_story_of_a_bush_is_all_that_happened_to_it() {
     let run = RunView::new(timeline(1), None);
     let timeline = run.timeline();
-    let mut told = 0;
+    let mut changes = 0;
     for (bush, &cell) in timeline.setting.bushes.iter().enumerate() {
         for event in run.changes_of(bush) {
             assert!(timeline.events.iter().any(|other| std::ptr::eq(other, event)));
             assert_eq!(event.fact.cell(), Some(cell));
-            told += 1;
+            changes += 1;
         }
         assert!(run.changes_of(bush).is_sorted_by_key(|event| event.time));
     }
@@ -124,7 +124,7 @@ fn the_story_of_a_bush_is_all_that_happened_to_it() {
                 | Fact::Fire(FireFact::Extinguished { .. })
         )
     };
-    assert_eq!(told, timeline.events.iter().filter(|event| is_change(&event.fact)).count());
+    assert_eq!(changes, timeline.events.iter().filter(|event| is_change(&event.fact)).count());
 }
 
 #[test]

@@ -180,7 +180,7 @@ impl Fuzzer {
     pub fn run(self, cases: u64) -> BTreeMap<String, u64> {
         quiet_panics();
         let order = Arc::new(Order::read(cases));
-        let (tell, told) = mpsc::channel();
+        let (tell, receiver) = mpsc::channel();
         let stop = Arc::new(AtomicBool::new(false));
         let places: Vec<Arc<AtomicU64>> = (0..order.jobs).map(|_| Arc::new(AtomicU64::new(order.first))).collect();
         for (job, place) in (0..).zip(&places) {
@@ -193,7 +193,7 @@ impl Fuzzer {
         }
         let mut summary = Summary::default();
         for _ in 0..order.jobs {
-            match self.wait(&told, &places) {
+            match self.wait(&receiver, &places) {
                 TriggerEvent::Done(part) => summary.add(part),
                 TriggerEvent::Found(report) | TriggerEvent::Broken(report) => {
                     stop.store(true, Ordering::Relaxed);
@@ -208,12 +208,12 @@ impl Fuzzer {
     }
 
     /// Waits for news of a thread; a thread that makes no progress for long is news too.
-    fn wait(self, told: &mpsc::Receiver<TriggerEvent>, places: &[Arc<AtomicU64>]) -> TriggerEvent {
+    fn wait(self, receiver: &mpsc::Receiver<TriggerEvent>, places: &[Arc<AtomicU64>]) -> TriggerEvent {
         let look = || places.iter().map(|place| place.load(Ordering::Relaxed)).collect::<Vec<_>>();
         let mut last: Vec<(u64, Duration)> = look().into_iter().map(|case| (case, Duration::ZERO)).collect();
         let mut found = None;
         loop {
-            match told.recv_timeout(NEWS) {
+            match receiver.recv_timeout(NEWS) {
                 Ok(TriggerEvent::Found(report)) => found = Some(report),
                 Ok(news) => return news,
                 Err(RecvTimeoutError::Disconnected) => {

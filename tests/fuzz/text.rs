@@ -122,17 +122,17 @@ pub const SCRAPS: &[&[u8]] = &[
     b"none",
 ];
 
-/// Draws one of the samples with some changes, and now and then none; `words` may be put in anywhere.
-pub fn mutated<S: AsRef<[u8]>>(dice: &mut Unstructured<'_>, samples: &[S], words: &[&str]) -> Vec<u8> {
+/// Draws one of the samples with some changes, and now and then none; `tokens` may be put in anywhere.
+pub fn mutated<S: AsRef<[u8]>>(dice: &mut Unstructured<'_>, samples: &[S], tokens: &[&str]) -> Vec<u8> {
     let mut bytes = one_of(dice, samples).as_ref().to_vec();
     for _ in 0..below(dice, 5) {
-        mutate(dice, &mut bytes, samples, words);
+        mutate(dice, &mut bytes, samples, tokens);
         bytes.truncate(MAX_BYTES);
     }
     bytes
 }
 
-fn mutate<S: AsRef<[u8]>>(dice: &mut Unstructured<'_>, bytes: &mut Vec<u8>, samples: &[S], words: &[&str]) {
+fn mutate<S: AsRef<[u8]>>(dice: &mut Unstructured<'_>, bytes: &mut Vec<u8>, samples: &[S], tokens: &[&str]) {
     match below(dice, 12) {
         0..=2 => replace_number(dice, bytes),
         3 => {
@@ -154,8 +154,8 @@ fn mutate<S: AsRef<[u8]>>(dice: &mut Unstructured<'_>, bytes: &mut Vec<u8>, samp
             let scrap = *one_of(dice, SCRAPS);
             insert(dice, bytes, scrap);
         }
-        7 if !words.is_empty() => {
-            let word = *one_of(dice, words);
+        7 if !tokens.is_empty() => {
+            let word = *one_of(dice, tokens);
             insert(dice, bytes, word.as_bytes());
         }
         8 => move_line(dice, bytes),

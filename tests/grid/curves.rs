@@ -319,13 +319,13 @@ fn the_cheapest_of_the_48_words_is_the_first_candidate() {
 fn dear_cusps_and_dear_reversing_buy_a_longer_way() {
     let to = pose(30.0, 20.0, PI);
     let cheapest = |reverse_factor, cusp_m| REEDS_SHEPP.cheapest(ORIGIN, to, &CurvePrice { reverse_factor, cusp_m });
-    let words = [(1.0, 0.0), (1.0, 20.0), (1.0, 21.0), (4.0, 0.0)].map(|(reverse_factor, cusp_m)| {
+    let texts = [(1.0, 0.0), (1.0, 20.0), (1.0, 21.0), (4.0, 0.0)].map(|(reverse_factor, cusp_m)| {
         let curve = cheapest(reverse_factor, cusp_m).curve;
         (curve.word.to_string(), curve.cusps())
     });
     let spelled = |word: &str, cusps| (word.to_string(), cusps);
     let (cusp, detour) = (spelled("L+S+L+R-", 1), spelled("R+S+L+", 0));
-    assert_eq!(words, [cusp.clone(), cusp, detour.clone(), detour]);
+    assert_eq!(texts, [cusp.clone(), cusp, detour.clone(), detour]);
     let dearer_m = cheapest(1.0, 21.0).curve.length_m - cheapest(1.0, 0.0).curve.length_m;
     assert!((20.0..21.0).contains(&dearer_m), "the detour is {dearer_m} m longer");
 }

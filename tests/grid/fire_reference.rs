@@ -26,7 +26,7 @@ use wildfire::fire::{FireField, Landscape, Relief, Weather};
 use wildfire::geometry::{Cell, FieldFrame, compass, ops};
 use wildfire::time::SimTime;
 
-use crate::answers::{both, larger, own};
+use crate::answers::{both, bundled, larger};
 use crate::children::{output_of, program};
 
 /// A table of numbers by the names of its columns; words are NaN.
@@ -56,7 +56,7 @@ impl Numbers {
 
     /// The same for a table that this package has too.
     fn all_answered(name: &str, command: &str) -> impl Iterator<Item = Self> {
-        let table = fs::read(own(&format!("fire/{name}"))).expect("it can be read");
+        let table = fs::read(bundled(&format!("fire/{name}"))).expect("it can be read");
         let answered = Self::with_answers(&table, &[command]);
         iter::once(answered).chain(Self::answered(&format!("{name}.gz"), command))
     }
@@ -380,17 +380,17 @@ fn areas(case: Row<'_>, runs: u64) -> Vec<f64> {
     let weather = Arc::new(Weather::constant(wind, FuelMoisture::default()));
     let rules = AlexandridisRules { p0: case.get("p0"), ..AlexandridisRules::default() };
     let automaton = Alexandridis::new(landscape, weather, rules, 1);
-    let lit = Cell { col: case.get("ignition_col") as u16, row: case.get("ignition_row") as u16 };
+    let ignition = Cell { col: case.get("ignition_col") as u16, row: case.get("ignition_row") as u16 };
     let columns = ["p_sw", "p_s", "p_se", "p_w", "p_e", "p_nw", "p_n", "p_ne"];
-    for (direction, to) in automaton.neighbours(lit) {
-        let p = automaton.probability(lit, direction, to, SimTime::ZERO);
+    for (direction, to) in automaton.neighbours(ignition) {
+        let p = automaton.probability(ignition, direction, to, SimTime::ZERO);
         assert!((p - case.get(columns[direction])).abs() < 1e-6, "{}: {p}", columns[direction]);
     }
     let all: Vec<Cell> = (0..frame.cell_count()).map(|index| frame.cell(index)).collect();
     let fuel = FireField::new(frame, &[], false).with_ground(all.iter().copied());
     let area = |seed| {
         let mut fires = fuel.clone();
-        automaton.with_seed(seed).burn_alone(&mut fires, &[lit], case.get("steps") as u32);
+        automaton.with_seed(seed).burn_alone(&mut fires, &[ignition], case.get("steps") as u32);
         all.iter().filter(|&&cell| fires.ignited_at(cell).is_some()).count() as f64
     };
     (1..=runs).map(area).collect()
@@ -510,8 +510,8 @@ const FINER: [(&str, &str, f64); 3] = [
 #[test]
 fn containment_is_that_of_behave_with_fine_steps() {
     let Some(table) = Numbers::answered("behave_contain.csv.gz", "contain") else { return };
-    let words = |column| table.rows().map(|row| row.word(column)).collect::<Vec<_>>();
-    assert_eq!(words("contain_status"), words("fine_status"));
+    let column_values = |column| table.rows().map(|row| row.word(column)).collect::<Vec<_>>();
+    assert_eq!(column_values("contain_status"), column_values("fine_status"));
     let free = [("attack_fire_acre", "fire_size_at_attack_acre"), ("attack_perimeter_ch", "perimeter_at_attack_ch")];
     compare_columns("BEHAVE, containment", table.rows(), &free, 1e-6);
     for (ours, theirs, bound) in FINER {

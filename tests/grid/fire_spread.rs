@@ -58,8 +58,8 @@ fn rules(neighbours: Neighbours) -> RothermelRules {
     RothermelRules { options, neighbours, ..RothermelRules::default() }
 }
 
-fn burn(landscape: &Landscape, weather: &Weather, rules: RothermelRules, lit: &[Cell], until_s: f64) -> LoneFire {
-    let ignitions: Vec<_> = lit.iter().map(|&cell| (SimTime::ZERO, cell)).collect();
+fn burn(landscape: &Landscape, weather: &Weather, rules: RothermelRules, ignited: &[Cell], until_s: f64) -> LoneFire {
+    let ignitions: Vec<_> = ignited.iter().map(|&cell| (SimTime::ZERO, cell)).collect();
     let mut fire = LoneFire::new(Arc::new(landscape.clone()), Arc::new(weather.clone()), rules, &ignitions);
     fire.burn_until(seconds(until_s));
     fire
@@ -210,10 +210,11 @@ fn turned_and_mirrored_landscapes_have_turned_and_mirrored_fires() {
         for relief in [Relief::Plane(DVec2::new(0.2, 0.1)), waves(frame)] {
             let landscape = patchwork(frame, 3, relief);
             let winds = [(0.0, wind(5.0, 30.0)), (1500.0, wind(4.0, 140.0)), (9000.0, wind(7.0, 260.0))];
-            let lit = (0..frame.cell_count()).map(|index| frame.cell(index));
-            let lit: Vec<Cell> = lit.filter(|&cell| landscape.fuel_number(cell) != 91).skip(1200).take(1).collect();
+            let ignited = (0..frame.cell_count()).map(|index| frame.cell(index));
+            let ignited: Vec<Cell> =
+                ignited.filter(|&cell| landscape.fuel_number(cell) != 91).skip(1200).take(1).collect();
             let rules = RothermelRules { neighbours, ..RothermelRules::default() };
-            let fire = burn(&landscape, &changing(&winds), rules, &lit, FOR_EVER);
+            let fire = burn(&landscape, &changing(&winds), rules, &ignited, FOR_EVER);
             assert!(arrivals(&fire).iter().flatten().count() > 1000);
             for (quarters, mirrored) in [(1, false), (2, false), (3, true), (0, true)] {
                 let mut other = landscape.clone();
@@ -238,8 +239,9 @@ fn turned_and_mirrored_landscapes_have_turned_and_mirrored_fires() {
                 };
                 let turn = |&(time, wind): &(f64, DVec2)| (time, turned(wind, quarters, mirrored));
                 let winds: Vec<_> = winds.iter().map(turn).collect();
-                let lit: Vec<Cell> = lit.iter().map(|&cell| turned_cell(frame, cell, quarters, mirrored)).collect();
-                let image = burn(&other, &changing(&winds), rules, &lit, FOR_EVER);
+                let ignited: Vec<Cell> =
+                    ignited.iter().map(|&cell| turned_cell(frame, cell, quarters, mirrored)).collect();
+                let image = burn(&other, &changing(&winds), rules, &ignited, FOR_EVER);
                 for index in 0..frame.cell_count() {
                     let cell = frame.cell(index);
                     let times = [fire.arrival(cell), image.arrival(turned_cell(frame, cell, quarters, mirrored))];
@@ -258,13 +260,13 @@ fn winds_that_do_not_change_change_nothing() {
     let frame = square(60, 5.0);
     for relief in [Relief::FLAT, waves(frame)] {
         let landscape = patchwork(frame, 4, relief);
-        let lit: Vec<Cell> =
+        let ignited: Vec<Cell> =
             (0..20).map(|n| Cell { col: 3 * n, row: 30 }).filter(|&cell| landscape.fuel_number(cell) != 91).collect();
         let blows = wind(5.0, 30.0);
         let table: Vec<_> = (0..50).map(|n| (137.0 * f64::from(n), blows)).collect();
         let rules = RothermelRules::default();
         let [once, again] = [steady(blows), changing(&table)]
-            .map(|weather| arrivals(&burn(&landscape, &weather, rules, &lit, FOR_EVER)));
+            .map(|weather| arrivals(&burn(&landscape, &weather, rules, &ignited, FOR_EVER)));
         for (one, two) in once.iter().zip(&again) {
             let [one, two] = [one, two].map(|time| time.map_or(0, |time| time.as_nanos() as i64));
             assert!((one - two).abs() <= 1000, "{} ns apart", one - two);
@@ -277,9 +279,10 @@ fn an_hour_in_pieces_is_the_same_hour() {
     let frame = square(80, 5.0);
     let landscape = patchwork(frame, 5, waves(frame));
     let weather = changing(&[(0.0, wind(5.0, 30.0)), (800.0, wind(4.0, 140.0))]);
-    let lit: Vec<(SimTime, Cell)> =
+    let ignited: Vec<(SimTime, Cell)> =
         (0..8).map(|n| (seconds(700.0 * f64::from(n)), Cell { col: 9 * n, row: 40 })).collect();
-    let new = || LoneFire::new(Arc::new(landscape.clone()), Arc::new(weather.clone()), RothermelRules::default(), &lit);
+    let new =
+        || LoneFire::new(Arc::new(landscape.clone()), Arc::new(weather.clone()), RothermelRules::default(), &ignited);
     let (mut whole, mut sliced) = (new(), new());
     whole.burn_until(seconds(6000.0));
     let mut rng = wildfire::rng::stream(1, "slices");
@@ -329,16 +332,16 @@ fn more_wind_brings_the_head_sooner_and_less_fuel_brings_nothing_sooner() {
     assert!(times.windows(2).all(|pair| pair[1] < pair[0]), "{times:?}");
 
     let landscape = patchwork(frame, 7, Relief::FLAT);
-    let lit = [Cell { col: 40, row: 41 }];
+    let ignited = [Cell { col: 40, row: 41 }];
     let weather = steady(wind(4.0, 80.0));
-    let before = arrivals(&burn(&landscape, &weather, RothermelRules::default(), &lit, FOR_EVER));
+    let before = arrivals(&burn(&landscape, &weather, RothermelRules::default(), &ignited, FOR_EVER));
     let mut rng = wildfire::rng::stream(2, "holes");
     let mut holed = landscape;
     for _ in 0..600 {
         let index = rng.random_range(0..frame.cell_count() as u64) as usize;
-        holed.fuel[index] = if index == frame.index(lit[0]) { holed.fuel[index] } else { 98 };
+        holed.fuel[index] = if index == frame.index(ignited[0]) { holed.fuel[index] } else { 98 };
     }
-    let after = arrivals(&burn(&holed, &weather, RothermelRules::default(), &lit, FOR_EVER));
+    let after = arrivals(&burn(&holed, &weather, RothermelRules::default(), &ignited, FOR_EVER));
     for (before, after) in before.iter().zip(&after) {
         let sooner = after.is_some_and(|after| before.is_none_or(|before| after + SimTime::from_nanos(100) < before));
         assert!(!sooner, "{before:?} {after:?}");
@@ -460,9 +463,9 @@ fn a_closed_ring_contains_the_fire() {
             }
             let wet = cells.iter().map(|&cell| (SimTime::ZERO, Act::Wet(cell, seconds(1e8))));
             let out = cells.iter().map(|&cell| (seconds(0.5), Act::Extinguish(cell)));
-            let lit = cells.iter().map(|&cell| (SimTime::ZERO, Act::Light(cell)));
+            let ignited = cells.iter().map(|&cell| (SimTime::ZERO, Act::Light(cell)));
             let until_wet = wet.chain([light]).collect::<Vec<_>>();
-            let extinguished = lit.chain(out).chain([(seconds(1.0), Act::Light(centre))]).collect::<Vec<_>>();
+            let extinguished = ignited.chain(out).chain([(seconds(1.0), Act::Light(centre))]).collect::<Vec<_>>();
             for (landscape, acts, others) in
                 [(&fenced, vec![light], 0), (&grass, until_wet, 0), (&grass, extinguished, cells.len())]
             {
@@ -623,8 +626,8 @@ impl Reference<'_> {
     /// The interval in which a way begins and its time of arrival, and whether all cells of it are alike and open all the
     /// time.
     fn along(&self, from: (i32, i32), step: (i32, i32)) -> Option<(usize, f64, bool)> {
-        let own = self.index(from)?;
-        let (lit, _) = self.burned[own]?;
+        let origin = self.index(from)?;
+        let (ignited, _) = self.burned[origin]?;
         let (cells, corners) = crossed(step.0, step.1);
         let at = |offset: (i32, i32)| self.index((from.0 + offset.0, from.1 + offset.1));
         let open = |index: Option<usize>| {
@@ -633,17 +636,17 @@ impl Reference<'_> {
         let opens = cells.iter().map(|&(offset, _)| open(at(offset)));
         let corners = corners.iter().map(|pair| open(at(pair[0])).min(open(at(pair[1]))));
         let open_from = opens.chain(corners).fold(0.0, f64::max);
-        if open_from == f64::INFINITY || (open_from > lit && lit + self.flaming_s <= open_from) {
+        if open_from == f64::INFINITY || (open_from > ignited && ignited + self.flaming_s <= open_from) {
             return None;
         }
         let fuels: Vec<(u8, f64)> =
             cells.iter().map(|&(offset, part)| (self.landscape.fuel[at(offset).expect("inside")], part)).collect();
         let v = DVec2::new(f64::from(step.0), f64::from(step.1)) * self.landscape.frame.cell_m;
-        let time = self.progress(open_from.max(lit), |interval| {
+        let time = self.progress(open_from.max(ignited), |interval| {
             fuels.iter().map(|(fuel, part)| part * self.ellipses[interval][fuel].0.travel_s(v)).sum()
         });
-        let is_plain = open_from <= lit && fuels.iter().all(|&(fuel, _)| fuel == fuels[0].0);
-        Some((self.interval(open_from.max(lit)), time, is_plain))
+        let is_plain = open_from <= ignited && fuels.iter().all(|&(fuel, _)| fuel == fuels[0].0);
+        Some((self.interval(open_from.max(ignited)), time, is_plain))
     }
 
     fn plan(&self, to: (i32, i32)) -> f64 {
@@ -755,7 +758,7 @@ impl Reference<'_> {
                 Some((now, act)) => {
                     let (Act::Light(cell) | Act::Extinguish(cell) | Act::Wet(cell, _)) = act;
                     let index = frame.index(cell);
-                    let flames = self.burned[index].is_some_and(|(lit, _)| lit + self.flaming_s > now);
+                    let flames = self.burned[index].is_some_and(|(ignited, _)| ignited + self.flaming_s > now);
                     let can_burn = self.burned[index].is_none() && !self.is_barrier(Some(index));
                     match act {
                         Act::Light(_) if can_burn && self.open_from[index] <= now => {
@@ -801,9 +804,9 @@ fn repairs_give_the_times_of_plans_that_are_all_made_anew() {
         let alone = burn_with(&landscape, &weather, rules, reignition, &acts);
         for _ in 0..150 {
             let place = Cell { col: rng.random_range(0..frame.cols), row: rng.random_range(0..frame.rows) };
-            let Some(lit) = alone[frame.index(place)] else { continue };
+            let Some(ignited) = alone[frame.index(place)] else { continue };
             // Near the time at which the fire would get there, so that it matters.
-            let time = lit + seconds(rng.random_range(0.0..150.0));
+            let time = ignited + seconds(rng.random_range(0.0..150.0));
             let act = match rng.random_range(0..3) {
                 0 => Act::Wet(place, time + seconds(rng.random_range(20.0..600.0))),
                 1 => Act::Extinguish(place),
@@ -948,9 +951,9 @@ fn burn_landscapes(folder: &Path) {
         if fuel_map.exists() {
             landscape.fuel = raster(&fuel_map, frame).iter().map(|&number| number as u8).collect();
         }
-        let lit = Cell { col: row[5] as u16, row: row[4] as u16 };
+        let ignited = Cell { col: row[5] as u16, row: row[4] as u16 };
         let rules = RothermelRules::default();
-        let fire = burn(&landscape, &changing(&winds), rules, &[lit], duration);
+        let fire = burn(&landscape, &changing(&winds), rules, &[ignited], duration);
         let theirs = raster(&folder.join(format!("{name}.asc")), frame);
         let (mut both, mut either, mut squares, mut bias, mut ours) = (0.0, 0.0, 0.0, 0.0, 0);
         for (index, &minutes) in theirs.iter().enumerate() {
@@ -1037,7 +1040,7 @@ fn crown_ellipse(canopy: Canopy, wind_mps: DVec2, method: CrownMethod) -> Ellips
 fn fires_in_crowns_have_their_ellipse() {
     let blows = wind(9.0, 20.0);
     let weather = Weather::constant(blows, FuelMoisture::default());
-    let lit = Cell { col: 40, row: 40 };
+    let ignited = Cell { col: 40, row: 40 };
     for (canopy, kind) in [
         (PINES, FireType::Active),
         (Canopy { bulk_density_kg_m3: 0.05, ..PINES }, FireType::Passive),
@@ -1045,13 +1048,13 @@ fn fires_in_crowns_have_their_ellipse() {
     ] {
         for method in [CrownMethod::ScottReinhardt, CrownMethod::Rothermel] {
             let landscape = wood(80, |_| canopy);
-            let mut fire = burn(&landscape, &weather, crowned(method), &[lit], FOR_EVER);
+            let mut fire = burn(&landscape, &weather, crowned(method), &[ignited], FOR_EVER);
             let ellipse = crown_ellipse(canopy, blows, method);
             let mut errors = Vec::new();
             for cell in (0..landscape.frame.cell_count()).map(|index| landscape.frame.cell(index)) {
                 assert_eq!(fire.fire_type(cell), Some(kind));
-                let exact = ellipse.travel_s(landscape.frame.centre(cell) - landscape.frame.centre(lit));
-                if cell.col > lit.col {
+                let exact = ellipse.travel_s(landscape.frame.centre(cell) - landscape.frame.centre(ignited));
+                if cell.col > ignited.col {
                     let found = fire.arrival(cell).expect("all burns").as_seconds();
                     errors.push((found / exact - 1.0).abs());
                 }

@@ -242,7 +242,7 @@ fn files_of_gdal() -> Vec<(&'static str, String, &'static str, Expected)> {
         );
     }
     add("small", "-ot Byte -co NBITS=1 -co COMPRESS=CCITTFAX4", None);
-    for (options, words) in [
+    for (options, fragment) in [
         ("-ot Byte -co NBITS=3", "gdal_translate -ot Float32"),
         ("-ot Byte -co NBITS=7", "gdal_translate -ot Float32"),
         ("-ot UInt16 -co NBITS=12", "gdal_translate -ot Float32"),
@@ -262,7 +262,7 @@ fn files_of_gdal() -> Vec<(&'static str, String, &'static str, Expected)> {
         ("-ot Byte -b 1 -b 1 -b 1 -b 1 -co PHOTOMETRIC=CMYK", "gdal_translate"),
         ("-ot Byte -b 1 -b 1 -b 1 -co PHOTOMETRIC=CIELAB", "gdal_translate"),
     ] {
-        add("small", options, Some(words));
+        add("small", options, Some(fragment));
     }
     for options in [
         "-co PHOTOMETRIC=MINISWHITE",
@@ -288,7 +288,7 @@ fn files_of_gdal() -> Vec<(&'static str, String, &'static str, Expected)> {
     }
     add("palette", "", None);
     add("palette", "-co COMPRESS=LZW -co TILED=YES -co BLOCKXSIZE=16 -co BLOCKYSIZE=16", None);
-    for (system, words) in [
+    for (system, fragment) in [
         ("EPSG:32611", None),
         ("EPSG:32733", None),
         ("EPSG:5070", None),
@@ -310,9 +310,9 @@ fn files_of_gdal() -> Vec<(&'static str, String, &'static str, Expected)> {
         ("+proj=merc +datum=WGS84", Some("gdalwarp -t_srs")),
         ("+proj=eqc +datum=WGS84", Some("gdalwarp -t_srs")),
     ] {
-        add("small", &format!("-a_srs @{system}"), words);
+        add("small", &format!("-a_srs @{system}"), fragment);
     }
-    for (options, words) in [
+    for (options, fragment) in [
         ("-a_srs @EPSG:4326 -a_ullr -117 36 -116.9 35.93", "in degrees; gdalwarp -t_srs EPSG:32611"),
         ("-a_srs @EPSG:4269 -a_ullr 17 -36 17.1 -36.07", "in degrees; gdalwarp -t_srs EPSG:32733"),
         ("-a_ullr -117 36 -116.947 35.963", "gdalwarp -t_srs EPSG:32611 -s_srs EPSG:4326"),
@@ -323,7 +323,7 @@ fn files_of_gdal() -> Vec<(&'static str, String, &'static str, Expected)> {
             "gdalwarp -t_srs",
         ),
     ] {
-        add("small", options, Some(words));
+        add("small", options, Some(fragment));
     }
     add("turned", "", Some("do not run from west to east; gdalwarp"));
     for options in [
@@ -336,7 +336,7 @@ fn files_of_gdal() -> Vec<(&'static str, String, &'static str, Expected)> {
     ] {
         files.push(("plain", format!("-of AAIGrid {options}"), "asc", None));
     }
-    for (options, words) in [
+    for (options, fragment) in [
         ("-a_srs @EPSG:2227", "US survey feet; gdalwarp"),
         ("-a_srs @EPSG:3857", "on the ground there; gdalwarp -t_srs EPSG:326"),
         ("-a_srs @EPSG:4326 -a_ullr -117 36 -116.947 35.963", "in degrees; gdalwarp -t_srs EPSG:32611"),
@@ -344,7 +344,7 @@ fn files_of_gdal() -> Vec<(&'static str, String, &'static str, Expected)> {
         ("-a_scale 2", "gives its values a scale; gdal_translate"),
         ("-a_ullr 500000 4000000 501000 3999000", "not square; gdalwarp"),
     ] {
-        files.push(("plain", format!("-of AAIGrid {options}"), "asc", Some(words)));
+        files.push(("plain", format!("-of AAIGrid {options}"), "asc", Some(fragment)));
     }
     for units in [
         "ELEVATION_UNIT=FEET -co SLOPE_UNIT=PERCENT -co ASPECT_UNIT=GRASS_DEGREES",
@@ -446,24 +446,24 @@ fn compare_files_of_gdal(step: usize) {
     for (number, (source, options, ending, expected)) in files_of_gdal().into_iter().enumerate().step_by(step) {
         let file = folder.path().join(format!("{number}.{ending}"));
         // A coordinate system may be several words.
-        let words: Vec<String> = match options.split_once("-a_srs @") {
+        let args: Vec<String> = match options.split_once("-a_srs @") {
             None => options.split_whitespace().map(str::to_owned).collect(),
             Some((before, rest)) => {
                 let (system, after) = rest.split_once(" -").unwrap_or((rest, ""));
                 let after = if after.is_empty() { String::new() } else { format!("-{after}") };
-                let mut words: Vec<String> = before.split_whitespace().map(str::to_owned).collect();
-                words.extend(["-a_srs".to_owned(), system.to_owned()]);
-                words.extend(after.split_whitespace().map(str::to_owned));
-                words
+                let mut args: Vec<String> = before.split_whitespace().map(str::to_owned).collect();
+                args.extend(["-a_srs".to_owned(), system.to_owned()]);
+                args.extend(after.split_whitespace().map(str::to_owned));
+                args
             }
         };
         let made =
-            Command::new("gdal_translate").arg("-q").args(&words).arg(folder.path().join(source)).arg(&file).output();
+            Command::new("gdal_translate").arg("-q").args(&args).arg(folder.path().join(source)).arg(&file).output();
         let Ok(made) = made else { return without_gdal() };
         assert!(file.exists(), "{options}: {}", String::from_utf8_lossy(&made.stderr));
         match (compare(&file), expected) {
             (Ok(()), None) => read += 1,
-            (Err(sentence), Some(words)) if sentence.contains(words) => refused += 1,
+            (Err(sentence), Some(fragment)) if sentence.contains(fragment) => refused += 1,
             (found, _) => wrong.push(format!("{source} {options}: {found:?}, expected {expected:?}")),
         }
     }

@@ -28,13 +28,13 @@ fn batch_with_a_program_that_fails_at_random_ends() {
     shell.file("moody.sh", &moody());
     shell.file("moody.toml", TABLE);
     let arguments = ["batch", "moody.toml", "--seeds", "1..20", "--out", "out", "--trust", "--quiet"];
-    let said = String::from_utf8_lossy(&shell.run(&arguments, &[0, 1]).stdout).into_owned();
-    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let printed = String::from_utf8_lossy(&shell.run(&arguments, &[0, 1]).stdout).into_owned();
+    let printed = printed.split_whitespace().collect::<Vec<_>>().join(" ");
     // What a program takes has columns of its own, and those of roadmaps are left out.
-    assert!(said.contains("Custom Custom Unimog") && !said.contains("gener."), "{said}");
-    let (_, line) = said.split_once("Failed queries of moody: ").expect("there are many");
-    for words in ["bad answer ", "timed out ", "crashed ", "disconnected "] {
-        assert!(line.contains(words), "{line}");
+    assert!(printed.contains("Custom Custom Unimog") && !printed.contains("gener."), "{printed}");
+    let (_, line) = printed.split_once("Failed queries of moody: ").expect("there are many");
+    for fragment in ["bad answer ", "timed out ", "crashed ", "disconnected "] {
+        assert!(line.contains(fragment), "{line}");
     }
     let rows = std::fs::read_to_string(shell.path("out/runs.csv")).expect("it was written");
     assert_eq!(rows.lines().count(), 21);

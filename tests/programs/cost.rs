@@ -21,13 +21,13 @@ fn cpu(body: &str) -> QueryCpu {
 #[test]
 fn time_of_a_program_counts_with_that_of_its_children() {
     let idle = cpu(AHEAD);
-    let own = cpu(&format!("{WORK}; {AHEAD}"));
+    let busy = cpu(&format!("{WORK}; {AHEAD}"));
     let ended = cpu(&format!("sh -c '{WORK}'; {AHEAD}"));
-    assert_eq!([idle, own, ended].map(|cpu| cpu.source), [CpuSource::Process; 3]);
+    assert_eq!([idle, busy, ended].map(|cpu| cpu.source), [CpuSource::Process; 3]);
     // A tick of the system is all that a child's time is rounded by.
     let tick = Duration::from_millis(10);
-    assert!(own.time > 2 * idle.time && own.time > tick, "{idle:?} {own:?}");
-    assert!(ended.time + 2 * tick > own.time / 3, "{own:?} {ended:?}");
+    assert!(busy.time > 2 * idle.time && busy.time > tick, "{idle:?} {busy:?}");
+    assert!(ended.time + 2 * tick > busy.time / 3, "{busy:?} {ended:?}");
     assert!(ended.time > tick, "{ended:?}");
 }
 
@@ -71,12 +71,12 @@ fn parts_of_a_run_add_up_to_the_whole_and_have_names_of_their_own() {
         let json = shell.run(&[&arguments[..], &["--json"]].concat(), &[0]).stdout;
         let value: serde_json::Value = serde_json::from_slice(&json).expect("it is JSON");
         let seconds = |name: &str| value["measured"][name].as_f64().expect("it is a number");
-        let own = seconds("cpu_custom_start_s") + seconds("cpu_custom_queries_s");
+        let custom = seconds("cpu_custom_start_s") + seconds("cpu_custom_queries_s");
         let (policy, planners) = (seconds("cpu_policy_s"), seconds("cpu_unimog_total_s") + seconds("cpu_wumpus_s"));
-        assert!(own + policy > 0.02 && (own == 0.0 || policy == 0.0), "{value}");
+        assert!(custom + policy > 0.02 && (custom == 0.0 || policy == 0.0), "{value}");
         assert!(policy + planners + seconds("cpu_terrain_s") <= seconds("cpu_run_s"), "{value}");
         let roadmaps = ["cpu_sampling_s", "cpu_map_generation_s", "cpu_roadmap_search_s"].map(seconds);
-        assert!(roadmaps.iter().sum::<f64>() <= of_roadmaps && (own == 0.0 || seconds("cpu_local_search_s") == 0.0));
+        assert!(roadmaps.iter().sum::<f64>() <= of_roadmaps && (custom == 0.0 || seconds("cpu_local_search_s") == 0.0));
     }
     let text = shell.run(&planner, &[0]).stdout;
     let text = String::from_utf8_lossy(&text);

@@ -89,12 +89,12 @@ fn moody() -> Vec<u8> {
 }
 
 /// Asks twice, and expects that both queries fail in this way: the second one of a fresh instance.
-fn expect_failure(act: &str, settings: &str, failure: PlanFailure, words: &str) -> Plan {
+fn expect_failure(act: &str, settings: &str, failure: PlanFailure, fragment: &str) -> Plan {
     let stage = Stage::of_module(&module(&format!("{act} {AHEAD}")), settings);
     let mut planner = stage.planner().expect("it starts");
     let plan = ask(planner.as_mut());
     assert_eq!(plan.path.as_ref().err(), Some(&failure), "{:?}", plan.message);
-    assert!(plan.message.as_ref().is_some_and(|message| message.contains(words)), "{words}: {:?}", plan.message);
+    assert!(plan.message.as_ref().is_some_and(|message| message.contains(fragment)), "{fragment}: {:?}", plan.message);
     assert_eq!(ask(planner.as_mut()).path.err(), Some(failure), "it is asked again");
     plan
 }
@@ -118,8 +118,8 @@ fn module_that_spends_ten_budgets_in_a_row_is_given_up() {
     for number in 0..12 {
         let plan = ask(planner.as_mut());
         assert_eq!((plan.path.err(), plan.effort.local_expansions), (Some(PlanFailure::BudgetSpent), 2));
-        let given_up = "was given up after 10 queries in a row over 2000000 instructions";
-        assert_eq!(plan.message.as_deref() == Some(given_up), number >= 10, "{number}: {:?}", plan.message);
+        let expected = "was given up after 10 queries in a row over 2000000 instructions";
+        assert_eq!(plan.message.as_deref() == Some(expected), number >= 10, "{number}: {:?}", plan.message);
     }
 }
 
@@ -132,21 +132,24 @@ fn submit_check_refuses_an_entry_that_never_answers_and_prints_why() {
         "[entry]\nname = \"loop\"\ntracks = [\"drive\", \"contest\"]\n[unimog]\nplanner = \"own\"\n[planner.own]\n\
          module = \"loop.wasm\"\nquery_instructions = 1000000\n",
     );
-    let check = |words: &[&str]| {
-        let said = shell.run(&[&["arena", "submit-check", "entry.toml"], words].concat(), &[4]).stdout;
-        String::from_utf8_lossy(&said).split_whitespace().collect::<Vec<_>>().join(" ")
+    let check = |args: &[&str]| {
+        let printed = shell.run(&[&["arena", "submit-check", "entry.toml"], args].concat(), &[4]).stdout;
+        String::from_utf8_lossy(&printed).split_whitespace().collect::<Vec<_>>().join(" ")
     };
-    let said = check(&["--track", "drive"]);
+    let printed = check(&["--track", "drive"]);
     let drive = "drive: all 4 queries failed on the first seed; the other seeds were not played";
     assert!(
-        said.starts_with("loop cannot be submitted") && said.contains(drive) && !said.contains("contest"),
-        "{said}"
+        printed.starts_with("loop cannot be submitted") && printed.contains(drive) && !printed.contains("contest"),
+        "{printed}"
     );
-    assert!(said.contains("Failed queries of own: 4 of 4 (100.0 %): budget spent 4 (ran more than 1000000"), "{said}");
-    let said = check(&[]);
-    let (_, rest) = said.split_once("contest: all ").expect("it is refused there too");
+    assert!(
+        printed.contains("Failed queries of own: 4 of 4 (100.0 %): budget spent 4 (ran more than 1000000"),
+        "{printed}"
+    );
+    let printed = check(&[]);
+    let (_, rest) = printed.split_once("contest: all ").expect("it is refused there too");
     let queries = rest.split_once(' ').expect("a number").0;
-    assert!(rest.contains(&format!("budget spent {queries} (ran more than 1000000 instructions)")), "{said}");
+    assert!(rest.contains(&format!("budget spent {queries} (ran more than 1000000 instructions)")), "{printed}");
 }
 
 #[test]
@@ -162,11 +165,11 @@ fn failures_of_modules_with_one_name_are_those_of_each() {
         let table = "[unimog]\nplanner = \"mine\"\n[planner.mine]\nmodule = \"mine.wasm\"\n";
         shell.file(&format!("{name}/entry.toml"), table);
     }
-    let words = ["batch", "--rules", "rules.toml", "--agent", "anna/entry.toml", "ben/entry.toml", "--out", "out"];
-    let said = String::from_utf8_lossy(&shell.run(&words, &[0]).stdout).into_owned();
+    let args = ["batch", "--rules", "rules.toml", "--agent", "anna/entry.toml", "ben/entry.toml", "--out", "out"];
+    let printed = String::from_utf8_lossy(&shell.run(&args, &[0]).stdout).into_owned();
     for (number, reason) in [(1, "crashed"), (2, "disconnected")] {
-        let (_, rest) = said.split_once(&format!("Failed queries of mine (variant {number}): ")).expect(&said);
-        assert!(rest.split('.').nth(1).is_some_and(|sentence| sentence.contains(reason)), "{said}");
+        let (_, rest) = printed.split_once(&format!("Failed queries of mine (variant {number}): ")).expect(&printed);
+        assert!(rest.split('.').nth(1).is_some_and(|sentence| sentence.contains(reason)), "{printed}");
     }
     shell.refuse(
         &["batch", "--rules", "rules.toml", "--agent", "rules.toml", "anna/entry.toml"],
@@ -209,11 +212,11 @@ fn batch_with_a_module_that_fails_in_all_ways_is_the_same_each_time() {
     std::fs::write(shell.path("moody.wasm"), moody()).expect("the folder is writable");
     shell.file("moody.toml", TABLE);
     let batch = ["batch", "moody.toml", "--seeds", "1..4", "--quiet", "--out"];
-    let said = shell.run(&[&batch[..], &["out", "--jobs", "1"]].concat(), &[0]);
-    let said = String::from_utf8_lossy(&said.stdout).split_whitespace().collect::<Vec<_>>().join(" ");
-    let (_, line) = said.split_once("Failed queries of moody: ").expect("there are many");
-    for words in ["bad answer ", "crashed ", "budget spent ", "disconnected "] {
-        assert!(line.contains(words), "{line}");
+    let printed = shell.run(&[&batch[..], &["out", "--jobs", "1"]].concat(), &[0]);
+    let printed = String::from_utf8_lossy(&printed.stdout).split_whitespace().collect::<Vec<_>>().join(" ");
+    let (_, line) = printed.split_once("Failed queries of moody: ").expect("there are many");
+    for fragment in ["bad answer ", "crashed ", "budget spent ", "disconnected "] {
+        assert!(line.contains(fragment), "{line}");
     }
     shell.run(&[&batch[..], &["two", "--jobs", "2"]].concat(), &[0]);
     shell.run(&[&batch[..], &["again", "--jobs", "2"]].concat(), &[0]);
@@ -236,9 +239,9 @@ fn module_of_the_command_line_plans_or_decides() {
     let shell = Shell::new();
     std::fs::write(shell.path("ahead.wasm"), module(AHEAD)).expect("the folder is writable");
     std::fs::write(shell.path("wait.wasm"), module(WAIT)).expect("the folder is writable");
-    let run = |own: &str, change: &str| {
-        let said = shell.run(&["run", "smoke", "--module", own, "--set", change, "--json"], &[0]);
-        let value: serde_json::Value = serde_json::from_slice(&said.stdout).expect("it is JSON");
+    let run = |module: &str, change: &str| {
+        let printed = shell.run(&["run", "smoke", "--module", module, "--set", change, "--json"], &[0]);
+        let value: serde_json::Value = serde_json::from_slice(&printed.stdout).expect("it is JSON");
         value["run"].clone()
     };
     let planned = run("own=ahead.wasm", "unimog.planner=own");
@@ -250,17 +253,17 @@ fn module_of_the_command_line_plans_or_decides() {
     assert_eq!(failing["policy_failed_bad_answer"], failing["policy_asked"], "{failing}");
     let plan =
         ["plan", "--scenario", "smoke", "--goals", "2", "--planner", "own", "--module", "own=ahead.wasm", "--repeat"];
-    let said = String::from_utf8_lossy(&shell.run(&plan, &[0]).stdout).into_owned();
-    assert!(said.contains("bit-identical"), "{said}");
+    let printed = String::from_utf8_lossy(&shell.run(&plan, &[0]).stdout).into_owned();
+    assert!(printed.contains("bit-identical"), "{printed}");
 }
 
 #[test]
 fn file_that_is_no_module_is_refused_with_its_place() {
     let shell = Shell::new();
     shell.file("moody.toml", TABLE);
-    let expect = |words: &[&str]| {
+    let expect = |fragments: &[&str]| {
         for command in ["check", "run"] {
-            shell.refuse(&[command, "moody.toml"], words);
+            shell.refuse(&[command, "moody.toml"], fragments);
         }
     };
     expect(&["moody.toml:10:", "moody.wasm", "cannot be read", "No such file"]);
@@ -274,9 +277,9 @@ fn file_that_is_no_module_is_refused_with_its_place() {
     large.set_len(64_000_001).expect("a file with a hole");
     expect(&["moody.wasm", "too large; expected at most 64 MB"]);
     std::fs::write(shell.path("moody.wasm"), moody()).expect("the folder is writable");
-    let said = shell.run(&["check", "moody.toml"], &[0]);
-    let said = String::from_utf8_lossy(&said.stdout).split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(said.contains("The planner `moody` is the WebAssembly module moody.wasm; a query may run"), "{said}");
+    let printed = shell.run(&["check", "moody.toml"], &[0]);
+    let printed = String::from_utf8_lossy(&printed.stdout).split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(printed.contains("The planner `moody` is the WebAssembly module moody.wasm; a query may run"), "{printed}");
     shell.file("both.toml", &format!("{TABLE}command = [\"sh\"]\n"));
     shell.refuse(&["check", "both.toml"], &["both.toml", "cannot be combined with", "each says what plans"]);
     shell.refuse(&["run", "smoke", "--module", "own"], &["NAME=FILE.wasm"]);

@@ -44,8 +44,8 @@ fn result(shell: &Shell, arguments: &[&str]) -> serde_json::Value {
 }
 
 fn whole_result(shell: &Shell, arguments: &[&str]) -> serde_json::Value {
-    let said = shell.run(&[&["run"], arguments, &["--json"]].concat(), &[0]);
-    let value: serde_json::Value = serde_json::from_slice(&said.stdout).expect("it is JSON");
+    let printed = shell.run(&[&["run"], arguments, &["--json"]].concat(), &[0]);
+    let value: serde_json::Value = serde_json::from_slice(&printed.stdout).expect("it is JSON");
     value["run"].clone()
 }
 
@@ -58,9 +58,9 @@ fn policy_that_answers_as_the_rule_does_plays_the_rules_run() {
     shell.file("nearest.py", NEAREST);
     shell.file("own.toml", &format!("{TABLE}[policy.own]\ncommand = [\"python3\", \"nearest.py\"]\n"));
     for seed in ["1", "2", "3"] {
-        let own = result(&shell, &["own.toml", "--trust", "--seed", seed]);
+        let external = result(&shell, &["own.toml", "--trust", "--seed", seed]);
         let rule = result(&shell, &["own.toml", "--set", "unimog.goal=nearest-burning", "--seed", seed]);
-        assert_eq!(own, rule);
+        assert_eq!(external, rule);
     }
     shell.refuse(&["run", "own.toml"], &["policy `own`", "--trust"]);
     shell.expect_nobody();
@@ -88,10 +88,10 @@ fn agents_of_a_policy_that_fails_wait() {
             "own.toml",
             &format!("{TABLE}[policy.own]\ncommand = [\"sh\", \"own.sh\"]\nquery_limit_s = {limit_s}\n"),
         );
-        let said = whole_result(&shell, &["own.toml", "--trust", "--set", "duration_s=150"]);
-        assert_eq!(said["extinguished"], 0, "{said}");
-        assert!(said["policy_asked"].as_u64() > Some(0) && said[column] == said["policy_asked"], "{said}");
-        let message = said["message"].as_str().unwrap_or_default();
+        let printed = whole_result(&shell, &["own.toml", "--trust", "--set", "duration_s=150"]);
+        assert_eq!(printed["extinguished"], 0, "{printed}");
+        assert!(printed["policy_asked"].as_u64() > Some(0) && printed[column] == printed["policy_asked"], "{printed}");
+        let message = printed["message"].as_str().unwrap_or_default();
         assert!(message.starts_with("policy own at ") == (column != "policy_asked"), "{message}");
         shell.expect_nobody();
     }
@@ -106,19 +106,19 @@ fn failed_asks_are_told_to_people_and_ranked() {
     let shell = Shell::new();
     shell.file("own.sh", &script("case $id in 1) sleep 100;; *) exit 3;; esac"));
     shell.file("own.toml", &format!("{TABLE}[policy.own]\ncommand = [\"sh\", \"own.sh\"]\nquery_limit_s = 0.3\n"));
-    let said = |arguments: &[&str]| {
-        let words = String::from_utf8_lossy(&shell.run(arguments, &[0]).stdout).into_owned();
-        words.split_whitespace().collect::<Vec<_>>().join(" ")
+    let printed = |arguments: &[&str]| {
+        let text = String::from_utf8_lossy(&shell.run(arguments, &[0]).stdout).into_owned();
+        text.split_whitespace().collect::<Vec<_>>().join(" ")
     };
     let short = "duration_s=150";
-    let run = said(&["run", "own.toml", "--trust", "--set", short]);
+    let run = printed(&["run", "own.toml", "--trust", "--set", short]);
     assert!(run.contains("Failed asks of the policy own: ") && run.contains("(gave no answer within 0.3 s)"), "{run}");
     assert!(run.contains("Outcomes depend on this machine: ") && run.contains("of a policy timed out."), "{run}");
     let goals = "unimog.goal=own,nearest-burning";
     let of_batch = ["batch", "own.toml", "--trust", "--seeds", "1..2", "--set", short, "--set", goals, "--out", "out"];
-    let batch = said(&of_batch);
+    let batch = printed(&of_batch);
     assert!(batch.contains("Failed asks of the policy own: "), "{batch}");
-    let ranked = said(&["rank", "out"]);
+    let ranked = printed(&["rank", "out"]);
     assert!(ranked.contains("asks %") && ranked.contains("100.0"), "{ranked}");
     shell.expect_nobody();
 }
@@ -127,13 +127,13 @@ fn failed_asks_are_told_to_people_and_ranked() {
 fn program_of_the_command_line_may_be_a_policy() {
     let shell = Shell::new();
     shell.file("own.sh", &script(&answer("")));
-    let own = ["--command", "own=sh own.sh"];
-    let arguments = [&["smoke", "--set", "unimog.goal=own"], &own[..]].concat();
-    let said = whole_result(&shell, &arguments);
-    assert!(said["policy"] == "own" && said["policy_asked"].as_u64() > Some(0), "{said}");
+    let command = ["--command", "own=sh own.sh"];
+    let arguments = [&["smoke", "--set", "unimog.goal=own"], &command[..]].concat();
+    let printed = whole_result(&shell, &arguments);
+    assert!(printed["policy"] == "own" && printed["policy_asked"].as_u64() > Some(0), "{printed}");
     // As a planner it is no policy, and a plan says nothing of one.
     let arguments = ["batch", "smoke", "--planner", "own", "--seeds", "1", "--out", "out", "--quiet"];
-    shell.run(&[&arguments[..], &own].concat(), &[0]);
+    shell.run(&[&arguments[..], &command].concat(), &[0]);
     let plan = std::fs::read_to_string(shell.path("out/plan.json")).expect("it was written");
     assert!(plan.contains("own.sh") && !plan.contains("\"policy\":"), "{plan}");
 }
@@ -150,10 +150,10 @@ fn program_says_where_crews_build_and_without_an_answer_they_build_nothing() {
         let shell = Shell::new();
         let check = "case $line in *'\"line\":{\"crews\":[{\"count\":4,'*'\"square_m\":10.0,'*) ;; *) exit 2;; esac";
         shell.file("own.sh", &script(&format!("{check}\n{body}")));
-        let own = ["line", "--set", "line.policy=own", "--command", "own=sh own.sh", "--set", "duration_s=3000"];
-        let said = whole_result(&shell, &own);
-        assert!(said["policy_asked"] == 1 && said[column] == u64::from(!builds), "{said}");
-        assert!((said["line_built_m"].as_f64() > Some(400.0)) == builds, "{said}");
+        let args = ["line", "--set", "line.policy=own", "--command", "own=sh own.sh", "--set", "duration_s=3000"];
+        let printed = whole_result(&shell, &args);
+        assert!(printed["policy_asked"] == 1 && printed[column] == u64::from(!builds), "{printed}");
+        assert!((printed["line_built_m"].as_f64() > Some(400.0)) == builds, "{printed}");
         shell.expect_nobody();
     }
 }

@@ -63,12 +63,12 @@ fn planner_in_rust_and_as_a_program_give_the_same_runs() {
     let pool = ProgramPool::new(Trust::All);
     let mut drives = 0;
     for seed in 1..=20 {
-        let own = sim::run_with(&inside, seed, &planners).expect("it takes place");
+        let registered = sim::run_with(&inside, seed, &planners).expect("it takes place");
         let programs = pool.planners_of(&outside, Planners::default()).expect("its name is free");
         let other = sim::run_with(&outside, seed, &programs).expect("it takes place");
-        assert_eq!(own.timeline, other.timeline, "seed {seed}");
-        assert_eq!(own.messages, other.messages, "seed {seed}");
-        drives += wildfire::Outcome::new(&own.timeline).extinguished;
+        assert_eq!(registered.timeline, other.timeline, "seed {seed}");
+        assert_eq!(registered.messages, other.messages, "seed {seed}");
+        drives += wildfire::Outcome::new(&registered.timeline).extinguished;
     }
     assert!(drives > 0, "it drives somewhere");
 }

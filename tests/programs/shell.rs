@@ -43,12 +43,12 @@ impl Shell {
     }
 
     /// Runs the program, expects that it refuses what it is asked, and that stderr has these words.
-    pub fn refuse(&self, arguments: &[&str], words: &[&str]) {
+    pub fn refuse(&self, arguments: &[&str], fragments: &[&str]) {
         let before = self.entries();
-        let said = String::from_utf8_lossy(&self.run(arguments, &[2]).stderr).into_owned();
-        let flat = said.split_whitespace().collect::<Vec<_>>().join(" ");
-        for word in words {
-            assert!(flat.contains(word), "`{word}` is missing:\n{said}");
+        let stderr = String::from_utf8_lossy(&self.run(arguments, &[2]).stderr).into_owned();
+        let flat = stderr.split_whitespace().collect::<Vec<_>>().join(" ");
+        for word in fragments {
+            assert!(flat.contains(word), "`{word}` is missing:\n{stderr}");
         }
         assert_eq!(self.entries(), before, "{arguments:?} wrote something");
     }

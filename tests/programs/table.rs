@@ -7,10 +7,10 @@ use wildfire::planning::PlanFailure;
 use crate::stage::{AHEAD, Stage, ask, script};
 
 /// Expects that a program does not start, for a reason with these words.
-fn expect_no_start(script: &str, settings: &str, words: &[&str]) {
+fn expect_no_start(script: &str, settings: &str, fragments: &[&str]) {
     let stage = Stage::new(script, settings);
     let Err(reason) = stage.planner() else { panic!("it started: {script}") };
-    for word in words {
+    for word in fragments {
         assert!(reason.contains(word), "`{word}` is missing: {reason}");
     }
     stage.expect_nobody();
@@ -18,7 +18,7 @@ fn expect_no_start(script: &str, settings: &str, words: &[&str]) {
 
 /// Expects that a query fails in this way, that the message has these words, and that the next query is answered by a
 /// program that was started again.
-fn expect_failure(first: &str, settings: &str, failure: PlanFailure, words: &[&str]) {
+fn expect_failure(first: &str, settings: &str, failure: PlanFailure, fragments: &[&str]) {
     // A program that finds the file has been started again.
     let body = format!("if [ -e begun ]; then {AHEAD}; else : > begun\n{first}\nfi");
     let stage = Stage::new(&script(&body), settings);
@@ -26,7 +26,7 @@ fn expect_failure(first: &str, settings: &str, failure: PlanFailure, words: &[&s
     let plan = ask(planner.as_mut());
     assert_eq!(plan.path.err(), Some(failure), "{:?}", plan.message);
     let message = plan.message.expect("it says why");
-    for word in words {
+    for word in fragments {
         assert!(message.contains(word), "`{word}` is missing: {message}");
     }
     let plan = ask(planner.as_mut());
@@ -190,10 +190,10 @@ fn program_is_told_of_its_field_and_of_the_query() {
     let stage = Stage::new(&script(&body), settings);
     let mut planner = stage.planner().expect("it starts");
     assert!(ask(planner.as_mut()).path.is_ok());
-    let told = std::fs::read_to_string(stage.path().join("told")).expect("it was told");
+    let received = std::fs::read_to_string(stage.path().join("told")).expect("it was told");
     let lines: Vec<serde_json::Value> =
-        told.lines().map(|line| serde_json::from_str(line).expect("it is JSON")).collect();
-    let [hello, field, plan] = lines.as_slice() else { panic!("{told}") };
+        received.lines().map(|line| serde_json::from_str(line).expect("it is JSON")).collect();
+    let [hello, field, plan] = lines.as_slice() else { panic!("{received}") };
     assert_eq!((hello["type"].as_str(), hello["protocol"].as_u64()), (Some("hello"), Some(1)));
     assert_eq!((field["run"].as_str(), field["truck"].as_u64()), (Some("stage"), Some(0)));
     assert_eq!((field["cols"].as_u64(), field["cell_m"].as_f64()), (Some(20), Some(5.0)));

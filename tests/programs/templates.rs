@@ -5,9 +5,9 @@ use crate::shell::{Shell, has};
 
 /// Plays and plans with a planner that is registered by this option, and that takes this time for a query at most, in the
 /// mean.
-fn expect_it_plays(shell: &Shell, own: [&str; 2], max_cpu_s: f64) {
+fn expect_it_plays(shell: &Shell, options: [&str; 2], max_cpu_s: f64) {
     let batch = ["batch", "contest", "--seeds", "3", "--planner", "mine", "--out", "out"];
-    shell.run(&[&batch[..], &own].concat(), &[0]);
+    shell.run(&[&batch[..], &options].concat(), &[0]);
     shell.run(&["audit", "out", "--trust"], &[0]);
     let rows = std::fs::read_to_string(shell.path("out/runs.csv")).expect("it was written");
     let header: Vec<&str> = rows.lines().next().expect("a header").split(',').collect();
@@ -23,7 +23,7 @@ fn expect_it_plays(shell: &Shell, own: [&str; 2], max_cpu_s: f64) {
     let cpu_s = sum("cpu_unimog_total_s") / sum("truck_plans");
     assert!(cpu_s < max_cpu_s, "{cpu_s} s a query");
     let poses = ["plan", "--scenario", "contest", "--set", "field.coverage=0", "--goals", "12", "--csv", "poses.csv"];
-    shell.run(&[&poses[..], &["--planner", "mine"], &own].concat(), &[0]);
+    shell.run(&[&poses[..], &["--planner", "mine"], &options].concat(), &[0]);
     let rows = std::fs::read_to_string(shell.path("poses.csv")).expect("it was written");
     let column = |row: &str, name: &str| {
         let place = rows.lines().next().expect("a header").split(',').position(|found| found == name);
@@ -35,8 +35,8 @@ fn expect_it_plays(shell: &Shell, own: [&str; 2], max_cpu_s: f64) {
     assert_eq!(ratios.len(), 12, "it drives to every pose: {rows}");
     assert!(ratios.iter().filter(|&&ratio| (ratio - 1.0).abs() < 1e-6).count() >= 10, "{ratios:?}");
     let plan = ["plan", "--scenario", "smoke", "--cells", "3", "--planner", "mine", "--repeat"];
-    let said = String::from_utf8_lossy(&shell.run(&[&plan[..], &own].concat(), &[0]).stdout).into_owned();
-    assert!(said.contains("bit-identical"), "{said}");
+    let printed = String::from_utf8_lossy(&shell.run(&[&plan[..], &options].concat(), &[0]).stdout).into_owned();
+    assert!(printed.contains("bit-identical"), "{printed}");
     shell.expect_nobody();
 }
 

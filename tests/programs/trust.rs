@@ -19,13 +19,13 @@ fn scene() -> Shell {
 #[test]
 fn program_of_a_file_is_shown_and_not_started() {
     let shell = scene();
-    let words = ["planner `mine`", "would have run in .: sh mine.sh 'a b'", "--trust"];
-    shell.refuse(&["run", "mine.toml"], &words);
-    shell.refuse(&["run", "mine.toml", "--out", "run.wildfire"], &words);
-    shell.refuse(&["batch", "mine.toml", "--out", "out"], &words);
-    shell.refuse(&["batch", "mine.toml", "--dry-run"], &words);
-    shell.refuse(&["plan", "--scenario", "mine.toml"], &words);
-    shell.refuse(&["render", "mine.toml", "--out", "still.png"], &words);
+    let fragments = ["planner `mine`", "would have run in .: sh mine.sh 'a b'", "--trust"];
+    shell.refuse(&["run", "mine.toml"], &fragments);
+    shell.refuse(&["run", "mine.toml", "--out", "run.wildfire"], &fragments);
+    shell.refuse(&["batch", "mine.toml", "--out", "out"], &fragments);
+    shell.refuse(&["batch", "mine.toml", "--dry-run"], &fragments);
+    shell.refuse(&["plan", "--scenario", "mine.toml"], &fragments);
+    shell.refuse(&["render", "mine.toml", "--out", "still.png"], &fragments);
     // What only reads never starts anything, trusted or not.
     shell.run(&["check", "mine.toml"], &[0]);
     shell.run(&["check", "mine.toml", "--trust"], &[0]);
@@ -44,8 +44,8 @@ fn program_of_the_command_line_is_trusted_and_works_in_the_current_folder() {
     let shell = Shell::new();
     shell.file("own script.sh", &format!("echo \"$1\" > told\n{}", script(AHEAD)));
     let command = "own=sh 'own script.sh' \"a  b\"";
-    let own = ["--command", command, "--set", "unimog.planner=own", "--set", "duration_s=60"];
-    let with = |first: &[&'static str]| first.iter().copied().chain(own).collect::<Vec<_>>();
+    let options = ["--command", command, "--set", "unimog.planner=own", "--set", "duration_s=60"];
+    let with = |first: &[&'static str]| first.iter().copied().chain(options).collect::<Vec<_>>();
     shell.run(&with(&["run", "smoke"]), &[0]);
     assert_eq!(std::fs::read_to_string(shell.path("told")).expect("it was started"), "a  b\n");
     let planners =
@@ -95,11 +95,11 @@ fn runs_of_a_program_are_audited_with_trust_and_repeat() {
     shell.run(&["audit", "out", "--trust"], &[0]);
     shell.run(&["run", "mine.toml", "--trust", "--out", "run.wildfire"], &[0]);
     shell.run(&["audit", "run.wildfire"], &[0]);
-    let said = shell.run(&["plan", "--scenario", "mine.toml", "--goals", "3", "--trust", "--repeat"], &[0]);
-    assert!(String::from_utf8_lossy(&said.stdout).contains("bit-identical"));
+    let output = shell.run(&["plan", "--scenario", "mine.toml", "--goals", "3", "--trust", "--repeat"], &[0]);
+    assert!(String::from_utf8_lossy(&output.stdout).contains("bit-identical"));
     let fickle = "answer=$(od -An -N2 -tu2 /dev/urandom | tr -d ' '); echo \"{\\\"type\\\":\\\"none\\\",\\\"id\\\":$id,\\\"reason\\\":\\\"disconnected\\\",\\\"expansions\\\":$answer}\"";
     shell.file("fickle.sh", &script(fickle));
     let arguments = ["plan", "--goals", "3", "--planner", "fickle", "--command", "fickle=sh fickle.sh", "--repeat"];
-    let said = shell.run(&arguments, &[0]);
-    assert!(String::from_utf8_lossy(&said.stdout).contains("not reproducible"), "{said:?}");
+    let output = shell.run(&arguments, &[0]);
+    assert!(String::from_utf8_lossy(&output.stdout).contains("not reproducible"), "{output:?}");
 }

@@ -5,7 +5,7 @@ use std::iter;
 use std::path::{Path, PathBuf};
 
 /// Finds a file or a folder of this package's answers.
-pub fn own(part: &str) -> PathBuf {
+pub fn bundled(part: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/reference").join(part);
     assert!(path.exists(), "{} is missing; tests/data/reference/make.py makes it", path.display());
     path
@@ -28,5 +28,5 @@ pub fn larger(part: &str) -> Option<PathBuf> {
 
 /// Finds a file or a folder in both.
 pub fn both(part: &str) -> impl Iterator<Item = PathBuf> {
-    iter::once(own(part)).chain(larger(part))
+    iter::once(bundled(part)).chain(larger(part))
 }

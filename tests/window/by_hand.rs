@@ -274,8 +274,8 @@ fn on_demand() -> (Sender<Result<(), String>>, Box<dyn RunLoader>) {
 
 impl RunLoader for OnDemand {
     fn load(&self, seed: u64) -> Result<RunView, String> {
-        let told = self.go.lock().expect("one thread at a time").recv();
-        told.unwrap_or_else(|gone| Err(gone.to_string())).map(|()| RunView::new(simulated("smoke", seed), None))
+        let received = self.go.lock().expect("one thread at a time").recv();
+        received.unwrap_or_else(|gone| Err(gone.to_string())).map(|()| RunView::new(simulated("smoke", seed), None))
     }
 
     fn seeds(&self) -> Option<&[u64]> {

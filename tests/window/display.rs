@@ -30,8 +30,8 @@ pub fn hands() -> Option<MutexGuard<'static, ()>> {
 }
 
 #[expect(clippy::print_stderr, reason = "a test that is skipped says so")]
-pub fn say(words: &str) {
-    eprintln!("{words}");
+pub fn say(message: &str) {
+    eprintln!("{message}");
 }
 
 fn missing() -> Option<&'static str> {
@@ -75,23 +75,23 @@ pub fn program(folder: &Path) -> Command {
 pub struct Window {
     process: Child,
     id: String,
-    said: PathBuf,
+    stderr_path: PathBuf,
 }
 
 impl Window {
     /// Opens `wildfire play` in a folder.
     pub fn open<S: AsRef<OsStr>>(folder: &Path, arguments: &[S]) -> Self {
-        let said = folder.join("stderr.txt");
+        let stderr_path = folder.join("stderr.txt");
         let start = || {
             let mut command = program(folder);
             command.arg("play").args(arguments).stdout(Stdio::null());
-            command.stderr(File::create(&said).expect("the test's own folder"));
+            command.stderr(File::create(&stderr_path).expect("the test's own folder"));
             command.spawn().expect("it starts")
         };
         let mut process = start();
         let id = wait_for("the window", || {
             if process.try_wait().expect("it was started").is_some() {
-                let reason = fs::read_to_string(&said).unwrap_or_default();
+                let reason = fs::read_to_string(&stderr_path).unwrap_or_default();
                 // A virtual display begins again when its last window is closed, and answers nobody meanwhile.
                 assert!(reason.contains("does not answer"), "{reason}");
                 process = start();
@@ -99,7 +99,7 @@ impl Window {
             let pid = process.id().to_string();
             answer("xdotool", &["search", "--onlyvisible", "--pid", &pid])?.lines().next().map(str::to_owned)
         });
-        let window = Self { process, id, said };
+        let window = Self { process, id, stderr_path };
         // Without a window manager nobody else gives it the keyboard.
         window.hand(&["windowfocus", "--sync", &window.id]);
         window
@@ -156,7 +156,7 @@ impl Window {
     /// Waits until the program has ended by itself; returns how, and what it said.
     pub fn wait_for_end(mut self) -> (ExitStatus, String) {
         let status = wait_for("the end", || self.process.try_wait().expect("it was started"));
-        (status, fs::read_to_string(&self.said).unwrap_or_default())
+        (status, fs::read_to_string(&self.stderr_path).unwrap_or_default())
     }
 }
 

@@ -5,12 +5,12 @@ use std::process::Command;
 use crate::display::{hands, program};
 
 /// What is said on stderr by a program that ends with that code, wrapped lines put together.
-fn said(command: &mut Command, code: i32) -> String {
+fn stderr(command: &mut Command, code: i32) -> String {
     let output = command.output().expect("it starts");
-    let said = String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
-    assert_eq!(output.status.code(), Some(code), "{said}");
-    assert!(!said.contains("panic") && !said.contains("RUST_BACKTRACE"), "{said}");
-    said
+    let stderr = String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
+    assert_eq!(output.status.code(), Some(code), "{stderr}");
+    assert!(!stderr.contains("panic") && !stderr.contains("RUST_BACKTRACE"), "{stderr}");
+    stderr
 }
 
 fn play(folder: &tempfile::TempDir) -> Command {
@@ -22,15 +22,15 @@ fn play(folder: &tempfile::TempDir) -> Command {
 #[test]
 fn missing_display_is_a_sentence() {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    let said = said(&mut play(&folder), 3);
-    assert!(said.contains("there is no display") && said.contains("apt-get install"), "{said}");
+    let stderr = stderr(&mut play(&folder), 3);
+    assert!(stderr.contains("there is no display") && stderr.contains("apt-get install"), "{stderr}");
 }
 
 #[test]
 fn display_of_another_kind_is_a_sentence() {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    let said = said(play(&folder).env("WAYLAND_DISPLAY", "wayland-0"), 3);
-    assert!(said.contains("XWayland"), "{said}");
+    let stderr = stderr(play(&folder).env("WAYLAND_DISPLAY", "wayland-0"), 3);
+    assert!(stderr.contains("XWayland"), "{stderr}");
 }
 
 #[test]
@@ -39,8 +39,8 @@ fn missing_adapter_is_a_sentence() {
     let nowhere = folder.path().join("nowhere.json");
     let mut command = play(&folder);
     command.env("DISPLAY", ":0").env("VK_ICD_FILENAMES", &nowhere).env("VK_DRIVER_FILES", &nowhere);
-    let said = said(&mut command, 3);
-    assert!(said.contains("mesa-vulkan-drivers"), "{said}");
+    let stderr = stderr(&mut command, 3);
+    assert!(stderr.contains("mesa-vulkan-drivers"), "{stderr}");
 }
 
 #[test]
@@ -48,8 +48,8 @@ fn display_that_does_not_answer_is_a_sentence() {
     // Without an adapter that would be said first.
     let Some(_hands) = hands() else { return };
     let folder = tempfile::tempdir().expect("a scratch folder");
-    let said = said(play(&folder).env("DISPLAY", ":9731"), 3);
-    assert!(said.contains("the display :9731 does not answer"), "{said}");
+    let stderr = stderr(play(&folder).env("DISPLAY", ":9731"), 3);
+    assert!(stderr.contains("the display :9731 does not answer"), "{stderr}");
 }
 
 #[test]
@@ -58,5 +58,5 @@ fn no_window_is_opened_for_what_is_no_recording() {
     std::fs::write(folder.path().join("torn.wildfire"), "WILDFIRE").expect("writable");
     let mut command = program(folder.path());
     command.args(["play", "torn.wildfire"]).env_remove("DISPLAY");
-    assert!(said(&mut command, 2).contains("torn.wildfire"));
+    assert!(stderr(&mut command, 2).contains("torn.wildfire"));
 }

@@ -168,8 +168,8 @@ fn keys_and_mouse_do_what_help_says() {
     frame.wait_for(&window, scrubbed);
 
     window.press(&["q"]);
-    let (status, said) = window.wait_for_end();
-    assert_eq!((status.code(), said.as_str()), (Some(0), ""));
+    let (status, stderr) = window.wait_for_end();
+    assert_eq!((status.code(), stderr.as_str()), (Some(0), ""));
 }
 
 fn key_of(layer: Layer) -> String {
@@ -277,8 +277,8 @@ fn window_that_is_taken_away_ends_the_program_and_leaves_the_recording() {
     let window = open(&folder, &["1.wildfire", "--at", "600", "--paused"]);
     Frame::new(&runs, ViewOptions::default()).wait_for(&window, seconds(600.0));
     window.destroy();
-    let (status, said) = window.wait_for_end();
-    assert_eq!(status.code(), Some(3), "{said}");
-    assert!(!said.contains("panic"), "{said}");
+    let (status, stderr) = window.wait_for_end();
+    assert_eq!(status.code(), Some(3), "{stderr}");
+    assert!(!stderr.contains("panic"), "{stderr}");
     assert_eq!(std::fs::read(&recording).expect("readable"), before);
 }

@@ -18,8 +18,8 @@ pub struct Screenshot {
 impl Screenshot {
     /// `None` where the bytes are no picture of 32 bits a pixel.
     pub fn parse(bytes: &[u8]) -> Option<Self> {
-        let (words, _) = bytes.as_chunks::<4>();
-        let number = |at: usize| words.get(at).copied().map(u32::from_be_bytes);
+        let (chunks, _) = bytes.as_chunks::<4>();
+        let number = |at: usize| chunks.get(at).copied().map(u32::from_be_bytes);
         let (header_size, width, height) = (number(0)?, number(4)?, number(5)?);
         let (is_big_endian, bits, row_bytes, colours) = (number(7)? == 1, number(11)?, number(12)?, number(19)?);
         let masks = [number(14)?, number(15)?, number(16)?];

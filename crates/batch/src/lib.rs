@@ -31,17 +31,17 @@ pub mod stats;
 mod table;
 
 pub use decisions::{
-    AlternativeAction, Answers, ChosenDecisions, DecisionTally, DecisionValue, HindsightBound, JudgeError,
-    JudgeProgress, WhyReport, attain, attain_all, judge_batch,
+    AlternativeAction, Answers, DecisionTally, DecisionValue, HindsightBound, JudgeError, JudgeProgress,
+    SelectedDecisions, WhyReport, attain, attain_all, judge_batch,
 };
 #[doc(hidden)]
 pub use drives::made_up_drives;
 pub use drives::{
     Attempt, AttemptSettings, COMPARED, DRIVE_COLUMNS, DRIVE_LEGEND, DriveColumn, DriveContrast, DriveError,
     DriveFailure, DriveProblems, DriveQuery, DriveRequest, DriveTable, INTERVAL_LEGEND, MAX_QUERIES, MEASURES, Measure,
-    PlannerSummary, QueryCost, ask_all, asked_planners, attempts, contrast_table, expect_known_planners,
-    failure_sentences, interval_tables, missed, own_names, queries_words, rows_table, shortened_field, summary_table,
-    violation_sentences,
+    PlannerSummary, QueryCost, ask_all, attempts, contrast_table, custom_names, expect_planners_exist,
+    failure_sentences, interval_tables, missed, queries_text, requested_planners, rows_table, shortened_field,
+    summary_table, violation_sentences,
 };
 pub use execute::{
     AGENTS_FILE, Append, Batch, BatchError, BatchStatus, CALLS_PARQUET, CHARTS_FOLDER, CpuSplit, DECISIONS_PARQUET,
@@ -58,13 +58,13 @@ pub use plan::{
     EntryCard, LONG_VERSION, MAX_RUNS, MAX_SEEDS_BYTES, MAX_SLICES, MAX_VARIANTS, PLAN_FILE, PLAN_TEMPLATE,
     PLANNER_KEY, PROGRAM_VERSION, PlanError, PlanWriter, PlannedRun, RUNS_WITHOUT_FORCE, Record, RequestError,
     RunLabel, Seeds, SeedsError, Setting, Slice, SliceError, Sweep, SweepError, Value, Variant, plan_schema,
-    planner_of, range_words, rules_schema, shell_word,
+    planner_of, range_text, rules_schema, shell_word,
 };
 pub use report::{
-    AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, ChartData, ChosenQuantities, Facet, FacetSeries,
-    Failures, FieldPicture, LISTED_VIOLATIONS, ListedViolation, MAX_PANELS, Merged, NotableRun, PaperCharts,
-    ReportError, ReportParts, RunObject, SHOWN_RUNS, Tables, Tally, VariantReport, WrittenReport, audit_all, merge,
-    notable_runs, notes, read_report, read_rows, runs_with_pages, word_facets, write_chart, write_chart_data,
+    AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, ChartData, Facet, FacetSeries, Failures,
+    FieldPicture, LISTED_VIOLATIONS, ListedViolation, MAX_PANELS, Merged, NotableRun, PaperCharts, ReportError,
+    ReportParts, RunObject, SHOWN_RUNS, SelectedQuantities, Tables, Tally, VariantReport, WrittenReport, audit_all,
+    merge, notable_runs, notes, read_report, read_rows, runs_with_pages, word_facets, write_chart, write_chart_data,
     write_paper_chart, write_report,
 };
 pub use table::{

@@ -168,7 +168,7 @@ pub fn run(command: &ArenaCommand, context: &CommandContext) -> Result<ExitCode,
 }
 
 /// The tracks of these names; all of them if there are no names.
-fn chosen(names: &[String]) -> Result<Vec<&'static Track>, CliError> {
+fn selected_tracks(names: &[String]) -> Result<Vec<&'static Track>, CliError> {
     if names.is_empty() {
         return Ok(TRACKS.iter().collect());
     }
@@ -176,9 +176,9 @@ fn chosen(names: &[String]) -> Result<Vec<&'static Track>, CliError> {
 }
 
 /// Those of these tracks that an entry enters.
-fn tracks_of(entry: &ArenaEntry, asked: &[&'static Track]) -> Result<Vec<&'static Track>, CliError> {
+fn tracks_of(entry: &ArenaEntry, selected: &[&'static Track]) -> Result<Vec<&'static Track>, CliError> {
     let tracks: Vec<&'static Track> =
-        asked.iter().copied().filter(|track| entry.card.tracks.iter().any(|name| name == track.name)).collect();
+        selected.iter().copied().filter(|track| entry.card.tracks.iter().any(|name| name == track.name)).collect();
     if tracks.is_empty() {
         let name = &entry.card.name;
         let its = entry.card.tracks.join(", ");
@@ -290,13 +290,13 @@ fn seeds_of(track: &Track, which: &str) -> Result<Seeds, CliError> {
 
 fn add_to_board(arguments: &RunArguments, stage: &Stage) -> Result<ExitCode, CliError> {
     let entries = arguments.entries.iter().map(|path| ArenaEntry::read(path)).collect::<Result<Vec<_>, _>>()?;
-    let asked = chosen(&arguments.track)?;
+    let selected = selected_tracks(&arguments.track)?;
     let board = Board::new(&arguments.board);
     board.expect_distinct(&entries)?;
     fs::create_dir_all(&arguments.board).map_err(|error| CliError::unwritable(&arguments.board, &error))?;
     let mut work = Vec::new();
     for entry in &entries {
-        for track in tracks_of(entry, &asked)? {
+        for track in tracks_of(entry, &selected)? {
             let plan = ArenaEntry::plan(std::slice::from_ref(entry), track, seeds_of(track, &arguments.seeds)?)?;
             stage.context.expect_trusted_plan(&plan)?;
             work.push((entry, track, plan));
@@ -333,7 +333,7 @@ fn add_to_board(arguments: &RunArguments, stage: &Stage) -> Result<ExitCode, Cli
 fn rank(arguments: &RankArguments) -> Result<ExitCode, CliError> {
     let board = Board::new(&arguments.board);
     let mut boards: Vec<TrackBoard> = Vec::new();
-    for track in chosen(&arguments.track)? {
+    for track in selected_tracks(&arguments.track)? {
         boards.extend(board.ranked(track)?);
     }
     if boards.is_empty() {
@@ -421,7 +421,7 @@ fn report_differences(what: &str, runs: usize, found: &[String], files: &[String
 
 fn recompute(arguments: &RecomputeArguments, stage: &Stage) -> Result<ExitCode, CliError> {
     let board = Board::new(&arguments.board);
-    let tracks = chosen(&arguments.track)?;
+    let tracks = selected_tracks(&arguments.track)?;
     let mut work = Vec::new();
     let mut left_out = Vec::new();
     for track in &tracks {
@@ -481,7 +481,7 @@ fn recompute(arguments: &RecomputeArguments, stage: &Stage) -> Result<ExitCode, 
 
 fn verify(arguments: &VerifyArguments, stage: &Stage) -> Result<ExitCode, CliError> {
     let mut work = Vec::new();
-    for track in chosen(&arguments.track)? {
+    for track in selected_tracks(&arguments.track)? {
         let seeds = track.public_seeds();
         let max = arguments.seeds.map_or(usize::MAX, NonZeroUsize::get);
         let first: Vec<String> = seeds.iter().take(max).map(|seed| seed.to_string()).collect();
@@ -510,7 +510,7 @@ fn submit_check(arguments: &SubmitArguments, stage: &Stage) -> Result<ExitCode, 
     let mut objects = Vec::new();
     let mut refusals = Vec::new();
     let mut remarks = Vec::new();
-    for track in tracks_of(&entry, &chosen(&arguments.track)?)? {
+    for track in tracks_of(&entry, &selected_tracks(&arguments.track)?)? {
         let public = track.public_seeds();
         let first: Vec<String> = public.iter().take(CHECKED_SEEDS).map(|seed| seed.to_string()).collect();
         let seeds = Seeds::from_file_text(&first.join("\n")).expect("some of a list");
@@ -552,7 +552,7 @@ fn submit_check(arguments: &SubmitArguments, stage: &Stage) -> Result<ExitCode, 
             failed_runs.to_string(),
             rounded(mean, 2),
             rounded(effort, 0),
-            format!("{}/{}", queries.failed(), queries.asked()),
+            format!("{}/{}", queries.failed(), queries.total()),
             rounded(all_s / 60.0, 1),
         ]);
         objects.push(object!(Checked {
@@ -562,7 +562,7 @@ fn submit_check(arguments: &SubmitArguments, stage: &Stage) -> Result<ExitCode, 
             score: mean,
             effort,
             failed_queries: queries.failed(),
-            queries: queries.asked(),
+            queries: queries.total(),
             reasons: reasons.clone(),
             refusals: violations.clone(),
             wall_all_seeds_s: all_s,
@@ -600,11 +600,11 @@ fn total_failure(played: &[Played]) -> Option<String> {
     if played.iter().all(|run| run.row.score.is_none()) {
         return Some("every run failed".to_owned());
     }
-    let all_failed = |it: &Failures| Some(it.asked()).filter(|&asked| 0 < asked && asked <= it.failed());
+    let all_failed = |it: &Failures| Some(it.total()).filter(|&total| 0 < total && total <= it.failed());
     let queries = all_failed(&total(played.iter().map(|run| &run.failed_queries)));
     let asks = all_failed(&total(played.iter().map(|run| &run.failed_policy_queries)));
-    let queries = queries.map(|asked| format!("all {asked} queries failed"));
-    queries.or_else(|| asks.map(|asked| format!("all {asked} asks of policies failed")))
+    let queries = queries.map(|total| format!("all {total} queries failed"));
+    queries.or_else(|| asks.map(|total| format!("all {total} asks of policies failed")))
 }
 
 #[derive(Serialize)]

@@ -140,9 +140,9 @@ fn page_command(plan: &BatchPlan, path: &str, report: &BatchReport) -> Option<St
     let (variant, seed) = finished.find_map(|(index, variant)| Some((index, variant.first_done?)))?;
     if variant > 0 {
         // Commands on a batch show its first variant, so a run of another one is simulated.
-        let place = plan.seeds.iter().position(|known| known == seed)? as u64;
+        let place = plan.seeds.iter().position(|other| other == seed)? as u64;
         let run = plan.run(variant as u64 * plan.seeds.count() + place + 1);
-        return Some(format!("wildfire render {} --page seed-{seed}.html", run.repeating_words()));
+        return Some(format!("wildfire render {} --page seed-{seed}.html", run.repeating_args()));
     }
     let has_programs = || plan.variants.iter().any(|variant| variant.scenario.needs_trust());
     // A run that was not recorded is simulated again.
@@ -242,11 +242,11 @@ pub struct SliceAnswer {
 impl From<&SliceAnswer> for Document {
     fn from(answer: &SliceAnswer) -> Self {
         let SliceAnswer { slice, runs, not_done, merge, .. } = answer;
-        let words = format!(
+        let command = format!(
             "Slice {slice}: {} finished, {not_done} failed. When all slices are finished: {merge}",
             runs - not_done
         );
         // The command is copied, so that its line is not broken.
-        Self::default().with([Block::Verbatim(words)])
+        Self::default().with([Block::Verbatim(command)])
     }
 }

@@ -137,7 +137,7 @@ impl BatchArguments {
 /// Seeds, or the file that holds them.
 #[derive(Clone, Debug)]
 pub enum SeedsArgument {
-    Given(Seeds),
+    Listed(Seeds),
     File(PathBuf),
 }
 
@@ -145,7 +145,7 @@ impl SeedsArgument {
     /// The seeds; in a file they are between commas, blanks and lines, and `#` begins a comment.
     pub fn seeds(&self) -> Result<Seeds, CliError> {
         let path = match self {
-            Self::Given(seeds) => return Ok(seeds.clone()),
+            Self::Listed(seeds) => return Ok(seeds.clone()),
             Self::File(path) => path,
         };
         let text = input_file::read_text(path, MAX_SEEDS_BYTES).map_err(|error| CliError::unreadable(path, &error))?;
@@ -158,7 +158,7 @@ impl SeedsArgument {
 pub fn parse_seeds(text: &str) -> Result<SeedsArgument, String> {
     match text.strip_prefix('@') {
         Some(path) => Ok(SeedsArgument::File(path.into())),
-        None => text.parse().map(SeedsArgument::Given).map_err(|error: SeedsError| error.to_string()),
+        None => text.parse().map(SeedsArgument::Listed).map_err(|error: SeedsError| error.to_string()),
     }
 }
 

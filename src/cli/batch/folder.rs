@@ -26,10 +26,10 @@ use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::time::SimTime;
 use wildfire_base::time::wall::WallStopwatch;
 use wildfire_batch::{
-    BatchError, BatchPlan, BatchStatus, ChosenQuantities, FailedRuns, FieldPicture, FinishedBatch, JournalError,
-    JournalScan, MissingRuns, NotableRun, OutputFolder, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts,
-    Slice, SliceState, batch_status, limit_threads, notable_runs, range_words, runs_with_pages, shell_word,
-    write_report,
+    BatchError, BatchPlan, BatchStatus, FailedRuns, FieldPicture, FinishedBatch, JournalError, JournalScan,
+    MissingRuns, NotableRun, OutputFolder, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts,
+    SelectedQuantities, Slice, SliceState, batch_status, limit_threads, notable_runs, range_text, runs_with_pages,
+    shell_word, write_report,
 };
 use wildfire_picture::film::{FrameRequest, RunView, ViewOptions, still};
 
@@ -142,7 +142,7 @@ fn is_unfinished(error: &BatchError) -> bool {
     matches!(
         error,
         BatchError::Incomplete { .. }
-            | BatchError::NotBegun { .. }
+            | BatchError::SliceNotStarted { .. }
             | BatchError::NoJournal { .. }
             | BatchError::Plan(PlanError::Missing { .. })
             | BatchError::Journal(
@@ -173,7 +173,7 @@ impl<'a> Waiting<'a> {
     fn until_it_is_worth_it(&mut self, stop: &AtomicBool) -> Result<bool, CliError> {
         let mut missing = self.look()?;
         if let (Some(missing), false) = (&missing, self.quiet) {
-            terminal::note(&format!("waiting for {}", words_for(missing, &self.number_of_slices())));
+            terminal::note(&format!("waiting for {}", missing_runs_text(missing, &self.number_of_slices())));
         }
         loop {
             if self.since_last_run.elapsed() > self.patience {
@@ -216,7 +216,7 @@ impl<'a> Waiting<'a> {
 }
 
 /// Words what is missing, as `slices with missing runs, of 40: 3 lacks 12 of 150`.
-fn words_for(missing: &[MissingRuns], of: &str) -> String {
+fn missing_runs_text(missing: &[MissingRuns], of: &str) -> String {
     let lacking = missing.iter().map(|slice| match slice {
         MissingRuns { slice, missing, of } if missing == of => format!("{} has not begun", slice.number()),
         MissingRuns { slice, missing, of } => format!("{} lacks {missing} of {of}", slice.number()),
@@ -229,17 +229,17 @@ fn words_for(missing: &[MissingRuns], of: &str) -> String {
 
 fn merge_error(error: BatchError, folder: &OutputFolder, lock: &LockArguments) -> CliError {
     let first = match &error {
-        BatchError::Incomplete { slice, .. } | BatchError::NotBegun { slice, .. } => *slice,
+        BatchError::Incomplete { slice, .. } | BatchError::SliceNotStarted { slice, .. } => *slice,
         _ => {
             let path = shell_word(&folder.path().display().to_string());
-            let merge = format!("wildfire merge {path}{}", lock.words());
+            let merge = format!("wildfire merge {path}{}", lock.args());
             return CliError::from_batch_error(error, &merge);
         }
     };
     let survey =
         BatchPlan::read(folder.path()).map_err(BatchError::from).and_then(|plan| JournalScan::new(folder, &plan));
     let missing = survey.and_then(|mut survey| survey.update().map(|_| survey.missing())).unwrap_or_default();
-    let command = resume_command(folder.path(), first) + &lock.words();
+    let command = resume_command(folder.path(), first) + &lock.args();
     if missing.len() < 2 {
         return CliError::bad_input(error, Some(&format!("run it with: {command}")));
     }
@@ -247,15 +247,15 @@ fn merge_error(error: BatchError, folder: &OutputFolder, lock: &LockArguments) -
     let help = format!(
         "run the first with: {command}; or all of them as a Slurm array, with the original script: sbatch --array={} \
          SCRIPT",
-        range_words(&numbers, "-")
+        range_text(&numbers, "-")
     );
-    CliError::bad_input(words_for(&missing, &first.of().to_string()), Some(&help))
+    CliError::bad_input(missing_runs_text(&missing, &first.of().to_string()), Some(&help))
 }
 
 /// Writes the page on a batch, and its charts.
 pub fn report(arguments: &ReportArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let paper = arguments.paper.charts()?;
-    let quantities = ChosenQuantities::new(&arguments.metric).map_err(report_error)?;
+    let quantities = SelectedQuantities::new(&arguments.metric).map_err(report_error)?;
     let batch = FinishedBatch::open(&arguments.folder)?;
     // Pages of an earlier report are linked again.
     let playing = if arguments.pages { notable_runs(&batch) } else { runs_with_pages(&batch) }.map_err(report_error)?;
@@ -433,13 +433,13 @@ impl SliceRow {
     fn new((slice, state): &(Slice, SliceState)) -> Self {
         let word = match state {
             SliceState { is_running: true, .. } => "running",
-            SliceState { runs, held, .. } if runs == held => "complete",
-            SliceState { held: 0, .. } => "not begun",
+            SliceState { runs, stored, .. } if runs == stored => "complete",
+            SliceState { stored: 0, .. } => "not begun",
             _ => "stopped",
         };
         let slice = if slice.is_whole() { "whole".to_owned() } else { slice.to_string() };
-        let SliceState { runs: planned, held, not_done: failed, repeated, .. } = *state;
-        Self { slice, planned, finished: held - failed, failed, repeated, state: word }
+        let SliceState { runs: planned, stored, not_done: failed, repeated, .. } = *state;
+        Self { slice, planned, finished: stored - failed, failed, repeated, state: word }
     }
 }
 
@@ -492,10 +492,10 @@ impl From<&StatusReport> for Document {
 
 fn next_step(folder: &OutputFolder, slices: &[(Slice, SliceState)], lock: &LockArguments) -> Option<String> {
     if folder.path().join(RUNS_FILE).exists()
-        && slices.iter().all(|(_, state)| state.held == state.runs && !state.is_running)
+        && slices.iter().all(|(_, state)| state.stored == state.runs && !state.is_running)
     {
         return Some("The tables are written.".into());
     }
-    let (purpose, command) = next_command(folder.path(), slices, &lock.words())?;
+    let (purpose, command) = next_command(folder.path(), slices, &lock.args())?;
     Some(format!("{purpose} with: {command}"))
 }

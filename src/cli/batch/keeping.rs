@@ -41,7 +41,7 @@ impl LockArguments {
     }
 
     /// Writes the option for another command, with a blank before it; nothing if it is the usual one.
-    pub fn words(&self) -> String {
+    pub fn args(&self) -> String {
         if self.lock == Lock::default() { String::new() } else { format!(" --lock {}", self.lock) }
     }
 }
@@ -57,11 +57,11 @@ impl KeepingArguments {
     }
 
     /// Writes the options for another command, each with a blank before it.
-    pub fn words(&self) -> String {
+    pub fn args(&self) -> String {
         let sync_every = self.sync_every.map(|seconds| format!(" --sync-every {seconds}"));
         let journal_dir =
             self.journal_dir.as_ref().map(|path| format!(" --journal-dir {}", shell_word(&path.display().to_string())));
-        [Some(self.lock.words()), sync_every, journal_dir].into_iter().flatten().collect()
+        [Some(self.lock.args()), sync_every, journal_dir].into_iter().flatten().collect()
     }
 
     /// Returns the time that a batch may take to end after a signal: a journal may have to be brought to its place first.

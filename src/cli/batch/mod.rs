@@ -29,8 +29,8 @@ use estimates::Estimates;
 use keeping::LockArguments;
 use wildfire_base::document::{Block, Document};
 use wildfire_batch::{
-    Batch, BatchError, BatchPlan, BatchRequest, ChosenDecisions, CoursePlan, CourseRefusal, CourseRequest,
-    FinishedBatch, Found, OutputFolder, PROGRAM_VERSION, RequestError, Slice, Status, limit_threads, shell_word,
+    Batch, BatchError, BatchPlan, BatchRequest, CoursePlan, CourseRefusal, CourseRequest, FinishedBatch, Found,
+    OutputFolder, PROGRAM_VERSION, RequestError, SelectedDecisions, Slice, Status, limit_threads, shell_word,
 };
 use wildfire_sim::scenario::ScenarioText;
 
@@ -93,7 +93,7 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
     if !context.quiet {
         note_repairs(batch.found());
     }
-    let resume = resume_command(batch.folder().path(), slice) + &arguments.keeping.words();
+    let resume = resume_command(batch.folder().path(), slice) + &arguments.keeping.args();
     let from_batch = |error| CliError::from_batch_error(error, &resume);
     let jobs = jobs_or_usual(arguments.jobs);
     let watch = interrupt::watch(arguments.keeping.longest_tidying());
@@ -101,7 +101,7 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
     if !batch.progress().slice().is_whole() {
         drop(watch);
         terminal::print(&arguments.form.render(&slice_summary(&batch, &arguments.keeping.lock)))?;
-        return Ok(exit_code(batch.progress().held().1));
+        return Ok(exit_code(batch.progress().stored().1));
     }
     limit_threads(jobs);
     let report = batch.finish(watch.stop()).map_err(from_batch)?;
@@ -115,7 +115,7 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
     if let Some(sample) = arguments.why {
         let finished = FinishedBatch::open(batch.folder().path())?;
         let options = context.run_options(false, finished.plan().memory);
-        judge_runs(&finished, &ChosenDecisions::sample(sample), &options, arguments.form, context)?;
+        judge_runs(&finished, &SelectedDecisions::sample(sample), &options, arguments.form, context)?;
     }
     Ok(exit_code(report.not_done() + left_out))
 }
@@ -158,7 +158,7 @@ fn frozen_plan(arguments: &BatchArguments) -> Result<Option<BatchPlan>, CliError
         ("--record", arguments.record.is_some()),
         ("--memory", arguments.memory.is_some()),
     ];
-    if let Some((option, _)) = changes.into_iter().find(|(_, is_given)| *is_given) {
+    if let Some((option, _)) = changes.into_iter().find(|(_, is_set)| *is_set) {
         let sentence = format!("{option} would change {source}, the plan of a batch that has run; leave {option} out");
         return Err(CliError::bad_input(sentence, Some("a plan file in TOML can be changed: wildfire new plan")));
     }
@@ -168,7 +168,7 @@ fn frozen_plan(arguments: &BatchArguments) -> Result<Option<BatchPlan>, CliError
 /// Makes the plan, from options, or from a plan file and options that change it.
 fn plan(arguments: &BatchArguments, context: &CommandContext) -> Result<BatchPlan, CliError> {
     let mut request = request_from(&arguments.sources)?;
-    request.changes = context.with_own_names(&request.changes);
+    request.changes = context.with_custom_names(&request.changes);
     let options = arguments.set.iter().try_for_each(|option| request.add_option(option));
     options.and_then(|()| request.add_planners(&arguments.planner)).map_err(RequestError::from)?;
     if let Some(seeds) = &arguments.seeds {
@@ -259,11 +259,11 @@ fn run_with_progress(
     stop: &Arc<AtomicBool>,
     context: &CommandContext,
 ) -> Result<(), BatchError> {
-    let (held, mut not_done) = batch.progress().held();
+    let (stored, mut not_done) = batch.progress().stored();
     let lost = batch.found().lost_recordings.len() as u64;
-    let progress = Progress::new(batch.progress().count() + lost, "runs", context.quiet).held(held);
+    let progress = Progress::new(batch.progress().count() + lost, "runs", context.quiet).resumed(stored);
     // Only of a batch from its beginning, whose runs are all still to come.
-    let is_new = held == 0 && batch.progress().slice().is_whole() && !context.quiet;
+    let is_new = stored == 0 && batch.progress().slice().is_whole() && !context.quiet;
     let mut estimates = is_new.then(|| Estimates::new(batch.plan(), jobs));
     let done = batch.run(&context.registry, jobs, stop, |end| {
         if let Some(sentence) = estimates.as_mut().and_then(|estimates| estimates.sentence(end)) {
@@ -281,10 +281,10 @@ fn run_with_progress(
 
 fn slice_summary(batch: &Batch, lock: &LockArguments) -> SliceAnswer {
     let slice = batch.progress().slice();
-    let (held, not_done) = batch.progress().held();
+    let (stored, not_done) = batch.progress().stored();
     let folder = batch.folder().path().display().to_string();
-    let merge = format!("wildfire merge {}{}", shell_word(&folder), lock.words());
-    SliceAnswer { program_version: PROGRAM_VERSION, folder, slice: slice.to_string(), runs: held, not_done, merge }
+    let merge = format!("wildfire merge {}{}", shell_word(&folder), lock.args());
+    SliceAnswer { program_version: PROGRAM_VERSION, folder, slice: slice.to_string(), runs: stored, not_done, merge }
 }
 
 /// Lists what a plan would run.

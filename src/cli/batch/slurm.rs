@@ -71,7 +71,7 @@ pub fn refuse_pipes(arguments: &BatchArguments) -> Result<(), CliError> {
     let is_stdin = |path: &str| path == "-";
     let seeds = arguments.seeds.as_ref().is_some_and(|seeds| match seeds {
         SeedsArgument::File(path) => is_stdin(&path.to_string_lossy()),
-        SeedsArgument::Given(_) => false,
+        SeedsArgument::Listed(_) => false,
     });
     if seeds || arguments.sources.iter().any(|source| is_stdin(source)) {
         return Err(CliError::bad_input(
@@ -102,9 +102,9 @@ impl Script {
         let folder = word(&self.folder);
         // Lines for Slurm are no shell's: a blank in a path is escaped there by quotes all the same.
         let logs = word(&self.folder.join("slurm"));
-        let batch = batch_words(arguments);
-        let keeping = self.keeping_words(arguments);
-        let lock = arguments.keeping.lock.words();
+        let batch = batch_args(arguments);
+        let keeping = self.keeping_args(arguments);
+        let lock = arguments.keeping.lock.args();
         let hours = pilot.mean_s() * plan.count() as f64 / 3600.0;
         let estimate = format!(
             "{} runs, of which {} took {:.1} ms each on this machine: {hours:.1} hours of one processor, {minutes:.1} \
@@ -175,14 +175,14 @@ exit "$code"
     }
 
     /// Writes the options of journals. A variable in the name of the local folder is one of the task's.
-    fn keeping_words(&self, arguments: &BatchArguments) -> String {
-        let words = arguments.keeping.words();
+    fn keeping_args(&self, arguments: &BatchArguments) -> String {
+        let args = arguments.keeping.args();
         match &arguments.keeping.journal_dir {
             Some(path) if path.to_string_lossy().starts_with('$') => {
                 let path = path.display().to_string();
-                words.replace(&shell_word(&path), &format!("\"{}\"", path.replace(['"', '`', '\\'], "")))
+                args.replace(&shell_word(&path), &format!("\"{}\"", path.replace(['"', '`', '\\'], "")))
             }
-            _ => words,
+            _ => args,
         }
     }
 }
@@ -193,40 +193,40 @@ fn merge_minutes(runs: u64) -> u64 {
 }
 
 /// Writes the arguments that say which batch it is, each with a blank before it.
-fn batch_words(arguments: &BatchArguments) -> String {
-    let mut words: Vec<String> = arguments.sources.clone();
+fn batch_args(arguments: &BatchArguments) -> String {
+    let mut args: Vec<String> = arguments.sources.clone();
     for change in &arguments.set {
-        words.extend(["--set".to_owned(), change.clone()]);
+        args.extend(["--set".to_owned(), change.clone()]);
     }
-    for NamedCommand { name, words: command } in &arguments.programs.commands {
+    for NamedCommand { name, args: command } in &arguments.programs.commands {
         let command: Vec<String> = command.iter().map(|word| shell_word(word)).collect();
-        words.extend(["--command".to_owned(), format!("{name}={}", command.join(" "))]);
+        args.extend(["--command".to_owned(), format!("{name}={}", command.join(" "))]);
     }
     for NamedModule { name, file } in &arguments.programs.modules {
-        words.extend(["--module".to_owned(), format!("{name}={file}")]);
+        args.extend(["--module".to_owned(), format!("{name}={file}")]);
     }
     if arguments.programs.trust {
-        words.push("--trust".to_owned());
+        args.push("--trust".to_owned());
     }
     if !arguments.planner.is_empty() {
-        words.extend(["--planner".to_owned(), arguments.planner.join(",")]);
+        args.extend(["--planner".to_owned(), arguments.planner.join(",")]);
     }
     match &arguments.seeds {
-        Some(SeedsArgument::Given(seeds)) => words.extend(["--seeds".to_owned(), seeds.to_string()]),
-        Some(SeedsArgument::File(path)) => words.extend(["--seeds".to_owned(), format!("@{}", path.display())]),
+        Some(SeedsArgument::Listed(seeds)) => args.extend(["--seeds".to_owned(), seeds.to_string()]),
+        Some(SeedsArgument::File(path)) => args.extend(["--seeds".to_owned(), format!("@{}", path.display())]),
         None => {}
     }
     if let Some(memory) = arguments.memory {
-        words.extend(["--memory".to_owned(), memory.bytes.to_string()]);
+        args.extend(["--memory".to_owned(), memory.bytes.to_string()]);
     }
     if let Some(record) = arguments.record {
         let which = serde_json::to_value(record).expect("it is a word");
-        words.extend(["--record".to_owned(), which.as_str().unwrap_or_default().to_owned()]);
+        args.extend(["--record".to_owned(), which.as_str().unwrap_or_default().to_owned()]);
     }
     if arguments.force {
-        words.push("--force".to_owned());
+        args.push("--force".to_owned());
     }
-    words.iter().map(|word| format!(" {}", shell_word(word))).collect()
+    args.iter().map(|word| format!(" {}", shell_word(word))).collect()
 }
 
 #[cfg(test)]

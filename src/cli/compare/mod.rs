@@ -104,16 +104,16 @@ pub fn run(arguments: &CompareArguments, quiet: bool) -> Result<ExitCode, CliErr
     let form = arguments.form;
     let selection = arguments.selection();
     let files = Files { form, ..Files::default() }.writing([(Format::Csv, &arguments.csv)]);
-    let words = files.check()?;
+    let stream = files.check()?;
     match (arguments.with, &arguments.batches[..]) {
         (None, batches) => {
             let questions = Questions { power: arguments.power.clone(), equivalent: arguments.equivalent.clone() };
             let comparison = compare(batches, &selection, &arguments.metric)?.asking(questions)?;
-            words.print(&form.render(&comparison))?;
+            stream.print(&form.render(&comparison))?;
             write_all(&[(arguments.csv.as_deref(), &|path| table::write(path, &comparison))], quiet)?;
         }
         (Some(Published::Report), [batch]) => {
-            words.print(&form.render(&PublishedComparison::from_batch(batch, &selection)?))?;
+            stream.print(&form.render(&PublishedComparison::from_batch(batch, &selection)?))?;
         }
         (Some(_), several) => {
             let sentence = format!("{} batches; expected a single one to compare with the report", several.len());

@@ -97,7 +97,7 @@ fn pose(text: &str) -> Result<End, String> {
         Some(&[x, y, heading_deg]) => Ok(End { x, y, heading_deg }),
         _ => Err(format!(
             "expected X,Y,DEG, metres east and north and degrees from east, such as 20,15.5,-90, each {}",
-            numbers::range_words(&COORDINATES)
+            numbers::range_text(&COORDINATES)
         )),
     }
 }
@@ -134,12 +134,12 @@ fn write_lengths(pairs: &Path, csv: &Path, radius_m: f64, quiet: bool) -> Result
 
 fn report_curves(from: End, to: End, arguments: &CurveArguments, quiet: bool) -> Result<(), CliError> {
     let files = Files { form: arguments.form, ..Files::default() };
-    let words = files.writing([(Format::Csv, &arguments.csv), (Format::Png, &arguments.png)]).check()?;
+    let stream = files.writing([(Format::Csv, &arguments.csv), (Format::Png, &arguments.png)]).check()?;
     let report = CurveReport::new(from, to, arguments.radius, arguments.price());
     if arguments.csv.is_some() {
         tables::check_samples(&report.curves, arguments.step)?;
     }
-    let printed = words.print(&arguments.form.render(&report));
+    let printed = stream.print(&arguments.form.render(&report));
     // Whatever cannot be written, all else is kept.
     let written = output_files::write_all(
         &[
@@ -158,7 +158,7 @@ mod tests {
 
     use super::*;
     use crate::cli::Command;
-    use crate::cli::command_lines::{parsed, said};
+    use crate::cli::command_lines::{check_message, parsed};
     use crate::cli::fuzz::text::{NUMBERS, mutated};
     use crate::cli::fuzz::{Case, Fuzzer, Law, below, one_of};
     use wildfire_base::geometry::Pose;
@@ -177,16 +177,16 @@ mod tests {
             _ => (0.25 * below(&mut case.dice, 400) as f64 - 50.0).to_string(),
         };
         let pose = |case: &mut Case<'_>| [(); 3].map(|()| number(case)).join(",");
-        let mut words = ["--from", &pose(case), "--to", &pose(case)].map(str::to_owned).to_vec();
+        let mut args = ["--from", &pose(case), "--to", &pose(case)].map(str::to_owned).to_vec();
         for option in ["--radius", "--reverse-factor", "--cusp-m"] {
             if case.chance(40) {
-                words.extend([option.to_owned(), number(case)]);
+                args.extend([option.to_owned(), number(case)]);
             }
         }
         if case.chance(50) {
-            words.push("--json".into());
+            args.push("--json".into());
         }
-        let Some(Command::Curve(arguments)) = parsed(case, "curve", words)? else { return Ok(()) };
+        let Some(Command::Curve(arguments)) = parsed(case, "curve", args)? else { return Ok(()) };
         let (Some(from), Some(to)) = (arguments.from, arguments.to) else { return Err("a pose is missing".into()) };
         case.count("poses accepted");
         let report = CurveReport::new(from, to, arguments.radius, arguments.price());
@@ -206,7 +206,7 @@ mod tests {
             if arguments.form.json && serde_json::from_str::<serde_json::Value>(&rendered).is_err() {
                 return Err(format!("this is no JSON: {rendered}"));
             }
-            said(&rendered)
+            check_message(&rendered)
         }
     }
 
@@ -227,15 +227,15 @@ mod tests {
                 let lines = written.iter().filter(|&&byte| byte == b'\n').count() as u64;
                 if lines < rows + 1 { Err(format!("{lines} lines were written of {rows} pairs")) } else { Ok(()) }
             }
-            Err(refusal) => said(&refusal.sentence()),
+            Err(refusal) => check_message(&refusal.sentence()),
         }
     }
 
     #[test]
     fn poses_are_three_numbers_and_full_turns_change_nothing() {
-        let given = pose("1.5, -2,810").expect("three numbers");
-        assert_eq!(given, End { x: 1.5, y: -2.0, heading_deg: 810.0 });
-        assert_eq!(given.pose(), Pose { x: 1.5, y: -2.0, heading: FRAC_PI_2 });
+        let found = pose("1.5, -2,810").expect("three numbers");
+        assert_eq!(found, End { x: 1.5, y: -2.0, heading_deg: 810.0 });
+        assert_eq!(found.pose(), Pose { x: 1.5, y: -2.0, heading: FRAC_PI_2 });
         for wrong in ["", "1,2", "1,2,3,4", "1,2,x", "1,2,nan", "inf,0,0", "0,-1e7,0", "1;2;3"] {
             assert!(pose(wrong).is_err_and(|expected| expected.contains("from -1000000 to 1000000")), "{wrong}");
         }

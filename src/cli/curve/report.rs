@@ -109,14 +109,14 @@ fn dubins_curve(dubins: &Dubins, start: Pose, goal: Pose) -> FoundCurve {
 
 impl From<&CurveReport> for Document {
     fn from(report: &CurveReport) -> Self {
-        let ends = vec![format!("From {}", pose_words(report.from)), format!("to {}", pose_words(report.to))];
+        let ends = vec![format!("From {}", pose_text(report.from)), format!("to {}", pose_text(report.to))];
         Self::new(format!("Shortest curves with a turning radius of {} m", report.radius_m))
             .with([Block::List(ends)])
             .with(report.curves.iter().flat_map(curve_blocks))
     }
 }
 
-fn pose_words(End { x, y, heading_deg }: End) -> String {
+fn pose_text(End { x, y, heading_deg }: End) -> String {
     format!("x {} m, y {} m, heading {} degrees", short(x), short(y), short(heading_deg))
 }
 

@@ -35,8 +35,8 @@ pub fn write_lengths(input: &FilePath, output: &FilePath, radius_m: f64) -> Resu
         let to = Pose::new(x1, y1, th1);
         let best = reeds_shepp.shortest(from, to);
         let forward = dubins.shortest(from, to);
-        let words = [reeds_shepp_word(&best), dubins_word(&forward)];
-        Ok(vec![format!("{},{},{},{}", best.length_m, words[0], forward.length_m, words[1])])
+        let labels = [reeds_shepp_word(&best), dubins_word(&forward)];
+        Ok(vec![format!("{},{},{},{}", best.length_m, labels[0], forward.length_m, labels[1])])
     })
 }
 

@@ -7,7 +7,7 @@ use clap::builder::ArgPredicate;
 use clap::{ArgGroup, Args, ValueEnum};
 use serde::{Serialize, Serializer};
 
-use super::conditions::{self, Conditions, DIRECTION_COLUMNS, FIRE_COLUMNS, direction, moisture_words};
+use super::conditions::{self, Conditions, DIRECTION_COLUMNS, FIRE_COLUMNS, direction, moisture_text};
 use super::crown::{self, TreeArguments};
 use super::options::{ChoiceArguments, SlopeArguments, Wind, azimuth, fuel, moisture, wind};
 use crate::cli::error::CliError;
@@ -150,11 +150,11 @@ pub struct Azimuths(Vec<f64>);
 
 /// Reads azimuths; `0,5,...` goes on from 5 in steps of 5 until less than 360 are passed.
 fn azimuths(text: &str) -> Result<Azimuths, String> {
-    let (given, goes_on) = match text.strip_suffix(",...") {
-        Some(given) => (given, true),
+    let (listed, goes_on) = match text.strip_suffix(",...") {
+        Some(listed) => (listed, true),
         None => (text, false),
     };
-    let mut degrees = given.split(',').map(azimuth).collect::<Result<Vec<f64>, String>>()?;
+    let mut degrees = listed.split(',').map(azimuth).collect::<Result<Vec<f64>, String>>()?;
     if goes_on {
         let (first, &[.., before, last]) = (degrees[0], &degrees[..]) else {
             return Err("expected two azimuths before the three points, such as 0,5,...".to_owned());
@@ -259,7 +259,7 @@ impl<'a> BehaviorReport<'a> {
             0.0 => "level ground".to_owned(),
             slope => format!("slope of {} %, uphill to {}", short(100.0 * slope), short(uphill_deg)),
         };
-        vec![format!("{wind}; {slope}"), moisture_words(moisture)]
+        vec![format!("{wind}; {slope}"), moisture_text(moisture)]
     }
 
     /// Says why nothing burns, or what its numbers leave out.
@@ -404,14 +404,14 @@ const TONS_PER_ACRE: f64 = 43560.0 / 2000.0;
 impl From<&FuelList> for Document {
     fn from(_: &FuelList) -> Self {
         let row = |model: &FuelModel| {
-            let words = vec![model.number.to_string(), model.code.to_owned(), model.name.to_owned()];
+            let names = vec![model.number.to_string(), model.code.to_owned(), model.name.to_owned()];
             let loads =
                 model.loads.map(|load| if load > 0.0 { rounded(load * TONS_PER_ACRE, 2) } else { "-".to_owned() });
             let bed = match model.burns() {
                 true => [rounded(model.depth_ft, 1), rounded(100.0 * model.dead_extinction, 0)],
                 false => ["-", "-"].map(str::to_owned),
             };
-            [words, loads.to_vec(), bed.to_vec()].concat()
+            [names, loads.to_vec(), bed.to_vec()].concat()
         };
         let headings =
             ["Number", "Code", "Fuel", "1-h", "10-h", "100-h", "Live\ngrass", "Live\nwood", "Depth\nft", "Out at\n%"];

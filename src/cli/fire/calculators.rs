@@ -54,8 +54,8 @@ const fn optional(name: &'static str, content: Content) -> Column {
     Column { name, content, without: Some(f64::NAN) }
 }
 
-const fn word(name: &'static str, words: &'static [&'static str]) -> Column {
-    Column { name, content: Content::Word(words), without: None }
+const fn word(name: &'static str, allowed: &'static [&'static str]) -> Column {
+    Column { name, content: Content::Word(allowed), without: None }
 }
 
 /// Refuses a row that does without a number which it needs.

@@ -38,7 +38,7 @@ impl Conditions {
 }
 
 /// Names the moistures of fuel in percent.
-pub fn moisture_words(&FuelMoisture { d1, d10, d100, herb, woody }: &FuelMoisture) -> String {
+pub fn moisture_text(&FuelMoisture { d1, d10, d100, herb, woody }: &FuelMoisture) -> String {
     let [d1, d10, d100, herb, woody] = [d1, d10, d100, herb, woody].map(|part| short(100.0 * part));
     format!("Moisture of dead fuel {d1}, {d10} and {d100} %, of live grass {herb} %, of live wood {woody} %")
 }

@@ -121,8 +121,8 @@ pub fn moisture(text: &str) -> Result<FuelMoisture, String> {
         _ => Err(format!(
             "expected D1,D10,D100,HERB,WOODY as fractions of the dry weight, such as 0.06,0.07,0.08,0.60,0.90: dead fuel \
              {}, live {}; 6 percent is 0.06",
-            numbers::range_words(&DEAD_MOISTURES),
-            numbers::range_words(&LIVE_MOISTURES)
+            numbers::range_text(&DEAD_MOISTURES),
+            numbers::range_text(&LIVE_MOISTURES)
         )),
     }
 }
@@ -157,7 +157,7 @@ pub fn wind_steps(text: &str) -> Result<WindSteps, String> {
             format!(
                 "found {step:?}, expected SECONDS:SPEED@FROM such as 0:2.5@270: seconds from 0 to {MAX_SECONDS}, metres \
                  per second {}, and the azimuth it blows from",
-                numbers::range_words(&WINDS_MPS)
+                numbers::range_text(&WINDS_MPS)
             )
         };
         let (seconds, wind) = match step.rsplit_once(':') {
@@ -200,7 +200,7 @@ mod tests {
         assert_eq!(steps[0].wind_mps(), DVec2::new(2.22, 0.0));
         assert_eq!((steps[1].from, steps[1].wind_mps()), (SimTime::from_seconds(4800.0), DVec2::new(0.0, 3.0)));
         assert_eq!(wind_steps("8@270"), wind_steps("0:8@270"));
-        for (wrong, words) in [
+        for (wrong, fragment) in [
             ("", "expected SECONDS"),
             ("5", "expected SECONDS"),
             ("0:5", "expected SECONDS"),
@@ -211,8 +211,8 @@ mod tests {
             ("1:5@0", "first wind at 0"),
             ("0:5@0,60:5@0,60:5@0", "increasing seconds"),
         ] {
-            let said = wind_steps(wrong).expect_err(wrong);
-            assert!(said.contains(words), "{wrong}: {said}");
+            let message = wind_steps(wrong).expect_err(wrong);
+            assert!(message.contains(fragment), "{wrong}: {message}");
         }
     }
 

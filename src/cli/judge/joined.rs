@@ -18,7 +18,7 @@ use wildfire_planning::{Goal, lower_bound_m};
 use wildfire_sim::scenario::Problem;
 use wildfire_timeline::Body;
 
-use super::path_table::GivenPose;
+use super::path_table::TablePose;
 
 /// The excess of curvature that is allowed: as a share, and in 1/m.
 const CURVATURE_SHARE: f64 = 0.01;
@@ -59,7 +59,7 @@ struct Arc {
 }
 
 impl Arc {
-    fn new(from: &GivenPose, to: &GivenPose) -> Self {
+    fn new(from: &TablePose, to: &TablePose) -> Self {
         let turn = ops::wrap_angle(to.pose.heading - from.pose.heading);
         let along = Pose { heading: from.pose.heading + 0.5 * turn, ..from.pose }.direction();
         let step = to.pose.position() - from.pose.position();
@@ -105,7 +105,7 @@ impl<'a> PathJudge<'a> {
     }
 
     /// Returns the figures of a path to a goal, and the first thing that is wrong with it, in words.
-    pub fn judge(&self, goal: Goal, poses: &[GivenPose]) -> (DriveFigures, Option<String>) {
+    pub fn judge(&self, goal: Goal, poses: &[TablePose]) -> (DriveFigures, Option<String>) {
         let arcs: Vec<Arc> = poses.windows(2).map(|pair| Arc::new(&pair[0], &pair[1])).collect();
         let start = poses[0].pose;
         let end = poses[poses.len() - 1].pose;
@@ -135,7 +135,7 @@ impl<'a> PathJudge<'a> {
         let begins = begins.map(|by| format!("line {}: it begins {by} away from the start", poses[0].line));
         let touches = || {
             let touch = self.audit_field.touch(UnitPose::new(start))?;
-            Some(words(poses[0].line, 0.0, start, ViolationKind::Touched(touch)))
+            Some(located_message(poses[0].line, 0.0, start, ViolationKind::Touched(touch)))
         };
         let ends = || {
             let last = poses[poses.len() - 1].line;
@@ -158,7 +158,7 @@ impl<'a> PathJudge<'a> {
                     0.0 => format!("it turns by {:.4} rad on the spot", arc.turn_rad),
                     _ => format!("a curvature of {found} 1/m; the limit is {limit} 1/m (turning radius {radius_m} m)"),
                 };
-                return Some(words(arc.line, along_m, arc.start, turn));
+                return Some(located_message(arc.line, along_m, arc.start, turn));
             }
             let is_allowed = 0.25 * max * length_m * length_m + SLIP_SHARE * length_m;
             slipped_m = (slipped_m + arc.slip_m - is_allowed).max(0.0);
@@ -169,12 +169,12 @@ impl<'a> PathJudge<'a> {
                     1e3 * is_allowed,
                     1e3 * SLIP_ROUNDING_M
                 );
-                return Some(words(arc.line, along_m, arc.start, format!("{found}, {allowed}")));
+                return Some(located_message(arc.line, along_m, arc.start, format!("{found}, {allowed}")));
             }
             for pose in arc.samples() {
                 if let Some(touch) = self.audit_field.touch(UnitPose::new(pose)) {
                     let there_m = along_m + pose.position().distance(arc.start.position());
-                    return Some(words(arc.line, there_m, pose, ViolationKind::Touched(touch)));
+                    return Some(located_message(arc.line, there_m, pose, ViolationKind::Touched(touch)));
                 }
             }
             along_m += length_m;
@@ -183,7 +183,7 @@ impl<'a> PathJudge<'a> {
     }
 }
 
-fn words(line: u64, along_m: f64, pose: Pose, what: impl std::fmt::Display) -> String {
+fn located_message(line: u64, along_m: f64, pose: Pose, what: impl std::fmt::Display) -> String {
     let DVec2 { x, y } = pose.position();
     format!("line {line}, {along_m:.2} m along, at ({x:.2}, {y:.2}): {what}")
 }

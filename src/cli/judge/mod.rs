@@ -12,7 +12,7 @@ use std::process::ExitCode;
 use clap::Args;
 
 use joined::PathJudge;
-use path_table::{Fault, GivenPath, PathTable};
+use path_table::{Fault, PathTable, TablePath};
 use report::JudgeReport;
 
 use crate::cli::args::{MemoryArguments, ProgramArguments, parse_seed};
@@ -118,20 +118,20 @@ pub fn run(arguments: &JudgeArguments, context: &CommandContext) -> Result<ExitC
         return together::judge(&arguments.together, arguments.mode.unwrap_or(Mode::Exact), arguments.form);
     }
     if let Some(certificate) = &arguments.certificate {
-        let loaded = LoadedScenario::open(&arguments.scenario, &context.with_own_names(&arguments.overrides))?;
+        let loaded = LoadedScenario::open(&arguments.scenario, &context.with_custom_names(&arguments.overrides))?;
         let problems = arguments.problems(&arguments.files, &loaded)?;
         return certificates::judge(certificate, &problems, &arguments.files, arguments.form);
     }
     let mut inputs: Vec<&Path> = arguments.files.iter().chain(&arguments.recording).map(PathBuf::as_path).collect();
     inputs.push(Path::new(&arguments.scenario));
     let files = Files { inputs, form: arguments.form, ..Files::default() };
-    let words = files.writing([(Format::Csv, &arguments.csv)]).check()?;
-    let loaded = LoadedScenario::open(&arguments.scenario, &context.with_own_names(&arguments.overrides))?;
+    let stream = files.writing([(Format::Csv, &arguments.csv)]).check()?;
+    let loaded = LoadedScenario::open(&arguments.scenario, &context.with_custom_names(&arguments.overrides))?;
     context.expect_trusted_planners(&loaded.scenario, &arguments.against)?;
     let makers = context.planners_of(&loaded.scenario)?;
-    let asked = AgainstPlanners::new(arguments, &loaded, &makers)?;
+    let against = AgainstPlanners::new(arguments, &loaded, &makers)?;
     let conclude = |report: &JudgeReport| {
-        let printed = words.print(&arguments.form.render(report));
+        let printed = stream.print(&arguments.form.render(report));
         // Whatever cannot be written, all else is kept.
         let write = |path: &Path| report.drives.write(path);
         let written = output_files::write_all(&[(arguments.csv.as_deref(), &write)], context.quiet);
@@ -139,8 +139,8 @@ pub fn run(arguments: &JudgeArguments, context: &CommandContext) -> Result<ExitC
         Ok(if report.has_violations() { ExitCode::from(exit::VIOLATION) } else { ExitCode::SUCCESS })
     };
     match (&arguments.recording, arguments.files.split_last()) {
-        (Some(recording), _) => judge_recording(recording, &asked, conclude),
-        (None, Some((paths, fields))) => judge_table(fields, paths, &asked, conclude),
+        (Some(recording), _) => judge_recording(recording, &against, conclude),
+        (None, Some((paths, fields))) => judge_table(fields, paths, &against, conclude),
         (None, None) => unreachable!("the arguments require files or --recording"),
     }
 }
@@ -227,19 +227,19 @@ fn row_of_path((field, goal, planner): (&str, usize, &str), verdict: Option<Verd
 fn judge_table(
     fields: &[PathBuf],
     paths: &Path,
-    asked: &AgainstPlanners,
+    against: &AgainstPlanners,
     conclude: impl Fn(&JudgeReport) -> Result<ExitCode, CliError>,
 ) -> Result<ExitCode, CliError> {
     if paths.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")) {
         let sentence = format!("{} has the ending of a field file; expected the table of paths last", paths.display());
         return Err(CliError::bad_input(sentence, Some("wildfire judge FIELD.json PATHS.csv")));
     }
-    let problems = asked.arguments.problems(fields, asked.loaded)?;
+    let problems = against.arguments.problems(fields, against.loaded)?;
     let (judged, mut verdicts) = judge_paths(paths, &problems)?;
-    let names = asked.names(&judged);
+    let names = against.names(&judged);
     let mut rows = Vec::new();
     for (index, problem) in problems.iter().enumerate() {
-        let attempts = asked.attempts(problem)?;
+        let attempts = against.attempts(problem)?;
         // As many to each goal as planners were asked, in their order.
         let mut answers = attempts.chunks(names.len().max(1));
         let field = problem.name.as_str();
@@ -272,19 +272,19 @@ fn judge_paths(paths: &Path, problems: &[Problem]) -> Result<(Vec<String>, Verdi
     let mut table = PathTable::open(paths, problems).map_err(bad)?;
     let mut verdicts = Verdicts::new();
     let mut judge: Option<(usize, PathJudge)> = None;
-    while let Some(GivenPath { planner, problem, goal, poses }) = table.next().map_err(bad)? {
+    while let Some(TablePath { planner, problem, goal, poses }) = table.next().map_err(bad)? {
         // Tables go through fields one by one, so one of them is enough to be kept.
-        let own = judge.take_if(|(index, _)| *index == problem).map(|(_, judge)| judge);
-        let own = own.unwrap_or_else(|| PathJudge::new(&problems[problem]));
-        verdicts.insert((planner, problem, goal), own.judge(problems[problem].goals[goal], &poses));
-        judge = Some((problem, own));
+        let path_judge = judge.take_if(|(index, _)| *index == problem).map(|(_, judge)| judge);
+        let path_judge = path_judge.unwrap_or_else(|| PathJudge::new(&problems[problem]));
+        verdicts.insert((planner, problem, goal), path_judge.judge(problems[problem].goals[goal], &poses));
+        judge = Some((problem, path_judge));
     }
     Ok((table.into_planners(), verdicts))
 }
 
 fn judge_recording(
     recording: &Path,
-    asked: &AgainstPlanners,
+    against: &AgainstPlanners,
     conclude: impl Fn(&JudgeReport) -> Result<ExitCode, CliError>,
 ) -> Result<ExitCode, CliError> {
     let unreadable =
@@ -298,19 +298,19 @@ fn judge_recording(
     }
     let mut judged: Vec<String> = drives.iter().map(|drive| drive.truck.to_string()).collect();
     judged.dedup();
-    let names = asked.names(&judged);
+    let names = against.names(&judged);
     let field = setting.scenario.as_str();
     let mut rows = Vec::new();
     for (number, drive) in drives.iter().enumerate() {
         let truck = judged.iter().find(|name| **name == drive.truck.to_string()).expect("it is in the list");
         let row = row_of_path((field, number, truck), Some((drive.figures, drive.violation.clone())));
         rows.push(DriveQuery { failure: drive.is_dropped.then_some(DriveFailure::Dropped), ..row });
-        if !asked.planners.is_empty() {
-            let scenario = &asked.loaded.scenario;
+        if !against.planners.is_empty() {
+            let scenario = &against.loaded.scenario;
             let truck =
                 scenario.unimog.first().ok_or_else(|| DriveError::NoTruck { scenario: scenario.name.clone() })?;
             let problem = recorded::problem(setting, drive, truck);
-            let attempts = asked.attempts(&problem)?;
+            let attempts = against.attempts(&problem)?;
             rows.extend(attempts.iter().zip(&names).map(|(attempt, name)| row_of_attempt(attempt, number, name)));
         }
     }
@@ -321,7 +321,7 @@ fn judge_recording(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::command_lines::said;
+    use crate::cli::command_lines::check_message;
     use crate::cli::fuzz::text::mutated;
     use crate::cli::fuzz::{Case, Fuzzer, Law};
     use wildfire_sim::scenario::Unimog;
@@ -341,9 +341,9 @@ mod tests {
              mine,1,two,19.6,22.49,0.02,reverse\nmine,1,two,19.9,22.5,0.01,forward\n",
             "goal,direction,x_m,y_m,heading_rad\n0,forward,20,22.5,0\n0,forward,20,22.5,0\n\"1\",forward,20,22.5,-0\n",
         ];
-        let words =
+        let tokens =
             ["mine", "forward", "reverse", ",", "\"", "20.0000001", "3.1415926535897931", "1e6", "5e-324", "\u{FEFF}"];
-        case.input = mutated(&mut case.dice, TABLES, &words);
+        case.input = mutated(&mut case.dice, TABLES, &tokens);
         let paths = case.write("paths.csv", &case.input);
         let field = case.write("mine.json", FIELD.as_bytes());
         let problems = [Problem::open(&field, &Unimog::default()).map_err(|error| error.to_string())?];
@@ -356,7 +356,7 @@ mod tests {
                 }
                 Ok(())
             }
-            Err(refusal) => said(&refusal.sentence()),
+            Err(refusal) => check_message(&refusal.sentence()),
         }
     }
 }

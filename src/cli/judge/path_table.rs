@@ -69,7 +69,7 @@ pub enum Fault {
     TooLong { line: u64 },
     #[error("line {line}: found {found} columns, expected {expected} as in the header")]
     Ragged { line: u64, found: usize, expected: usize },
-    #[error("line {line}, column {column}: found {found:?}, expected a number {}", numbers::range_words(&NUMBERS))]
+    #[error("line {line}, column {column}: found {found:?}, expected a number {}", numbers::range_text(&NUMBERS))]
     Number { line: u64, column: &'static str, found: String },
     #[error("line {line}, column field: found {found:?}, expected {expected}")]
     Field { line: u64, found: String, expected: String },
@@ -123,7 +123,7 @@ impl From<RowFault> for Fault {
 
 /// A pose of the rear axle, and the line that says so.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GivenPose {
+pub struct TablePose {
     pub line: u64,
     pub pose: Pose,
     /// The gear in which the truck arrives there.
@@ -132,13 +132,13 @@ pub struct GivenPose {
 
 /// A path to a goal, with at least one pose.
 #[derive(Clone, Debug, PartialEq)]
-pub struct GivenPath {
+pub struct TablePath {
     /// Who computed it: a place in [`PathTable::planners`].
     pub planner: usize,
     /// The place of its field in the list.
     pub problem: usize,
     pub goal: usize,
-    pub poses: Vec<GivenPose>,
+    pub poses: Vec<TablePose>,
 }
 
 /// Planner, problem and goal of a row.
@@ -155,9 +155,9 @@ pub struct PathTable<'a> {
     /// The index of each of [`COLUMNS`] in a row, if it is there.
     places: [Option<usize>; COLUMNS.len()],
     /// The first row of the next path, if it has been read.
-    next: Option<(Key, GivenPose)>,
+    next: Option<(Key, TablePose)>,
     /// All paths that have begun.
-    begun: BTreeSet<Key>,
+    started: BTreeSet<Key>,
 }
 
 impl<'a> PathTable<'a> {
@@ -181,7 +181,7 @@ impl<'a> PathTable<'a> {
             };
         }
         let width = rows.fields().count();
-        Ok(Self { rows, problems, planners: Vec::new(), width, places, next: None, begun: BTreeSet::new() })
+        Ok(Self { rows, problems, planners: Vec::new(), width, places, next: None, started: BTreeSet::new() })
     }
 
     /// Returns the planners that had a row so far.
@@ -190,16 +190,16 @@ impl<'a> PathTable<'a> {
     }
 
     /// Reads the next path; `None` at the end of the file.
-    pub fn next(&mut self) -> Result<Option<GivenPath>, Fault> {
+    pub fn next(&mut self) -> Result<Option<TablePath>, Fault> {
         let first = match self.next.take() {
             Some(row) => Some(row),
             None => self.read_row()?,
         };
         let Some((key, pose)) = first else {
-            return if self.begun.is_empty() { Err(Fault::NoRows) } else { Ok(None) };
+            return if self.started.is_empty() { Err(Fault::NoRows) } else { Ok(None) };
         };
         let (planner, problem, goal) = key;
-        if !self.begun.insert(key) {
+        if !self.started.insert(key) {
             let name = visible_start(&self.planners[planner]);
             let field = visible_start(&self.problems[problem].name);
             return Err(Fault::Again { line: pose.line, planner: name, goal, field });
@@ -216,10 +216,10 @@ impl<'a> PathTable<'a> {
             }
             poses.push(pose);
         }
-        Ok(Some(GivenPath { planner, problem, goal, poses }))
+        Ok(Some(TablePath { planner, problem, goal, poses }))
     }
 
-    fn read_row(&mut self) -> Result<Option<(Key, GivenPose)>, Fault> {
+    fn read_row(&mut self) -> Result<Option<(Key, TablePose)>, Fault> {
         if !self.rows.advance()? {
             return Ok(None);
         }
@@ -260,7 +260,7 @@ impl<'a> PathTable<'a> {
         })?;
         let name = if self.places[PLANNER].is_some() { text(cells[PLANNER]) } else { Cow::Borrowed(NO_NAME) };
         let planner = planner(&mut self.planners, line, &name)?;
-        Ok(Some(((planner, problem, goal), GivenPose { line, pose, is_reverse })))
+        Ok(Some(((planner, problem, goal), TablePose { line, pose, is_reverse })))
     }
 }
 
@@ -280,8 +280,8 @@ fn problem(problems: &[Problem], line: u64, cell: &[u8]) -> Result<usize, Fault>
 
 /// Returns the place of a planner's name in the list, to which a new one is added.
 fn planner(planners: &mut Vec<String>, line: u64, name: &str) -> Result<usize, Fault> {
-    if let Some(known) = planners.iter().rposition(|planner| planner == name) {
-        return Ok(known);
+    if let Some(existing) = planners.iter().rposition(|planner| planner == name) {
+        return Ok(existing);
     }
     if name.is_empty() || name.chars().count() > LONGEST_NAME {
         return Err(Fault::Planner { line, found: visible_start(name) });
@@ -305,7 +305,7 @@ fn shown(cell: &[u8]) -> String {
 }
 
 /// Refuses two poses that nothing can be said to have happened between.
-fn check_step(from: &GivenPose, to: &GivenPose) -> Result<(), Fault> {
+fn check_step(from: &TablePose, to: &TablePose) -> Result<(), Fault> {
     let (line, before) = (to.line, from.line);
     let step = to.pose.position() - from.pose.position();
     let metres = step.length();

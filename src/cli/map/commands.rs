@@ -44,12 +44,12 @@ pub trait ArgumentGroup {
 /// Makes the enumeration of all computations from lines `Name(parameters) = function;` below the text of their help. The
 /// function takes the map and the parameters.
 macro_rules! computations {
-    ($($(#[$words:meta])* $name:ident($parameters:ty) = $compute:path;)*) => {
+    ($($(#[$doc:meta])* $name:ident($parameters:ty) = $compute:path;)*) => {
         /// A computation on a map, with its parameters.
         #[derive(Debug, Subcommand, Serialize)]
         #[serde(tag = "command", content = "parameters", rename_all = "kebab-case")]
         pub enum Computation {
-            $($(#[$words])* $name(MapQuery<$parameters>),)*
+            $($(#[$doc])* $name(MapQuery<$parameters>),)*
         }
 
         impl Computation {

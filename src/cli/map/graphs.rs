@@ -86,7 +86,7 @@ pub struct PrmParameters {
 /// The longest edge of a tree: as it was given, or as a map suggests, from when it is known.
 #[derive(Clone, Debug, Default)]
 pub struct TreeStep {
-    given: Option<f64>,
+    requested: Option<f64>,
     of_map: OnceLock<f64>,
 }
 
@@ -96,26 +96,26 @@ impl TreeStep {
     /// Edges that span the longer side.
     const EDGES_ACROSS: f64 = 20.0;
 
-    pub fn given(&self) -> Option<f64> {
-        self.given
+    pub fn requested(&self) -> Option<f64> {
+        self.requested
     }
 
     /// Returns the step on a map of which the longer side has so many cells.
     fn on_side(&self, longer: usize) -> f64 {
         let of_map = || (longer as f64 / Self::EDGES_ACROSS).max(Self::MIN);
-        self.given.unwrap_or_else(|| *self.of_map.get_or_init(of_map))
+        self.requested.unwrap_or_else(|| *self.of_map.get_or_init(of_map))
     }
 }
 
 impl Serialize for TreeStep {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.given.or_else(|| self.of_map.get().copied()).serialize(serializer)
+        self.requested.or_else(|| self.of_map.get().copied()).serialize(serializer)
     }
 }
 
 impl Growth {
     fn check_with(&self, near: Option<&Near>) -> Result<(), BadParameter> {
-        self.settings_of_step(self.step.given.unwrap_or(TreeStep::MIN), near).check()
+        self.settings_of_step(self.step.requested.unwrap_or(TreeStep::MIN), near).check()
     }
 
     /// The settings of a tree on a map; RRT has no neighbours.
@@ -171,11 +171,11 @@ pub fn parse_count(text: &str) -> Result<u32, String> {
 }
 
 pub fn parse_step(text: &str) -> Result<TreeStep, String> {
-    let given = match text {
+    let requested = match text {
         "auto" => None,
         _ => Some(numbers::parse(text).ok_or_else(|| "expected a number of cells, or `auto`".to_owned())?),
     };
-    Ok(TreeStep { given, ..TreeStep::default() })
+    Ok(TreeStep { requested, ..TreeStep::default() })
 }
 
 /// Arguments of a search.

@@ -27,7 +27,7 @@ use report::{MapReport, with_scene, write_film};
 use timing::TimingArguments;
 
 use crate::cli::error::CliError;
-use crate::cli::output_files::{self, Files, Words};
+use crate::cli::output_files::{self, Files, ReportStream};
 use crate::cli::terminal;
 use wildfire_grid::map_files::write_path;
 use wildfire_picture::{MapScene, Picture, draw_map, draw_overlay, draw_surface};
@@ -53,7 +53,7 @@ pub fn run(command: &MapCommand, quiet: bool) -> Result<ExitCode, CliError> {
 
 fn compute_and_report(computation: &Computation, quiet: bool) -> Result<(), CliError> {
     computation.parameters().check().map_err(|problem| CliError::bad_input(problem, None))?;
-    let words = check_files(computation)?;
+    let stream = check_files(computation)?;
     let input = &computation.files().input;
     let output = &computation.files().output;
     let (map, cpu_read) = input.reading.read(&input.map)?;
@@ -62,7 +62,7 @@ fn compute_and_report(computation: &Computation, quiet: bool) -> Result<(), CliE
     if output.form.json && !quiet {
         report.sentences().iter().for_each(|sentence| terminal::note(sentence));
     }
-    let printed = words.print(&output.form.render(&report));
+    let printed = stream.print(&output.form.render(&report));
     // Whatever cannot be written, all else is kept.
     let written = write_files(&report, quiet);
     printed.and(written)
@@ -74,7 +74,7 @@ fn refused(map: &Path, problem: &MapInputError) -> CliError {
 }
 
 /// Checks what can be checked before anything is computed, and returns where the words go.
-fn check_files(computation: &Computation) -> Result<Words, CliError> {
+fn check_files(computation: &Computation) -> Result<ReportStream, CliError> {
     let files = computation.files();
     if files.output.path.is_some() && !computation.parameters().has_start() {
         let help = "wavefront, descend, voronoi and all searches find a path from --start";
@@ -140,7 +140,7 @@ mod tests {
 
     use super::*;
     use crate::cli::Command;
-    use crate::cli::command_lines::{drawn_words, parsed, said};
+    use crate::cli::command_lines::{check_message, drawn_args, parsed};
     use crate::cli::fuzz::{Case, Fuzzer, Law, below, one_of};
     use wildfire_grid::Grid;
     use wildfire_grid::map_files::MapFile;
@@ -157,18 +157,18 @@ mod tests {
         let percent = *one_of(&mut case.dice, &[20, 0, 50, 100]);
         let cells = (0..rows * cols).map(|_| case.chance(percent)).collect();
         let occupied = Grid::from_values(rows, cols, cells);
-        let words = drawn_words(case, &["map"]);
-        let Some(Command::Map { command: MapCommand::Compute(command) }) = parsed(case, "map", words)? else {
+        let args = drawn_args(case, &["map"]);
+        let Some(Command::Map { command: MapCommand::Compute(command) }) = parsed(case, "map", args)? else {
             return Ok(());
         };
         if let Err(refusal) = command.parameters().check() {
-            return said(&refusal.to_string());
+            return check_message(&refusal.to_string());
         }
         case.count("parameters accepted");
         let map = MapFile::from_cells(occupied);
         let computed = match command.compute(&map.occupied) {
             Ok(computed) => computed,
-            Err(refusal) => return said(&refusal.to_string()),
+            Err(refusal) => return check_message(&refusal.to_string()),
         };
         case.count("maps computed");
         let report = MapReport::new(&command, &map, &computed, Duration::ZERO);
@@ -177,6 +177,6 @@ mod tests {
         if form.json && serde_json::from_str::<serde_json::Value>(&rendered).is_err() {
             return Err(format!("this is no JSON: {rendered}"));
         }
-        said(&rendered)
+        check_message(&rendered)
     }
 }

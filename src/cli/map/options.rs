@@ -90,16 +90,16 @@ pub struct MapSize {
 
 impl ReadingArguments {
     /// Returns the options as they are typed, so that another command reads the same map.
-    pub fn words(&self) -> String {
-        let mut words = Vec::new();
-        words.extend(self.tolerance.map(|tolerance| match tolerance {
+    pub fn args(&self) -> String {
+        let mut args = Vec::new();
+        args.extend(self.tolerance.map(|tolerance| match tolerance {
             Tolerance::Grey(grey) => format!("--tolerance {grey}"),
             Tolerance::Auto => "--tolerance auto".to_owned(),
         }));
-        words.extend(self.invert.then(|| "--invert".to_owned()));
-        words.extend((self.remove_edges > 0).then(|| format!("--remove-edges {}", self.remove_edges)));
-        words.extend(self.resize.map(|size| format!("--resize {}x{}", size.cols, size.rows)));
-        words.join(" ")
+        args.extend(self.invert.then(|| "--invert".to_owned()));
+        args.extend((self.remove_edges > 0).then(|| format!("--remove-edges {}", self.remove_edges)));
+        args.extend(self.resize.map(|size| format!("--resize {}x{}", size.cols, size.rows)));
+        args.join(" ")
     }
 
     /// Reads the map in a file, without its edges, and says how much CPU time that took.

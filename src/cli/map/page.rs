@@ -75,7 +75,7 @@ struct OneCommand {
 /// One computation of the page.
 struct Part {
     /// The words that compute it again, `wildfire map` left out.
-    words: Vec<OsString>,
+    args: Vec<OsString>,
     computation: Computation,
     computed: Computed,
 }
@@ -84,13 +84,13 @@ pub fn run(arguments: &PageArguments, quiet: bool) -> Result<(), CliError> {
     check_folder(&arguments.out)?;
     let (map, cpu_read) = arguments.reading.read(&arguments.map)?;
     let mut parts = Vec::new();
-    for words in commands(arguments) {
-        let Ok(OneCommand { command: MapCommand::Compute(computation) }) = OneCommand::try_parse_from(&words) else {
-            unreachable!("{words:?} is a command");
+    for args in commands(arguments) {
+        let Ok(OneCommand { command: MapCommand::Compute(computation) }) = OneCommand::try_parse_from(&args) else {
+            unreachable!("{args:?} is a command");
         };
         computation.parameters().check().map_err(|problem| CliError::bad_input(problem, None))?;
         let computed = computation.compute(&map.occupied).map_err(|problem| refused(&arguments.map, &problem))?;
-        parts.push(Part { words, computation, computed });
+        parts.push(Part { args, computation, computed });
     }
     if !quiet {
         let path = arguments.map.display();
@@ -135,9 +135,9 @@ fn commands(arguments: &PageArguments) -> Vec<Vec<OsString>> {
     let corners = if arguments.corners.no_corner_cutting { "--no-corner-cutting" } else { "" };
     let mut growth = format!("--seed {}", arguments.seed);
     growth.extend(arguments.samples.map(|samples| format!(" --samples {samples}")));
-    growth.extend(arguments.step.given().map(|step| format!(" --step {step}")));
+    growth.extend(arguments.step.requested().map(|step| format!(" --step {step}")));
     let seed = format!("--seed {}", arguments.seed);
-    let reading = arguments.reading.words();
+    let reading = arguments.reading.args();
     let options = [
         ("occupancy", String::new()),
         ("brushfire", neighbours.clone()),
@@ -158,7 +158,7 @@ fn commands(arguments: &PageArguments) -> Vec<Vec<OsString>> {
         ("rrt-star", format!("{ends} {growth}")),
         ("prm", format!("{ends} {seed}")),
     ];
-    let words = |(command, options): (&str, String)| {
+    let args_of = |(command, options): (&str, String)| {
         let options = format!("{options} {reading}");
         let first = [OsString::from(command), "--".into(), arguments.map.clone().into_os_string()];
         // Options stand before the map, whose name may begin with a hyphen.
@@ -166,7 +166,7 @@ fn commands(arguments: &PageArguments) -> Vec<Vec<OsString>> {
         let options = options.split_whitespace().map(OsString::from).collect::<Vec<_>>();
         [command].into_iter().chain(options).chain([end, map]).collect()
     };
-    options.into_iter().map(words).collect()
+    options.into_iter().map(args_of).collect()
 }
 
 /// Notes on the map.
@@ -183,7 +183,7 @@ fn page(arguments: &PageArguments, map: &MapFile, parts: &[Part], cpu_read: Dura
         let report = MapReport::new(&part.computation, map, &part.computed, cpu_read);
         let picture = with_scene(&report, draw_small_map).to_png();
         let mut lines = report.sentences();
-        lines.retain(|line| !of_map.iter().any(|said| line.contains(said.as_str())));
+        lines.retain(|line| !of_map.iter().any(|sentence| line.contains(sentence.as_str())));
         (lines, picture)
     };
     let rows = map.occupied.rows();
@@ -207,7 +207,7 @@ fn page(arguments: &PageArguments, map: &MapFile, parts: &[Part], cpu_read: Dura
     ));
     document.add(Block::Heading("Maps".into()));
     document.add(map_table(parts));
-    let find = |command: &str| parts.iter().find(|part| part.words[0] == command).map(|part| &part.computed);
+    let find = |command: &str| parts.iter().find(|part| part.args[0] == command).map(|part| &part.computed);
     for part in parts {
         let (lines, png) = report(part);
         document.add(Block::Heading(part.computed.title.clone()));
@@ -221,12 +221,12 @@ fn page(arguments: &PageArguments, map: &MapFile, parts: &[Part], cpu_read: Dura
 impl Part {
     /// The line that computes it again.
     fn command_line(&self) -> String {
-        let (map, options) = self.words.split_last().expect("the map comes last");
+        let (map, options) = self.args.split_last().expect("the map comes last");
         // Only a name that looks like an option needs the hyphens before it.
         let needs_hyphens = map.to_string_lossy().starts_with('-');
         let options = options.iter().filter(|word| needs_hyphens || *word != "--");
-        let words = options.chain([map]).map(|word| shell_word(&word.to_string_lossy()));
-        words.fold("wildfire map".to_owned(), |line, word| line + " " + &word)
+        let args = options.chain([map]).map(|word| shell_word(&word.to_string_lossy()));
+        args.fold("wildfire map".to_owned(), |line, word| line + " " + &word)
     }
 
     fn is_search(&self) -> bool {
@@ -296,7 +296,7 @@ fn write_searches(path: &Path, parts: &[Part]) -> io::Result<()> {
         let cost = part.cost().map_or_else(String::new, |cost| cost.to_string());
         let [expansions, touched, points] = [part.expansions(), part.touched(), part.vertices()]
             .map(|value| value.map_or_else(String::new, |value| value.to_string()));
-        let name = part.words[0].to_string_lossy();
+        let name = part.args[0].to_string_lossy();
         writeln!(file, "{name},{cost},{expansions},{touched},{points},{}", part.cpu().as_secs_f64())?;
     }
     file.finish()

@@ -73,7 +73,7 @@ impl<'a> MapReport<'a> {
     pub fn parameters(&self) -> String {
         let computation = serde_json::to_value(self.computation).unwrap_or_default();
         let Some(parameters) = computation["parameters"].as_object() else { return String::new() };
-        let words = parameters.iter().filter_map(|(name, value)| {
+        let parts = parameters.iter().filter_map(|(name, value)| {
             let name = name.replace('_', " ");
             match value {
                 Json::Null | Json::Bool(false) => None,
@@ -86,7 +86,7 @@ impl<'a> MapReport<'a> {
                 other => Some(format!("{name} {other}")),
             }
         });
-        words.collect::<Vec<_>>().join("; ")
+        parts.collect::<Vec<_>>().join("; ")
     }
 
     /// Lists what is odd about the map or the question.

@@ -111,7 +111,7 @@ pub struct MapFiles<'a> {
 impl Panel {
     /// The maps of a batch, or of two and their difference, from left to right.
     pub fn over_batch(quantity: BatchQuantity, maps: BatchMaps, place: &MapPlace) -> Vec<Self> {
-        let (own, of_difference, without_value) = match quantity {
+        let (panel_quantity, of_difference, without_value) = match quantity {
             BatchQuantity::BurnProbability => {
                 (MapQuantity::Probability, MapQuantity::ProbabilityDifference, "never burned")
             }
@@ -130,7 +130,7 @@ impl Panel {
             .into_iter()
             .map(|side| Self {
                 title: last_name(&side.title),
-                quantity: own,
+                quantity: panel_quantity,
                 shown: if quantity == BatchQuantity::BurnProbability { shown(&side.values) } else { Vec::new() },
                 values: vec![(String::new(), side.values)],
                 without_value,

@@ -136,7 +136,7 @@ pub fn run(arguments: &MapOfArguments, context: &CommandContext) -> Result<ExitC
     let every = files.every_path();
     let outputs = every.iter().map(|(format, path)| (*format, path.as_path())).collect::<Vec<(Format, &Path)>>();
     let files_of_all = Files { outputs, form: arguments.form, ..Files::default() };
-    let words = files_of_all.writing([(Format::Tif, &arguments.files.bands)]).check()?;
+    let stream = files_of_all.writing([(Format::Tif, &arguments.files.bands)]).check()?;
     let printed = match arguments.what.of_batch() {
         Some(quantity) => {
             let (report, panels) = over_batch(quantity, arguments, context)?;
@@ -149,7 +149,7 @@ pub fn run(arguments: &MapOfArguments, context: &CommandContext) -> Result<ExitC
             arguments.form.render(&report)
         }
     };
-    words.print(&printed)?;
+    stream.print(&printed)?;
     Ok(ExitCode::SUCCESS)
 }
 

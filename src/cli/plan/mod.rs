@@ -26,7 +26,7 @@ use crate::cli::terminal;
 use crate::cli::together;
 use wildfire_base::input_file::is_standard_stream;
 use wildfire_batch::{
-    AttemptSettings, DriveTable, PlannerSummary, ask_all, asked_planners, expect_known_planners, file_name_of,
+    AttemptSettings, DriveTable, PlannerSummary, ask_all, expect_planners_exist, file_name_of, requested_planners,
 };
 use wildfire_planning::PlannerName;
 use wildfire_sim::scenario::{LoadedScenario, Problem};
@@ -42,14 +42,14 @@ pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCo
     if benchmark::matches(arguments)? {
         return benchmark::run(arguments, context);
     }
-    let loaded = LoadedScenario::open(&arguments.scenario, &context.with_own_names(&arguments.overrides))?;
+    let loaded = LoadedScenario::open(&arguments.scenario, &context.with_custom_names(&arguments.overrides))?;
     let problems = arguments.problems.problems().load(&loaded.scenario, arguments.problems.seed)?;
-    let planners = asked_planners(&arguments.planners, &loaded.scenario);
+    let planners = requested_planners(&arguments.planners, &loaded.scenario);
     let pictures = pictures(arguments, &problems);
-    let words = files(arguments, &pictures).check()?;
+    let stream = files(arguments, &pictures).check()?;
     let started = arguments.ompl.as_ref().map(|_| Started::now()).transpose()?;
     let report = report(arguments, context, &loaded, (&problems, &planners))?;
-    let printed = words.print(&arguments.form.render(&report));
+    let printed = stream.print(&arguments.form.render(&report));
     // Whatever cannot be written, all else is kept.
     let written = write_files(arguments, &report, (&pictures, started), context.quiet);
     printed.and(written)?;
@@ -64,7 +64,7 @@ fn report<'a>(
     loaded: &'a LoadedScenario,
     (problems, planners): (&'a [Problem], &'a [PlannerName]),
 ) -> Result<PlanReport<'a>, CliError> {
-    expect_known_planners(&context.registry, &loaded.scenario, planners)?;
+    expect_planners_exist(&context.registry, &loaded.scenario, planners)?;
     context.expect_trusted_planners(&loaded.scenario, planners)?;
     let ask = || {
         // Programs start again each time, those too that could play on.
@@ -130,7 +130,9 @@ fn write_files(
             (arguments.csv.as_deref(), &|path| report.drives.write(path)),
             (arguments.paths.as_deref(), &|path| paths_file::write_paths(path, &report.attempts)),
             (arguments.ompl.as_deref(), &|path| ompl_log(arguments, report, started).write(path)),
-            (arguments.certify.as_deref(), &|path| report.certificates.iter().try_for_each(|own| own.write(path))),
+            (arguments.certify.as_deref(), &|path| {
+                report.certificates.iter().try_for_each(|certificate| certificate.write(path))
+            }),
         ],
         quiet,
     );
@@ -153,12 +155,13 @@ fn ompl_log<'a>(arguments: &PlanArguments, report: &'a PlanReport, started: Opti
         format!("field {}, {} x {} m, {goals} goals", problem.name, frame.width_m(), frame.height_m())
     };
     let planner = |planner: &'a PlannerName| {
-        let own = report.attempts.iter().zip(&report.drives.rows).filter(|(attempt, _)| attempt.planner == *planner);
+        let attempts =
+            report.attempts.iter().zip(&report.drives.rows).filter(|(attempt, _)| attempt.planner == *planner);
         let settings = planner_settings(planner, report.loaded);
         OmplPlanner {
             name: planner.name(),
             settings,
-            runs: own
+            runs: attempts
                 .map(|(attempt, query)| OmplRun {
                     problem: report.number_of(attempt.problem),
                     seed: report.seed,

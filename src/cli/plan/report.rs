@@ -52,7 +52,7 @@ impl PlanReport<'_> {
 pub fn planner_settings(planner: &PlannerName, loaded: &LoadedScenario) -> Vec<(String, String)> {
     let tables = planner.built_in().map_or(&[][..], |kind| TruckPlannerKind::maker(kind).tables());
     let of_program = format!("planner.{planner}.");
-    let own = |name: String| {
+    let short_name = |name: String| {
         if let Some(setting) = name.strip_prefix(&of_program) {
             return Some(setting.to_owned());
         }
@@ -60,7 +60,7 @@ pub fn planner_settings(planner: &PlannerName, loaded: &LoadedScenario) -> Vec<(
         let table = name.split_once('.')?.0;
         tables.contains(&table).then(|| name.to_owned())
     };
-    loaded.values().into_iter().filter_map(|(name, value)| Some((own(name)?, value))).collect()
+    loaded.values().into_iter().filter_map(|(name, value)| Some((short_name(name)?, value))).collect()
 }
 
 /// Settings that bound a planner's effort: expansions, samples, tries.
@@ -144,13 +144,13 @@ impl From<&PlanReport<'_>> for Document {
 impl PlanReport<'_> {
     /// Draws the paths of all planners on one field.
     pub fn draw(&self, problem: &Problem) -> Picture {
-        let own: Vec<&Attempt> = self.attempts.iter().filter(|a| std::ptr::eq(a.problem, problem)).collect();
+        let attempts: Vec<&Attempt> = self.attempts.iter().filter(|a| std::ptr::eq(a.problem, problem)).collect();
         let by = |planner: &PlannerName| {
-            let paths = own.iter().filter(|attempt| attempt.planner == *planner);
+            let paths = attempts.iter().filter(|attempt| attempt.planner == *planner);
             let paths: Vec<&Path> = paths.filter_map(|attempt| Some(&attempt.drive.as_ref().ok()?.path)).collect();
             DrivenWays { name: format!("{planner}, {} of {}", paths.len(), problem.goals.len()), paths }
         };
-        let is_reached = |goal| own.iter().any(|attempt| attempt.goal == goal && attempt.drive.is_ok());
+        let is_reached = |goal| attempts.iter().any(|attempt| attempt.goal == goal && attempt.drive.is_ok());
         draw_drives(&DriveScene {
             title: &format!("Drives on field {}", problem.name),
             frame: problem.terrain.frame,

@@ -95,12 +95,12 @@ impl RankArguments {
 pub fn run(arguments: &RankArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let form = arguments.form;
     let files = Files { form, ..Files::default() }.writing([(Format::Csv, &arguments.csv)]);
-    let words = files.check()?;
+    let stream = files.check()?;
     let mut ranking = rank(&arguments.batches, &arguments.request())?;
     if let Some(runs) = arguments.audit {
         audit(&mut ranking, runs.get(), arguments.jobs, context)?;
     }
-    words.print(&form.render(&ranking))?;
+    stream.print(&form.render(&ranking))?;
     write_all(&[(arguments.csv.as_deref(), &|path| table::write(path, &ranking))], context.quiet)?;
     if let Some(folder) = &arguments.sheets {
         sheets::write(folder, &ranking)?;

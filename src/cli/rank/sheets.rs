@@ -70,5 +70,5 @@ fn commands(entry: &RankedEntry) -> String {
     let runs = entry.worst_runs.iter().map(|worst| (worst.row as u64 + 1, worst.seed));
     let runs = runs.filter(|(number, _)| *number <= plan.count()).map(|(number, seed)| (plan.run(number), seed));
     let runs = runs.filter(|(run, seed)| run.seed == *seed);
-    runs.map(|(run, seed)| format!("wildfire render {} --html seed-{seed}.html\n", run.repeating_words())).collect()
+    runs.map(|(run, seed)| format!("wildfire render {} --html seed-{seed}.html\n", run.repeating_args())).collect()
 }

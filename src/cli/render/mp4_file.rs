@@ -14,7 +14,7 @@ const ENCODING: &str = "-an -c:v libx264 -preset medium -crf 18 -pix_fmt yuv420p
     -f mp4";
 
 /// The most bytes of messages of `ffmpeg` that are kept, the last ones.
-const KEPT_WORDS: usize = 4096;
+const KEPT_BYTES: usize = 4096;
 
 /// An MP4 that is being written, frame by frame.
 ///
@@ -69,7 +69,7 @@ struct Encoder {
     child: Child,
     /// `None` once all frames are written.
     frames: Option<ChildStdin>,
-    words: Option<JoinHandle<String>>,
+    message: Option<JoinHandle<String>>,
 }
 
 impl Encoder {
@@ -84,8 +84,8 @@ impl Encoder {
         let frames = child.stdin.take();
         let stderr = child.stderr.take();
         // What it says is read all the time, or it would wait for a reader while we wait for it.
-        let words = stderr.map(|stderr| thread::spawn(move || last_line(stderr)));
-        Ok(Self { child, frames, words })
+        let message = stderr.map(|stderr| thread::spawn(move || last_line(stderr)));
+        Ok(Self { child, frames, message })
     }
 
     /// # Errors
@@ -104,11 +104,11 @@ impl Encoder {
     fn end(&mut self) -> Result<(), String> {
         drop(self.frames.take());
         let status = self.child.wait().map_err(|error| error.to_string())?;
-        let words = self.words.take().and_then(|words| words.join().ok()).unwrap_or_default();
+        let message = self.message.take().and_then(|message| message.join().ok()).unwrap_or_default();
         match status.success() {
             true => Ok(()),
-            false if words.is_empty() => Err(status.to_string()),
-            false => Err(words),
+            false if message.is_empty() => Err(status.to_string()),
+            false => Err(message),
         }
     }
 }
@@ -124,10 +124,10 @@ impl Drop for Encoder {
 /// The last line that is not empty.
 fn last_line(mut stderr: ChildStderr) -> String {
     let mut kept = Vec::new();
-    let mut bytes = [0; KEPT_WORDS];
+    let mut bytes = [0; KEPT_BYTES];
     while let Some(count) = read_some(&mut stderr, &mut bytes) {
         kept.extend_from_slice(&bytes[..count]);
-        kept.drain(..kept.len().saturating_sub(KEPT_WORDS));
+        kept.drain(..kept.len().saturating_sub(KEPT_BYTES));
     }
     let text = String::from_utf8_lossy(&kept);
     text.lines().rev().map(str::trim).find(|line| !line.is_empty()).unwrap_or_default().to_owned()

@@ -103,9 +103,9 @@ fn check_agent(option: &str, agent: AgentId, setting: &Setting) -> Result<(), Cl
     if setting.agent_index(agent).is_some() {
         return Ok(());
     }
-    let known = setting.agents.iter().map(|start| start.id.to_string()).collect::<Vec<_>>();
-    let known = if known.is_empty() { "nobody".into() } else { known.join(", ") };
-    Err(CliError::bad_input(format_args!("{option}: there is no {agent} in this run, only {known}"), None))
+    let agents = setting.agents.iter().map(|start| start.id.to_string()).collect::<Vec<_>>();
+    let agents = if agents.is_empty() { "nobody".into() } else { agents.join(", ") };
+    Err(CliError::bad_input(format_args!("{option}: there is no {agent} in this run, only {agents}"), None))
 }
 
 /// The camera on a fleet needs a truck, and finds its zoom.

@@ -152,8 +152,8 @@ mod tests {
         show: ShowArguments,
     }
 
-    fn titles(words: &str) -> Vec<String> {
-        let command = Command::parse_from(["show"].into_iter().chain(words.split(' ')));
+    fn titles(args: &str) -> Vec<String> {
+        let command = Command::parse_from(["show"].into_iter().chain(args.split(' ')));
         let shown = shown_runs(&command.show, Searches::LeftOut, &CommandContext::new(true, CustomRegistry::default()))
             .expect("both runs take place");
         shown.into_iter().map(|shown| shown.run.title).collect()

@@ -62,7 +62,7 @@ impl Named {
     /// # Errors
     /// If nothing has this name, or it cannot be read, or it is too large for a recording or a scenario.
     pub fn open(name: &str) -> Result<Self, CliError> {
-        if BUILT_IN.iter().any(|(known, _)| *known == name) {
+        if BUILT_IN.iter().any(|(existing, _)| *existing == name) {
             return Ok(Self::Scenario(ScenarioText::open(name)?));
         }
         let path = Path::new(name);
@@ -109,7 +109,8 @@ impl Source {
     ) -> Result<Self, CliError> {
         let source = match named {
             Named::Scenario(text) => {
-                let scenario = Box::new(LoadedScenario::from_text(text, &context.with_own_names(overrides))?.scenario);
+                let scenario =
+                    Box::new(LoadedScenario::from_text(text, &context.with_custom_names(overrides))?.scenario);
                 context.expect_trusted(&scenario)?;
                 let title = iter::once(&scenario.name).chain(overrides).map(String::as_str).collect::<Vec<_>>();
                 return Ok(Self::Scenario {
@@ -224,7 +225,7 @@ pub fn run_of_batch(
 
 /// The first run, or that of a seed.
 fn planned_run<'a>(batch: &'a FinishedBatch, seeds: &[u64], seed: Option<u64>) -> Result<PlannedRun<'a>, CliError> {
-    let found = seed.map_or(Some(0), |seed| seeds.iter().position(|&known| known == seed));
+    let found = seed.map_or(Some(0), |seed| seeds.iter().position(|&other| other == seed));
     let index = found.ok_or_else(|| {
         let folder = batch.folder().display();
         let all = &batch.plan().seeds;

@@ -90,7 +90,7 @@ pub fn run(
 ) -> Result<ExitCode, CliError> {
     let inputs = instances(&arguments.together)?;
     let named = inputs.iter().map(|(path, _)| path.as_path()).collect();
-    let words = Files { inputs: named, form, ..Files::default() }.writing([(Format::Csv, csv)]).check()?;
+    let stream = Files { inputs: named, form, ..Files::default() }.writing([(Format::Csv, csv)]).check()?;
     let settings = PlanTogether {
         mode: arguments.mode.unwrap_or(Mode::Exact),
         method: arguments.method.unwrap_or(Method::Repair),
@@ -130,7 +130,7 @@ pub fn run(
         rows.push(Row::new(path, instance, &settings, outcome, effort, cpu_s));
     }
     let report = TogetherReport { settings, limit_s: limit.as_secs_f64(), rows };
-    let printed = words.print(&form.render(&report));
+    let printed = stream.print(&form.render(&report));
     let written = output_files::write_all(&[(csv.as_deref(), &|path| report.write(path))], context.quiet);
     printed.and(written)?;
     Ok(exit_code(report.rows.iter().all(Row::is_clean)))
@@ -140,11 +140,11 @@ pub fn run(
 pub fn judge(files: &[PathBuf], mode: Mode, form: FormArguments) -> Result<ExitCode, CliError> {
     let [of_instance, of_solution] = files else { unreachable!("the option takes two files") };
     let inputs = vec![of_instance.as_path(), of_solution.as_path()];
-    let words = Files { inputs, form, ..Files::default() }.check()?;
+    let stream = Files { inputs, form, ..Files::default() }.check()?;
     let instance = open_instance(of_instance)?;
     let schedules = parsed(of_solution, read_solution)?;
     let report = VerdictReport::new(of_solution, mode, Checked::new(&instance, mode, &schedules));
-    words.print(&form.render(&report))?;
+    stream.print(&form.render(&report))?;
     Ok(exit_code(report.is_clean()))
 }
 

@@ -132,12 +132,12 @@ impl Row {
             seed: settings.seed,
             status,
             message: message.unwrap_or_default(),
-            flowtime_m: figures.map(|own| own.flowtime_m),
-            flowtime_over_bound: figures.map(|own| own.flowtime_over_bound),
-            makespan_m: figures.map(|own| own.makespan_m),
-            makespan_over_bound: figures.map(|own| own.makespan_over_bound),
-            cost: figures.map(|own| own.cost),
-            steps: figures.map(|own| own.steps),
+            flowtime_m: figures.map(|it| it.flowtime_m),
+            flowtime_over_bound: figures.map(|it| it.flowtime_over_bound),
+            makespan_m: figures.map(|it| it.makespan_m),
+            makespan_over_bound: figures.map(|it| it.makespan_over_bound),
+            cost: figures.map(|it| it.cost),
+            steps: figures.map(|it| it.steps),
             violations: checked.map_or(0, |checked| checked.faults.len()),
             expansions: effort.expansions,
             rounds: effort.rounds,
@@ -244,9 +244,9 @@ impl TogetherReport {
         keys.dedup();
         let mut summaries: Vec<Summary> = keys
             .iter()
-            .map(|own| {
-                let rows: Vec<&Row> = self.rows.iter().filter(|row| key(row) == *own).collect();
-                let kind = if own.2 { "obstacles" } else { "empty" };
+            .map(|group| {
+                let rows: Vec<&Row> = self.rows.iter().filter(|row| key(row) == *group).collect();
+                let kind = if group.2 { "obstacles" } else { "empty" };
                 Summary::new(format!("{} x {} m, {kind}", rows[0].width_m, rows[0].height_m), &rows)
             })
             .collect();

@@ -8,8 +8,8 @@ use std::sync::{Arc, LazyLock};
 
 use wildfire::batch::comparison::{Selection, compare};
 use wildfire::batch::{
-    Append, Batch, BatchPlan, BatchRequest, ChosenQuantities, Disk, FinishedBatch, JournalIndex, OutputFolder,
-    PLAN_FILE, PLAN_TEMPLATE, PaperCharts, PlanError, RUNS_FILE, ReportParts, STATES_PARQUET, Slice, Sweep, Whole,
+    Append, Batch, BatchPlan, BatchRequest, Disk, FinishedBatch, JournalIndex, OutputFolder, PLAN_FILE, PLAN_TEMPLATE,
+    PaperCharts, PlanError, RUNS_FILE, ReportParts, STATES_PARQUET, SelectedQuantities, Slice, Sweep, Whole,
     batch_status, merge, run_column, write_report,
 };
 use wildfire::picture::charts::PaperSize;
@@ -19,7 +19,7 @@ use wildfire::sim::CustomRegistry;
 use super::fuzz::text::mutated;
 use super::fuzz::{Case, Law, below, chance, one_of};
 use super::grammar::refusal_names_its_place;
-use super::maps::said;
+use super::maps::check_message;
 
 const JOURNAL: &str = "runs.journal";
 
@@ -107,7 +107,7 @@ pub fn frozen_plan(case: &mut Case<'_>) -> Law {
             case.count("plans of batches accepted");
             plan_comes_back(case, &plan)
         }
-        Err(refusal) => said(&refusal.to_string()),
+        Err(refusal) => check_message(&refusal.to_string()),
     }
 }
 
@@ -136,7 +136,7 @@ const PLANS: &[&str] = &[
     "scenarios = ['smoke', 'contest']\nset = { name = 'x' }\n",
 ];
 
-const PLAN_WORDS: &[&str] = &[
+const PLAN_TOKENS: &[&str] = &[
     "[[sweep]]\n",
     "set = ",
     "seeds = ",
@@ -153,7 +153,7 @@ const PLAN_WORDS: &[&str] = &[
 
 /// Checks that a plan file is read or refused, and that its plan is the same when it is written and read again.
 pub fn plan_file(case: &mut Case<'_>) -> Law {
-    case.input = mutated(&mut case.dice, PLANS, PLAN_WORDS);
+    case.input = mutated(&mut case.dice, PLANS, PLAN_TOKENS);
     let path = case.write("plan.toml", &case.input);
     let source = match ScenarioText::open(path.to_str().expect("scratch folders have plain names")) {
         Ok(source) => source,
@@ -162,7 +162,7 @@ pub fn plan_file(case: &mut Case<'_>) -> Law {
     let request = match BatchRequest::from_text(&source) {
         Ok(Some(request)) => request,
         Ok(None) => return Ok(()),
-        Err(refusal) => return said(&refusal.to_string()),
+        Err(refusal) => return check_message(&refusal.to_string()),
     };
     case.count("plan files accepted");
     let variants: usize = request.sweeps.iter().map(|sweep| sweep.steps().len()).product();
@@ -171,7 +171,7 @@ pub fn plan_file(case: &mut Case<'_>) -> Law {
     }
     match request.resolve(false) {
         Ok(plan) => plan_comes_back(case, &plan),
-        Err(refusal) => said(&refusal.to_string()),
+        Err(refusal) => check_message(&refusal.to_string()),
     }
 }
 
@@ -196,11 +196,11 @@ pub fn batch_options(case: &mut Case<'_>) -> Law {
     let sweeps =
         |request: &BatchRequest| request.sweeps.iter().map(|sweep: &Sweep| sweep.steps().len()).product::<usize>();
     match taken {
-        Err(refusal) => said(&refusal.to_string()),
+        Err(refusal) => check_message(&refusal.to_string()),
         Ok(()) if sweeps(&request) > 4 || chance(&mut case.dice, 80) => Ok(()),
         Ok(()) => match request.resolve(false) {
             Ok(plan) => plan_comes_back(case, &plan),
-            Err(refusal) => said(&refusal.to_string()),
+            Err(refusal) => check_message(&refusal.to_string()),
         },
     }
 }
@@ -232,9 +232,9 @@ pub fn journal(case: &mut Case<'_>) -> Law {
     let file = File::open(&path).map_err(|error| error.to_string())?;
     let read = JournalIndex::read(&path, &file, &sample.plan, Slice::WHOLE);
     match read {
-        Err(refusal) => return said(&refusal.to_string()),
-        Ok(index) if index.held().0 > index.count() => return Err("it holds more runs than there are".into()),
-        Ok(index) if index.missing().count() as u64 + index.held().0 != index.count() => {
+        Err(refusal) => return check_message(&refusal.to_string()),
+        Ok(index) if index.stored().0 > index.count() => return Err("it holds more runs than there are".into()),
+        Ok(index) if index.missing().count() as u64 + index.stored().0 != index.count() => {
             return Err("runs that it holds are missing".into());
         }
         Ok(_) => case.count("journals accepted"),
@@ -250,15 +250,15 @@ pub fn journal(case: &mut Case<'_>) -> Law {
             case.count("journals merged");
             Ok(())
         }
-        Err(refusal) => said(&refusal.to_string()),
+        Err(refusal) => check_message(&refusal.to_string()),
     }
 }
 
 /// Checks that tables of runs are compared, or refused.
 pub fn compared_tables(case: &mut Case<'_>) -> Law {
     let samples: Vec<&[u8]> = SAMPLES.iter().map(|sample| &sample.runs_csv[..]).collect();
-    let words = ["done,", "panicked,", "smoke,", "\"\"", "prm-rs", "intact", "seed,", "status,"];
-    case.input = mutated(&mut case.dice, &samples, &words);
+    let tokens = ["done,", "panicked,", "smoke,", "\"\"", "prm-rs", "intact", "seed,", "status,"];
+    case.input = mutated(&mut case.dice, &samples, &tokens);
     let one = case.write("one.csv", &case.input);
     let other = *one_of(&mut case.dice, &samples);
     let other = case.write("other.csv", other);
@@ -270,7 +270,7 @@ pub fn compared_tables(case: &mut Case<'_>) -> Law {
             case.count("comparisons made");
             Ok(())
         }
-        Err(refusal) => said(&refusal.to_string()),
+        Err(refusal) => check_message(&refusal.to_string()),
     }
 }
 
@@ -282,7 +282,7 @@ pub fn finished_rows(case: &mut Case<'_>) -> Law {
     let batch = FinishedBatch::open(case.folder).map_err(|error| error.to_string())?;
     let mut rows = match batch.rows() {
         Ok(rows) => rows.ok_or("there are no rows")?,
-        Err(refusal) => return said(&refusal.to_string()),
+        Err(refusal) => return check_message(&refusal.to_string()),
     };
     for run in batch.runs() {
         match rows.next(&run) {
@@ -290,7 +290,7 @@ pub fn finished_rows(case: &mut Case<'_>) -> Law {
                 row.is_done();
                 row.number(run_column("intact"));
             }
-            Err(refusal) => return said(&refusal.to_string()),
+            Err(refusal) => return check_message(&refusal.to_string()),
         }
     }
     case.count("finished batches accepted");
@@ -320,12 +320,12 @@ pub fn report(case: &mut Case<'_>) -> Law {
     let batch = FinishedBatch::open(case.folder).map_err(|error| error.to_string())?;
     let size = PaperSize { width_mm: 88.0, font_pt: 8.0 };
     let paper = PaperCharts { size, pdf: true, pgf: true };
-    let quantities = ChosenQuantities::default();
+    let quantities = SelectedQuantities::default();
     match write_report(&batch, &ReportParts { playing: &[], field: None, quantities: &quantities, paper }) {
         Ok(_) => {
             case.count("reports written");
             Ok(())
         }
-        Err(refusal) => said(&refusal.to_string()),
+        Err(refusal) => check_message(&refusal.to_string()),
     }
 }

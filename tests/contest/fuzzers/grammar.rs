@@ -180,8 +180,8 @@ impl Grammar {
         if let Some(word) = schema["const"].as_str() {
             return Some(Value::String(word.to_owned()));
         }
-        if let Some(words) = schema["enum"].as_array() {
-            return one_of(dice, words).as_str().map(|word| Value::String(word.to_owned()));
+        if let Some(values) = schema["enum"].as_array() {
+            return one_of(dice, values).as_str().map(|word| Value::String(word.to_owned()));
         }
         let kinds = match &schema["type"] {
             Json::Array(kinds) => kinds.iter().filter_map(Json::as_str).collect(),

@@ -29,7 +29,7 @@ const TEXTS: &[&str] = &[
     "image: map\nresolution: 0.05\norigin: [-1.5, 2, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\nmode: raw\n",
 ];
 
-const WORDS: &[&str] =
+const TOKENS: &[&str] =
     &["type octile\n", "height ", "width ", "map\n", "P1 ", "P5 ", "P7\n", "GIF8", "BM", "#", "01", "\u{FEFF}"];
 
 /// Checks that a map file is read or refused, and that its map is the same when it is written and read again.
@@ -37,13 +37,13 @@ pub fn map_file(case: &mut Case<'_>) -> Law {
     case.input = match below(&mut case.dice, 4) {
         0 => png(&mut case.dice),
         1 => pnm(&mut case.dice),
-        _ => mutated(&mut case.dice, TEXTS, WORDS),
+        _ => mutated(&mut case.dice, TEXTS, TOKENS),
     };
     let path = case.write("map", &case.input);
     let tolerance = one_of(&mut case.dice, &[0, 127, 254, 255]);
     let map = match map_files::read(&path, *tolerance) {
         Ok(map) => map,
-        Err(refusal) => return said(&refusal.to_string()),
+        Err(refusal) => return check_message(&refusal.to_string()),
     };
     case.count("maps accepted");
     if map.grey.as_ref().is_some_and(|grey| (grey.rows(), grey.cols()) != (map.occupied.rows(), map.occupied.cols())) {
@@ -67,7 +67,7 @@ const GRIDS: &[&str] = &[
     "ncols 20\nnrows 20\nxllcorner 1\nyllcorner 2\ndx 5\ndy 5\nnan 1e3 -2.5\n",
 ];
 
-const GRID_WORDS: &[&str] =
+const GRID_TOKENS: &[&str] =
     &["ncols ", "nrows ", "cellsize ", "NODATA_value ", "xllcenter ", "nan ", "1e39 ", "-9999 ", "65536 ", "102 "];
 
 static GEOTIFF: LazyLock<Vec<u8>> = LazyLock::new(|| {
@@ -85,7 +85,7 @@ fn drawn_raster(case: &mut Case<'_>) -> Vec<u8> {
     if case.chance(50) {
         mutated(&mut case.dice, &[GEOTIFF.as_slice()], &["II*\0", "MM\0*", "II+\0"])
     } else {
-        mutated(&mut case.dice, GRIDS, GRID_WORDS)
+        mutated(&mut case.dice, GRIDS, GRID_TOKENS)
     }
 }
 
@@ -95,7 +95,7 @@ pub fn raster_file(case: &mut Case<'_>) -> Law {
     let path = case.write("raster", &case.input);
     let read = match raster::read(&path) {
         Ok(read) => read,
-        Err(refusal) => return said(&refusal.to_string()),
+        Err(refusal) => return check_message(&refusal.to_string()),
     };
     case.count("rasters accepted");
     let again = case.folder.join("again");
@@ -147,7 +147,7 @@ pub fn landscape_files(case: &mut Case<'_>) -> Law {
 }
 
 /// Checks that a refusal says something.
-pub fn said(refusal: &str) -> Law {
+pub fn check_message(refusal: &str) -> Law {
     if refusal.trim().is_empty() { Err("a refusal without a word".into()) } else { Ok(()) }
 }
 
@@ -175,9 +175,9 @@ pub fn numpy_array(case: &mut Case<'_>) -> Law {
     let bytes = floats.iter().flat_map(|number| number.to_le_bytes()).collect();
     write(&path, rows, cols, floats)?;
     is(&path, "<f8", bytes)?;
-    let words: Vec<u32> = numbers.iter().map(|&number| number as u32).collect();
-    let bytes = words.iter().flat_map(|number| number.to_le_bytes()).collect();
-    write(&path, rows, cols, words)?;
+    let values: Vec<u32> = numbers.iter().map(|&number| number as u32).collect();
+    let bytes = values.iter().flat_map(|number| number.to_le_bytes()).collect();
+    write(&path, rows, cols, values)?;
     is(&path, "<u4", bytes)
 }
 
@@ -286,7 +286,7 @@ const MEMBERS: &[&str] = &[
 ];
 
 /// Checks that a given field is read or refused with a stretch of its text, and comes back from JSON as it was.
-pub fn given_field(case: &mut Case<'_>) -> Law {
+pub fn imported_field(case: &mut Case<'_>) -> Law {
     case.input = mutated(&mut case.dice, FIELDS, MEMBERS);
     let text = String::from_utf8_lossy(&case.input);
     let cell_m = *one_of(&mut case.dice, &[5.0, 0.01, 1000.0, 0.0, -1.0, f64::NAN, f64::INFINITY]);
@@ -295,7 +295,7 @@ pub fn given_field(case: &mut Case<'_>) -> Law {
         Err(refusal) if text.get(refusal.span.clone()).is_none() => {
             return Err(format!("{refusal} at {:?}, which is no stretch of the text", refusal.span));
         }
-        Err(refusal) => return said(&refusal.to_string()),
+        Err(refusal) => return check_message(&refusal.to_string()),
     };
     case.count("given fields accepted");
     let json = serde_json::to_string(&field).map_err(|error| format!("it cannot be written: {error}"))?;

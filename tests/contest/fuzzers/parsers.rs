@@ -20,7 +20,7 @@ use wildfire::untrusted::{spreadsheet_cell, text_of_cell, visible};
 use super::fuzz::text::mutated;
 use super::fuzz::{Case, Fuzzer, Law, below, one_of};
 use super::grammar::{Grammar, MAP, refusal_names_its_place};
-use super::maps::said;
+use super::maps::check_message;
 use super::{batches, maps, phrases, recordings};
 
 /// The number of cases that are run where nobody asks for more.
@@ -37,12 +37,12 @@ type Feed = fn(&mut Case<'_>) -> Law;
 
 /// The parsers with their weights: how often each is drawn among the sum of all.
 const PARSERS: &[(usize, &str, Feed)] = &[
-    (250, "words of the command line", words),
+    (250, "words of the command line", command_text),
     (150, "recordings", recordings::recording),
     (150, "map files", maps::map_file),
     (100, "rasters", maps::raster_file),
     (40, "files of landscapes and weather", maps::landscape_files),
-    (100, "given fields", maps::given_field),
+    (100, "given fields", maps::imported_field),
     (100, "problem files", maps::problem_file),
     (80, "journals", batches::journal),
     (50, "options of batches", batches::batch_options),
@@ -87,9 +87,9 @@ fn broken_law_is_told_of_a_small_case() {
         assert!(draws.iter().all(|&draw| draw < 200), "a number is large");
         Ok(())
     };
-    let told = panic::catch_unwind(|| Fuzzer { name: "broken_law", target: "--test contest", law }.run(1));
-    let told = told.expect_err("the law is broken");
-    let report = told.downcast_ref::<String>().expect("a report");
+    let payload = panic::catch_unwind(|| Fuzzer { name: "broken_law", target: "--test contest", law }.run(1));
+    let payload = payload.expect_err("the law is broken");
+    let report = payload.downcast_ref::<String>().expect("a report");
     assert!(report.contains("it panics: a number is large (tests/contest/fuzzers/parsers.rs:"), "{report}");
     assert!(report.contains("again: WILDFIRE_FUZZ_CASE="), "{report}");
     let small = report.lines().skip_while(|line| !line.starts_with("made smaller")).nth(1).expect("an input");
@@ -169,10 +169,10 @@ fn read_scenario(case: &mut Case<'_>, source: &str, changes: &[String]) -> Law {
 }
 
 /// Checks seeds, slices and names.
-fn words(case: &mut Case<'_>) -> Law {
-    const WORDS: &[&str] =
+fn command_text(case: &mut Case<'_>) -> Law {
+    const TOKENS: &[&str] =
         &["..", ",", "/", "1", "5", "1..5", "2/5", "7", "all", "none", "prm-rs", "prm+primitives", "lattice"];
-    let text = phrases::phrase(&mut case.dice, WORDS);
+    let text = phrases::phrase(&mut case.dice, TOKENS);
     case.input = text.clone().into_bytes();
     if let Ok(seeds) = comes_back::<Seeds>(&text)? {
         case.count("words accepted");
@@ -198,7 +198,7 @@ fn words(case: &mut Case<'_>) -> Law {
         return Err(format!("shown as {shown:?} it acts on a terminal"));
     }
     if let Err(refusal) = text.parse::<Record>() {
-        said(&refusal)?;
+        check_message(&refusal)?;
     }
     if let Ok(planner) = text.parse::<TruckPlannerKind>()
         && planner.name() != text
@@ -215,7 +215,7 @@ fn comes_back<T: FromStr<Err: ToString> + ToString + PartialEq>(text: &str) -> R
         Ok(value) if value.to_string().parse::<T>().ok().as_ref() != Some(value) => {
             Err(format!("{} comes back as something else", value.to_string()))
         }
-        Err(refusal) => said(&refusal.to_string()).map(|()| read),
+        Err(refusal) => check_message(&refusal.to_string()).map(|()| read),
         Ok(_) => Ok(read),
     }
 }

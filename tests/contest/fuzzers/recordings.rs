@@ -13,7 +13,7 @@ use wildfire::timeline::{Outcome, Timeline, export, file};
 
 use super::fuzz::text::mutated;
 use super::fuzz::{Case, Law, below, chance};
-use super::maps::said;
+use super::maps::check_message;
 
 const HEADER_BYTES: usize = 18;
 
@@ -49,7 +49,7 @@ pub fn recording(case: &mut Case<'_>) -> Law {
     case.input = sealed(case, &payload);
     let timeline = match file::decode(&case.input) {
         Ok(timeline) => timeline,
-        Err(refusal) => return said(&refusal.to_string()),
+        Err(refusal) => return check_message(&refusal.to_string()),
     };
     case.count("recordings accepted");
     let bytes = file::encode(&timeline).map_err(|error| format!("what was read cannot be written: {error}"))?;

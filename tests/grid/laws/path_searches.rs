@@ -74,8 +74,8 @@ fn costs_of_what_was_expanded_are_the_lengths_of_shortest_walks() {
             let lengths = lengths_by_petgraph(&occupied, start, way);
             for order in [SearchOrder::astar(way.0), SearchOrder::Dijkstra] {
                 let found = search(&occupied, (start, goal), order, way);
-                let known = found.costs.values().iter().filter(|cost| cost.is_finite()).count();
-                assert_eq!(known, found.touched, "seed {seed}");
+                let reached = found.costs.values().iter().filter(|cost| cost.is_finite()).count();
+                assert_eq!(reached, found.touched, "seed {seed}");
                 for &index in &found.expanded {
                     let place = (index as usize / occupied.cols(), index as usize % occupied.cols());
                     assert!((found.costs[place] - lengths[&place]).abs() < 1e-9, "seed {seed}, {place:?}, {way:?}");

@@ -34,9 +34,9 @@ pub fn with_file(place: &str, answer: &Answer, text: &str, facts: &Value) {
     match answer {
         Answer::Integers(values) => {
             assert_integers(place, values, text);
-            let own = csv(values);
-            assert!(own == text, "{place}: the values agree, the text does not");
-            assert_eq!(facts["sha256"], hex_sha256(&own), "{place}");
+            let computed = csv(values);
+            assert!(computed == text, "{place}: the values agree, the text does not");
+            assert_eq!(facts["sha256"], hex_sha256(&computed), "{place}");
             assert_sums(place, &values.values().iter().map(|&value| f64::from(value)).collect::<Vec<_>>(), facts);
         }
         Answer::Reals(values) => {

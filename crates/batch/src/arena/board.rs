@@ -271,9 +271,9 @@ impl Board {
 
 /// Returns two names that are the same apart from upper and lower case.
 fn same_but_for_case<'a>(names: impl Iterator<Item = &'a str>) -> Option<[&'a str; 2]> {
-    let mut known = BTreeMap::new();
+    let mut seen = BTreeMap::new();
     names.into_iter().find_map(|name| {
-        let other = known.insert(name.to_lowercase(), name)?;
+        let other = seen.insert(name.to_lowercase(), name)?;
         (other != name).then_some([other, name])
     })
 }
@@ -359,10 +359,10 @@ impl BoardEntry {
     fn decisive(&self, track: &Track, rows: &[&ArenaRow]) -> Vec<(u64, usize, f64)> {
         let place =
             |row: &ArenaRow| self.by_condition.iter().position(|(name, ..)| *name == row.condition).unwrap_or(0);
-        let known = rows.iter().filter_map(|row| row.score);
+        let scores = rows.iter().filter_map(|row| row.score);
         let worst_score = match track.better {
-            Better::Higher => known.fold(0.0, f64::min),
-            Better::Lower => known.fold(0.0, f64::max),
+            Better::Higher => scores.fold(0.0, f64::min),
+            Better::Lower => scores.fold(0.0, f64::max),
         };
         let stratum = |row: &ArenaRow| if track.worst_decides { 0 } else { place(row) };
         rows.iter()

@@ -67,7 +67,7 @@ pub(super) fn data_card(files: &[(&Track, String)]) -> Value {
 
 /// The context of Croissant 1.0: the names that it gives its own meaning, and those of JSON-LD that they need.
 fn context() -> Value {
-    const OWN: [&str; 24] = [
+    const TERMS: [&str; 24] = [
         "citeAs",
         "column",
         "extract",
@@ -107,6 +107,6 @@ fn context() -> Value {
         "examples": { "@id": "cr:examples", "@type": "@json" },
         "transform": "cr:transform",
     });
-    OWN.iter().for_each(|name| context[name] = format!("cr:{name}").into());
+    TERMS.iter().for_each(|name| context[name] = format!("cr:{name}").into());
     context
 }

@@ -111,8 +111,8 @@ fn driven(run: &PlannedRun<'_>, plan: &BatchPlan, players: &Players<'_>) -> Resu
     let problems = DriveProblems { goals: Some(1), ..DriveProblems::default() }.load(scenario, run.seed)?;
     let problem = &problems[0];
     let planners: Vec<_> = scenario.unimog.iter().take(1).map(|truck| truck.planner.clone()).collect();
-    let asked = panics::catch(|| {
-        let makers = (players.planners_of)(scenario).map_err(|words| (words, true))?;
+    let result = panics::catch(|| {
+        let makers = (players.planners_of)(scenario).map_err(|message| (message, true))?;
         let question = AttemptSettings {
             planners: &planners,
             makers: &makers,
@@ -120,14 +120,14 @@ fn driven(run: &PlannedRun<'_>, plan: &BatchPlan, players: &Players<'_>) -> Resu
             seed: run.seed,
             limit: plan.memory,
         };
-        let asked = attempts(problem, &question);
-        asked.map(|asked| asked[0].query(None, 0)).map_err(|error| {
+        let answers = attempts(problem, &question);
+        answers.map(|answers| answers[0].query(None, 0)).map_err(|error| {
             let is_not_started = matches!(error, AttemptError::NoPlanner { .. });
             (error.to_string(), is_not_started)
         })
     });
-    let asked = asked.map_err(|panic| (panic, false)).flatten();
-    Ok(match asked {
+    let result = result.map_err(|panic| (panic, false)).flatten();
+    Ok(match result {
         Ok(query) => {
             // A path may be as long as the bound, and rounding may make it shorter.
             let solved =

@@ -99,10 +99,11 @@ impl ArenaRow {
             ("hash", self.hash.clone(), again.hash.clone()),
         ];
         let differing = pairs.into_iter().filter(|(_, says, gives)| says != gives);
-        let words: Vec<String> =
+        let differences: Vec<String> =
             differing.map(|(name, says, gives)| format!("{name} {says}, its run gives {gives}")).collect();
         let condition = if self.condition.is_empty() { String::new() } else { format!(", {}", self.condition) };
-        (!words.is_empty()).then(|| format!("{}{condition}, seed {}: {}", self.entry, self.seed, words.join("; ")))
+        (!differences.is_empty())
+            .then(|| format!("{}{condition}, seed {}: {}", self.entry, self.seed, differences.join("; ")))
     }
 
     /// Reads rows as [`write`](Self::write) makes them.

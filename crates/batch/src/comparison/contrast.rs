@@ -244,10 +244,10 @@ impl NumberPair {
 
 /// From the time of the event, the end of the run, and when the event became possible.
 pub(super) fn lifetime(row: &[f64]) -> Option<Lifetime> {
-    let &[event, end, begun] = row else { unreachable!("a time has three columns") };
+    let &[event, end, start] = row else { unreachable!("a time has three columns") };
     let is_cut_off = event.is_nan();
     let time = if is_cut_off { end } else { event };
-    (!begun.is_nan() && !time.is_nan()).then_some(Lifetime { time, is_cut_off })
+    (!start.is_nan() && !time.is_nan()).then_some(Lifetime { time, is_cut_off })
 }
 
 /// Contrasts the numbers of pairs by independent differences.

@@ -1,9 +1,9 @@
 //! A comparison as a document.
 
-use crate::comparison::questions::amount_words;
+use crate::comparison::questions::amount_text;
 use crate::comparison::{
     Comparison, ComparisonToA, Contrast, CutOff, JudgedContrast, JudgedStrata, Method, Pairs, SideSummary, Verdict,
-    p_words,
+    p_text,
 };
 use crate::stats::Interval;
 use wildfire_base::document::number::{count, optional, percent, probability, rounded, two_digits};
@@ -55,8 +55,8 @@ impl From<&Comparison> for Document {
             document.add_list(judged.iter().map(|judged| verdict(judged, *letter)).collect());
             document.add(forest(against));
             document = document.with([differences(against), tests(against)]).with(strata(against));
-            let asked = [power(against, comparison), equivalence(against, comparison)];
-            document = document.with(asked.into_iter().flatten());
+            let questions = [power(against, comparison), equivalence(against, comparison)];
+            document = document.with(questions.into_iter().flatten());
             document.add_list(notes(against));
         }
         let missing = comparison.missing.iter();
@@ -112,8 +112,8 @@ fn pairing(pairs: &Pairs, letter: char) -> String {
     }
     if !(pairs.unfinished_strata.is_empty() || pairs.columns.is_empty()) {
         let strata = pairs.strata.len()..pairs.strata.len() + pairs.unfinished_strata.len();
-        let words: Vec<String> = strata.map(|index| pairs.stratum_words(index)).collect();
-        text += &format!(" No pair finished where {}.", words.join(" or "));
+        let conditions: Vec<String> = strata.map(|index| pairs.stratum_text(index)).collect();
+        text += &format!(" No pair finished where {}.", conditions.join(" or "));
     }
     if let several @ [_, _, ..] = &pairs.strata[..] {
         let counts = || several.iter().map(|stratum| stratum.pairs);
@@ -137,8 +137,8 @@ fn levels(pairs: &Pairs) -> String {
                 values.push(value);
             }
         }
-        let words = if values.len() > MAX { format!("{} values", values.len()) } else { values.join(", ") };
-        format!("{} ({words})", visible_start(column))
+        let listed = if values.len() > MAX { format!("{} values", values.len()) } else { values.join(", ") };
+        format!("{} ({listed})", visible_start(column))
     };
     let columns: Vec<String> = pairs.columns.iter().enumerate().map(of_column).collect();
     match &columns[..] {
@@ -232,12 +232,12 @@ fn strata(against: &ComparisonToA) -> Vec<Block> {
         let found = judged.by_stratum.as_ref().filter(|_| judged.varies_by_stratum())?;
         let JudgedStrata { by, strata, p_adjusted, .. } = found;
         let how = match p_adjusted.filter(|_| found.differ()) {
-            Some(p) => format!("is not the same in all, {}", p_words(p)),
+            Some(p) => format!("is not the same in all, {}", p_text(p)),
             None => "is not significant in all".to_owned(),
         };
         let heading = format!("{} by {by}: {letter} − A {how}", judged.contrast.metric.name);
         let line = |(stratum, judged): &(usize, JudgedContrast)| {
-            format!("{}: {}", pairs.stratum_words(*stratum), judged.sentence(*letter))
+            format!("{}: {}", pairs.stratum_text(*stratum), judged.sentence(*letter))
         };
         Some([Block::Text(heading), Block::List(strata.iter().map(line).collect())])
     };
@@ -248,7 +248,7 @@ fn strata(against: &ComparisonToA) -> Vec<Block> {
 fn sized(value: f64, contrast: &Contrast) -> String {
     let unit = contrast.metric.about.unit;
     let scale: f64 = std::iter::repeat_n(10.0, two_digits(value)).product();
-    amount_words((value * scale).round() / scale, unit)
+    amount_text((value * scale).round() / scale, unit)
 }
 
 /// The power of the seeds at hand, and how many would suffice.
@@ -258,7 +258,7 @@ fn power(against: &ComparisonToA, comparison: &Comparison) -> Option<Table> {
         let contrast = &judged.contrast;
         let cells = judged.power.map(|answer| {
             let needed = answer.seeds_needed.map_or("over 1e9".to_owned(), |seeds| seeds.to_string());
-            let size = amount_words(answer.difference, contrast.metric.about.unit);
+            let size = amount_text(answer.difference, contrast.metric.about.unit);
             [size, percent(answer.power), needed, sized(answer.detectable, contrast)]
         });
         let cells = cells.unwrap_or_else(|| std::array::from_fn(|_| "-".into()));
@@ -277,7 +277,7 @@ fn equivalence(against: &ComparisonToA, comparison: &Comparison) -> Option<Table
         let cells = judged.equivalence.map(|found| {
             let decimals = two_digits(0.5 * (found.interval.high - found.interval.low));
             let ends = [found.interval.low, found.interval.high].map(|end| rounded(end, decimals));
-            let margin = amount_words(found.margin, contrast.metric.about.unit);
+            let margin = amount_text(found.margin, contrast.metric.about.unit);
             let answer = if found.is_equivalent() { "yes" } else { "not shown" };
             let [low, high] = ends;
             [margin, low, high, probability(found.p_value), answer.into()]

@@ -25,12 +25,12 @@ pub enum ComparisonError {
     TooManyRows { path: PathBuf, limit: u64 },
     #[error("{} has no runs to compare", path.display())]
     NoRows { path: PathBuf },
-    #[error("there is no metric `{name}`: {}expected {known}, or a column of numbers in runs.csv", did_you_mean(.nearest.as_deref()))]
-    UnknownMetric { name: String, nearest: Option<String>, known: String },
-    #[error("{}: there is no column `{column}` to choose runs by: {}{}", path.display(), did_you_mean(.nearest.as_deref()), offered(.known))]
-    UnknownCondition { path: PathBuf, column: String, nearest: Option<String>, known: Vec<String> },
-    #[error("{}: no run has {column} `{value}`: {}", path.display(), offered(.known))]
-    UnknownLevel { path: PathBuf, column: String, value: String, known: Vec<String> },
+    #[error("there is no metric `{name}`: {}expected {valid}, or a column of numbers in runs.csv", did_you_mean(.nearest.as_deref()))]
+    UnknownMetric { name: String, nearest: Option<String>, valid: String },
+    #[error("{}: there is no column `{column}` to choose runs by: {}{}", path.display(), did_you_mean(.nearest.as_deref()), offered(.valid))]
+    UnknownCondition { path: PathBuf, column: String, nearest: Option<String>, valid: Vec<String> },
+    #[error("{}: no run has {column} `{value}`: {}", path.display(), offered(.valid))]
+    UnknownLevel { path: PathBuf, column: String, value: String, valid: Vec<String> },
     #[error("{}: {}", path.display(), nothing_to_compare(.varying))]
     WhatToCompare { path: PathBuf, varying: Vec<String> },
     #[error("{}: all runs have {column} `{value}`; expected at least two values to compare", path.display())]
@@ -57,8 +57,8 @@ fn listed(names: &[String]) -> String {
     format!("{}{rest}", shown.join(", "))
 }
 
-fn offered(known: &[String]) -> String {
-    if known.is_empty() { "there is none".into() } else { format!("expected {}", listed(known)) }
+fn offered(names: &[String]) -> String {
+    if names.is_empty() { "there is none".into() } else { format!("expected {}", listed(names)) }
 }
 
 fn nothing_to_compare(varying: &[String]) -> String {

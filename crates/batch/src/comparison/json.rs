@@ -60,7 +60,7 @@ fn settings(settings: &SettingsDifference, letter: char, pairs: &Pairs) -> impl 
                 .then(|| strata.iter().map(|&index| levels(pairs, index)).collect::<Vec<_>>())
         })
     };
-    let unknown = settings.unknown.iter().map(|(side, reason)| object!(NotKnown { side, reason }));
+    let unknown = settings.unknown.iter().map(|(side, reason)| object!(UnknownSide { side, reason }));
     object!(Settings {
         sentence: settings.conclusion(letter),
         difference_is_the_planners: settings.is_the_planners(),
@@ -86,7 +86,7 @@ fn metric(judged: &JudgedContrast, letter: char, pairs: &Pairs) -> impl Serializ
         strata: strata.map(|strata| object!(Strata { by_stratum: by_stratum(strata, letter, pairs) })),
         // Nor without a question.
         #[serde(flatten)]
-        power: judged.power.map(|power| object!(Asked { power: power_of(power) })),
+        power: judged.power.map(|power| object!(PowerMember { power: power_of(power) })),
         #[serde(flatten)]
         equivalence: judged.equivalence.map(|it| object!(Tested { equivalence: equivalence_of(it) })),
     })

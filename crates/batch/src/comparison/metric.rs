@@ -29,7 +29,7 @@ pub enum MetricKind {
     /// The column of the metric's name, which only the table has.
     Unknown,
     /// A time, censored at the end of the run; a run in which it never began to count has none.
-    Time { event: &'static str, end: &'static str, begun: &'static str },
+    Time { event: &'static str, end: &'static str, start: &'static str },
     /// Yes if the column has this word, otherwise no.
     Answer { column: &'static str, yes: &'static str },
 }
@@ -61,7 +61,7 @@ pub const NAMED_METRICS: &[NamedMetric] = columns! { NamedMetric, _run;
     wumpus_won: Flag Share "whether the Wumpuses won" = MetricKind::Answer { column: "winner", yes: "wumpus" },
         better(Lower), phrase("with $ the Wumpus wins", "more runs in 100", "fewer runs in 100"), scaled_by(100.0);
     all_out_s: optional Real Seconds "end of the last fire of a bush; the end of the run, if one burned then"
-        = MetricKind::Time { event: "all_out_s", end: "ended_s", begun: "first_fire_s" }, better(Lower),
+        = MetricKind::Time { event: "all_out_s", end: "ended_s", start: "first_fire_s" }, better(Lower),
         phrase("with $ all fires are out", "s later", "s sooner");
 };
 
@@ -129,7 +129,7 @@ impl Metric {
         match self.kind {
             MetricKind::Column(_) | MetricKind::Unknown => vec![&self.name],
             MetricKind::Sum(places) => places.iter().map(|&place| RUN_COLUMNS[place].name).collect(),
-            MetricKind::Time { event, end, begun } => vec![event, end, begun],
+            MetricKind::Time { event, end, start } => vec![event, end, start],
             MetricKind::Answer { column, .. } => vec![column],
         }
     }
@@ -149,6 +149,6 @@ fn unknown(name: &str, tables: &[TableReader]) -> ComparisonError {
     ComparisonError::UnknownMetric {
         name: visible_start(name),
         nearest: nearest_name(name, named().chain(columns)).map(|name| visible_start(&name)),
-        known: named().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
+        valid: named().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
     }
 }

@@ -33,7 +33,7 @@ mod ranking;
 mod runs_table;
 mod settings;
 mod sides;
-mod words;
+mod wording;
 
 use std::path::PathBuf;
 
@@ -56,11 +56,11 @@ pub use sides::{MAX_SIDES, Selection};
 use crate::stats::{Equivalence, RepeatedMeasures, holm};
 use crate::table::QueryTally;
 use runs_table::RunsTable;
-use settings::KnownSettings;
+use settings::RecordedSettings;
 use sides::Side;
 use wildfire_base::document::number::probability;
-pub(crate) use words::listed;
-use words::{interval_words, sentence};
+pub(crate) use wording::listed;
+use wording::{interval_text, sentence};
 
 /// The level of the tests behind a verdict.
 const LEVEL: f64 = 0.05;
@@ -170,10 +170,10 @@ impl Verdict {
 pub fn compare(paths: &[PathBuf], selection: &Selection, metrics: &[String]) -> Result<Comparison, ComparisonError> {
     let (metrics, tables) = read(paths, metrics)?;
     let sides = Side::from_tables(&tables, selection)?;
-    let known: Vec<_> = tables.iter().map(KnownSettings::read).collect();
+    let settings: Vec<_> = tables.iter().map(RecordedSettings::read).collect();
     let settings_of = |side: &Side<'_>| {
         let table = tables.iter().position(|table| std::ptr::eq(table, side.table));
-        &known[table.expect("a side is of one of the tables")]
+        &settings[table.expect("a side is of one of the tables")]
     };
     let [a, others @ ..] = &sides[..] else { unreachable!("there is a table, and it has runs") };
     let mut missing = Vec::new();
@@ -318,10 +318,10 @@ impl JudgedContrast {
         let Contrast { metric, difference, interval, pairs, .. } = &self.contrast;
         let found = sentence(&metric.name, metric.about.phrase, letter, *difference, *interval);
         let of_interval =
-            |interval| format!("95 % interval for {letter} − A: {}", interval_words(metric.about.phrase, interval));
+            |interval| format!("95 % interval for {letter} − A: {}", interval_text(metric.about.phrase, interval));
         let not_sure = interval.map_or_else(|| found.clone(), of_interval);
         let by_ranks = self.by_ranks(letter);
-        let words = match self.verdict {
+        let text = match self.verdict {
             Verdict::Difference => found,
             Verdict::NoEvidence => format!("no evidence of a difference ({not_sure}){by_ranks}"),
             Verdict::NotAmongSoMany => {
@@ -329,14 +329,14 @@ impl JudgedContrast {
             }
             Verdict::Equal => format!("equal in all {pairs} pairs"),
         };
-        words + &self.dependence()
+        text + &self.dependence()
     }
 
     /// Says that the difference is not the same in all strata, where that is so.
     fn dependence(&self) -> String {
         match &self.by_stratum {
             Some(strata) if strata.differ() => {
-                format!("; it depends on {}, {}", strata.by, p_words(strata.p_adjusted.unwrap_or(1.0)))
+                format!("; it depends on {}, {}", strata.by, p_text(strata.p_adjusted.unwrap_or(1.0)))
             }
             _ => String::new(),
         }
@@ -361,12 +361,12 @@ impl JudgedContrast {
             return String::new();
         };
         let side = if ranks.above > ranks.below { "higher" } else { "lower" };
-        format!("; by ranks {letter} is more often {side}, {}", p_words(p))
+        format!("; by ranks {letter} is more often {side}, {}", p_text(p))
     }
 }
 
 /// `p = 0.012`, or `p < 0.001`.
-pub fn p_words(p: f64) -> String {
+pub fn p_text(p: f64) -> String {
     let p = probability(p);
     p.strip_prefix('<').map_or_else(|| format!("p = {p}"), |bound| format!("p < {bound}"))
 }

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::comparison::error::ComparisonError;
 use crate::comparison::sides::Side;
-use crate::comparison::words::listed;
+use crate::comparison::wording::listed;
 use wildfire_base::untrusted::visible_start;
 
 /// Pairs of runs, and the runs that were left out.
@@ -96,11 +96,11 @@ impl Pairs {
     }
 
     /// Describes a stratum: `field.coverage 0.05, unimog.speed_mps 8`.
-    pub fn stratum_words(&self, index: usize) -> String {
+    pub fn stratum_text(&self, index: usize) -> String {
         let levels = self.columns.iter().zip(self.levels(index));
-        let words: Vec<String> =
+        let texts: Vec<String> =
             levels.map(|(column, level)| format!("{} {}", visible_start(column), visible_start(level))).collect();
-        words.join(", ")
+        texts.join(", ")
     }
 
     /// Replaces the numbers of conditions, some of which have no pair, by indices of strata.
@@ -142,10 +142,10 @@ fn keyed(
     // In the order of the names: keys may be swept in another order on the other side.
     let condition = |column: &String| side.table.conditions.iter().find(|it| it.name == *column);
     let conditions: Vec<_> = columns.iter().filter_map(condition).collect();
-    let mut known: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
+    let mut index_of: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
     let mut number = |run: usize| {
         let indices: Vec<u32> = conditions.iter().map(|condition| condition.of_run[run]).collect();
-        *known.entry(indices).or_insert_with(|| {
+        *index_of.entry(indices).or_insert_with(|| {
             let next = numbers.len();
             let levels = conditions.iter().map(|condition| condition.level_of(run).to_owned()).collect();
             *numbers.entry(levels).or_insert(next)

@@ -15,7 +15,7 @@ use wildfire_base::document::number::short;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Amount {
     /// As it was written.
-    words: String,
+    text: String,
     /// In the unit of files.
     value: f64,
     /// `None` for a number without a unit, which is in the unit of each metric.
@@ -45,13 +45,13 @@ impl FromStr for Amount {
 
     /// Reads a number and a unit, such as `1`, `5 ms` or `2%`.
     fn from_str(text: &str) -> Result<Self, String> {
-        let words = text.trim();
-        let end = words.find(|letter: char| !(letter.is_ascii_digit() || "+-.".contains(letter)));
-        let (number, symbol) = words.split_at(end.unwrap_or(words.len()));
+        let trimmed = text.trim();
+        let end = trimmed.find(|letter: char| !(letter.is_ascii_digit() || "+-.".contains(letter)));
+        let (number, symbol) = trimmed.split_at(end.unwrap_or(trimmed.len()));
         let expected = || "expected a number above 0, and a unit or none: 1, 5 ms, 2 %, 0.5 m".to_owned();
         let value: f64 = number.parse().map_err(|_| expected())?;
-        let known = UNITS.into_iter().find(|(known, ..)| *known == symbol.trim());
-        let (_, unit, factor) = known.ok_or_else(|| {
+        let found = UNITS.into_iter().find(|(found, ..)| *found == symbol.trim());
+        let (_, unit, factor) = found.ok_or_else(|| {
             format!(
                 "there is no unit `{}`; expected none, or cells, ha, %, ms, s, min, cells s, m, km or points",
                 symbol.trim()
@@ -60,7 +60,11 @@ impl FromStr for Amount {
         if !(value > 0.0 && value <= 1e12) {
             return Err(expected());
         }
-        Ok(Self { words: words.to_owned(), value: value * factor, unit: Some(unit).filter(|&unit| unit != Unit::None) })
+        Ok(Self {
+            text: trimmed.to_owned(),
+            value: value * factor,
+            unit: Some(unit).filter(|&unit| unit != Unit::None),
+        })
     }
 }
 
@@ -134,12 +138,12 @@ impl Comparison {
                     .collect();
                 units.sort();
                 units.dedup();
-                return Err(ComparisonError::NoSuchUnit { option, amount: amount.words.clone(), units });
+                return Err(ComparisonError::NoSuchUnit { option, amount: amount.text.clone(), units });
             }
         }
         for judged in self.against_a.iter_mut().flat_map(|against| &mut against.judged) {
             let contrast = &judged.contrast;
-            let amount = |asked: &Option<Amount>| asked.as_ref()?.of(contrast.metric.about.unit);
+            let amount = |requested: &Option<Amount>| requested.as_ref()?.of(contrast.metric.about.unit);
             judged.power = amount(&questions.power).and_then(|size| PowerAnswer::new(contrast, size));
             judged.equivalence = amount(&questions.equivalent).and_then(|margin| {
                 Equivalence::new(contrast.difference, contrast.spread?, contrast.seeds as u64, margin)
@@ -150,7 +154,7 @@ impl Comparison {
 }
 
 /// Formats a difference in the unit of a metric: `1 cell`, `5 ms`, `2 %`.
-pub fn amount_words(value: f64, unit: Unit) -> String {
+pub fn amount_text(value: f64, unit: Unit) -> String {
     match unit {
         Unit::Share => format!("{} %", short(100.0 * value)),
         Unit::CpuSeconds | Unit::WallSeconds => format!("{} ms", short(1e3 * value)),

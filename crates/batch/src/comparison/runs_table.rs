@@ -134,12 +134,12 @@ impl RunsTable {
             for ((_, counts), (place, _)) in failures.iter_mut().zip(&reasons) {
                 counts.push(table.count(*place, "").unwrap_or(0));
             }
-            for (place, condition, known) in &mut conditions {
+            for (place, condition, index_of) in &mut conditions {
                 let level = table.bytes(*place);
-                if level.len() > MAX_LEVEL_BYTES || known.len() > MAX_LEVELS {
+                if level.len() > MAX_LEVEL_BYTES || index_of.len() > MAX_LEVELS {
                     return Err(table.wrong_value(*place, "at most 1000 bytes, and 10000 values in all").into());
                 }
-                condition.add(level, known);
+                condition.add(level, index_of);
             }
             for ((values, field), &place) in values.iter_mut().zip(fields).zip(&places) {
                 values.push(match field {
@@ -176,11 +176,11 @@ fn impossible_states(count: &dyn Fn(&str) -> Option<u64>) -> Option<String> {
 }
 
 impl Condition {
-    fn add(&mut self, level: &[u8], known: &mut BTreeMap<Vec<u8>, u32>) {
-        let index = known.get(level).copied().unwrap_or_else(|| {
+    fn add(&mut self, level: &[u8], index_of: &mut BTreeMap<Vec<u8>, u32>) {
+        let index = index_of.get(level).copied().unwrap_or_else(|| {
             let index = self.levels.len() as u32;
             self.levels.push(String::from_utf8_lossy(level).into_owned());
-            known.insert(level.to_owned(), index);
+            index_of.insert(level.to_owned(), index);
             index
         });
         self.of_run.push(index);

@@ -12,8 +12,8 @@ use serde_json::Value as Json;
 use crate::comparison::pairs::Pairs;
 use crate::comparison::runs_table::RunsTable;
 use crate::comparison::sides::Side;
-use crate::comparison::words::listed;
-use crate::plan::{PLAN_FILE, PLANNER_KEY, PlanError, RecordedPlan, RecordedVariant, range_words};
+use crate::comparison::wording::listed;
+use crate::plan::{PLAN_FILE, PLANNER_KEY, PlanError, RecordedPlan, RecordedVariant, range_text};
 use wildfire_base::untrusted::visible_start;
 use wildfire_sim::scenario::value_differences;
 
@@ -45,12 +45,12 @@ pub struct Difference {
 
 /// A plan, and the scenario of each run of a table.
 #[derive(Debug)]
-pub struct KnownSettings {
+pub struct RecordedSettings {
     plan: RecordedPlan,
     variant_of: Vec<usize>,
 }
 
-impl KnownSettings {
+impl RecordedSettings {
     /// Reads the plan beside a table of runs, or returns why the settings of its runs are unknown.
     pub fn read(table: &RunsTable) -> Result<Self, String> {
         let folder = table.path.parent().unwrap_or(Path::new("."));
@@ -58,15 +58,15 @@ impl KnownSettings {
             PlanError::Missing { .. } => format!("there is no {PLAN_FILE} beside {}", shown_path(table)),
             error => visible_start(&error.to_string()),
         })?;
-        let mut known: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
+        let mut index_of: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
         let mut variant_of = Vec::with_capacity(table.seeds.len());
         for run in 0..table.seeds.len() {
             let levels: Vec<u32> = table.conditions.iter().map(|condition| condition.of_run[run]).collect();
-            let variant = match known.get(&levels) {
+            let variant = match index_of.get(&levels) {
                 Some(&variant) => variant,
                 None => variant_of_run(&plan, table, run)?,
             };
-            known.insert(levels, variant);
+            index_of.insert(levels, variant);
             variant_of.push(variant);
         }
         Ok(Self { plan, variant_of })
@@ -96,7 +96,7 @@ fn variant_of_run(plan: &RecordedPlan, table: &RunsTable, run: usize) -> Result<
     Ok(first)
 }
 
-impl KnownSettings {
+impl RecordedSettings {
     pub fn plan(&self) -> &RecordedPlan {
         &self.plan
     }
@@ -114,8 +114,8 @@ fn shown_path(table: &RunsTable) -> String {
 impl SettingsDifference {
     /// Compares the settings of planned pairs of runs of both sides, each side with the settings of its table.
     pub fn between(
-        (first, ours): (&Side<'_>, &Result<KnownSettings, String>),
-        (second, theirs): (&Side<'_>, &Result<KnownSettings, String>),
+        (first, ours): (&Side<'_>, &Result<RecordedSettings, String>),
+        (second, theirs): (&Side<'_>, &Result<RecordedSettings, String>),
         pairs: &Pairs,
     ) -> Self {
         let seeds = [first, second].map(seeds_of);
@@ -123,8 +123,8 @@ impl SettingsDifference {
         let [ours, theirs] = match (ours, theirs) {
             (Ok(ours), Ok(theirs)) => [ours, theirs],
             (ours, theirs) => {
-                let reason = |side: &Side<'_>, known: &Result<KnownSettings, String>| {
-                    known.as_ref().err().map(|reason| (side.letter, reason.clone()))
+                let reason = |side: &Side<'_>, settings: &Result<RecordedSettings, String>| {
+                    settings.as_ref().err().map(|reason| (side.letter, reason.clone()))
                 };
                 let unknown = reason(first, ours).into_iter().chain(reason(second, theirs)).collect();
                 return Self { unknown, seeds, ..Self::default() };
@@ -146,12 +146,12 @@ impl SettingsDifference {
             let mut steps = key.split('.');
             steps.next() == PLANNER_KEY.split('.').next() && steps.next_back() == Some(planner) && steps.count() <= 1
         };
-        self.is_known_and_of_one_version()
+        self.is_recorded_and_of_one_version()
             && self.effective().next().is_some()
             && self.effective().all(|difference| is_planner(&difference.key))
     }
 
-    fn is_known_and_of_one_version(&self) -> bool {
+    fn is_recorded_and_of_one_version(&self) -> bool {
         self.unknown.is_empty() && self.program_versions.is_none()
     }
 
@@ -168,9 +168,9 @@ impl SettingsDifference {
         let versions = self.program_versions.iter().map(|[a, b]| both("program version", [a, b]));
         let seeds = self.seeds.iter().map(|[a, b]| both("seeds", [a, b]) + "; only seeds of both are compared");
         let settings = self.differences.iter().map(|difference| {
-            let [ours, theirs] = difference.values.each_ref().map(value_words);
+            let [ours, theirs] = difference.values.each_ref().map(value_text);
             let line = both(&difference.key, [&ours, &theirs]);
-            let strata: Vec<String> = difference.strata.iter().map(|&index| pairs.stratum_words(index)).collect();
+            let strata: Vec<String> = difference.strata.iter().map(|&index| pairs.stratum_text(index)).collect();
             if strata.is_empty() { line } else { format!("{line}, where {}", strata.join(" or ")) }
         });
         versions.chain(settings).chain(seeds).collect()
@@ -203,7 +203,7 @@ impl SettingsDifference {
 }
 
 /// Words a value that a scenario may not have.
-pub(super) fn value_words(value: &Option<Json>) -> String {
+pub(super) fn value_text(value: &Option<Json>) -> String {
     match value {
         None => "nothing".into(),
         Some(Json::String(word)) => word.clone(),
@@ -213,17 +213,17 @@ pub(super) fn value_words(value: &Option<Json>) -> String {
 
 /// Lists the seeds of a side, each once, consecutive ones as ranges.
 fn seeds_of(side: &Side<'_>) -> String {
-    seed_words(side.runs.iter().map(|&run| side.table.seeds[run]))
+    seeds_text(side.runs.iter().map(|&run| side.table.seeds[run]))
 }
 
 /// Lists seeds, each once, consecutive ones as ranges: `1..5,9`.
-pub(super) fn seed_words(seeds: impl Iterator<Item = u64>) -> String {
+pub(super) fn seeds_text(seeds: impl Iterator<Item = u64>) -> String {
     let seeds: BTreeSet<u64> = seeds.collect();
-    range_words(&seeds.into_iter().collect::<Vec<_>>(), "..")
+    range_text(&seeds.into_iter().collect::<Vec<_>>(), "..")
 }
 
 /// Returns all values in which the scenarios of some pair differ, whether or not its runs finished.
-fn differences(ours: &KnownSettings, theirs: &KnownSettings, pairs: &Pairs) -> Vec<Difference> {
+fn differences(ours: &RecordedSettings, theirs: &RecordedSettings, pairs: &Pairs) -> Vec<Difference> {
     // Each pair of scenarios with the strata that it is in: by plan, these are few.
     let mut compared: BTreeMap<(usize, usize), BTreeSet<usize>> = BTreeMap::new();
     for &(our_run, their_run, stratum) in &pairs.planned {
@@ -232,13 +232,13 @@ fn differences(ours: &KnownSettings, theirs: &KnownSettings, pairs: &Pairs) -> V
     }
     let mut found: Vec<Difference> = Vec::new();
     for ((our_variant, their_variant), strata) in compared {
-        let json = |known: &KnownSettings, variant: usize| -> Json {
-            serde_json::from_str(&known.plan.variants[variant].scenario).expect("it was written as JSON")
+        let json = |settings: &RecordedSettings, variant: usize| -> Json {
+            serde_json::from_str(&settings.plan.variants[variant].scenario).expect("it was written as JSON")
         };
         let scenarios = [json(ours, our_variant), json(theirs, their_variant)];
         for (key, values) in merged(scenarios.each_ref()) {
-            match found.iter_mut().find(|known| known.key == key && known.values == values) {
-                Some(known) => known.strata.extend(&strata),
+            match found.iter_mut().find(|difference| difference.key == key && difference.values == values) {
+                Some(difference) => difference.strata.extend(&strata),
                 None => found.push(Difference { key, values, strata: strata.iter().copied().collect() }),
             }
         }
@@ -269,7 +269,7 @@ pub(super) fn merged(scenarios: [&Json; 2]) -> Vec<(String, [Option<Json>; 2])> 
             }
             None => difference.key.clone(),
         };
-        if !merged.iter().any(|(known, _)| *known == key) {
+        if !merged.iter().any(|(existing, _)| *existing == key) {
             merged.push((key, difference.values.clone()));
         }
     }

@@ -76,10 +76,10 @@ impl<'a> Side<'a> {
         let varying: Vec<_> = self.varying().iter().map(|condition| &condition.name).collect();
         let common = self.table.conditions.iter().filter(|condition| !varying.contains(&&condition.name));
         // A batch without trucks has no planner.
-        let is_said =
+        let is_named =
             |condition: &&Condition| self.runs.first().is_some_and(|&run| !condition.level_of(run).is_empty());
         let common: Vec<_> = common
-            .filter(is_said)
+            .filter(is_named)
             .map(|condition| {
                 let level = self.runs.first().map_or("", |&run| condition.level_of(run));
                 format!("{} {}", visible_start(&condition.name), visible_start(level))
@@ -151,7 +151,7 @@ fn condition<'a>(table: &'a RunsTable, column: &str) -> Result<&'a Condition, Co
             path: table.path.clone(),
             column: visible_start(column),
             nearest: nearest_name(column, names()).map(|name| visible_start(&name)),
-            known: names().map(visible_start).collect(),
+            valid: names().map(visible_start).collect(),
         }
     })
 }
@@ -162,6 +162,6 @@ fn level(table: &RunsTable, condition: &Condition, value: &str) -> Result<u32, C
         path: table.path.clone(),
         column: visible_start(&condition.name),
         value: visible_start(value),
-        known: condition.levels.iter().map(|level| visible_start(level)).collect(),
+        valid: condition.levels.iter().map(|level| visible_start(level)).collect(),
     })
 }

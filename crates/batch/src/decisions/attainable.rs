@@ -64,11 +64,18 @@ fn exhaust(start: &Simulation, (choices, budget): (usize, u32)) -> Result<Option
     if !tree.descend(start, &mut Answers::new())? {
         return Ok(None);
     }
-    let own = played(start, false)?.lost();
+    let first_lost = played(start, false)?.lost();
     let (best, answers) = tree.best.expect("the run itself was played");
     let attainable = best.lost();
     let runs = budget - tree.left;
-    Ok(Some(HindsightBound { lost: own, attainable, answers, runs, is_exact: true, timeline: best.finish().timeline }))
+    Ok(Some(HindsightBound {
+        lost: first_lost,
+        attainable,
+        answers,
+        runs,
+        is_exact: true,
+        timeline: best.finish().timeline,
+    }))
 }
 
 /// Plays a copy of a run to its end.
@@ -127,7 +134,7 @@ impl Tree {
 /// Goes through decisions by time, and keeps every answer that loses less.
 fn improve(start: &Simulation, (choices, budget): (usize, u32)) -> Result<HindsightBound, RunError> {
     let mut search =
-        Search { before: start.fork()?, fork: start.fork()?, answers: Answers::new(), given: None, left: budget };
+        Search { before: start.fork()?, fork: start.fork()?, answers: Answers::new(), answered: None, left: budget };
     let mut decisions = search.play(None)?;
     let lost = search.fork.lost();
     let mut attainable = lost;
@@ -206,26 +213,26 @@ struct Search {
     fork: Simulation,
     answers: Answers,
     /// The time of the last answer that `before` was given.
-    given: Option<SimTime>,
+    answered: Option<SimTime>,
     left: u32,
 }
 
 impl Search {
     fn restart(&mut self, start: &Simulation) -> Result<(), RunError> {
-        self.given = None;
+        self.answered = None;
         Ok(self.before.become_fork_of(start)?)
     }
 
     /// Advances the run to just before a time.
     fn go_to(&mut self, time: SimTime) {
         let instant = SimTime::from_nanos(1);
-        let given = self.given.map_or(Bound::Unbounded, Bound::Excluded);
-        for (&at, &(agent, cell)) in self.answers.range((given, Bound::Excluded(time))) {
+        let answered = self.answered.map_or(Bound::Unbounded, Bound::Excluded);
+        for (&at, &(agent, cell)) in self.answers.range((answered, Bound::Excluded(time))) {
             if at > SimTime::ZERO {
                 self.before.advance_to(at - instant);
             }
             self.before.force(agent, Action::Go(cell));
-            self.given = Some(at);
+            self.answered = Some(at);
         }
         if time > SimTime::ZERO {
             self.before.advance_to(if time == SimTime::MAX { time } else { time - instant });
@@ -259,18 +266,18 @@ mod tests {
             ["duration_s=150", "wumpus=[]", "fire.burn_out_s=40", "fire.spread_radius_m=1"].map(str::to_owned).to_vec();
         let scenario = scenario::load("contest", &changes).expect("it loads");
         let bushes = Simulation::new(&scenario, seed).expect("it takes place").setting().bushes.clone();
-        let lit = bushes.iter().step_by(bushes.len() / 5).take(5).enumerate();
+        let ignited = bushes.iter().step_by(bushes.len() / 5).take(5).enumerate();
         let ignition = |(number, cell): (usize, &Cell)| {
             format!("{{cells=[[{}, {}]], at_s={}}}", cell.col, cell.row, 1 + 4 * number)
         };
-        changes.push(format!("ignition=[{}]", lit.map(ignition).collect::<Vec<_>>().join(", ")));
+        changes.push(format!("ignition=[{}]", ignited.map(ignition).collect::<Vec<_>>().join(", ")));
         let scenario = scenario::load("contest", &changes).expect("it loads");
         Simulation::new(&scenario, seed).expect("it takes place")
     }
 
     #[test]
     fn the_search_finds_nearly_what_all_sequences_of_choices_attain() {
-        let (mut of_search, mut of_all, mut own) = (0, 0, 0);
+        let (mut of_search, mut of_all, mut lost) = (0, 0, 0);
         for seed in 1..=8 {
             let start = fires_in_a_row(seed);
             let all = exhaust(&start, (8, 100_000)).expect("it is played").expect("the tree is small");
@@ -281,10 +288,10 @@ mod tests {
             );
             assert_eq!((all.lost, all.attainable as u32), (found.lost, Outcome::new(&all.timeline).burned()));
             assert!(exhaust(&start, (8, all.runs - 1)).expect("it is played").is_none(), "one run less is too few");
-            (own, of_search, of_all) = (own + all.lost, of_search + found.attainable, of_all + all.attainable);
+            (lost, of_search, of_all) = (lost + all.lost, of_search + found.attainable, of_all + all.attainable);
         }
-        assert!(of_all < own, "there is something to gain: {of_all} of {own}");
-        assert!(of_search - of_all <= (own - of_all) / 4, "{own} lost, {of_search} by the search, {of_all} at least");
+        assert!(of_all < lost, "there is something to gain: {of_all} of {lost}");
+        assert!(of_search - of_all <= (lost - of_all) / 4, "{lost} lost, {of_search} by the search, {of_all} at least");
     }
 
     #[test]
@@ -294,8 +301,8 @@ mod tests {
             let scenario = scenario::load("fleet", &changes).expect("the preset loads");
             let options = RunOptions::default();
             let attained = attain((&scenario, 3), &options, (3, 60)).expect("it takes place");
-            let own = wildfire_sim::run(&scenario, 3).expect("it takes place").timeline;
-            assert_eq!(attained.lost as u32, Outcome::new(&own).burned());
+            let played_run = wildfire_sim::run(&scenario, 3).expect("it takes place").timeline;
+            assert_eq!(attained.lost as u32, Outcome::new(&played_run).burned());
             assert_eq!(attained.attainable as u32, Outcome::new(&attained.timeline).burned());
             assert!(attained.attainable < attained.lost && attained.runs <= 60 && !attained.answers.is_empty());
             assert!(wildfire_audit::audit_timeline(&attained.timeline, Default::default()).violation.is_none());

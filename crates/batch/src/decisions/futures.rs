@@ -28,7 +28,7 @@ const PIECES_A_THREAD: usize = 4;
 
 /// The decisions that are looked at, and how closely.
 #[derive(Clone, Debug)]
-pub struct ChosenDecisions {
+pub struct SelectedDecisions {
     /// All trucks if there are none.
     pub agents: Vec<AgentId>,
     pub from: SimTime,
@@ -60,7 +60,7 @@ pub struct AlternativeAction {
 pub struct DecisionValue {
     pub decision: Decision,
     /// Where the agent set out for; `None` if it stayed.
-    pub chosen: Option<Cell>,
+    pub selected: Option<Cell>,
     /// By mean, the best first.
     pub others: Vec<AlternativeAction>,
 }
@@ -92,10 +92,10 @@ pub enum JudgeProgress<'a> {
     /// Those of one more decision have been played.
     Played,
     /// A round is over, but not the last: the report after this number of futures.
-    Known { futures: u32, report: &'a WhyReport },
+    Interim { futures: u32, report: &'a WhyReport },
 }
 
-impl ChosenDecisions {
+impl SelectedDecisions {
     /// The choices of a decision that are played unless others are asked for.
     pub const CHOICES: usize = 5;
 
@@ -154,7 +154,7 @@ impl ChosenDecisions {
             played = until;
             report.adjust();
             if played < self.futures {
-                tell(JudgeProgress::Known { futures: played, report: &report });
+                tell(JudgeProgress::Interim { futures: played, report: &report });
             }
         }
         Ok(report)
@@ -176,10 +176,10 @@ impl ChosenDecisions {
             if !is_meant(agent) || time < self.from || time > self.to {
                 continue;
             }
-            let chosen = set_out.get(&(agent, time)).copied();
-            let cells = nearest_options(decision, run.fires().frame(), chosen).into_iter();
+            let selected = set_out.get(&(agent, time)).copied();
+            let cells = nearest_options(decision, run.fires().frame(), selected).into_iter();
             let others = cells.take(self.choices.saturating_sub(1)).map(AlternativeAction::new).collect();
-            decisions.push(DecisionValue { decision: decision.clone(), chosen, others });
+            decisions.push(DecisionValue { decision: decision.clone(), selected, others });
         }
         let count = decisions.len();
         match self.sample {

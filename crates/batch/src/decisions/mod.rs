@@ -14,6 +14,6 @@ mod table;
 mod why;
 
 pub use attainable::{Answers, HindsightBound, attain, attain_all};
-pub use futures::{AlternativeAction, ChosenDecisions, DecisionValue, JudgeProgress};
+pub use futures::{AlternativeAction, DecisionValue, JudgeProgress, SelectedDecisions};
 pub use table::{DECISION_COLUMNS, DecisionTally, JudgeError, judge_batch};
 pub use why::WhyReport;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::decisions::futures::{AlternativeAction, ChosenDecisions, DecisionValue};
+use crate::decisions::futures::{AlternativeAction, DecisionValue, SelectedDecisions};
 use crate::decisions::why::WhyReport;
 use crate::execute::{BatchError, DECISIONS_PARQUET, RealDisk, RunResult, RunRow};
 use crate::plan::{PlannedRun, Value};
@@ -44,8 +44,8 @@ pub const DECISION_COLUMNS: &[DecisionColumn] = columns! { DecisionColumn, row;
     y_m: Real Metres "position of the agent, from the south" = row.worth.decision.agent.place.y;
     options: Count None "number of cells that the agent could go for" = row.worth.decision.options.len() as u64;
     chosen_col: optional Count None "column of the cell that it set out for; none if it stayed"
-        = whole(row.worth.chosen, |cell| cell.col);
-    chosen_row: optional Count None "row of that cell" = whole(row.worth.chosen, |cell| cell.row);
+        = whole(row.worth.selected, |cell| cell.col);
+    chosen_row: optional Count None "row of that cell" = whole(row.worth.selected, |cell| cell.row);
     chosen_distance_m: optional Real Metres "straight distance from the agent to that cell" = row.metres.0;
     choice_col: Count None "column of the other cell" = u64::from(row.choice.cell.col);
     choice_row: Count None "row of the other cell" = u64::from(row.choice.cell.row);
@@ -75,7 +75,7 @@ pub struct DecisionTally {
 /// If a run cannot take place or be forked, or the file cannot be written.
 pub fn judge_batch(
     batch: &FinishedBatch,
-    chosen: &ChosenDecisions,
+    selection: &SelectedDecisions,
     options: &RunOptions,
     on_run: impl Fn(),
 ) -> Result<Vec<DecisionTally>, JudgeError> {
@@ -84,7 +84,7 @@ pub fn judge_batch(
     let mut file = new_file(path, &RealDisk, plan, TableOfRows::Decisions, ROWS_A_GROUP)?;
     let mut tallies = vec![DecisionTally::default(); plan.variants.len()];
     for run in batch.runs() {
-        let report = chosen.judge(&run.variant.scenario, run.seed, options, |_| {})?;
+        let report = selection.judge(&run.variant.scenario, run.seed, options, |_| {})?;
         add(&mut file, &run, &report)?;
         let variant = ((run.number - 1) / plan.seeds.count()) as usize;
         let tally = &mut tallies[variant];
@@ -103,12 +103,12 @@ fn add(file: &mut ParquetWriter, run: &PlannedRun<'_>, report: &WhyReport) -> Re
     let metres = |worth: &DecisionValue, cell: Cell| (frame.centre(cell) - worth.decision.agent.place).length();
     let mut rows: Vec<ChoiceRow<'_>> = Vec::new();
     for (number, worth) in report.worths.iter().enumerate() {
-        let chosen_m = worth.chosen.map(|cell| metres(worth, cell));
+        let selected_m = worth.selected.map(|cell| metres(worth, cell));
         rows.extend(worth.others.iter().map(|choice| ChoiceRow {
             worth,
             number,
             choice,
-            metres: (chosen_m, metres(worth, choice.cell)),
+            metres: (selected_m, metres(worth, choice.cell)),
         }));
     }
     // The columns that name the run are those of its row, whatever its outcome.

@@ -35,7 +35,7 @@ fn time_before(worth: &DecisionValue) -> String {
 
 fn went(worth: &DecisionValue) -> String {
     let who = worth.decision.agent.id;
-    match worth.chosen {
+    match worth.selected {
         Some(cell) => format!("{who} went to {}", place(cell)),
         None => format!("{who} stayed"),
     }
@@ -128,7 +128,7 @@ impl WhyReport {
             };
             vec![
                 worth.decision.agent.id.to_string(),
-                worth.chosen.map_or_else(|| "stayed".to_owned(), place),
+                worth.selected.map_or_else(|| "stayed".to_owned(), place),
                 place(best.cell),
                 verdict.to_owned(),
                 time_before(worth),
@@ -177,7 +177,7 @@ impl Serialize for WhyReport {
                 agent: worth.decision.agent.id.to_string(),
                 x_m: worth.decision.agent.place.x,
                 y_m: worth.decision.agent.place.y,
-                chosen: worth.chosen.map(cell),
+                chosen: worth.selected.map(cell),
                 options: worth.decision.options.len(),
                 is_mistake: worth.better().is_some(),
                 is_good: worth.all_worse().is_some(),

@@ -66,8 +66,8 @@ fn contrasts(planner: &str, against: &str, rows: &[DriveQuery]) -> Vec<DriveCont
         by_goal(planner).into_iter().filter_map(|(goal, row)| Some([*theirs.get(&goal)?, row])).collect();
     let contrast = |metric: &'static str, heading, kind, numbers: &[[f64; 2]]| {
         // The name tells the random stream of its bootstrap.
-        let asked = Metric::unknown(format!("{planner}/{against}/{metric}"), kind);
-        let Contrast { pairs, means, difference, interval, p_value, .. } = contrast_of_pairs(&asked, numbers)?;
+        let relative = Metric::unknown(format!("{planner}/{against}/{metric}"), kind);
+        let Contrast { pairs, means, difference, interval, p_value, .. } = contrast_of_pairs(&relative, numbers)?;
         let [low, high] = Interval::ends(interval);
         Some(DriveContrast {
             planner: planner.to_owned(),

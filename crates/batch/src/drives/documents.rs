@@ -116,7 +116,7 @@ fn milliseconds_at(summary: &PlannerSummary, measure: &Measure, share: f64) -> S
 pub fn interval_tables(drives: &DriveTable, summaries: &[PlannerSummary]) -> Vec<Block> {
     let variants: Vec<_> = summaries.chunk_by(|one, next| one.variant == next.variant).collect();
     let shown = variants.iter().take(SHOWN_VARIANTS);
-    let mut blocks: Vec<Block> = shown.map(|own| interval_table(drives, own).into()).collect();
+    let mut blocks: Vec<Block> = shown.map(|of_variant| interval_table(drives, of_variant).into()).collect();
     let more = variants.len().saturating_sub(SHOWN_VARIANTS);
     if more > 0 {
         blocks.push(Block::Text(format!("{} more are not shown.", count(more, "variant"))));
@@ -145,12 +145,12 @@ fn interval_table(drives: &DriveTable, summaries: &[PlannerSummary]) -> Table {
         cells.extend(median_cells(summary, &CLEARANCE, |metres| if metres < 10.0 { 2 } else { 1 }));
         cells
     };
-    let asked: Vec<u64> = summaries.iter().map(|summary| summary.queries).collect();
-    let of_each = match asked.as_slice() {
+    let counts: Vec<u64> = summaries.iter().map(|summary| summary.queries).collect();
+    let of_each = match counts.as_slice() {
         [first, others @ ..] if others.iter().all(|other| other == first) => {
-            format!("{} of each planner", queries_words(*first))
+            format!("{} of each planner", queries_text(*first))
         }
-        several => queries_words(several.iter().sum()),
+        several => queries_text(several.iter().sum()),
     };
     let title = drives.title(summaries[0].variant);
     let caption = if title.is_empty() { of_each } else { format!("{title}: {of_each}") };
@@ -174,7 +174,7 @@ fn cells_of(estimate: Option<Estimate>, decimals: usize) -> [String; 2] {
 }
 
 /// Returns a number of queries in words.
-pub fn queries_words(queries: u64) -> String {
+pub fn queries_text(queries: u64) -> String {
     if queries == 1 { "1 query".into() } else { format!("{queries} queries") }
 }
 

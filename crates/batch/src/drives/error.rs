@@ -31,7 +31,7 @@ pub enum DriveError {
     Terrain(#[from] TerrainError),
     /// The name belongs to no built-in or registered planner, and to no table of the scenario.
     #[error("--planner names `{name}`, but no planner of this name is known")]
-    UnknownPlanner { name: PlannerName, known: Vec<String> },
+    UnknownPlanner { name: PlannerName, valid: Vec<String> },
     #[error(transparent)]
     TakenName(#[from] NameError),
     #[error("planning on the field {field}: {source}")]

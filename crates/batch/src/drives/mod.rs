@@ -21,13 +21,13 @@ pub use attempts::{Attempt, AttemptError, AttemptSettings, attempts};
 pub use checked::missed;
 pub use contrast::{COMPARED, DriveContrast, contrast_table};
 pub use documents::{
-    DRIVE_LEGEND, INTERVAL_LEGEND, failure_sentences, interval_tables, queries_words, rows_table, shortened_field,
+    DRIVE_LEGEND, INTERVAL_LEGEND, failure_sentences, interval_tables, queries_text, rows_table, shortened_field,
     summary_table, violation_sentences,
 };
 pub use error::DriveError;
 pub use made_up::made_up_drives;
 pub use problems::DriveProblems;
 pub use query::{DRIVE_COLUMNS, DriveColumn, DriveFailure, DriveQuery, QueryCost};
-pub use request::{DriveRequest, ask_all, asked_planners, expect_known_planners, own_names};
+pub use request::{DriveRequest, ask_all, custom_names, expect_planners_exist, requested_planners};
 pub use summary::{MEASURES, Measure, PlannerSummary};
 pub use table::{DriveTable, MAX_QUERIES};

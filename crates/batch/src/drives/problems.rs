@@ -68,9 +68,9 @@ fn no_truck(scenario: &Scenario) -> DriveError {
     DriveError::NoTruck { scenario: scenario.name.clone() }
 }
 
-fn from_files(asked: &DriveProblems, truck: &Unimog) -> Result<Vec<Problem>, DriveError> {
+fn from_files(requested: &DriveProblems, truck: &Unimog) -> Result<Vec<Problem>, DriveError> {
     let mut problems: Vec<Problem> = Vec::new();
-    for path in &asked.fields {
+    for path in &requested.fields {
         let problem = Problem::open(path, truck)?;
         if problems.iter().any(|other| other.name == problem.name) {
             return Err(DriveError::SameName { path: path.clone(), name: problem.name });
@@ -80,11 +80,11 @@ fn from_files(asked: &DriveProblems, truck: &Unimog) -> Result<Vec<Problem>, Dri
     Ok(problems)
 }
 
-fn on_the_scenario(asked: &DriveProblems, scenario: &Scenario, seed: u64) -> Result<Problem, DriveError> {
+fn on_the_scenario(requested: &DriveProblems, scenario: &Scenario, seed: u64) -> Result<Problem, DriveError> {
     let problem = Problem::from_scenario(scenario, seed)?;
     let mut problem = problem.ok_or_else(|| no_truck(scenario))?;
-    if asked.cells.is_none() {
-        problem.goals = goal_poses(&problem, asked.goals.unwrap_or(GOALS), seed)?;
+    if requested.cells.is_none() {
+        problem.goals = goal_poses(&problem, requested.goals.unwrap_or(GOALS), seed)?;
     }
     Ok(problem)
 }

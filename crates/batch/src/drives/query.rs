@@ -58,7 +58,7 @@ impl DriveFailure {
     /// Returns the failure with this name.
     pub fn parse(text: &[u8]) -> Option<Self> {
         let planners = PlanFailure::ALL.map(Self::Planner);
-        planners.into_iter().chain([Self::NoPath, Self::Dropped]).find(|known| known.to_string().as_bytes() == text)
+        planners.into_iter().chain([Self::NoPath, Self::Dropped]).find(|failure| failure.to_string().as_bytes() == text)
     }
 }
 

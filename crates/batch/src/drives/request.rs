@@ -31,11 +31,11 @@ impl DriveRequest {
     /// # Errors
     /// If the scenario, a field or a planner is refused.
     pub fn plan(&self, registry: &CustomRegistry) -> Result<DriveTable, DriveError> {
-        let changes = own_names(registry).chain(self.changes.iter().cloned()).collect::<Vec<_>>();
+        let changes = custom_names(registry).chain(self.changes.iter().cloned()).collect::<Vec<_>>();
         let LoadedScenario { scenario, .. } = LoadedScenario::open(&self.scenario, &changes)?;
         let problems = self.problems.load(&scenario, self.seed)?;
-        let planners = asked_planners(&self.planners, &scenario);
-        expect_known_planners(registry, &scenario, &planners)?;
+        let planners = requested_planners(&self.planners, &scenario);
+        expect_planners_exist(registry, &scenario, &planners)?;
         #[cfg(unix)]
         let makers =
             ProgramPool::new(Trust::Only(Default::default())).planners_of(&scenario, registry.planners.clone())?;
@@ -54,14 +54,14 @@ impl DriveRequest {
 /// # Errors
 /// If one of the planners cannot be built, or they would take more memory than the limit.
 pub fn ask_all<'a>(problems: &'a [Problem], question: &AttemptSettings<'_>) -> Result<Vec<Attempt<'a>>, DriveError> {
-    let asked = problems.iter().map(|problem| {
+    let drives = problems.iter().map(|problem| {
         attempts(problem, question).map_err(|source| DriveError::Failed { field: problem.name.clone(), source })
     });
-    Ok(asked.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
+    Ok(drives.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
 }
 
 /// Returns changes of a scenario that declare the registered planners and policies.
-pub fn own_names(registry: &CustomRegistry) -> impl Iterator<Item = String> {
+pub fn custom_names(registry: &CustomRegistry) -> impl Iterator<Item = String> {
     let CustomRegistry { planners, policies, .. } = registry;
     let planners = planners.custom_names().map(|name| format!("planner.\"{name}\".command=[]"));
     planners.chain(policies.custom_names().map(|name| format!("policy.\"{name}\".command=[]")))
@@ -71,15 +71,15 @@ pub fn own_names(registry: &CustomRegistry) -> impl Iterator<Item = String> {
 const ALL_PLANNERS: &str = "all";
 
 /// Returns the planners of these names without duplicates, or the first truck's planner.
-pub fn asked_planners(names: &[PlannerName], scenario: &Scenario) -> Vec<PlannerName> {
-    let own = scenario.unimog.iter().take(1).map(|truck| truck.planner.clone());
-    let known = || TruckPlannerKind::ALL.map(PlannerName::from).into_iter().chain(scenario.planner.keys().cloned());
+pub fn requested_planners(names: &[PlannerName], scenario: &Scenario) -> Vec<PlannerName> {
+    let default_planner = scenario.unimog.iter().take(1).map(|truck| truck.planner.clone());
+    let all = || TruckPlannerKind::ALL.map(PlannerName::from).into_iter().chain(scenario.planner.keys().cloned());
     let named = names.iter().flat_map(|name| match name.name() {
-        ALL_PLANNERS => known().collect(),
+        ALL_PLANNERS => all().collect(),
         _ => vec![name.clone()],
     });
     let mut planners = Vec::new();
-    for planner in named.chain(own.filter(|_| names.is_empty())) {
+    for planner in named.chain(default_planner.filter(|_| names.is_empty())) {
         if !planners.contains(&planner) {
             planners.push(planner);
         }
@@ -88,14 +88,14 @@ pub fn asked_planners(names: &[PlannerName], scenario: &Scenario) -> Vec<Planner
 }
 
 /// Refuses unknown planners: names that are neither built in nor registered, and have no table in the scenario.
-pub fn expect_known_planners(
+pub fn expect_planners_exist(
     registry: &CustomRegistry,
     scenario: &Scenario,
-    asked: &[PlannerName],
+    planners: &[PlannerName],
 ) -> Result<(), DriveError> {
-    let is_known = |name: &PlannerName| registry.planners.knows(name) || scenario.planner.contains_key(name);
-    let Some(unknown) = asked.iter().find(|name| !is_known(name)) else { return Ok(()) };
+    let exists = |name: &PlannerName| registry.planners.knows(name) || scenario.planner.contains_key(name);
+    let Some(unknown) = planners.iter().find(|name| !exists(name)) else { return Ok(()) };
     let tables = scenario.planner.keys().map(PlannerName::name);
-    let known = TruckPlannerKind::ALL.map(TruckPlannerKind::name).into_iter().chain(tables).map(str::to_owned);
-    Err(DriveError::UnknownPlanner { name: unknown.clone(), known: known.collect() })
+    let valid = TruckPlannerKind::ALL.map(TruckPlannerKind::name).into_iter().chain(tables).map(str::to_owned);
+    Err(DriveError::UnknownPlanner { name: unknown.clone(), valid: valid.collect() })
 }

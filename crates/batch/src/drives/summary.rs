@@ -109,7 +109,7 @@ impl PlannerSummary {
         let places: BTreeMap<&str, usize> = planners.iter().enumerate().map(|(place, name)| (&**name, place)).collect();
         let mut summaries: BTreeMap<(usize, usize), Self> = BTreeMap::new();
         for query in &table.rows {
-            let own = summaries.entry((query.variant, places[&*query.planner])).or_insert_with(|| Self {
+            let summary = summaries.entry((query.variant, places[&*query.planner])).or_insert_with(|| Self {
                 variant: query.variant,
                 planner: Arc::clone(&query.planner),
                 queries: 0,
@@ -117,15 +117,15 @@ impl PlannerSummary {
                 violations: 0,
                 values: BTreeMap::new(),
             });
-            own.queries += 1;
-            own.solved += u64::from(query.solved().is_some());
-            own.violations += u64::from(query.violation.is_some());
+            summary.queries += 1;
+            summary.solved += u64::from(query.solved().is_some());
+            summary.violations += u64::from(query.violation.is_some());
             for measure in MEASURES {
-                own.values.entry(measure.column).or_default().extend(measure.number(query));
+                summary.values.entry(measure.column).or_default().extend(measure.number(query));
             }
         }
         let mut summaries: Vec<Self> = summaries.into_values().collect();
-        let lists = summaries.iter_mut().flat_map(|own| own.values.values_mut());
+        let lists = summaries.iter_mut().flat_map(|summary| summary.values.values_mut());
         lists.for_each(|values| values.sort_by(f64::total_cmp));
         summaries
     }

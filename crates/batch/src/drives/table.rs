@@ -49,8 +49,8 @@ impl DriveTable {
 
     /// Returns a variant's values as its name; empty where nothing varies.
     pub fn title(&self, variant: usize) -> String {
-        let words = self.keys.iter().zip(&self.variants[variant]).map(|(key, value)| format!("{key} {value}"));
-        words.collect::<Vec<_>>().join(", ")
+        let values = self.keys.iter().zip(&self.variants[variant]).map(|(key, value)| format!("{key} {value}"));
+        values.collect::<Vec<_>>().join(", ")
     }
 
     /// Lists the planners, in the order of first occurrence.
@@ -70,8 +70,8 @@ impl DriveTable {
         let member = |query: &DriveQuery| {
             let seed = query.seed.map(|seed| (SEED.to_owned(), seed.into()));
             let swept = self.keys.iter().cloned().zip(self.variants[query.variant].iter().cloned());
-            let own = self.columns().map(|column| (column.name.to_owned(), (column.value)(query)));
-            Members(seed.into_iter().chain(swept).chain(own).collect())
+            let of_query = self.columns().map(|column| (column.name.to_owned(), (column.value)(query)));
+            Members(seed.into_iter().chain(swept).chain(of_query).collect())
         };
         self.rows.iter().map(member).collect()
     }
@@ -138,8 +138,8 @@ impl<'a> Reading<'a> {
         }
         let seed = reader.place(SEED);
         let certified = reader.place(CERTIFIED_COLUMN.name);
-        let is_known = |place: &usize| columns.contains(place) || [seed, certified].contains(&Some(*place));
-        let keys: Vec<usize> = (0..reader.columns().len()).filter(|place| !is_known(place)).collect();
+        let is_column = |place: &usize| columns.contains(place) || [seed, certified].contains(&Some(*place));
+        let keys: Vec<usize> = (0..reader.columns().len()).filter(|place| !is_column(place)).collect();
         if keys.len() > MAX_KEYS {
             return Err(unfit(path, format!("{} columns of keys; expected at most {MAX_KEYS}", keys.len())));
         }
@@ -198,7 +198,8 @@ impl<'a> Reading<'a> {
                 expansions: reader.count(at("expansions"), "a whole number")?,
             })
         };
-        let known = |known: Option<_>| known.ok_or_else(|| reader.wrong_value(reason, "a reason for having no path"));
+        let parsed =
+            |parsed: Option<_>| parsed.ok_or_else(|| reader.wrong_value(reason, "a reason for having no path"));
         let success = match reader.bytes(success) {
             b"true" => true,
             b"false" => false,
@@ -206,7 +207,7 @@ impl<'a> Reading<'a> {
         };
         let violation = is_there(violation).then(|| String::from_utf8_lossy(reader.bytes(violation)).into());
         let failure = (!success && violation.is_none() || is_there(reason))
-            .then(|| known(DriveFailure::parse(reader.bytes(reason))))
+            .then(|| parsed(DriveFailure::parse(reader.bytes(reason))))
             .transpose()?;
         let figures = (success || is_there(at("length_m"))).then(figures).transpose()?;
         let cost = is_there(at("cpu_query_s")).then(cost).transpose()?;
@@ -241,8 +242,8 @@ impl<'a> Reading<'a> {
     /// Reads a name; equal ones are one in memory.
     fn name(&mut self, place: usize) -> Result<Arc<str>, TableError> {
         let name = String::from_utf8_lossy(self.reader.bytes(place));
-        if let Some(known) = self.names.get(&*name) {
-            return Ok(Arc::clone(known));
+        if let Some(existing) = self.names.get(&*name) {
+            return Ok(Arc::clone(existing));
         }
         let name: Arc<str> = (*name).into();
         self.hold(name.len())?;
@@ -253,8 +254,8 @@ impl<'a> Reading<'a> {
     fn variant(&mut self) -> Result<usize, TableError> {
         let text = |&place: &usize| String::from_utf8_lossy(self.reader.bytes(place)).into_owned();
         let texts: Vec<String> = self.keys.iter().map(text).collect();
-        if let Some(&known) = self.variants.get(&texts) {
-            return Ok(known);
+        if let Some(&existing) = self.variants.get(&texts) {
+            return Ok(existing);
         }
         let number = self.variants.len();
         if number as u64 == MAX_VARIANTS {

@@ -86,8 +86,8 @@ fn all_phases(agent: &AgentCost) -> Duration {
     agent.sampling + agent.connecting + agent.roadmap_search + agent.local_search + agent.reachability
 }
 
-fn sum_over(cost: &RunCost, chosen: impl Fn(AgentId) -> bool, phase: impl Fn(&AgentCost) -> Duration) -> f64 {
-    let of_kind = cost.agents.iter().filter(|agent| chosen(agent.agent));
+fn sum_over(cost: &RunCost, is_selected: impl Fn(AgentId) -> bool, phase: impl Fn(&AgentCost) -> Duration) -> f64 {
+    let of_kind = cost.agents.iter().filter(|agent| is_selected(agent.agent));
     of_kind.map(phase).sum::<Duration>().as_secs_f64()
 }
 

@@ -77,10 +77,10 @@ pub fn expect_files(folder: &Path) -> Result<(), UnexpectedFile> {
     let is_of_slice =
         |name: &OsStr| name.to_str().is_some_and(|name| JOURNAL.slice(name).or(MACHINES.slice(name)).is_some());
     named(folder, is_of_slice).try_for_each(|path| expect_file(&path))?;
-    for (name, is_own) in [(RECORDINGS_FOLDER, is_recording as fn(&OsStr) -> bool), (CHARTS_FOLDER, is_chart)] {
+    for (name, is_expected) in [(RECORDINGS_FOLDER, is_recording as fn(&OsStr) -> bool), (CHARTS_FOLDER, is_chart)] {
         let inside = folder.join(name);
         expect(&inside, FileType::is_dir, "folder")?;
-        named(&inside, is_own).try_for_each(|path| expect_file(&path))?;
+        named(&inside, is_expected).try_for_each(|path| expect_file(&path))?;
     }
     Ok(())
 }
@@ -141,7 +141,7 @@ pub fn is_recording(name: &OsStr) -> bool {
 /// Returns whether this is the name of a chart, of its data, or of a page that plays a run.
 pub fn is_chart(name: &OsStr) -> bool {
     const ENDINGS: [&str; 6] = ["svg", "png", "pdf", "pgf", "csv", "html"];
-    Path::new(name).extension().is_some_and(|ending| ENDINGS.iter().any(|known| ending == *known))
+    Path::new(name).extension().is_some_and(|ending| ENDINGS.iter().any(|valid| ending == *valid))
 }
 
 /// Returns whether this is the name under which a slice writes the plan before it renames it: `plan.json.JOURNAL`.
@@ -157,11 +157,11 @@ pub fn is_file_of_batch(name: &OsStr) -> bool {
 
 /// Returns whether this is a name under which a process writes a file aside, as `NAME.PROCESS.part`, or a slice its
 /// plan, of which the name meets the condition: what is left when the process is killed.
-pub fn is_leftover(name: &OsStr, is_own: impl Fn(&OsStr) -> bool) -> bool {
+pub fn is_leftover(name: &OsStr, is_expected: impl Fn(&OsStr) -> bool) -> bool {
     let Some(name) = name.to_str() else { return false };
     let parts = name.strip_suffix(".part").and_then(|name| name.rsplit_once('.'));
     is_plan_of_slice(name)
-        || parts.is_some_and(|(name, process)| process.parse::<u32>().is_ok() && is_own(OsStr::new(name)))
+        || parts.is_some_and(|(name, process)| process.parse::<u32>().is_ok() && is_expected(OsStr::new(name)))
 }
 
 #[cfg(test)]
@@ -207,7 +207,7 @@ mod tests {
     #[cfg(unix)]
     fn loops_devices_and_folders_in_place_of_files_are_named() {
         use std::os::unix::fs::symlink;
-        for (name, target, words) in [
+        for (name, target, fragment) in [
             (PLAN_FILE, PLAN_FILE, "plan.json is a link that cannot be followed"),
             ("runs.journal", "/dev/zero", "runs.journal is a device; expected a file"),
             (RUNS_FILE, "/", "runs.csv is a folder; expected a file"),
@@ -216,7 +216,7 @@ mod tests {
             let scratch = tempfile::tempdir().expect("a scratch folder");
             symlink(target, scratch.path().join(name)).expect("links can be made");
             let refusal = expect_files(scratch.path()).expect_err("it is strange").to_string();
-            assert!(refusal.contains(words), "{refusal}");
+            assert!(refusal.contains(fragment), "{refusal}");
         }
     }
 

@@ -29,7 +29,7 @@ pub enum BatchError {
     #[error(transparent)]
     Strange(#[from] UnexpectedFile),
     #[error("{} has no {PLAN_FILE}, but {leftover}, left by a killed process: the batch had not begun", path.display())]
-    NotYetBegun { path: PathBuf, leftover: String },
+    NotStarted { path: PathBuf, leftover: String },
     #[error(
         "the recording {} cannot be repeated: {difference}; another machine or program wrote the row",
         path.display()
@@ -37,14 +37,14 @@ pub enum BatchError {
     OtherOutcome { path: PathBuf, difference: String },
     #[error("the batch was stopped before its end")]
     Stopped,
-    #[error("{} holds slice {found} of its batch, which does not fit {asked}", path.display())]
-    OtherSlices { path: PathBuf, found: Slice, asked: Slice },
+    #[error("{} holds slice {found} of its batch, which does not fit {requested}", path.display())]
+    OtherSlices { path: PathBuf, found: Slice, requested: Slice },
     #[error("{} is not a list of machines: {reason}; nothing depends on it, so you may remove it", path.display())]
     NoMachines { path: PathBuf, reason: String },
     #[error("{} holds no journal of a batch", path.display())]
     NoJournal { path: PathBuf },
     #[error("slice {slice} of the batch in {} has not begun", path.display())]
-    NotBegun { path: PathBuf, slice: Slice },
+    SliceNotStarted { path: PathBuf, slice: Slice },
     #[error("slice {slice} lacks {missing} of its {of} runs")]
     Incomplete { slice: Slice, missing: u64, of: u64 },
 }

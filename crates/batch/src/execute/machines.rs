@@ -77,7 +77,7 @@ impl Machine {
     }
 
     /// Describes the machine in words.
-    pub fn words(&self) -> String {
+    pub fn description(&self) -> String {
         let cpu = self.cpu.as_deref().unwrap_or("unknown processor");
         let memory = self.memory_bytes.map(|bytes| format!(", {:.1} GB of memory", bytes as f64 / 1e9));
         let Self { processors, threads, system, architecture, processes, .. } = self;
@@ -113,7 +113,7 @@ impl Machines {
         match self
             .machines
             .iter()
-            .position(|known| Machine { processes: machine.processes, ..known.clone() } == machine)
+            .position(|existing| Machine { processes: machine.processes, ..existing.clone() } == machine)
         {
             Some(place) => {
                 let processes = &mut self.machines[place].processes;
@@ -161,9 +161,9 @@ pub fn merge_machines(folder: &OutputFolder, disk: &dyn Disk) -> Result<(), Batc
 
 /// The name in one line, without what acts on a terminal.
 fn shortened(name: &str) -> String {
-    let words =
+    let parts =
         name.split(|letter: char| letter.is_whitespace() || letter.is_control()).filter(|word| !word.is_empty());
-    words.collect::<Vec<_>>().join(" ").chars().take(MAX_NAME).collect()
+    parts.collect::<Vec<_>>().join(" ").chars().take(MAX_NAME).collect()
 }
 
 #[cfg(any(target_os = "linux", target_os = "android"))]
@@ -212,8 +212,8 @@ fn memory_bytes() -> Option<u64> {
 
 #[cfg(target_os = "macos")]
 fn sysctl(name: &str) -> Option<String> {
-    let said = Command::new("/usr/sbin/sysctl").args(["-n", name]).output().ok()?;
-    String::from_utf8(said.stdout).ok()
+    let output = Command::new("/usr/sbin/sysctl").args(["-n", name]).output().ok()?;
+    String::from_utf8(output.stdout).ok()
 }
 
 #[cfg(unix)]
@@ -252,7 +252,7 @@ mod tests {
         let here = &machines[0];
         assert_eq!((here.program_version.as_str(), here.compiler.as_str()), (PROGRAM_VERSION, COMPILER));
         assert!(here.processors >= 1 && !here.system.is_empty(), "{here:?}");
-        assert!(here.words().ends_with("2 processes with 2 threads"), "{}", here.words());
+        assert!(here.description().ends_with("2 processes with 2 threads"), "{}", here.description());
         #[cfg(target_os = "linux")]
         assert!(
             here.system.starts_with("Linux ") && here.memory_bytes.is_some_and(|bytes| bytes > 1 << 20),

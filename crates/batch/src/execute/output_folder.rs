@@ -92,8 +92,8 @@ impl OutputFolder {
         if path.exists() && !path.is_dir() {
             return Err(BatchError::NotAFolder { path: path.to_owned() });
         }
-        let held = FILES.into_iter().chain([RECORDINGS_FOLDER]).find(|entry| path.join(entry).exists());
-        if let (Some(entry), false) = (held, overwrite) {
+        let existing = FILES.into_iter().chain([RECORDINGS_FOLDER]).find(|entry| path.join(entry).exists());
+        if let (Some(entry), false) = (existing, overwrite) {
             return Err(BatchError::HoldsResults { path: path.to_owned(), entry: entry.to_owned() });
         }
         let folder = Self::shared(path)?;

@@ -81,9 +81,9 @@ impl RunRow {
             json!({ "status": row.status, "message": row.message, "outcome": outcome })
         });
         let first = value_differences(&outcomes[0], &outcomes[1]).into_iter().next()?;
-        let [said, found] = first.values.map(|value| value.map_or("nothing".into(), |value| value.to_string()));
+        let [stored, found] = first.values.map(|value| value.map_or("nothing".into(), |value| value.to_string()));
         let name = first.key.trim_start_matches("outcome.");
-        Some(format!("its row has {name} {said}, its run gives {found}"))
+        Some(format!("its row has {name} {stored}, its run gives {found}"))
     }
 }
 

@@ -203,7 +203,7 @@ impl Batch {
         self.expect_unchanged_plan()?;
         // The tables of a whole batch are written next, row by row; a slice is merged by a process that knows no digests.
         if !self.journal.index().slice().is_whole() {
-            self.journal.rows()?.expect_own_lines()?;
+            self.journal.rows()?.expect_unchanged_lines()?;
         }
         let is_over = self.journal.index().is_complete() && recorded_again == self.found.lost_recordings.len();
         if is_over { Ok(()) } else { Err(BatchError::Stopped) }
@@ -251,7 +251,7 @@ fn plan_error(error: PlanError, folder: &OutputFolder) -> BatchError {
         name.starts_with(PLAN_FILE).then(|| name.into_owned())
     });
     match (error, leftover) {
-        (PlanError::Missing { folder: path }, Some(leftover)) => BatchError::NotYetBegun { path, leftover },
+        (PlanError::Missing { folder: path }, Some(leftover)) => BatchError::NotStarted { path, leftover },
         (error, _) => error.into(),
     }
 }
@@ -288,13 +288,13 @@ fn write_plan(plan: &BatchPlan, folder: &OutputFolder, name: &str, disk: &dyn Di
 
 /// Writes the plan unless another slice has written one meanwhile, which then must be the same.
 fn write_plan_once(plan: &BatchPlan, folder: &OutputFolder, slice: Slice, disk: &dyn Disk) -> Result<(), BatchError> {
-    let own_name = format!("{PLAN_FILE}.{}", JOURNAL.name(slice));
-    write_plan(plan, folder, &own_name, disk)?;
-    let own = folder.path().join(own_name);
+    let part_name = format!("{PLAN_FILE}.{}", JOURNAL.name(slice));
+    write_plan(plan, folder, &part_name, disk)?;
+    let part = folder.path().join(part_name);
     let path = folder.path().join(PLAN_FILE);
     // A second name for a file is refused where the name is taken, which renaming is not.
-    let linked = fs::hard_link(&own, &path);
-    let removed = fs::remove_file(&own);
+    let linked = fs::hard_link(&part, &path);
+    let removed = fs::remove_file(&part);
     let unwritable = |source: io::Error| BatchError::unwritable(&path, source);
     match linked {
         Err(error) if error.kind() == ErrorKind::AlreadyExists => {
@@ -310,7 +310,7 @@ fn write_plan_once(plan: &BatchPlan, folder: &OutputFolder, slice: Slice, disk: 
 fn refuse_other_slices(folder: &OutputFolder, slice: Slice) -> Result<(), BatchError> {
     let found = folder.journals()?;
     match found.into_iter().find(|other| other.of() != slice.of()) {
-        Some(other) => Err(BatchError::OtherSlices { path: folder.path().to_owned(), found: other, asked: slice }),
+        Some(other) => Err(BatchError::OtherSlices { path: folder.path().to_owned(), found: other, requested: slice }),
         None => Ok(()),
     }
 }

@@ -22,7 +22,7 @@ pub struct BatchStatus {
 pub struct SliceState {
     pub runs: u64,
     /// The number of runs in the journal.
-    pub held: u64,
+    pub stored: u64,
     /// The number of runs in the journal without a result.
     pub not_done: u64,
     /// The number of repeated lines, which two processes made.
@@ -62,16 +62,16 @@ fn state_of(
         Ok(file) => file,
         Err(error) if error.kind() == ErrorKind::NotFound => {
             let runs = slice.count(plan.count());
-            return Ok(SliceState { runs, held: 0, not_done: 0, repeated: 0, is_running });
+            return Ok(SliceState { runs, stored: 0, not_done: 0, repeated: 0, is_running });
         }
         Err(source) => return Err(JournalError::Unreadable { path, source }),
     };
     let index = JournalIndex::read(&path, &file, plan, slice)?;
-    let (held, not_done) = index.held();
+    let (stored, not_done) = index.stored();
     for (&variant, failed) in index.failures() {
         add_failed(failures, variant, failed.clone());
     }
-    Ok(SliceState { runs: index.count(), held, not_done, repeated: index.repeated(), is_running })
+    Ok(SliceState { runs: index.count(), stored, not_done, repeated: index.repeated(), is_running })
 }
 
 /// Returns the slices of which a folder has journals, all of one partition.
@@ -83,7 +83,7 @@ pub fn slices_of(folder: &OutputFolder) -> Result<impl Iterator<Item = Slice> + 
     let path = || folder.path().to_owned();
     let Some(&first) = found.first() else { return Err(BatchError::NoJournal { path: path() }) };
     match found.iter().find(|other| other.of() != first.of()) {
-        Some(&other) => Err(BatchError::OtherSlices { path: path(), found: other, asked: first }),
+        Some(&other) => Err(BatchError::OtherSlices { path: path(), found: other, requested: first }),
         None => Ok(first.all()),
     }
 }

@@ -232,10 +232,10 @@ impl Work {
     ///
     /// # Errors
     /// If it is another run than the journal says, or one of the disk.
-    fn record_again(&self, held: &RunRow, again: &RunRow, timeline: Option<&Timeline>) -> Result<(), BatchError> {
-        let run = self.plan.run(held.label.run);
+    fn record_again(&self, stored: &RunRow, again: &RunRow, timeline: Option<&Timeline>) -> Result<(), BatchError> {
+        let run = self.plan.run(stored.label.run);
         let other = |difference| BatchError::OtherOutcome { path: self.recording(&run), difference };
-        match (held.difference(again), timeline) {
+        match (stored.difference(again), timeline) {
             (None, Some(timeline)) => match self.record(&run, timeline)? {
                 None => Ok(()),
                 Some(refusal) => Err(other(refusal.to_string())),

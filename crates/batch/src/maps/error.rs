@@ -16,9 +16,9 @@ pub enum MapsError {
     Finished(#[from] FinishedError),
     #[error(transparent)]
     Batch(#[from] BatchError),
-    #[error("{} has no column `{column}`; expected one of those in which its variants differ: {known}",
+    #[error("{} has no column `{column}`; expected one of those in which its variants differ: {valid}",
 folder.display())]
-    UnknownColumn { folder: PathBuf, column: String, known: String },
+    UnknownColumn { folder: PathBuf, column: String, valid: String },
     #[error("{} has {} that match: {}; expected a single variant, chosen by {columns}", folder.display(),
 many(*count), list(titles))]
     WhichVariant { folder: PathBuf, count: usize, titles: Vec<String>, columns: String },

@@ -29,14 +29,14 @@ impl MapSource {
             return Err(MapsError::UnknownColumn {
                 folder: folder.to_owned(),
                 column: unknown.clone(),
-                known: columns.join(", "),
+                valid: columns.join(", "),
             });
         }
         let is_taken = |variant: &Variant| {
             let values = values(&batch, variant);
             only.iter().all(|(column, value)| {
-                let own = columns.iter().zip(&values).find(|(name, _)| *name == column);
-                own.is_some_and(|(_, own)| is_same_value(own, value))
+                let found = columns.iter().zip(&values).find(|(name, _)| *name == column);
+                found.is_some_and(|(_, found)| is_same_value(found, value))
             })
         };
         let taken: Vec<usize> =

@@ -9,34 +9,34 @@ use wildfire_sim::scenario::{Scenario, value_differences};
 const MAX: usize = 5;
 
 /// In what a plan differs from the one that is asked for; empty if they are the same.
-pub fn differences(there: &BatchPlan, asked: &BatchPlan) -> Vec<String> {
+pub fn differences(there: &BatchPlan, requested: &BatchPlan) -> Vec<String> {
     let mut found = Vec::new();
-    let mut compare = |what: &str, there: String, asked: String| {
-        if there != asked {
-            found.push(sentence(what, &there, &asked));
+    let mut compare = |what: &str, there: String, requested: String| {
+        if there != requested {
+            found.push(sentence(what, &there, &requested));
         }
     };
-    compare("seeds", there.seeds.to_string(), asked.seeds.to_string());
-    compare("record", format!("{:?}", there.record).to_lowercase(), format!("{:?}", asked.record).to_lowercase());
-    compare("memory", there.memory.to_string(), asked.memory.to_string());
-    compare("the list of swept keys", listed(&there.swept_keys), listed(&asked.swept_keys));
-    compare("the number of variants", there.variants.len().to_string(), asked.variants.len().to_string());
-    for (one, other) in there.variants.iter().zip(&asked.variants) {
+    compare("seeds", there.seeds.to_string(), requested.seeds.to_string());
+    compare("record", format!("{:?}", there.record).to_lowercase(), format!("{:?}", requested.record).to_lowercase());
+    compare("memory", there.memory.to_string(), requested.memory.to_string());
+    compare("the list of swept keys", listed(&there.swept_keys), listed(&requested.swept_keys));
+    compare("the number of variants", there.variants.len().to_string(), requested.variants.len().to_string());
+    for (one, other) in there.variants.iter().zip(&requested.variants) {
         found.extend(differences_of_scenarios(&one.scenario, &other.scenario));
     }
     shortened(found)
 }
 
 /// In which values a scenario differs from the one that is asked for.
-pub fn differences_of_scenarios(there: &Scenario, asked: &Scenario) -> Vec<String> {
+pub fn differences_of_scenarios(there: &Scenario, requested: &Scenario) -> Vec<String> {
     let json = |scenario| serde_json::to_value(scenario).expect("scenarios hold names, numbers and lists only");
-    let words = |value: Option<Value>| value.map_or("nothing".into(), |value| cut(&value.to_string()));
-    let found = value_differences(&json(there), &json(asked)).into_iter();
-    shortened(found.map(|it| sentence(&it.key, &words(it.values[0].clone()), &words(it.values[1].clone()))).collect())
+    let text = |value: Option<Value>| value.map_or("nothing".into(), |value| cut(&value.to_string()));
+    let found = value_differences(&json(there), &json(requested)).into_iter();
+    shortened(found.map(|it| sentence(&it.key, &text(it.values[0].clone()), &text(it.values[1].clone()))).collect())
 }
 
-fn sentence(what: &str, there: &str, asked: &str) -> String {
-    format!("{what} is {there} there, but {asked} was requested")
+fn sentence(what: &str, there: &str, requested: &str) -> String {
+    format!("{what} is {there} there, but {requested} was requested")
 }
 
 fn listed(keys: &[String]) -> String {

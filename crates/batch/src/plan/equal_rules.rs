@@ -103,7 +103,8 @@ fn resolve_rescue(scenario: &mut Json) {
     let built_in = wildfire_planning::TruckPlannerKind::ALL.map(|kind| kind.to_string());
     for truck in scenario["unimog"].as_array_mut().into_iter().flatten() {
         if truck["rescue"].as_str() == Some("auto") {
-            let is_built_in = truck["planner"].as_str().is_some_and(|name| built_in.iter().any(|known| known == name));
+            let is_built_in =
+                truck["planner"].as_str().is_some_and(|name| built_in.iter().any(|planner| planner == name));
             truck["rescue"] = is_built_in.into();
         }
     }

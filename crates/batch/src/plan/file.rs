@@ -151,7 +151,7 @@ fn wrong_memory(size: &str, reason: String) -> Fault {
 
 /// A built-in scenario's name as it is, a path from the plan's folder.
 pub(super) fn located(name: &str, folder: &Path) -> String {
-    let is_built_in = BUILT_IN.iter().any(|(known, _)| *known == name);
+    let is_built_in = BUILT_IN.iter().any(|(existing, _)| *existing == name);
     if is_built_in { name.to_owned() } else { folder.join(name).to_string_lossy().into_owned() }
 }
 

@@ -253,8 +253,8 @@ impl BatchPlan {
     }
 
     /// Refuses another plan than this one, which is that of a folder.
-    pub fn expect_same(&self, asked: &Self, folder: &Path) -> Result<(), PlanError> {
-        let differences = differences(self, asked);
+    pub fn expect_same(&self, requested: &Self, folder: &Path) -> Result<(), PlanError> {
+        let differences = differences(self, requested);
         if differences.is_empty() {
             return Ok(());
         }
@@ -278,7 +278,7 @@ impl BatchPlan {
             let crews = scenario.custom_line_policy().map(|name| ("policy", name));
             let missing = planners.chain(trucks).chain(wumpuses).chain(crews).find(|&(kind, name)| match kind {
                 "planner" => !registry.planners.knows(name) && !is_program(&scenario.planner, name),
-                _ => !registry.policies.custom_names().any(|own| own == name) && !is_program(&scenario.policy, name),
+                _ => !registry.policies.custom_names().any(|custom| custom == name) && !is_program(&scenario.policy, name),
             });
             if let Some((kind, name)) = missing {
                 return Err(PlanError::HandedIn { path: folder.to_owned(), kind, name: name.clone() });
@@ -414,8 +414,8 @@ mod tests {
             fs::write(scratch.path().join(PLAN_FILE), json).expect("writable");
             BatchPlan::read_writer(scratch.path()).expect("it names its program")
         };
-        assert_eq!(writer(&of_others).words(), format!("wildfire {PROGRAM_VERSION}, commit ab, rustc 9"));
-        assert_eq!(writer(&of_old_ones).words(), format!("wildfire {PROGRAM_VERSION}"));
+        assert_eq!(writer(&of_others).description(), format!("wildfire {PROGRAM_VERSION}, commit ab, rustc 9"));
+        assert_eq!(writer(&of_old_ones).description(), format!("wildfire {PROGRAM_VERSION}"));
         assert_eq!(writer(&json).compiler.as_deref(), Some(COMPILER));
     }
 

@@ -31,7 +31,7 @@ pub(super) use program::PROGRAM;
 pub use program::{COMMIT, COMPILER, LONG_VERSION, PROGRAM_VERSION, PlanWriter};
 pub use recorded::{RecordedPlan, RecordedVariant};
 pub use request::{BatchRequest, MAX_VARIANTS, RUNS_WITHOUT_FORCE, RequestError};
-pub use seeds::{MAX_RUNS, MAX_SEEDS_BYTES, Seeds, SeedsError, range_words};
+pub use seeds::{MAX_RUNS, MAX_SEEDS_BYTES, Seeds, SeedsError, range_text};
 pub use slice::{MAX_SLICES, Slice, SliceError};
 pub use sweep::{Setting, Sweep, SweepError, is_same_value};
 pub use value::Value;
@@ -207,11 +207,11 @@ impl PlannedRun<'_> {
 
     /// The command that shows the run again.
     pub fn repeating_command(&self) -> String {
-        format!("wildfire run {}", self.repeating_words())
+        format!("wildfire run {}", self.repeating_args())
     }
 
     /// The arguments by which commands simulate the run again.
-    pub fn repeating_words(&self) -> String {
+    pub fn repeating_args(&self) -> String {
         let mut command = format!("{} --seed {}", shell_word(&self.variant.source), self.seed);
         for change in &self.variant.changes {
             write!(command, " --set {}", shell_word(change)).expect("a string takes any text");
@@ -232,10 +232,11 @@ pub fn planner_of(scenario: &Scenario) -> String {
 
 /// Lists the policies of a scenario's agents.
 fn policies_of(scenario: &Scenario) -> Vec<(AgentId, String)> {
-    let wumpuses = scenario.wumpus.iter().zip(0..).map(|(own, number)| (AgentId::wumpus(number), own.goal.name()));
+    let wumpuses =
+        scenario.wumpus.iter().zip(0..).map(|(wumpus, number)| (AgentId::wumpus(number), wumpus.goal.name()));
     let dispatched = scenario.dispatch.as_ref().map(Dispatch::label);
-    let policy_of = |own: &Unimog| dispatched.clone().unwrap_or_else(|| own.goal.name().to_owned());
-    let trucks = scenario.unimog.iter().zip(0..).map(|(own, number)| (AgentId::unimog(number), policy_of(own)));
+    let policy_of = |truck: &Unimog| dispatched.clone().unwrap_or_else(|| truck.goal.name().to_owned());
+    let trucks = scenario.unimog.iter().zip(0..).map(|(truck, number)| (AgentId::unimog(number), policy_of(truck)));
     wumpuses.map(|(agent, name)| (agent, name.to_owned())).chain(trucks).collect()
 }
 
@@ -289,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn words_survive_the_shell() {
+    fn args_survive_the_shell() {
         assert_eq!(shell_word("scenarios/a.toml"), "scenarios/a.toml");
         assert_eq!(shell_word("unimog.prm.samples=1000"), "unimog.prm.samples=1000");
         assert_eq!(shell_word("my file.toml"), "'my file.toml'");

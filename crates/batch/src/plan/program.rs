@@ -39,7 +39,7 @@ pub struct PlanWriter {
 
 impl PlanWriter {
     /// Says which program it was, as far as it is known: `wildfire 0.1.0, commit ..., rustc ...`.
-    pub fn words(&self) -> String {
+    pub fn description(&self) -> String {
         let commit = self.commit.as_ref().map(|commit| format!("commit {commit}"));
         let parts = [Some(format!("{PROGRAM} {}", self.program_version)), commit, self.compiler.clone()];
         parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
@@ -53,10 +53,10 @@ mod tests {
     #[test]
     fn writer_is_named_as_far_as_it_is_known() {
         let old: PlanWriter = serde_json::from_str(r#"{"program_version": "0.0.9"}"#).expect("it is an older plan's");
-        assert_eq!(old.words(), "wildfire 0.0.9");
+        assert_eq!(old.description(), "wildfire 0.0.9");
         let new = r#"{"program_version": "0.1.0", "commit": "ab-dirty", "compiler": "rustc 1.95.0"}"#;
         let new: PlanWriter = serde_json::from_str(new).expect("it is a newer one's");
-        assert_eq!(new.words(), "wildfire 0.1.0, commit ab-dirty, rustc 1.95.0");
+        assert_eq!(new.description(), "wildfire 0.1.0, commit ab-dirty, rustc 1.95.0");
     }
 
     #[test]

@@ -221,8 +221,8 @@ fn check_distinct(plan: &BatchPlan) -> Result<(), RequestError> {
 
 /// A variant as its author asked for it.
 fn described(variant: &Variant) -> String {
-    let words = std::iter::once(variant.source.as_str()).chain(variant.changes.iter().map(String::as_str));
-    words.collect::<Vec<_>>().join(" ")
+    let parts = std::iter::once(variant.source.as_str()).chain(variant.changes.iter().map(String::as_str));
+    parts.collect::<Vec<_>>().join(" ")
 }
 
 fn json_of(scenario: &Scenario) -> String {

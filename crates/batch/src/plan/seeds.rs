@@ -85,8 +85,8 @@ impl Seeds {
     /// Fails as [`Self::from_parts`] does.
     pub fn from_file_text(text: &str) -> Result<Self, SeedsError> {
         let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default());
-        let words = lines.flat_map(|line| line.split([',', ' ', '\t'])).filter(|word| !word.is_empty());
-        Self::from_parts(words)
+        let parts = lines.flat_map(|line| line.split([',', ' ', '\t'])).filter(|word| !word.is_empty());
+        Self::from_parts(parts)
     }
 
     /// Takes seeds and ranges one after the other.
@@ -116,7 +116,7 @@ impl Seeds {
 }
 
 /// Writes ascending numbers, consecutive ones as a range with this word between its ends: `1..5,9`.
-pub fn range_words(numbers: &[u64], to: &str) -> String {
+pub fn range_text(numbers: &[u64], to: &str) -> String {
     let ranges = numbers.chunk_by(|one, next| one + 1 == *next).map(|range| match range {
         [one] => one.to_string(),
         range => format!("{}{to}{}", range[0], range[range.len() - 1]),
@@ -171,8 +171,8 @@ mod tests {
 
     #[test]
     fn numbers_are_written_as_ranges() {
-        assert_eq!(range_words(&[1, 3, 4, 5, 9, 10], "-"), "1,3-5,9-10");
-        assert_eq!(range_words(&[7], ".."), "7");
+        assert_eq!(range_text(&[1, 3, 4, 5, 9, 10], "-"), "1,3-5,9-10");
+        assert_eq!(range_text(&[7], ".."), "7");
     }
 
     #[test]

@@ -73,12 +73,12 @@ pub struct ListedViolation {
     pub run: String,
     /// The first violation; `None` if only the row is wrong.
     pub violation: Option<Violation>,
-    pub words: String,
+    pub message: String,
 }
 
 impl fmt::Display for ListedViolation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.run, self.words)
+        write!(f, "{}: {}", self.run, self.message)
     }
 }
 
@@ -278,10 +278,10 @@ impl AuditReport {
             self.audited += verdict.audited;
             self.without_limits += u64::from(!verdict.knows_limits);
         }
-        let words = violation.map(|violation| violation.to_string()).or(difference);
-        self.violations += u64::from(words.is_some());
-        if let Some(words) = words.filter(|_| self.listed.len() < max) {
-            self.listed.push(ListedViolation { run, violation, words });
+        let message = violation.map(|violation| violation.to_string()).or(difference);
+        self.violations += u64::from(message.is_some());
+        if let Some(message) = message.filter(|_| self.listed.len() < max) {
+            self.listed.push(ListedViolation { run, violation, message });
         }
     }
 }

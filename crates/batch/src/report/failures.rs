@@ -11,7 +11,7 @@ use wildfire_base::untrusted::{visible, visible_start};
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Failures {
     /// Queries or asks in all.
-    asked: u64,
+    total: u64,
     /// By the place of their reason among the columns.
     reasons: BTreeMap<usize, Reason>,
     /// The policy that messages name first.
@@ -24,7 +24,7 @@ struct Reason {
     name: String,
     count: u64,
     /// The first message, if there is one.
-    words: Option<String>,
+    detail: Option<String>,
 }
 
 /// Returns the reasons that the columns with this beginning count, as messages name them, and the columns' places.
@@ -53,11 +53,11 @@ impl Failures {
     /// Counts a single query that failed for a reason, if it did, with a message.
     pub fn of_query(failure: Option<String>, message: Option<&str>) -> Self {
         let reason = failure.map(|name| {
-            let column = reasons("truck_failed_").find(|(known, _)| *known == name);
-            let words = message.map(whole);
-            (column.map_or(usize::MAX, |(_, place)| place), Reason { name, count: 1, words })
+            let column = reasons("truck_failed_").find(|(column_name, _)| *column_name == name);
+            let detail = message.map(whole);
+            (column.map_or(usize::MAX, |(_, place)| place), Reason { name, count: 1, detail })
         });
-        Self { asked: 1, reasons: reason.into_iter().collect(), policy: None }
+        Self { total: 1, reasons: reason.into_iter().collect(), policy: None }
     }
 
     /// Counts the failed questions to policies in a run.
@@ -70,19 +70,19 @@ impl Failures {
 
     fn new(
         run: &RunRecord,
-        asked: usize,
+        total: usize,
         reasons: impl Iterator<Item = (String, usize)>,
         is_meant: impl Fn(&str) -> bool,
     ) -> Self {
         let number = |column| run.number(column).unwrap_or(0.0) as u64;
-        let mut failures = Self { asked: number(asked), ..Self::default() };
+        let mut failures = Self { total: number(total), ..Self::default() };
         for (name, column) in reasons.filter(|(_, column)| number(*column) > 0) {
             let about = |reason| message_about(run.message(), reason, &is_meant);
             // A policy over its instructions counts as crashed.
-            let (who, words) = about(&name).or_else(|| about("budget spent").filter(|_| name == "crashed")).unzip();
+            let (who, detail) = about(&name).or_else(|| about("budget spent").filter(|_| name == "crashed")).unzip();
             let policy = who.and_then(|who: &str| who.strip_prefix(POLICY)?.split(' ').next());
             failures.policy = failures.policy.or(policy.map(visible_start));
-            let reason = Reason { name, count: number(column), words: words.map(whole) };
+            let reason = Reason { name, count: number(column), detail: detail.map(whole) };
             failures.reasons.insert(column, reason);
         }
         failures
@@ -100,8 +100,8 @@ impl Failures {
     }
 
     /// The number of queries or asks.
-    pub fn asked(&self) -> u64 {
-        self.asked
+    pub fn total(&self) -> u64 {
+        self.total
     }
 
     /// The number of those that failed.
@@ -113,14 +113,14 @@ impl Failures {
         let failed = self.failed();
         let mut reasons: Vec<&Reason> = self.reasons.values().collect();
         reasons.sort_by_key(|reason| std::cmp::Reverse(reason.count));
-        let reasons = reasons.into_iter().map(|Reason { name, count, words }| {
-            let words = words.as_ref().map_or(String::new(), |words| format!(" ({words})"));
-            format!("{name} {count}{words}")
+        let reasons = reasons.into_iter().map(|Reason { name, count, detail }| {
+            let detail = detail.as_ref().map_or(String::new(), |detail| format!(" ({detail})"));
+            format!("{name} {count}{detail}")
         });
-        let asked = self.asked;
+        let total = self.total;
         let reasons = reasons.collect::<Vec<_>>().join(", ");
-        let share = percent(failed as f64 / asked.max(1) as f64);
-        (failed > 0).then(|| format!("{subject}: {failed} of {asked} ({share} %): {reasons}."))
+        let share = percent(failed as f64 / total.max(1) as f64);
+        (failed > 0).then(|| format!("{subject}: {failed} of {total} ({share} %): {reasons}."))
     }
 }
 
@@ -132,20 +132,20 @@ fn message_about<'a>(messages: &'a str, reason: &str, is_meant: impl Fn(&str) ->
         let who = messages[..at].rsplit("; ").next().filter(|who| is_meant(who))?;
         let rest = &messages[at + mark.len()..];
         let ends = ["; unimog/", "; wumpus/", "; policy ", "; and "].iter().filter_map(|next| rest.find(next));
-        let words = &rest[..ends.min().unwrap_or(rest.len())];
-        let counted = words.rsplit_once(" (").filter(|(_, times)| times.ends_with(" times)"));
-        Some((who, counted.map_or(words, |(words, _)| words)))
+        let detail = &rest[..ends.min().unwrap_or(rest.len())];
+        let counted = detail.rsplit_once(" (").filter(|(_, times)| times.ends_with(" times)"));
+        Some((who, counted.map_or(detail, |(detail, _)| detail)))
     })
 }
 
 impl AddAssign for Failures {
     fn add_assign(&mut self, other: Self) {
-        self.asked = self.asked.saturating_add(other.asked);
+        self.total = self.total.saturating_add(other.total);
         self.policy = self.policy.take().or(other.policy);
         for (column, reason) in other.reasons {
             let sum = self.reasons.entry(column).or_insert(Reason { name: reason.name, ..Reason::default() });
             sum.count = sum.count.saturating_add(reason.count);
-            sum.words = sum.words.take().or(reason.words);
+            sum.detail = sum.detail.take().or(reason.detail);
         }
     }
 }
@@ -160,8 +160,8 @@ mod tests {
     #[test]
     fn messages_are_found_by_their_reason_and_whom_they_are_about() {
         let mut messages = FailureMessages::default();
-        let mut add = |who: &str, at_s: f64, reason, words: &str| {
-            messages.add(who, SimTime::from_seconds(at_s), reason, words);
+        let mut add = |who: &str, at_s: f64, reason, detail: &str| {
+            messages.add(who, SimTime::from_seconds(at_s), reason, detail);
         };
         add("unimog/0", 1.0, PlanFailure::Crashed, "ended with exit code 3; its last words: no map");
         add("unimog/1", 2.0, PlanFailure::Crashed, "ended with exit code 4; its last words: no map");
@@ -194,12 +194,12 @@ mod tests {
 
     #[test]
     fn reasons_add_up_over_runs_and_the_most_frequent_comes_first() {
-        let of = |asked, reasons: &[(usize, &'static str, u64, Option<&str>)]| Failures {
-            asked,
+        let of = |total, reasons: &[(usize, &'static str, u64, Option<&str>)]| Failures {
+            total,
             reasons: reasons
                 .iter()
-                .map(|&(place, name, count, words)| {
-                    (place, Reason { name: name.to_owned(), count, words: words.map(str::to_owned) })
+                .map(|&(place, name, count, detail)| {
+                    (place, Reason { name: name.to_owned(), count, detail: detail.map(str::to_owned) })
                 })
                 .collect(),
             policy: None,

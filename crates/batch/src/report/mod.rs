@@ -16,8 +16,8 @@ pub use audits::{AuditOptions, AuditReport, AuditSource, AuditsError, LISTED_VIO
 pub use failures::Failures;
 pub use finish::{Merged, merge, read_report, read_rows};
 pub use html_report::{
-    ChartData, ChosenQuantities, Facet, FacetSeries, FieldPicture, MAX_PANELS, NotableRun, PaperCharts, ReportError,
-    ReportParts, WrittenReport, notable_runs, runs_with_pages, word_facets, write_chart, write_chart_data,
+    ChartData, Facet, FacetSeries, FieldPicture, MAX_PANELS, NotableRun, PaperCharts, ReportError, ReportParts,
+    SelectedQuantities, WrittenReport, notable_runs, runs_with_pages, word_facets, write_chart, write_chart_data,
     write_paper_chart, write_report,
 };
 pub use json::RunObject;

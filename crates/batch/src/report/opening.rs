@@ -33,19 +33,19 @@ fn of_one(variant: &VariantReport) -> String {
         return "No run finished.".into();
     }
     let won = winners(tally);
-    let saved = Saved::new(variant).map(|saved| saved.words(variant));
+    let saved = Saved::new(variant).map(|saved| saved.text(variant));
     let burned = || burned_area(variant);
     let trucks = tally.trucks_name();
-    let words = match (won, saved) {
+    let text = match (won, saved) {
         // A winner that also saves bushes is named once.
         (Some(Won::Trucks(won)), Some(saved)) => format!("{won} and saved {saved}"),
-        (Some(won), Some(saved)) => format!("{}; {trucks} saved {saved}", won.words()),
-        (Some(won), None) => format!("{}{}", won.words(), burned().map_or(String::new(), |area| format!("; {area}"))),
+        (Some(won), Some(saved)) => format!("{}; {trucks} saved {saved}", won.text()),
+        (Some(won), None) => format!("{}{}", won.text(), burned().map_or(String::new(), |area| format!("; {area}"))),
         (None, Some(saved)) if tally.trucks == 0 => format!("without trucks, {saved} did not burn"),
         (None, Some(saved)) => format!("{trucks} saved {saved}"),
         (None, None) => burned().unwrap_or_else(|| format!("{} finished", count_of(tally.done))),
     };
-    sentence(&words) + "."
+    sentence(&text) + "."
 }
 
 /// The side that won the most runs, in words.
@@ -55,9 +55,9 @@ enum Won {
 }
 
 impl Won {
-    fn words(self) -> String {
-        let (Self::Trucks(words) | Self::Others(words)) = self;
-        words
+    fn text(self) -> String {
+        let (Self::Trucks(text) | Self::Others(text)) = self;
+        text
     }
 }
 
@@ -107,7 +107,7 @@ impl Saved {
     }
 
     /// Writes `64 % of 248 bushes (mean; 95 % interval 57 to 70 %)`.
-    fn words(&self, variant: &VariantReport) -> String {
+    fn text(&self, variant: &VariantReport) -> String {
         let bushes = variant.column(OBSTACLES);
         let are_equal = bushes.mean() == bushes.largest();
         let bushes = match bushes.largest().filter(|_| are_equal) {
@@ -202,13 +202,13 @@ fn of_several_with_failures(variants: &[VariantReport], labels: &Labels) -> Stri
     };
     let failed: Vec<usize> = (0..variants.len()).filter(|&index| variants[index].tally.not_done() > 0).collect();
     parts.extend(failed.iter().take(MAX_NAMED).map(|&index| {
-        let words = match (variants[index].tally.not_done(), variants[index].tally.done) {
+        let text = match (variants[index].tally.not_done(), variants[index].tally.done) {
             (1, 0) => "failed".to_owned(),
             (2, 0) => "failed twice".to_owned(),
             (failed, 0) => format!("failed in all {}", count_of(failed)),
             (failed, done) => format!("failed in {failed} of {}", count_of(failed + done)),
         };
-        format!("{} {words}", name(index))
+        format!("{} {text}", name(index))
     }));
     if failed.len() > MAX_NAMED {
         let more = failed.len() - MAX_NAMED;
@@ -228,7 +228,7 @@ mod tests {
 
     fn won(done: u64, won_by_truck: u64, won_by_wumpus: u64) -> String {
         let tally = Tally { done, contested: done, won_by_truck, won_by_wumpus, ..Tally::new(1, 1) };
-        winners(&tally).map_or_else(String::new, Won::words)
+        winners(&tally).map_or_else(String::new, Won::text)
     }
 
     #[test]
@@ -243,7 +243,7 @@ mod tests {
             ["the Unimog won", "the Wumpus won", "the run was tied"]
         );
         let fleet = Tally { done: 4, failed: 1, contested: 4, won_by_truck: 3, ..Tally::new(20, 2) };
-        assert_eq!(winners(&fleet).map(Won::words).as_deref(), Some("the trucks won 3 of 4 finished runs (1 tied)"));
+        assert_eq!(winners(&fleet).map(Won::text).as_deref(), Some("the trucks won 3 of 4 finished runs (1 tied)"));
         assert!(winners(&Tally { done: 4, ..Tally::new(0, 1) }).is_none(), "no contest");
     }
 

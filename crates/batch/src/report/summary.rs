@@ -177,7 +177,7 @@ impl BatchReport {
         add(labels.chain(["finished", "failed"]).map(text).chain(means).collect());
         for (index, (variant, report)) in plan.variants.iter().zip(&self.variants).enumerate() {
             let swept = variant.swept.iter().map(|value| match value {
-                Value::Text(words) => text(words),
+                Value::Text(value) => text(value),
                 number => number.to_string(),
             });
             let labels = [(index + 1).to_string(), text(&variant.scenario.name), text(&planner_of(&variant.scenario))];
@@ -221,7 +221,7 @@ impl BatchReport {
             let unit = unit.map_or_else(String::new, |symbol| format!(" ({symbol})"));
             let headings = ["Variant", "Runs", "Mean", "Std dev", "95% low", "95% high"];
             let rows = self.variants.iter().map(row).collect();
-            Table::new(&headings, rows).with_caption(&format!("{}{unit}: {}", about.name, about.words)).into()
+            Table::new(&headings, rows).with_caption(&format!("{}{unit}: {}", about.name, about.description)).into()
         };
         places.iter().map(table).collect()
     }

@@ -239,8 +239,8 @@ impl Tally {
 }
 
 /// Makes a sentence of words: its first letter is large.
-pub(super) fn sentence(words: &str) -> String {
-    let mut letters = words.chars();
+pub(super) fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 

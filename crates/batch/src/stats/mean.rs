@@ -104,8 +104,8 @@ mod tests {
             let estimate = estimate_mean(&sample, random).expect("there are values");
             estimate.interval.expect("they differ").contains(1.0 / 3.0)
         };
-        let held = (0..300).filter(holds).count();
-        assert!((270..=297).contains(&held), "{held} of 300");
+        let covered = (0..300).filter(holds).count();
+        assert!((270..=297).contains(&covered), "{covered} of 300");
     }
 
     #[test]

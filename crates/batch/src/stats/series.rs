@@ -235,12 +235,12 @@ mod tests {
             let uniform = |bits: u64| ((bits >> 11) as f64 + 1.0) / (1_u64 << 53) as f64;
             Series::from_values(&[(); 5].map(|()| -ops::ln(uniform(random.next_u64()))))
         };
-        let held = |interval: fn(&Series) -> Option<Interval>| {
+        let covered = |interval: fn(&Series) -> Option<Interval>| {
             let holds = |trial: &u64| interval(&sample(*trial)).is_some_and(|interval| interval.contains(1.0));
             (0..1000).filter(holds).count()
         };
-        let within = held(|it| it.mean_interval_within((0.0, f64::INFINITY)));
-        let plain = held(Series::mean_interval);
+        let within = covered(|it| it.mean_interval_within((0.0, f64::INFINITY)));
+        let plain = covered(Series::mean_interval);
         assert!((905..=960).contains(&within) && within > plain + 20, "{within} and {plain} of 1000");
     }
 

@@ -63,8 +63,8 @@ impl SurvivalCurve {
     /// Returns the estimated probability that the event comes later than `time`. Beyond the last time it stays at the
     /// last value.
     pub fn at(&self, time: f64) -> f64 {
-        let begun = self.steps.partition_point(|step| step.time <= time);
-        begun.checked_sub(1).map_or(1.0, |last| self.steps[last].survival)
+        let passed = self.steps.partition_point(|step| step.time <= time);
+        passed.checked_sub(1).map_or(1.0, |last| self.steps[last].survival)
     }
 
     /// Returns the first time by which at least half have had the event; `None` if fewer ever do.

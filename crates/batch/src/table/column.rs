@@ -85,7 +85,7 @@ impl Unit {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Column<F> {
     pub name: &'static str,
-    pub words: &'static str,
+    pub description: &'static str,
     pub unit: Unit,
     pub kind: Kind,
     /// True if every row has a value.
@@ -105,7 +105,7 @@ impl Column<()> {
     /// A column that the program does not define.
     pub const UNKNOWN: Self = Self {
         name: "",
-        words: "",
+        description: "",
         unit: Unit::None,
         kind: Kind::Real,
         is_required: false,
@@ -145,8 +145,8 @@ impl<F: Copy> Column<F> {
 
     /// Returns the column without the computation of its value.
     pub const fn without_value(&self) -> Column<()> {
-        let Self { name, words, unit, kind, is_required, title, better, phrase, aim, .. } = *self;
-        Column { name, words, unit, kind, is_required, title, better, phrase, aim, value: () }
+        let Self { name, description, unit, kind, is_required, title, better, phrase, aim, .. } = *self;
+        Column { name, description, unit, kind, is_required, title, better, phrase, aim, value: () }
     }
 
     /// Returns whether it holds measured or counted numbers, not words and not names such as seeds.
@@ -167,7 +167,7 @@ impl<F: Copy> Column<F> {
     pub fn described(&self) -> FileColumn {
         FileColumn {
             name: Cow::Borrowed(self.name),
-            words: Cow::Borrowed(self.words),
+            description: Cow::Borrowed(self.description),
             unit: self.unit,
             kind: self.kind,
             is_required: self.is_required,
@@ -179,7 +179,7 @@ impl<F: Copy> Column<F> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileColumn {
     pub name: Cow<'static, str>,
-    pub words: Cow<'static, str>,
+    pub description: Cow<'static, str>,
     pub unit: Unit,
     pub kind: Kind,
     /// True if every row has a value; otherwise a value may be missing, which is null.
@@ -189,8 +189,8 @@ pub struct FileColumn {
 impl FileColumn {
     /// Returns the column of a swept key.
     pub fn swept(key: &str, kind: Kind) -> Self {
-        let words = format!("value of `{key}`").into();
-        Self { name: key.to_owned().into(), words, unit: Unit::None, kind, is_required: true }
+        let description = format!("value of `{key}`").into();
+        Self { name: key.to_owned().into(), description, unit: Unit::None, kind, is_required: true }
     }
 }
 

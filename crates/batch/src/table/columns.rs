@@ -38,8 +38,8 @@ pub struct AgentRow<'a> {
 
 impl<'a> AgentRow<'a> {
     fn policy(&self) -> Option<&'a str> {
-        let own = self.label.policies.iter().find(|(agent, _)| *agent == self.outcome.agent);
-        own.map(|(_, name)| name.as_str())
+        let policy = self.label.policies.iter().find(|(agent, _)| *agent == self.outcome.agent);
+        policy.map(|(_, name)| name.as_str())
     }
 
     /// Returns the agents of a run, in the order of its timeline; none for a run that is not done.
@@ -130,15 +130,15 @@ fn winner(outcome: &Outcome) -> String {
     .into()
 }
 
-/// Reads lines `name: [optional] Kind Unit "words" = value, what else there is to say of it;`.
+/// Reads lines `name: [optional] Kind Unit "description" = value, what else there is to say of it;`.
 macro_rules! columns {
     ($Column:ty, $row:ident;
-     $($name:ident: $($about:ident)+ $words:literal = $value:expr $(, $extra:ident($($argument:expr),*))*;)+) => {
+     $($name:ident: $($about:ident)+ $description:literal = $value:expr $(, $extra:ident($($argument:expr),*))*;)+) => {
         &[$({
             let (is_required, kind, unit) = about!($($about)+);
             let name = stringify!($name);
             let column: $Column = Column {
-                name, words: $words, unit, kind, is_required, title: "", better: None, phrase: None, aim: None,
+                name, description: $description, unit, kind, is_required, title: "", better: None, phrase: None, aim: None,
                 value: |$row| $value.into(),
             };
             column$(.$extra($($argument),*))*

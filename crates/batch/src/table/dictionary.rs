@@ -21,13 +21,13 @@ impl TableOfRows {
     /// Returns the columns of the table's file, including those of swept keys.
     pub fn columns(self, swept: &[FileColumn]) -> Vec<FileColumn> {
         let label = RUN_COLUMNS[..COLUMNS_BEFORE_SWEPT].iter().map(Column::described);
-        let own: Vec<FileColumn> = match self {
+        let columns_of_table: Vec<FileColumn> = match self {
             Self::Runs => RUN_COLUMNS[COLUMNS_BEFORE_SWEPT..].iter().map(Column::described).collect(),
             Self::PlannerCalls => CALL_COLUMNS.iter().map(Column::described).collect(),
             Self::States => STATE_COLUMNS.iter().map(Column::described).collect(),
             Self::Decisions => DECISION_COLUMNS.iter().map(Column::described).collect(),
         };
-        label.chain(swept.iter().cloned()).chain(own).collect()
+        label.chain(swept.iter().cloned()).chain(columns_of_table).collect()
     }
 }
 
@@ -63,8 +63,8 @@ fn property(column: &FileColumn) -> Json {
     };
     let kind = if column.is_required { json!(kind) } else { json!([kind, "null"]) };
     match column.unit {
-        Unit::None => json!({ "type": kind, "description": column.words }),
-        unit => json!({ "type": kind, "description": column.words, "unit": unit.symbol() }),
+        Unit::None => json!({ "type": kind, "description": column.description }),
+        unit => json!({ "type": kind, "description": column.description, "unit": unit.symbol() }),
     }
 }
 
@@ -85,7 +85,7 @@ mod tests {
             let columns = table.columns(&[]);
             let properties = schema_of(table, &columns)["properties"].as_object().expect("columns").clone();
             assert_eq!(properties.len(), columns.len(), "{table:?} has a column twice");
-            assert!(columns.iter().all(|column| !column.words.is_empty()), "{table:?}");
+            assert!(columns.iter().all(|column| !column.description.is_empty()), "{table:?}");
         }
     }
 

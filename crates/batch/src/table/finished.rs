@@ -89,7 +89,7 @@ impl FinishedBatch {
     pub fn expect_registry(&self, registry: &CustomRegistry) -> Result<(), FinishedError> {
         match self.plan.expect_registry(registry, &self.folder) {
             Err(_) if self.runs().all(|run| self.recording(&run).is_some()) => Ok(()),
-            known => Ok(known?),
+            status => Ok(status?),
         }
     }
 

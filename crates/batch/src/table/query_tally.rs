@@ -45,7 +45,7 @@ impl QueryTally {
             failed,
             rescued: number("truck_lattice_plans"),
             timed_out: number("truck_failed_timed_out"),
-            limited_runs: OTHER_LIMITS.iter().any(|words| message.contains(words)).into(),
+            limited_runs: OTHER_LIMITS.iter().any(|phrase| message.contains(phrase)).into(),
             asks: number("policy_asked"),
             failed_asks: sum("policy_failed_").saturating_add(number("policy_illegal")),
             timed_out_asks: number("policy_failed_timed_out"),

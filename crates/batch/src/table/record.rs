@@ -75,8 +75,8 @@ impl RunRecord {
     /// Returns the status of the run; an unknown word counts as failed.
     pub fn status(&self) -> Status {
         let word = self.text(STATUS);
-        let known = [Status::Done, Status::Panicked].into_iter().find(|status| status.to_string() == word);
-        known.unwrap_or(Status::Failed)
+        let parsed = [Status::Done, Status::Panicked].into_iter().find(|status| status.to_string() == word);
+        parsed.unwrap_or(Status::Failed)
     }
 
     pub fn is_done(&self) -> bool {
@@ -104,11 +104,11 @@ impl RunRecord {
         // What policies were asked is in no recording.
         let is_outcome = |name: &str| !is_measured(name) && !name.starts_with("policy_");
         let outcomes = RUN_COLUMNS.iter().zip(self.0.iter().zip(&again.0)).filter(|(it, _)| is_outcome(it.name));
-        let (column, (said, found)) = outcomes.into_iter().find(|(_, (said, found))| said != found)?;
-        let [said, found] = [said, found].map(|value| match value.to_string() {
+        let (column, (stored, found)) = outcomes.into_iter().find(|(_, (stored, found))| stored != found)?;
+        let [stored, found] = [stored, found].map(|value| match value.to_string() {
             word if word.is_empty() => "nothing".into(),
             word => word,
         });
-        Some(format!("its row has {} {said}, its run gives {found}", column.name))
+        Some(format!("its row has {} {stored}, its run gives {found}", column.name))
     }
 }

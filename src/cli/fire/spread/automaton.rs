@@ -8,7 +8,7 @@ use std::thread;
 use serde::{Serialize, Serializer};
 
 use super::automaton_arguments::AutomatonArguments;
-use super::{LitCell, SpreadArguments};
+use super::{SpreadArguments, TimedIgnition};
 use crate::cli::args::jobs_or_all;
 use crate::cli::error::CliError;
 use crate::cli::fire::options::WindStep;
@@ -32,21 +32,21 @@ struct Burned {
 
 pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     let files = Files { form: arguments.form, ..Files::default() };
-    let words = files.writing([(Format::Csv, &arguments.automaton.areas)]).check()?;
+    let stream = files.writing([(Format::Csv, &arguments.automaton.areas)]).check()?;
     let frame = arguments.frame();
-    let report = AutomatonReport::new(arguments, frame, lit_at_start(arguments, frame)?);
-    let printed = words.print(&arguments.form.render(&report));
+    let report = AutomatonReport::new(arguments, frame, ignited_at_start(arguments, frame)?);
+    let printed = stream.print(&arguments.form.render(&report));
     let areas = arguments.automaton.areas.as_deref();
     printed.and(output_files::write_all(&[(areas, &|path| write_areas(path, &report.fires))], quiet))
 }
 
-fn lit_at_start(arguments: &SpreadArguments, frame: FieldFrame) -> Result<Vec<Cell>, CliError> {
-    let at_start = |lit: LitCell| {
-        let LitCell { cell: cell @ Cell { col, row }, seconds } = lit;
+fn ignited_at_start(arguments: &SpreadArguments, frame: FieldFrame) -> Result<Vec<Cell>, CliError> {
+    let at_start = |ignition: TimedIgnition| {
+        let TimedIgnition { cell: cell @ Cell { col, row }, seconds } = ignition;
         let sentence = || format!("--ignite {row},{col}@{seconds}: the automaton ignites only at 0 s");
         if seconds > 0.0 { Err(CliError::bad_input(sentence(), None)) } else { Ok(cell) }
     };
-    arguments.lit(frame)?.into_iter().map(at_start).collect()
+    arguments.ignitions(frame)?.into_iter().map(at_start).collect()
 }
 
 fn write_areas(path: &Path, fires: &[Burned]) -> io::Result<()> {
@@ -63,13 +63,13 @@ struct AutomatonReport<'a> {
     arguments: &'a SpreadArguments,
     rules: AlexandridisRules,
     frame: FieldFrame,
-    lit: Vec<Cell>,
+    ignited: Vec<Cell>,
     /// In the order of their seeds.
     fires: Vec<Burned>,
 }
 
 impl<'a> AutomatonReport<'a> {
-    fn new(arguments: &'a SpreadArguments, frame: FieldFrame, lit: Vec<Cell>) -> Self {
+    fn new(arguments: &'a SpreadArguments, frame: FieldFrame, ignited: Vec<Cell>) -> Self {
         let seed = arguments.automaton.seed;
         let [slope_deg, uphill_deg] = arguments.automaton.slope_and_uphill_deg(&arguments.slope);
         let rules = arguments.automaton.rules();
@@ -77,8 +77,8 @@ impl<'a> AutomatonReport<'a> {
         let fuel = 102;
         let landscape = Landscape { relief: Relief::Plane(uphill), ..Landscape::uniform(frame, fuel) };
         let automaton = Alexandridis::new(Arc::new(landscape), Arc::new(arguments.weather()), rules, seed);
-        let fires = burn_all(&automaton, &frame, &lit, &arguments.automaton);
-        Self { arguments, rules, frame, lit, fires }
+        let fires = burn_all(&automaton, &frame, &ignited, &arguments.automaton);
+        Self { arguments, rules, frame, ignited, fires }
     }
 
     fn areas(&self) -> Vec<f64> {
@@ -89,14 +89,19 @@ impl<'a> AutomatonReport<'a> {
 }
 
 /// Burns all fires on a few threads, in the order of their seeds whatever thread has burned which.
-fn burn_all(automaton: &Alexandridis, frame: &FieldFrame, lit: &[Cell], arguments: &AutomatonArguments) -> Vec<Burned> {
+fn burn_all(
+    automaton: &Alexandridis,
+    frame: &FieldFrame,
+    ignited: &[Cell],
+    arguments: &AutomatonArguments,
+) -> Vec<Burned> {
     let &AutomatonArguments { runs, seed, steps, jobs, .. } = arguments;
     let cells = || (0..frame.cell_count()).map(|index| frame.cell(index));
     let fuel = FireField::new(*frame, &[], false).with_ground(cells());
     let burn = |run: u32| {
         let mut fires = fuel.clone();
         let automaton = automaton.with_seed(seed.wrapping_add(run.into()));
-        let last_step = automaton.burn_alone(&mut fires, lit, steps.unwrap_or(u32::MAX));
+        let last_step = automaton.burn_alone(&mut fires, ignited, steps.unwrap_or(u32::MAX));
         // All that was lit has burned or burns; what is left could still be lit.
         Burned { area: frame.cell_count() - fires.flammable().len(), last_step }
     };
@@ -139,7 +144,7 @@ impl From<&AutomatonReport<'_>> for Document {
             [slope, uphill] => format!("slope of {} degrees, uphill to {}", short(slope), short(uphill)),
         };
         document.add_list(vec![
-            format!("{} rows of {} cells; {} lit", frame.rows, frame.cols, count(report.lit.len(), "cell")),
+            format!("{} rows of {} cells; {} lit", frame.rows, frame.cols, count(report.ignited.len(), "cell")),
             format!("Probability of spread {}; {wind}; {slope}", short(rules.p0)),
         ]);
         let areas = report.areas();
@@ -188,7 +193,7 @@ impl Serialize for AutomatonReport<'_> {
             seed: arguments.seed,
             wind: wind.collect::<Vec<_>>(),
             // Row from the south and column of each cell that was lit.
-            lit: self.lit.iter().map(|cell| [cell.row, cell.col]).collect::<Vec<_>>(),
+            lit: self.ignited.iter().map(|cell| [cell.row, cell.col]).collect::<Vec<_>>(),
             area_mean: series.mean(),
             area_sd: series.standard_deviation(),
             area_sem: series.standard_error(),

@@ -53,7 +53,7 @@ impl TreeLayer {
             return Ok(Self::File(path.to_owned()));
         }
         let number = numbers::within(text, range).map(Self::Number);
-        number.ok_or_else(|| format!("expected a number {}, or a raster (.asc, .tif)", numbers::range_words(range)))
+        number.ok_or_else(|| format!("expected a number {}, or a raster (.asc, .tif)", numbers::range_text(range)))
     }
 }
 
@@ -70,17 +70,17 @@ impl CanopyArguments {
     }
 
     /// Returns the trees of all cells; `None` if there are none.
-    pub fn trees(&self, cells: usize, given: Option<&ImportedLayers>) -> Option<CanopyLayers> {
+    pub fn trees(&self, cells: usize, imported: Option<&ImportedLayers>) -> Option<CanopyLayers> {
         self.canopy_height.as_ref()?;
         let mut settings = CrownSettings::default();
         let numbers = [&mut settings.height_m, &mut settings.base_m, &mut settings.density_kg_m3, &mut settings.cover];
         for (number, layer) in numbers.into_iter().zip(self.layers()) {
-            if let Some(TreeLayer::Number(given)) = layer {
-                *number = *given;
+            if let Some(TreeLayer::Number(uniform)) = layer {
+                *number = *uniform;
             }
         }
         let mut trees = CanopyLayers::uniform(&settings.canopy(), cells);
-        given.inspect(|given| given.plant(&mut trees));
+        imported.inspect(|imported| imported.plant(&mut trees));
         Some(trees)
     }
 

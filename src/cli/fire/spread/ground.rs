@@ -61,11 +61,11 @@ impl<'a> GroundSources<'a> {
         let layers = layers.finish();
         let frame = layers.as_ref().map_or_else(|| arguments.frame(), |layers| layers.frame);
         check_memory(&frame, arguments)?;
-        let given = [arguments.rows.map(f64::from), arguments.cols.map(f64::from), arguments.cell];
-        let own = [frame.rows.into(), frame.cols.into(), frame.cell_m];
-        for ((name, given), own) in ["--rows", "--cols", "--cell"].into_iter().zip(given).zip(own) {
-            if let Some(given) = given.filter(|&given| given != own) {
-                return Err(refused(format!("{name} is {given}, expected {own} as in the raster")));
+        let requested = [arguments.rows.map(f64::from), arguments.cols.map(f64::from), arguments.cell];
+        let actual = [frame.rows.into(), frame.cols.into(), frame.cell_m];
+        for ((name, requested), actual) in ["--rows", "--cols", "--cell"].into_iter().zip(requested).zip(actual) {
+            if let Some(requested) = requested.filter(|&requested| requested != actual) {
+                return Err(refused(format!("{name} is {requested}, expected {actual} as in the raster")));
             }
         }
         let fuel = layers.as_ref().map(|layers| layers.fuel_or(self.fuel));

@@ -94,7 +94,7 @@ pub struct SpreadArguments {
     pub wind: Option<WindSteps>,
     /// Cell to ignite, at the start or some seconds later; may be repeated [default: the middle cell].
     #[arg(long, value_name = "ROW,COL[@SECONDS]", allow_hyphen_values = true, value_parser = ignition)]
-    pub ignite: Vec<LitCell>,
+    pub ignite: Vec<TimedIgnition>,
     /// Duration of the fire in seconds.
     #[arg(long, value_name = "TIME", default_value = "3600", allow_hyphen_values = true, value_parser = time_s)]
     pub duration: f64,
@@ -136,7 +136,7 @@ enum ModelName {
 
 /// A cell that is lit after some seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LitCell {
+pub struct TimedIgnition {
     pub cell: Cell,
     pub seconds: f64,
 }
@@ -158,13 +158,13 @@ fn neighbours(text: &str) -> Result<Neighbours, String> {
     count.ok_or_else(|| "expected 8, 16 or 32".to_owned())
 }
 
-fn ignition(text: &str) -> Result<LitCell, String> {
+fn ignition(text: &str) -> Result<TimedIgnition, String> {
     let (place, seconds) = match text.split_once('@') {
         Some((place, seconds)) => (place, time_s(seconds)?),
         None => (text, 0.0),
     };
     let cell = cell(place).map_err(|expected| expected + ", or 100,40@600 for one that is lit after 600 s")?;
-    Ok(LitCell { cell, seconds })
+    Ok(TimedIgnition { cell, seconds })
 }
 
 pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
@@ -183,12 +183,12 @@ impl SpreadArguments {
     }
 
     /// Returns the cells that are lit, the one in the middle if none is named, with their seconds.
-    fn lit(&self, frame: FieldFrame) -> Result<Vec<LitCell>, CliError> {
+    fn ignitions(&self, frame: FieldFrame) -> Result<Vec<TimedIgnition>, CliError> {
         if self.ignite.is_empty() {
-            return Ok(vec![LitCell { cell: Cell { col: frame.cols / 2, row: frame.rows / 2 }, seconds: 0.0 }]);
+            return Ok(vec![TimedIgnition { cell: Cell { col: frame.cols / 2, row: frame.rows / 2 }, seconds: 0.0 }]);
         }
-        match self.ignite.iter().find(|lit| lit.cell.col >= frame.cols || lit.cell.row >= frame.rows) {
-            Some(LitCell { cell: Cell { col, row }, .. }) => {
+        match self.ignite.iter().find(|ignited| ignited.cell.col >= frame.cols || ignited.cell.row >= frame.rows) {
+            Some(TimedIgnition { cell: Cell { col, row }, .. }) => {
                 let expected = format!("expected a row below {} and a column below {}", frame.rows, frame.cols);
                 Err(CliError::bad_input(format!("--ignite {row},{col}: there is no such cell; {expected}"), None))
             }
@@ -211,7 +211,7 @@ impl SpreadArguments {
 
     /// Refuses options of the other model.
     fn check_model(&self) -> Result<(), CliError> {
-        let (given, model) = match self.model {
+        let (options, model) = match self.model {
             ModelName::Rothermel => {
                 let AutomatonArguments { areas, steps, .. } = &self.automaton;
                 (vec![("--areas", areas.is_some()), ("--steps", steps.is_some())], "alexandridis")
@@ -225,7 +225,7 @@ impl SpreadArguments {
                 ([&rasters[..], &trees, &outputs, &perimeters].concat(), "rothermel")
             }
         };
-        match given.iter().find(|(_, is_given)| *is_given) {
+        match options.iter().find(|(_, is_set)| *is_set) {
             Some((name, _)) => Err(CliError::bad_input(format!("{name} is an option of --model {model}"), None)),
             None => Ok(()),
         }
@@ -238,10 +238,10 @@ mod tests {
 
     #[test]
     fn ignitions_are_rows_before_columns_with_or_without_a_time() {
-        let lit = |row, col, seconds| LitCell { cell: Cell { col, row }, seconds };
-        assert_eq!(ignition("100,40"), Ok(lit(100, 40, 0.0)));
-        assert_eq!(ignition("3, 5@12.5"), Ok(lit(3, 5, 12.5)));
-        assert_eq!(ignition("3,5@1:20:00"), Ok(lit(3, 5, 4800.0)));
+        let ignited = |row, col, seconds| TimedIgnition { cell: Cell { col, row }, seconds };
+        assert_eq!(ignition("100,40"), Ok(ignited(100, 40, 0.0)));
+        assert_eq!(ignition("3, 5@12.5"), Ok(ignited(3, 5, 12.5)));
+        assert_eq!(ignition("3,5@1:20:00"), Ok(ignited(3, 5, 4800.0)));
         for wrong in ["", "3", "3,", "-1,4", "3,4@", "3,4@-1", "70000,1", "1,2,3", "1.5,2"] {
             assert!(ignition(wrong).is_err(), "{wrong}");
         }

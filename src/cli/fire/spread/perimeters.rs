@@ -187,8 +187,8 @@ fn groups(frame: FieldFrame, inside: &[bool]) -> Vec<Option<usize>> {
 fn turns(ring: &[Point]) -> Ring {
     let count = ring.len();
     let is_turn = |&at: &usize| {
-        let [before, own, after] = [count - 1, 0, 1].map(|step| ring[(at + step) % count]);
-        let [to, from] = [[own[0] - before[0], own[1] - before[1]], [after[0] - own[0], after[1] - own[1]]];
+        let [before, corner, after] = [count - 1, 0, 1].map(|step| ring[(at + step) % count]);
+        let [to, from] = [[corner[0] - before[0], corner[1] - before[1]], [after[0] - corner[0], after[1] - corner[1]]];
         to[0] * from[1] != to[1] * from[0]
     };
     (0..count).filter(is_turn).map(|at| ring[at]).collect()

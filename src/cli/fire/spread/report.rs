@@ -231,14 +231,14 @@ fn farthest(
 ) -> Option<Farthest> {
     let frame = fire.fires().frame();
     let reached = burned.filter_map(|(cell, time)| {
-        let lit = ignitions
+        let ignited = ignitions
             .iter()
-            .filter(|&&(lit, _)| lit <= time)
-            .map(|&(lit, start)| (frame.centre(cell) - frame.centre(start), lit));
-        let (way, lit) = lit.min_by(|(a, _), (b, _)| a.length_squared().total_cmp(&b.length_squared()))?;
-        Some((cell, time, way, lit))
+            .filter(|&&(ignited_at, _)| ignited_at <= time)
+            .map(|&(ignited_at, start)| (frame.centre(cell) - frame.centre(start), ignited_at));
+        let (way, ignited_at) = ignited.min_by(|(a, _), (b, _)| a.length_squared().total_cmp(&b.length_squared()))?;
+        Some((cell, time, way, ignited_at))
     });
-    let (cell, time, way, lit) =
+    let (cell, time, way, ignited_at) =
         reached.max_by(|(_, _, a, _), (_, _, b, _)| a.length_squared().total_cmp(&b.length_squared()))?;
     (way.length_squared() > 0.0).then(|| Farthest {
         row: cell.row,
@@ -246,7 +246,7 @@ fn farthest(
         distance_m: way.length(),
         toward_deg: compass::azimuth_deg(way),
         arrival_s: time.as_seconds(),
-        mean_rate_m_min: 60.0 * way.length() / time.since(lit).as_seconds(),
+        mean_rate_m_min: 60.0 * way.length() / time.since(ignited_at).as_seconds(),
     })
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::ground::GroundSources;
 use super::report::SpreadReport;
-use super::{LitCell, SpreadArguments, perimeters};
+use super::{SpreadArguments, TimedIgnition, perimeters};
 use crate::cli::error::CliError;
 use crate::cli::map_of;
 use crate::cli::output_files::{self, Files, Format};
@@ -28,7 +28,7 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     let inputs = sources.rasters.iter().map(|&(_, path)| path).collect();
     let format = raster_format(arguments.arrival.as_deref());
     let times_s = arguments.perimeters.times_s(arguments.duration)?;
-    let words = Files { inputs, form: arguments.form, ..Files::default() }
+    let stream = Files { inputs, form: arguments.form, ..Files::default() }
         .writing([
             (format, &arguments.arrival),
             (Format::Tif, &arguments.bands),
@@ -92,7 +92,7 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     };
     let write_perimeters = |path: &Path| perimeters::write(path, &ground, &expected, &times_s);
     let draw = |path: &Path| {
-        let lit: Vec<Cell> = ignitions.iter().map(|&(_, cell)| cell).collect();
+        let ignited: Vec<Cell> = ignitions.iter().map(|&(_, cell)| cell).collect();
         let map = FieldMap {
             title: &report.title(),
             frame: landscape.frame,
@@ -101,12 +101,12 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
             without_value: "not burned",
             covers: &ground_covers(&landscape),
             landscape: Some(&landscape),
-            ignitions: &lit,
+            ignitions: &ignited,
             has_contours: true,
         };
         draw_field_maps("", &[map]).write_png(path)
     };
-    let printed = words.print(&arguments.form.render(&report));
+    let printed = stream.print(&arguments.form.render(&report));
     let written = output_files::write_all(
         &[
             (arguments.arrival.as_deref(), &write_arrivals),
@@ -131,17 +131,17 @@ fn raster_format(path: Option<&Path>) -> Format {
 
 /// Returns what is lit when, if it burns.
 fn ignitions(arguments: &SpreadArguments, landscape: &Landscape) -> Result<Vec<(SimTime, Cell)>, CliError> {
-    let ignition = |lit: LitCell| {
-        let fuel = landscape.fuel_number(lit.cell);
+    let ignition = |start: TimedIgnition| {
+        let fuel = landscape.fuel_number(start.cell);
         if FuelModel::by_number(fuel).is_some_and(FuelModel::burns) {
-            return Ok((SimTime::from_seconds(lit.seconds), lit.cell));
+            return Ok((SimTime::from_seconds(start.seconds), start.cell));
         }
-        let Cell { col, row } = lit.cell;
+        let Cell { col, row } = start.cell;
         let sentence = match FuelModel::by_number(fuel) {
             Some(model) => format!("--ignite {row},{col}: this cell cannot burn, its fuel is {fuel}, {}", model.name),
             None => format!("--ignite {row},{col}: this cell cannot burn, it has no fuel"),
         };
         Err(CliError::bad_input(sentence, Some("rows count from the south, from 0")))
     };
-    arguments.lit(landscape.frame)?.into_iter().map(ignition).collect()
+    arguments.ignitions(landscape.frame)?.into_iter().map(ignition).collect()
 }

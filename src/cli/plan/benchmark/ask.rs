@@ -12,7 +12,7 @@ use crate::cli::terminal::Progress;
 use wildfire_base::input_file::is_standard_stream;
 use wildfire_batch::{
     AttemptSettings, BatchPlan, BatchRequest, DriveQuery, DriveTable, MAX_QUERIES, PLANNER_KEY, RequestError, Seeds,
-    Sweep, Value, Variant, ask_all, asked_planners, expect_known_planners,
+    Sweep, Value, Variant, ask_all, expect_planners_exist, requested_planners,
 };
 use wildfire_planning::PlannerName;
 use wildfire_sim::scenario::{Problem, ScenarioText};
@@ -32,7 +32,7 @@ pub struct Benchmark<'a> {
 
 /// A field with a start and goals that planners were asked for.
 #[derive(Debug)]
-pub struct AskedProblem {
+pub struct BenchmarkProblem {
     /// Its place in the plan.
     pub variant: usize,
     pub seed: u64,
@@ -45,14 +45,14 @@ pub struct AskedProblem {
 pub struct Answers {
     pub drives: DriveTable,
     /// In the order of the queries.
-    pub problems: Vec<AskedProblem>,
+    pub problems: Vec<BenchmarkProblem>,
 }
 
 /// The answers of one variant with one seed.
 #[derive(Default)]
 struct Part {
     rows: Vec<DriveQuery>,
-    problems: Vec<AskedProblem>,
+    problems: Vec<BenchmarkProblem>,
 }
 
 impl<'a> Benchmark<'a> {
@@ -66,7 +66,7 @@ impl<'a> Benchmark<'a> {
         let mut request = BatchRequest {
             scenarios: vec![arguments.scenario.clone()],
             texts: vec![text.clone()],
-            changes: context.with_own_names(&[]),
+            changes: context.with_custom_names(&[]),
             seeds: Some(seeds(arguments)?),
             memory: Some(arguments.memory.limit()),
             ..BatchRequest::default()
@@ -85,16 +85,16 @@ impl<'a> Benchmark<'a> {
         }
         let plan = request.resolve(true)?;
         let planners: Vec<_> =
-            plan.variants.iter().map(|variant| asked_planners(&arguments.planners, &variant.scenario)).collect();
-        for (variant, asked) in plan.variants.iter().zip(&planners) {
-            expect_known_planners(&context.registry, &variant.scenario, asked)?;
-            context.expect_trusted_planners(&variant.scenario, asked)?;
+            plan.variants.iter().map(|variant| requested_planners(&arguments.planners, &variant.scenario)).collect();
+        for (variant, names) in plan.variants.iter().zip(&planners) {
+            expect_planners_exist(&context.registry, &variant.scenario, names)?;
+            context.expect_trusted_planners(&variant.scenario, names)?;
         }
         let mut values: Vec<Vec<Value>> = Vec::new();
-        let mut place_of = |own: &Variant| {
-            let place = values.iter().position(|known| *known == own.swept).unwrap_or(values.len());
+        let mut place_of = |variant: &Variant| {
+            let place = values.iter().position(|existing| *existing == variant.swept).unwrap_or(values.len());
             if place == values.len() {
-                values.push(own.swept.clone());
+                values.push(variant.swept.clone());
             }
             place
         };
@@ -120,9 +120,9 @@ impl<'a> Benchmark<'a> {
 
     /// Makes every problem once, so that one that cannot be made is known before hours of work, and counts the queries.
     fn check_size(&self) -> Result<(), CliError> {
-        let asked = self.planners.iter().map(Vec::len).sum::<usize>() as u64;
+        let planner_count = self.planners.iter().map(Vec::len).sum::<usize>() as u64;
         let min = self.arguments.problems.problems().min_goals() as u64;
-        let mut queries = asked.saturating_mul(self.plan.seeds.count()).saturating_mul(min);
+        let mut queries = planner_count.saturating_mul(self.plan.seeds.count()).saturating_mul(min);
         if queries <= MAX_QUERIES {
             queries = 0;
             for number in 1..=self.plan.count() {
@@ -201,7 +201,7 @@ impl<'a> Benchmark<'a> {
             rows,
             problems: problems
                 .into_iter()
-                .map(|Problem { name, goals, .. }| AskedProblem {
+                .map(|Problem { name, goals, .. }| BenchmarkProblem {
                     variant: index,
                     seed: run.seed,
                     field: name,

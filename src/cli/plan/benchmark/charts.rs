@@ -77,7 +77,7 @@ fn sheets(file: &str, drawings: Vec<Drawing>) -> impl Iterator<Item = ChartSheet
 }
 
 /// The words that tell groups apart: planners, then the values of each key.
-fn words(queries: &DriveTable, groups: &[PlannerSummary]) -> Vec<Vec<String>> {
+fn group_texts(queries: &DriveTable, groups: &[PlannerSummary]) -> Vec<Vec<String>> {
     let planners = groups.iter().map(|group| group.planner.to_string()).collect();
     let key = |(index, name): (usize, &String)| {
         groups.iter().map(|group| format!("{name} {}", queries.variants[group.variant][index])).collect()
@@ -87,7 +87,7 @@ fn words(queries: &DriveTable, groups: &[PlannerSummary]) -> Vec<Vec<String>> {
 
 /// `None` where all queries have the same number.
 fn boxes(queries: &DriveTable, groups: &[PlannerSummary], measure: &Measure) -> Option<BoxChart> {
-    let own = |series: FacetSeries| {
+    let named_box = |series: FacetSeries| {
         let group = &groups[series.variants[0]];
         BoxSeries {
             name: series.name,
@@ -96,11 +96,12 @@ fn boxes(queries: &DriveTable, groups: &[PlannerSummary], measure: &Measure) -> 
             quartiles: group.quartiles(measure).map(|quartiles| quartiles.map(|value| measure.scale * value)),
         }
     };
-    let facets = word_facets(words(queries, groups), None).into_iter();
-    let panels: Vec<BoxPanel> =
-        facets.map(|panel| BoxPanel { name: panel.name, boxes: panel.series.into_iter().map(own).collect() }).collect();
+    let facets = word_facets(group_texts(queries, groups), None).into_iter();
+    let panels: Vec<BoxPanel> = facets
+        .map(|panel| BoxPanel { name: panel.name, boxes: panel.series.into_iter().map(named_box).collect() })
+        .collect();
     let mut ends =
-        panels.iter().flat_map(|panel| &panel.boxes).filter_map(|own| own.values.first().zip(own.values.last()));
+        panels.iter().flat_map(|panel| &panel.boxes).filter_map(|it| it.values.first().zip(it.values.last()));
     let (&first, _) = ends.clone().next()?;
     ends.any(|(low, high)| *low != first || *high != first).then(|| BoxChart {
         titles: Titles {
@@ -172,7 +173,7 @@ impl Over<'_> {
             Curve { name: series.name, style: series.style, points }
         };
         // Planners come before the keys.
-        let facets = word_facets(words(self.queries, self.groups), Some(self.key + 1)).into_iter();
+        let facets = word_facets(group_texts(self.queries, self.groups), Some(self.key + 1)).into_iter();
         let panels = facets
             .map(|panel| CurvePanel { name: panel.name, curves: panel.series.into_iter().map(curve).collect() })
             .collect();

@@ -19,7 +19,7 @@ use super::report::planner_settings;
 use crate::cli::args::PaperArguments;
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
-use crate::cli::output_files::{self, Files, Format, Words};
+use crate::cli::output_files::{self, Files, Format, ReportStream};
 use crate::cli::terminal;
 use ask::{Answers, Benchmark};
 use page::{charts_folder_of, write_page};
@@ -42,11 +42,11 @@ pub fn matches(arguments: &PlanArguments) -> Result<bool, CliError> {
 
 pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let benchmark = begin(arguments, context)?;
-    let words = files(arguments).check()?;
+    let stream = files(arguments).check()?;
     arguments.report.as_deref().map_or(Ok(()), check_folder)?;
     let started = arguments.ompl.as_ref().map(|_| Started::now()).transpose()?;
-    let report = asked(arguments, &benchmark)?;
-    let printed = words.print(&arguments.form.render(&report));
+    let report = run_queries(arguments, &benchmark)?;
+    let printed = stream.print(&arguments.form.render(&report));
     // Whatever cannot be written, all else is kept.
     let log = |path: &Path| ompl_log(&benchmark, &report, started)?.write(path);
     let written = output_files::write_all(
@@ -60,16 +60,16 @@ pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCo
 }
 
 fn begin<'a>(arguments: &'a PlanArguments, context: &'a CommandContext) -> Result<Benchmark<'a>, CliError> {
-    let asked_for =
+    let file_options =
         [("--paths", arguments.paths.is_some()), ("--png", arguments.png.is_some()), ("--repeat", arguments.repeat)];
-    if let Some((option, _)) = asked_for.into_iter().find(|(_, is_asked)| *is_asked) {
+    if let Some((option, _)) = file_options.into_iter().find(|(_, is_requested)| *is_requested) {
         let sentence = format!("{option} needs a single variant and seed; expected --seed, and one value of each key");
         return Err(CliError::bad_input(sentence, Some("leave it out, or plan the drives of one field separately")));
     }
     Benchmark::new(arguments, context)
 }
 
-fn asked<'a>(arguments: &'a PlanArguments, benchmark: &Benchmark<'_>) -> Result<BenchmarkReport<'a>, CliError> {
+fn run_queries<'a>(arguments: &'a PlanArguments, benchmark: &Benchmark<'_>) -> Result<BenchmarkReport<'a>, CliError> {
     let Answers { drives, problems } = benchmark.ask()?;
     Ok(BenchmarkReport {
         scenario: benchmark.plan.variants[0].scenario.name.clone(),
@@ -125,31 +125,34 @@ fn ompl_log<'a>(
         let values = plan.swept_keys.iter().zip(&plan.variants[variant].swept);
         values.map(|(key, value)| format!(", {key} {value}")).collect::<String>()
     };
-    let problem = |it: &ask::AskedProblem| {
+    let problem = |it: &ask::BenchmarkProblem| {
         format!("field {}, seed {}{}, {} goals", it.field, it.seed, title(it.variant), it.goals)
     };
     let mut planners = Vec::new();
-    for (variant, asked) in benchmark.planners.iter().enumerate() {
+    for (variant, names) in benchmark.planners.iter().enumerate() {
         let changes = &plan.variants[variant].changes;
         // It was loaded from the same text before.
         let loaded = LoadedScenario::from_text(&benchmark.text, changes).map_err(std::io::Error::other)?;
-        for planner in asked {
-            let own = &plan.variants[variant];
-            let swept = plan.swept_keys.iter().cloned().zip(own.swept.iter().map(ToString::to_string));
+        for planner in names {
+            let plan_variant = &plan.variants[variant];
+            let swept = plan.swept_keys.iter().cloned().zip(plan_variant.swept.iter().map(ToString::to_string));
             let settings = planner_settings(planner, &loaded);
-            let settings =
-                swept.filter(|(key, _)| settings.iter().all(|(own, _)| own != key)).chain(settings.clone()).collect();
+            let settings = swept
+                .filter(|(key, _)| settings.iter().all(|(setting, _)| setting != key))
+                .chain(settings.clone())
+                .collect();
             planners.push((variant, OmplPlanner { name: planner.name(), settings, runs: Vec::new() }));
         }
     }
     let mut place = 0;
-    for (number, asked) in report.problems.iter().enumerate() {
-        let count = asked.goals * benchmark.planners[asked.variant].len();
+    for (number, problem) in report.problems.iter().enumerate() {
+        let count = problem.goals * benchmark.planners[problem.variant].len();
         for query in &report.drives.rows[place..place + count] {
-            let own =
-                planners.iter_mut().find(|(variant, own)| *variant == asked.variant && *own.name == *query.planner);
-            let run = OmplRun { problem: number, seed: asked.seed, query };
-            own.expect("it is one of those asked").1.runs.push(run);
+            let planner = planners
+                .iter_mut()
+                .find(|(variant, planner)| *variant == problem.variant && *planner.name == *query.planner);
+            let run = OmplRun { problem: number, seed: problem.seed, query };
+            planner.expect("it is one of those asked").1.runs.push(run);
         }
         place += count;
     }
@@ -160,7 +163,7 @@ fn ompl_log<'a>(
         started,
         memory: plan.memory,
         program_limit_s: programs
-            .map(|(variant, asked)| program_limit_s(asked, &variant.scenario.planner))
+            .map(|(variant, names)| program_limit_s(names, &variant.scenario.planner))
             .fold(0.0, f64::max),
         problems: report.problems.iter().map(problem).collect(),
         planners: planners.into_iter().map(|(_, planner)| planner).collect(),
@@ -188,7 +191,7 @@ pub fn report(arguments: &PlanReportArguments, quiet: bool) -> Result<ExitCode, 
         return Err(CliError::bad_input(sentence, None));
     }
     let files = Files { inputs: vec![&table], outputs: vec![(Format::Html, &page)], ..Files::default() };
-    let words: Words = files.check()?;
+    let stream: ReportStream = files.check()?;
     check_folder(&charts_folder_of(&page))?;
     let queries = DriveTable::read(&table)?;
     let paper = arguments.paper.charts()?;
@@ -198,7 +201,7 @@ pub fn report(arguments: &PlanReportArguments, quiet: bool) -> Result<ExitCode, 
     let forms = arguments.paper.forms();
     let mut document = Document::new(format!("{shown}, and {} charts as {forms} in {charts}", written.charts));
     document.add_list(written.refused);
-    words.print(&document.to_text())?;
+    stream.print(&document.to_text())?;
     terminal::note_unknown_letters(written.texts.iter().map(String::as_str), quiet);
     Ok(ExitCode::SUCCESS)
 }

@@ -81,15 +81,15 @@ fn document(queries: &DriveTable, groups: &[PlannerSummary], charts: &Charts, ti
     let mut seeds: Vec<u64> = queries.rows.iter().filter_map(|query| query.seed).collect();
     seeds.sort_unstable();
     seeds.dedup();
-    let mut words = vec![
+    let mut parts = vec![
         count(queries.planners().len(), "planner"),
         count(queries.variants.len(), "variant"),
         count(seeds.len(), "seed"),
     ];
     // A table without seeds has no number of them.
-    words.retain(|word| word != "0 seeds");
+    parts.retain(|word| word != "0 seeds");
     let rows = queries.rows.len();
-    let summary = format!("{}: {rows} queries. wildfire {PROGRAM_VERSION}.", words.join(", "));
+    let summary = format!("{}: {rows} queries. wildfire {PROGRAM_VERSION}.", parts.join(", "));
     let figures = |sheets: &[ChartSheet]| -> Vec<Block> {
         let name = folder.file_name().unwrap_or_default().to_string_lossy();
         let block = |sheet: &ChartSheet| {

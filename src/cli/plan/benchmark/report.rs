@@ -2,12 +2,12 @@
 
 use serde::{Serialize, Serializer};
 
-use crate::cli::plan::benchmark::ask::AskedProblem;
+use crate::cli::plan::benchmark::ask::BenchmarkProblem;
 use wildfire_base::document::number::count;
 use wildfire_base::document::{Block, Document};
 use wildfire_base::object;
 use wildfire_batch::{
-    DriveTable, INTERVAL_LEGEND, PROGRAM_VERSION, PlannerSummary, failure_sentences, interval_tables, queries_words,
+    DriveTable, INTERVAL_LEGEND, PROGRAM_VERSION, PlannerSummary, failure_sentences, interval_tables, queries_text,
     violation_sentences,
 };
 
@@ -20,7 +20,7 @@ pub struct BenchmarkReport<'a> {
     pub seeds: String,
     pub drives: DriveTable,
     pub summaries: Vec<PlannerSummary>,
-    pub problems: Vec<AskedProblem>,
+    pub problems: Vec<BenchmarkProblem>,
 }
 
 impl Serialize for BenchmarkReport<'_> {
@@ -42,7 +42,7 @@ impl From<&BenchmarkReport<'_>> for Document {
     /// The settings, a table for each variant, and what went wrong.
     fn from(report: &BenchmarkReport<'_>) -> Self {
         let planners = count(report.drives.planners().len(), "planner");
-        let queries = queries_words(report.drives.rows.len() as u64);
+        let queries = queries_text(report.drives.rows.len() as u64);
         let title = format!("Benchmark of {planners}, seeds {}: {queries}", report.seeds);
         let changes: String = report.changes.iter().map(|change| format!(", {change}")).collect();
         let settings = format!("Settings of the scenario `{}`{changes}.", report.scenario);
@@ -73,12 +73,12 @@ mod tests {
         let text = Document::from(&report).to_text();
         assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
         assert!(text.starts_with("Benchmark of 2 planners, seeds 0..19: 240 queries\n"), "{text}");
-        for words in [
+        for fragment in [
             "field.coverage 0.05, fire.model -so: 40 queries of each planner",
             "own: budget spent 30 times, first on field =made up,~, goal 0 (field.coverage 0.05",
             "prm-rs: violation on field =made up,~, goal 1",
         ] {
-            assert!(text.replace("\n  ", " ").contains(words), "{words}: {text}");
+            assert!(text.replace("\n  ", " ").contains(fragment), "{fragment}: {text}");
         }
         let object = serde_json::to_value(&report).expect("it is JSON");
         let row = &object["rows"][1];

@@ -97,15 +97,15 @@ impl Started {
     /// # Errors
     /// If that is no time.
     pub fn now() -> Result<Self, CliError> {
-        let Some(given) = env::var_os(SOURCE_DATE_EPOCH) else {
+        let Some(epoch) = env::var_os(SOURCE_DATE_EPOCH) else {
             #[expect(clippy::disallowed_methods, reason = "the log says the day of the benchmark")]
             let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
             return Ok(Self(i64::try_from(now.as_secs()).unwrap_or(0)));
         };
-        let given = given.to_string_lossy();
-        let seconds = given.parse().ok().filter(|seconds| (0..=LAST_SECOND).contains(seconds));
+        let epoch = epoch.to_string_lossy();
+        let seconds = epoch.parse().ok().filter(|seconds| (0..=LAST_SECOND).contains(seconds));
         seconds.map(Self).ok_or_else(|| {
-            let sentence = format!("{SOURCE_DATE_EPOCH} is `{given}`; expected whole seconds since 1970");
+            let sentence = format!("{SOURCE_DATE_EPOCH} is `{epoch}`; expected whole seconds since 1970");
             CliError::bad_input(sentence, None)
         })
     }

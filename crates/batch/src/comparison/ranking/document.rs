@@ -1,6 +1,6 @@
 //! A ranking as a document.
 
-use crate::comparison::{Contrast, EntryAudit, RankedEntry, RankedPair, Ranking, p_words};
+use crate::comparison::{Contrast, EntryAudit, RankedEntry, RankedPair, Ranking, p_text};
 use crate::stats::Interval;
 use wildfire_base::document::number::{count, optional, percent, probability, rounded, two_digits};
 use wildfire_base::document::{Block, Document, Figure, Table};
@@ -142,7 +142,7 @@ fn remarks(ranking: &Ranking) -> Vec<String> {
         format!("{}: {runs} finished without a value of {metric}", name(entry))
     }));
     lines.extend(ranking.entries.iter().filter_map(|entry| entry.queries.machine_sentence(&name(entry))));
-    lines.extend(audit_words(ranking));
+    lines.extend(audit_lines(ranking));
     if ranking.entries.iter().any(|entry| entry.groups.is_none()) {
         lines.push("More groups than letters: see the ranks, or the pairs in --json".into());
     }
@@ -150,7 +150,7 @@ fn remarks(ranking: &Ranking) -> Vec<String> {
 }
 
 /// Says what the audit found, if there was one: a sentence for each entry with a violation.
-fn audit_words(ranking: &Ranking) -> Vec<String> {
+fn audit_lines(ranking: &Ranking) -> Vec<String> {
     let audits: Vec<(&RankedEntry, &EntryAudit)> =
         ranking.entries.iter().filter_map(|entry| Some((entry, entry.audit.as_ref()?))).collect();
     let repeated: u64 = audits.iter().map(|(_, audit)| audit.runs).sum();
@@ -201,7 +201,7 @@ fn notes(ranking: &Ranking) -> Vec<String> {
     let mut lines = vec![format!("Only neighbours are shown; --json has all {} pairs", ranking.pairs.len())];
     let differing = apart.count();
     if differing > 0 {
-        lines.push(format!("{differing} pairs differ significantly, the least certain with {}", p_words(min)));
+        lines.push(format!("{differing} pairs differ significantly, the least certain with {}", p_text(min)));
     }
     lines
 }

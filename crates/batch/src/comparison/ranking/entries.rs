@@ -8,9 +8,9 @@ use serde_json::Value as Json;
 use crate::comparison::ComparisonError;
 use crate::comparison::ranking::error::RankingError;
 use crate::comparison::runs_table::{Condition, RunsTable};
-use crate::comparison::settings::{KnownSettings, merged, seed_words, value_words};
+use crate::comparison::settings::{RecordedSettings, merged, seeds_text, value_text};
 use crate::comparison::sides::{Selection, whole};
-use crate::comparison::words::listed;
+use crate::comparison::wording::listed;
 use crate::plan::{
     ENTRY_COLUMN, FreeKeys, FreeParameters, RecordedPlan, TABLES_OF_PROGRAMS, kept_program, limits_of_programs,
     rules_of,
@@ -29,7 +29,7 @@ const MAX_NAMED: usize = 5;
 pub struct EntryRuns<'a> {
     pub name: String,
     pub table: &'a RunsTable,
-    settings: &'a KnownSettings,
+    settings: &'a RecordedSettings,
     /// The columns of its own that vary in its table, with its values.
     levels: Vec<(String, String)>,
     /// The runs by seed and stratum, which are the same for all entries.
@@ -66,7 +66,7 @@ impl<'a> Entries<'a> {
     /// same fields.
     pub fn new(
         tables: &'a [RunsTable],
-        settings: &'a [KnownSettings],
+        settings: &'a [RecordedSettings],
         selection: &Selection,
         RankRules { freedom, without }: &RankRules,
     ) -> Result<Self, RankingError> {
@@ -113,12 +113,12 @@ impl<'a> Entries<'a> {
             if keys(first) == keys(other) {
                 continue;
             }
-            let seeds = [first, other].map(|entry| seed_words(entry.runs.iter().map(|run| run.seed)));
+            let seeds = [first, other].map(|entry| seeds_text(entry.runs.iter().map(|run| run.seed)));
             let names = [first, other].map(|entry| entry.name.clone());
             return Err(if seeds[0] == seeds[1] {
                 RankingError::OtherConditions { names, columns: listed(&self.columns) }
             } else {
-                RankingError::OtherSeeds { names, seeds: seeds.map(|words| visible_start(&words)) }
+                RankingError::OtherSeeds { names, seeds: seeds.map(|text| visible_start(&text)) }
             });
         }
         Ok(())
@@ -148,7 +148,7 @@ impl<'a> Entries<'a> {
             let mut differences = program_differences([first, other].map(|entry| entry.settings.plan()));
             for (one, theirs) in ours.iter().zip(other.rules(self.strata, &freedom.keys)) {
                 for (key, values) in merged([one, &theirs]) {
-                    let [one, theirs] = values.map(|value| visible_start(&value_words(&value)));
+                    let [one, theirs] = values.map(|value| visible_start(&value_text(&value)));
                     differences.push(format!("{} is {one} and {theirs}", visible_start(&key)));
                 }
             }
@@ -161,9 +161,9 @@ impl<'a> Entries<'a> {
             }
             // Those without programs have no limits, so each is held against the first that has some.
             for (key, found) in other.limits_of_programs(&freedom.limits) {
-                let (name, known) = limits.entry(key.clone()).or_insert_with(|| (other.name.clone(), found.clone()));
-                if *known != found {
-                    let [one, theirs] = [&*known, &found].map(|value| visible_start(&value.to_string()));
+                let (name, existing) = limits.entry(key.clone()).or_insert_with(|| (other.name.clone(), found.clone()));
+                if *existing != found {
+                    let [one, theirs] = [&*existing, &found].map(|value| visible_start(&value.to_string()));
                     let differences = format!("{key} of their programs is {one} and {theirs}");
                     return Err(RankingError::OtherRules { names: [name.clone(), other.name.clone()], differences });
                 }
@@ -236,18 +236,19 @@ impl EntryRuns<'_> {
 /// The entries of a table: its runs by all that varies in it and may differ between entries.
 fn divided<'a>(
     table: &'a RunsTable,
-    settings: &'a KnownSettings,
+    settings: &'a RecordedSettings,
     selection: &Selection,
     free: &FreeKeys,
 ) -> Result<Vec<EntryRuns<'a>>, RankingError> {
     let side = whole(table, selection)?;
-    let own: Vec<&Condition> = side.varying().into_iter().filter(|it| is_entrys_own(&it.name, free)).collect();
-    let mut known: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
+    let conditions: Vec<&Condition> =
+        side.varying().into_iter().filter(|it| belongs_to_entry(&it.name, free)).collect();
+    let mut index_of: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
     let mut entries: Vec<EntryRuns<'a>> = Vec::new();
     for run in side.runs {
-        let levels: Vec<u32> = own.iter().map(|condition| condition.of_run[run]).collect();
-        let index = *known.entry(levels).or_insert_with(|| {
-            let levels = own.iter().map(|it| (it.name.clone(), it.level_of(run).to_owned())).collect();
+        let levels: Vec<u32> = conditions.iter().map(|condition| condition.of_run[run]).collect();
+        let index = *index_of.entry(levels).or_insert_with(|| {
+            let levels = conditions.iter().map(|it| (it.name.clone(), it.level_of(run).to_owned())).collect();
             entries.push(EntryRuns { name: String::new(), table, settings, levels, runs: Vec::new() });
             entries.len() - 1
         });
@@ -259,7 +260,7 @@ fn divided<'a>(
     Ok(entries)
 }
 
-fn is_entrys_own(column: &str, free: &FreeKeys) -> bool {
+fn belongs_to_entry(column: &str, free: &FreeKeys) -> bool {
     COLUMNS_OF_ENTRIES.contains(&column)
         || free.has_key(column)
         || column.split('.').next().is_some_and(|first| TABLES_OF_PROGRAMS.contains(&first))
@@ -271,13 +272,13 @@ fn name_entries(entries: &mut [EntryRuns<'_>]) -> Result<(), RankingError> {
     let is_one_table = entries.windows(2).all(|both| std::ptr::eq(both[0].table, both[1].table));
     let levels = |entry: &EntryRuns<'_>| {
         let entry_column = entry.levels.iter().find(|(name, _)| name == ENTRY_COLUMN);
-        let words = |(name, level): &(String, String)| match COLUMNS_OF_ENTRIES.contains(&name.as_str()) {
+        let level_text = |(name, level): &(String, String)| match COLUMNS_OF_ENTRIES.contains(&name.as_str()) {
             true => visible_start(level),
             false => format!("{} {}", visible_start(name), visible_start(level)),
         };
         match entry_column {
             Some((_, level)) => visible_start(level),
-            None => entry.levels.iter().map(words).collect::<Vec<_>>().join(", "),
+            None => entry.levels.iter().map(level_text).collect::<Vec<_>>().join(", "),
         }
     };
     let with_place = |place: String, levels: String| match () {
@@ -288,14 +289,14 @@ fn name_entries(entries: &mut [EntryRuns<'_>]) -> Result<(), RankingError> {
         let path = entry.table.path.parent().and_then(Path::file_name);
         path.map_or_else(|| "runs.csv".into(), |name| visible_start(&name.to_string_lossy()))
     };
-    let own = |entry: &EntryRuns<'_>| match levels(entry) {
-        words if words.is_empty() => visible_start(entry.planner()),
-        words => words,
+    let by_levels = |entry: &EntryRuns<'_>| match levels(entry) {
+        text if text.is_empty() => visible_start(entry.planner()),
+        text => text,
     };
     let by_folder = |entry: &EntryRuns<'_>| with_place(folder(entry), levels(entry));
     let by_path =
         |entry: &EntryRuns<'_>| with_place(visible_start(&entry.table.path.display().to_string()), levels(entry));
-    let ways: [&dyn Fn(&EntryRuns<'_>) -> String; 3] = [&own, &by_folder, &by_path];
+    let ways: [&dyn Fn(&EntryRuns<'_>) -> String; 3] = [&by_levels, &by_folder, &by_path];
     for way in ways.into_iter().skip(usize::from(!is_one_table)) {
         let names: Vec<String> = entries.iter().map(way).collect();
         let distinct: BTreeSet<&String> = names.iter().collect();
@@ -313,8 +314,8 @@ fn name_entries(entries: &mut [EntryRuns<'_>]) -> Result<(), RankingError> {
 fn leave_out(entries: &mut Vec<EntryRuns<'_>>, without: &[String]) -> Result<(), RankingError> {
     for name in without {
         if !entries.iter().any(|entry| entry.name == *name) {
-            let known = entries.iter().map(|entry| entry.name.as_str());
-            let nearest = nearest_name(name, known);
+            let names = entries.iter().map(|entry| entry.name.as_str());
+            let nearest = nearest_name(name, names);
             return Err(RankingError::NoEntry { name: visible_start(name), nearest });
         }
     }
@@ -335,7 +336,7 @@ fn varying_columns(entries: &[EntryRuns<'_>], free: &FreeKeys) -> Vec<String> {
             let varying = entry.table.conditions.iter().filter(|condition| varies(entry, condition));
             varying
                 .map(|condition| condition.name.clone())
-                .filter(|name| !is_entrys_own(name, free))
+                .filter(|name| !belongs_to_entry(name, free))
                 .collect::<Vec<_>>()
         })
         .collect();
@@ -352,13 +353,13 @@ fn number_strata(entries: &mut [EntryRuns<'_>], columns: &[String]) -> Result<us
             found.ok_or_else(|| RankingError::NoColumn { entry: entry.name.clone(), column: visible_start(column) })
         });
         let conditions: Vec<&Condition> = conditions.collect::<Result<_, _>>()?;
-        let mut known: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
+        let mut index_of: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
         for run in &mut entry.runs {
             let levels: Vec<u32> = conditions.iter().map(|condition| condition.of_run[run.index]).collect();
-            run.stratum = *known.entry(levels).or_insert_with(|| {
-                let words = conditions.iter().map(|condition| condition.level_of(run.index).to_owned()).collect();
+            run.stratum = *index_of.entry(levels).or_insert_with(|| {
+                let values = conditions.iter().map(|condition| condition.level_of(run.index).to_owned()).collect();
                 let next = numbers.len();
-                *numbers.entry(words).or_insert(next)
+                *numbers.entry(values).or_insert(next)
             });
         }
     }

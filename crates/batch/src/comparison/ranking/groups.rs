@@ -148,8 +148,8 @@ mod tests {
 
     #[test]
     fn ranks_count_who_is_better_and_who_is_worse_for_sure() {
-        let told = Significance::new(4, [(0, 2), (0, 3), (1, 3)]);
-        let ranks: Vec<_> = (0..4).map(|entry| told.ranks(entry, |one, other| one < other)).collect();
+        let significance = Significance::new(4, [(0, 2), (0, 3), (1, 3)]);
+        let ranks: Vec<_> = (0..4).map(|entry| significance.ranks(entry, |one, other| one < other)).collect();
         assert_eq!(ranks, [[1, 2], [1, 3], [2, 4], [3, 4]]);
         assert_eq!(Significance::new(1, []).ranks(0, |one, other| one < other), [1, 1]);
     }

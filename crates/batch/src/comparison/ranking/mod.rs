@@ -28,9 +28,9 @@ pub use groups::MAX_ENTRIES;
 use crate::comparison::contrast::{NumberPair, lifetime, number_of};
 use crate::comparison::metric::{Metric, MetricKind};
 use crate::comparison::runs_table::{self, RunsTable};
-use crate::comparison::settings::{KnownSettings, seed_words};
+use crate::comparison::settings::{RecordedSettings, seeds_text};
 use crate::comparison::sides::Selection;
-use crate::comparison::words::listed;
+use crate::comparison::wording::listed;
 use crate::comparison::{Contrast, LEVEL, adjusted};
 use crate::plan::FreeParameters;
 pub use crate::plan::USUALLY_FREE;
@@ -171,15 +171,15 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
     let tables =
         files.into_iter().map(|file| RunsTable::read(file, &of_metric)).collect::<Result<Vec<RunsTable>, _>>()?;
     let settings = |table: &RunsTable| {
-        let known = KnownSettings::read(table);
-        known.map_err(|reason| RankingError::RulesUnknown { path: table.path.clone(), reason })
+        let settings = RecordedSettings::read(table);
+        settings.map_err(|reason| RankingError::RulesUnknown { path: table.path.clone(), reason })
     };
     let settings = tables.iter().map(settings).collect::<Result<Vec<_>, _>>()?;
     // Entries may differ in a key that the rules of a course free, if all of them played by such rules.
     let of_courses =
         settings[0].plan().free.iter().filter(|key| settings.iter().all(|it| it.plan().free.contains(key)));
-    let asked: Vec<&str> = request.free.iter().chain(of_courses).map(String::as_str).collect();
-    let admission = RankRules { freedom: FreeParameters::parse(&asked)?, without: request.without.clone() };
+    let free_keys: Vec<&str> = request.free.iter().chain(of_courses).map(String::as_str).collect();
+    let admission = RankRules { freedom: FreeParameters::parse(&free_keys)?, without: request.without.clone() };
     let selection = Selection { by: None, only: request.only.clone() };
     let entries = Entries::new(&tables, &settings, &selection, &admission)?;
 
@@ -208,7 +208,7 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
     Ok(Ranking {
         better,
         runs: first.runs.len(),
-        seeds: seed_words(first.runs.iter().map(|run| run.seed)),
+        seeds: seeds_text(first.runs.iter().map(|run| run.seed)),
         columns: entries.columns.clone(),
         strata: entries.strata,
         worst,
@@ -277,14 +277,14 @@ fn numbers(
     let horizon = in_vain.map(|lifetime| lifetime.time).fold(f64::INFINITY, f64::min);
     let number = |row: &Option<Vec<f64>>| row.as_ref().map_or(f64::NAN, |row| number_of(metric, row, horizon));
     let mut numbers: Vec<Vec<f64>> = rows.iter().map(|rows| rows.iter().map(number).collect()).collect();
-    let known = || numbers.iter().flatten().copied().filter(|number| !number.is_nan());
-    if known().next().is_none() && rows.iter().flatten().any(Option::is_some) {
+    let finite = || numbers.iter().flatten().copied().filter(|number| !number.is_nan());
+    if finite().next().is_none() && rows.iter().flatten().any(Option::is_some) {
         return Err(RankingError::NoValues { metric: metric.name.to_string() });
     }
     let worst = match (&metric.kind, better) {
         (MetricKind::Answer { .. }, Better::Lower) => 1.0,
-        (_, Better::Higher) => known().fold(0.0, f64::min),
-        (_, Better::Lower) => known().fold(0.0, f64::max),
+        (_, Better::Higher) => finite().fold(0.0, f64::min),
+        (_, Better::Lower) => finite().fold(0.0, f64::max),
     };
     let mut missing = numbers.iter_mut().flatten().filter(|number| number.is_nan()).peekable();
     let is_used = missing.peek().is_some();
@@ -316,13 +316,13 @@ pub(crate) fn ranked(
         by_mean.then_with(|| one.failed.cmp(&other.failed)).then_with(|| one.name.cmp(&other.name))
     });
     let pairs = pairs(&contenders, runs, by, metric);
-    let told = Significance::new(
+    let significance = Significance::new(
         contenders.len(),
         pairs.iter().filter(|it| it.is_significant()).map(|it| (it.places[0], it.places[1])),
     );
-    let letters = told.letters();
+    let letters = significance.letters();
     let entries = contenders.into_iter().enumerate().map(|(place, RankInput { entry, .. })| RankedEntry {
-        ranks: told.ranks(place, |one, other| one.cmp(&other) == Ordering::Less),
+        ranks: significance.ranks(place, |one, other| one.cmp(&other) == Ordering::Less),
         groups: letters.as_ref().map(|letters| letters[place].clone()),
         ..entry
     });

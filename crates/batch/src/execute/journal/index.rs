@@ -27,7 +27,7 @@ pub struct JournalIndex {
     /// By place in the slice, the digest of the run's line. It is in memory only, so that a program which rewrites lines
     /// of the file cannot rewrite it.
     digests: Vec<u64>,
-    held: u64,
+    stored: u64,
     /// Runs held that are not done.
     not_done: u64,
     /// Runs that were held when the journal was read and that leave recordings.
@@ -53,13 +53,13 @@ pub struct FailedRuns {
 
 /// Adds failed runs to those of their variant.
 pub fn add_failed(failures: &mut BTreeMap<u64, FailedRuns>, variant: u64, failed: FailedRuns) {
-    let Some(known) = failures.get_mut(&variant) else {
+    let Some(existing) = failures.get_mut(&variant) else {
         failures.insert(variant, failed);
         return;
     };
-    known.count += failed.count;
-    if failed.first < known.first {
-        (known.first, known.message) = (failed.first, failed.message);
+    existing.count += failed.count;
+    if failed.first < existing.first {
+        (existing.first, existing.message) = (failed.first, failed.message);
     }
 }
 
@@ -78,7 +78,7 @@ impl JournalIndex {
             slice,
             offsets: vec![0; places],
             digests: vec![0; places],
-            held: 0,
+            stored: 0,
             not_done: 0,
             recorded: Vec::new(),
             failures: BTreeMap::new(),
@@ -138,7 +138,7 @@ impl JournalIndex {
     fn add(&mut self, place: usize, status: Status, offset: u64, line: &[u8]) {
         self.offsets[place] = offset;
         self.digests[place] = digest(line);
-        self.held += 1;
+        self.stored += 1;
         self.not_done += u64::from(status != Status::Done);
     }
 
@@ -169,18 +169,19 @@ impl JournalIndex {
     }
 
     /// Returns the number of runs in the journal, and of those among them that are not done.
-    pub fn held(&self) -> (u64, u64) {
-        (self.held, self.not_done)
+    pub fn stored(&self) -> (u64, u64) {
+        (self.stored, self.not_done)
     }
 
     pub fn is_complete(&self) -> bool {
-        self.held == self.count()
+        self.stored == self.count()
     }
 
     /// Iterates over the runs that are missing from the journal, in order.
     pub fn missing(&self) -> impl Iterator<Item = u64> + Send + 'static {
-        let (slice, held): (Slice, Vec<bool>) = (self.slice, self.offsets.iter().map(|&offset| offset != 0).collect());
-        (0..).zip(held).filter(|(_, held)| !held).map(move |(place, _)| slice.run_at(place))
+        let (slice, is_stored): (Slice, Vec<bool>) =
+            (self.slice, self.offsets.iter().map(|&offset| offset != 0).collect());
+        (0..).zip(is_stored).filter(|(_, is_stored)| !is_stored).map(move |(place, _)| slice.run_at(place))
     }
 
     /// Iterates over the runs with recordings that were in the journal when it was read, in order.
@@ -226,21 +227,21 @@ impl<'a> RowReader<'a> {
     /// resuming would believe them.
     pub fn row(&mut self, run: u64) -> Result<RunRow, JournalError> {
         let place = self.index.slice.place_of(run).expect("the run is one of this slice");
-        self.read_own_line(usize::try_from(place).expect("it is in memory"))?;
+        self.read_unchanged_line(usize::try_from(place).expect("it is in memory"))?;
         // The line was read before, so what is wrong now is a change of the format.
         let damaged = |reason| JournalError::Damaged { path: self.path.clone(), line: place + 2, reason };
         decode(&self.line).map_err(damaged)
     }
 
     /// Refuses a journal with a line that is not the one that was written, as [`Self::row`] does.
-    pub fn expect_own_lines(&mut self) -> Result<(), JournalError> {
+    pub fn expect_unchanged_lines(&mut self) -> Result<(), JournalError> {
         let index = self.index;
-        let held = index.offsets.iter().enumerate().filter(|(_, offset)| **offset != 0);
-        held.map(|(place, _)| place).try_for_each(|place| self.read_own_line(place))
+        let stored = index.offsets.iter().enumerate().filter(|(_, offset)| **offset != 0);
+        stored.map(|(place, _)| place).try_for_each(|place| self.read_unchanged_line(place))
     }
 
     /// Reads the line of the run at a place.
-    fn read_own_line(&mut self, place: usize) -> Result<(), JournalError> {
+    fn read_unchanged_line(&mut self, place: usize) -> Result<(), JournalError> {
         self.read_line(self.index.offsets[place]).map_err(|source| JournalError::unreadable(&self.path, source))?;
         if digest(&self.line) == self.index.digests[place] {
             return Ok(());

@@ -226,9 +226,9 @@ impl OpenJournal {
     fn expect_unchanged(&mut self) -> Result<(), JournalError> {
         let unreadable = |source| JournalError::unreadable(&self.path, source);
         let changed = |change: String| Err(JournalError::Changed { path: self.path.clone(), change });
-        let own = self.file.metadata().map_err(unreadable)?;
+        let metadata = self.file.metadata().map_err(unreadable)?;
         match fs::metadata(&self.path) {
-            Ok(found) if !is_same_file(&own, &found) => return changed("another file has its name".into()),
+            Ok(found) if !is_same_file(&metadata, &found) => return changed("another file has its name".into()),
             Ok(_) => {}
             Err(error) if error.kind() == ErrorKind::NotFound => {
                 return changed("it, or its folder, was removed or renamed".into());
@@ -236,7 +236,7 @@ impl OpenJournal {
             Err(error) => return Err(unreadable(error)),
         }
         let (expected, _) = self.index.end();
-        match own.len() {
+        match metadata.len() {
             found if found == expected => Ok(()),
             found => changed(format!("it has {found} bytes, expected the {expected} that were written")),
         }

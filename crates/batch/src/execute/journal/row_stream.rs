@@ -51,13 +51,13 @@ impl RowStream {
     /// Opens the journal of a slice, which no process may be writing, and reads its first line.
     ///
     /// # Errors
-    /// [`BatchError::NotBegun`] if there is none, [`BatchError::Incomplete`] if it has no whole line.
+    /// [`BatchError::SliceNotStarted`] if there is none, [`BatchError::Incomplete`] if it has no whole line.
     pub fn open(folder: &OutputFolder, slice: Slice, budget: StreamBudget<'_>) -> Result<Self, BatchError> {
         let path = folder.journal(slice);
         let lock = folder.keeping().lock;
         let file = open_to_read(&path, lock).map_err(|error| match error {
             JournalError::Unreadable { source, .. } if source.kind() == ErrorKind::NotFound => {
-                BatchError::NotBegun { path: folder.path().to_owned(), slice }
+                BatchError::SliceNotStarted { path: folder.path().to_owned(), slice }
             }
             other => other.into(),
         })?;
@@ -143,8 +143,8 @@ impl RowStream {
         let place = self.slice.place_of(run).filter(|&place| place < self.offsets.len() as u64);
         let Some(place) = place else { return Err(format!("run {run} is not in slice {}", self.slice)) };
         match &mut self.offsets[in_memory(place)] {
-            known @ 0 => {
-                *known = offset;
+            entry @ 0 => {
+                *entry = offset;
                 self.met += 1;
                 Ok(Some(place))
             }

@@ -126,7 +126,7 @@ impl AgentFile {
 
     /// Returns the changes that complete its programs: the limits that the file does not ask for, and its folder.
     fn changes_of_programs(&self, limits: &ProgramLimits) -> Result<Vec<Change>, CourseError> {
-        let own = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let agent_folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let mut changes = Vec::new();
         for list in TABLES_OF_PROGRAMS {
             let tables = self.table.get(list).and_then(TomlValue::as_table).into_iter().flatten();
@@ -141,13 +141,13 @@ impl AgentFile {
                     );
                     return Err(fault(&self.path, Some(line), &message));
                 };
-                let folder = own.join(table.get("folder").and_then(TomlValue::as_str).unwrap_or_default());
+                let folder = agent_folder.join(table.get("folder").and_then(TomlValue::as_str).unwrap_or_default());
                 let folder = fs::canonicalize(&folder).map_err(|error| {
                     fault(&self.path, Some(line), &format!("its folder {}: {error}", folder.display()))
                 })?;
                 let folder = TomlValue::String(folder.to_string_lossy().into_owned());
                 changes.push(Change { option: format!("{key}.folder={folder}"), line });
-                for limit in limits.given().into_iter().filter(|limit| !table.contains_key(limit.key)) {
+                for limit in limits.configured().into_iter().filter(|limit| !table.contains_key(limit.key)) {
                     changes.push(Change { option: format!("{key}.{}={}", limit.key, limit.value), line });
                 }
             }
@@ -188,13 +188,13 @@ fn change(leaf: &Leaf, course: &Course) -> Result<Option<String>, String> {
         // It is made a path that holds wherever the batch is resumed.
         Some(&"folder") if is_of_program && leaf.value.is_str() => return Ok(None),
         Some(last) if is_of_program => {
-            let limit = course.limits.given().into_iter().find(|limit| limit.key == *last);
+            let limit = course.limits.configured().into_iter().find(|limit| limit.key == *last);
             if let Some(limit) = limit {
-                let asked = leaf.value.as_float().or_else(|| leaf.value.as_integer().map(|whole| whole as f64));
-                if !asked.is_some_and(|asked| limit.admits(asked)) {
+                let requested = leaf.value.as_float().or_else(|| leaf.value.as_integer().map(|whole| whole as f64));
+                if !requested.is_some_and(|requested| limit.admits(requested)) {
                     let bound = if limit.is_most { "at most" } else { "at least" };
-                    let asked = &leaf.value;
-                    return Err(format!("`{written}` is {asked}; the rules allow {bound} {}", limit.value));
+                    let requested = &leaf.value;
+                    return Err(format!("`{written}` is {requested}; the rules allow {bound} {}", limit.value));
                 }
             }
         }

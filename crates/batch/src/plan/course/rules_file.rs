@@ -73,14 +73,14 @@ pub struct ProgramLimit {
 
 impl ProgramLimit {
     /// Says whether an agent may ask for a value.
-    pub fn admits(&self, asked: f64) -> bool {
-        if self.is_most { asked <= self.value } else { asked >= self.value }
+    pub fn admits(&self, requested: f64) -> bool {
+        if self.is_most { requested <= self.value } else { requested >= self.value }
     }
 }
 
 impl ProgramLimits {
     /// The limits that are given; where CPU time is limited, wall time is, at ten times it.
-    pub fn given(&self) -> Vec<ProgramLimit> {
+    pub fn configured(&self) -> Vec<ProgramLimit> {
         let wall = self.query_cpu_s.map(|cpu_s| (WALL_OF_CPU * cpu_s).min(LONGEST_WALL_S));
         let limits = [
             ("start_limit_s", self.start_limit_s, true),
@@ -125,7 +125,7 @@ pub struct Course {
 }
 
 enum CourseSeeds {
-    Given(Seeds),
+    Listed(Seeds),
     File(PathBuf),
 }
 
@@ -153,7 +153,7 @@ impl Course {
             return Err(at("free", &message));
         }
         let free = FreeKeys::parse(&file.free).map_err(|error| at("free", &error.to_string()))?;
-        for limit in file.limits.given() {
+        for limit in file.limits.configured() {
             let is_whole = limit.value.fract() == 0.0
                 || !["memory_limit_mb", "restarts", "expansions_per_query", "query_instructions", "start_instructions"]
                     .contains(&limit.key);
@@ -171,7 +171,7 @@ impl Course {
         let folder = path.parent().unwrap_or(Path::new(""));
         let seeds = match &file.seeds {
             SeedList::Text(text) if text.starts_with('@') => CourseSeeds::File(folder.join(&text[1..])),
-            seeds => CourseSeeds::Given(seeds.parse().map_err(|error| at("seeds", &error.to_string()))?),
+            seeds => CourseSeeds::Listed(seeds.parse().map_err(|error| at("seeds", &error.to_string()))?),
         };
         let (base, rules) = match base {
             Some(base) => {
@@ -180,18 +180,18 @@ impl Course {
             }
             None => scenario_of(file.scenario, folder, path, &at)?,
         };
-        let change = |table: &str, leaf: &Leaf, is_given: bool| {
+        let change = |table: &str, leaf: &Leaf, is_explicit: bool| {
             let line = format!("{table}.{}", leaf.keys.join("."));
             let key = leaf
                 .key()
                 .ok_or_else(|| at(&line, &format!("`{}` is not a key of a scenario", leaf.keys.join("."))))?;
-            if is_given && frees_within(&free, leaf) {
+            if is_explicit && frees_within(&free, leaf) {
                 let message = format!("`{key}` is both set by [{table}] and free; expected one of them");
                 return Err(at(&line, &message));
             }
             Ok(leaf.change(&key))
         };
-        let changes = rules.iter().map(|(leaf, is_given)| change("scenario", leaf, *is_given));
+        let changes = rules.iter().map(|(leaf, is_explicit)| change("scenario", leaf, *is_explicit));
         let changes = changes.collect::<Result<Vec<String>, _>>()?;
         let mut conditions = Vec::new();
         for (name, values) in file.conditions {
@@ -250,7 +250,7 @@ impl Course {
     /// The seeds, read from their file if they are in one.
     pub fn seeds(&self) -> Result<Seeds, CourseError> {
         let path = match &self.seeds {
-            CourseSeeds::Given(seeds) => return Ok(seeds.clone()),
+            CourseSeeds::Listed(seeds) => return Ok(seeds.clone()),
             CourseSeeds::File(path) => path,
         };
         let text = input_file::read_text(path, MAX_SEEDS_BYTES).map_err(|error| {
@@ -313,9 +313,9 @@ fn scenario_of(
         *map = folder.join(&*map).to_string_lossy().into_owned();
     }
     let open = |source: &str| ScenarioText::open(source).map_err(|error| at("scenario.from", &message_of(&error)));
-    let given = |table: Table| leaves(table).into_iter().map(|leaf| (leaf, true));
+    let explicit = |table: Table| leaves(table).into_iter().map(|leaf| (leaf, true));
     match table.remove("from") {
-        Some(TomlValue::String(source)) => Ok((open(&located(&source, folder))?, given(table).collect())),
+        Some(TomlValue::String(source)) => Ok((open(&located(&source, folder))?, explicit(table).collect())),
         Some(other) => Err(at("scenario.from", &format!("`from` is {other}; expected a name or a path as a text"))),
         None if table.is_empty() => Ok((open(USUAL_SCENARIO)?, Vec::new())),
         None => {

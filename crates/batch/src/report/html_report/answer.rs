@@ -9,7 +9,7 @@ use super::collected::{Collected, Values, mean_of};
 use super::compared::{Compared, Other};
 use super::figures::main_quantity;
 use super::quantities::{BURNED_AREA, BUSHES, SAVED, aims};
-use crate::comparison::{listed, p_words};
+use crate::comparison::{listed, p_text};
 use crate::plan::{BatchPlan, planner_of};
 use crate::report::tally::{Tally, sentence};
 use wildfire_base::document::number::{count, rounded, short, two_digits};
@@ -38,9 +38,9 @@ impl Answer {
         let tallies = variants.iter().map(|variant| &variant.tally);
         let (done, stuck) = tallies.fold((0, 0), |(done, stuck), tally| (done + tally.done, stuck + tally.stuck_runs));
         let runs = match collected.report.not_done() {
-            0 => format!("{done} of {done} runs finished; {}.", stuck_words(stuck, done)),
+            0 => format!("{done} of {done} runs finished; {}.", stuck_text(stuck, done)),
             _ if done == 0 => "No run finished.".to_owned(),
-            _ => format!("{} {}.", collected.report.opening(plan), sentence(&stuck_words(stuck, done))),
+            _ => format!("{} {}.", collected.report.opening(plan), sentence(&stuck_text(stuck, done))),
         };
         if sentences.is_empty() {
             return Self { sentence: runs, more: Vec::new() };
@@ -59,7 +59,7 @@ fn of_one(planner: &str, values: &Values, tally: &Tally) -> String {
         1 => "; 1 run has no result".into(),
         many => format!("; {many} runs have no result"),
     };
-    let ending = format!("in {runs}; {}{rest}.", stuck_words(tally.stuck_runs, tally.done));
+    let ending = format!("in {runs}; {}{rest}.", stuck_text(tally.stuck_runs, tally.done));
     if tally.done == 0 {
         return format!("No run finished{rest}.");
     }
@@ -68,7 +68,7 @@ fn of_one(planner: &str, values: &Values, tally: &Tally) -> String {
     let Some(share) = mean_of(&shares, SAVED.range()) else {
         let Some(area) = values.mean(&BURNED_AREA) else { return format!("{who}: {ending}") };
         let decimals = decimals(&area, 1.0);
-        let interval = interval_words(&area, 1.0, decimals);
+        let interval = interval_text(&area, 1.0, decimals);
         return format!("{who}: {} ha burned per run{interval} {ending}", rounded(area.value, decimals));
     };
     let saved: Vec<f64> = values
@@ -94,7 +94,7 @@ fn of_one(planner: &str, values: &Values, tally: &Tally) -> String {
     format!("{who} {saved} of {all} bushes ({percent}){verb} {ending}")
 }
 
-fn stuck_words(stuck: u64, done: u64) -> String {
+fn stuck_text(stuck: u64, done: u64) -> String {
     match stuck {
         0 => "no agent got stuck".into(),
         _ if stuck == done => "an agent got stuck in each".into(),
@@ -116,7 +116,7 @@ fn compared(compared: &Compared) -> String {
         several if by.contains(' ') => format!(", averaged over {several} combinations of {by}"),
         several => format!(", averaged over {several} values of {by}"),
     };
-    let (unit, factor) = quantity.in_words();
+    let (unit, factor) = quantity.unit_and_factor();
     let amount = amount(best_mean, unit, factor);
     if others.iter().all(|other| compared.better_by(other).value == 0.0 && !compared.is_significant(other)) {
         let all = if others.len() > 1 { format!("all {count} {kind}") } else { format!("both {kind}") };
@@ -132,7 +132,7 @@ fn compared(compared: &Compared) -> String {
         rounded(scale * better_by.value, decimals),
         than,
         next.name,
-        interval_words(&better_by, scale, decimals)
+        interval_text(&better_by, scale, decimals)
     );
     let alike: Vec<&str> =
         others.iter().filter(|other| !compared.is_significant(other)).map(|it| it.name.as_str()).collect();
@@ -168,11 +168,11 @@ fn dependence(compared: &Compared, other: &Other) -> Option<String> {
         among(Ordering::Equal).map(|names| format!("no evidence of a difference at {names}")),
     ];
     let sides: Vec<String> = sides.into_iter().flatten().collect();
-    let words = match other.dependence() {
-        Some(p) => format!("The difference from {} depends on {by}, {}", other.name, p_words(p)),
+    let text = match other.dependence() {
+        Some(p) => format!("The difference from {} depends on {by}, {}", other.name, p_text(p)),
         None => format!("By {by}, compared with {}", other.name),
     };
-    Some(format!(" {words}: {}.", sides.join("; ")))
+    Some(format!(" {text}: {}.", sides.join("; ")))
 }
 
 /// Decimals that show the uncertainty with two digits, or the value where none is known.
@@ -184,10 +184,10 @@ fn decimals(estimate: &Estimate, scale: f64) -> usize {
 /// Writes a mean with its interval, `68.2 % (95 % interval 67.7 to 68.7)`.
 fn amount(estimate: &Estimate, unit: &str, scale: f64) -> String {
     let decimals = decimals(estimate, scale);
-    format!("{} {unit}{}", rounded(scale * estimate.value, decimals), interval_words(estimate, scale, decimals))
+    format!("{} {unit}{}", rounded(scale * estimate.value, decimals), interval_text(estimate, scale, decimals))
 }
 
-fn interval_words(estimate: &Estimate, scale: f64, decimals: usize) -> String {
+fn interval_text(estimate: &Estimate, scale: f64, decimals: usize) -> String {
     let Some((low, high)) = estimate.interval else { return String::new() };
     let [low, high] = [low, high].map(|end| rounded(scale * end, decimals));
     format!(" (95 % interval {low} to {high})")

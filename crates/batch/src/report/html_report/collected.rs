@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::quantities::ChosenQuantities;
+use super::quantities::SelectedQuantities;
 use crate::comparison::Metric;
 use crate::plan::BatchPlan;
 use crate::report::summary::{BatchReport, VariantReport};
@@ -37,13 +37,17 @@ pub struct Values(BTreeMap<&'static str, Vec<f64>>);
 #[derive(Debug)]
 pub struct ListedRun {
     pub number: u64,
-    pub words: String,
+    pub reason: String,
 }
 
 impl Collected {
     /// Reads all rows, and keeps the usual and the chosen quantities of runs.
-    pub fn read(plan: &BatchPlan, mut rows: FinishedRows, chosen: &ChosenQuantities) -> Result<Self, FinishedError> {
-        let kept = chosen.kept();
+    pub fn read(
+        plan: &BatchPlan,
+        mut rows: FinishedRows,
+        selected: &SelectedQuantities,
+    ) -> Result<Self, FinishedError> {
+        let kept = selected.kept();
         let mut collected = Self::default();
         let mut stuck: Vec<(u64, f64)> = Vec::new();
         let mut number = 0;
@@ -60,8 +64,8 @@ impl Collected {
                     let seconds = STUCK_S.iter().filter_map(|&column| row.number(column)).sum::<f64>();
                     stuck.extend((seconds > 0.0).then_some((number, seconds)));
                 } else if collected.failures.len() < LISTED_RUNS {
-                    let words = format!("{}: {}", row.status(), row.message());
-                    collected.failures.push(ListedRun { number, words });
+                    let reason = format!("{}: {}", row.status(), row.message());
+                    collected.failures.push(ListedRun { number, reason });
                 }
             }
             collected.report.variants.push(report);
@@ -72,7 +76,7 @@ impl Collected {
         collected.stuck = stuck
             .into_iter()
             .take(LISTED_RUNS)
-            .map(|(number, seconds)| ListedRun { number, words: format!("{seconds:.1} s") })
+            .map(|(number, seconds)| ListedRun { number, reason: format!("{seconds:.1} s") })
             .collect();
         Ok(collected)
     }

@@ -71,10 +71,10 @@ impl Compared {
         let aim = quantity.about.aim?;
         let labels = Labels::new(plan);
         let planners = labels.crossed_planners();
-        let own = planners.clone().unwrap_or_else(|| labels.besides(&[]));
+        let planner_dimensions = planners.clone().unwrap_or_else(|| labels.besides(&[]));
         let rest = planners.as_ref().map_or_else(Vec::new, |planners| labels.besides(planners));
         let strata = labels.distinct(&rest);
-        let label = |variant: usize| (labels.label(variant, &own), labels.label(variant, &rest));
+        let label = |variant: usize| (labels.label(variant, &planner_dimensions), labels.label(variant, &rest));
         let is_in_bushes = *quantity == *SAVED && are_on_equal_fields(&labels, &rest, variants);
         let numbers = |variant: usize| {
             let of_seeds = variants[variant].of_seeds(quantity);
@@ -92,7 +92,7 @@ impl Compared {
             let has_numbers = numbers.iter().any(|number| number.is_finite());
             has_numbers.then_some(Group { name, variants: of_strata, numbers })
         };
-        let names = labels.distinct(&own);
+        let names = labels.distinct(&planner_dimensions);
         let planned = names.len();
         let mut groups: Vec<Group> = names.into_iter().filter_map(group).collect();
         // Where runs failed, means are over what all have finished, or one that fails in hard runs would lead.
@@ -148,7 +148,11 @@ impl Compared {
 
     /// Returns the words for a difference from the best, and the factor of the difference in them.
     pub fn than(&self) -> (&'static str, f64) {
-        if self.is_in_bushes { ("more bushes per run", 1.0) } else { (self.aim.than, self.quantity.in_words().1) }
+        if self.is_in_bushes {
+            ("more bushes per run", 1.0)
+        } else {
+            (self.aim.than, self.quantity.unit_and_factor().1)
+        }
     }
 
     /// Returns by how much the best is better than another.

@@ -41,9 +41,9 @@ pub fn facets_over(plan: &BatchPlan, key: usize) -> Vec<Facet> {
 
 /// Panels of other things than variants. They are named by lists of words, one list for each way in which they may
 /// differ, with a word for each thing; what charts compare most comes first. `over` is the list that makes the x axis.
-pub fn word_facets(words: Vec<Vec<String>>, over: Option<usize>) -> Vec<Facet> {
-    let count = words.first().map_or(0, Vec::len);
-    let labels = Labels::from_words(words);
+pub fn word_facets(texts: Vec<Vec<String>>, over: Option<usize>) -> Vec<Facet> {
+    let count = texts.first().map_or(0, Vec::len);
+    let labels = Labels::from_texts(texts);
     facets(count, &over.map_or_else(|| labels.clone(), |list| labels.clone().without(list)))
 }
 
@@ -77,7 +77,8 @@ fn facets(variants: usize, labels: &Labels) -> Vec<Facet> {
         match series.iter_mut().find(|series| series.name == name) {
             Some(series) => series.variants.push(variant),
             None => {
-                let style = STYLES[names.iter().position(|known| *known == name).expect("all names are known")];
+                let style =
+                    STYLES[names.iter().position(|other_name| *other_name == name).expect("all names are known")];
                 series.push(FacetSeries { name, style, variants: vec![variant] });
             }
         }
@@ -91,14 +92,14 @@ fn series_dimensions(labels: &Labels, groups: &[Vec<usize>]) -> Vec<usize> {
     {
         return planners;
     }
-    let mut chosen: Vec<usize> = Vec::new();
+    let mut selected: Vec<usize> = Vec::new();
     for group in groups {
-        let with_it = [chosen.as_slice(), group.as_slice()].concat();
+        let with_it = [selected.as_slice(), group.as_slice()].concat();
         if labels.distinct(&with_it).len() <= STYLES.len() {
-            chosen = with_it;
+            selected = with_it;
         }
     }
-    chosen
+    selected
 }
 
 #[cfg(test)]

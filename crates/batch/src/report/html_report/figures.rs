@@ -7,7 +7,7 @@ use super::facets::{Facet, FacetSeries, MAX_PANELS, variant_facets};
 use super::labels::Labels;
 use super::over_time::StateCurves;
 use super::quantities::{
-    BURNED_AREA, CPU_PARTS, ChosenQuantities, SAVED, SHARE_OF_OBSTACLES, STATES, is_of_custom_planners,
+    BURNED_AREA, CPU_PARTS, SAVED, SHARE_OF_OBSTACLES, STATES, SelectedQuantities, is_of_custom_planners,
 };
 use super::sweeps::{SweepChart, interval_note, main_curves, main_differences, sweep_charts};
 use crate::comparison::Metric;
@@ -64,19 +64,19 @@ pub struct FigureSource<'a> {
 impl FigureSource<'_> {
     /// Draws the figures of all variants on sheets of this width, in units. The picture below the answer is omitted if
     /// columns were requested.
-    pub fn draw(&self, chosen: &ChosenQuantities, width: f32) -> Figures {
+    pub fn draw(&self, selected: &SelectedQuantities, width: f32) -> Figures {
         let Self { plan, collected, states } = *self;
         let mut figures = Figures::default();
         let panels = variant_facets(plan);
-        if plan.variants.len() > 1 && chosen.asked().is_empty() {
+        if plan.variants.len() > 1 && selected.requested().is_empty() {
             self.add_answer(&mut figures, &panels, width);
         }
         if figures.admits("states, CPU time and distributions of the variants", panels.len()) {
-            for shown in means(chosen) {
+            for shown in means(selected) {
                 let chart = shown.bars(&panels, &collected.variants);
                 figures.add(Section::Means, chart.draw(width), ChartData::new(&shown.file, chart.rows()));
             }
-            for quantity in chosen.of_runs() {
+            for quantity in selected.of_runs() {
                 match distribution(quantity, &panels, &collected.variants) {
                     Ok(chart) => {
                         let file = format!("distribution-{}", quantity.name);
@@ -86,8 +86,8 @@ impl FigureSource<'_> {
                 }
             }
         }
-        figures.add_over_time(plan, states.unwrap_or(&[]), chosen, width);
-        for SweepChart { file, what, chart } in sweep_charts(plan, &collected.variants, chosen) {
+        figures.add_over_time(plan, states.unwrap_or(&[]), selected, width);
+        for SweepChart { file, what, chart } in sweep_charts(plan, &collected.variants, selected) {
             if figures.admits(&what, chart.panels.len()) {
                 figures.add(Section::Sweeps, chart.draw(width), ChartData::new(&file, chart.rows()));
             }
@@ -147,8 +147,8 @@ impl Figures {
     }
 
     /// Adds the states of each variant over time: a chart for each of a few variants, a panel for each of many.
-    fn add_over_time(&mut self, plan: &BatchPlan, states: &[StateCurves], chosen: &ChosenQuantities, width: f32) {
-        let shown = chosen.among(&STATES);
+    fn add_over_time(&mut self, plan: &BatchPlan, states: &[StateCurves], selected: &SelectedQuantities, width: f32) {
+        let shown = selected.among(&STATES);
         if shown.is_empty() || !states.iter().any(StateCurves::is_there) {
             return;
         }
@@ -188,13 +188,13 @@ struct MeansChart {
 }
 
 /// Lists the charts of means. A quantity that was asked for and goes with no other has a chart of its own.
-fn means(chosen: &ChosenQuantities) -> Vec<MeansChart> {
+fn means(selected: &SelectedQuantities) -> Vec<MeansChart> {
     let together = [
-        MeansChart::new("states", "Obstacle states at the end".into(), chosen.among(&STATES)),
-        MeansChart::new("cpu-time", "CPU time of a run by part".into(), chosen.among(&CPU_PARTS)),
+        MeansChart::new("states", "Obstacle states at the end".into(), selected.among(&STATES)),
+        MeansChart::new("cpu-time", "CPU time of a run by part".into(), selected.among(&CPU_PARTS)),
     ];
-    let alone = chosen
-        .asked()
+    let alone = selected
+        .requested()
         .iter()
         .filter(|quantity| !STATES.contains(quantity) && !CPU_PARTS.contains(quantity))
         .map(|&quantity| MeansChart::new(&format!("mean-{}", quantity.name), quantity.title(), vec![quantity]));
@@ -261,7 +261,7 @@ fn distribution(quantity: &'static Metric, panels: &[Facet], values: &[Values]) 
         strip.values.is_empty() || *count as f64 >= ALMOST_ALL * strip.values.len() as f64
     };
     if strips.iter().zip(&commonest).all(says_nothing) {
-        return Err(constant_words(quantity, &strips, &commonest));
+        return Err(constant_text(quantity, &strips, &commonest));
     }
     Ok(StripChart {
         titles: Titles {
@@ -280,7 +280,7 @@ fn commonest(ascending: &[f64]) -> (f64, usize) {
     equal.fold((f64::NAN, 0), |best, chunk| if chunk.len() > best.1 { (chunk[0], chunk.len()) } else { best })
 }
 
-fn constant_words(quantity: &'static Metric, strips: &[&Strip], commonest: &[(f64, usize)]) -> String {
+fn constant_text(quantity: &'static Metric, strips: &[&Strip], commonest: &[(f64, usize)]) -> String {
     let title = quantity.title();
     let unit = quantity.unit();
     let with_runs = || strips.iter().zip(commonest).filter(|(strip, _)| !strip.values.is_empty());
@@ -364,20 +364,23 @@ mod tests {
             values.sort_by(f64::total_cmp);
             Strip { name: String::new(), style: STYLES[0], values, quantiles: None }
         };
-        let said = |strips: &[Strip]| {
+        let sentence = |strips: &[Strip]| {
             let strips: Vec<&Strip> = strips.iter().collect();
             let commonest: Vec<_> = strips.iter().map(|strip| commonest(&strip.values)).collect();
-            constant_words(&MEASURES[2], &strips, &commonest)
+            constant_text(&MEASURES[2], &strips, &commonest)
         };
         let title = MEASURES[2].title();
-        assert_eq!(said(&[strip(vec![0.0; 4])]), format!("{title}: no distribution, since it is 0 s in all 4 runs."));
+        assert_eq!(
+            sentence(&[strip(vec![0.0; 4])]),
+            format!("{title}: no distribution, since it is 0 s in all 4 runs.")
+        );
         let nearly = strip([vec![0.0; 20], vec![7.5]].concat());
         assert_eq!(
-            said(&[nearly, strip(vec![])]),
+            sentence(&[nearly, strip(vec![])]),
             format!("{title}: no distribution, since it is 0 s in 20 of 21 runs.")
         );
-        assert!(said(&[strip(vec![1.0]), strip(vec![2.0])]).contains("of a variant have the same value"));
-        assert_eq!(said(&[strip(vec![])]), format!("{title}: no run has a value."));
+        assert!(sentence(&[strip(vec![1.0]), strip(vec![2.0])]).contains("of a variant have the same value"));
+        assert_eq!(sentence(&[strip(vec![])]), format!("{title}: no run has a value."));
         assert_eq!(commonest(&[1.0, 2.0, 2.0, 3.0, 3.0]), (2.0, 2));
     }
 

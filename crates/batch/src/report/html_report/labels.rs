@@ -22,7 +22,7 @@ pub struct Dimension {
     /// The index of the swept key, if it is one.
     key: Option<usize>,
     /// The word of each variant, as a chart shows it: `prm-rs`, `field.coverage 0.1`.
-    words: Vec<String>,
+    texts: Vec<String>,
     /// Its place in a label.
     place: usize,
 }
@@ -36,12 +36,12 @@ impl Labels {
         let scenarios = if follows(&names, &sources) { names } else { sources };
         let planners = variants().map(|variant| planner_of(&variant.scenario)).collect();
         let swept = plan.swept_keys.iter().enumerate().map(|(index, key)| {
-            let words = variants().map(|variant| format!("{key} {}", variant.swept[index])).collect();
-            Dimension { key: Some(index), words, place: index + 2 }
+            let texts = variants().map(|variant| format!("{key} {}", variant.swept[index])).collect();
+            Dimension { key: Some(index), texts, place: index + 2 }
         });
         let all = [
-            Dimension { key: None, words: planners, place: PLANNERS },
-            Dimension { key: None, words: scenarios, place: 0 },
+            Dimension { key: None, texts: planners, place: PLANNERS },
+            Dimension { key: None, texts: scenarios, place: 0 },
         ];
         let dimensions = all.into_iter().chain(swept).filter(Dimension::differs).collect();
         let mut labels = Self { scenario: plan.variants[0].scenario.name.clone(), dimensions };
@@ -50,12 +50,12 @@ impl Labels {
     }
 
     /// Creates names from lists of words, each of which has a word for each thing.
-    pub fn from_words(lists: Vec<Vec<String>>) -> Self {
-        let alone = lists.first().and_then(|words| words.first()).cloned().unwrap_or_default();
+    pub fn from_texts(lists: Vec<Vec<String>>) -> Self {
+        let alone = lists.first().and_then(|texts| texts.first()).cloned().unwrap_or_default();
         let dimensions = lists
             .into_iter()
             .enumerate()
-            .map(|(place, words)| Dimension { key: Some(place), words, place })
+            .map(|(place, texts)| Dimension { key: Some(place), texts, place })
             .filter(Dimension::differs)
             .collect();
         Self { scenario: alone, dimensions }
@@ -65,15 +65,15 @@ impl Labels {
     fn tell_all_apart(&mut self, variants: usize) {
         let all: Vec<usize> = (0..self.dimensions.len()).collect();
         if self.distinct(&all).len() < variants {
-            let words = (0..variants).map(|index| format!("variant {}", index + 1)).collect();
-            self.dimensions.push(Dimension { key: None, words, place: usize::MAX });
+            let texts = (0..variants).map(|index| format!("variant {}", index + 1)).collect();
+            self.dimensions.push(Dimension { key: None, texts, place: usize::MAX });
         }
     }
 
     /// Returns the same without a swept key, and without those that vary together with it.
     pub fn without(mut self, key: usize) -> Self {
         if let Some(left_out) = self.dimensions.iter().find(|dimension| dimension.key == Some(key)).cloned() {
-            self.dimensions.retain(|other| other.key.is_none() || !follows(&left_out.words, &other.words));
+            self.dimensions.retain(|other| other.key.is_none() || !follows(&left_out.texts, &other.texts));
         }
         self
     }
@@ -83,8 +83,8 @@ impl Labels {
         let mut groups: Vec<Vec<usize>> = Vec::new();
         for (index, dimension) in self.dimensions.iter().enumerate() {
             let goes_with = |group: &&mut Vec<usize>| {
-                let other = &self.dimensions[group[0]].words;
-                follows(other, &dimension.words) && follows(&dimension.words, other)
+                let other = &self.dimensions[group[0]].texts;
+                follows(other, &dimension.texts) && follows(&dimension.texts, other)
             };
             match groups.iter_mut().find(goes_with) {
                 Some(group) => group.push(index),
@@ -97,9 +97,9 @@ impl Labels {
     /// Returns the planners, with everything that varies with them, as dimensions; `None` unless they differ and each
     /// occurs with every combination of the rest.
     pub fn crossed_planners(&self) -> Option<Vec<usize>> {
-        let own =
+        let planner_name =
             self.dimensions.iter().position(|dimension| dimension.key.is_none() && dimension.place == PLANNERS)?;
-        let planners = self.groups().into_iter().find(|group| group.contains(&own))?;
+        let planners = self.groups().into_iter().find(|group| group.contains(&planner_name))?;
         let all: Vec<usize> = (0..self.dimensions.len()).collect();
         let count = |dimensions: &[usize]| self.distinct(dimensions).len();
         (count(&planners) * count(&self.besides(&planners)) == count(&all)).then_some(planners)
@@ -127,13 +127,13 @@ impl Labels {
     pub fn label(&self, variant: usize, dimensions: &[usize]) -> String {
         let mut parts: Vec<&Dimension> = dimensions.iter().map(|&index| &self.dimensions[index]).collect();
         parts.sort_by_key(|dimension| dimension.place);
-        let words: Vec<&str> = parts.iter().map(|dimension| dimension.words[variant].as_str()).collect();
-        if words.is_empty() { self.scenario.clone() } else { words.join(", ") }
+        let texts: Vec<&str> = parts.iter().map(|dimension| dimension.texts[variant].as_str()).collect();
+        if texts.is_empty() { self.scenario.clone() } else { texts.join(", ") }
     }
 
     /// Returns the distinct names by these dimensions, in the order of the variants.
     pub fn distinct(&self, dimensions: &[usize]) -> Vec<String> {
-        let variants = self.dimensions.first().map_or(1, |dimension| dimension.words.len());
+        let variants = self.dimensions.first().map_or(1, |dimension| dimension.texts.len());
         let mut seen = BTreeMap::new();
         for variant in 0..variants {
             seen.entry(self.label(variant, dimensions)).or_insert(variant);
@@ -146,14 +146,14 @@ impl Labels {
 
 impl Dimension {
     fn differs(&self) -> bool {
-        self.words.iter().any(|word| *word != self.words[0])
+        self.texts.iter().any(|word| *word != self.texts[0])
     }
 }
 
 /// Returns whether the word of a variant in `one` determines that in `other`.
 fn follows(one: &[String], other: &[String]) -> bool {
-    let mut known = BTreeMap::new();
-    one.iter().zip(other).all(|(word, other)| *known.entry(word).or_insert(other) == other)
+    let mut partners = BTreeMap::new();
+    one.iter().zip(other).all(|(word, other)| *partners.entry(word).or_insert(other) == other)
 }
 
 #[cfg(test)]

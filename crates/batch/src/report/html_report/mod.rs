@@ -28,7 +28,7 @@ pub use chart_files::{ChartData, write_chart, write_chart_data, write_paper_char
 pub use facets::{Facet, FacetSeries, MAX_PANELS, word_facets};
 pub(in crate::report) use labels::Labels;
 pub use notable::{NotableRun, notable_runs, runs_with_pages};
-pub use quantities::ChosenQuantities;
+pub use quantities::SelectedQuantities;
 
 use crate::execute::{BatchError, CHARTS_FOLDER, Machine, Machines, REPORT_FILE};
 use crate::plan::BatchPlan;
@@ -69,7 +69,7 @@ pub struct ReportParts<'a> {
     pub playing: &'a [NotableRun],
     /// The field at the end of the median run, if the batch has one variant and that run exists.
     pub field: Option<FieldPicture>,
-    pub quantities: &'a ChosenQuantities,
+    pub quantities: &'a SelectedQuantities,
     pub paper: PaperCharts,
 }
 

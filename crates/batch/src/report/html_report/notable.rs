@@ -29,12 +29,12 @@ fn page_of(word: &str) -> String {
 }
 
 /// What the runs are called: in them the least burned, the most, and half of the runs burned less.
-const WORDS: [&str; 3] = ["best", "worst", "median"];
+const RANKS: [&str; 3] = ["best", "worst", "median"];
 
 /// Returns the notable runs that have pages.
 pub fn runs_with_pages(batch: &FinishedBatch) -> Result<Vec<NotableRun>, ReportError> {
     let has_page = |word: &str| batch.folder().join(page_of(word)).is_file();
-    if !WORDS.into_iter().any(has_page) {
+    if !RANKS.into_iter().any(has_page) {
         return Ok(Vec::new());
     }
     let runs = notable_runs(batch)?;
@@ -54,7 +54,7 @@ pub fn notable_runs(batch: &FinishedBatch) -> Result<Vec<NotableRun>, ReportErro
     let Some(last) = burned.len().checked_sub(1) else { return Ok(Vec::new()) };
     let max = burned.partition_point(|run| run.0 < burned[last].0);
     let mut notable: Vec<NotableRun> = Vec::new();
-    for (word, place) in WORDS.into_iter().zip([0, max, last / 2]) {
+    for (word, place) in RANKS.into_iter().zip([0, max, last / 2]) {
         let (burned_ratio, number) = burned[place];
         if notable.iter().all(|run| run.number != number) {
             notable.push(NotableRun { word, number, burned_ratio });

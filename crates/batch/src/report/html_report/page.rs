@@ -136,7 +136,7 @@ impl<'a> Charts<'a> {
     fn block(&self, figure: &Figure) -> Block {
         let path = |name: &str| format!("{CHARTS_FOLDER}/{name}");
         let for_paper =
-            [(self.paper.pdf, "pdf"), (self.paper.pgf, "pgf")].into_iter().filter(|(is_asked, _)| *is_asked);
+            [(self.paper.pdf, "pdf"), (self.paper.pgf, "pgf")].into_iter().filter(|(is_requested, _)| *is_requested);
         let for_paper = for_paper.map(|(_, ending)| path(&format!("{}.{ending}", figure.file)));
         // All narrow sheets of a chart stand where its first sheet does.
         let is_first = |narrow: &&Figure| figure.file == figure.data && narrow.data == figure.data;
@@ -203,10 +203,10 @@ fn tables(collected: &Collected) -> Vec<Block> {
 
 fn fleets(collected: &Collected) -> Vec<Block> {
     let Some(table) = collected.report.fleets_table() else { return Vec::new() };
-    let words = "Means over finished runs and all trucks of a run. A drive is wasted if it ends without an \
+    let caption = "Means over finished runs and all trucks of a run. A drive is wasted if it ends without an \
                  extinction, and hopeless if its fire was bound to burn out first; the flock ratio is the share of goals with \
                  another truck's goal within 60 m.";
-    vec![Block::Table(table), Block::Text(words.into())]
+    vec![Block::Table(table), Block::Text(caption.into())]
 }
 
 /// A table of runs, each with the command that shows it again; `count` is how many there are in all.
@@ -226,7 +226,12 @@ fn runs(plan: &BatchPlan, shown: &[ListedRun], count: u64, heading: &str) -> Vec
                 .iter()
                 .map(|listed| {
                     let run = plan.run(listed.number);
-                    vec![listed.number.to_string(), run.seed.to_string(), listed.words.clone(), run.repeating_command()]
+                    vec![
+                        listed.number.to_string(),
+                        run.seed.to_string(),
+                        listed.reason.clone(),
+                        run.repeating_command(),
+                    ]
                 })
                 .collect(),
         )
@@ -236,7 +241,7 @@ fn runs(plan: &BatchPlan, shown: &[ListedRun], count: u64, heading: &str) -> Vec
 
 fn plan_part(plan: &BatchPlan, origin: &Origin) -> Vec<Block> {
     let mut lines = vec![
-        origin.writer.words(),
+        origin.writer.description(),
         format!("Plan {}: the outcomes depend only on the data with this SHA-256", plan.content_sha256()),
         format!("Seeds {}", plan.seeds),
     ];
@@ -244,7 +249,7 @@ fn plan_part(plan: &BatchPlan, origin: &Origin) -> Vec<Block> {
         let changes: String = variant.changes.iter().map(|change| format!(" --set {change}")).collect();
         format!("{}: {}{changes}", plan.title(variant), variant.source)
     }));
-    lines.extend(origin.machines.iter().map(|machine| format!("Machine: {}", machine.words())));
+    lines.extend(origin.machines.iter().map(|machine| format!("Machine: {}", machine.description())));
     let settings = match &origin.plan {
         Some(json) => Block::Folded("plan.json".into(), vec![Block::Verbatim(json.clone())]),
         None => Block::Text("All settings are in plan.json.".into()),

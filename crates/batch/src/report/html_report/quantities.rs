@@ -59,54 +59,54 @@ const fn metric(column: &str) -> Metric {
 
 /// The quantities that a report shows.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct ChosenQuantities {
+pub struct SelectedQuantities {
     /// Those that were asked for, each once; none for the usual ones.
-    asked: Vec<&'static Metric>,
+    requested: Vec<&'static Metric>,
 }
 
-impl ChosenQuantities {
+impl SelectedQuantities {
     /// Finds the columns of these names; without any, the default ones.
     ///
     /// # Errors
     /// If there is no such column, or it holds no numbers.
     pub fn new(names: &[String]) -> Result<Self, ReportError> {
-        let mut asked = Vec::new();
+        let mut requested = Vec::new();
         for name in names {
             let quantity = &Metric::of_columns()[column_of_numbers(name)?];
-            if !asked.contains(&quantity) {
-                asked.push(quantity);
+            if !requested.contains(&quantity) {
+                requested.push(quantity);
             }
         }
-        Ok(Self { asked })
+        Ok(Self { requested })
     }
 
     /// Returns the places of the requested columns among [`RUN_COLUMNS`].
     pub fn places(&self) -> Vec<usize> {
         let place = |metric: &Metric| RUN_COLUMNS.iter().position(|column| column.name == metric.name);
-        self.asked.iter().filter_map(|metric| place(metric)).collect()
+        self.requested.iter().filter_map(|metric| place(metric)).collect()
     }
 
     /// Returns the requested quantities.
-    pub fn asked(&self) -> &[&'static Metric] {
-        &self.asked
+    pub fn requested(&self) -> &[&'static Metric] {
+        &self.requested
     }
 
     /// Returns those of some quantities that are shown, in order.
     pub fn among(&self, quantities: &'static [Metric]) -> Vec<&'static Metric> {
-        quantities.iter().filter(|metric| self.asked.is_empty() || self.asked.contains(metric)).collect()
+        quantities.iter().filter(|metric| self.requested.is_empty() || self.requested.contains(metric)).collect()
     }
 
     /// Returns the quantities whose distributions, and means over swept keys, are shown.
     pub fn of_runs(&self) -> Vec<&'static Metric> {
         let usual = || STATES.iter().chain(&MEASURES).collect();
-        if self.asked.is_empty() { usual() } else { self.asked.clone() }
+        if self.requested.is_empty() { usual() } else { self.requested.clone() }
     }
 
     /// Returns all quantities that are kept of a run: for the answer, and for charts.
     pub fn kept(&self) -> Vec<&'static Metric> {
         let mut kept: Vec<&Metric> = STATES.iter().chain(&CPU_PARTS).chain(&MEASURES).collect();
         kept.extend([&BUSHES, &BURNED_AREA]);
-        for quantity in aims(&SAVED).chain(self.asked.iter().copied()) {
+        for quantity in aims(&SAVED).chain(self.requested.iter().copied()) {
             kept.extend((!kept.contains(&quantity)).then_some(quantity));
         }
         kept
@@ -158,7 +158,7 @@ impl Metric {
     }
 
     /// Returns the unit in sentences, and the factor of numbers in them.
-    pub fn in_words(&self) -> (&'static str, f64) {
+    pub fn unit_and_factor(&self) -> (&'static str, f64) {
         if self.range() == (0.0, 1.0) { ("%", 100.0) } else { (self.unit(), 1.0) }
     }
 

@@ -3,7 +3,7 @@
 use super::collected::Values;
 use super::compared::Compared;
 use super::facets::{Facet, FacetSeries, facets_over};
-use super::quantities::{ChosenQuantities, key_axis};
+use super::quantities::{SelectedQuantities, key_axis};
 use crate::comparison::Metric;
 use crate::execute::file_name_of;
 use crate::plan::{BatchPlan, Value};
@@ -17,11 +17,11 @@ pub struct SweepChart {
 }
 
 /// Returns a chart for every quantity over each numeric swept key; other differences make curves and panels.
-pub fn sweep_charts(plan: &BatchPlan, values: &[Values], chosen: &ChosenQuantities) -> Vec<SweepChart> {
+pub fn sweep_charts(plan: &BatchPlan, values: &[Values], selected: &SelectedQuantities) -> Vec<SweepChart> {
     let mut charts = Vec::new();
     for (key, name) in plan.swept_keys.iter().enumerate() {
         let Some(places) = places(plan, key) else { continue };
-        for quantity in chosen.of_runs() {
+        for quantity in selected.of_runs() {
             let chart = curves_over(plan, values, (key, &places), quantity);
             // Where nothing ever happened, such as agents that were never stuck, there is nothing to see.
             let mut points = chart.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);

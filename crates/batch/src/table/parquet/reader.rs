@@ -22,12 +22,12 @@ impl ParquetReader {
     /// Reads an open file by `read`, or describes what is wrong with it.
     pub fn read<T>(file: File, read: impl FnOnce(&Self) -> Result<T, String>) -> Result<T, String> {
         // Damage can make the library panic.
-        let caught = panics::catch(|| read(&Self(SerializedFileReader::new(file).map_err(in_words)?)));
+        let caught = panics::catch(|| read(&Self(SerializedFileReader::new(file).map_err(to_message)?)));
         caught.unwrap_or_else(|_| Err("it is damaged".into()))
     }
 
     pub fn groups(&self) -> impl Iterator<Item = Result<RowGroup<'_>, String>> {
-        (0..self.0.num_row_groups()).map(|index| Ok(RowGroup(self.0.get_row_group(index).map_err(in_words)?)))
+        (0..self.0.num_row_groups()).map(|index| Ok(RowGroup(self.0.get_row_group(index).map_err(to_message)?)))
     }
 }
 
@@ -52,14 +52,14 @@ impl RowGroup<'_> {
         let index = index.ok_or_else(|| format!("it has no column `{name}` of the expected kind"))?;
         let rows = usize::try_from(self.0.metadata().num_rows()).ok().filter(|&rows| rows <= MAX_GROUP_ROWS);
         let rows = rows.ok_or("its groups of rows are too large")?;
-        let mut reader = get_typed_column_reader::<T>(self.0.get_column_reader(index).map_err(in_words)?);
+        let mut reader = get_typed_column_reader::<T>(self.0.get_column_reader(index).map_err(to_message)?);
         let mut levels = Vec::new();
         let mut values = Vec::new();
-        reader.read_records(rows, Some(&mut levels), None, &mut values).map_err(in_words)?;
+        reader.read_records(rows, Some(&mut levels), None, &mut values).map_err(to_message)?;
         if values.len() == rows { Ok(values) } else { Err(format!("values of `{name}` are missing")) }
     }
 }
 
-fn in_words(error: ParquetError) -> String {
+fn to_message(error: ParquetError) -> String {
     error.to_string()
 }

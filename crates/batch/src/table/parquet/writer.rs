@@ -79,12 +79,12 @@ impl ParquetWriter {
     }
 
     /// Adds rows that begin with the same values, column by column, which is much faster than adding them individually;
-    /// `own` returns the value of each row in each following column.
+    /// `value_of` returns the value of each row in each following column.
     pub fn add_alike<'a>(
         &mut self,
         shared: impl Iterator<Item = &'a Value> + Clone,
         rows: usize,
-        own: impl Fn(usize, usize) -> Value,
+        value_of: impl Fn(usize, usize) -> Value,
     ) -> Result<(), BatchError> {
         let mut begin = 0;
         while begin < rows {
@@ -97,7 +97,7 @@ impl ParquetWriter {
             }
             for (number, (column, buffer)) in columns.enumerate() {
                 for row in begin..end {
-                    let value = own(row, number);
+                    let value = value_of(row, number);
                     if !buffer.push(column, &value) {
                         return Err(refuse(&self.path, column, &value));
                     }
@@ -294,7 +294,7 @@ mod tests {
         ] {
             let refusal = refusal(column("seed", kind, true), Value::Count(number));
             assert_eq!(refusal.is_none(), is_taken, "{kind:?} {number}: {refusal:?}");
-            let names_it = |words: String| words.contains("`seed`") && words.contains(&number.to_string());
+            let names_it = |message: String| message.contains("`seed`") && message.contains(&number.to_string());
             assert!(refusal.is_none_or(names_it));
             assert_eq!(Kind::holding_up_to(number) == Kind::Count, number <= largest);
         }
@@ -313,7 +313,7 @@ mod tests {
             ]
         };
         let shared = [Value::Text("one".into()), Value::Missing, Value::Flag(true)];
-        let own = |row: usize, number: usize| match number {
+        let value_of = |row: usize, number: usize| match number {
             0 if row.is_multiple_of(3) => Value::Missing,
             0 => Value::Count(row as u64),
             _ => Value::Real(row as f64 / 2.0),
@@ -324,11 +324,11 @@ mod tests {
             let mut table = ParquetWriter::create(path.clone(), &RealDisk, columns(), &[], 7).expect("writable");
             for rows in [0, 1, 6, 25, 3] {
                 if is_alike {
-                    table.add_alike(shared.iter(), rows, own).expect("they are values of their columns");
+                    table.add_alike(shared.iter(), rows, value_of).expect("they are values of their columns");
                 } else {
                     for row in 0..rows {
-                        let own = [own(row, 0), own(row, 1)];
-                        table.add(shared.iter().chain(&own)).expect("they are values of their columns");
+                        let values = [value_of(row, 0), value_of(row, 1)];
+                        table.add(shared.iter().chain(&values)).expect("they are values of their columns");
                     }
                 }
             }

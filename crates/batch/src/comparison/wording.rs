@@ -18,7 +18,7 @@ pub fn sentence(
     let scaled = |value: f64| if is_less { -scale * value } else { scale * value };
     let decimals = interval.map_or_else(|| two_digits(difference * scale), |it| decimals_of_interval(it, scale));
     let amount = number(scaled(difference), decimals);
-    let words = match phrase {
+    let text = match phrase {
         Some(Phrase { subject, more, .. }) => {
             format!("{} {amount} {}", subject.replace('$', &side.to_string()), more[usize::from(is_less)])
         }
@@ -26,14 +26,14 @@ pub fn sentence(
     };
     match interval {
         Some(Interval { low, high }) => {
-            format!("{words}, 95 % interval {}", ends([low, high].map(scaled), decimals))
+            format!("{text}, 95 % interval {}", ends([low, high].map(scaled), decimals))
         }
-        None => words,
+        None => text,
     }
 }
 
 /// Formats the interval of a signed difference, such as `−0.4 to 1.2`.
-pub fn interval_words(phrase: Option<Phrase>, interval: Interval) -> String {
+pub fn interval_text(phrase: Option<Phrase>, interval: Interval) -> String {
     let scale = phrase.map_or(1.0, |phrase| phrase.scale);
     ends([interval.low, interval.high].map(|end| end * scale), decimals_of_interval(interval, scale))
 }
@@ -53,13 +53,13 @@ fn number(number: f64, decimals: usize) -> String {
 }
 
 /// Joins words to a list: `a`, `a and b`, `a, b and c`.
-pub fn listed(words: &[String]) -> String {
-    match words {
+pub fn listed(items: &[String]) -> String {
+    match items {
         [first @ .., before, last] => {
             let first: String = first.iter().map(|word| format!("{word}, ")).collect();
             format!("{first}{before} and {last}")
         }
-        words => words.concat(),
+        items => items.concat(),
     }
 }
 
@@ -92,15 +92,15 @@ mod tests {
     }
 
     #[test]
-    fn rates_are_given_in_hundreds() {
+    fn rates_are_in_hundreds() {
         let interval = Some(Interval { low: -0.2, high: -0.05 });
-        let words = sentence("truck_won", WINS, 'B', -0.125, interval);
-        assert_eq!(words, "with B the truck wins 12.5 fewer runs in 100, 95 % interval 5.0 to 20.0");
+        let text = sentence("truck_won", WINS, 'B', -0.125, interval);
+        assert_eq!(text, "with B the truck wins 12.5 fewer runs in 100, 95 % interval 5.0 to 20.0");
     }
 
     #[test]
     fn lists_end_with_and() {
-        let of = |words: &[&str]| listed(&words.iter().map(|&word| word.to_owned()).collect::<Vec<_>>());
+        let of = |items: &[&str]| listed(&items.iter().map(|&word| word.to_owned()).collect::<Vec<_>>());
         assert_eq!([of(&[]), of(&["a"]), of(&["a", "b"]), of(&["a", "b", "c"])], ["", "a", "a and b", "a, b and c"]);
     }
 }
