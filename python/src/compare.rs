@@ -135,7 +135,7 @@ fn amount(name: &str, size: Option<Size>) -> PyResult<Option<Amount>> {
 fn columns() -> Vec<FileColumn> {
     let column = |(name, kind, text): (&'static str, Kind, &'static str)| FileColumn {
         name: Cow::Borrowed(name),
-        words: Cow::Borrowed(text),
+        description: Cow::Borrowed(text),
         unit: Unit::None,
         kind,
         is_required: false,

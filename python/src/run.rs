@@ -267,7 +267,7 @@ pub fn restored_run(bytes: &[u8], row: &str, messages: Vec<String>) -> PyResult<
 }
 
 fn column(name: &'static str, kind: Kind, unit: Unit, text: &'static str) -> FileColumn {
-    FileColumn { name: Cow::Borrowed(name), words: Cow::Borrowed(text), unit, kind, is_required: false }
+    FileColumn { name: Cow::Borrowed(name), description: Cow::Borrowed(text), unit, kind, is_required: false }
 }
 
 /// Reads back the table that `wildfire run --events` writes.
