@@ -40,7 +40,7 @@ impl TableBuilder {
             let name = about.name.as_ref();
             arrays.set_item(name, array(py, about.kind, &values)?)?;
             units.set_item(name, about.unit.symbol())?;
-            descriptions.set_item(name, about.descriptions.as_ref())?;
+            descriptions.set_item(name, about.words.as_ref())?;
         }
         columns_class(py)?.call1((arrays, units, descriptions))
     }

@@ -88,7 +88,7 @@ impl Sight<'_> {
                 Activity::Waiting => 4.0,
                 Activity::Refilling => 5.0,
             };
-            let queried = f64::from(u8::from(queried(agent.id)));
+            let queried = f64::from(u8::from(is_queried(agent.id)));
             let all = [agent.place.x, agent.place.y, sin, cos, goal[0], goal[1], activity, queried];
             for (number, value) in numbers.iter_mut().zip(all) {
                 *number = value as f32;

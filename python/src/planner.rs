@@ -169,7 +169,7 @@ impl PythonPlannerFactory {
                 || self.call(py, site),
             );
             made.map_err(MakeError::new)?.map_err(|exception| {
-                let message = message(py, &exception);
+                let message = last_line(py, &exception);
                 self.report_exception(py, exception);
                 MakeError::new(message)
             })
@@ -300,12 +300,12 @@ impl PythonPlanner {
                 Ok("budget-spent") => Plan::from(Err(PlanFailure::BudgetSpent)),
                 _ => {
                     let expected = "disconnected, start-blocked, goal-blocked or budget-spent";
-                    let message = message(py, &exception);
+                    let message = last_line(py, &exception);
                     Plan::failed(PlanFailure::BadAnswer, format!("{message}: expected one of {expected}"))
                 }
             };
         }
-        let message = message(py, &exception);
+        let message = last_line(py, &exception);
         report_exception(py, exception, &self.interruption, &self.has_printed);
         Plan::failed(PlanFailure::Crashed, message)
     }

@@ -111,7 +111,7 @@ impl PythonPolicyFactory {
     fn make(&self, site: &PolicyContext<'_>) -> Result<Box<dyn Policy>, MakeError> {
         let made = Python::try_attach(|py| {
             self.act(py, site).map_err(|exception| {
-                let message = message(py, &exception);
+                let message = last_line(py, &exception);
                 report_exception(py, exception, &self.interruption, &self.has_printed);
                 MakeError::new(message)
             })
@@ -247,7 +247,7 @@ impl PythonPolicy {
             Ok(Ok(answered)) => return Some(answered),
             Err(message) => self.report.failure = Some((PlanFailure::TimedOut, message)),
             Ok(Err(exception)) => {
-                self.report.failure = Some((PlanFailure::Crashed, message(py, &exception)));
+                self.report.failure = Some((PlanFailure::Crashed, last_line(py, &exception)));
                 report_exception(py, exception, &self.interruption, &self.has_printed);
             }
         }

@@ -154,7 +154,7 @@ fn the_original_keeps_its_own_rules() {
     let original = built_in("original-2024");
     assert_eq!(original.field.wanted_pieces(), 62);
     assert_eq!((original.fire.spread_delay_s, original.fire.burn_out_s), (9.0, None));
-    assert_eq!(original.fire.spread_from, SpreadFrom::Lit);
+    assert_eq!(original.fire.spread_from, SpreadFrom::Ignited);
     assert_eq!((original.suppression.reach_m, original.suppression.dwell_s), (None, 6.0));
     let truck = &original.unimog[0];
     let charged = [truck.prm.seconds_per_expansion, truck.primitives.seconds_per_expansion];

@@ -200,7 +200,7 @@ fn at_one_instant_extinction_comes_before_burn_out() {
 fn at_one_instant_burn_out_comes_before_spread() {
     let mut scenario = ignitions(1);
     scenario.unimog.clear();
-    scenario.fire.spread_from = SpreadFrom::Lit;
+    scenario.fire.spread_from = SpreadFrom::Ignited;
     let caught = |timeline: &Timeline| {
         let spread =
             |event: &&Event| matches!(event.fact, Fact::Fire(FireFact::Ignited { cause: Cause::Spread(_), .. }));
