@@ -140,8 +140,8 @@ impl SharedLattice {
             self.lattice.mark_part(point, &mut self.parts, self.part_count);
         }
         let part = self.parts[point];
-        if let Some((_, distances)) = self.targets.iter().find(|&&(of, _)| of == (part, reach_m)) {
-            return Arc::clone(distances);
+        if let Some((_, cached)) = self.targets.iter().find(|&&(of, _)| of == (part, reach_m)) {
+            return Arc::clone(cached);
         }
         let (cells, walled_in) = lightable
             .iter()

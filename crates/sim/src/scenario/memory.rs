@@ -331,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn every_planners_custom_settings_count_and_no_others() {
+    fn settings_of_every_used_planner_count_and_no_others() {
         let of =
             |planner: &str, change: &str| estimate("contest", &[&format!("unimog.planner={planner}"), change]).needed();
         let plain = |planner: &str| of(planner, "unimog.speed_mps=8");
