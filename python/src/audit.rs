@@ -154,6 +154,6 @@ fn audit_source(py: Python<'_>, source: &AuditSource, factories: &Factories, job
     Ok(report
         .listed
         .into_iter()
-        .map(|ListedViolation { run, violation, words }| Violation::new(run, words, violation))
+        .map(|ListedViolation { run, violation, message }| Violation::new(run, message, violation))
         .collect())
 }

@@ -35,14 +35,14 @@ impl TableBuilder {
     pub fn finish(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
         let arrays = PyDict::new(py);
         let units = PyDict::new(py);
-        let words = PyDict::new(py);
+        let descriptions = PyDict::new(py);
         for ColumnBuilder { about, values } in self.0 {
             let name = about.name.as_ref();
             arrays.set_item(name, array(py, about.kind, &values)?)?;
             units.set_item(name, about.unit.symbol())?;
-            description.set_item(name, about.description.as_ref())?;
+            descriptions.set_item(name, about.description.as_ref())?;
         }
-        columns_class(py)?.call1((arrays, units, words))
+        columns_class(py)?.call1((arrays, units, descriptions))
     }
 }
 

@@ -133,9 +133,9 @@ fn amount(name: &str, size: Option<Size>) -> PyResult<Option<Amount>> {
 }
 
 fn columns() -> Vec<FileColumn> {
-    let column = |(name, kind, words): (&'static str, Kind, &'static str)| FileColumn {
+    let column = |(name, kind, description): (&'static str, Kind, &'static str)| FileColumn {
         name: Cow::Borrowed(name),
-        words: Cow::Borrowed(words),
+        description: Cow::Borrowed(description),
         unit: Unit::None,
         kind,
         is_required: false,

@@ -266,8 +266,8 @@ pub fn restored_run(bytes: &[u8], row: &str, messages: Vec<String>) -> PyResult<
     Ok(Run { timeline, row: serde_json::from_str(row).map_err(error)?, view: OnceLock::new(), messages })
 }
 
-fn column(name: &'static str, kind: Kind, unit: Unit, words: &'static str) -> FileColumn {
-    FileColumn { name: Cow::Borrowed(name), words: Cow::Borrowed(words), unit, kind, is_required: false }
+fn column(name: &'static str, kind: Kind, unit: Unit, description: &'static str) -> FileColumn {
+    FileColumn { name: Cow::Borrowed(name), description: Cow::Borrowed(description), unit, kind, is_required: false }
 }
 
 /// Reads back the table that `wildfire run --events` writes.
